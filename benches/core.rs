@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use kt830::controller::{Controller, PowerOnState};
 use kt830::defs::key::{Key, Mode};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::host::folders::Folders;
 use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::io::Backend;
@@ -19,7 +19,12 @@ use kt830::units::Micros;
 
 fn rig(program: u32) -> HeadlessHost {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = Folders { programs: root.join("programs"), screens: root.join("screens"), by_name: false };
+    let folders = Folders {
+        programs: root.join("programs"),
+        screens: root.join("screens"),
+        by_name: false,
+        dialect: Dialect::LatheA,
+    };
     let setup = HostSetup { kind: Kind::Gc, retained: PowerOnState::factory(Kind::Gc), store: None, folders, seed: 1 };
     let mut rig = HeadlessHost::new(setup).unwrap();
     let part = PartFile::builtin(program).unwrap().unwrap();

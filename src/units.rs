@@ -107,6 +107,51 @@ impl fmt::Display for Axis {
     }
 }
 
+/// The plane of an arc, seen with the first axis to the right and the second axis up. The order of the axes defines the
+/// direction of the arc.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plane {
+    /// G17: first X, second Y.
+    Xy,
+    /// G18: first Z, second X.
+    #[default]
+    Zx,
+    /// G19: first Y, second Z.
+    Yz,
+}
+
+impl Plane {
+    /// First and second axis.
+    #[must_use]
+    pub const fn axes(self) -> (Axis, Axis) {
+        match self {
+            Self::Xy => (Axis::X, Axis::Y),
+            Self::Zx => (Axis::Z, Axis::X),
+            Self::Yz => (Axis::Y, Axis::Z),
+        }
+    }
+
+    /// The axis outside the plane.
+    #[must_use]
+    pub const fn normal_axis(self) -> Axis {
+        match self {
+            Self::Xy => Axis::Z,
+            Self::Zx => Axis::Y,
+            Self::Yz => Axis::X,
+        }
+    }
+
+    /// The G code.
+    #[must_use]
+    pub const fn g(self) -> u8 {
+        match self {
+            Self::Xy => 17,
+            Self::Zx => 18,
+            Self::Yz => 19,
+        }
+    }
+}
+
 /// One value for each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PerAxis<T>(pub [T; 3]);

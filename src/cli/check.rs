@@ -13,14 +13,15 @@ use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
 use crate::controller::{PARAM_VARIABLES, PowerOnState, Programs, nc_settings, reference_points};
+use crate::defs::kind::Dialect;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, variable_name};
 use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
 use crate::io::sim::PartFile;
 use crate::nc::{
-    BlockLocation, CheckReport, CommonVariables, ExternalState, Library, NcSettings, OfflineMachine, Op, ProgramFault,
-    Source, WorkOffsets, check_with,
+    BlockLocation, CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source,
+    WorkOffsets, check_with,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -196,10 +197,10 @@ fn analyse_program(
     let retained = setup::check_retained(shared)?;
     let settings = nc_settings(shared.kind, &retained.params);
     let axes = settings.axes;
-    let library = program_library(shared, path)?;
+    let library = program_library(shared, path, settings.dialect)?;
     let mut memory = retained.variables.clone();
     let mut world = offline_machine(&retained, &settings);
-    let source = program_from_bytes(number, &path.display().to_string(), bytes).source;
+    let source = program_from_bytes(number, &path.display().to_string(), bytes, settings.dialect).source;
     let part = checked_part(shared, number)?;
     let mut limits = soft_limit_check(shared, &world, &retained, (&source, part.as_ref()), &settings)?;
     if let Some(part) = part.as_ref().filter(|_| !settings.start_is_work_zero) {
@@ -209,7 +210,7 @@ fn analyse_program(
     let finished = part.as_ref().and_then(|part| part.finished).filter(|_| call.simulate);
     let mut rehearsal = finished.map(|finished| {
         let width_mm = retained.params.get(param::WHEEL_WIDTH);
-        FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.position(), memory.clone()))
+        FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
     });
     let mut foresight = InterlockCheck::new(shared.kind, &retained.params);
     // An endless loop is shown once, up to its repetition. A first run without output finds that position.
@@ -247,10 +248,10 @@ fn analyse_program(
 }
 
 /// The programs that a checked program may call: those of the folder and the named ones beside its file.
-fn program_library(shared: &SharedArgs, path: &Path) -> Result<Arc<dyn Library + Send + Sync>, CallError> {
+fn program_library(shared: &SharedArgs, path: &Path, dialect: Dialect) -> Result<Arc<dyn Library + Send + Sync>, CallError> {
     let folders = setup::folders(shared)?;
     let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
-    programs.replace(named_programs_beside(path));
+    programs.replace(named_programs_beside(path, dialect));
     Ok(Arc::new(programs))
 }
 

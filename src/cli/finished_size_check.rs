@@ -7,7 +7,7 @@ use crate::defs::kind::Dialect;
 use crate::defs::text::LocalizedText;
 use crate::defs::variable_name;
 use crate::io::sim::FinishedSizeFile;
-use crate::nc::{Block, BlockLocation, CommonVariables, Op};
+use crate::nc::{Block, BlockLocation, CommonVariables, OfflineMachine, OpEffect};
 use crate::units::{Axis, PerAxis};
 
 /// Rounding tolerance of a size, mm of diameter.
@@ -29,7 +29,7 @@ pub struct FinishedSizeCheck {
     finished: FinishedSizeFile,
     wheel_width_mm: f64,
     system: Dialect,
-    from: PerAxis<f64>,
+    world: OfflineMachine,
     values: CommonVariables,
     /// The last assignment of each variable: its sequence number and its block.
     set_at: BTreeMap<u32, (u64, BlockLocation)>,
@@ -38,19 +38,19 @@ pub struct FinishedSizeCheck {
 }
 
 impl FinishedSizeCheck {
-    /// Starts with the state of the check: work coordinates, radius mm, and the variables' values.
+    /// Starts with the state of the check: the machine and the variables' values.
     #[must_use]
     pub fn new(
         finished: FinishedSizeFile,
         wheel_width_mm: f64,
         system: Dialect,
-        (from, values): (PerAxis<f64>, CommonVariables),
+        (world, values): (OfflineMachine, CommonVariables),
     ) -> Self {
         Self {
             finished,
             wheel_width_mm,
             system,
-            from,
+            world,
             values,
             set_at: BTreeMap::new(),
             assignments: 0,
@@ -60,20 +60,24 @@ impl FinishedSizeCheck {
 
     /// Checks a block. `line` returns the text of a block; the variables in its axis words are read from it.
     pub fn check_block(&mut self, block: &Block, line: &dyn Fn(BlockLocation) -> String) {
+        let mut path = Vec::new();
         for op in &block.ops {
-            match op {
-                Op::SetVariable { variable, value } => {
-                    let _ = self.values.set(*variable, *value); // the check has accepted it
+            path.clear();
+            self.world.apply_traced(op, |from, segment| path.push((from, segment.to)));
+            if self.overshoot.is_none() {
+                self.overshoot = path.iter().find_map(|path| self.overshoot_of(*path, block, line));
+            }
+            match op.effect() {
+                OpEffect::Variable(variable, value) => {
+                    let _ = self.values.set(variable, value); // the check has accepted it
                     self.assignments += 1;
-                    self.set_at.insert(*variable, (self.assignments, block.location));
+                    self.set_at.insert(variable, (self.assignments, block.location));
                 }
-                Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } | Op::Skip { to, .. } => {
-                    if self.overshoot.is_none() {
-                        self.overshoot = self.overshoot_of(*to, block, line);
-                    }
-                    self.from = *to;
-                }
-                _ => {}
+                // The check world follows position and work coordinates.
+                OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => {}
+                OpEffect::Oscillation(_) | OpEffect::PathMode(_) | OpEffect::Dwell(_) | OpEffect::MCode(_) => {}
+                OpEffect::Speed(..) | OpEffect::SpeedLimit(_) => {}
+                OpEffect::SystemVariable(..) | OpEffect::Message(_) => {}
             }
         }
     }
@@ -90,7 +94,7 @@ impl FinishedSizeCheck {
 
     fn overshoot_of(
         &self,
-        to: PerAxis<f64>,
+        path: (PerAxis<f64>, PerAxis<f64>),
         block: &Block,
         line: &dyn Fn(BlockLocation) -> String,
     ) -> Option<Overshoot> {
@@ -101,7 +105,7 @@ impl FinishedSizeCheck {
             let size = size + self.cone_mm(z);
             if inside { (2.0 * x + wheel - size, 2.0 * x + wheel) } else { (size - 2.0 * x + wheel, 2.0 * x - wheel) }
         };
-        let worst = self.path_over_part(to)?.map(beyond).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let worst = self.path_over_part(path)?.map(beyond).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
         if worst.0 <= SLACK_MM {
             return None;
         }
@@ -135,16 +139,16 @@ impl FinishedSizeCheck {
     }
 
     /// Start and end of a straight path over the part (X radius, Z); `None` if it is beside the part.
-    fn path_over_part(&self, to: PerAxis<f64>) -> Option<[(f64, f64); 2]> {
+    fn path_over_part(&self, (from, to): (PerAxis<f64>, PerAxis<f64>)) -> Option<[(f64, f64); 2]> {
         let (low, high) = (self.finished.z_from - self.wheel_width_mm, self.finished.z_to);
-        let (a, b) = (self.from[Axis::Z], to[Axis::Z]);
+        let (a, b) = (from[Axis::Z], to[Axis::Z]);
         let over = |z: f64| z > low && z < high;
         let share = |z: f64| if (b - a).abs() > 0.0 { ((z - a) / (b - a)).clamp(0.0, 1.0) } else { 0.0 };
         if !over(a) && !over(b) && (a <= low) == (b <= low) {
             return None;
         }
         let place = |share: f64| {
-            let along = |axis: Axis| self.from[axis] + (to[axis] - self.from[axis]) * share;
+            let along = |axis: Axis| from[axis] + (to[axis] - from[axis]) * share;
             (along(Axis::X), along(Axis::Z))
         };
         let ends = if (b - a).abs() > 0.0 { [share(low), share(high)] } else { [0.0, 1.0] };
@@ -182,6 +186,44 @@ fn axis_word_parameters(line: &str) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::nc::{AxisSet, Feed, NcSettings, Op};
+
+    /// The size check of a bore-free part of 100 mm from Z0 to Z50 with a wheel of 0 mm, from X60 Z100.
+    fn overshoot_after(ops: Vec<Op>) -> Option<Overshoot> {
+        let settings = NcSettings::sinumerik();
+        let finished = FinishedSizeFile { size: 620, wheel: 621, z_from: 0.0, z_to: 50.0, inside: false, cone: None };
+        let world = OfflineMachine::new(&settings).with_position(PerAxis([60.0, 0.0, 100.0]));
+        let mut values = CommonVariables::default();
+        values.set(620, Some(100.0)).unwrap();
+        values.set(621, Some(0.0)).unwrap();
+        let mut check = FinishedSizeCheck::new(finished, 0.0, settings.dialect, (world, values));
+        let block = Block { ops, ..Block::new(&settings) };
+        check.check_block(&block, &|_| String::new());
+        check.into_overshoot()
+    }
+
+    fn feed_to(x: f64, z: f64) -> Op {
+        let to = PerAxis([x, 0.0, z]);
+        Op::Feed { to, feed: Feed::PerMinute(100.0), words: AxisSet::XZ, incremental: AxisSet::NONE }
+    }
+
+    /// Beside the part X may be smaller than its radius; the move back over it starts where the last one ended.
+    #[test]
+    fn s5_a_move_starts_where_a_machine_move_or_a_new_coordinate_system_has_left_the_axes() {
+        let machine = Op::MachineMove { to: PerAxis([Some(30.0), None, None]), feed: None };
+        assert!(overshoot_after(vec![feed_to(60.0, 5.0)]).is_none());
+        assert!(overshoot_after(vec![machine, feed_to(60.0, 5.0)]).is_some(), "from X30 beside the part");
+        let reference = Op::ReturnToReference {
+            number: 1,
+            via: PerAxis([30.0, 0.0, 100.0]),
+            words: AxisSet::of(Axis::X),
+            incremental: AxisSet::NONE,
+        };
+        assert!(overshoot_after(vec![reference, feed_to(60.0, 5.0)]).is_some(), "from X0 beside the part");
+        let renamed = Op::SetCoordinateSystem { values: PerAxis([Some(30.0), None, None]) };
+        assert!(overshoot_after(vec![renamed, feed_to(60.0, 5.0)]).is_some(), "the same place is X30 now");
+        assert!(overshoot_after(vec![Op::SelectWorkOffset { g: 54 }, feed_to(60.0, 5.0)]).is_none());
+    }
 
     #[test]
     fn s5_a_feed_is_no_place() {

@@ -245,8 +245,9 @@ pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallErro
     let by_name = program_subfolder(host.kind()).is_some() && !stem.is_empty();
     let named = if by_name { Some(crate::defs::program_number::from_name(&stem)) } else { named };
     let number = named.unwrap_or(DEFAULT_NUMBER);
-    host.add_programs(named_programs_beside(path));
-    host.add_program(program_from_bytes(number, word, bytes));
+    let dialect = host.kind().dialect();
+    host.add_programs(named_programs_beside(path, dialect));
+    host.add_program(program_from_bytes(number, word, bytes, dialect));
     Ok(number)
 }
 

@@ -5,7 +5,7 @@ use crate::controller::axes::soft_limits;
 use crate::controller::interlock_check::PredictedRefusal;
 use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
-use crate::nc::{Block, OfflineMachine, Op};
+use crate::nc::{Block, OfflineMachine, OpEffect};
 use crate::units::{Axis, PerAxis};
 
 /// Rounding slack of a limit, mm: far below the resolution.
@@ -35,7 +35,8 @@ impl<'a> SoftLimitCheck<'a> {
             self.world.reset_extents();
             self.world.apply(op);
             // Homing may move beyond the limits to its switch.
-            if matches!(op, Op::HomeSwitch { .. }) || self.violations.len() >= MAX_VIOLATIONS {
+            let exempt = matches!(op.effect(), OpEffect::Motion(motion) if motion.ignores_soft_limits());
+            if exempt || self.violations.len() >= MAX_VIOLATIONS {
                 continue;
             }
             if self.violations.last().is_some_and(|last| last.at == block.location) {

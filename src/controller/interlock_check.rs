@@ -8,7 +8,7 @@ use super::plant::wheel_size::wheel_rpm_of;
 use super::program::queue::MCall;
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
-use crate::defs::mcode::{self, MCodeAction, Request};
+use crate::defs::mcode::{MCodeAction, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output};
 use crate::defs::system_variable;
@@ -16,7 +16,7 @@ use crate::defs::text::LocalizedText;
 use crate::machine::interlock::RuleOutcome;
 use crate::machine::kind::{KindRow, find};
 use crate::machine::{ControlState, Machine};
-use crate::nc::{AxisSet, Block, BlockLocation, Op, SpeedMode};
+use crate::nc::{AxisSet, Block, BlockLocation, Op, OpEffect, OscillationChange, SpeedMode};
 use crate::units::{Axis, Micros};
 
 /// Longer than the response time of any unit.
@@ -102,45 +102,33 @@ impl<'a> InterlockCheck<'a> {
     }
 
     fn check_op(&mut self, op: &Op) -> Option<LocalizedText> {
-        match op {
-            Op::M { code, s, p, l } => {
-                let row = mcode::find_in(self.row.dialect, u16::from(*code))?;
-                let call = MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 };
-                self.m_code(call)
-            }
-            Op::SetSystemVariable { number, value } => self.check_system_variable(*number, value.unwrap_or(0.0)),
-            Op::S { value, mode } => {
-                self.wheel_speed = (*value, *mode);
+        let effect = op.effect();
+        match effect {
+            OpEffect::Motion(_) | OpEffect::IndexTurret { .. } => self.check_axes(effect.named_axes()),
+            OpEffect::MCode(words) => MCall::new(self.row.dialect, &words).and_then(|call| self.m_code(call)),
+            OpEffect::SystemVariable(number, value) => self.check_system_variable(number, value.unwrap_or(0.0)),
+            OpEffect::Speed(value, mode) => {
+                self.wheel_speed = (value, mode);
                 self.update_control_state();
                 None
             }
-            Op::SpeedLimit { rpm } => {
-                self.wheel_rpm_limit = Some(*rpm);
+            OpEffect::SpeedLimit(rpm) => {
+                self.wheel_rpm_limit = Some(rpm);
                 self.update_control_state();
                 None
             }
-            Op::OscillationOn { stroke: Some((axis, _)), .. } => {
-                let refused = self.oscillating_refusal(*axis);
-                self.oscillating = Some(*axis);
+            OpEffect::Oscillation(OscillationChange::Axis { axis, .. }) => {
+                let refused = self.oscillating_refusal(axis);
+                self.oscillating = Some(axis);
                 refused
             }
-            Op::OscillationOn { stroke: None, .. } => self.request(Request::CylinderOn, "G35"),
-            Op::OscillationOff => {
+            OpEffect::Oscillation(OscillationChange::Cylinder { .. }) => self.request(Request::CylinderOn, "G35"),
+            OpEffect::Oscillation(OscillationChange::Off) => {
                 self.oscillating = None;
                 None
             }
-            Op::Rapid { words, .. }
-            | Op::Feed { words, .. }
-            | Op::Arc { words, .. }
-            | Op::Skip { words, .. }
-            | Op::ReturnToReference { words, .. }
-            | Op::DressReturn { axes: words, .. } => self.check_axes(*words),
-            Op::MachineMove { to, .. } => {
-                let mut words = AxisSet::NONE;
-                to.iter().filter(|(_, to)| to.is_some()).for_each(|(axis, _)| words.insert(axis));
-                self.check_axes(words)
-            }
-            _ => None,
+            OpEffect::Coordinates(_) | OpEffect::PathMode(_) | OpEffect::Dwell(_) => None,
+            OpEffect::Variable(..) | OpEffect::Message(_) => None,
         }
     }
 

@@ -116,18 +116,15 @@ impl Dialect {
         matches!(self, Self::LatheA | Self::Mill)
     }
 
+    /// Round brackets enclose comments. With R parameters they belong to expressions (S1).
+    #[must_use]
+    pub const fn has_bracket_comments(self) -> bool {
+        !self.has_r_parameters()
+    }
+
     /// R parameters exist, and round brackets belong to expressions (S1).
     #[must_use]
     pub const fn has_r_parameters(self) -> bool {
         matches!(self, Self::Sinumerik)
-    }
-
-    /// Initial text of a new program with this number.
-    #[must_use]
-    pub fn new_program_text(self, number: u32) -> String {
-        match self {
-            Self::SuperMan => "N0010M02\r\n".to_owned(),
-            Self::LatheA | Self::Mill | Self::Sinumerik => format!("O{number:04}\r\n\r\nM30\r\n"),
-        }
     }
 }

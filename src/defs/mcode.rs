@@ -89,6 +89,49 @@ pub enum Request {
     Jog,
 }
 
+/// A unit that a request switches on or off. It must run again before a program continues inside its text (B5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SwitchedUnit {
+    /// The grinding wheel.
+    Wheel,
+    /// What turns the workpiece: headstock, table, dresser roll, or the main spindle of a lathe.
+    WorkDrive,
+    /// The coolant.
+    Coolant,
+}
+
+impl MCodeAction {
+    /// The unit that the action switches, and whether on. The end of the program is not among them: nothing follows it.
+    #[must_use]
+    pub const fn switched_unit(self) -> Option<(SwitchedUnit, bool)> {
+        match self {
+            Self::Request(request) => request.switched_unit(),
+            Self::ProgramStop | Self::OptionalStop | Self::ProgramEnd | Self::CountWorkpiece => None,
+            Self::Port(_) | Self::Pulse | Self::AwaitInput(_) | Self::ProgramFlow => None,
+        }
+    }
+}
+
+impl Request {
+    /// The unit that the request switches, and whether on.
+    #[must_use]
+    pub const fn switched_unit(self) -> Option<(SwitchedUnit, bool)> {
+        match self {
+            Self::WheelStart => Some((SwitchedUnit::Wheel, true)),
+            Self::WheelStop => Some((SwitchedUnit::Wheel, false)),
+            Self::WorkDriveHigh | Self::WorkDriveLow | Self::SpindleStart(_) => Some((SwitchedUnit::WorkDrive, true)),
+            Self::WorkDriveStop | Self::SpindleStop => Some((SwitchedUnit::WorkDrive, false)),
+            Self::Switch(Output::Coolant, on) => Some((SwitchedUnit::Coolant, on)),
+            Self::Switch(..) | Self::Port(..) | Self::Pulse(..) => None,
+            Self::TailstockAdvance | Self::TailstockRetract | Self::HydraulicOn | Self::HydraulicOff => None,
+            Self::Magnetise | Self::Demagnetise | Self::MagnetOff => None,
+            Self::SecondSpindleStart(_) | Self::SecondSpindleStop | Self::Gauge(..) | Self::Gear(_) => None,
+            Self::CylinderOn | Self::CylinderOff | Self::ToolTurret(_) => None,
+            Self::CycleStart | Self::MdiStart | Self::HomeAxes | Self::Jog => None,
+        }
+    }
+}
+
 /// One example of every request with its name, for tables and tests.
 pub const REQUEST_EXAMPLES: &[(Request, Text)] = &[
     (Request::WheelStart, Text::new("砂轮启动", "wheel start")),

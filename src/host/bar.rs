@@ -7,7 +7,9 @@ use crate::controller::nc_settings;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::io::sim::{BarFile, Body, BodyFile, PartFile, SlidePosition};
-use crate::nc::{CommonVariables, EmptyLibrary, Library, OfflineMachine, Op, Source, check_with};
+use crate::nc::{
+    CommonVariables, CoordinateChange, EmptyLibrary, Library, OfflineMachine, OpEffect, Source, check_with,
+};
 use crate::units::Axis;
 
 /// Machine coordinates of the centre of the bar's face, radius mm.
@@ -44,10 +46,11 @@ pub fn bar_of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Opti
     let mut world = OfflineMachine::new(&settings);
     check_with(source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
         for op in &block.ops {
-            if let (Op::SetCoordinateSystem { values }, false, None) = (op, moved, start) {
+            let effect = op.effect();
+            if let (OpEffect::Coordinates(CoordinateChange::Set(values)), false, None) = (effect, moved, start) {
                 start = values[Axis::X].zip(values[Axis::Z]);
             }
-            moved |= op.is_motion();
+            moved |= effect.is_motion();
         }
     });
     let (x, z) = start?;

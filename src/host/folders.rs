@@ -12,7 +12,7 @@ use ropey::Rope;
 
 use super::shipped::{SHIPPED, SHIPPED_BY_NAME};
 use crate::controller::{Programs, StoredProgram};
-use crate::defs::kind::Kind;
+use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
 use crate::defs::{self, page_text};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
@@ -46,6 +46,8 @@ pub struct Folders {
     pub screens: PathBuf,
     /// Programs have names (`SHAFT.NC`) instead of O numbers (L1).
     pub by_name: bool,
+    /// The dialect of the programs.
+    pub dialect: Dialect,
 }
 
 impl Folders {
@@ -73,6 +75,7 @@ impl Folders {
             programs: choose(programs, &name, own)?,
             screens: choose(screens, "screens", data.screens())?,
             by_name: false,
+            dialect: kind.dialect(),
         })
     }
 
@@ -112,14 +115,14 @@ impl Folders {
         let mut directory = Vec::new();
         for entry in &listing.entries {
             if let Ok(read) = folder.read(&PROGRAM, entry.number) {
-                rows.push(program_from_bytes(u32::from(entry.number), &read.name, read.bytes));
+                rows.push(program_from_bytes(u32::from(entry.number), &read.name, read.bytes, self.dialect));
                 directory.push(directory_row(entry));
             }
         }
         for entry in list_named_programs(&self.programs)? {
             if let Ok(read) = folder.read_named(&PROGRAM, &entry.name) {
                 let number = defs::program_number::from_name(&entry.stem);
-                rows.push(program_from_bytes(number, &read.name, read.bytes));
+                rows.push(program_from_bytes(number, &read.name, read.bytes, self.dialect));
                 directory.push(named_directory_row(number, &entry));
             }
         }
@@ -135,7 +138,7 @@ impl Folders {
             let Ok(FileContent { name, bytes }) = shelf.read(&file.name) else { continue };
             let size = bytes.len() as u64;
             let stem = defs::program_number::stem(&name).to_ascii_uppercase();
-            let program = program_from_bytes(defs::program_number::from_name(&stem), &name, bytes);
+            let program = program_from_bytes(defs::program_number::from_name(&stem), &name, bytes, self.dialect);
             let comment = program.source.comment_title().unwrap_or_default();
             let told = self.programs.join(&name).metadata().ok();
             let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
@@ -170,7 +173,7 @@ impl Folders {
 
 /// Creates a program from the bytes of its file.
 #[must_use]
-pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>) -> StoredProgram {
+pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> StoredProgram {
     let (text, mistaken) = match decode(&bytes) {
         Ok(decoded) => (Rope::from_str(&decoded.text), false),
         Err(_) => (Rope::from_str(&String::from_utf8_lossy(&bytes)), true),
@@ -178,7 +181,7 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>) -> StoredProg
     let stamp = stamp(&bytes);
     StoredProgram {
         number,
-        source: Arc::new(Source::new(number, name, bytes)),
+        source: Arc::new(Source::new(number, name, bytes, dialect)),
         text,
         stamp,
         has_invalid_bytes: mistaken,
@@ -187,7 +190,7 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>) -> StoredProg
 
 /// The named programs in the folder of a named program. A call such as `L10` is searched there first.
 #[must_use]
-pub fn named_programs_beside(file: &Path) -> Vec<StoredProgram> {
+pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram> {
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if program_stem(&name).is_none() {
         return Vec::new();
@@ -201,7 +204,7 @@ pub fn named_programs_beside(file: &Path) -> Vec<StoredProgram> {
     let read = |entry: NamedProgram| folder.read_named(&PROGRAM, &entry.name).ok().map(|read| (entry.stem, read));
     let found = named.into_iter().filter_map(read);
     found
-        .map(|(stem, read)| program_from_bytes(defs::program_number::from_name(&stem), &read.name, read.bytes))
+        .map(|(stem, read)| program_from_bytes(defs::program_number::from_name(&stem), &read.name, read.bytes, dialect))
         .collect()
 }
 

@@ -27,7 +27,7 @@ use crate::defs::text::{Lang, LocalizedText};
 use crate::link::files::{FileAnswer, FileRequest, LineCheck, Refusal};
 use crate::link::line_fault::LineFault;
 use crate::link::media::{Direction, MediaView, TransferRequest, TransferSet};
-use crate::nc::{NcSettings, ProgramFault, Source, check_syntax};
+use crate::nc::{self, NcSettings, ProgramFault, Source, check_syntax};
 use crate::store::{Encoding, Folder, FolderError, PROGRAM, StoredSettings as Stored, UsbDrive, decode, stamp};
 
 /// Maximum number of recordings in a folder.
@@ -412,7 +412,7 @@ fn new_program(folder: &Folder, number: u32, settings: &NcSettings) -> Result<Fi
             )));
         }
     }
-    let text = settings.dialect.new_program_text(number);
+    let text = nc::new_program_text(settings.dialect, number);
     folder.write(&PROGRAM, file, text.as_bytes()).map_err(|error| folder_refusal(&error))?;
     Ok(FileAnswer::Done(LocalizedText::new(format!("O{number:04} 已新建"), format!("O{number:04} is new"))))
 }
@@ -457,7 +457,7 @@ fn delete_program(folder: &Folder, of: &ProgramFile) -> Result<FileAnswer, Refus
 
 /// Checks the syntax of some lines. Jumps out of them and loops across them are allowed.
 fn check_lines(number: u32, first: u32, text: &str, token: u64, settings: &NcSettings) -> LineCheck {
-    let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec()));
+    let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec(), settings.dialect));
     let found = check_syntax(&source, settings);
     let faults = found.iter().map(line_fault).map(|fault| {
         let line = first + fault.line.saturating_sub(1);

@@ -7,12 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::job_runner::line_fault;
 use crate::controller::files::{BackgroundJob, DrawingStart};
 use crate::controller::{Programs, StoredProgram};
+use crate::defs::kind::Dialect;
+use crate::defs::mcode::SwitchedUnit;
 use crate::defs::text::{LocalizedText, Text};
 use crate::io::sim::{InterferenceCheck, MachineFile};
 use crate::link::files::FileAnswer;
 use crate::link::line_fault::LineFault;
 use crate::link::toolpath::{MAX_POINTS, MoveKind, PathPoint, Toolpath};
-use crate::nc::{ExternalState, Library, OfflineMachine, Op, check_until};
+use crate::nc::{CoordinateChange, ExternalState, Library, MotionSegment, OfflineMachine, Op, OpEffect, check_until};
 use crate::units::PerAxis;
 
 /// Text shown with the progress.
@@ -44,8 +46,8 @@ pub fn compute_toolpath(
     let rehearsal = interference_check(program, start);
     let mut pen = ToolpathRecorder {
         world: world.clone(),
-        points: Vec::new(),
-        last: None,
+        dialect: job.settings.dialect,
+        path: RecordedPath::default(),
         interference_check: rehearsal,
         interferences: Vec::new(),
     };
@@ -62,7 +64,7 @@ pub fn compute_toolpath(
             // The last tenth is left for the levels of detail.
             tell(FileAnswer::Progress(PROGRESS_TEXT, (furthest * 900 / lines) as u16));
         }
-        !cancelled.load(Ordering::Acquire) && pen.points.len() < MAX_POINTS
+        !cancelled.load(Ordering::Acquire) && pen.path.points.len() < MAX_POINTS
     });
     let mut drawing = Toolpath {
         number: program.number,
@@ -83,7 +85,7 @@ pub fn compute_toolpath(
     };
     drawing.faults.extend(pen.interferences.iter().map(Interference::line_fault));
     drawing.faults.sort_by_key(|fault| fault.line);
-    drawing.set_path(pen.points);
+    drawing.set_path(pen.path.points);
     drawing
 }
 
@@ -122,9 +124,8 @@ impl Interference {
 /// Executes the operations in its own check world and records the toolpath.
 struct ToolpathRecorder {
     world: OfflineMachine,
-    points: Vec<PathPoint>,
-    /// End of the path so far; a change of work offset can move it away from the current position.
-    last: Option<[f32; 3]>,
+    dialect: Dialect,
+    path: RecordedPath,
     interference_check: Option<InterferenceCheck>,
     interferences: Vec<Interference>,
 }
@@ -133,9 +134,9 @@ impl ToolpathRecorder {
     /// Executes one operation; `line` is 0 for an operation of another program.
     fn record(&mut self, op: &Op, line: u32) {
         let from = self.world.position();
-        let before = self.points.len();
-        self.world.apply(op);
-        self.record_path(op, from);
+        let before = self.path.points.len();
+        let Self { world, path, .. } = self;
+        world.apply_traced(op, |from, segment| path.record(from, segment));
         if let Some(mut rehearsal) = self.interference_check.take() {
             let met = self.check_interference(&mut rehearsal, op, from, before);
             if let Some((what, at)) = met.filter(|_| self.interferences.len() < MAX_INTERFERENCES) {
@@ -153,16 +154,23 @@ impl ToolpathRecorder {
         from: PerAxis<f64>,
         before: usize,
     ) -> Option<(&'static str, [f32; 3])> {
-        match op {
-            Op::SetCoordinateSystem { .. } => rehearsal.set_coordinate_system(from, self.world.position()),
-            Op::IndexTurret { station, by } => rehearsal.change_tool(usize::from(*station).saturating_sub(1), *by),
-            Op::M { code: 3 | 4, .. } => rehearsal.set_spindle(true),
-            Op::M { code: 5, .. } => rehearsal.set_spindle(false),
-            _ => {}
+        match op.effect() {
+            OpEffect::Coordinates(CoordinateChange::Set(_)) => {
+                rehearsal.set_coordinate_system(from, self.world.position());
+            }
+            OpEffect::IndexTurret { station, by } => rehearsal.change_tool(usize::from(station).saturating_sub(1), by),
+            OpEffect::MCode(words) => match words.switched_unit(self.dialect) {
+                Some((SwitchedUnit::WorkDrive, on)) => rehearsal.set_spindle(on),
+                Some((SwitchedUnit::Wheel | SwitchedUnit::Coolant, _)) | None => {}
+            },
+            // The lathe has neither work offsets nor tool offsets. The path of a motion is checked below.
+            OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::Oscillation(_) => {}
+            OpEffect::PathMode(_) | OpEffect::Dwell(_) | OpEffect::Speed(..) | OpEffect::SpeedLimit(_) => {}
+            OpEffect::Variable(..) | OpEffect::SystemVariable(..) | OpEffect::Message(_) => {}
         }
         // The path segments recorded for this operation.
         let mut at = from;
-        for point in self.points.iter().skip(before).filter(|point| point.kind != MoveKind::Break) {
+        for point in self.path.points.iter().skip(before).filter(|point| point.kind != MoveKind::Break) {
             let to = PerAxis(point.at.map(f64::from));
             if let Some(what) = rehearsal.check_move(at, to, point.kind == MoveKind::Rapid) {
                 return Some((what, point.at));
@@ -171,50 +179,33 @@ impl ToolpathRecorder {
         }
         None
     }
+}
 
-    fn record_path(&mut self, op: &Op, from: PerAxis<f64>) {
-        let to = self.world.position();
-        match op {
-            Op::Rapid { .. } | Op::MachineMove { feed: None, .. } => self.record_line(from, to, MoveKind::Rapid),
-            Op::Feed { .. } | Op::Skip { .. } | Op::MachineMove { feed: Some(_), .. } => {
-                self.record_line(from, to, MoveKind::Feed)
-            }
-            Op::Thread(threading) => {
-                self.record_line(from, threading.run_out_start, MoveKind::Feed);
-                self.record_line(threading.run_out_start, to, MoveKind::Feed);
-            }
-            Op::ReturnToReference { via, .. } => {
-                self.record_line(from, *via, MoveKind::Rapid);
-                self.record_line(*via, to, MoveKind::Rapid);
-            }
-            Op::Gauge(gauging) => {
-                let mut touch = from;
-                touch[gauging.axis] = gauging.to;
-                self.record_line(from, touch, MoveKind::Feed);
-                self.record_line(touch, to, MoveKind::Feed);
-            }
-            Op::Arc { center, plane, turn, .. } => {
-                let (first, second) = plane.axes();
-                let angle = |at: PerAxis<f64>| (at[second] - center[second]).atan2(at[first] - center[first]);
-                let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
-                let (begin, turn) = (angle(from), f64::from(*turn));
-                let swept = (turn * (angle(to) - begin)).rem_euclid(std::f64::consts::TAU);
-                let swept = if swept <= 1e-9 { std::f64::consts::TAU } else { swept };
-                let step = 2.0 * (1.0 - CHORD_TOLERANCE_MM / radius.max(CHORD_TOLERANCE_MM)).clamp(-1.0, 1.0).acos();
-                let chords = (swept / step.max(1e-3)).ceil().clamp(1.0, MAX_CHORDS) as u32;
-                let mut last = from;
-                for chord in 1..=chords {
-                    let part = f64::from(chord) / f64::from(chords);
-                    let at = begin + turn * swept * part;
-                    let mut next = PerAxis::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
-                    next[first] = center[first] + radius * at.cos();
-                    next[second] = center[second] + radius * at.sin();
-                    let next = if chord == chords { to } else { next };
-                    self.record_line(last, next, MoveKind::Feed);
-                    last = next;
-                }
-            }
-            _ => {}
+/// The points of a toolpath.
+#[derive(Default)]
+struct RecordedPath {
+    points: Vec<PathPoint>,
+    /// End of the path so far; a change of work offset can move it away from the current position.
+    last: Option<[f32; 3]>,
+}
+
+impl RecordedPath {
+    /// Records a segment, an arc as chords.
+    fn record(&mut self, from: PerAxis<f64>, segment: &MotionSegment) {
+        let kind = if segment.rapid { MoveKind::Rapid } else { MoveKind::Feed };
+        let Some(arc) = segment.arc else { return self.record_line(from, segment.to, kind) };
+        let to = segment.to;
+        let (radius, begin, swept) = (arc.radius_at(from), arc.angle_of(from), arc.sweep(from, to));
+        let step = 2.0 * (1.0 - CHORD_TOLERANCE_MM / radius.max(CHORD_TOLERANCE_MM)).clamp(-1.0, 1.0).acos();
+        let chords = (swept / step.max(1e-3)).ceil().clamp(1.0, MAX_CHORDS) as u32;
+        let mut last = from;
+        for chord in 1..=chords {
+            let part = f64::from(chord) / f64::from(chords);
+            let at = begin + f64::from(arc.turn) * swept * part;
+            let along = PerAxis::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+            let next = if chord == chords { to } else { arc.point_at(along, radius, at) };
+            self.record_line(last, next, kind);
+            last = next;
         }
     }
 

@@ -35,7 +35,7 @@ pub use setpoint_planner::MAX_WORK_PER_TICK;
 pub use thread::{ThreadMover, ThreadPass};
 pub use trajectory::{MAX_FINISHED_TAGS, MAX_QUEUED_MOVES, TrajectoryPlanner};
 
-use crate::units::{Axis, PerAxis};
+use crate::units::{PerAxis, Plane};
 
 /// Limits of the machine's axes and the length of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,30 +46,7 @@ pub struct MotionLimits {
     pub tick_s: f64,
 }
 
-/// The plane of an arc; the order of the two axes defines its direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MotionPlane {
-    /// First X, second Y (G17).
-    Xy,
-    /// First Z, second X (G18).
-    Zx,
-    /// First Y, second Z (G19).
-    Yz,
-}
-
-impl MotionPlane {
-    /// First axis, second axis, and the linear axis.
-    #[must_use]
-    pub const fn axes(self) -> (Axis, Axis, Axis) {
-        match self {
-            Self::Xy => (Axis::X, Axis::Y, Axis::Z),
-            Self::Zx => (Axis::Z, Axis::X, Axis::Y),
-            Self::Yz => (Axis::Y, Axis::Z, Axis::X),
-        }
-    }
-}
-
-/// The direction of an arc in its [`MotionPlane`], in coordinates; independent of how a machine draws or mirrors its axes.
+/// The direction of an arc in its [`Plane`], in coordinates; independent of how a machine draws or mirrors its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcDirection {
     /// From the plus side of the plane's first axis towards the plus side of the second: in ZX from Z+ to X+.
@@ -89,7 +66,7 @@ pub enum MoveShape {
         /// Centre, mm; the value of the axis outside the plane is ignored.
         center: PerAxis<f64>,
         /// The plane of the arc.
-        plane: MotionPlane,
+        plane: Plane,
         /// Its direction.
         direction: ArcDirection,
     },

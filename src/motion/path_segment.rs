@@ -46,8 +46,8 @@ impl PathSegment {
         match shape {
             MoveShape::Line => Self::with_directions(from, to, SegmentForm::Line, chord),
             MoveShape::Arc { center, plane, direction: turn } => {
-                let (first, second, third) = plane.axes();
-                let axes = [first, second, third].map(|axis: Axis| axis as usize);
+                let (first, second) = plane.axes();
+                let axes = [first, second, plane.normal_axis()].map(|axis: Axis| axis as usize);
                 let center = [center.0[axes[0]], center.0[axes[1]]];
                 let polar = |p: [f64; 3]| {
                     let (x, y) = (p[axes[0]] - center[0], p[axes[1]] - center[1]);
@@ -229,13 +229,13 @@ pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::PathSegment;
-    use crate::motion::{ArcDirection, MotionPlane, MoveShape};
-    use crate::units::PerAxis;
+    use crate::motion::{ArcDirection, MoveShape};
+    use crate::units::{PerAxis, Plane};
     use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
     fn arc(turn: ArcDirection, to: [f64; 3]) -> PathSegment {
         // In ZX from Z+ (X 0, Z 10) about the origin.
-        let shape = MoveShape::Arc { center: PerAxis([0.0; 3]), plane: MotionPlane::Zx, direction: turn };
+        let shape = MoveShape::Arc { center: PerAxis([0.0; 3]), plane: Plane::Zx, direction: turn };
         PathSegment::new([0.0, 0.0, 10.0], PerAxis(to), shape)
     }
 

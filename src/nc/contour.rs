@@ -3,6 +3,7 @@
 //! Source: spec B2 (G70–G73).
 
 use super::op::{AxisSet, Feed, Op};
+use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use crate::defs::program_error::ProgramError as E;
 use crate::units::{Axis, PerAxis};
 
@@ -81,9 +82,7 @@ fn add(a: PerAxis<f64>, b: PerAxis<f64>) -> PerAxis<f64> {
 }
 
 fn axis_set(axes: &[Axis]) -> AxisSet {
-    let mut set = AxisSet::NONE;
-    axes.iter().for_each(|axis| set.insert(*axis));
-    set
+    axes.iter().fold(AxisSet::NONE, |set, axis| set.with(AxisSet::of(*axis)))
 }
 
 fn rapid_to(to: PerAxis<f64>, axes: &[Axis]) -> Op {
@@ -110,10 +109,22 @@ fn return_to_start(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
     ops.push(rapid_to(start, &[other_axis(across)]));
 }
 
-const fn end_point(op: &Op) -> Option<PerAxis<f64>> {
-    match op {
-        Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } => Some(*to),
-        _ => None,
+fn end_point(op: &Op) -> Option<PerAxis<f64>> {
+    contour_move(op).ok().flatten().map(|by| by.to)
+}
+
+/// The move of an operation of a contour. Speed and path mode have none: they act in the finishing pass only.
+///
+/// # Errors
+/// The operation must not be in a contour.
+pub(crate) fn contour_move(op: &Op) -> Result<Option<WorkMove>, E> {
+    match op.effect() {
+        OpEffect::Motion(OpMotion::Work(by)) if by.skip_signal.is_none() => Ok(Some(by)),
+        OpEffect::Speed(..) | OpEffect::PathMode(_) => Ok(None),
+        OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => Err(E::ContourCode),
+        OpEffect::Oscillation(_) | OpEffect::Dwell(_) | OpEffect::SpeedLimit(_) => Err(E::ContourCode),
+        OpEffect::MCode(_) | OpEffect::Variable(..) | OpEffect::SystemVariable(..) => Err(E::ContourCode),
+        OpEffect::Message(_) => Err(E::ContourCode),
     }
 }
 
@@ -121,16 +132,9 @@ fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<ContourSegment>, 
     let mut from = start;
     let mut segments = Vec::with_capacity(contour.len());
     for op in contour {
-        let segment = match op {
-            Op::Rapid { to, .. } => ContourSegment { from, to: *to, arc: None, rapid: true },
-            Op::Feed { to, .. } => ContourSegment { from, to: *to, arc: None, rapid: false },
-            Op::Arc { to, center, turn, .. } => {
-                ContourSegment { from, to: *to, arc: Some((*center, *turn)), rapid: false }
-            }
-            // Speed and path mode take effect only in the finishing pass.
-            Op::S { .. } | Op::SetPathMode(_) => continue,
-            _ => return Err(E::ContourCode),
-        };
+        let Some(by) = contour_move(op)? else { continue };
+        let segment =
+            ContourSegment { from, to: by.to, arc: by.arc.map(|arc| (arc.center, arc.turn)), rapid: by.rapid };
         from = segment.to;
         segments.push(segment);
     }
@@ -153,7 +157,7 @@ impl ContourSegment {
             Some((center, turn)) => Op::Arc {
                 to,
                 center: add(center, by),
-                plane: super::op::ArcPlane::Zx,
+                plane: crate::units::Plane::Zx,
                 turn,
                 feed,
                 words: axis_set(&both),

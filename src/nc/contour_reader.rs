@@ -1,6 +1,6 @@
 //! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
 
-use super::contour::{ContourCycle, CycleKind, expand};
+use super::contour::{ContourCycle, CycleKind, contour_move, expand};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{ReadResult, fail, fail1};
 use super::interpreter::{Block, Interpreter, PendingCycle, StepStatus};
@@ -87,10 +87,10 @@ impl Interpreter {
                 return fail(at, E::ContourCode);
             }
             for op in inner.ops.drain(..) {
-                match &op {
-                    Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } => ahead.position = *to,
-                    Op::S { .. } | Op::SetPathMode(_) => {}
-                    _ => return fail(at, E::ContourCode),
+                match contour_move(&op) {
+                    Ok(Some(by)) => ahead.position = by.to,
+                    Ok(None) => {}
+                    Err(error) => return fail(at, error),
                 }
                 ops.push(op);
             }

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::op::{ArcPlane, Feed, Op, REFERENCE_POINTS};
+use super::op::{Feed, Op, REFERENCE_POINTS, SpeedMode};
+use super::op_effect::{ArcMove, MotionSegment, OpEffect, OscillationChange, SegmentSpeed};
 use super::settings::NcSettings;
 use super::work_offsets::WorkOffsets;
 use crate::defs::system_variable::{self, VariableAccess};
@@ -15,6 +16,51 @@ pub(crate) struct RunTotals {
     length_mm: f64,
     seconds: f64,
     extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+}
+
+impl RunTotals {
+    /// Adds a segment of a path.
+    fn add(&mut self, segment: &MotionSegment, rapid_mm_min: PerAxis<f64>, rpm: f64) {
+        let (from, to) = (self.position, segment.to);
+        self.extend_to(from);
+        let length = match segment.arc {
+            None => distance(from, to),
+            Some(arc) => self.extend_along(arc, to),
+        };
+        self.extend_to(to);
+        self.seconds += match segment.speed {
+            SegmentSpeed::Rapid => {
+                let minutes = |axis: Axis| (to[axis] - from[axis]).abs() / rapid_mm_min[axis].max(1.0);
+                60.0 * Axis::ALL.into_iter().map(minutes).fold(0.0, f64::max)
+            }
+            SegmentSpeed::Feed(Feed::PerMinute(feed)) => 60.0 * length / feed,
+            SegmentSpeed::Feed(Feed::PerRev(feed)) => 60.0 * length / (feed * rpm),
+            SegmentSpeed::Revolutions(turns) => 60.0 * (turns / rpm),
+        };
+        self.length_mm += length;
+        self.position = to;
+    }
+
+    /// Extends the extents by the bulges of an arc; returns its length.
+    fn extend_along(&mut self, arc: ArcMove, to: PerAxis<f64>) -> f64 {
+        let from = self.position;
+        let (radius, swept) = (arc.radius_at(from), arc.sweep(from, to));
+        for quarter in 0..4 {
+            let compass = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
+            if arc.sweep_to_angle(from, compass) < swept {
+                self.extend_to(arc.point_at(from, radius, compass));
+            }
+        }
+        radius * swept
+    }
+
+    fn extend_to(&mut self, point: PerAxis<f64>) {
+        let (low, high) = self.extents.get_or_insert((point, point));
+        for (axis, value) in point.iter() {
+            low[axis] = low[axis].min(*value);
+            high[axis] = high[axis].max(*value);
+        }
+    }
 }
 
 /// The result of reading a live value.
@@ -58,7 +104,7 @@ pub struct OfflineMachine {
     axes: PerAxis<bool>,
     diameter: bool,
     rapid_mm_min: PerAxis<f64>,
-    position: PerAxis<f64>,
+    totals: RunTotals,
     /// The tip before the first operation, machine coordinates (L3).
     start: Option<PerAxis<f64>>,
     work_offsets: WorkOffsets,
@@ -70,9 +116,6 @@ pub struct OfflineMachine {
     rpm: f64,
     /// While an axis oscillates, #438 and #439 toggle on every read, so that a wait for a reversal point ends.
     oscillation_end: Option<bool>,
-    length_mm: f64,
-    seconds: f64,
-    extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
 }
 
 /// Speed for a feed per revolution as long as no S is programmed, rpm.
@@ -86,7 +129,7 @@ impl OfflineMachine {
             axes: settings.axes,
             diameter: settings.diameter,
             rapid_mm_min: settings.rapid_mm_min,
-            position: PerAxis::default(),
+            totals: RunTotals::default(),
             start: None,
             // L8: a turret that was never indexed has station 1 active.
             work_offsets: WorkOffsets { tool: u32::from(settings.start_is_work_zero), ..WorkOffsets::default() },
@@ -96,16 +139,13 @@ impl OfflineMachine {
             block_skip: false,
             rpm: if settings.start_is_work_zero { settings.superman.spindle_rpm } else { DEFAULT_RPM },
             oscillation_end: None,
-            length_mm: 0.0,
-            seconds: 0.0,
-            extents: None,
         }
     }
 
     /// Starts at another position: work coordinates, radius mm.
     #[must_use]
     pub fn with_position(mut self, position: PerAxis<f64>) -> Self {
-        self.position = position;
+        self.totals.position = position;
         self
     }
 
@@ -152,111 +192,77 @@ impl OfflineMachine {
     /// The work position, radius mm.
     #[must_use]
     pub const fn work_position(&self) -> PerAxis<f64> {
-        self.position
+        self.totals.position
     }
 
     /// The path length so far, mm.
     #[must_use]
     pub const fn length_mm(&self) -> f64 {
-        self.length_mm
+        self.totals.length_mm
     }
 
     /// The time so far without acceleration, seconds.
     #[must_use]
     pub const fn seconds(&self) -> f64 {
-        self.seconds
+        self.totals.seconds
     }
 
     /// Least and greatest work coordinates of all moves, radius mm.
     #[must_use]
     pub const fn extents(&self) -> Option<(PerAxis<f64>, PerAxis<f64>)> {
-        self.extents
+        self.totals.extents
     }
 
     /// The totals so far.
     pub(crate) const fn totals(&self) -> RunTotals {
-        let Self { position, length_mm, seconds, extents, .. } = *self;
-        RunTotals { position, length_mm, seconds, extents }
+        self.totals
     }
 
     /// Restores earlier totals.
     pub(crate) const fn restore_totals(&mut self, to: RunTotals) {
-        let RunTotals { position, length_mm, seconds, extents } = to;
-        (self.position, self.length_mm, self.seconds, self.extents) = (position, length_mm, seconds, extents);
+        self.totals = to;
     }
 
     /// Clears the extents.
     pub const fn reset_extents(&mut self) {
-        self.extents = None;
+        self.totals.extents = None;
     }
 
     /// Executes one operation.
+    #[inline]
     pub fn apply(&mut self, op: &Op) {
-        let machine = self.work_offsets.machine_from_work(self.position);
+        self.apply_traced(op, |_, _| {});
+    }
+
+    /// Executes one operation and passes every segment of its path to `sink`, with its start: work coordinates, radius
+    /// mm.
+    #[inline]
+    pub fn apply_traced(&mut self, op: &Op, mut sink: impl FnMut(PerAxis<f64>, &MotionSegment)) {
+        let machine = self.work_offsets.machine_from_work(self.totals.position);
         self.start.get_or_insert(machine);
-        match op {
-            Op::Rapid { to, feed: None, .. } => self.rapid_move(*to),
-            Op::Rapid { to, feed: Some(feed), .. } | Op::Feed { to, feed, .. } | Op::Skip { to, feed, .. } => {
-                let length = distance(self.position, *to);
-                self.feed_move(*to, length, *feed);
-            }
-            Op::Arc { to, center, plane, turn, feed, .. } => self.arc_move(*to, *center, *plane, *turn, *feed),
-            Op::Dwell { s } => self.seconds += s,
-            Op::SetCoordinateSystem { values } => {
-                let machine = self.work_offsets.machine_from_work(self.position);
-                self.change_offsets(|frames| frames.set_coordinates(machine, values));
-            }
-            Op::SelectWorkOffset { g } => self.change_offsets(|frames| frames.activate(*g)),
-            Op::AddWear { number, by } => self.change_offsets(|frames| frames.add_wear(*number, *by)),
-            Op::Gauge(gauging) => {
-                // Without a part the axis moves to the limit and retracts.
-                let (mut to, from) = (self.position, self.position[gauging.axis]);
-                to[gauging.axis] = gauging.to;
-                self.feed_move(to, distance(self.position, to), Feed::PerMinute(gauging.fast_mm_min));
-                to[gauging.axis] += gauging.retract_mm.copysign(from - gauging.to);
-                self.feed_move(to, gauging.retract_mm, Feed::PerMinute(gauging.fast_mm_min));
-            }
-            Op::T { tool, offset } => self.change_offsets(|frames| frames.call_tool(*tool, *offset)),
-            Op::MachineMove { to, feed } => {
-                let to = PerAxis::from_fn(|axis| {
-                    to[axis].map_or(self.position[axis], |to| to - self.work_offsets.machine_minus_work(axis))
+        match op.effect() {
+            OpEffect::Motion(motion) => {
+                let Self { totals, work_offsets, references, rapid_mm_min, rpm, .. } = self;
+                motion.trace(totals.position, work_offsets, references, |segment| {
+                    sink(totals.position, &segment);
+                    totals.add(&segment, *rapid_mm_min, *rpm);
                 });
-                match feed {
-                    Some(feed) => self.feed_move(to, distance(self.position, to), *feed),
-                    None => self.rapid_move(to),
-                }
             }
-            Op::ReturnToReference { number, via, words, .. } => {
-                self.rapid_move(*via);
-                let at = self.references[usize::from(*number).clamp(1, REFERENCE_POINTS) - 1];
-                let home = self.work_offsets.work_from_machine(at);
-                let home = |axis| if words.contains(axis) { home[axis] } else { via[axis] };
-                self.rapid_move(PerAxis::from_fn(home));
+            OpEffect::Coordinates(change) => {
+                change.apply(&mut self.work_offsets, machine);
+                self.totals.position = self.work_offsets.work_from_machine(machine);
             }
-            Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
-            Op::SetSystemVariable { number, value } => self.set_system(*number, *value),
-            Op::Thread(threading) => {
-                // The run-out takes the time of the thread's last millimetres: X retracts meanwhile.
-                let minutes = (threading.to[Axis::Z] - self.position[Axis::Z]).abs() / threading.lead_mm / self.rpm;
-                self.seconds += 60.0 * minutes;
-                self.length_mm +=
-                    distance(self.position, threading.run_out_start) + distance(threading.run_out_start, threading.to);
-                self.move_to(threading.run_out_start);
-                self.move_to(threading.to);
-            }
-            Op::HomeSwitch { axes } => {
-                let home = self.work_offsets.work_from_machine(self.references[0]);
-                let (axes, from) = (*axes, self.position);
-                self.rapid_move(PerAxis::from_fn(|axis| if axes.contains(axis) { home[axis] } else { from[axis] }));
-            }
-            Op::IndexTurret { station, by } => self.change_tool(*station, *by),
-            Op::S { .. } | Op::SetPathMode(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
-            // Only the machine knows the dressing point.
-            Op::DressReturn { .. } => {}
+            OpEffect::IndexTurret { station, by } => self.change_tool(station, by),
             // An oscillating axis returns to its start.
-            Op::OscillationOn { .. } => self.oscillation_end = Some(false),
-            Op::OscillationOff => self.oscillation_end = None,
-            Op::SetVariable { .. } | Op::Alarm { .. } | Op::StopWithMessage { .. } | Op::DisplayMessage { .. } => {}
+            OpEffect::Oscillation(OscillationChange::Axis { .. } | OscillationChange::Cylinder { .. }) => {
+                self.oscillation_end = Some(false);
+            }
+            OpEffect::Oscillation(OscillationChange::Off) => self.oscillation_end = None,
+            OpEffect::Dwell(seconds) => self.totals.seconds += seconds,
+            OpEffect::Speed(value, SpeedMode::Rpm) if value > 0.0 => self.rpm = value,
+            OpEffect::SystemVariable(number, value) => self.set_system(number, value),
+            OpEffect::Speed(..) | OpEffect::SpeedLimit(_) | OpEffect::PathMode(_) | OpEffect::MCode(_) => {}
+            OpEffect::Variable(..) | OpEffect::Message(_) => {}
         }
     }
 
@@ -265,63 +271,6 @@ impl OfflineMachine {
         self.work_offsets.change_tool(station, by);
         if let (Some(start), Some(by)) = (&mut self.start, by) {
             *start = PerAxis::from_fn(|axis| start[axis] + by[axis]);
-        }
-    }
-
-    /// Changes work offset or tool offset: the machine position stays, the work position changes.
-    fn change_offsets(&mut self, change: impl FnOnce(&mut WorkOffsets)) {
-        let machine = self.work_offsets.machine_from_work(self.position);
-        change(&mut self.work_offsets);
-        self.position = self.work_offsets.work_from_machine(machine);
-    }
-
-    fn rapid_move(&mut self, to: PerAxis<f64>) {
-        let minutes = |axis: Axis| (to[axis] - self.position[axis]).abs() / self.rapid_mm_min[axis].max(1.0);
-        self.seconds += 60.0 * Axis::ALL.into_iter().map(minutes).fold(0.0, f64::max);
-        self.length_mm += distance(self.position, to);
-        self.move_to(to);
-    }
-
-    fn feed_move(&mut self, to: PerAxis<f64>, length: f64, feed: Feed) {
-        let mm_min = match feed {
-            Feed::PerMinute(feed) => feed,
-            Feed::PerRev(feed) => feed * self.rpm,
-        };
-        self.seconds += 60.0 * length / mm_min;
-        self.length_mm += length;
-        self.move_to(to);
-    }
-
-    fn arc_move(&mut self, to: PerAxis<f64>, center: PerAxis<f64>, plane: ArcPlane, turn: i8, feed: Feed) {
-        let (first, second) = plane.axes();
-        let angle = |point: PerAxis<f64>| (point[second] - center[second]).atan2(point[first] - center[first]);
-        let radius = (self.position[first] - center[first]).hypot(self.position[second] - center[second]);
-        let start = angle(self.position);
-        let swept = (f64::from(turn) * (angle(to) - start)).rem_euclid(std::f64::consts::TAU);
-        let swept = if swept <= 1e-9 { std::f64::consts::TAU } else { swept };
-        for quarter in 0..4 {
-            let compass = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
-            if (f64::from(turn) * (compass - start)).rem_euclid(std::f64::consts::TAU) < swept {
-                let mut point = self.position;
-                point[first] = center[first] + radius * compass.cos();
-                point[second] = center[second] + radius * compass.sin();
-                self.extend_to(point);
-            }
-        }
-        self.feed_move(to, radius * swept, feed);
-    }
-
-    fn move_to(&mut self, to: PerAxis<f64>) {
-        self.extend_to(self.position);
-        self.extend_to(to);
-        self.position = to;
-    }
-
-    fn extend_to(&mut self, point: PerAxis<f64>) {
-        let (low, high) = self.extents.get_or_insert((point, point));
-        for (axis, value) in point.iter() {
-            low[axis] = low[axis].min(*value);
-            high[axis] = high[axis].max(*value);
         }
     }
 }
@@ -333,7 +282,7 @@ fn distance(from: PerAxis<f64>, to: PerAxis<f64>) -> f64 {
 
 impl ExternalState for OfflineMachine {
     fn position(&self) -> PerAxis<f64> {
-        self.position
+        self.totals.position
     }
 
     fn system_variable(&mut self, number: u32) -> LiveValue {
@@ -349,10 +298,11 @@ impl ExternalState for OfflineMachine {
             // Values that only the machine knows.
             434..=439 | 5061..=5063 if self.known_values_only => LiveValue::Drain,
             5001..=5003 | 5041..=5043 | 5061..=5063 => {
-                axis(number % 20 - 1).map_or(none, |axis| shown(axis, self.position[axis]))
+                axis(number % 20 - 1).map_or(none, |axis| shown(axis, self.totals.position[axis]))
             }
-            5021..=5023 => axis(number - 5021)
-                .map_or(none, |axis| shown(axis, self.position[axis] + self.work_offsets.machine_minus_work(axis))),
+            5021..=5023 => axis(number - 5021).map_or(none, |axis| {
+                shown(axis, self.totals.position[axis] + self.work_offsets.machine_minus_work(axis))
+            }),
             438 | 439 => {
                 self.oscillation_end = self.oscillation_end.map(|end| !end);
                 LiveValue::Value(Some(f64::from(u8::from(self.oscillation_end == Some(true)))))
@@ -375,7 +325,7 @@ impl ExternalState for OfflineMachine {
     }
 
     fn program_start(&self) -> PerAxis<f64> {
-        self.start.map_or(self.position, |start| self.work_offsets.work_from_machine(start))
+        self.start.map_or(self.totals.position, |start| self.work_offsets.work_from_machine(start))
     }
 
     fn block_skip(&self) -> bool {

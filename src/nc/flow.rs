@@ -5,16 +5,9 @@ use std::sync::Arc;
 
 use super::expression::Value;
 use super::fault::{ReadResult, fail1, fail2};
-use super::source::{LOOP_DEPTH, LoopEnd, Source};
+use super::source::Source;
+use super::source_index::{LOOP_DEPTH, LoopEnd};
 use crate::defs::program_error::ProgramError as E;
-use crate::defs::program_number;
-
-/// Deepest nesting of M98.
-pub(crate) const SUB_DEPTH: usize = 4;
-/// Deepest nesting of G65 and G66.
-pub(crate) const MACRO_DEPTH: usize = 4;
-/// Deepest nesting of SINUMERIK L calls: eight levels with the main program (DECISION).
-pub(crate) const L_DEPTH: usize = 7;
 
 /// Deepest nesting of counted loops (G22) and of subprograms in the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
@@ -35,6 +28,13 @@ pub(crate) struct ModalCall {
 pub(crate) enum Callee {
     Sub,
     Macro(Box<Locals>),
+}
+
+/// Deepest nesting of a kind of call, and its name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CallLimit {
+    pub depth: usize,
+    pub name: &'static str,
 }
 
 /// A call as programmed.
@@ -248,17 +248,12 @@ impl Flow {
         true
     }
 
-    /// Calls a program. The flow is already past the calling block.
-    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> ReadResult<()> {
+    /// Calls a program, as deep as the limit. The flow is already past the calling block.
+    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool, limit: CallLimit) -> ReadResult<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
-        let (limit, name) = match is_macro {
-            true => (MACRO_DEPTH, "G65/G66"),
-            false if program_number::is_l_number(source.number()) => (L_DEPTH, "L"),
-            false => (SUB_DEPTH, "M98"),
-        };
-        if self.call_stack.iter().filter(same).count() >= limit {
-            return fail2(call.at, E::TooDeep, name, limit.to_string());
+        if self.call_stack.iter().filter(same).count() >= limit.depth {
+            return fail2(call.at, E::TooDeep, limit.name, limit.depth.to_string());
         }
         if let Callee::Macro(arguments) = &call.callee {
             self.locals.push(**arguments);

@@ -14,7 +14,7 @@ use super::modal::ModalState;
 use super::op::Op;
 use super::scope::{LiveScope, NullUse};
 use super::settings::NcSettings;
-use super::source::{Library, Source, is_at_text_head};
+use super::source::{Library, Source};
 use super::statement::{self, BlockContent, ReadOptions};
 use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;
@@ -238,9 +238,9 @@ impl Interpreter {
         if cursor.is_at_end() {
             return self.end_of_text(at);
         }
+        let head = ReadOptions { mid_line: self.flow.mid_line, block_skip: world.block_skip() };
         // A refused block must not change the modal state.
-        let (before, head) =
-            (self.modals, ReadOptions { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
+        let before = self.modals;
         let mut scope = LiveScope {
             locals: self.flow.locals(),
             common_variables: &self.common_variables,
@@ -259,45 +259,44 @@ impl Interpreter {
         if cursor.is_truncated(text) {
             return fail(at, E::BlockTooLong);
         }
-        let step = match read? {
-            BlockContent::Words => {
-                let mut running = BlockContext {
-                    words: &self.block_words,
-                    modals: &mut self.modals,
-                    settings: &self.settings,
-                    ops: &mut block.ops,
-                    scope: &mut scope,
-                    text,
-                    at,
-                    flow: &self.flow,
-                    second_half: self.second_half,
-                };
-                if self.block_words.has(b'O') && !is_at_text_head(text, at) {
-                    return fail(self.block_words.peek(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
-                }
-                let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
-                match &done {
-                    Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
-                    Err(_) => self.modals = before,
-                }
-                done?
+        let content = read?;
+        let step = if matches!(content, BlockContent::Words) {
+            if let Some(word) = self.block_words.peek(b'O').filter(|_| !source.is_at_head(at)) {
+                return fail(word.at as usize, E::MisplacedO);
             }
-            BlockContent::Assign { at, .. }
-            | BlockContent::Goto { at, .. }
-            | BlockContent::While { at, .. }
-            | BlockContent::EndLoop { at, .. }
-                if !dialect::has_macros(&self.settings) =>
-            {
-                return fail(at, E::NoMacros);
+            let mut running = BlockContext {
+                words: &self.block_words,
+                modals: &mut self.modals,
+                settings: &self.settings,
+                ops: &mut block.ops,
+                scope: &mut scope,
+                text,
+                at,
+                flow: &self.flow,
+                second_half: self.second_half,
+            };
+            let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
+            match &done {
+                Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
+                Err(_) => self.modals = before,
             }
-            content => self.run_statement(content, &cursor, block, text)?,
+            done?
+        } else {
+            self.run_statement(content, &cursor, block, text)?
         };
-        self.last_block_number = self.block_words.block_number.or(self.last_block_number);
-        block.location = BlockLocation { program: source.number(), line, n: self.block_words.block_number };
+        self.finish_block(source.number(), line, block);
+        Ok(step)
+    }
+
+    /// Adds location and modal state to the block just read.
+    #[inline]
+    fn finish_block(&mut self, program: u32, line: u32, block: &mut Block) {
+        let n = self.block_words.block_number;
+        self.last_block_number = n.or(self.last_block_number);
+        block.location = BlockLocation { program, line, n };
         if !block.ops.is_empty() {
             block.modals = self.modals;
         }
-        Ok(step)
     }
 
     /// Moves the flow past the block just read.
@@ -337,6 +336,14 @@ impl Interpreter {
         text: &[u8],
     ) -> ReadResult<StepStatus> {
         match content {
+            BlockContent::Assign { at, .. }
+            | BlockContent::Goto { at, .. }
+            | BlockContent::While { at, .. }
+            | BlockContent::EndLoop { at, .. }
+                if !dialect::rules(self.settings.dialect).has_macros() =>
+            {
+                return fail(at, E::NoMacros);
+            }
             BlockContent::Empty | BlockContent::Words => {
                 self.advance_past_block(cursor);
             }
@@ -362,7 +369,7 @@ impl Interpreter {
             }
             BlockContent::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // A `%` at the head of a text does not end it.
-            BlockContent::TextEnd { at } if is_at_text_head(text, at) && !text[..at].contains(&b'%') => {
+            BlockContent::TextEnd { at } if self.flow.source.is_at_head(at) && !text[..at].contains(&b'%') => {
                 self.advance_past_block(cursor)
             }
             BlockContent::TextEnd { at } => return self.end_of_text(at),
@@ -381,7 +388,7 @@ impl Interpreter {
         if !matches!(step, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
-        let moves = self.flow.modal_call.is_some() && block.ops.iter().any(Op::is_motion);
+        let moves = self.flow.modal_call.is_some() && block.ops.iter().any(|op| op.effect().is_motion());
         match step {
             FlowAction::Goto { at, .. } | FlowAction::Call(Call { at, .. }) | FlowAction::Return { at, .. }
                 if moves =>
@@ -389,16 +396,7 @@ impl Interpreter {
                 // The G66 macro would have to run between the move and the jump.
                 return fail2(at, E::NotTogether, "G66", "M");
             }
-            FlowAction::Next => {
-                let modal = self.flow.modal_call.clone().filter(|_| moves);
-                let at = self.flow.at;
-                let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
-                self.advance_past_block(cursor);
-                if let (Some(modal), Some(source)) = (modal, source) {
-                    let callee = Callee::Macro(modal.arguments.clone());
-                    self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true)?;
-                }
-            }
+            FlowAction::Next => self.call_modal_macro(moves, cursor)?,
             FlowAction::SecondHalf => {
                 self.second_half = true;
                 block.complete = false;
@@ -433,6 +431,21 @@ impl Interpreter {
         } else {
             StepStatus::Block
         })
+    }
+
+    /// Goes to the next block. After a block with motion, calls the macro of G66 first.
+    #[inline]
+    fn call_modal_macro(&mut self, moves: bool, cursor: &Cursor<'_>) -> ReadResult<()> {
+        let modal = self.flow.modal_call.clone().filter(|_| moves);
+        let at = self.flow.at;
+        let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
+        self.advance_past_block(cursor);
+        if let (Some(modal), Some(source)) = (modal, source) {
+            let callee = Callee::Macro(modal.arguments.clone());
+            let limit = dialect::rules(self.settings.dialect).call_limit(&callee);
+            self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
+        }
+        Ok(())
     }
 
     /// Executes jumps, loops, calls and returns.
@@ -471,12 +484,13 @@ impl Interpreter {
                 let source = self.find_program(call.program, call.at)?;
                 self.condition_changed = true;
                 self.advance_past_block(cursor);
-                self.flow.call(source, call, false)?;
+                let limit = dialect::rules(self.settings.dialect).call_limit(&call.callee);
+                self.flow.call(source, call, false, limit)?;
             }
             FlowAction::Return { target, at } => {
                 self.second_half = false;
                 self.condition_changed = true;
-                if self.flow.is_main() && !dialect::has_macros(&self.settings) {
+                if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros() {
                     return fail(at, E::ReturnWithoutCall);
                 }
                 self.flow.return_to(target, at)?;

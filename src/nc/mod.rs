@@ -22,11 +22,14 @@ mod lexer;
 pub mod modal;
 mod offline_run;
 pub mod op;
+pub mod op_effect;
+mod op_text;
 mod preflight;
 pub mod program_uses;
 mod scope;
 pub mod settings;
 pub mod source;
+mod source_index;
 mod statement;
 mod unexecuted_lines;
 mod words;
@@ -34,12 +37,16 @@ pub mod work_offsets;
 
 pub use check::{CheckReport, ProgramCheck, check, check_syntax, check_until, check_with};
 pub use common_variables::{CommonVariables, VariableError};
+pub use dialect::{call_text, new_program_text};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Block, Interpreter, NextStatus};
 pub use modal::{ModalState, MotionMode};
 pub use offline_run::ADVANCE_PER_CALL;
-pub use op::{ArcPlane, AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
+pub use op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
+pub use op_effect::{
+    ArcMove, CoordinateChange, MCodeWords, MotionSegment, OpEffect, OpMotion, OscillationChange, ProgramMessage,
+};
 pub use preflight::{PreflightStatus, ProgramPreflight};
 pub use settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, Source};

@@ -1,8 +1,9 @@
 //! The modal state. Source: spec B2, B3 (#4001…).
 
 use super::dialect::{self, ModalCodes, RepetitiveCycleState};
-use super::op::{ArcPlane, Feed, PathMode, SpeedMode};
+use super::op::{Feed, PathMode, SpeedMode};
 use super::settings::{Dialect, NcSettings, SpeedUnit};
+use crate::units::Plane;
 
 /// The active function of group 01.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,7 +74,7 @@ pub struct ModalState {
     /// Group 01.
     pub motion: MotionMode,
     /// G17, G18, G19.
-    pub plane: ArcPlane,
+    pub plane: Plane,
     /// G91: incremental (GS, GA, SINUMERIK).
     pub incremental: bool,
     /// Feed per revolution (G99, SINUMERIK G95) instead of per minute.
@@ -123,7 +124,7 @@ impl ModalState {
         };
         Self {
             motion: MotionMode::Rapid,
-            plane: ArcPlane::Zx,
+            plane: Plane::Zx,
             incremental: false,
             per_rev: false,
             feed: None,
@@ -162,7 +163,7 @@ impl ModalState {
     #[must_use]
     pub fn g_codes(&self, system: Dialect) -> [u8; 8] {
         let ModalCodes { distance_is_modal: modal_distance, per_minute, per_rev, inch, metric, exact_stop: exact } =
-            dialect::modal_codes(system);
+            dialect::rules(system).modal_codes();
         [
             self.motion.g(),
             self.plane.g(),

@@ -1,11 +1,7 @@
 //! Canonical operations: what a program does, independent of its dialect and notation.
 //! Lengths are radius millimetres in active work coordinates. Feeds are true slide travel. Source: spec T4, K1.
 
-use std::fmt;
-
-use serde_json::{Map, Value, json};
-
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Plane};
 
 /// A set of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -20,6 +16,17 @@ impl AxisSet {
     #[inline]
     pub const fn contains(self, axis: Axis) -> bool {
         self.0 & (1 << axis as u8) != 0
+    }
+
+    /// X and Z.
+    pub const XZ: Self = Self::of(Axis::X).with(Self::of(Axis::Z));
+
+    /// The axes that have a value.
+    #[must_use]
+    pub fn of_some<T>(values: PerAxis<Option<T>>) -> Self {
+        let mut set = Self::NONE;
+        values.iter().filter(|(_, value)| value.is_some()).for_each(|(axis, _)| set.insert(axis));
+        set
     }
 
     /// Adds an axis.
@@ -62,40 +69,6 @@ pub enum Feed {
     PerMinute(f64),
     /// mm per revolution.
     PerRev(f64),
-}
-
-/// The plane of an arc. Seen with the first axis to the right and the second axis up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ArcPlane {
-    /// G17: X right, Y up.
-    Xy,
-    /// G18: Z right, X up.
-    #[default]
-    Zx,
-    /// G19: Y right, Z up.
-    Yz,
-}
-
-impl ArcPlane {
-    /// First and second axis.
-    #[must_use]
-    pub const fn axes(self) -> (Axis, Axis) {
-        match self {
-            Self::Xy => (Axis::X, Axis::Y),
-            Self::Zx => (Axis::Z, Axis::X),
-            Self::Yz => (Axis::Y, Axis::Z),
-        }
-    }
-
-    /// The G code.
-    #[must_use]
-    pub const fn g(self) -> u8 {
-        match self {
-            Self::Xy => 17,
-            Self::Zx => 18,
-            Self::Yz => 19,
-        }
-    }
 }
 
 /// How consecutive blocks are blended.
@@ -154,6 +127,14 @@ pub struct ThreadMove {
     pub lead_mm: f64,
 }
 
+impl ThreadMove {
+    /// The highest spindle speed for a lead, rpm.
+    #[must_use]
+    pub fn max_spindle_rpm(lead_mm: f64) -> f64 {
+        1_200.0 / lead_mm - 80.0
+    }
+}
+
 /// A canonical operation.
 ///
 /// In moves, `words` holds the axes that the block names. `incremental` holds those that it names as distances.
@@ -170,7 +151,7 @@ pub enum Op {
     Arc {
         to: PerAxis<f64>,
         center: PerAxis<f64>,
-        plane: ArcPlane,
+        plane: Plane,
         turn: i8,
         feed: Feed,
         words: AxisSet,
@@ -245,279 +226,5 @@ impl Op {
             Self::S { .. } | Self::T { .. } | Self::SetVariable { .. } | Self::DisplayMessage { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
-    }
-
-    /// Whether it moves axes. Oscillation does not count.
-    #[must_use]
-    pub const fn is_motion(&self) -> bool {
-        matches!(
-            self,
-            Self::Rapid { .. }
-                | Self::Feed { .. }
-                | Self::Arc { .. }
-                | Self::MachineMove { .. }
-                | Self::ReturnToReference { .. }
-                | Self::Skip { .. }
-                | Self::DressReturn { .. }
-                | Self::Gauge(_)
-                | Self::Thread(_)
-                | Self::HomeSwitch { .. }
-                | Self::IndexTurret { by: Some(_), .. }
-        )
-    }
-
-    /// The operation as one JSON object, with the machine's axes only. A feed per revolution adds `"per":"rev"`.
-    #[must_use]
-    pub fn json(&self, axes: PerAxis<bool>) -> Value {
-        let mut object = Map::new();
-        object.insert("op".into(), self.name().into());
-        self.fields(axes, &mut |key, value| {
-            object.insert(key.into(), value);
-        });
-        Value::Object(object)
-    }
-
-    /// Passes key and value of every field to `put`, positions first.
-    fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
-        match self {
-            Self::Rapid { to, feed, .. } => {
-                put_points(put, "", axes, *to);
-                if let Some(feed) = feed {
-                    put_feed(put, *feed);
-                }
-            }
-            Self::Feed { to, feed, .. } => {
-                put_points(put, "", axes, *to);
-                put_feed(put, *feed);
-            }
-            Self::Arc { to, center, plane, turn, feed, .. } => {
-                put_points(put, "", axes, *to);
-                let (first, second) = plane.axes();
-                put_points(put, "c", PerAxis::from_fn(|axis| axis == first || axis == second), *center);
-                put("turn", json!(turn));
-                put_feed(put, *feed);
-            }
-            Self::Dwell { s } => put("s", json!(s)),
-            Self::SetPathMode(PathMode::ExactStop) => put("mode", json!("exact-stop")),
-            Self::SetPathMode(PathMode::Continuous { tolerance_mm }) => {
-                put("mode", json!("continuous"));
-                put("tolerance", json!(tolerance_mm));
-            }
-            Self::SelectWorkOffset { g } => put("g", json!(g)),
-            Self::SetCoordinateSystem { values } => put_some_points(put, *values),
-            Self::SpeedLimit { rpm } => put("rpm", json!(rpm)),
-            Self::MachineMove { to, feed } => {
-                put_some_points(put, *to);
-                feed.iter().for_each(|feed| put_feed(put, *feed));
-            }
-            Self::ReturnToReference { number, via, words, .. } => {
-                put_points(put, "", PerAxis::from_fn(|axis| words.contains(axis)), *via);
-                if *number > 1 {
-                    put("p", json!(number));
-                }
-            }
-            Self::Skip { to, feed, signal, .. } => {
-                put_points(put, "", axes, *to);
-                put_feed(put, *feed);
-                put("signal", json!(signal));
-            }
-            Self::AddWear { .. }
-            | Self::DressReturn { .. }
-            | Self::OscillationOn { .. }
-            | Self::OscillationOff
-            | Self::Gauge(_) => self.grinding_fields(axes, put),
-            Self::Thread(_) | Self::HomeSwitch { .. } | Self::IndexTurret { .. } => self.turning_fields(axes, put),
-            Self::M { code, s, p, l } => {
-                put("code", json!(code));
-                for (key, value) in [("s", s), ("p", p), ("l", l)] {
-                    if let Some(value) = value {
-                        put(key, json!(value));
-                    }
-                }
-            }
-            Self::S { value, mode } => put_both(put, ("value", json!(value)), ("unit", json!(mode.unit()))),
-            Self::T { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
-            Self::SetVariable { variable: number, value } | Self::SetSystemVariable { number, value } => {
-                put("variable", json!(number));
-                put("value", json!(value));
-            }
-            Self::DisplayMessage { text } => put("text", json!(text)),
-            Self::Alarm { number, text } | Self::StopWithMessage { number, text } => {
-                put("number", json!(number));
-                put("text", json!(text));
-            }
-        }
-    }
-
-    /// The fields of the grinding functions.
-    fn grinding_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
-        match self {
-            Self::AddWear { number, by } => {
-                put("offset", json!(number));
-                put_points(put, "", axes, *by);
-            }
-            Self::DressReturn { axes, feed } => {
-                let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
-                put("axes", json!(names));
-                if let Some(feed) = feed {
-                    put("f", json!(feed));
-                }
-            }
-            Self::OscillationOn { stroke, ramp_ms, strokes_min } => {
-                if let Some((axis, to)) = stroke {
-                    put(&axis.letter().to_ascii_lowercase().to_string(), json!(to));
-                }
-                for (key, value) in [("ramp", ramp_ms), ("strokes", strokes_min)] {
-                    if let Some(value) = value {
-                        put(key, json!(value));
-                    }
-                }
-            }
-            Self::OscillationOff => {}
-            Self::Gauge(gauging) => {
-                put(&gauging.axis.letter().to_ascii_lowercase().to_string(), json!(gauging.to));
-                put("f", json!(gauging.fast_mm_min));
-                put("j", json!(gauging.fine_mm_min));
-                put("p", json!(gauging.first_input));
-                if let Some(second) = gauging.second_input {
-                    put("q", json!(second));
-                }
-                put("l", json!(gauging.retract_mm));
-            }
-            _ => {}
-        }
-    }
-
-    /// The fields of the lathe's functions.
-    fn turning_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
-        match self {
-            Self::Thread(ThreadMove { to, run_out_start: out, lead_mm }) => {
-                put_points(put, "", axes, *to);
-                put_points(put, "out", axes, *out);
-                put("lead", json!(lead_mm));
-            }
-            Self::HomeSwitch { axes } => {
-                let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
-                put("axes", json!(names));
-            }
-            Self::IndexTurret { station, by } => {
-                put("tool", json!(station));
-                put("offset", json!(if by.is_some() { *station } else { 0 }));
-                if let Some(by) = by {
-                    put_points(put, "d", axes, *by);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    const fn name(&self) -> &'static str {
-        match self {
-            Self::Rapid { .. } => "rapid",
-            Self::Feed { .. } => "feed",
-            Self::Arc { .. } => "arc",
-            Self::Dwell { .. } => "dwell",
-            Self::SetPathMode(_) => "path",
-            Self::SelectWorkOffset { .. } => "frame",
-            Self::SetCoordinateSystem { .. } => "preset",
-            Self::SpeedLimit { .. } => "speed-limit",
-            Self::MachineMove { .. } => "machine",
-            Self::ReturnToReference { .. } => "reference",
-            Self::Skip { .. } => "skip",
-            Self::AddWear { .. } => "add-wear",
-            Self::DressReturn { .. } => "dress-return",
-            Self::OscillationOn { .. } => "oscillation-on",
-            Self::OscillationOff => "oscillation-off",
-            Self::Gauge(_) => "gauge",
-            Self::Thread(_) => "thread",
-            Self::HomeSwitch { .. } => "home",
-            Self::IndexTurret { .. } => "t",
-            Self::M { .. } => "m",
-            Self::S { .. } => "s",
-            Self::T { .. } => "t",
-            Self::SetVariable { .. } => "set",
-            Self::SetSystemVariable { .. } => "set-system",
-            Self::Alarm { .. } => "alarm",
-            Self::StopWithMessage { .. } => "message",
-            Self::DisplayMessage { .. } => "note",
-        }
-    }
-}
-
-impl SpeedMode {
-    const fn unit(self) -> &'static str {
-        match self {
-            Self::Rpm => "rpm",
-            Self::MetresPerSecond => "m/s",
-            Self::SurfaceSpeed => "m/min",
-        }
-    }
-}
-
-fn put_points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: PerAxis<f64>) {
-    put_prefixed_points(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
-}
-
-fn put_some_points(put: &mut dyn FnMut(&str, Value), to: PerAxis<Option<f64>>) {
-    put_prefixed_points(put, "", to);
-}
-
-fn put_prefixed_points(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
-    for (axis, value) in to.iter() {
-        if let Some(value) = value {
-            put(&format!("{prefix}{}", axis.letter().to_ascii_lowercase()), json!(value));
-        }
-    }
-}
-
-fn put_both(put: &mut dyn FnMut(&str, Value), first: (&str, Value), second: (&str, Value)) {
-    put(first.0, first.1);
-    put(second.0, second.1);
-}
-
-fn put_feed(put: &mut dyn FnMut(&str, Value), feed: Feed) {
-    match feed {
-        Feed::PerMinute(value) => put("f", json!(value)),
-        Feed::PerRev(value) => {
-            put("f", json!(value));
-            put("per", json!("rev"));
-        }
-    }
-}
-
-impl fmt::Display for Op {
-    /// One line: the name, then key and value of every field, as in the JSON form.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())?;
-        let mut written = Ok(());
-        self.fields(PerAxis([true; 3]), &mut |key, value| {
-            written = written.and_then(|()| match value.as_f64() {
-                Some(number) => write!(f, " {key}={}", Rounded(number)),
-                None => write!(f, " {key}={value}"),
-            });
-        });
-        written?;
-        let (words, incremental) = match self {
-            Self::Rapid { words, incremental, .. } | Self::Feed { words, incremental, .. } => (*words, *incremental),
-            Self::Arc { words, incremental, .. } | Self::Skip { words, incremental, .. } => (*words, *incremental),
-            Self::ReturnToReference { words, incremental, .. } => (*words, *incremental),
-            _ => return Ok(()),
-        };
-        f.write_str(" [")?;
-        for axis in words.iter() {
-            write!(f, "{axis}{}", if incremental.contains(axis) { "+" } else { "" })?;
-        }
-        f.write_str("]")
-    }
-}
-
-/// A number with at most six decimals and no trailing zeros.
-struct Rounded(f64);
-
-impl fmt::Display for Rounded {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = format!("{:.6}", self.0);
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        f.write_str(if text == "-0" { "0" } else { text })
     }
 }

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use super::dialect;
 use super::settings::Dialect;
 use super::source::Source;
 use crate::defs::page_text::{VariableUse, is_allowed_on_page};
@@ -38,7 +39,7 @@ fn split_comment(text: &str, system: Dialect) -> (String, String) {
     let (mut code, mut comment) = (String::with_capacity(text.len()), String::new());
     let (mut depth, mut quoted) = (0_u32, false);
     let mut signs = text.chars().peekable();
-    let brackets = !system.has_r_parameters();
+    let brackets = system.has_bracket_comments();
     while let Some(sign) = signs.next() {
         match sign {
             '"' | '“' | '”' => quoted = !quoted,
@@ -84,13 +85,7 @@ fn scan_line(found: &mut ProgramUses, code: &str, comment: &str, place: (u32, u3
         }
         at += 1;
     }
-    let calls = ["M98", "G65", "G66"].iter().any(|word| code.contains(word)) && !macro_a;
-    let called = code.split('P').nth(1).map(|rest| rest.bytes().take_while(u8::is_ascii_digit).count());
-    if let (true, Some(digits @ 1..=8)) = (calls, called) {
-        let number = code.split('P').nth(1).and_then(|rest| rest[..digits].parse::<u32>().ok()).unwrap_or(0);
-        // B3: P may hold a repeat count before the four digits of the number.
-        found.calls.push(number % 10_000);
-    }
+    found.calls.extend(dialect::rules(system).call_in_text(code));
 }
 
 #[cfg(test)]
@@ -98,7 +93,7 @@ mod tests {
     use super::*;
 
     fn of(text: &str, system: Dialect) -> Vec<(u16, bool, bool)> {
-        let found = find_uses(&Source::new(1001, "", text.as_bytes().to_vec()), system);
+        let found = find_uses(&Source::new(1001, "", text.as_bytes().to_vec(), system), system);
         found.variables.values().map(|one| (one.variable, one.reads, one.writes)).collect()
     }
 
@@ -128,7 +123,7 @@ mod tests {
     #[test]
     fn k7_4_called_programs_are_named() {
         let text = "M98 P9010 L2\nG65 P9011 A1\nM98 P00029012\nG65 H80 P100";
-        let found = find_uses(&Source::new(1, "", text.as_bytes().to_vec()), Dialect::LatheA);
+        let found = find_uses(&Source::new(1, "", text.as_bytes().to_vec(), Dialect::LatheA), Dialect::LatheA);
         assert_eq!(found.calls, [9010, 9011, 9012]);
     }
 }

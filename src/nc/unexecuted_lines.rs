@@ -5,7 +5,7 @@ use super::dialect::{self, UnexecutedBlock};
 use super::fault::{ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, locate_error};
 use super::lexer::Cursor;
 use super::settings::NcSettings;
-use super::source::{Library, Source, is_at_text_head};
+use super::source::{Library, Source};
 use super::statement::{self, BlockContent, ReadOptions, SyntaxOnlyScope};
 use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;
@@ -100,10 +100,12 @@ pub(crate) fn check_whole_text<'a>(
     let told = |at: usize, error: E, detail: String| {
         locate_error(source, None, ErrorAt { at, error, details: [detail, String::new()] })
     };
-    let empty = dialect::required_end_code(settings)
+    let rules = dialect::rules(settings.dialect);
+    let empty = rules
+        .required_end_code(settings)
         .filter(|_| source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block))
         .map(|end| told(0, E::EmptyProgram, end.to_owned()));
-    let labels = dialect::has_labels(settings).then(|| source.repeated_labels()).into_iter().flatten();
+    let labels = rules.has_labels().then(|| source.repeated_labels()).into_iter().flatten();
     let labels = labels.map(move |(line, label)| {
         let text = source.bytes().get(source.line_start(line)..).unwrap_or_default();
         let upper = text.get(..text.len().min(LABEL_SEARCH_BYTES)).unwrap_or_default().to_ascii_uppercase();
@@ -140,10 +142,11 @@ fn read_line(
         }
         match content? {
             BlockContent::Words => {
-                dialect::check_unexecuted(words, settings, &UnexecutedBlock { source, at, line })?;
-                calls.extend(dialect::called_program(words, settings));
+                let rules = dialect::rules(settings.dialect);
+                rules.check_unexecuted(words, &UnexecutedBlock { source, settings, at, line })?;
+                calls.extend(rules.called_program(words));
             }
-            BlockContent::TextEnd { at } if !is_at_text_head(text, at) => text_end = true,
+            BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,
             BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
                 return fail1(at, E::MissingTarget, format!("N{n}"));
             }

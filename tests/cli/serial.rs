@@ -328,6 +328,7 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
         programs: shop.folder.path().to_path_buf(),
         screens: crate::stories::folders().screens,
         by_name: false,
+        dialect: Kind::Gc.dialect(),
     };
     let mut rig = crate::stories::rig_of(Kind::Gc, folders);
     request(&mut rig, Direction::Import, &[]);

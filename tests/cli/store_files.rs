@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use kt830::defs::kind::Dialect;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
     DataDir, Encoding, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL, PROGRAM,
@@ -351,7 +352,9 @@ fn k7_3_a_page_file_that_cannot_be_read_is_told_by_its_name_in_both_languages() 
     }
     fs::write(root.path().join("elsewhere"), "a;%").unwrap();
     std::os::unix::fs::symlink(root.path().join("elsewhere"), screens.join("C0005.TXT")).unwrap();
-    let found = kt830::host::folders::Folders { programs, screens, by_name: false }.read_screens().unwrap();
+    let found = kt830::host::folders::Folders { programs, screens, by_name: false, dialect: Dialect::LatheA }
+        .read_screens()
+        .unwrap();
     let said = |number: u32| found.find(number).unwrap().text.as_ref().unwrap_err().full_message();
     assert_eq!(said(1_004).zh, "C0004.TXT：文件不存在，请拷入 screens 目录");
     assert!(said(1_005).zh.contains("C0005.TXT 是链接"), "{}", said(1_005).zh);

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use kt830::controller::PowerOnState;
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::story::{Player, parse, play::state_report};
@@ -13,13 +13,13 @@ use kt830::story::{Player, parse, play::state_report};
 /// The folders of the repository.
 pub fn folders() -> Folders {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Folders { programs: root.join("programs"), screens: root.join("screens"), by_name: false }
+    Folders { programs: root.join("programs"), screens: root.join("screens"), by_name: false, dialect: Dialect::LatheA }
 }
 
 /// The folders of a kind.
 pub fn folders_of(kind: Kind) -> Folders {
     let all = folders();
-    Folders { programs: all.programs.join(kind.program_folder()), ..all }
+    Folders { programs: all.programs.join(kind.program_folder()), dialect: kind.dialect(), ..all }
 }
 
 /// A control at power-on with its machine.
@@ -52,7 +52,7 @@ pub fn ready_of(kind: Kind) -> HeadlessHost {
 /// A ready machine with a program of this text as the current one.
 pub fn ready_with(text: &str) -> HeadlessHost {
     let mut rig = ready();
-    rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     tell(&mut rig, "load O7000");
     rig
 }

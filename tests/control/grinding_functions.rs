@@ -443,6 +443,7 @@ fn k4_5_missing_words_are_named_before_anything_moves() {
         7_000,
         "O7000.NC",
         b"G78 Y-110 F600 J60 P4 L3\nM30".to_vec(),
+        rig.kind().dialect(),
     ));
     tell(
         &mut rig,

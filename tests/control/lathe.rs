@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::stories::{rig_of, tell};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::program_error::ProgramError as E;
 use kt830::host::bar;
@@ -17,13 +17,18 @@ use kt830::units::{Axis, PerAxis};
 
 fn folders() -> Folders {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), by_name: true }
+    Folders {
+        programs: root.join("programs/lathe"),
+        screens: root.join("screens"),
+        by_name: true,
+        dialect: Dialect::SuperMan,
+    }
 }
 
 /// A ready lathe with a program of this text and a bar of 45 mm.
 fn lathe(text: &str) -> HeadlessHost {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     let mut params = rig.retained().params.clone();
     params.write(ParamAddress::parse("P384").unwrap(), 45.0).unwrap();
     let source = rig.program_source(7_000).unwrap();
@@ -96,7 +101,7 @@ fn l3_the_tool_change_point_stays_where_it_is_when_homing_names_the_axes_anew() 
     ] {
         for ready in [false, true] {
             let mut rig = rig_of(Kind::Lathe, folders());
-            rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec()));
+            rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
             if ready {
                 tell(&mut rig, "home all");
                 tell(&mut rig, "mode mdi\nmdi G00X-300Z-450\nwait 10 s");
@@ -314,7 +319,7 @@ fn l8_a_station_that_does_not_come_is_an_alarm() {
 #[test]
 fn l6_g36_homes_x_then_z_and_the_coordinate_is_the_parameters() {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G36\nN0020M02".to_vec()));
+    rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G36\nN0020M02".to_vec(), rig.kind().dialect()));
     // A cold machine that was never homed: a lathe may begin a program so.
     tell(
         &mut rig,
@@ -334,7 +339,7 @@ fn l6_an_origin_beyond_the_soft_limit_is_homed_and_left_towards_the_inside() {
     ] {
         let mut rig = rig_of(Kind::Lathe, folders());
         let text = format!("N0010{code}\nN0020M02");
-        rig.add_program(program_from_bytes(7_000, "PART.NC", text.into_bytes()));
+        rig.add_program(program_from_bytes(7_000, "PART.NC", text.into_bytes(), rig.kind().dialect()));
         tell(&mut rig, &format!("{set}\nload PART\nmode auto\nkey cycle-start\nwait until idle max 120 s"));
         tell(&mut rig, &format!("expect no alarm\nexpect X {x} ±0.001\nexpect Z {z} ±0.001"));
     }
@@ -356,7 +361,7 @@ fn l6_a_home_switch_that_never_comes_or_never_goes_is_an_alarm() {
     // Without its switch the axis comes to the limit switch behind it.
     for (fault, most, alarm) in [("stuck-off home-z", 60, 102), ("stuck-on home-z", 200, 105)] {
         let mut rig = rig_of(Kind::Lathe, folders());
-        rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G39\nN0020M02".to_vec()));
+        rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G39\nN0020M02".to_vec(), rig.kind().dialect()));
         tell(&mut rig, &format!("fault {fault}\nload PART\nmode auto\nkey cycle-start\nwait until alarm max {most} s"));
         tell(&mut rig, &format!("wait 1 s\nexpect alarm {alarm}"));
         let z = &rig.snapshot().axes[Axis::Z];
@@ -386,7 +391,12 @@ fn l6_b5_an_axis_counts_as_homed_when_it_is_at_its_zero_point() {
 #[test]
 fn l3_a_refused_program_changes_no_work_zero() {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G01W1F600\nN0020G99\nN0030M02".to_vec()));
+    rig.add_program(program_from_bytes(
+        7_000,
+        "PART.NC",
+        b"N0010G01W1F600\nN0020G99\nN0030M02".to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "home all\nmode mdi\nmdi G00W-50\nwait 4 s\nexpect Z -50 ±0.001\nload PART\nmode auto");
     tell(&mut rig, "key cycle-start\nwait until alarm max 5 s\nexpect Z -50 ±0.001\nexpect machine Z -50 ±0.001");
     // From a block too the whole text is looked at, and the axes stay.
@@ -436,7 +446,7 @@ fn l4_l9_two_hundred_fifty_five_levels_of_loops_run_and_one_more_is_an_error() {
         let open = "N0001G22L0001\n".repeat(levels);
         let close = "N0002G80\n".repeat(levels);
         let text = format!("{open}N0003G01U-0.02F300\n{close}N0004M02\n");
-        let source = Arc::new(Source::new(1, "", text.into_bytes()));
+        let source = Arc::new(Source::new(1, "", text.into_bytes(), Dialect::SuperMan));
         let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
         check(&source, &library, &NcSettings::superman())
     };
@@ -454,7 +464,7 @@ fn l9_a_million_blocks_are_checked_and_loops_do_not_grow() {
     }
     // And as many again by loops: 500 × 1000.
     text.push_str("N0030G22L0500\nN0040G22L0500\nN0050W-1\nN0060W1\nN0070G80\nN0080G80\nN0090M02\n");
-    let source = Arc::new(Source::new(1, "", text.into_bytes()));
+    let source = Arc::new(Source::new(1, "", text.into_bytes(), Dialect::SuperMan));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let settings = NcSettings::superman();
     let mut world = OfflineMachine::new(&settings);

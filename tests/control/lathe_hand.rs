@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::stories::{rig_of, tell};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::defs::param::ParamAddress;
 use kt830::defs::program_number::from_name;
@@ -23,7 +23,10 @@ fn screens() -> std::path::PathBuf {
 
 /// A ready lathe whose programs lie in a folder of their own.
 fn lathe(folder: &Path) -> HeadlessHost {
-    let mut rig = rig_of(Kind::Lathe, Folders { programs: folder.to_owned(), screens: screens(), by_name: true });
+    let mut rig = rig_of(
+        Kind::Lathe,
+        Folders { programs: folder.to_owned(), screens: screens(), by_name: true, dialect: Dialect::SuperMan },
+    );
     rig.make_ready();
     rig.step();
     rig
@@ -79,7 +82,12 @@ fn l9_teach_in_is_refused_in_a_run_and_where_there_is_nothing_and_on_a_grinder()
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
     tell(&mut rig, "teach keep\nexpect message \"没有录返记录\"\nteach stop\nexpect message \"没有录返记录\"");
-    rig.add_program(program_from_bytes(from_name("LONG"), "LONG.NC", b"N0010G04F5\r\nN0020M02".to_vec()));
+    rig.add_program(program_from_bytes(
+        from_name("LONG"),
+        "LONG.NC",
+        b"N0010G04F5\r\nN0020M02".to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "load LONG\nmode auto\nkey cycle-start\nwait 1 s\nteach start\nexpect message \"不能录返\"");
     let mut rig = crate::stories::ready();
     tell(&mut rig, "teach start\nexpect message \"没有录返功能\"\npage teach\nexpect message \"本机床没有\"");
@@ -118,7 +126,7 @@ fn l9_a_program_with_a_name_is_edited_copied_and_deleted() {
 fn drawn(text: &str, params: &[(&str, f64)]) -> Arc<Toolpath> {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
-    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     for (at, value) in [("P384", 45.0)].iter().chain(params) {
         rig.send(Command::SetParam(ParamAddress::parse(at).unwrap(), *value));
     }
@@ -156,12 +164,26 @@ fn l9_interference_is_told_before_anything_moves() {
     assert_eq!(into(deep, &[("P402", 3.0)]), told(4, "part"));
 }
 
+/// Homing by the switches moves the axes at rapid: it is drawn, and out of a groove it crashes.
+#[test]
+fn l6_l9_homing_is_drawn_and_told_as_interference() {
+    let homes = |blocks: &str| drawn(&format!("N0010G92X60Z20\nN0020M03\n{blocks}\nN0090M02"), &[("P402", 3.0)]);
+    let free = homes("N0030G01X50Z-10F300\nN0040G36");
+    assert_eq!((free.faults.len(), free.crashes.len()), (0, 0), "{:?}", free.faults);
+    let still = homes("N0030G01X50Z-10F300");
+    let points = |drawing: &Toolpath| drawing.levels[0].points.len();
+    assert_eq!(points(&free), points(&still) + 2, "X, then Z");
+    let groove = homes("N0030G01Z-10F300\nN0040X42F50\nN0050G39");
+    let lines: Vec<u32> = groove.faults.iter().map(|fault| fault.line).collect();
+    assert_eq!((lines, groove.crashes.len()), (vec![5], 1), "{:?}", groove.faults);
+}
+
 #[test]
 fn l9_a_tool_as_it_is_defined_crashes_in_the_run_as_in_the_drawing() {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
     let text = b"N0010G92X60Z20\nN0020M03\nN0030G01X35F300\nN0040Z-30\nN0050M02".to_vec();
-    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text));
+    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text, rig.kind().dialect()));
     tell(&mut rig, "param P384 45\nparam P402 3");
     let bar = rig.bar_of_program(from_name("PART")).unwrap();
     rig.mount_part(&bar);

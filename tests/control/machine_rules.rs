@@ -417,7 +417,12 @@ fn k5_15_the_tower_light_shows_the_state() {
 #[test]
 fn k5_17_after_a_wheel_change_the_first_program_is_a_dressing_program() {
     let mut rig = ready_with("G04 X5\nM30");
-    rig.add_program(kt830::host::folders::program_from_bytes(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    rig.add_program(kt830::host::folders::program_from_bytes(
+        1_011,
+        "O1011.NC",
+        b"G04 X1\nM30".to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "param P6.7 1\nmode auto\nkey cycle-start\nexpect state idle\nexpect message \"修整\"");
     tell(&mut rig, "load O1011\nkey cycle-start\nexpect state running\nwait until idle max 5 s");
     tell(&mut rig, "load O7000\nkey cycle-start\nexpect state running");
@@ -715,7 +720,12 @@ fn k3_3_a_tailstock_that_loses_its_switch_stops_the_headstock_and_says_so() {
 #[test]
 fn k5_17_only_a_real_dressing_run_counts() {
     let mut rig = ready();
-    rig.add_program(kt830::host::folders::program_from_bytes(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    rig.add_program(kt830::host::folders::program_from_bytes(
+        1_011,
+        "O1011.NC",
+        b"G04 X1\nM30".to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(
         &mut rig,
         "load O1011\nparam P6.7 1\nmdi M30\nwait 0.5 s\nmode auto\nkey machine-lock\nkey cycle-start\nwait 2 s",

@@ -3,7 +3,7 @@
 //! mode table; a new one is looked at as well. Source: spec K2.1, K2.2, K2.4.
 
 use kt830::defs::key::{Key, KeyGroup, Mode};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::defs::soft_key::CoordinateView;
 use kt830::host::folders::{Folders, program_from_bytes};
@@ -81,7 +81,7 @@ fn rig_at(kind: Kind, folders: &Folders, place: &Place) -> HeadlessHost {
         rig.make_ready();
     }
     let (name, text) = long_program(kind);
-    rig.add_program(program_from_bytes(7_000, name, text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, name, text.as_bytes().to_vec(), rig.kind().dialect()));
     crate::stories::tell(&mut rig, &place.story);
     (0..5).for_each(|_| rig.step());
     rig
@@ -128,7 +128,12 @@ fn silent(rig: &mut HeadlessHost, key: Key) -> Option<String> {
 
 fn check(kinds: &[Kind]) {
     let folder = tempfile::tempdir().unwrap();
-    let folders = Folders { programs: folder.path().to_owned(), screens: folder.path().to_owned(), by_name: false };
+    let folders = Folders {
+        programs: folder.path().to_owned(),
+        screens: folder.path().to_owned(),
+        by_name: false,
+        dialect: Dialect::LatheA,
+    };
     let mut wrong = Vec::new();
     for kind in kinds {
         for place in places(*kind) {

@@ -1,6 +1,10 @@
 //! Running from a chosen block, and going on after a power cut (B5).
 
-use crate::stories::{ready_with, tell};
+use std::path::Path;
+
+use crate::stories::{ready_with, rig_of, tell};
+use kt830::defs::kind::{Dialect, Kind};
+use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::units::Axis;
@@ -97,4 +101,52 @@ fn b5_a_run_that_ended_leaves_nothing_to_resume() {
     tell(&mut rig, "mode auto");
     rig.send(Command::ResumeInterrupted);
     tell(&mut rig, "wait 0.1 s\nexpect message \"没有断电中断\"");
+}
+
+/// A ready lathe with a program of this text, in automatic mode.
+fn ready_lathe(text: &str) -> HeadlessHost {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = Folders {
+        programs: root.join("programs/lathe"),
+        screens: root.join("screens"),
+        by_name: true,
+        dialect: Dialect::SuperMan,
+    };
+    let mut rig = rig_of(Kind::Lathe, folders);
+    rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
+    rig.make_ready();
+    rig.step();
+    tell(&mut rig, "load PART\nmode auto");
+    rig
+}
+
+/// M03 and M04 start the main spindle, M07 switches the coolant on and M08 off (L7).
+#[test]
+fn l7_b5_a_run_from_a_block_on_the_lathe_reads_its_own_m_codes() {
+    let text = "N0010M03\nN0020M07\nN0030G01W-5F1000\nN0040M08\nN0050G01W-5F1000\nN0060M05\nN0070G01W-5F1000\nN0080M02";
+    for (line, turns, coolant) in [(3, true, true), (5, true, false), (7, false, false)] {
+        let mut rig = ready_lathe(text);
+        let z = rig.controller().set_point()[Axis::Z];
+        choose(&mut rig, line);
+        let view = rig.snapshot().restart.clone().unwrap();
+        assert_eq!((view.wheel_turns, view.workpiece_turns, view.coolant_on), (false, turns, coolant), "line {line}");
+        if turns {
+            tell(&mut rig, "key cycle-start\nexpect state idle\nexpect message \"该段之前工件已转动\"");
+            tell(&mut rig, "key spindle-forward\nwait 3 s");
+        }
+        tell(&mut rig, "key cycle-start\nwait 0.2 s\nwait until idle max 60 s\nexpect no alarm");
+        let moved = rig.controller().set_point()[Axis::Z] - z;
+        assert!((moved + 15.0).abs() < 1e-6, "line {line}: {moved}");
+    }
+}
+
+#[test]
+fn k3_b5_a_run_from_a_block_on_the_grinder_reads_coolant_and_workpiece_drive() {
+    for (line, turns, coolant) in [(4, true, true), (6, false, false)] {
+        let mut rig = ready_with("G98 M63\nM08\nG01 W-1 F600\nW-1\nM09 M65\nW-1\nM30");
+        tell(&mut rig, "mode auto");
+        choose(&mut rig, line);
+        let view = rig.snapshot().restart.clone().unwrap();
+        assert_eq!((view.wheel_turns, view.workpiece_turns, view.coolant_on), (false, turns, coolant), "line {line}");
+    }
 }

@@ -1,6 +1,7 @@
 //! One-key retract: the key holds the run and executes O9000, pressed again O9001 brings the wheel back (K6.4).
 
 use crate::stories::{ready_with, tell};
+use kt830::defs::kind::Dialect;
 use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::HeadlessHost;
 
@@ -10,8 +11,8 @@ const GRIND: &str = "G98 G01 W-10 F300\nU-1 F60\nW10 F300\nM00\nG00 X-70\nM30";
 /// A ready machine in automatic mode with the retract enabled, and the two programs as given.
 fn retractable(away: &str, back: &str) -> HeadlessHost {
     let mut rig = ready_with(GRIND);
-    rig.add_program(program_from_bytes(9_000, "O9000.NC", away.as_bytes().to_vec()));
-    rig.add_program(program_from_bytes(9_001, "O9001.NC", back.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(9_000, "O9000.NC", away.as_bytes().to_vec(), rig.kind().dialect()));
+    rig.add_program(program_from_bytes(9_001, "O9001.NC", back.as_bytes().to_vec(), rig.kind().dialect()));
     tell(&mut rig, "param P4.4 1\nmode auto");
     rig
 }
@@ -62,9 +63,14 @@ fn k6_4_without_p4_4_the_key_is_dead_and_the_run_goes_on() {
 fn k6_4_without_its_program_the_run_is_held_and_the_wheel_stays() {
     // A folder without programs.
     let Folders { screens, by_name: named, .. } = crate::stories::folders();
-    let mut rig = crate::stories::rig_in(Folders { programs: screens.clone(), screens, by_name: named });
+    let mut rig = crate::stories::rig_in(Folders {
+        programs: screens.clone(),
+        screens,
+        by_name: named,
+        dialect: Dialect::LatheA,
+    });
     rig.make_ready();
-    rig.add_program(program_from_bytes(7_000, "O7000.NC", GRIND.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", GRIND.as_bytes().to_vec(), rig.kind().dialect()));
     tell(&mut rig, "load O7000\nparam P4.4 1\nmode auto");
     tell(&mut rig, "key cycle-start\nwait 3 s\nkey wheel-retract\nwait 0.5 s");
     tell(&mut rig, "expect state held\nexpect message \"O9000\"\nexpect lamp wheel-retract off");
@@ -120,8 +126,13 @@ const THERE_AND_BACK: &str = "key wheel-retract\nwait 0.1 s\nwait until held max
 #[test]
 fn k6_4_the_block_goes_on_to_its_end_before_the_next_act() {
     let mut rig = ready_with("G98 G01 X-82 F60\nM08\nM00\nM30");
-    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
-    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-20 F2000\nU-20\nM99".to_vec()));
+    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec(), rig.kind().dialect()));
+    rig.add_program(program_from_bytes(
+        9_001,
+        "O9001.NC",
+        b"G98 G01 U-20 F2000\nU-20\nM99".to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "param P4.4 1\nmode auto\nkey cycle-start\nwait 0.5 s");
     tell(&mut rig, THERE_AND_BACK);
     // 1 mm of slide at 60 mm/min: a second, half of it done.
@@ -134,8 +145,8 @@ fn k6_4_the_block_goes_on_to_its_end_before_the_next_act() {
 #[test]
 fn k6_4_a_wheel_stopped_while_it_is_away_must_turn_before_the_run_goes_on() {
     let mut rig = ready_with("M03\nG98 G01 W-10 F60\nM00\nM30");
-    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
-    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec()));
+    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec(), rig.kind().dialect()));
+    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec(), rig.kind().dialect()));
     tell(
         &mut rig,
         "param P4.4 1\nmode auto\nkey cycle-start\nwait until Z<-151 max 30 s\nkey wheel-retract\nwait 0.1 s",
@@ -150,8 +161,8 @@ fn k6_4_a_wheel_stopped_while_it_is_away_must_turn_before_the_run_goes_on() {
 #[test]
 fn k6_4_beside_an_oscillation_of_the_program_it_works_too() {
     let mut rig = ready_with("G98 G35 Z-160 D300 Q30\nG01 U-1 F10\nG36\nM00\nM30");
-    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
-    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec()));
+    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec(), rig.kind().dialect()));
+    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec(), rig.kind().dialect()));
     tell(&mut rig, "param P4.4 1\nmode auto\nkey cycle-start\nwait 1.3 s");
     tell(&mut rig, THERE_AND_BACK);
     tell(
@@ -184,8 +195,8 @@ fn k6_4_the_way_back_begins_only_where_the_wheel_was_left() {
 #[test]
 fn k6_4_a_dwell_waits_for_the_retract_and_reset_leaves_no_interrupted_run() {
     let mut rig = ready_with("G04 X5\nM00\nM30");
-    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
-    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec()));
+    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U40\nM99".to_vec(), rig.kind().dialect()));
+    rig.add_program(program_from_bytes(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec(), rig.kind().dialect()));
     tell(&mut rig, "param P4.4 1\nmode auto\nkey cycle-start\nwait 1 s");
     tell(&mut rig, THERE_AND_BACK);
     // 4 s are left, less the ticks between.

@@ -334,6 +334,7 @@ fn s6_the_stroke_follows_the_cone() {
         program_number::from_name("CONE"),
         "CONE.MPF",
         text.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load CONE\nmode auto");
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -361,6 +362,7 @@ fn s2_r_parameters_are_shown_as_executed_in_every_tick() {
         program_number::from_name("LOOP"),
         "LOOP.MPF",
         text.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load LOOP\nmode auto");
     let mut before = None;
@@ -436,7 +438,12 @@ fn s1_an_alarm_in_a_subprogram_names_it() {
 fn p8_one_crash_is_one_event_until_its_place_is_left() {
     let mut rig = vgrind(1, "");
     let text = "N10 G90 G94 M63 S1500 M3\nN20 G0 X=R46 Z=R47\nN30 R80=R11-R3+1\nN40 G0 X=R80 Z=R12\nN50 M2";
-    rig.add_program(folders::program_from_bytes(program_number::from_name("RAM"), "RAM.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("RAM"),
+        "RAM.MPF",
+        text.as_bytes().to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "load RAM\nmode auto\nkey cycle-start\nwait until alarm max 60 s\nwait 20 s\nexpect event crash");
     let places = |rig: &HeadlessHost| rig.machine().events().iter().map(|event| event.place).collect::<Vec<_>>();
     assert_eq!(places(&rig), ["dresser"]);
@@ -454,6 +461,7 @@ fn s1_a_feed_per_revolution_without_a_turning_part_says_so() {
         program_number::from_name("TURN"),
         "TURN.MPF",
         b"G95 G1 X690 F0.2\nM2\n".to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load TURN\nmode auto\nkey cycle-start\nwait 2 s\nexpect alarm \"每转进给需要工件转动\"");
     assert!(!rig.snapshot().alarms[0].text.zh.contains("需要头架"));
@@ -560,6 +568,7 @@ fn cone(screw: &[(f64, f64)], table: &str) -> HeadlessHost {
         program_number::from_name("TAPER"),
         "TAPER.MPF",
         text.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load TAPER\nmode auto");
     rig.mount_part(&part);
@@ -597,6 +606,7 @@ fn b7_a_diameter_of_0_005_is_shown_as_0_005() {
         program_number::from_name("FINE"),
         "FINE.MPF",
         text.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load FINE\nmode auto\nkey single-block\nkey cycle-start\nwait until stopped");
     rig.send(Command::Press(Key::CycleStart));
@@ -736,7 +746,12 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
 fn wrong(block: &str) -> HeadlessHost {
     let mut rig = vgrind(1, "");
     let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
-    rig.add_program(folders::program_from_bytes(program_number::from_name("WRONG"), "WRONG.MPF", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("WRONG"),
+        "WRONG.MPF",
+        text.into_bytes(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
     rig
 }
@@ -750,6 +765,7 @@ fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {
         program_number::from_name("TELL"),
         "TELL.MPF",
         text.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load TELL\nmode auto\nkey cycle-start\nwait 0.5 s");
     let told = |rig: &mut HeadlessHost| rig.snapshot().waiting_for.as_ref().map(|said| said.zh.clone());
@@ -784,6 +800,7 @@ fn s1_a_program_with_a_mistake_does_not_start() {
             program_number::from_name("WRONG"),
             "WRONG.MPF",
             text.into_bytes(),
+            rig.kind().dialect(),
         ));
         tell(&mut rig, "load WRONG\nmode auto");
         let before = rig.controller().set_point();
@@ -801,11 +818,13 @@ fn s1_a_program_with_a_mistake_does_not_start() {
         program_number::from_name("WRONG"),
         "WRONG.MPF",
         main.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     rig.add_program(folders::program_from_bytes(
         program_number::from_name("L77"),
         "L77.SPF",
         b"G0 X600\nGOTOF AA1\nRET\n".to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load WRONG\nmode auto");
     let before = rig.controller().set_point();

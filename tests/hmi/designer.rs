@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
 use encoding_rs::GBK;
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::host::folders::Folders;
@@ -43,8 +43,12 @@ impl Shop {
         if let Some(page) = page {
             fs::write(path("screens").join("C0003.TXT"), GBK.encode(page).0).unwrap();
         }
-        let mut rig =
-            crate::stories::rig_in(Folders { programs: path("programs"), screens: path("screens"), by_name: false });
+        let mut rig = crate::stories::rig_in(Folders {
+            programs: path("programs"),
+            screens: path("screens"),
+            by_name: false,
+            dialect: Dialect::LatheA,
+        });
         rig.set_drives(Some(path("prints")), Some(path("usb")));
         crate::stories::tell(&mut rig, "load O1003");
         let bench = Bench::new(rig, Page::Designer);

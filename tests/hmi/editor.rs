@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
+use kt830::defs::kind::Dialect;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::host::folders::Folders;
@@ -30,7 +31,12 @@ impl Shop {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(name), text).unwrap();
         let screens = crate::stories::folders().screens;
-        let mut rig = crate::stories::rig_in(Folders { programs: folder.path().to_owned(), screens, by_name: false });
+        let mut rig = crate::stories::rig_in(Folders {
+            programs: folder.path().to_owned(),
+            screens,
+            by_name: false,
+            dialect: Dialect::LatheA,
+        });
         crate::stories::tell(&mut rig, &format!("load {}", name.trim_end_matches(".NC")));
         Self { folder, bench: Bench::new(rig, Page::Program) }
     }

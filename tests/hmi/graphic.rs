@@ -57,7 +57,12 @@ fn b6_mistakes_and_changes_are_told() {
     bench.turn();
     assert!(bench.shows("行 2:"), "the line of the mistake");
     // Another text of the same number is drawn anew by itself.
-    bench.rig.add_program(kt830::host::folders::program_from_bytes(7_000, "O7000.NC", b"G00 X10\nM30\n".to_vec()));
+    bench.rig.add_program(kt830::host::folders::program_from_bytes(
+        7_000,
+        "O7000.NC",
+        b"G00 X10\nM30\n".to_vec(),
+        bench.rig.kind().dialect(),
+    ));
     (0..4).for_each(|_| bench.turn());
     assert!(bench.shows("检查无错误"));
 }

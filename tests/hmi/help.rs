@@ -115,7 +115,7 @@ fn b6_the_help_knows_the_g_codes_that_the_language_knows() {
     for (kind, system) in [(Kind::Lathe, Dialect::SuperMan), (Kind::Vertical, Dialect::Sinumerik)] {
         let listed: Vec<u32> = dialect_word::words_of(system).iter().filter_map(|word| word.g_code()).collect();
         for code in 0..=120 {
-            let source = std::sync::Arc::new(Source::new(1, "", format!("N0010 G{code}\n").into_bytes()));
+            let source = std::sync::Arc::new(Source::new(1, "", format!("N0010 G{code}\n").into_bytes(), system));
             let faults = check_syntax(&source, &NcSettings::for_dialect(system));
             let knows = faults.iter().all(|fault| !unknown.contains(&fault.error.number()));
             assert_eq!(listed.contains(&code), knows, "G{code} on {kind:?}");

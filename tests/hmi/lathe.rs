@@ -2,7 +2,7 @@
 
 use crate::live_screen::Bench;
 use crate::stories::{rig_of, tell};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::host::folders::Folders;
 use kt830::host::headless::HeadlessHost;
@@ -10,7 +10,12 @@ use kt830::host::headless::HeadlessHost;
 /// A ready lathe with SHAFT and its bar of 45 mm.
 fn lathe() -> HeadlessHost {
     let all = crate::stories::folders();
-    let folders = Folders { programs: all.programs.join("lathe"), screens: all.screens, by_name: true };
+    let folders = Folders {
+        programs: all.programs.join("lathe"),
+        screens: all.screens,
+        by_name: true,
+        dialect: Dialect::SuperMan,
+    };
     let mut rig = rig_of(Kind::Lathe, folders);
     let bar = rig.bar_of_program(rig.find_program("SHAFT").unwrap()).unwrap();
     rig.mount_part(&bar);

@@ -9,7 +9,7 @@ use crate::operators::{Hand, Operator};
 use egui::Key::{ArrowRight, Enter};
 use egui::Modifiers;
 use kt830::defs::key::Key;
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::host::folders::Folders;
 use kt830::io::sim::PartFile;
@@ -32,7 +32,8 @@ fn cold(kind: Kind, hand: Hand, program: u32, folder: &Path) -> Operator {
     for entry in fs::read_dir(shipped.programs).unwrap().filter_map(Result::ok).filter(|entry| entry.path().is_file()) {
         fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
     }
-    let folders = Folders { programs: folder.to_owned(), screens: shipped.screens, by_name: false };
+    let folders =
+        Folders { programs: folder.to_owned(), screens: shipped.screens, by_name: false, dialect: Dialect::LatheA };
     let mut rig = crate::stories::rig_of(kind, folders);
     rig.mount_part(&PartFile::builtin(program).unwrap().unwrap());
     Operator::new(hand, rig)

@@ -9,6 +9,7 @@ use crate::sample::busy;
 use crate::screen::{Screen, open};
 use egui::{Color32, ColorImage};
 use egui_kittest::kittest::Queryable;
+use kt830::defs::kind::Dialect;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, LocalizedText};
 use kt830::host::folders::Folders;
@@ -40,8 +41,12 @@ impl Shop {
         for name in ["C0001.TXT", "B0001.BMP"] {
             fs::copy(crate::stories::folders().screens.join(name), path("screens").join(name)).unwrap();
         }
-        let mut rig =
-            crate::stories::rig_in(Folders { programs: path("programs"), screens: path("screens"), by_name: false });
+        let mut rig = crate::stories::rig_in(Folders {
+            programs: path("programs"),
+            screens: path("screens"),
+            by_name: false,
+            dialect: Dialect::LatheA,
+        });
         rig.set_drives(Some(path("prints")), Some(path("usb")));
         let mut bench = Bench::new(rig, Page::Transfer);
         bench.turn();
@@ -332,8 +337,10 @@ fn l9_the_lathes_programs_are_listed_and_carried_by_name() {
     // No program of a lathe: it is not listed and not taken.
     fs::write(path("usb/..\\EVIL.NC"), "N0010M02\n").unwrap();
     let kind = kt830::defs::kind::Kind::Lathe;
-    let mut rig =
-        crate::stories::rig_of(kind, Folders { programs: path("lathe"), screens: path("screens"), by_name: true });
+    let mut rig = crate::stories::rig_of(
+        kind,
+        Folders { programs: path("lathe"), screens: path("screens"), by_name: true, dialect: Dialect::SuperMan },
+    );
     rig.set_drives(None, Some(path("usb")));
     let mut bench = Bench::new(rig, Page::Transfer);
     bench.turn();
@@ -481,7 +488,12 @@ fn h8_a_refusal_of_another_request_does_not_end_the_work_under_way() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("O1234.NC"), "M30\n").unwrap();
     let screens = crate::stories::folders().screens;
-    let mut rig = crate::stories::rig_in(Folders { programs: folder.path().to_owned(), screens, by_name: false });
+    let mut rig = crate::stories::rig_in(Folders {
+        programs: folder.path().to_owned(),
+        screens,
+        by_name: false,
+        dialect: Dialect::LatheA,
+    });
     crate::stories::tell(&mut rig, "param P22.5 0\nmode edit\nload O1234");
     let ticket = Ticket { requester: Requester::Directory, number: 1 };
     rig.send(Command::Page(PageCommand::File(ticket, FileRequest::Rename { from: 1_234, to: 1_235 })));

@@ -459,7 +459,12 @@ fn k5_17_a_new_wheel_blocks_cycle_start_until_it_is_dressed() {
     );
     assert_eq!(bench.rig.snapshot().state, RunState::Idle);
     // The dressing program may run, and takes the flag away at its M30.
-    let dressing = kt830::host::folders::program_from_bytes(1_011, "O1011.NC", b"G04 P100\nM30".to_vec());
+    let dressing = kt830::host::folders::program_from_bytes(
+        1_011,
+        "O1011.NC",
+        b"G04 P100\nM30".to_vec(),
+        bench.rig.kind().dialect(),
+    );
     bench.rig.add_program(dressing);
     crate::stories::tell(&mut bench.rig, "load O1011\nkey cycle-start\nwait until idle");
     assert!(is(bench.param("P6.7"), 0.0));

@@ -68,7 +68,12 @@ fn counts_as_executed(rig: &mut HeadlessHost, label: &str) {
 fn s2_the_r_page_shows_r_parameters_as_executed_in_every_tick() {
     let mut rig = vertical();
     let text = format!("R61=0\nG90 G94 F600\nAA1:R61=R61+1\nG1 G91 X-{}\nIF R61<{LOOP} GOTOB AA1\nM2", 2.0 * STEP_MM);
-    rig.add_program(folders::program_from_bytes(program_number::from_name("LOOP"), "LOOP.MPF", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("LOOP"),
+        "LOOP.MPF",
+        text.into_bytes(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "mode mdi\nmdi G90 G0 X690\nwait 2 s\nset R61 = 0\nload LOOP\nmode auto\npage grinding\nsheet 3");
     counts_as_executed(&mut rig, "R61 ");
 }
@@ -78,7 +83,7 @@ fn b3_the_macro_page_shows_variables_as_executed_in_every_tick() {
     let mut rig = ready_of(Kind::Gc);
     let text =
         format!("G61\n#100=0\nWHILE[#100 LT {LOOP}]DO1\n#100=#100+1\nG98 G01 U-{} F600\nEND1\nM30", 2.0 * STEP_MM);
-    rig.add_program(folders::program_from_bytes(7_000, "O7000.NC", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(7_000, "O7000.NC", text.into_bytes(), rig.kind().dialect()));
     tell(&mut rig, "set #100 = 0\nload O7000\nmode auto\npage macro");
     counts_as_executed(&mut rig, "#100");
 }
@@ -90,7 +95,12 @@ fn s2_the_reader_of_that_loop_is_far_ahead() {
     let mut rig = vertical();
     let text =
         format!("R61=0\nG90 G94 F600\nAA1:R61=R61+1\nG1 G91 X-{}\nIF R61<25 GOTOB AA1\nR62=1/R99\nM2", 2.0 * STEP_MM);
-    rig.add_program(folders::program_from_bytes(program_number::from_name("AHEAD"), "AHEAD.MPF", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("AHEAD"),
+        "AHEAD.MPF",
+        text.into_bytes(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "mode mdi\nmdi G90 G0 X690\nwait 2 s\nload AHEAD\nmode auto\nkey cycle-start\nwait 0.3 s");
     // 0.3 s are a few of the 25 steps, and what is shown is what is done.
     let shown = rig.snapshot().variables[661].unwrap_or_default();
@@ -184,6 +194,7 @@ fn b7_small_steps_of_a_diameter_stand_on_the_page_as_they_are() {
         program_number::from_name("FINE"),
         "FINE.MPF",
         text.as_bytes().to_vec(),
+        rig.kind().dialect(),
     ));
     tell(&mut rig, "load FINE\nmode auto\npage grinding\nkey single-block\nkey cycle-start\nwait until stopped");
     let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));

@@ -185,7 +185,7 @@ fn begin(row: &Row, kind: Kind) -> HeadlessHost {
 }
 
 fn load(rig: &mut HeadlessHost, text: &str) {
-    rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     rig.send(Command::LoadProgram(7_000));
     rig.step();
     tell(rig, "mode auto\nkey cycle-start");

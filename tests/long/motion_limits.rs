@@ -4,10 +4,10 @@
 //! contour directly; nothing of the planner's own arithmetic is used. Source: spec, motion, the property test.
 
 use kt830::motion::{
-    ArcDirection, AxisLimits, CornerMode, MAX_WORK_PER_TICK, MotionLimits, MotionPlane, MotionSpeed, Move, MoveShape,
-    Override, TrajectoryPlanner,
+    ArcDirection, AxisLimits, CornerMode, MAX_WORK_PER_TICK, MotionLimits, MotionSpeed, Move, MoveShape, Override,
+    TrajectoryPlanner,
 };
-use kt830::units::PerAxis;
+use kt830::units::{PerAxis, Plane};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -79,7 +79,7 @@ struct Arc {
 }
 
 impl Arc {
-    fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: MotionPlane, turn: ArcDirection) -> Self {
+    fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: Plane, turn: ArcDirection) -> Self {
         let (a, b, c) = plane.axes();
         let axes = [a, b, c].map(|axis| axis as usize);
         let polar = |q: [f64; 3]| (q[axes[1]] - center[axes[1]]).atan2(q[axes[0]] - center[axes[0]]);
@@ -149,7 +149,7 @@ impl Witness {
 #[derive(Clone, Debug)]
 struct Leg {
     by: [f64; 3],
-    arc: Option<(f64, bool, MotionPlane, bool)>,
+    arc: Option<(f64, bool, Plane, bool)>,
     rapid: bool,
     feed: f64,
     exact: bool,
@@ -165,7 +165,7 @@ fn length() -> impl Strategy<Value = f64> {
 }
 
 fn leg() -> impl Strategy<Value = Leg> {
-    let plane = prop_oneof![Just(MotionPlane::Zx), Just(MotionPlane::Xy), Just(MotionPlane::Yz)];
+    let plane = prop_oneof![Just(Plane::Zx), Just(Plane::Xy), Just(Plane::Yz)];
     let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>(), plane, any::<bool>()).prop_map(Some)];
     let by = (length(), length(), length(), any::<bool>());
     (by, arc, 0..8_u8, 5.0..200.0_f64, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {

@@ -82,7 +82,7 @@ fn slow_ticks() -> HeadlessHost {
     let setup = HostSetup { kind: Kind::Gc, retained, store: None, folders: crate::stories::folders(), seed: 1 };
     let mut rig = HeadlessHost::new(setup).unwrap();
     rig.make_ready();
-    rig.add_program(program_from_bytes(7_000, "O7000.NC", INFEED.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", INFEED.as_bytes().to_vec(), rig.kind().dialect()));
     tell(&mut rig, "load O7000");
     rig
 }

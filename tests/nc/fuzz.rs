@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use kt830::defs::kind::Dialect;
 use kt830::defs::text::Lang;
 use kt830::nc::{
     Block, CommonVariables, EmptyLibrary, Interpreter, Library, NcSettings, NextStatus, OfflineMachine, Op, Source,
@@ -12,7 +13,7 @@ use proptest::prelude::*;
 
 fn start(text: &[u8], settings: NcSettings) -> (Interpreter, OfflineMachine, Block) {
     let (world, block) = (OfflineMachine::new(&settings), Block::new(&settings));
-    let source = Arc::new(Source::new(1001, "O1001.NC", text));
+    let source = Arc::new(Source::new(1001, "O1001.NC", text, settings.dialect));
     (Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default()), world, block)
 }
 
@@ -23,7 +24,7 @@ proptest! {
     fn b1_any_bytes_neither_panic_nor_hang(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         exercise(&bytes);
         let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
-        let source = Arc::new(Source::new(1, "", bytes));
+        let source = Arc::new(Source::new(1, "", bytes, Dialect::LatheA));
         let checked = check(&source, &library, &NcSettings::lathe_a());
         prop_assert!(checked.lines <= 200);
     }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use kt830::defs::kind::Dialect;
 use kt830::defs::text::Lang;
 use kt830::nc::{CheckReport, CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, Source, check_with};
 
@@ -40,11 +41,11 @@ fn run_as(path: &Path, settings: Option<NcSettings>) -> (String, CheckReport) {
         .iter()
         .filter_map(|path| {
             let number = path.file_stem()?.to_str()?.strip_prefix('O')?.parse().ok()?;
-            Some((number, Arc::new(Source::new(number, "", std::fs::read(path).unwrap()))))
+            Some((number, Arc::new(Source::new(number, "", std::fs::read(path).unwrap(), settings.dialect))))
         })
         .collect();
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(library));
-    let source = Arc::new(Source::new(1001, path.file_name().unwrap().to_string_lossy(), bytes));
+    let source = Arc::new(Source::new(1001, path.file_name().unwrap().to_string_lossy(), bytes, settings.dialect));
     let mut world = OfflineMachine::new(&settings);
     let mut ops = String::new();
     let checked = check_with(&source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
@@ -136,7 +137,7 @@ fn l1_remedies_name_what_this_language_has() {
     for (block, en, zh) in rows {
         let text = format!("N0010G01U-1F300\nN0015M03\nN0020{block}\nN0030M02\n");
         let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
-        let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes()));
+        let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes(), Dialect::SuperMan));
         let checked = kt830::nc::check(&source, &library, &NcSettings::superman());
         let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
         assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
@@ -145,7 +146,7 @@ fn l1_remedies_name_what_this_language_has() {
     // 256 loops one in the other.
     let text = format!("{}{}N0003M02\n", "N0001G22L0001\n".repeat(256), "N0002G80\n".repeat(256));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
-    let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes()));
+    let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes(), Dialect::SuperMan));
     let checked = kt830::nc::check(&source, &library, &NcSettings::superman());
     assert_eq!(checked.faults[0].cause(Lang::En), "G22 nested deeper than 255");
     assert_eq!(checked.faults[0].cause(Lang::Zh), "G22 嵌套超过 255 层");

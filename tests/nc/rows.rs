@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use kt830::defs::kind::Dialect;
 use kt830::defs::text::Lang;
 use kt830::nc::{
     Block, CommonVariables, EmptyLibrary, ExternalState, Feed, Interpreter, Library, LiveValue, NcSettings, NextStatus,
@@ -11,7 +12,7 @@ use kt830::units::{Axis, PerAxis};
 
 fn start(text: impl Into<Vec<u8>>, settings: NcSettings) -> (Interpreter, OfflineMachine, Block) {
     let (world, block) = (OfflineMachine::new(&settings), Block::new(&settings));
-    let source = Arc::new(Source::new(1001, "O1001.NC", text.into()));
+    let source = Arc::new(Source::new(1001, "O1001.NC", text.into(), settings.dialect));
     (Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default()), world, block)
 }
 
@@ -58,7 +59,7 @@ fn b2_blanks_and_comments_may_stand_behind_every_statement() {
 #[test]
 fn b3_null_reads_as_zero_in_arithmetic_and_the_check_warns() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
-    let source = Arc::new(Source::new(1001, "", "#100=#110-#162\nM30\n".as_bytes().to_vec()));
+    let source = Arc::new(Source::new(1001, "", "#100=#110-#162\nM30\n".as_bytes().to_vec(), Dialect::LatheA));
     let checked = check(&source, &library, &NcSettings::lathe_a());
     assert!(checked.faults.is_empty());
     let warning = checked.warnings.first().unwrap().text(Lang::En);
@@ -70,7 +71,7 @@ fn b3_null_reads_as_zero_in_arithmetic_and_the_check_warns() {
 fn b3_what_empty_variables_cause_is_a_warning_of_the_check_and_a_fault_of_the_run() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "G98 G1 X10 F#526\nX9\nG4 X#528\n#100=1/#529\nM30\n";
-    let source = Arc::new(Source::new(1001, "", text.as_bytes().to_vec()));
+    let source = Arc::new(Source::new(1001, "", text.as_bytes().to_vec(), Dialect::LatheA));
     let checked = check(&source, &library, &NcSettings::lathe_a());
     assert!(checked.faults.is_empty(), "{:?}", checked.faults);
     let alarms: Vec<_> = checked.warnings.iter().map(|fault| (fault.location.line, fault.alarm())).collect();
@@ -137,7 +138,7 @@ fn b1_a_mark_of_utf8_and_comment_lines_may_stand_before_the_first_block() {
 fn b1_gbk_comments_are_read_and_columns_count_characters() {
     // 外圆 in GBK.
     let mut text = b"O1001 (\xcd\xe2\xd4\xb2)\nG0 (\xcd\xe2\xd4\xb2) X1 Q9\n".to_vec();
-    let source = Source::new(1001, "", text.clone());
+    let source = Source::new(1001, "", text.clone(), Dialect::LatheA);
     assert_eq!(source.comment_title().as_deref(), Some("外圆"));
     assert_eq!(source.line(2).as_deref(), Some("G0 (外圆) X1 Q9"));
     let fault = run_with(text.clone(), NcSettings::lathe_a()).unwrap_err();
@@ -363,7 +364,11 @@ fn t4_the_json_form_is_radius_mm_with_the_named_keys() {
 fn t4_the_check_measures_way_time_and_extents() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "G98 G0 X20\nG1 Z-30 F60\nG02 X20 Z-30 K-5\nM30\n";
-    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &NcSettings::lathe_a());
+    let checked = check(
+        &Arc::new(Source::new(1, "", text.as_bytes().to_vec(), Dialect::LatheA)),
+        &library,
+        &NcSettings::lathe_a(),
+    );
     assert!(checked.faults.is_empty() && checked.finished);
     let circle = std::f64::consts::TAU * 5.0;
     assert!((checked.length_mm - (10.0 + 30.0 + circle)).abs() < 1e-9);
@@ -377,7 +382,11 @@ fn t4_the_check_measures_way_time_and_extents() {
 fn t4_the_check_leaves_a_loop_that_waits_for_the_machine() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "WHILE[#1003 EQ 0]DO1\nEND1\nG0 X5 Q1\nM30\n";
-    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &NcSettings::lathe_a());
+    let checked = check(
+        &Arc::new(Source::new(1, "", text.as_bytes().to_vec(), Dialect::LatheA)),
+        &library,
+        &NcSettings::lathe_a(),
+    );
     assert_eq!(checked.warnings.len(), 1);
     assert!(checked.faults[0].text(Lang::En).starts_with("O0001 line 3, column 7: unknown word 'Q1'"));
 }
@@ -387,7 +396,11 @@ fn k4_3_the_check_goes_through_waits_for_the_ends_of_a_stroke() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "G98\nG35 Z-10 Q10\n#1=0\nWHILE[#1 LT 3]DO1\nN10 IF[#438 EQ 0]GOTO 10\nG01 U-1 F60\n\
                 N20 IF[#439 EQ 0]GOTO 20\n#1=#1+1\nEND1\nG36\nM30\n";
-    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &NcSettings::lathe_a());
+    let checked = check(
+        &Arc::new(Source::new(1, "", text.as_bytes().to_vec(), Dialect::LatheA)),
+        &library,
+        &NcSettings::lathe_a(),
+    );
     assert!(checked.faults.is_empty() && checked.warnings.is_empty() && checked.finished);
     // Three infeeds of 1 mm of diameter.
     assert!((checked.length_mm - 1.5).abs() < 1e-9, "{}", checked.length_mm);
@@ -418,7 +431,8 @@ fn b3_comments_may_stand_before_numbers_and_statements() {
 #[test]
 fn b3_g66_is_not_lost_where_a_move_and_a_call_share_a_block() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Twice);
-    let source = Arc::new(Source::new(1, "", "G66 P9000\nG0 X1 M98 P9000\nG67\nM30\n".as_bytes().to_vec()));
+    let source =
+        Arc::new(Source::new(1, "", "G66 P9000\nG0 X1 M98 P9000\nG67\nM30\n".as_bytes().to_vec(), Dialect::LatheA));
     let checked = check(&source, &library, &NcSettings::lathe_a());
     assert!(
         checked.faults[0].text(Lang::En).starts_with("O0001 line 2, column 11: G66 and M cannot stand in one block")
@@ -442,7 +456,7 @@ struct Twice;
 
 impl Library for Twice {
     fn find(&self, number: u32) -> Option<Arc<Source>> {
-        Some(Arc::new(Source::new(number, "", "M99\n".as_bytes().to_vec())))
+        Some(Arc::new(Source::new(number, "", "M99\n".as_bytes().to_vec(), Dialect::LatheA)))
     }
 }
 

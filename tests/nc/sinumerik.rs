@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use kt830::defs::kind::Dialect;
 use kt830::defs::program_number;
 use kt830::defs::text::Lang;
 use kt830::nc::{CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Source, check_with};
@@ -29,7 +30,7 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
 fn source(path: &Path) -> Arc<Source> {
     let name = path.file_name().unwrap().to_str().unwrap();
     let number = program_number::from_name(program_number::stem(name));
-    Arc::new(Source::new(number, name.to_uppercase(), std::fs::read(path).unwrap()))
+    Arc::new(Source::new(number, name.to_uppercase(), std::fs::read(path).unwrap(), Dialect::Sinumerik))
 }
 
 fn run(source: &Arc<Source>) -> (String, CheckReport) {
@@ -105,7 +106,8 @@ fn s1_remedies_name_what_this_language_has() {
         ("IF: R1=1", "and is no word of the language", "且不能是指令字"),
     ];
     for (block, en, zh) in rows {
-        let (_, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", format!("{block}\nM2\n").into_bytes())));
+        let (_, checked) =
+            run(&Arc::new(Source::new(7_000, "T.MPF", format!("{block}\nM2\n").into_bytes(), Dialect::Sinumerik)));
         let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
         assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
         assert!(fault.remedy(Lang::Zh).contains(zh), "{block}: {}", fault.remedy(Lang::Zh));
@@ -114,7 +116,8 @@ fn s1_remedies_name_what_this_language_has() {
 
 #[test]
 fn s1_exp_is_the_inverse_of_ln() {
-    let (ops, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", b"R1=LN(EXP(2))\nR2=EXP(0)\nM2\n".to_vec())));
+    let (ops, checked) =
+        run(&Arc::new(Source::new(7_000, "T.MPF", b"R1=LN(EXP(2))\nR2=EXP(0)\nM2\n".to_vec(), Dialect::Sinumerik)));
     assert_eq!(mistakes(&checked), [""; 0]);
     assert!(ops.contains("set variable=601 value=2\n") && ops.contains("set variable=602 value=1\n"), "{ops}");
 }

@@ -210,7 +210,7 @@ impl ProgramRun {
         if let Some(QueueItem::Move(next)) = self.queue.front()
             && let MoveShape::Arc { plane, .. } = next.shape
         {
-            let (first, second, _) = plane.axes();
+            let (first, second) = plane.axes();
             let mut start = begin;
             for axis in [first, second].into_iter().filter(|axis| !next.follows_manual_shift(*axis)) {
                 start[axis] = parted.start[axis];
@@ -259,7 +259,8 @@ impl PlannedMove {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::{ArcDirection, MotionPlane};
+    use crate::motion::ArcDirection;
+    use crate::units::Plane;
 
     fn line(to: [f64; 3], words: &[Axis], incremental: &[Axis]) -> PlannedMove {
         let set = |axes: &[Axis]| {
@@ -288,13 +289,12 @@ mod tests {
     fn k6_3_the_centre_of_an_incremental_arc_goes_with_it() {
         let mut shift = PerAxis([-0.05, 0.0, 0.0]);
         let mut arc = line([0.0, 0.0, 10.0], &[Axis::X, Axis::Z], &[Axis::X, Axis::Z]);
-        arc.shape =
-            MoveShape::Arc { center: PerAxis([5.0, 0.0, 5.0]), plane: MotionPlane::Zx, direction: ArcDirection::Cw };
+        arc.shape = MoveShape::Arc { center: PerAxis([5.0, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw };
         arc.shift(&mut shift);
         assert_eq!(arc.to, PerAxis([-0.05, 0.0, 10.0]));
         assert_eq!(
             arc.shape,
-            MoveShape::Arc { center: PerAxis([4.95, 0.0, 5.0]), plane: MotionPlane::Zx, direction: ArcDirection::Cw }
+            MoveShape::Arc { center: PerAxis([4.95, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw }
         );
     }
 }

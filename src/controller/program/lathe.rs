@@ -11,6 +11,7 @@ use crate::defs::param;
 use crate::defs::text::LocalizedText;
 use crate::machine::RequestResult;
 use crate::motion::{ThreadMover, ThreadPass};
+use crate::nc::ThreadMove;
 use crate::units::Axis;
 
 impl ProgramRun {
@@ -26,7 +27,7 @@ impl ProgramRun {
             plant.raise(alarm::SPINDLE_NOT_TURNING, Some(thread_location(plant)));
             return ActionStatus::Wait;
         }
-        let (rpm, limit) = (plant.spindles.encoder.rpm.abs(), max_thread_rpm(thread.lead_mm));
+        let (rpm, limit) = (plant.spindles.encoder.rpm.abs(), ThreadMove::max_spindle_rpm(thread.lead_mm));
         // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
             let (at, lead_mm) = (thread_location(plant), thread.lead_mm);
@@ -97,11 +98,6 @@ impl ProgramRun {
         }
         ActionStatus::Wait
     }
-}
-
-/// The highest spindle speed for a lead, rpm.
-fn max_thread_rpm(lead_mm: f64) -> f64 {
-    1_200.0 / lead_mm - 80.0
 }
 
 /// Program, line and column of the thread code, or of its block if the code is modal from an earlier block.

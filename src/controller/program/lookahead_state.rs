@@ -5,17 +5,20 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::move_refusal::MoveRefusal;
-use super::queue::{MCall, NamedAxes, PlannedMove, ProgrammedFeed, QueueItem, QueuedAction, check_soft_limits};
+use super::queue::{MCall, PlannedMove, ProgrammedFeed, QueueItem, QueuedAction, check_soft_limits};
 use crate::controller::axes::oscillation::{MIN_STROKE_MM, OscillationStroke};
 use crate::controller::plant::offset_in_range;
 use crate::defs::kind::{Dialect, Kind};
-use crate::defs::mcode;
 use crate::defs::param::{self, Params};
 use crate::defs::text::LocalizedText;
 use crate::link::edit::OffsetPart;
-use crate::motion::{ArcDirection, CornerMode, MotionPlane, MoveShape, ThreadPass};
+use crate::motion::{ArcDirection, CornerMode, MoveShape, ThreadPass};
+use crate::nc::op_effect::WorkMove;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{self, AxisSet, BlockLocation, Feed, Op, PathMode, REFERENCE_POINTS, WorkOffsets};
+use crate::nc::{
+    ArcMove, AxisSet, BlockLocation, CoordinateChange, Feed, Op, OpEffect, OpMotion, OscillationChange, PathMode,
+    ProgramMessage, REFERENCE_POINTS, ThreadMove, WorkOffsets,
+};
 use crate::units::{Axis, PerAxis};
 
 /// Work offsets, position and modal state at the end of the blocks read so far.
@@ -62,203 +65,193 @@ impl LookaheadState {
         items: &mut VecDeque<QueueItem>,
         params: &Params,
     ) -> Result<(), MoveRefusal> {
-        let act = match op {
-            Op::Rapid { to, feed, words, incremental } => {
-                let speed = feed.map_or(ProgrammedFeed::Rapid, speed);
-                return self.queue_line(*to, speed, (*words, *incremental), items, params);
-            }
-            Op::Feed { to, feed, words, incremental } => {
-                return self.queue_line(*to, speed(*feed), (*words, *incremental), items, params);
-            }
-            Op::Arc { .. } => return self.queue_arc(op, items, params),
-            Op::MachineMove { to, feed } => {
-                let mut named = AxisSet::NONE;
-                to.iter().filter(|(_, to)| to.is_some()).for_each(|(axis, _)| named.insert(axis));
-                let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine_position[axis]));
-                let speed = feed.map_or(ProgrammedFeed::Rapid, speed);
-                return self.queue_move(
-                    PlannedMove::new(target, MoveShape::Line, speed, (named, AxisSet::NONE)),
-                    items,
-                    params,
-                );
-            }
-            Op::ReturnToReference { number, via, words, incremental } => {
-                self.queue_line(*via, ProgrammedFeed::Rapid, (*words, *incremental), items, params)?;
-                let at = reference_points(params)[usize::from(*number).clamp(1, REFERENCE_POINTS) - 1];
-                let to =
-                    PerAxis::from_fn(|axis| if words.contains(axis) { at[axis] } else { self.machine_position[axis] });
-                let named = (*words, AxisSet::NONE);
-                return self.queue_move(
-                    PlannedMove::new(to, MoveShape::Line, ProgrammedFeed::Rapid, named),
-                    items,
-                    params,
-                );
-            }
-            Op::Skip { to, feed, signal, words, incremental } => {
-                self.queue_line(*to, speed(*feed), (*words, *incremental), items, params)?;
-                let Some(QueueItem::Move(planned)) = items.pop_back() else { return Ok(()) };
-                QueuedAction::Skip(Box::new(planned), *signal)
-            }
-            Op::AddWear { .. }
-            | Op::DressReturn { .. }
-            | Op::OscillationOn { .. }
-            | Op::OscillationOff
-            | Op::Gauge(_) => return self.queue_grinding_op(op, items, params),
-            Op::Thread(_) | Op::HomeSwitch { .. } | Op::IndexTurret { .. } => {
-                return self.queue_lathe_op(op, items, params);
-            }
-            Op::SetPathMode(mode) => {
-                self.path = *mode;
+        let act = match op.effect() {
+            OpEffect::Motion(motion) => return self.queue_motion(motion, items, params),
+            OpEffect::IndexTurret { station, by } => return self.queue_turret(station, by, items, params),
+            OpEffect::PathMode(mode) => {
+                self.path = mode;
                 return Ok(());
             }
-            Op::SelectWorkOffset { g } => {
-                Arc::make_mut(&mut self.work_offsets).activate(*g);
-                QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))
+            OpEffect::Coordinates(change) => self.change_coordinates(change, params)?,
+            OpEffect::Oscillation(change) => self.change_oscillation(change, params)?,
+            OpEffect::MCode(words) => {
+                let call = MCall::new(self.dialect, &words).ok_or(MoveRefusal::Unsupported(words.code))?;
+                QueuedAction::MCode(call)
             }
-            Op::SetCoordinateSystem { values } => QueuedAction::SetCoordinateSystem(*values),
-            Op::T { tool, offset } => {
-                Arc::make_mut(&mut self.work_offsets).call_tool(*tool, *offset);
-                QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))
+            OpEffect::Speed(value, mode) => QueuedAction::WheelSpeed(value, mode),
+            OpEffect::SpeedLimit(rpm) => QueuedAction::WheelSpeedLimit(rpm),
+            OpEffect::Dwell(seconds) => QueuedAction::Dwell(seconds),
+            OpEffect::Variable(variable, value) => QueuedAction::SetVariable(variable, value),
+            OpEffect::SystemVariable(number, value) => QueuedAction::SetSystemVariable(number, value),
+            OpEffect::Message(message) => {
+                let said = |text: &str| LocalizedText::new(text, text);
+                match message {
+                    ProgramMessage::Alarm(number, text) => QueuedAction::Alarm(number as u16, said(text), at),
+                    ProgramMessage::Show(text) => QueuedAction::Note(said(text)),
+                    ProgramMessage::Stop(_, text) => QueuedAction::Message(said(text)),
+                }
             }
-            Op::M { code, s, p, l } => {
-                let row = mcode::find_in(self.dialect, u16::from(*code)).ok_or(MoveRefusal::Unsupported(*code))?;
-                QueuedAction::MCode(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
-            }
-            Op::S { value, mode } => QueuedAction::WheelSpeed(*value, *mode),
-            Op::SpeedLimit { rpm } => QueuedAction::WheelSpeedLimit(*rpm),
-            Op::Dwell { s } => QueuedAction::Dwell(*s),
-            Op::SetVariable { variable, value } => QueuedAction::SetVariable(*variable, *value),
-            Op::SetSystemVariable { number, value } => QueuedAction::SetSystemVariable(*number, *value),
-            Op::Alarm { number, text } => QueuedAction::Alarm(*number as u16, LocalizedText::new(&**text, &**text), at),
-            Op::DisplayMessage { text } => QueuedAction::Note(LocalizedText::new(&**text, &**text)),
-            Op::StopWithMessage { text, .. } => QueuedAction::Message(LocalizedText::new(&**text, &**text)),
         };
         items.push_back(QueueItem::Action(act));
         Ok(())
     }
 
-    /// The grinding functions (K4).
-    fn queue_grinding_op(
+    fn queue_motion(
         &mut self,
-        op: &Op,
+        motion: OpMotion<'_>,
         items: &mut VecDeque<QueueItem>,
         params: &Params,
     ) -> Result<(), MoveRefusal> {
-        let act = match op {
-            Op::AddWear { number, by } => {
-                Arc::make_mut(&mut self.work_offsets).add_wear(*number, *by);
-                // K4.1: the same range as on the offset page.
-                let wear = self.work_offsets.wear[usize::from(*number).clamp(1, TOOL_OFFSET_COUNT) - 1];
-                let shown =
-                    |axis: Axis| if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 };
-                if let Some(axis) = by
-                    .iter()
-                    .map(|(axis, _)| axis)
-                    .find(|axis| !offset_in_range(OffsetPart::Wear, wear[*axis] * shown(*axis)))
-                {
-                    return Err(MoveRefusal::WearOutOfRange(axis, wear[axis]));
-                }
-                QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))
+        match motion {
+            OpMotion::Work(by) => self.queue_work_move(by, items, params),
+            OpMotion::Machine { to, feed } => {
+                let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine_position[axis]));
+                let named = (motion.named_axes(), AxisSet::NONE);
+                self.queue_move(PlannedMove::new(target, MoveShape::Line, speed(feed), named), items, params)
             }
-            Op::Gauge(gauging) => {
+            OpMotion::Reference { number, via, words, incremental } => {
+                let target = self.machine_target(via, words);
+                let named = (words, incremental);
+                let rapid = ProgrammedFeed::Rapid;
+                self.queue_move(PlannedMove::new(target, MoveShape::Line, rapid, named), items, params)?;
+                let at = reference_points(params)[usize::from(number).clamp(1, REFERENCE_POINTS) - 1];
+                let to =
+                    PerAxis::from_fn(|axis| if words.contains(axis) { at[axis] } else { self.machine_position[axis] });
+                let named = (words, AxisSet::NONE);
+                self.queue_move(PlannedMove::new(to, MoveShape::Line, rapid, named), items, params)
+            }
+            OpMotion::DressPoint { axes, feed } => self.queue_dress_return(axes, feed, items, params),
+            OpMotion::Gauge(gauging) => {
                 let mut asked = *gauging;
                 asked.to += self.work_offsets.machine_minus_work(asked.axis);
                 if self.oscillating == Some(asked.axis) {
                     return Err(MoveRefusal::Oscillating(asked.axis));
                 }
                 check_soft_limits(asked.axis, asked.to, params)?;
-                QueuedAction::Gauge(asked)
+                items.push_back(QueueItem::Action(QueuedAction::Gauge(asked)));
+                Ok(())
             }
-            Op::OscillationOn { stroke: None, .. } => QueuedAction::Cylinder(true),
-            Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min } => {
-                let to = to + self.work_offsets.machine_minus_work(*axis);
-                if let Some(other) = self.oscillating {
-                    return Err(MoveRefusal::Oscillating(other));
-                }
-                if (to - self.machine_position[*axis]).abs() < MIN_STROKE_MM {
-                    return Err(MoveRefusal::NoStroke(*axis));
-                }
-                check_soft_limits(*axis, to, params)?;
-                self.oscillating = Some(*axis);
-                QueuedAction::Oscillate(OscillationStroke {
-                    axis: *axis,
-                    to,
-                    ramp_ms: *ramp_ms,
-                    strokes_min: *strokes_min,
-                })
-            }
-            Op::OscillationOff => {
-                self.oscillating = None;
-                QueuedAction::Cylinder(false)
-            }
-            Op::DressReturn { axes, feed } => return self.queue_dress_return(*axes, *feed, items, params),
-            _ => return Ok(()),
-        };
-        items.push_back(QueueItem::Action(act));
-        Ok(())
-    }
-
-    /// The lathe's functions (L5, L6, L8).
-    fn queue_lathe_op(&mut self, op: &Op, items: &mut VecDeque<QueueItem>, params: &Params) -> Result<(), MoveRefusal> {
-        match op {
-            Op::Thread(threading) => {
-                let (out, to) = (
-                    self.work_offsets.machine_from_work(threading.run_out_start),
-                    self.work_offsets.machine_from_work(threading.to),
-                );
-                let (out, to) = (self.with_y(out), self.with_y(to));
-                for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.soft_limits_active) {
-                    check_soft_limits(axis, out[axis], params)?;
-                    check_soft_limits(axis, to[axis], params)?;
-                }
-                self.machine_position = to;
-                items.push_back(QueueItem::Action(QueuedAction::Thread(ThreadPass {
-                    run_out_start: out,
-                    run_out_end: to,
-                    lead_mm: threading.lead_mm,
-                })));
-            }
-            Op::HomeSwitch { axes } => {
+            OpMotion::Thread(threading) => self.queue_thread(threading, items, params),
+            OpMotion::HomeSwitch(axes) => {
                 for axis in axes.iter() {
                     self.machine_position[axis] = params.get_axis(param::HOME_X, axis);
                     items.push_back(QueueItem::Action(QueuedAction::Home(axis)));
                 }
+                Ok(())
             }
-            Op::IndexTurret { station, by } => {
-                Arc::make_mut(&mut self.work_offsets).change_tool(*station, *by);
-                items.push_back(QueueItem::Action(QueuedAction::IndexTurret(*station)));
-                items.push_back(QueueItem::Action(QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))));
-                let Some(by) = by else { return Ok(()) };
-                let to = PerAxis::from_fn(|axis| self.machine_position[axis] + by[axis]);
-                let both = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
-                return self.queue_move(
-                    PlannedMove::new(to, MoveShape::Line, ProgrammedFeed::Rapid, (both, both)),
-                    items,
-                    params,
-                );
-            }
-            _ => {}
+        }
+    }
+
+    /// A line or arc to a work coordinate.
+    fn queue_work_move(
+        &mut self,
+        by: WorkMove,
+        items: &mut VecDeque<QueueItem>,
+        params: &Params,
+    ) -> Result<(), MoveRefusal> {
+        let target = self.machine_target(by.to, by.words);
+        let shape = match by.arc {
+            None => MoveShape::Line,
+            Some(ArcMove { center, plane, turn }) => MoveShape::Arc {
+                center: self.work_offsets.machine_from_work(center),
+                plane,
+                direction: if turn > 0 { ArcDirection::Ccw } else { ArcDirection::Cw },
+            },
+        };
+        let planned = PlannedMove::new(target, shape, speed(by.feed), (by.words, by.incremental));
+        self.queue_move(planned, items, params)?;
+        if let Some(signal) = by.skip_signal
+            && let Some(QueueItem::Move(planned)) = items.pop_back()
+        {
+            items.push_back(QueueItem::Action(QueuedAction::Skip(Box::new(planned), signal)));
         }
         Ok(())
+    }
+
+    /// G50 takes the position when it is executed; the other changes act at once.
+    fn change_coordinates(
+        &mut self,
+        change: CoordinateChange<'_>,
+        params: &Params,
+    ) -> Result<QueuedAction, MoveRefusal> {
+        if let CoordinateChange::Set(values) = change {
+            return Ok(QueuedAction::SetCoordinateSystem(*values));
+        }
+        change.apply(Arc::make_mut(&mut self.work_offsets), self.machine_position);
+        if let CoordinateChange::AddWear { number, by } = change {
+            // K4.1: the same range as on the offset page.
+            let wear = self.work_offsets.wear[usize::from(number).clamp(1, TOOL_OFFSET_COUNT) - 1];
+            let shown = |axis: Axis| if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 };
+            let in_range = |axis: Axis| offset_in_range(OffsetPart::Wear, wear[axis] * shown(axis));
+            if let Some((axis, _)) = by.iter().find(|(axis, _)| !in_range(*axis)) {
+                return Err(MoveRefusal::WearOutOfRange(axis, wear[axis]));
+            }
+        }
+        Ok(QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets)))
+    }
+
+    fn change_oscillation(&mut self, change: OscillationChange, params: &Params) -> Result<QueuedAction, MoveRefusal> {
+        match change {
+            OscillationChange::Cylinder { .. } => Ok(QueuedAction::Cylinder(true)),
+            OscillationChange::Off => {
+                self.oscillating = None;
+                Ok(QueuedAction::Cylinder(false))
+            }
+            OscillationChange::Axis { axis, to, ramp_ms, strokes_min } => {
+                let to = to + self.work_offsets.machine_minus_work(axis);
+                if let Some(other) = self.oscillating {
+                    return Err(MoveRefusal::Oscillating(other));
+                }
+                if (to - self.machine_position[axis]).abs() < MIN_STROKE_MM {
+                    return Err(MoveRefusal::NoStroke(axis));
+                }
+                check_soft_limits(axis, to, params)?;
+                self.oscillating = Some(axis);
+                Ok(QueuedAction::Oscillate(OscillationStroke { axis, to, ramp_ms, strokes_min }))
+            }
+        }
+    }
+
+    /// A thread and its run-out (L5).
+    fn queue_thread(
+        &mut self,
+        threading: &ThreadMove,
+        items: &mut VecDeque<QueueItem>,
+        params: &Params,
+    ) -> Result<(), MoveRefusal> {
+        let out = self.with_y(self.work_offsets.machine_from_work(threading.run_out_start));
+        let to = self.with_y(self.work_offsets.machine_from_work(threading.to));
+        for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.soft_limits_active) {
+            check_soft_limits(axis, out[axis], params)?;
+            check_soft_limits(axis, to[axis], params)?;
+        }
+        self.machine_position = to;
+        let pass = ThreadPass { run_out_start: out, run_out_end: to, lead_mm: threading.lead_mm };
+        items.push_back(QueueItem::Action(QueuedAction::Thread(pass)));
+        Ok(())
+    }
+
+    /// Turns the tool turret. With compensation the slides move in X and Z (L8).
+    fn queue_turret(
+        &mut self,
+        station: u8,
+        by: Option<PerAxis<f64>>,
+        items: &mut VecDeque<QueueItem>,
+        params: &Params,
+    ) -> Result<(), MoveRefusal> {
+        Arc::make_mut(&mut self.work_offsets).change_tool(station, by);
+        items.push_back(QueueItem::Action(QueuedAction::IndexTurret(station)));
+        items.push_back(QueueItem::Action(QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))));
+        let Some(by) = by else { return Ok(()) };
+        let to = PerAxis::from_fn(|axis| self.machine_position[axis] + by[axis]);
+        let named = (AxisSet::XZ, AxisSet::XZ);
+        self.queue_move(PlannedMove::new(to, MoveShape::Line, ProgrammedFeed::Rapid, named), items, params)
     }
 
     /// The position with Y unchanged from the read-ahead position.
     fn with_y(&self, mut at: PerAxis<f64>) -> PerAxis<f64> {
         at[Axis::Y] = self.machine_position[Axis::Y];
         at
-    }
-
-    /// A straight line to a work coordinate.
-    fn queue_line(
-        &mut self,
-        to: PerAxis<f64>,
-        speed: ProgrammedFeed,
-        named: NamedAxes,
-        items: &mut VecDeque<QueueItem>,
-        params: &Params,
-    ) -> Result<(), MoveRefusal> {
-        let target = self.machine_target(to, named.0);
-        self.queue_move(PlannedMove::new(target, MoveShape::Line, speed, named), items, params)
     }
 
     /// Machine coordinates of a target; axes that the block does not program stay where they are.
@@ -285,20 +278,6 @@ impl LookaheadState {
         let pushed = self.queue_move(planned, items, params);
         self.path = path;
         pushed
-    }
-
-    fn queue_arc(&mut self, op: &Op, items: &mut VecDeque<QueueItem>, params: &Params) -> Result<(), MoveRefusal> {
-        let Op::Arc { to, center, plane, turn, feed, words, incremental } = op else { return Ok(()) };
-        let target = self.machine_target(*to, *words);
-        let center = self.work_offsets.machine_from_work(*center);
-        let plane = match plane {
-            nc::ArcPlane::Xy => MotionPlane::Xy,
-            nc::ArcPlane::Zx => MotionPlane::Zx,
-            nc::ArcPlane::Yz => MotionPlane::Yz,
-        };
-        let turn = if *turn > 0 { ArcDirection::Ccw } else { ArcDirection::Cw };
-        let shape = MoveShape::Arc { center, plane, direction: turn };
-        self.queue_move(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
     }
 
     fn queue_move(
@@ -333,9 +312,10 @@ pub fn reference_points(params: &Params) -> [PerAxis<f64>; REFERENCE_POINTS] {
         .map(|x| PerAxis::from_fn(|axis| params.get_axis(x, axis)))
 }
 
-const fn speed(feed: Feed) -> ProgrammedFeed {
+const fn speed(feed: Option<Feed>) -> ProgrammedFeed {
     match feed {
-        Feed::PerMinute(mm_min) => ProgrammedFeed::PerMinute(mm_min),
-        Feed::PerRev(mm) => ProgrammedFeed::PerRev(mm),
+        None => ProgrammedFeed::Rapid,
+        Some(Feed::PerMinute(mm_min)) => ProgrammedFeed::PerMinute(mm_min),
+        Some(Feed::PerRev(mm)) => ProgrammedFeed::PerRev(mm),
     }
 }

@@ -85,14 +85,14 @@ impl Program {
             return plant.refuse(why);
         }
         if matches!(plant.request(Request::MdiStart), RequestResult::Accepted) {
-            let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
+            let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind_row.dialect));
             self.open_run(plant, source, Origin::Mdi);
         }
     }
 
     /// Checks the first block of the line from the present machine position.
     fn check_mdi(&self, plant: &Plant, line: &str) -> Result<(), LocalizedText> {
-        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
+        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind_row.dialect));
         let settings = NcSettings { needs_block_numbers: false, ..nc_settings(plant.kind_row.kind, &plant.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
         let mut frames = plant.work.offsets.clone();

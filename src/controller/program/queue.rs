@@ -6,11 +6,12 @@ use std::sync::Arc;
 use super::move_refusal::MoveRefusal;
 use crate::controller::axes::oscillation::OscillationStroke;
 use crate::controller::axes::{SECONDS_PER_MINUTE, soft_limits};
-use crate::defs::mcode::{MCode, MCodeAction, Request};
+use crate::defs::kind::Dialect;
+use crate::defs::mcode::{self, MCode, MCodeAction, Request};
 use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
-use crate::nc::{AxisSet, BlockLocation, GaugeMove, SpeedMode, WorkOffsets};
+use crate::nc::{AxisSet, BlockLocation, GaugeMove, MCodeWords, SpeedMode, WorkOffsets};
 use crate::units::{Axis, PerAxis};
 
 /// The axes that a block programs, and those of them that it programs incrementally.
@@ -66,7 +67,7 @@ impl PlannedMove {
             }
         }
         let MoveShape::Arc { center, plane, direction } = self.shape else { return Ok(()) };
-        let (first, second, _) = plane.axes();
+        let (first, second) = plane.axes();
         let arc = PlaneArc { from, to: self.to, center, first, second, ccw: direction == ArcDirection::Ccw };
         let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
         for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
@@ -119,6 +120,13 @@ pub struct MCall {
 }
 
 impl MCall {
+    /// The row and the words of a code; `None` if the dialect does not have the code.
+    #[must_use]
+    pub fn new(dialect: Dialect, words: &MCodeWords) -> Option<Self> {
+        let row = mcode::find_in(dialect, u16::from(words.code))?;
+        Some(Self { row, s: words.s, p: words.p.unwrap_or(0.0) as u8, l_ms: words.l.unwrap_or(0.0) as u32 })
+    }
+
     /// The machine request of the code, if it has one.
     #[must_use]
     pub const fn request(&self) -> Option<Request> {

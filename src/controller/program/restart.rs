@@ -17,13 +17,18 @@ use crate::controller::plant::system_variables::{PARAM_VARIABLES, nc_settings};
 use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::key::Mode;
+use crate::defs::kind::Dialect;
+use crate::defs::mcode::SwitchedUnit;
 use crate::defs::param;
 use crate::defs::system_variable;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
 use crate::motion::MoveShape;
-use crate::nc::{self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, SpeedMode};
+use crate::nc::{
+    self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect,
+    OscillationChange, ProgramMessage, SpeedMode,
+};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Maximum ticks for reading the blocks before: about two million blocks. A loop that waits for the machine never ends.
@@ -61,23 +66,26 @@ struct StateBeforeBlock {
 }
 
 impl StateBeforeBlock {
-    fn apply(&mut self, op: &Op) {
-        match op {
-            Op::M { code: 3 | 4, .. } => self.wheel = true,
-            Op::M { code: 5, .. } => self.wheel = false,
-            Op::M { code: 63 | 64, .. } => self.drive = true,
-            Op::M { code: 65, .. } => self.drive = false,
-            Op::M { code: 8, .. } => self.coolant = true,
-            Op::M { code: 9, .. } => self.coolant = false,
-            Op::OscillationOn { .. } => self.oscillates = true,
-            Op::OscillationOff => self.oscillates = false,
-            Op::SetCoordinateSystem { .. } | Op::DressReturn { .. } | Op::Skip { .. } | Op::Gauge(_) => {
-                self.position_unknown = true
+    fn apply(&mut self, op: &Op, dialect: Dialect) {
+        let effect = op.effect();
+        self.position_unknown |= !effect.leaves_position_known();
+        match effect {
+            OpEffect::MCode(words) => match words.switched_unit(dialect) {
+                Some((SwitchedUnit::Wheel, on)) => self.wheel = on,
+                Some((SwitchedUnit::WorkDrive, on)) => self.drive = on,
+                Some((SwitchedUnit::Coolant, on)) => self.coolant = on,
+                None => {}
+            },
+            OpEffect::Oscillation(change) => self.oscillates = change != OscillationChange::Off,
+            OpEffect::Message(ProgramMessage::Alarm(_, text)) => {
+                self.alarm.get_or_insert_with(|| LocalizedText::new(text, text));
             }
-            Op::Alarm { text, .. } if self.alarm.is_none() => self.alarm = Some(LocalizedText::new(&**text, &**text)),
-            Op::S { value, mode } => self.speed = Some((*value, *mode)),
-            Op::SpeedLimit { rpm } => self.rpm_limit = Some(*rpm),
-            _ => {}
+            OpEffect::Speed(value, mode) => self.speed = Some((value, mode)),
+            OpEffect::SpeedLimit(rpm) => self.rpm_limit = Some(rpm),
+            // The check world has the position, the offsets and the variables; the interpreter has the path mode.
+            OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => {}
+            OpEffect::PathMode(_) | OpEffect::Variable(..) | OpEffect::SystemVariable(..) => {}
+            OpEffect::Dwell(_) | OpEffect::Message(ProgramMessage::Stop(..) | ProgramMessage::Show(_)) => {}
         }
     }
 }
@@ -175,8 +183,8 @@ impl Program {
     pub fn step_restart(&mut self, plant: &mut Plant) {
         let Some(mut restart) = self.restart.take_if(|restart| !restart.block_found) else { return };
         let Restart { line, run, world, state: switched, .. } = &mut *restart;
-        let line = *line;
-        match run.interpreter.advance_to(line, world, &mut |op| switched.apply(op)) {
+        let (line, dialect) = (*line, plant.kind_row.dialect);
+        match run.interpreter.advance_to(line, world, &mut |op| switched.apply(op, dialect)) {
             Ok(NextStatus::Block) => {
                 restart.block_found = true;
                 self.finish_search(plant, restart);

@@ -16,7 +16,7 @@ use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::machine::RequestResult;
-use crate::nc::{BlockLocation, Library, Source};
+use crate::nc::{self, BlockLocation, Library, Source};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// The programs that retract and return the wheel.
@@ -143,6 +143,13 @@ impl Program {
                 format!("the programs folder has no O{number:04}: no retract"),
             ));
         }
+        let dialect = plant.kind_row.dialect;
+        let Some(call) = nc::call_text(dialect, number) else {
+            return plant.refuse(LocalizedText::new(
+                format!("该机型的程序不能调用 O{number:04}，不能一键回退"),
+                format!("the programs of this kind cannot call O{number:04}: no retract"),
+            ));
+        };
         let still =
             plant.allows_manual_motion() && (plant.axes.owner() == AxisOwner::Program || plant.axes.is_at_rest());
         if !still || !no_manual_motion(plant) {
@@ -159,7 +166,7 @@ impl Program {
             self.retract.suspended = Some(Box::new(suspended));
         }
         // Called as a subprogram: M99 ends it; M30 ends it too, without its machine actions.
-        let source = Arc::new(Source::new(0, "一键回退", format!("M98 P{number}").into_bytes()));
+        let source = Arc::new(Source::new(0, "一键回退", call.into_bytes(), dialect));
         let modals = self.mdi_modals.take();
         self.open_run(plant, source, Origin::Retract);
         self.mdi_modals = modals;

@@ -1,7 +1,6 @@
 //! The centre of an arc by radius or by offsets. Source: spec B2, S1.
 
-use crate::nc::op::ArcPlane;
-use crate::units::PerAxis;
+use crate::units::{PerAxis, Plane};
 
 /// Shorter chords and radii count as zero, mm.
 const MIN_LENGTH_MM: f64 = 1e-9;
@@ -10,7 +9,7 @@ const MIN_LENGTH_MM: f64 = 1e-9;
 /// radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
 pub(super) fn centre_by_radius(
     (from, to): (PerAxis<f64>, PerAxis<f64>),
-    plane: ArcPlane,
+    plane: Plane,
     turn: i8,
     radius: f64,
     tolerance_mm: f64,
@@ -35,7 +34,7 @@ pub(super) fn centre_by_radius(
 pub(super) fn radius_and_end_error(
     (from, to): (PerAxis<f64>, PerAxis<f64>),
     center: PerAxis<f64>,
-    plane: ArcPlane,
+    plane: Plane,
 ) -> (f64, f64) {
     let (first, second) = plane.axes();
     let radius = |point: PerAxis<f64>| (point[first] - center[first]).hypot(point[second] - center[second]);

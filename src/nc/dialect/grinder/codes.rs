@@ -6,8 +6,9 @@ use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::BlockContext;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::{CycleWords, MotionMode};
-use crate::nc::op::{ArcPlane, PathMode, SpeedMode};
+use crate::nc::op::{PathMode, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
+use crate::units::Plane;
 
 /// The G codes of a block; modal ones are already applied to the modal state.
 #[derive(Clone, Copy, Debug, Default)]
@@ -146,9 +147,9 @@ fn apply_code(running: &mut BlockContext<'_, '_>, plan: &mut GrinderCodes, group
         }
         GCodeGroup::Plane => {
             modals.plane = match code.number {
-                17 => ArcPlane::Xy,
-                19 => ArcPlane::Yz,
-                _ => ArcPlane::Zx,
+                17 => Plane::Xy,
+                19 => Plane::Yz,
+                _ => Plane::Zx,
             };
         }
     }

@@ -8,18 +8,20 @@ mod calls;
 mod codes;
 mod cycle;
 mod grinding;
+pub(super) mod index;
 mod macro_a;
 mod motion;
 mod repetitive;
+mod rules;
 
 use self::codes::GrinderCodes;
 pub(crate) use self::repetitive::RepetitiveCycleState;
+pub(super) use self::rules::GrinderRules;
 use super::common::{self, MAX_VALUE, out_of_range};
 use super::{BlockContext, FlowAction};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{ReadResult, fail1};
 use crate::nc::op::{Op, PathMode};
-use crate::nc::settings::NcSettings;
 use crate::nc::words::{BlockWords, ValueKind, Word};
 use crate::units::{Axis, MM_PER_INCH};
 
@@ -32,7 +34,7 @@ const AXIS_WORDS: u32 = 1 << (b'X' - b'A')
     | 1 << (b'W' - b'A');
 
 /// Executes a block of words.
-pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     let plan = codes::read_g_codes(running)?;
     if let Some(at) = running.words.address_only
         && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
@@ -82,9 +84,9 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) ->
 }
 
 /// Checks the codes of a block that is not executed.
-pub(super) fn check_unexecuted(words: &BlockWords, settings: &NcSettings) -> ReadResult<()> {
+fn check_unexecuted(words: &BlockWords, mill: bool) -> ReadResult<()> {
     for code in words.g() {
-        codes::look_up(*code, settings.is_mill())?;
+        codes::look_up(*code, mill)?;
     }
     match words.m().iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
         Some(code) => fail1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
@@ -162,20 +164,15 @@ fn missing_number<T>(running: &BlockContext<'_, '_>, at: u32) -> ReadResult<T> {
     fail1(at as usize, E::MissingNumber, common::letter_at(running, at))
 }
 
-/// Reports an unknown word, as written up to the next letter or blank.
+/// Reports an unknown word, or an axis word that the one-shot function does not use.
 #[cold]
 fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &GrinderCodes, word: Word) -> ReadResult<T> {
-    let at = word.at as usize;
-    let rest = running.text.get(at..).unwrap_or_default();
-    let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
-    let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
-    let text = String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase();
     if Axis::ALL.into_iter().any(|axis| axis_letters(axis).contains(&word.letter))
         && let Some(once) = plan.one_shot
     {
-        return fail1(at, E::AxisUnused, format!("G{:02}", once.number));
+        return fail1(word.at as usize, E::AxisUnused, format!("G{:02}", once.number));
     }
-    fail1(at, E::UnknownWord, text)
+    common::unknown_word(running.text, word)
 }
 
 /// The address letters of an axis: absolute and incremental.

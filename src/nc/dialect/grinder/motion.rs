@@ -3,10 +3,12 @@
 use super::codes::GrinderCodes;
 use super::{AXIS_WORDS, MAX_VALUE, axis_letters, cycle, integer, length_mm, out_of_range};
 use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::common;
+pub(super) use crate::nc::dialect::common::MoveTarget;
 use crate::nc::dialect::{BlockContext, arc};
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{AxisSet, Feed, Op, REFERENCE_POINTS};
+use crate::nc::op::{Feed, Op, REFERENCE_POINTS};
 use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis};
 
@@ -14,18 +16,10 @@ use crate::units::{Axis, PerAxis};
 const SKIP_SIGNALS: u32 = 6;
 const CENTRE_ADDRESSES: u32 = 1 << (b'I' - b'A') | 1 << (b'J' - b'A') | 1 << (b'K' - b'A');
 
-/// The end of a move.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MoveTarget {
-    pub to: PerAxis<f64>,
-    pub words: AxisSet,
-    pub incremental: AxisSet,
-}
-
 /// The end of the move from `from` by the axis words of the block.
 pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<MoveTarget> {
     let words = running.words;
-    let mut target = MoveTarget { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    let mut target = MoveTarget::from(from);
     for axis in Axis::ALL {
         let [absolute, distance] = axis_letters(axis).map(|letter| words.take(letter));
         let (word, by) = match (absolute, distance) {
@@ -40,15 +34,10 @@ pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> Read
             }
         };
         let value = axis_value(running, axis, word)?;
-        target.words.insert(axis);
-        if by {
-            target.incremental.insert(axis);
-        }
-        let to = if by { from[axis] + value } else { value };
-        if to.abs() > MAX_VALUE {
+        target.add(axis, value, by);
+        if target.to[axis].abs() > MAX_VALUE {
             return out_of_range(char::from(word.letter), word, "±99999.999");
         }
-        target.to[axis] = to;
     }
     Ok(target)
 }
@@ -74,9 +63,7 @@ pub(super) fn modal_feed(running: &BlockContext<'_, '_>) -> ReadResult<Feed> {
 
 /// The byte of the first axis word, else of the first code.
 fn first_offset(running: &BlockContext<'_, '_>) -> usize {
-    let words = running.words;
-    let axis = words.list().iter().find(|word| Axis::ALL.iter().any(|axis| axis_letters(*axis).contains(&word.letter)));
-    axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
+    common::first_offset(running, |letter| Axis::ALL.iter().any(|axis| axis_letters(*axis).contains(&letter)))
 }
 
 /// The move of the active function of group 01.

@@ -1,11 +1,12 @@
 //! The G codes of a block. Each is looked up; none is ignored. Source: spec S1.
 
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::BlockContext;
+use crate::nc::dialect::{BlockContext, common};
 use crate::nc::fault::{ReadResult, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{ArcPlane, PathMode, SpeedMode};
+use crate::nc::op::{PathMode, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
+use crate::units::Plane;
 
 /// Groups of G codes; a block may contain one code of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,17 +91,8 @@ pub(super) fn check_codes(words: &BlockWords) -> ReadResult<()> {
 const EXCLUSIVE_M_CODES: [&[u32]; 2] = [&[3, 4, 5], &[7, 8, 9]];
 
 /// Refuses mutually exclusive M codes in one block, such as M3 and M4.
-pub(in crate::nc::dialect) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
-    for codes in EXCLUSIVE_M_CODES {
-        let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
-        if let (Some(first), Some(second)) = (found.next(), found.next())
-            && first.number != second.number
-        {
-            let [a, b] = [first, second].map(|code| format!("M{}", code.number));
-            return fail2(second.at as usize, E::DoubleGroup, a, b);
-        }
-    }
-    Ok(())
+pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
+    common::check_exclusive_m_codes(words, &EXCLUSIVE_M_CODES, 1)
 }
 
 /// Reads the G codes.
@@ -122,7 +114,7 @@ fn apply_code(running: &mut BlockContext<'_, '_>, plan: &mut SinumerikCodes, gro
             modals.motion = MotionMode::from_g(code.number).unwrap_or_default();
         }
         SinumerikGroup::Dwell => plan.dwell = Some(code),
-        SinumerikGroup::Plane => modals.plane = ArcPlane::Zx,
+        SinumerikGroup::Plane => modals.plane = Plane::Zx,
         SinumerikGroup::WorkOffset => {
             plan.work_offset = true;
             modals.work_offset = code.number as u8;

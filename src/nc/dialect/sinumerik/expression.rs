@@ -1,6 +1,7 @@
 //! SINUMERIK expressions, evaluated while they are read: `+ − * / DIV MOD`, round brackets, functions, R parameters
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
+use super::index::identifier;
 use super::read::unexpected;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable_name;
@@ -8,7 +9,6 @@ use crate::nc::expression::{CoordinateFrame, Scope, whole_number};
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::functions::FUNCTIONS;
 use crate::nc::lexer::Cursor;
-use crate::nc::source::identifier;
 use crate::nc::words::Assignment;
 use crate::units::Axis;
 

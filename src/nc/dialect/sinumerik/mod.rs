@@ -7,10 +7,12 @@
 
 mod codes;
 mod expression;
+pub(super) mod index;
 mod motion;
 mod read;
+mod rules;
 
-pub(super) use self::read::read_block;
+pub(super) use self::rules::SinumerikRules;
 
 use self::codes::SinumerikCodes;
 use super::common::{self, MAX_VALUE};
@@ -25,7 +27,7 @@ use crate::nc::op::Op;
 use crate::nc::words::{BlockWords, Code, ValueKind, Word};
 
 /// Checks a block that is not executed: known codes, unique and known addresses, a call in a block of its own.
-pub(super) fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
+fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
     codes::check_codes(words)?;
     if let Some(at) = words.duplicate {
         let letter = text.get(at as usize).map_or('?', |byte| char::from(byte.to_ascii_uppercase()));
@@ -59,7 +61,7 @@ fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
 }
 
 /// The subprogram that a block calls, and the byte of the call. `P0` does not call; `P=R32` is known only in the run.
-pub(super) fn called_program(words: &BlockWords) -> Option<(u32, usize)> {
+fn called_program(words: &BlockWords) -> Option<(u32, usize)> {
     let call = words.peek(b'L')?;
     let never = words.peek(b'P').is_some_and(|word| word.kind != ValueKind::Integer || word.value <= 0.0);
     let number = crate::nc::expression::whole_number(call.value).and_then(|number| u32::try_from(number).ok())?;
@@ -74,7 +76,7 @@ const CR_ADDRESS: u8 = b'R';
 const RETURN_M_CODE: u32 = 17;
 
 /// Executes a block of words.
-pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     let plan = codes::read_g_codes(running)?;
     common::refuse_duplicate_address(running)?;
     if let Some(call) = running.words.take(b'L') {

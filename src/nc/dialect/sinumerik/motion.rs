@@ -5,22 +5,16 @@ use super::codes::SinumerikCodes;
 use super::{CR_ADDRESS, address_name, checked_value, out_of_range};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::common::MAX_VALUE;
+use crate::nc::dialect::common::{self, MoveTarget};
 use crate::nc::dialect::{BlockContext, arc};
 use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{AxisSet, Feed, Op, SpeedMode};
+use crate::nc::op::{Feed, Op, SpeedMode};
 use crate::nc::words::{Code, Word};
-use crate::units::{Axis, PerAxis};
+use crate::units::Axis;
 
 /// Seconds per minute.
 const SECONDS_PER_MINUTE: f64 = 60.0;
-
-/// The end of a move.
-struct SinumerikTarget {
-    to: PerAxis<f64>,
-    words: AxisSet,
-    incremental: AxisSet,
-}
 
 const fn axis_address(axis: Axis) -> u8 {
     match axis {
@@ -47,27 +41,21 @@ fn axis_value(running: &BlockContext<'_, '_>, axis: Axis, word: Word) -> ReadRes
 }
 
 /// The end of the move by the axis words of the block.
-fn target(running: &BlockContext<'_, '_>) -> ReadResult<SinumerikTarget> {
+fn target(running: &BlockContext<'_, '_>) -> ReadResult<MoveTarget> {
     let from = running.scope.position();
     let incremental = running.modals.incremental;
-    let mut target = SinumerikTarget { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    let mut target = MoveTarget::from(from);
     for axis in Axis::ALL {
         let Some(word) = running.words.take(axis_address(axis)) else { continue };
         let value = axis_value(running, axis, word)?;
-        target.words.insert(axis);
-        if incremental {
-            target.incremental.insert(axis);
-        }
-        target.to[axis] = if incremental { from[axis] + value } else { value };
+        target.add(axis, value, incremental);
     }
     Ok(target)
 }
 
 /// The byte of the first axis word, else of the first code.
 fn first_offset(running: &BlockContext<'_, '_>) -> usize {
-    let words = running.words;
-    let axis = words.list().iter().find(|word| Axis::ALL.into_iter().any(|axis| axis_address(axis) == word.letter));
-    axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
+    common::first_offset(running, |letter| Axis::ALL.into_iter().any(|axis| axis_address(axis) == letter))
 }
 
 fn modal_feed(running: &BlockContext<'_, '_>) -> ReadResult<Feed> {
@@ -92,14 +80,14 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &SinumerikCod
     }
     let op = match running.modals.motion {
         MotionMode::Feed => {
-            let SinumerikTarget { to, words, incremental } = target(running)?;
+            let MoveTarget { to, words, incremental } = target(running)?;
             Op::Feed { to, feed: modal_feed(running)?, words, incremental }
         }
         MotionMode::ArcClockwise => arc_move(running, -1)?,
         MotionMode::ArcCounterClockwise => arc_move(running, 1)?,
         // G0. Motion modes of other dialects are never active here.
         _ => {
-            let SinumerikTarget { to, words, incremental } = target(running)?;
+            let MoveTarget { to, words, incremental } = target(running)?;
             Op::Rapid { to, feed: None, words, incremental }
         }
     };
@@ -109,7 +97,7 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &SinumerikCod
 
 fn arc_move(running: &BlockContext<'_, '_>, turn: i8) -> ReadResult<Op> {
     let from = running.scope.position();
-    let SinumerikTarget { to, words, incremental } = target(running)?;
+    let MoveTarget { to, words, incremental } = target(running)?;
     let plane = running.modals.plane;
     let (first, second) = plane.axes();
     if let Some(outside) = words.iter().find(|axis| *axis != first && *axis != second) {

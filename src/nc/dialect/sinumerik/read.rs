@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use super::expression::{evaluate, evaluate_with, function_names, parameter_number, skip_blanks};
+use super::index::identifier;
 use super::{CR_ADDRESS, RETURN_M_CODE};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::expression::{CoordinateFrame, Scope, equal};
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::lexer::Cursor;
-use crate::nc::source::identifier;
 use crate::nc::statement::{BlockContent, ReadOptions};
 use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
 use crate::units::Axis;

@@ -4,7 +4,7 @@ use super::{MAX_BLOCK_NUMBER, integer, out_of_range};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, MCode};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction, UnexecutedBlock};
+use crate::nc::dialect::{BlockContext, FlowAction, UnexecutedBlock, common};
 use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
@@ -115,15 +115,7 @@ pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
             return fail2(feed.at as usize, E::NotTogether, name(code), "F");
         }
     }
-    for codes in EXCLUSIVE_M_CODES {
-        let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
-        if let (Some(first), Some(second)) = (found.next(), found.next())
-            && first.number != second.number
-        {
-            return fail2(second.at as usize, E::DoubleGroup, name(first), name(second));
-        }
-    }
-    Ok(())
+    common::check_exclusive_m_codes(words, &EXCLUSIVE_M_CODES, 2)
 }
 
 /// Checks the M codes, adds those that act before the motion, and returns how the program continues.

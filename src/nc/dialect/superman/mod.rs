@@ -4,9 +4,13 @@
 //! Source: spec superman-lathe.md L1–L8, seed 001.
 
 mod auxiliary;
+pub(super) mod index;
 mod motion;
+mod rules;
 mod thread;
 
+pub(super) use self::rules::SuperManRules;
+use super::common::unknown_word;
 use super::{BlockContext, FlowAction, UnexecutedBlock};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
@@ -31,7 +35,7 @@ const fn letter_bit(letter: u8) -> u32 {
 const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39, 80, 92];
 
 /// Executes a block of words.
-pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     check_format(running.words, running.settings, (running.text, running.at))?;
     if let Some((short, full)) = short_block_number(running.text, running.at) {
         running.scope.warn(running.at, E::BlockNumberShort, [short, full]);
@@ -57,13 +61,9 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowActi
 }
 
 /// Checks format and codes of a block that is not executed.
-pub(super) fn check_unexecuted(
-    words: &BlockWords,
-    settings: &NcSettings,
-    block: &UnexecutedBlock<'_>,
-) -> ReadResult<()> {
+fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
     let text: &[u8] = block.source.bytes();
-    check_format(words, settings, (text, block.at))?;
+    check_format(words, block.settings, (text, block.at))?;
     let code = single_g_code(words)?;
     words.m().iter().try_for_each(|code| auxiliary::check_m_code(*code, words, block))?;
     auxiliary::check_exclusive_m_codes(words)?;
@@ -241,14 +241,4 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 #[cold]
 fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
     fail2(word.at as usize, E::OutOfRange, format!("{}{}", char::from(word.letter), word.value), range)
-}
-
-/// Reports an unknown word, as written up to the next letter or blank.
-#[cold]
-fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
-    let at = word.at as usize;
-    let rest = text.get(at..).unwrap_or_default();
-    let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+');
-    let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
-    fail1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
 }

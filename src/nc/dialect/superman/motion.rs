@@ -2,12 +2,13 @@
 
 use super::{MAX_COORDINATE_MM, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::BlockContext;
+use crate::nc::dialect::common::MoveTarget;
+use crate::nc::dialect::{BlockContext, arc};
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{ArcPlane, AxisSet, Feed, Op};
+use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{BlockWords, Word};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Plane};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
 const RAPID_FEED_RANGE: (f64, f64) = (2_000.0, 6_000.0);
@@ -19,16 +20,10 @@ const DWELL_RANGE_S: (f64, f64) = (0.01, 9_999.99);
 const MIN_RADIUS_MM: f64 = 0.2;
 /// The end error of an arc must be below this many increments.
 const MAX_END_ERROR_INCREMENTS: f64 = 5.0;
+/// Rounding of a programmed radius, mm.
+const RADIUS_ROUNDING_MM: f64 = 0.01;
 /// Shorter lengths count as zero, mm.
 const MIN_LENGTH_MM: f64 = 1e-9;
-
-/// The end of a move.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SuperManTarget {
-    pub to: PerAxis<f64>,
-    pub words: AxisSet,
-    pub incremental: AxisSet,
-}
 
 /// The absolute and the incremental word of X and of Z.
 const AXIS_ADDRESSES: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
@@ -46,8 +41,8 @@ pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
 }
 
 /// The end of the move by the axis words of the block.
-pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<SuperManTarget> {
-    let mut target = SuperManTarget { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<MoveTarget> {
+    let mut target = MoveTarget::from(from);
     check_one_word_per_axis(running.words)?;
     for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(AXIS_ADDRESSES) {
         let (word, by) = match (running.words.take(absolute), running.words.take(distance)) {
@@ -56,11 +51,7 @@ pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> Read
             (None, Some(word)) => (word, true),
         };
         let value = coordinate(axis, word)?;
-        target.words.insert(axis);
-        if by {
-            target.incremental.insert(axis);
-        }
-        target.to[axis] = if by { from[axis] + value } else { value };
+        target.add(axis, value, by);
     }
     Ok(target)
 }
@@ -124,7 +115,7 @@ fn record_infeed(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, to: Per
 /// G00: both axes move in a fixed speed ratio, then one axis completes its distance.
 pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> ReadResult<()> {
     let from = running.scope.position();
-    let SuperManTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { to, words, incremental } = target(running, from)?;
     record_infeed(running, from, to);
     let (x, z) = (to[Axis::X] - from[Axis::X], to[Axis::Z] - from[Axis::Z]);
     let ratio = running.settings.superman.rapid_z_per_x;
@@ -134,13 +125,13 @@ pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> Re
     corner[Axis::X] += both.copysign(x);
     corner[Axis::Z] += (both * ratio).copysign(z);
     if both <= MIN_LENGTH_MM || over_x.max(over_z) <= MIN_LENGTH_MM {
-        push_rapid(running, from, SuperManTarget { to, words, incremental }, feed);
+        push_rapid(running, from, MoveTarget { to, words, incremental }, feed);
         return Ok(());
     }
-    push_rapid(running, from, SuperManTarget { to: corner, words, incremental }, feed);
+    push_rapid(running, from, MoveTarget { to: corner, words, incremental }, feed);
     // The axis that is in position is not named again.
     let left = AxisSet::of(if over_x > over_z { Axis::X } else { Axis::Z });
-    push_rapid(running, corner, SuperManTarget { to, words: left, incremental: intersection(incremental, left) }, feed);
+    push_rapid(running, corner, MoveTarget { to, words: left, incremental: intersection(incremental, left) }, feed);
     Ok(())
 }
 
@@ -151,8 +142,8 @@ fn intersection(set: AxisSet, of: AxisSet) -> AxisSet {
 }
 
 /// Adds a rapid; with F, at that feed.
-fn push_rapid(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, target: SuperManTarget, feed: Option<f64>) {
-    let SuperManTarget { to, words, incremental } = target;
+fn push_rapid(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, target: MoveTarget, feed: Option<f64>) {
+    let MoveTarget { to, words, incremental } = target;
     let feed = feed.map(|feed| feed_along(feed, from, to));
     running.ops.push(Op::Rapid { to, feed, words, incremental });
 }
@@ -160,7 +151,7 @@ fn push_rapid(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, target: Su
 /// G01.
 pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let from = running.scope.position();
-    let SuperManTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { to, words, incremental } = target(running, from)?;
     record_infeed(running, from, to);
     let feed = feed_along(line_feed(running), from, to);
     running.ops.push(Op::Feed { to, feed, words, incremental });
@@ -171,7 +162,7 @@ pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opposite: i8) -> ReadResult<()> {
     let from = running.scope.position();
     let turn = if running.settings.superman.arcs_reversed { iso_opposite } else { -iso_opposite };
-    let SuperManTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { to, words, incremental } = target(running, from)?;
     let offsets = [running.words.take(b'I'), running.words.take(b'K')];
     let center = match (offsets, running.words.take(b'R')) {
         ([None, None], None) => return fail2(place, E::ArcWithoutCentre, "R", "I K"),
@@ -186,7 +177,7 @@ pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opp
     let turning = &running.settings.superman;
     let feed = running.modals.feed.filter(|feed| *feed <= ARC_FEED_RANGE.1).unwrap_or(turning.arc_feed);
     let feed = Feed::PerMinute(feed);
-    running.ops.push(Op::Arc { to, center, plane: ArcPlane::Zx, turn, feed, words, incremental });
+    running.ops.push(Op::Arc { to, center, plane: Plane::Zx, turn, feed, words, incremental });
     Ok(())
 }
 
@@ -226,29 +217,21 @@ fn centre_by_offsets(
 
 fn centre_from_r(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> ReadResult<PerAxis<f64>> {
     let (radius, at) = (word.value, word.at as usize);
-    let (a, b) = (to[Axis::Z] - from[Axis::Z], to[Axis::X] - from[Axis::X]);
-    let chord = a.hypot(b);
-    if chord <= MIN_LENGTH_MM {
+    if (to[Axis::Z] - from[Axis::Z]).hypot(to[Axis::X] - from[Axis::X]) <= MIN_LENGTH_MM {
         return fail(at, E::FullCircleByRadius);
     }
     check_radius(at, radius.abs())?;
-    let half = chord / 2.0;
     // The radius of a half circle may be too small by the rounding of the text.
-    if radius.abs() + 0.01 < half {
-        return fail1(at, E::ArcRadius, format!("R{radius}"));
+    match arc::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
+        Some(center) => Ok(center),
+        None => fail1(at, E::ArcRadius, format!("R{radius}")),
     }
-    let height = (radius * radius - half * half).max(0.0).sqrt();
-    let side = f64::from(turn) * radius.signum();
-    let mut center = from;
-    center[Axis::Z] = f64::midpoint(from[Axis::Z], to[Axis::Z]) - side * height * b / chord;
-    center[Axis::X] = f64::midpoint(from[Axis::X], to[Axis::X]) + side * height * a / chord;
-    Ok(center)
 }
 
 /// G23: from A to B (X at rapid), C (Z at F), D (X at F) and back to A (Z at rapid).
 pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     let from = running.scope.position();
-    let SuperManTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { to, words, incremental } = target(running, from)?;
     let kept = running.modals.cycle;
     let x = if words.contains(Axis::X) { Some(to[Axis::X]) } else { kept.x };
     let z = if words.contains(Axis::Z) { Some(to[Axis::Z]) } else { kept.z };
@@ -313,7 +296,7 @@ pub(super) fn check_preset_words(words: &BlockWords, place: usize) -> ReadResult
 pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     check_preset_words(running.words, place)?;
     let from = running.scope.position();
-    let SuperManTarget { to, .. } = target(running, from)?;
+    let MoveTarget { to, .. } = target(running, from)?;
     running.ops.push(Op::SetCoordinateSystem { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
     Ok(())
 }

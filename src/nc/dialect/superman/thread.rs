@@ -19,12 +19,6 @@ const RUN_OUT_MM: f64 = 1.2;
 /// Approach length before the part, in leads.
 const APPROACH_LEADS: f64 = 3.0;
 
-/// Highest spindle speed for a lead, rpm.
-#[must_use]
-fn max_spindle_rpm(lead_mm: f64) -> f64 {
-    1_200.0 / lead_mm - 80.0
-}
-
 /// A thread from the present position.
 pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     let words = running.words;
@@ -111,7 +105,7 @@ fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64
     if !running.modals.spindle_on {
         running.scope.warn(place, E::ThreadSpindle, [String::new(), String::new()]);
     }
-    let limit = max_spindle_rpm(lead);
+    let limit = ThreadMove::max_spindle_rpm(lead);
     if speed > limit {
         running.scope.warn(place, E::SpindleTooFast, [format!("{speed}"), format!("{limit:.0}")]);
     }

@@ -1,0 +1,48 @@
+//! The index of an 802D program: its jump labels. Source: spec S1.
+
+use crate::nc::source_index::{SourceIndex, TextLines, block_head};
+
+/// Indexes a text.
+pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
+    let mut index = SourceIndex::default();
+    for (line, _, text) in lines.iter() {
+        if let Some(name) = leading_label(block_head(text, false).1) {
+            index.jump_labels.push((name.to_ascii_uppercase().into_boxed_slice(), line));
+        }
+    }
+    index.jump_labels.sort();
+    index
+}
+
+/// The identifier at the start of a text: two letters or `_`, then letters, digits and `_`.
+pub(super) fn identifier(text: &[u8]) -> Option<&[u8]> {
+    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    if !text.get(..2)?.iter().all(letter) {
+        return None;
+    }
+    let length = text.iter().take_while(|byte| letter(byte) || byte.is_ascii_digit()).count();
+    text.get(..length)
+}
+
+/// The label at the start of a block, before its `:`.
+fn leading_label(text: &[u8]) -> Option<&[u8]> {
+    let name = identifier(text)?;
+    let after = text[name.len()..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
+    (after == Some(&b':')).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::nc::settings::Dialect;
+    use crate::nc::source::Source;
+
+    #[test]
+    fn s1_an_802d_text_has_labels_and_neither_loops_nor_bracket_comments() {
+        let text = "AB1:G0\nN20 CD2: X=(R1)\n; EF3:\nN40 G22\nG80 M2\n";
+        let source = Source::new(1, "T.TXT", text.as_bytes(), Dialect::Sinumerik);
+        assert_eq!(source.find_label(0..3, 5, false).ok(), Some(0));
+        assert_eq!(source.find_label(11..14, 0, true).ok(), Some(1));
+        assert_eq!((source.find_block(20, 0), source.counted_loop_at(3), source.main_end_line()), (None, None, None));
+        assert_eq!(source.comment_title().as_deref(), Some("EF3:"));
+    }
+}

@@ -1,0 +1,109 @@
+//! The index of a program's text: what a jump, a loop or a call can go to. Each dialect fills in what it has.
+//! Source: spec B1, B3, L1, L4, L7, S1.
+
+/// Deepest nesting of WHILE in one program. The numbers after DO are 1 to this.
+pub(crate) const LOOP_DEPTH: usize = 3;
+
+/// The index. A dialect leaves empty what it does not have.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SourceIndex {
+    /// Block numbers at the start of a line: (N, byte at which its block begins), sorted.
+    pub block_numbers: Vec<(u32, u32)>,
+    /// Block numbers behind a `;`, in the same form.
+    pub inner_block_numbers: Vec<(u32, u32)>,
+    /// Jump labels: (label in upper case, line from 0), sorted.
+    pub jump_labels: Vec<(Box<[u8]>, u32)>,
+    /// WHILE loops, sorted by their first byte.
+    pub while_loops: Vec<WhileLoop>,
+    /// Counted loops (G22 … G80), sorted by their first line.
+    pub counted_loops: Vec<CountedLoop>,
+    /// The line (from 0) of the first M02.
+    pub main_end_line: Option<u32>,
+}
+
+/// G22 and its G80, lines from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CountedLoop {
+    pub line: u32,
+    pub end_line: Option<u32>,
+}
+
+/// WHILE and its END, given by the bytes at which their blocks begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WhileLoop {
+    pub number: u8,
+    pub while_at: u32,
+    pub end: Option<LoopEnd>,
+}
+
+/// The block of END and the block after it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct LoopEnd {
+    pub at: u32,
+    pub after: u32,
+}
+
+/// A text and the bytes at which its lines begin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TextLines<'a> {
+    pub text: &'a [u8],
+    pub starts: &'a [u32],
+}
+
+impl<'a> TextLines<'a> {
+    /// Number (from 0), first byte and text of every line, with its line end.
+    pub fn iter(self) -> impl Iterator<Item = (u32, usize, &'a [u8])> {
+        let ends = self.starts.iter().skip(1).map(|start| *start as usize).chain([self.text.len()]);
+        self.starts.iter().zip(ends).enumerate().map(move |(line, (start, end))| {
+            let start = *start as usize;
+            (line as u32, start, &self.text[start..end])
+        })
+    }
+}
+
+/// The text after leading spaces and, with `brackets`, `( )` comments.
+pub(crate) fn after_blanks(mut bytes: &[u8], brackets: bool) -> &[u8] {
+    loop {
+        let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
+        bytes = &bytes[kept..];
+        if !brackets || bytes.first() != Some(&b'(') {
+            return bytes;
+        }
+        let closed = bytes.iter().position(|byte| matches!(byte, b')' | b'\r' | b'\n'));
+        match closed {
+            Some(close) if bytes[close] == b')' => bytes = &bytes[close + 1..],
+            Some(_) | None => return &[],
+        }
+    }
+}
+
+/// Whether a text begins with a word, in either case.
+pub(crate) fn starts_with_word(bytes: &[u8], word: &[u8]) -> bool {
+    bytes.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word))
+}
+
+/// The number at the start of a text.
+pub(crate) fn leading_number(bytes: &[u8], brackets: bool) -> Option<u32> {
+    let bytes = after_blanks(bytes, brackets);
+    let count = bytes.iter().take(9).position(|byte| !byte.is_ascii_digit()).unwrap_or(bytes.len().min(9));
+    let number = bytes[..count].iter().fold(0, |number, digit| number * 10 + u32::from(digit - b'0'));
+    (count > 0).then_some(number)
+}
+
+/// The block number at the start of a line, and the text after it.
+pub(crate) fn block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
+    let mut rest = after_blanks(line, brackets);
+    if rest.first() == Some(&b'/') {
+        if rest.get(1) == Some(&b'/') {
+            return (None, &[]);
+        }
+        rest = after_blanks(&rest[1..], brackets);
+    }
+    if !matches!(rest.first(), Some(b'N' | b'n')) {
+        return (None, rest);
+    }
+    let number = leading_number(&rest[1..], brackets);
+    let rest = after_blanks(&rest[1..], brackets);
+    let kept = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
+    (number, after_blanks(&rest[kept..], brackets))
+}
