@@ -119,7 +119,7 @@ mod live {
     use super::super::play::StoryFile;
     use super::super::{CallError, setup, window};
     use crate::host::pace::Pace;
-    use crate::host::simulated::SimulatedPlant;
+    use crate::host::simulated::HostedSimulation;
     use crate::host::storage::ThreadedStorage;
     use crate::host::thread::{HostThread, start};
     use crate::link::snapshot::RunState;
@@ -133,7 +133,7 @@ mod live {
 
     pub fn play(shared: &SharedArgs, told: StoryFile) -> Result<u8, CallError> {
         let host = setup::threaded_host(shared, false)?;
-        let script = move |thread: &mut HostThread<SimulatedPlant, ThreadedStorage>| {
+        let script = move |thread: &mut HostThread<HostedSimulation, ThreadedStorage>| {
             while !thread.is_stopped() {
                 show(thread, &told);
             }
@@ -143,7 +143,7 @@ mod live {
     }
 
     /// Plays the story once. A touch stops it; then this waits until there is no input.
-    fn show(thread: &mut HostThread<SimulatedPlant, ThreadedStorage>, told: &StoryFile) {
+    fn show(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &StoryFile) {
         thread.host().power_on();
         thread.take_touched();
         let mut player = Player::new(thread, None, Path::new("."), false);

@@ -42,7 +42,7 @@ pub fn read_story(path: &Path, kind: Kind) -> Result<StoryFile, CallError> {
 struct TracedStage {
     host: HeadlessHost,
     until: Option<Micros>,
-    trace: Option<TraceFile>,
+    trace: Option<TickTraceFile>,
 }
 
 impl Stage for TracedStage {
@@ -68,14 +68,14 @@ impl Stage for TracedStage {
 }
 
 /// The file of `--trace`: one row a tick.
-struct TraceFile {
+struct TickTraceFile {
     file: BufWriter<File>,
     path: String,
     /// The first error; nothing is written after it.
     error: Option<std::io::Error>,
 }
 
-impl TraceFile {
+impl TickTraceFile {
     fn create(path: &Path) -> Result<Self, CallError> {
         let path_text = path.display().to_string();
         let file = File::create(path).map_err(|error| CallError::new(format!("--trace {path_text}: {error}")))?;
@@ -113,7 +113,7 @@ pub fn play(shared: &SharedArgs, call: &PlayArgs) -> Result<u8, CallError> {
             setup::read_part_file(&folder.join(file))?;
         }
     }
-    let trace = call.trace.as_deref().map(TraceFile::create).transpose()?;
+    let trace = call.trace.as_deref().map(TickTraceFile::create).transpose()?;
     let mut stage = TracedStage { host, until: call.until, trace };
     let mut player =
         Player::new(&mut stage, super::page_reader::page_reader(shared.lang), folder, shared.part.is_some());

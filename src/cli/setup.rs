@@ -11,7 +11,7 @@ use crate::host::folders::{Folders, named_programs_beside, program_from_bytes};
 use crate::host::headless::HeadlessHost;
 use crate::host::job_runner::JobRunner;
 use crate::host::retained_store::RetainedStore;
-use crate::host::simulated::SimulatedPlant;
+use crate::host::simulated::HostedSimulation;
 use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
 #[cfg(feature = "hmi")]
 use crate::host::storage::{StorageWorker, ThreadedStorage};
@@ -142,10 +142,10 @@ fn connect<S: Storage>(
     retained: PowerOnState,
     (storage, damaged): (S, Option<String>),
     view_interval: Micros,
-) -> Result<Host<SimulatedPlant, S>, CallError> {
+) -> Result<Host<HostedSimulation, S>, CallError> {
     let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
     let machine = SimulatedMachine::new(file, None, &retained.params, shared.seed);
-    let mut host = Host::connect(shared.kind, retained, SimulatedPlant::new(machine, view_interval), storage);
+    let mut host = Host::connect(shared.kind, retained, HostedSimulation::new(machine, view_interval), storage);
     if let Some(damaged) = damaged {
         host.report_damage(&damaged);
     }
@@ -171,7 +171,7 @@ pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
 pub fn threaded_host(
     shared: &SharedArgs,
     opens_control: bool,
-) -> Result<Host<SimulatedPlant, ThreadedStorage>, CallError> {
+) -> Result<Host<HostedSimulation, ThreadedStorage>, CallError> {
     let data = match opens_control {
         true => Some(DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?),
         false => named_data(shared)?,
@@ -187,7 +187,7 @@ pub fn threaded_host(
 /// # Errors
 /// The file cannot be read.
 pub fn part<S: Storage>(
-    host: &Host<SimulatedPlant, S>,
+    host: &Host<HostedSimulation, S>,
     shared: &SharedArgs,
     number: u32,
 ) -> Result<Option<PartFile>, CallError> {

@@ -10,7 +10,7 @@ use super::Host;
 use super::folders::Folders;
 use super::job_runner::JobRunner;
 use super::retained_store::RetainedStore;
-use super::simulated::SimulatedPlant;
+use super::simulated::HostedSimulation;
 use super::storage::{DirectStorage, RetainedWorker, Storage};
 use crate::controller::{PowerOnState, StoredProgram};
 use crate::defs::kind::Kind;
@@ -44,7 +44,7 @@ pub struct HostSetup {
 }
 
 /// A control and its simulated machine with storage in the step.
-pub type HeadlessHost = Host<SimulatedPlant, DirectStorage>;
+pub type HeadlessHost = Host<HostedSimulation, DirectStorage>;
 
 impl HeadlessHost {
     /// Creates a machine and a control at power-on.
@@ -55,7 +55,7 @@ impl HeadlessHost {
         let HostSetup { kind, retained, store, folders, seed } = setup;
         let storage = DirectStorage::new(RetainedWorker::new(store), JobRunner::new(folders))?;
         let machine = SimulatedMachine::new(MachineFile::builtin(kind)?, None, &retained.params, seed);
-        Ok(Self::connect(kind, retained, SimulatedPlant::new(machine, Micros::ZERO), storage))
+        Ok(Self::connect(kind, retained, HostedSimulation::new(machine, Micros::ZERO), storage))
     }
 
     /// Steps by one tick and reports the duration of `Controller::tick` in nanoseconds, for benchmarks.
@@ -93,12 +93,12 @@ impl HeadlessHost {
     }
 }
 
-impl<S: Storage> Host<SimulatedPlant, S> {
+impl<S: Storage> Host<HostedSimulation, S> {
     /// Replaces the machine by another one of the same kind (another leadscrew or wheel), without a part and without
     /// faults, and restarts the control.
     pub fn swap_machine(&mut self, machine: MachineFile, seed: u64) {
         let machine = SimulatedMachine::new(machine, None, &self.retained.params, seed);
-        self.plant = SimulatedPlant::new(machine, Micros::ZERO);
+        self.plant = HostedSimulation::new(machine, Micros::ZERO);
         self.part.mounted = None;
         self.restart_controller();
         self.deliver_again();

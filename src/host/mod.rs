@@ -7,6 +7,7 @@ pub mod bar;
 pub mod clock;
 pub mod folders;
 pub mod headless;
+pub mod hosted_machine;
 pub mod job_runner;
 mod leadscrew_files;
 pub mod link;
@@ -14,7 +15,6 @@ pub mod pace;
 mod page_file;
 pub mod part;
 pub mod password_store;
-pub mod plant;
 pub mod retained_store;
 pub mod serial;
 mod shipped;
@@ -42,8 +42,8 @@ use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
 use crate::nc::Source;
 use crate::units::Micros;
 
+use hosted_machine::HostedMachine;
 use part::{PartQuery, PartRule};
-use plant::Plant;
 use retained_store::apply_effect;
 use storage::{Arrival, Storage};
 
@@ -97,7 +97,7 @@ pub struct Host<P, S> {
     snapshot: Snapshot,
 }
 
-impl<P: Plant, S: Storage> Host<P, S> {
+impl<P: HostedMachine, S: Storage> Host<P, S> {
     /// Connects a control with its machine and switches it on, with what storage has ready.
     pub fn connect(kind: Kind, retained: PowerOnState, mut plant: P, storage: S) -> Self {
         let now = Micros::ZERO;

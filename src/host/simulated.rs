@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::plant::Plant;
+use super::hosted_machine::HostedMachine;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
@@ -18,7 +18,7 @@ const MAX_EVENTS: usize = 6;
 const MAX_SIZES: usize = 12;
 
 /// The simulated machine, the part in it, and what the simulator page has changed so far.
-pub struct SimulatedPlant {
+pub struct HostedSimulation {
     machine: SimulatedMachine,
     /// The part as it was mounted.
     part: Option<PartFile>,
@@ -30,7 +30,7 @@ pub struct SimulatedPlant {
     view_interval: Micros,
 }
 
-impl SimulatedPlant {
+impl HostedSimulation {
     /// A machine without a part. The view of the simulator page is built anew at most every `view_interval`.
     #[must_use]
     pub fn new(machine: SimulatedMachine, view_interval: Micros) -> Self {
@@ -90,7 +90,7 @@ impl SimulatedPlant {
     }
 }
 
-impl Backend for SimulatedPlant {
+impl Backend for HostedSimulation {
     fn read(&mut self, now: Micros) -> InputImage {
         self.machine.read(now)
     }
@@ -104,7 +104,7 @@ impl Backend for SimulatedPlant {
     }
 }
 
-impl Plant for SimulatedPlant {
+impl HostedMachine for HostedSimulation {
     fn power_on(&mut self, params: &Params) {
         self.machine.power_on(params);
     }

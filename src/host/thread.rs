@@ -12,9 +12,9 @@ use crossbeam_channel::{Receiver, bounded};
 use triple_buffer::TripleBuffer;
 
 use super::Host;
+use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
 use super::pace::{Pace, TickSchedule, WakeUp, request_real_time, sleep_until};
-use super::plant::Plant;
 use super::storage::Storage;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
@@ -51,7 +51,7 @@ pub fn start<P, S>(
     script: impl FnOnce(&mut HostThread<P, S>) + Send + 'static,
 ) -> std::io::Result<HostLink>
 where
-    P: Plant + Send + 'static,
+    P: HostedMachine + Send + 'static,
     S: Storage + Send + 'static,
 {
     let (commands, from_screen) = bounded(COMMAND_QUEUE);
@@ -82,13 +82,13 @@ where
 }
 
 /// Runs the control until it is stopped: the script of the window.
-pub fn run_until_stopped<P: Plant, S: Storage>(thread: &mut HostThread<P, S>) {
+pub fn run_until_stopped<P: HostedMachine, S: Storage>(thread: &mut HostThread<P, S>) {
     while !thread.is_stopped() {
         thread.turn();
     }
 }
 
-impl<P: Plant, S: Storage> HostThread<P, S> {
+impl<P: HostedMachine, S: Storage> HostThread<P, S> {
     /// Waits for the next tick, computes it and publishes the snapshot. Does nothing once the thread is stopped.
     pub fn turn(&mut self) {
         if self.is_stopped() {

@@ -9,9 +9,9 @@ use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
 use crate::host::Host;
 use crate::host::headless::HeadlessHost;
+use crate::host::hosted_machine::HostedMachine;
 use crate::host::part::PartRule;
-use crate::host::plant::Plant;
-use crate::host::simulated::SimulatedPlant;
+use crate::host::simulated::HostedSimulation;
 use crate::host::storage::Storage;
 use crate::host::thread::HostThread;
 use crate::io::sim::PartFile;
@@ -45,7 +45,7 @@ pub trait Stage {
     /// Storage of the host.
     type Storage: Storage;
     /// The host.
-    fn host(&mut self) -> &mut Host<SimulatedPlant, Self::Storage>;
+    fn host(&mut self) -> &mut Host<HostedSimulation, Self::Storage>;
     /// One tick.
     fn step(&mut self);
     /// Whether the story is to end: the operator has touched the screen (demo), or the time is over.
@@ -68,10 +68,10 @@ impl Stage for HeadlessHost {
     }
 }
 
-impl<S: Storage> Stage for HostThread<SimulatedPlant, S> {
+impl<S: Storage> Stage for HostThread<HostedSimulation, S> {
     type Storage = S;
 
-    fn host(&mut self) -> &mut Host<SimulatedPlant, S> {
+    fn host(&mut self) -> &mut Host<HostedSimulation, S> {
         Self::host(self)
     }
 
@@ -115,7 +115,7 @@ impl<'a, G: Stage> Player<'a, G> {
 
     /// The host.
     #[must_use]
-    pub fn host(&mut self) -> &mut Host<SimulatedPlant, G::Storage> {
+    pub fn host(&mut self) -> &mut Host<HostedSimulation, G::Storage> {
         self.stage.host()
     }
 
@@ -289,7 +289,11 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     /// Runs until the condition is true; returns false after the timeout or a touch.
-    fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Host<SimulatedPlant, G::Storage>) -> bool) -> bool {
+    fn run_until(
+        &mut self,
+        most: Micros,
+        mut done: impl FnMut(&mut Host<HostedSimulation, G::Storage>) -> bool,
+    ) -> bool {
         let end = self.stage.host().now() + most;
         while !done(self.stage.host()) {
             if self.stage.host().now() >= end || self.stage.is_interrupted() {
@@ -340,7 +344,7 @@ impl<'a, G: Stage> Player<'a, G> {
         for axis in axes {
             self.press(Key::from_jog(axis, true))?;
         }
-        let homing = |host: &mut Host<SimulatedPlant, G::Storage>| host.controller().state() != RunState::Homing;
+        let homing = |host: &mut Host<HostedSimulation, G::Storage>| host.controller().state() != RunState::Homing;
         if !self.run_until(HOMING_TIMEOUT, homing) {
             return Err("homing did not end".to_owned());
         }
@@ -490,7 +494,7 @@ impl<'a, G: Stage> Player<'a, G> {
 
 /// A report of the control's state after a failed line.
 #[must_use]
-pub fn state_report<P: Plant, S: Storage>(host: &mut Host<P, S>) -> String {
+pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> String {
     let now = host.now().as_secs_f64();
     let snapshot = host.snapshot();
     let axes: Vec<_> = snapshot

@@ -14,13 +14,13 @@ use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::Input;
 use kt830::host::Host;
 use kt830::host::folders::Folders;
+use kt830::host::hosted_machine::HostedMachine;
 use kt830::host::job_runner::JobRunner;
 use kt830::host::link::HostLink;
 use kt830::host::pace::Pace;
 use kt830::host::part::PartRule;
-use kt830::host::plant::Plant;
 use kt830::host::retained_store::RetainedStore;
-use kt830::host::simulated::SimulatedPlant;
+use kt830::host::simulated::HostedSimulation;
 use kt830::host::storage::{DirectStorage, RetainedWorker, StorageWorker, ThreadedStorage};
 use kt830::host::thread::{HostThread, run_until_stopped, start};
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
@@ -60,7 +60,7 @@ struct Orders {
 
 /// The simulated machine behind a backend that notes every duty.
 struct NotedPlant {
-    plant: SimulatedPlant,
+    plant: HostedSimulation,
     notes: Arc<Mutex<Notes>>,
     orders: Arc<Orders>,
 }
@@ -90,7 +90,7 @@ impl Backend for NotedPlant {
     }
 }
 
-impl Plant for NotedPlant {
+impl HostedMachine for NotedPlant {
     fn power_on(&mut self, params: &Params) {
         self.notes.lock().unwrap().powered_on += 1;
         self.plant.power_on(params);
@@ -137,7 +137,8 @@ fn files() -> TempDir {
 }
 
 fn folders(files: &TempDir) -> Folders {
-    Folders { programs: files.path().join("programs"), screens: files.path().join("screens"), by_name: false }
+    let dialect = Kind::Gc.dialect();
+    Folders { programs: files.path().join("programs"), screens: files.path().join("screens"), by_name: false, dialect }
 }
 
 impl Bench {
@@ -156,7 +157,7 @@ impl Bench {
         let storage = ThreadedStorage::start(RetainedWorker::new(Some(store)), worker).unwrap();
         let (notes, orders) = (Arc::<Mutex<Notes>>::default(), Arc::<Orders>::default());
         let machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, &found.retained.params, 1);
-        let plant = SimulatedPlant::new(machine, Micros::from_millis(100));
+        let plant = HostedSimulation::new(machine, Micros::from_millis(100));
         let plant = NotedPlant { plant, notes: Arc::clone(&notes), orders: Arc::clone(&orders) };
         let mut host = NotedHost::connect(Kind::Gc, found.retained, plant, storage);
         host.set_part_rule(PartRule::FollowProgram);
@@ -462,7 +463,7 @@ fn b7_the_stepped_host_takes_the_new_tick_time_at_power_on() {
 #[test]
 fn a_story_plays_on_the_thread_until_somebody_touches_the_screen() {
     let (ended, told) = std::sync::mpsc::channel();
-    let script = move |thread: &mut HostThread<SimulatedPlant, DirectStorage>| {
+    let script = move |thread: &mut HostThread<HostedSimulation, DirectStorage>| {
         let (_, lines) = parse("power on\nload O1002\nwait 600 s\nwait 600 s", Kind::Gc).unwrap();
         let mut player = Player::new(thread, None, std::path::Path::new("."), false);
         for line in &lines {

@@ -117,12 +117,13 @@ impl StorageWorker {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::defs::kind::Dialect;
     use crate::host::folders::Folders;
 
     #[test]
     fn a_folder_that_cannot_be_read_after_a_job_is_told() {
         let missing = || "no/such/folder".into();
-        let folders = Folders { programs: missing(), screens: missing(), by_name: false };
+        let folders = Folders { programs: missing(), screens: missing(), by_name: false, dialect: Dialect::LatheA };
         let mut told = Vec::new();
         let changed = ChangedFolders { programs: true, screens: true };
         StorageWorker::new(JobRunner::new(folders)).read(changed, &mut |arrival| told.push(arrival));

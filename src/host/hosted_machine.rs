@@ -11,7 +11,7 @@ use crate::units::Micros;
 
 /// A machine under a host. A field bus implements the duties of a simulated machine with empty bodies: nothing is
 /// inherited, so that no duty is forgotten.
-pub trait Plant: Backend {
+pub trait HostedMachine: Backend {
     /// The control gets its power back; the parameters are those it starts with.
     fn power_on(&mut self, params: &Params);
     /// Puts an unmachined part into the machine.
