@@ -51,7 +51,7 @@ fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
             let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
             distance(p, [0, 1, 2].map(|x| from[x] + t * d[x]))
         }
-        MoveShape::Arc { center, plane, turn } => {
+        MoveShape::Arc { center, plane, direction: turn } => {
             let arc = Arc::new(from, to, center.0, plane, turn);
             // Looked for everywhere, then closely around the best: on a steep helix the angle says little.
             let off = |part: f64| distance(p, arc.at(part));
@@ -80,7 +80,7 @@ struct Arc {
 
 impl Arc {
     fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: Plane, turn: ArcDirection) -> Self {
-        let (a, b, c) = plane.axes();
+        let ((a, b), c) = (plane.axes(), plane.normal_axis());
         let axes = [a, b, c].map(|axis| axis as usize);
         let polar = |q: [f64; 3]| (q[axes[1]] - center[axes[1]]).atan2(q[axes[0]] - center[axes[0]]);
         let sense = if turn == ArcDirection::Ccw { 1.0 } else { -1.0 };
@@ -110,7 +110,7 @@ fn extent(contour: &[([f64; 3], Move)]) -> [(f64, f64); 3] {
     for (from, m) in contour {
         see(*from);
         see(m.to.0);
-        if let MoveShape::Arc { center, plane, turn } = m.shape {
+        if let MoveShape::Arc { center, plane, direction: turn } = m.shape {
             let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
             for quarter in -8..=8 {
                 let part = (f64::from(quarter) * FRAC_PI_2 - arc.start) / arc.sweep;
@@ -207,7 +207,7 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
             let mut shape = MoveShape::Line;
             if let Some((bulge, ccw, plane, flat)) = leg.arc {
                 // The centre lies off the middle of the chord by `bulge` chords; a helix unless flat.
-                let (a, b, c) = plane.axes();
+                let ((a, b), c) = (plane.axes(), plane.normal_axis());
                 let [a, b, c] = [a, b, c].map(|axis| axis as usize);
                 let (u, v) = (to[a] - from[a], to[b] - from[b]);
                 if u.hypot(v) > 1e-3 {
@@ -216,13 +216,13 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
                     center[a] = from[a] + u / 2.0 - bulge * v;
                     center[b] = from[b] + v / 2.0 + bulge * u;
                     let turn = if ccw { ArcDirection::Ccw } else { ArcDirection::Cw };
-                    shape = MoveShape::Arc { center: PerAxis(center), plane, turn };
+                    shape = MoveShape::Arc { center: PerAxis(center), plane, direction: turn };
                 }
             }
             let rate = if leg.rapid { MotionSpeed::Rapid } else { MotionSpeed::Feed { mm_s: leg.feed } };
             let end = if leg.exact { CornerMode::ExactStop } else { CornerMode::Continuous { tolerance_mm } };
             let start = std::mem::replace(&mut from, to);
-            (start, Move { to: PerAxis(to), shape, rate, end, tag })
+            (start, Move { to: PerAxis(to), shape, speed: rate, corner: end, tag })
         })
         .collect()
 }
@@ -241,13 +241,13 @@ fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
         (a, j) = (a.min(l.acceleration_mm_s2), j.min(l.jerk_mm_s3));
     }
     let seconds = |(from, m): &([f64; 3], Move)| {
-        let feed = match m.rate {
+        let feed = match m.speed {
             MotionSpeed::Feed { mm_s } => mm_s.min(80.0),
             MotionSpeed::Rapid => 80.0,
         };
         let length = match m.shape {
             MoveShape::Line => distance(*from, m.to.0),
-            MoveShape::Arc { center, plane, turn } => {
+            MoveShape::Arc { center, plane, direction: turn } => {
                 let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
                 (arc.radius * arc.sweep).hypot(arc.rise)
             }
@@ -255,7 +255,9 @@ fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
         // An arc is slower than its feed where its radius asks for it: v ≤ ∛(0.3 j r²) and √(0.7 a r).
         let radius = match m.shape {
             MoveShape::Line => f64::INFINITY,
-            MoveShape::Arc { center, plane, turn } => Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3),
+            MoveShape::Arc { center, plane, direction: turn } => {
+                Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3)
+            }
         };
         let feed = feed.min((0.3 * j * radius * radius).cbrt()).min((0.7 * a * radius).sqrt());
         length / feed + 2.0 * (feed / a + a / j) + STOP_S
@@ -284,7 +286,7 @@ fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
     let mut ov = Override::FULL;
     let (mut seen, mut trace) = (Vec::new(), Vec::new());
     let mut step = |path: &mut TrajectoryPlanner, ov: Override| {
-        while next < moves.len() && due <= tick && path.room() > 0 {
+        while next < moves.len() && due <= tick && path.free_slots() > 0 {
             assert_eq!(path.push(moves[next]), Ok(()));
             next += 1;
             due += u64::from(play.gaps.get(next).copied().unwrap_or(0));

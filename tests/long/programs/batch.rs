@@ -1,6 +1,6 @@
 //! Batches: fifty parts one after the other, the wheel dressed after every ten, nobody at the panel but for cycle start.
 
-use crate::shop::{Shop, shop};
+use super::shop::{Shop, shop};
 
 const PARTS: usize = 50;
 /// What the shop asks, µm.
@@ -24,7 +24,7 @@ fn batch(shop: &mut Shop) -> (f64, f64) {
 
 /// Diameter of the wheel as the control has it, mm.
 fn booked(shop: &Shop) -> f64 {
-    shop.rig.controller().system_value(5_801).unwrap()
+    shop.rig.controller().system_variable(5_801).unwrap()
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn k4_5_o1005_follows_parts_that_lie_elsewhere_along_their_axis() {
     use kt830::io::sim::SurfaceFile;
     let mut shop = shop(1005);
     for (number, off) in [0.0, 0.12, -0.15, 0.05].into_iter().enumerate() {
-        let mut part = crate::shop::part_of(1005);
+        let mut part = super::shop::part_of(1005);
         for surface in &mut part.surfaces {
             if let SurfaceFile::Face { stock, .. } = surface {
                 *stock += off;

@@ -6,24 +6,24 @@ use kt830::defs::param;
 use kt830::io::sim::PartFile;
 use kt830::link::command::Command;
 
-use crate::shop::{End, PROGRAMS, Shop, part_of, shop, shop_with};
+use super::shop::{End, PROGRAMS, Shop, part_of, shop, shop_with};
 
 /// Dresses a dull wheel: all of the rim back by the depth, mm, and the control told.
 fn dresses(program: u32, depth_mm: f64) {
     let mut shop = shop(program);
-    shop.rig.machine_mut().set_wheel_dull(0.7);
-    let before = shop.rig.controller().system_value(5_801).unwrap();
+    shop.rig.machine_mut().set_wheel_dullness(0.7);
+    let before = shop.rig.controller().system_variable(5_801).unwrap();
     for times in 1..=2 {
         shop.grind();
         let wanted = depth_mm * f64::from(times);
-        for (slice, mm) in shop.rig.machine().rim_mm().iter().enumerate() {
+        for (slice, mm) in shop.rig.machine().rim_wear_mm().iter().enumerate() {
             assert!((mm - wanted).abs() < 0.000_5, "O{program}, {times} times: slice {slice} is {mm} mm back");
         }
-        assert!(shop.rig.machine().wheel().dull < 0.01, "O{program}: the wheel is sharp");
-        let booked = shop.rig.controller().system_value(5_801).unwrap();
+        assert!(shop.rig.machine().wheel().dullness < 0.01, "O{program}: the wheel is sharp");
+        let booked = shop.rig.controller().system_variable(5_801).unwrap();
         assert!((before - booked - 2.0 * wanted).abs() < 1e-9, "O{program}: the control has {booked}");
     }
-    assert_eq!(shop.rig.controller().system_value(5_805), Some(2.0));
+    assert_eq!(shop.rig.controller().system_variable(5_805), Some(2.0));
 }
 
 #[test]
@@ -57,16 +57,16 @@ fn p6_o1012_dresses_radius_and_chamfer() {
         part.variables.insert(784, 0.1);
     });
     shop.grind();
-    for (slice, mm) in shop.rig.machine().rim_mm().iter().enumerate() {
+    for (slice, mm) in shop.rig.machine().rim_wear_mm().iter().enumerate() {
         // 0.02 of diameter off the highest place. A tick of 5 µm along the arc's steep foot is 0.14 mm deep.
         let wanted = 0.01 + form_mm(slice as f64);
         let tolerance = if slice == 0 { 0.15 } else { 0.006 };
         assert!((mm - wanted).abs() < tolerance, "slice {slice}: {mm} mm, wanted {wanted}");
     }
     assert_eq!(shop.value(787), Some(2.0), "the next time it only dresses again");
-    let before = shop.rig.machine().rim_mm().to_vec();
+    let before = shop.rig.machine().rim_wear_mm().to_vec();
     shop.grind();
-    for (before, after) in before.iter().zip(shop.rig.machine().rim_mm()) {
+    for (before, after) in before.iter().zip(shop.rig.machine().rim_wear_mm()) {
         assert!((after - before - 0.01).abs() < 0.15, "{before} {after}");
     }
 }
@@ -87,7 +87,7 @@ fn p6_o1012_wants_an_offset_in_force_and_one_form() {
 fn change_over(shop: &mut Shop, program: u32) {
     shop.part = part_of(program);
     shop.load(program);
-    shop.rig.mount(&shop.part);
+    shop.rig.mount_part(&shop.part);
     shop.rig.step();
 }
 
@@ -120,7 +120,7 @@ key address-z\nkey input\nmode auto",
     );
     for times in 1..=2 {
         shop.grind();
-        for mm in shop.rig.machine().rim_mm() {
+        for mm in shop.rig.machine().rim_wear_mm() {
             assert!((mm - 0.025 * f64::from(times)).abs() < 0.001, "{times} times: {mm} mm");
         }
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kt830::host::folders::{parse_page_text, parse_picture};
 
-use crate::shop::{PROGRAMS, part_of};
+use super::shop::{PROGRAMS, part_of};
 
 fn read(path: &str) -> Vec<u8> {
     std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()

@@ -2,7 +2,7 @@
 
 use kt830::defs::signal::Output;
 
-use crate::shop::{End, shop};
+use super::shop::{End, shop};
 
 /// The program, one value that makes no sense, the alarm, and the variable that it names.
 const SENSELESS: [(u32, u16, f64, u16, &str); 55] = [
@@ -85,7 +85,7 @@ fn k7_5_senseless_values_are_refused_before_anything_moves() {
 #[test]
 fn k7_5_a_page_without_values_is_refused_too() {
     for program in [1002, 1003, 1004, 1005, 1006, 1007, 1008, 1009, 1010, 1011, 1012, 1013, 1014] {
-        let mut shop = crate::shop::shop_with(program, 1, |part| part.variables.clear());
+        let mut shop = super::shop::shop_with(program, 1, |part| part.variables.clear());
         let before = shop.rig.machine().slide_mm();
         assert!(matches!(shop.run(), End::Alarm(3000.., _)), "O{program}");
         assert_eq!(shop.rig.machine().slide_mm(), before, "O{program}");
@@ -96,7 +96,7 @@ fn k7_5_a_page_without_values_is_refused_too() {
 fn p8_a_dead_gauge_is_an_alarm_and_the_wheel_is_off_the_part() {
     for (program, alarm) in [(1003, 3019), (1004, 3094), (1006, 3020), (1007, 3020), (1010, 3020)] {
         let mut shop = shop(program);
-        shop.rig.machine_mut().fault("gauge-dead").unwrap();
+        shop.rig.machine_mut().inject_fault("gauge-dead").unwrap();
         let End::Alarm(number, _) = shop.run() else { panic!("O{program} ended without its gauge") };
         assert_eq!(number, alarm, "O{program}");
         assert_eq!(shop.events(), [], "O{program}");
@@ -109,7 +109,7 @@ fn p8_a_dead_gauge_is_an_alarm_and_the_wheel_is_off_the_part() {
 
 #[test]
 fn k4_5_no_reference_face_is_alarm_183() {
-    let mut shop = crate::shop::shop_with(1005, 1, |part| {
+    let mut shop = super::shop::shop_with(1005, 1, |part| {
         part.surfaces.remove(0);
     });
     assert!(matches!(shop.run(), End::Alarm(183, _)));

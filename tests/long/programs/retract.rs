@@ -3,7 +3,7 @@
 
 use kt830::units::Axis;
 
-use crate::shop::shop;
+use super::shop::shop;
 use crate::stories::tell;
 
 #[test]

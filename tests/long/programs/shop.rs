@@ -47,10 +47,10 @@ pub fn shop_with(program: u32, seed: u64, change: impl FnOnce(&mut PartFile)) ->
     let retained = PowerOnState::factory(part.kind);
     let mut rig =
         HeadlessHost::new(HostSetup { kind: part.kind, retained, store: None, folders: folders(), seed }).unwrap();
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.step();
     rig.make_ready();
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.send(Command::LoadProgram(program));
     rig.step();
     Shop { rig, part }

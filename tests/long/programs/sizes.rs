@@ -3,7 +3,7 @@
 //! A seed changes where the waviness lies and what the gauges' noise is; runout goes from the part's own to nothing, the
 //! wheel from as dull as it gets to sharp. `KT830_SEEDS=20 cargo test --release --test programs` tries more than the ends.
 
-use crate::shop::{Measured, shop_with, with_runout};
+use super::shop::{Measured, shop_with, with_runout};
 
 /// What the shop asks of fine-ground diameters and faces, µm.
 const TOLERANCE_UM: f64 = 3.0;
@@ -16,7 +16,7 @@ fn to_size(program: u32, seeds: u64, runout: f64, wanted: impl Fn(Measured) -> f
         // From 1 to 0; runout in another order, from 1 as well.
         let share = |seed: u64| 1.0 - (seed % seeds) as f64 / (seeds - 1).max(1) as f64;
         let mut shop = shop_with(program, seed, |part| with_runout(part, runout * share(7 * seed)));
-        shop.rig.machine_mut().set_wheel_dull(share(seed));
+        shop.rig.machine_mut().set_wheel_dullness(share(seed));
         shop.grind();
         let worst = shop.worst_um(wanted);
         assert!(worst.abs() < TOLERANCE_UM, "O{program} seed {seed}: off by {worst} µm");
