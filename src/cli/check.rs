@@ -248,7 +248,11 @@ fn analyse_program(
 }
 
 /// The programs that a checked program may call: those of the folder and the named ones beside its file.
-fn program_library(shared: &SharedArgs, path: &Path, dialect: Dialect) -> Result<Arc<dyn Library + Send + Sync>, CallError> {
+fn program_library(
+    shared: &SharedArgs,
+    path: &Path,
+    dialect: Dialect,
+) -> Result<Arc<dyn Library + Send + Sync>, CallError> {
     let folders = setup::folders(shared)?;
     let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
     programs.replace(named_programs_beside(path, dialect));

@@ -20,7 +20,7 @@ use kt830::machine::discrete::DiscreteState;
 use kt830::machine::interlock::Rule;
 use kt830::machine::phase::{PhaseEvent, RunPhase};
 use kt830::machine::rules::RULES;
-use kt830::machine::{Consequence, ControlState, Machine, MachineFinding, RequestResult, kind, panel_key};
+use kt830::machine::{Consequence, ControlState, Machine, MachineFinding, RequestResult, panel_key};
 use kt830::units::{Micros, PerAxis};
 
 const TICK: Micros = Micros(1_000);
@@ -208,7 +208,7 @@ impl Search {
     /// The whole search; ends at the first broken invariant.
     fn run(&self) -> Found {
         let first = Node {
-            machine: Machine::governed_by(self.rules, kind::find(self.plan.kind), self.now),
+            machine: Machine::with_rules(self.rules, self.plan.kind, self.now),
             phase: RunPhase::Idle,
             drives_off: false,
         };
@@ -307,7 +307,7 @@ impl Search {
 
     /// A key as the controller takes it; false when it is not on the panel.
     fn press(&self, node: &mut Node, key: Key, inputs: InputSet, now: Micros) -> Result<bool, String> {
-        let fitted = kind::find(self.plan.kind).fitted(&self.params);
+        let fitted = self.plan.kind.row().fitted(&self.params);
         if let Some(reason) = panel_key::inactive_reason(key, self.plan.kind, fitted, node.phase) {
             self.reasoned(reason.en)?;
             let by_run = node.phase.is_automatic() && key.is_on(self.plan.kind);
@@ -548,6 +548,6 @@ fn the_search_notices_what_stands_outside_the_table() {
 
 #[test]
 fn fitted_axes_are_those_of_the_kind() {
-    assert_eq!(kind::find(Kind::Gs).fitted(&Params::factory(Kind::Gs)), PerAxis([true; 3]));
-    assert_eq!(kind::find(Kind::Gc).fitted(&Params::factory(Kind::Gc)), PerAxis([true, false, true]));
+    assert_eq!(Kind::Gs.row().fitted(&Params::factory(Kind::Gs)), PerAxis([true; 3]));
+    assert_eq!(Kind::Gc.row().fitted(&Params::factory(Kind::Gc)), PerAxis([true, false, true]));
 }
