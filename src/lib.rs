@@ -8,11 +8,11 @@
 //! | room | what it owns | imports |
 //! |---|---|---|
 //! | [`units`] | time, axes | – |
-//! | [`defs`] | one table a concept: keys, signals, M and G codes, parameters, alarms, pages | units |
+//! | [`defs`] | one table a concept: keys, signals, M and G codes, parameters, alarms, pages; [`defs::kind`], one file a kind of machine | units |
 //! | [`link`] | [`link::Command`] in, [`link::Snapshot`] out: all that screen and core share | units, defs |
 //! | [`nc`] | program text → [`nc::Op`]; moves nothing | units, defs |
 //! | [`motion`] | moves → set-points within velocity, acceleration, jerk and tolerance | units, defs |
-//! | [`machine`] | the units; [`machine::rules`], the one interlock table; [`machine::phase`] of a run; [`machine::panel_key`], what a key asks for; one file a kind | units, defs, link |
+//! | [`machine`] | the units; [`machine::rules`], the one interlock table; [`machine::phase`] of a run; [`machine::panel_key`], what a key asks for | units, defs, link |
 //! | [`io`] | [`io::Backend`]; the simulated machine and its physics | units, defs |
 //! | [`store`] | what outlives a power cut, and the folders people copy files into | units, defs |
 //! | [`controller`] | [`controller::Controller::tick`] in a fixed order | the core above |

@@ -29,8 +29,8 @@ pub struct Args {
 /// Options of every command.
 #[derive(Clone, Debug, ClapArgs)]
 pub struct SharedArgs {
-    /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table), vertical (lathe-grinder, 802D), lathe (超人) [default: as set on the machine, else gc]
-    #[arg(long = "kind", global = true, value_name = "KIND", value_parser = kind)]
+    /// Kind of machine.
+    #[arg(help = kind_help(), long = "kind", global = true, value_name = "KIND", value_parser = kind)]
     pub requested_kind: Option<Kind>,
     /// The kind that holds: asked for, else stored, else gc.
     #[arg(skip)]
@@ -197,6 +197,12 @@ fn time(words: &str) -> Result<Micros, String> {
 
 fn clock(words: &str) -> Result<DateTime, String> {
     DateTime::parse(words).ok_or_else(|| "date and time read \"2026-11-21 15:01:56\"".to_owned())
+}
+
+fn kind_help() -> String {
+    let kinds: Vec<_> = Kind::ALL.iter().map(|kind| format!("{} ({})", kind.id(), kind.row().summary)).collect();
+    let default = Kind::default().id();
+    format!("Kind of machine: {} [default: as set on the machine, else {default}]", kinds.join(", "))
 }
 
 fn kind(word: &str) -> Result<Kind, String> {

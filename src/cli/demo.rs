@@ -7,18 +7,9 @@ use std::path::Path;
 use super::args::{DemoArgs, SharedArgs};
 use super::play::{StoryFile, read_story};
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
+use crate::defs::kind::Kind;
 use crate::host::headless::HeadlessHost;
 use crate::story::{Player, Statement, parse, play::state_report};
-
-/// The default story.
-const DEFAULT_STORY: &str = include_str!("../../assets/stories/first_part.story");
-/// The stories of the other kinds; each names its kind in the first line.
-const KIND_STORIES: [&str; 4] = [
-    include_str!("../../assets/stories/first_part_gs.story"),
-    include_str!("../../assets/stories/first_part_ga.story"),
-    include_str!("../../assets/stories/vertical.story"),
-    include_str!("../../assets/stories/shaft.story"),
-];
 
 /// Plays the story.
 ///
@@ -28,14 +19,10 @@ pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
     let told = match &call.story {
         Some(path) => read_story(path, shared.kind)?,
         None => {
-            let mut told = parse(DEFAULT_STORY, shared.kind).map_err(CallError::new)?;
-            for other in KIND_STORIES {
-                let (kind, lines) = parse(other, shared.kind).map_err(CallError::new)?;
-                if shared.requested_kind == Some(kind) {
-                    told = (kind, lines);
-                }
-            }
-            StoryFile { kind: told.0, lines: told.1 }
+            let of_kind = shared.requested_kind.and_then(|kind| kind.row().demo_story);
+            let story = of_kind.or(Kind::default().row().demo_story).unwrap_or_default();
+            let (kind, lines) = parse(story, shared.kind).map_err(CallError::new)?;
+            StoryFile { kind, lines }
         }
     };
     let shared = SharedArgs { kind: told.kind, ..shared.clone() };

@@ -332,7 +332,7 @@ impl RunReport {
 
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).
 fn turns_part(host: &HeadlessHost) -> bool {
-    host.kind().ui().is_lathe
+    host.kind().is_lathe()
 }
 
 /// A program in a report: its number, or its name if it has one (L53 of the 802D, too).

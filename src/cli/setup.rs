@@ -6,7 +6,6 @@ use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::PowerOnState;
 use crate::host::Host;
-use crate::host::bar::program_subfolder;
 use crate::host::folders::{Folders, named_programs_beside, program_from_bytes};
 use crate::host::headless::HeadlessHost;
 use crate::host::job_runner::JobRunner;
@@ -54,12 +53,7 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
 pub fn folders(shared: &SharedArgs) -> Result<Folders, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
     let (programs, screens) = (shared.programs.clone(), shared.screens.clone());
-    let folders = Folders::resolve(programs, screens, &data, shared.kind).map_err(CallError::new)?;
-    match program_subfolder(shared.kind) {
-        None => Ok(folders),
-        Some(_) if shared.programs.is_some() => Ok(Folders { by_name: true, ..folders }),
-        Some(name) => folders.subfolder_by_name(name).map_err(CallError::new),
-    }
+    Folders::resolve(programs, screens, &data, shared.kind).map_err(CallError::new)
 }
 
 /// Initial data of a check: retained data with `--data` if they are not in use, otherwise factory values.
@@ -242,7 +236,7 @@ pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallErro
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
     // L1: every program of a lathe has a name of at least one letter.
-    let by_name = program_subfolder(host.kind()).is_some() && !stem.is_empty();
+    let by_name = host.kind().row().programs.by_name && !stem.is_empty();
     let named = if by_name { Some(crate::defs::program_number::from_name(&stem)) } else { named };
     let number = named.unwrap_or(DEFAULT_NUMBER);
     let dialect = host.kind().dialect();

@@ -45,7 +45,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
             }
         }
         None => {
-            let number = program_number::from_name(kind.picture_program());
+            let number = program_number::from_name(kind.ui().picture_program);
             setup::mount_part(&mut host, &shared, number)?;
             host.step();
             host.make_ready();

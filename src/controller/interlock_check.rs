@@ -14,7 +14,6 @@ use crate::defs::signal::{Input, InputSet, Output};
 use crate::defs::system_variable;
 use crate::defs::text::LocalizedText;
 use crate::machine::interlock::RuleOutcome;
-use crate::machine::kind::{KindRow, find};
 use crate::machine::{ControlState, Machine};
 use crate::nc::{AxisSet, Block, BlockLocation, Op, OpEffect, OscillationChange, SpeedMode};
 use crate::units::{Axis, Micros};
@@ -50,7 +49,7 @@ pub struct PredictedRefusal {
 
 /// Follows the operations of a program check, starting from a ready machine (T3).
 pub struct InterlockCheck<'a> {
-    row: &'static KindRow,
+    kind: Kind,
     params: &'a Params,
     machine: Machine,
     now: Micros,
@@ -65,11 +64,10 @@ impl<'a> InterlockCheck<'a> {
     /// A machine of a kind with these parameters, ready to run.
     #[must_use]
     pub fn new(kind: Kind, params: &'a Params) -> Self {
-        let row = find(kind);
-        let mut machine = Machine::new(row, Micros::ZERO);
+        let mut machine = Machine::new(kind, Micros::ZERO);
         machine.make_ready(params);
         let mut foresight = Self {
-            row,
+            kind,
             params,
             machine,
             now: Micros::ZERO,
@@ -105,7 +103,7 @@ impl<'a> InterlockCheck<'a> {
         let effect = op.effect();
         match effect {
             OpEffect::Motion(_) | OpEffect::IndexTurret { .. } => self.check_axes(effect.named_axes()),
-            OpEffect::MCode(words) => MCall::new(self.row.dialect, &words).and_then(|call| self.m_code(call)),
+            OpEffect::MCode(words) => MCall::new(self.kind.dialect(), &words).and_then(|call| self.m_code(call)),
             OpEffect::SystemVariable(number, value) => self.check_system_variable(number, value.unwrap_or(0.0)),
             OpEffect::Speed(value, mode) => {
                 self.wheel_speed = (value, mode);

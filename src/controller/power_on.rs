@@ -4,6 +4,7 @@ use crate::defs::alarm_history::PastAlarm;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::Params;
+use crate::defs::variable_name;
 use crate::nc::{CommonVariables, WorkOffsets};
 use crate::units::PerAxis;
 
@@ -37,8 +38,10 @@ impl PowerOnState {
     #[must_use]
     pub fn factory(kind: Kind) -> Self {
         let mut variables = CommonVariables::default();
-        for (number, value) in crate::machine::kind::find(kind).variables {
-            let _ = variables.set(u32::from(*number), Some(*value)); // the rows name common variables only
+        for (number, value) in kind.row().factory.r_parameters {
+            if let Some(variable) = variable_name::variable_of_r(u32::from(*number)) {
+                let _ = variables.set(variable, Some(*value)); // an R parameter is a common variable
+            }
         }
         Self {
             params: Params::factory(kind),

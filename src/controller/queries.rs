@@ -64,7 +64,7 @@ impl Controller {
     /// The kind of machine.
     #[must_use]
     pub const fn kind(&self) -> Kind {
-        self.plant.kind_row.kind
+        self.plant.kind
     }
 
     /// Tick time.

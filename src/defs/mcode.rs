@@ -1,7 +1,8 @@
 //! The M codes: action, name, help and specification row of each.
 //! Source: spec K3, B4.
 
-use super::kind::{Dialect, Kind};
+use super::equipment::{ANY, Needs, TAILSTOCK};
+use super::kind::Dialect;
 use super::signal::{Input, Output};
 use super::text::Text;
 
@@ -87,6 +88,26 @@ pub enum Request {
     HomeAxes,
     /// Jog, step or handwheel.
     Jog,
+}
+
+impl MCodeAction {
+    /// The device that the action needs to exist. K5.3: tailstock codes exist only with a tailstock; the codes of the
+    /// other devices exist everywhere and are refused by the interlock table.
+    #[must_use]
+    pub const fn needs(self) -> Needs {
+        match self {
+            Self::Request(Request::TailstockAdvance | Request::TailstockRetract) => TAILSTOCK,
+            Self::Request(_)
+            | Self::ProgramStop
+            | Self::OptionalStop
+            | Self::ProgramEnd
+            | Self::CountWorkpiece
+            | Self::Port(_)
+            | Self::Pulse
+            | Self::AwaitInput(_)
+            | Self::ProgramFlow => ANY,
+        }
+    }
 }
 
 /// A unit that a request switches on or off. It must run again before a program continues inside its text (B5).
@@ -383,14 +404,6 @@ pub fn rows_of(system: Dialect) -> impl Iterator<Item = &'static MCode> {
     let more = if sinumerik { EXTRA_802D } else { &[] };
     let rows = table(system).iter().chain(more);
     rows.filter(move |row| !sinumerik || !EXCLUDED_802D.contains(&row.code))
-}
-
-/// The M codes of a kind of machine. K5.3: tailstock codes exist only on kinds with a tailstock.
-pub fn rows_on(kind: Kind) -> impl Iterator<Item = &'static MCode> {
-    let tailstock = |row: &&MCode| {
-        matches!(row.action, MCodeAction::Request(Request::TailstockAdvance | Request::TailstockRetract))
-    };
-    rows_of(kind.dialect()).filter(move |row| kind == Kind::Gc || !tailstock(row))
 }
 
 /// The row of a code in a dialect.

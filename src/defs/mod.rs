@@ -4,12 +4,13 @@
 
 pub mod alarm;
 pub mod alarm_history;
+pub mod availability;
 pub mod date;
 pub mod dialect_word;
+pub mod equipment;
 pub mod gcode;
 pub mod key;
 pub mod kind;
-pub mod kind_ui;
 pub mod leadscrew;
 pub mod mcode;
 pub mod page;

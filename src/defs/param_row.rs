@@ -74,7 +74,7 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
         .collect();
     let numbers = NUMBERS.iter().map(|row| {
         let at = ParamAddress { number: row.number, bit: None };
-        let (name, min, max, sort) = (row.name.into(), row.min, row.max, ParamType::Number);
+        let ((min, max), name, sort) = (row.range_on(kind), row.name.into(), ParamType::Number);
         ParamRow {
             address: at,
             name,
@@ -133,6 +133,21 @@ impl AccessLevel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::defs::param;
+
+    #[test]
+    fn l2_the_range_shown_is_the_range_that_a_write_keeps() {
+        for kind in Kind::ALL {
+            let mut params = Params::factory(kind);
+            for row in rows(kind).iter().filter(|row| row.param_type == ParamType::Number) {
+                assert_eq!(params.write(row.address, row.min), Ok(()), "{} on {kind:?}", row.address);
+                assert_eq!(params.write(row.address, row.max), Ok(()), "{} on {kind:?}", row.address);
+                assert!(params.write(row.address, row.max + 1.0).is_err(), "{} on {kind:?}", row.address);
+            }
+        }
+        let rapid = rows(Kind::Lathe).into_iter().find(|row| row.address == param::RAPID_X.address());
+        assert_eq!(rapid.map(|row| row.range().en), Some("1000 … 3000 mm/min".to_owned()));
+    }
 
     #[test]
     fn b6_every_parameter_stands_once_with_its_level_and_factory_value_in_range() {

@@ -1,16 +1,16 @@
-//! Inputs and outputs by function: id, name and the parameter that assigns the port.
+//! Inputs and outputs by function: id, name, device and the parameter that assigns the port.
 //! Source: spec K3 (ports), tools.md (ids).
 
 use serde::{Deserialize, Serialize};
 
-use super::kind::Kind;
+use super::equipment::{ANY, GAUGES, HEADSTOCK, HYDRAULICS, Needs, ROLL, SPINDLE, TABLE, TAILSTOCK, TURRET, WHEEL};
 use super::text::Text;
 
 /// Number of ports of a terminal block. Ports are numbered from 1; 0 is "not connected".
 pub const PORTS: u8 = 64;
 
 macro_rules! signals {
-    ($(#[$meta:meta])* $name:ident { $($variant:ident = $id:literal, $param:literal, $zh:literal, $en:literal;)* }) => {
+    ($(#[$meta:meta])* $name:ident { $($variant:ident = $id:literal, $param:literal, $needs:ident, $zh:literal, $en:literal;)* }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
         #[repr(u8)]
@@ -32,6 +32,12 @@ macro_rules! signals {
             #[must_use]
             pub const fn port_param(self) -> u16 {
                 match self { $(Self::$variant => $param,)* }
+            }
+
+            /// The device that it belongs to.
+            #[must_use]
+            pub const fn needs(self) -> Needs {
+                match self { $(Self::$variant => $needs,)* }
             }
 
             /// Display name.
@@ -56,97 +62,98 @@ macro_rules! signals {
 signals! {
     /// A switch, drive or gauge that the control reads.
     Input {
-        OscillationForwardEnd = "oscillation-forward-end", 228, "振荡前进到位", "oscillation forward end";
-        OscillationBackwardEnd = "oscillation-backward-end", 229, "振荡后退到位", "oscillation backward end";
-        HydraulicPressure = "hydraulic-pressure", 269, "液压压力", "hydraulic pressure";
-        EmergencyStop = "emergency-stop", 320, "急停", "emergency stop";
-        TailstockAdvanced = "tailstock-advanced", 321, "尾座进到位", "tailstock advanced";
-        TailstockRetracted = "tailstock-retracted", 322, "尾座退到位", "tailstock retracted";
-        Gauge1 = "gauge-1", 323, "量仪信号 1", "gauge signal 1";
-        Gauge2 = "gauge-2", 324, "量仪信号 2", "gauge signal 2";
-        Gauge3 = "gauge-3", 325, "量仪信号 3", "gauge signal 3";
-        Gauge4 = "gauge-4", 326, "量仪信号 4", "gauge signal 4";
-        Gauge5 = "gauge-5", 327, "量仪信号 5", "gauge signal 5";
-        Gauge6 = "gauge-6", 328, "量仪信号 6", "gauge signal 6";
-        User1 = "user-1", 279, "用户输入 1 (M80)", "user input 1 (M80)";
-        User2 = "user-2", 280, "用户输入 2 (M81)", "user input 2 (M81)";
-        User3 = "user-3", 281, "用户输入 3 (M82)", "user input 3 (M82)";
-        User4 = "user-4", 282, "用户输入 4 (M83)", "user input 4 (M83)";
-        User5 = "user-5", 283, "用户输入 5 (M84)", "user input 5 (M84)";
-        User6 = "user-6", 284, "用户输入 6 (M85)", "user input 6 (M85)";
-        User7 = "user-7", 285, "用户输入 7 (M86)", "user input 7 (M86)";
-        User8 = "user-8", 286, "用户输入 8 (M87)", "user input 8 (M87)";
-        User9 = "user-9", 287, "用户输入 9 (M88)", "user input 9 (M88)";
-        User10 = "user-10", 288, "用户输入 10 (M89)", "user input 10 (M89)";
-        HomeX = "home-x", 329, "X 零点开关", "home switch X";
-        HomeY = "home-y", 330, "Y 零点开关", "home switch Y";
-        HomeZ = "home-z", 331, "Z 零点开关", "home switch Z";
-        GuardClosed = "guard-closed", 332, "防护门关", "guard closed";
-        CoolantFlow = "coolant-flow", 333, "冷却液流量", "coolant flow";
-        LubricationLevel = "lubrication-level", 334, "润滑油位", "lubrication level";
-        ExternalStart = "external-start", 335, "外接启动", "external start";
-        ExternalHold = "external-hold", 336, "外接暂停", "external hold";
-        RadialArmOut = "radial-arm-out", 337, "径向量仪伸出到位", "radial gauge arm out";
-        RadialArmIn = "radial-arm-in", 338, "径向量仪缩回到位", "radial gauge arm in";
-        AxialArmOut = "axial-arm-out", 339, "轴向量仪伸出到位", "axial gauge arm out";
-        AxialArmIn = "axial-arm-in", 340, "轴向量仪缩回到位", "axial gauge arm in";
-        DriveX = "drive-x", 341, "X 驱动报警", "drive fault X";
-        DriveY = "drive-y", 342, "Y 驱动报警", "drive fault Y";
-        DriveZ = "drive-z", 343, "Z 驱动报警", "drive fault Z";
-        LimitXPlus = "limit-x-plus", 344, "X+ 限位", "limit switch X+";
-        LimitXMinus = "limit-x-minus", 345, "X- 限位", "limit switch X-";
-        LimitYPlus = "limit-y-plus", 346, "Y+ 限位", "limit switch Y+";
-        LimitYMinus = "limit-y-minus", 347, "Y- 限位", "limit switch Y-";
-        LimitZPlus = "limit-z-plus", 348, "Z+ 限位", "limit switch Z+";
-        LimitZMinus = "limit-z-minus", 349, "Z- 限位", "limit switch Z-";
-        Gear1In = "gear-1-in", 350, "1 档到位", "gear 1 in";
-        Gear2In = "gear-2-in", 351, "2 档到位", "gear 2 in";
-        Gear3In = "gear-3-in", 352, "3 档到位", "gear 3 in";
-        Gear4In = "gear-4-in", 353, "4 档到位", "gear 4 in";
-        Station1 = "station-1", 365, "1 号刀位", "tool post station 1";
-        Station2 = "station-2", 366, "2 号刀位", "tool post station 2";
-        Station3 = "station-3", 367, "3 号刀位", "tool post station 3";
-        Station4 = "station-4", 368, "4 号刀位", "tool post station 4";
+        OscillationForwardEnd = "oscillation-forward-end", 228, WHEEL, "振荡前进到位", "oscillation forward end";
+        OscillationBackwardEnd = "oscillation-backward-end", 229, WHEEL, "振荡后退到位", "oscillation backward end";
+        HydraulicPressure = "hydraulic-pressure", 269, HYDRAULICS, "液压压力", "hydraulic pressure";
+        EmergencyStop = "emergency-stop", 320, ANY, "急停", "emergency stop";
+        TailstockAdvanced = "tailstock-advanced", 321, TAILSTOCK, "尾座进到位", "tailstock advanced";
+        TailstockRetracted = "tailstock-retracted", 322, TAILSTOCK, "尾座退到位", "tailstock retracted";
+        Gauge1 = "gauge-1", 323, GAUGES, "量仪信号 1", "gauge signal 1";
+        Gauge2 = "gauge-2", 324, GAUGES, "量仪信号 2", "gauge signal 2";
+        Gauge3 = "gauge-3", 325, GAUGES, "量仪信号 3", "gauge signal 3";
+        Gauge4 = "gauge-4", 326, GAUGES, "量仪信号 4", "gauge signal 4";
+        Gauge5 = "gauge-5", 327, GAUGES, "量仪信号 5", "gauge signal 5";
+        Gauge6 = "gauge-6", 328, GAUGES, "量仪信号 6", "gauge signal 6";
+        User1 = "user-1", 279, ANY, "用户输入 1 (M80)", "user input 1 (M80)";
+        User2 = "user-2", 280, ANY, "用户输入 2 (M81)", "user input 2 (M81)";
+        User3 = "user-3", 281, ANY, "用户输入 3 (M82)", "user input 3 (M82)";
+        User4 = "user-4", 282, ANY, "用户输入 4 (M83)", "user input 4 (M83)";
+        User5 = "user-5", 283, ANY, "用户输入 5 (M84)", "user input 5 (M84)";
+        User6 = "user-6", 284, ANY, "用户输入 6 (M85)", "user input 6 (M85)";
+        User7 = "user-7", 285, ANY, "用户输入 7 (M86)", "user input 7 (M86)";
+        User8 = "user-8", 286, ANY, "用户输入 8 (M87)", "user input 8 (M87)";
+        User9 = "user-9", 287, ANY, "用户输入 9 (M88)", "user input 9 (M88)";
+        User10 = "user-10", 288, ANY, "用户输入 10 (M89)", "user input 10 (M89)";
+        HomeX = "home-x", 329, ANY, "X 零点开关", "home switch X";
+        HomeY = "home-y", 330, ANY, "Y 零点开关", "home switch Y";
+        HomeZ = "home-z", 331, ANY, "Z 零点开关", "home switch Z";
+        GuardClosed = "guard-closed", 332, ANY, "防护门关", "guard closed";
+        CoolantFlow = "coolant-flow", 333, ANY, "冷却液流量", "coolant flow";
+        LubricationLevel = "lubrication-level", 334, ANY, "润滑油位", "lubrication level";
+        ExternalStart = "external-start", 335, ANY, "外接启动", "external start";
+        ExternalHold = "external-hold", 336, ANY, "外接暂停", "external hold";
+        RadialArmOut = "radial-arm-out", 337, GAUGES, "径向量仪伸出到位", "radial gauge arm out";
+        RadialArmIn = "radial-arm-in", 338, GAUGES, "径向量仪缩回到位", "radial gauge arm in";
+        AxialArmOut = "axial-arm-out", 339, GAUGES, "轴向量仪伸出到位", "axial gauge arm out";
+        AxialArmIn = "axial-arm-in", 340, GAUGES, "轴向量仪缩回到位", "axial gauge arm in";
+        DriveX = "drive-x", 341, ANY, "X 驱动报警", "drive fault X";
+        DriveY = "drive-y", 342, ANY, "Y 驱动报警", "drive fault Y";
+        DriveZ = "drive-z", 343, ANY, "Z 驱动报警", "drive fault Z";
+        LimitXPlus = "limit-x-plus", 344, ANY, "X+ 限位", "limit switch X+";
+        LimitXMinus = "limit-x-minus", 345, ANY, "X- 限位", "limit switch X-";
+        LimitYPlus = "limit-y-plus", 346, ANY, "Y+ 限位", "limit switch Y+";
+        LimitYMinus = "limit-y-minus", 347, ANY, "Y- 限位", "limit switch Y-";
+        LimitZPlus = "limit-z-plus", 348, ANY, "Z+ 限位", "limit switch Z+";
+        LimitZMinus = "limit-z-minus", 349, ANY, "Z- 限位", "limit switch Z-";
+        Gear1In = "gear-1-in", 350, ANY, "1 档到位", "gear 1 in";
+        Gear2In = "gear-2-in", 351, ANY, "2 档到位", "gear 2 in";
+        Gear3In = "gear-3-in", 352, ANY, "3 档到位", "gear 3 in";
+        Gear4In = "gear-4-in", 353, ANY, "4 档到位", "gear 4 in";
+        Station1 = "station-1", 365, TURRET, "1 号刀位", "tool post station 1";
+        Station2 = "station-2", 366, TURRET, "2 号刀位", "tool post station 2";
+        Station3 = "station-3", 367, TURRET, "3 号刀位", "tool post station 3";
+        Station4 = "station-4", 368, TURRET, "4 号刀位", "tool post station 4";
     }
 }
 
 signals! {
     /// A contactor, valve or lamp that the control switches.
     Output {
-        Wheel = "wheel", 300, "砂轮", "wheel";
-        Coolant = "coolant", 301, "冷却", "coolant";
-        Lubrication = "lubrication", 302, "润滑", "lubrication";
-        Tailstock = "tailstock", 303, "尾座", "tailstock";
-        Magnetise = "magnetise", 304, "充磁", "magnetise";
-        Demagnetise = "demagnetise", 305, "退磁", "demagnetise";
-        SecondSpindle = "second-spindle", 306, "第二主轴正转", "second spindle cw";
-        SecondSpindleCcw = "second-spindle-ccw", 307, "第二主轴反转", "second spindle ccw";
-        OscillationForward = "oscillation-forward", 226, "振荡前进", "oscillation forward";
-        OscillationBackward = "oscillation-backward", 227, "振荡后退", "oscillation backward";
-        Hydraulic = "hydraulic", 273, "液压", "hydraulic";
-        RadialGauge = "radial-gauge", 271, "径向(厚度)量仪", "radial (thickness) gauge";
-        AxialGauge = "axial-gauge", 272, "轴向(平面)量仪", "axial (plane) gauge";
-        HeadstockHigh = "headstock-high", 153, "头架高速", "headstock high";
-        HeadstockLow = "headstock-low", 154, "头架低速", "headstock low";
-        DresserRoll = "dresser-roll", 153, "滚轮", "dresser roll";
-        TableRotation = "table-rotation", 153, "台面旋转", "table rotation";
-        Gear1 = "gear-1", 308, "1 档", "gear 1";
-        Gear2 = "gear-2", 309, "2 档", "gear 2";
-        Gear3 = "gear-3", 310, "3 档", "gear 3";
-        Gear4 = "gear-4", 311, "4 档", "gear 4";
-        User1 = "user-1", 274, "用户输出 1 (M50/M51)", "user output 1 (M50/M51)";
-        User2 = "user-2", 275, "用户输出 2 (M52/M53)", "user output 2 (M52/M53)";
-        User3 = "user-3", 276, "用户输出 3 (M54/M55)", "user output 3 (M54/M55)";
-        User4 = "user-4", 277, "用户输出 4 (M56/M57)", "user output 4 (M56/M57)";
-        User5 = "user-5", 278, "用户输出 5 (M58/M59)", "user output 5 (M58/M59)";
-        TowerRed = "tower-red", 312, "三色灯红", "tower light red";
-        TowerYellow = "tower-yellow", 313, "三色灯黄", "tower light yellow";
-        TowerGreen = "tower-green", 314, "三色灯绿", "tower light green";
-        SpindleForward = "spindle-forward", 360, "主轴正转", "spindle forward";
-        SpindleReverse = "spindle-reverse", 361, "主轴反转", "spindle reverse";
-        SpindleStop = "spindle-stop", 362, "主轴停止", "spindle stop";
-        TurretForward = "post-forward", 363, "刀架正转", "tool post forward";
-        TurretReverse = "post-reverse", 364, "刀架反转锁紧", "tool post reverse, clamps";
+        Wheel = "wheel", 300, WHEEL, "砂轮", "wheel";
+        Coolant = "coolant", 301, ANY, "冷却", "coolant";
+        Lubrication = "lubrication", 302, ANY, "润滑", "lubrication";
+        Tailstock = "tailstock", 303, TAILSTOCK, "尾座", "tailstock";
+        // P16.0 fits a magnet to any kind.
+        Magnetise = "magnetise", 304, ANY, "充磁", "magnetise";
+        Demagnetise = "demagnetise", 305, ANY, "退磁", "demagnetise";
+        SecondSpindle = "second-spindle", 306, WHEEL, "第二主轴正转", "second spindle cw";
+        SecondSpindleCcw = "second-spindle-ccw", 307, WHEEL, "第二主轴反转", "second spindle ccw";
+        OscillationForward = "oscillation-forward", 226, WHEEL, "振荡前进", "oscillation forward";
+        OscillationBackward = "oscillation-backward", 227, WHEEL, "振荡后退", "oscillation backward";
+        Hydraulic = "hydraulic", 273, HYDRAULICS, "液压", "hydraulic";
+        RadialGauge = "radial-gauge", 271, GAUGES, "径向(厚度)量仪", "radial (thickness) gauge";
+        AxialGauge = "axial-gauge", 272, GAUGES, "轴向(平面)量仪", "axial (plane) gauge";
+        HeadstockHigh = "headstock-high", 153, HEADSTOCK, "头架高速", "headstock high";
+        HeadstockLow = "headstock-low", 154, HEADSTOCK, "头架低速", "headstock low";
+        DresserRoll = "dresser-roll", 153, ROLL, "滚轮", "dresser roll";
+        TableRotation = "table-rotation", 153, TABLE, "台面旋转", "table rotation";
+        Gear1 = "gear-1", 308, ANY, "1 档", "gear 1";
+        Gear2 = "gear-2", 309, ANY, "2 档", "gear 2";
+        Gear3 = "gear-3", 310, ANY, "3 档", "gear 3";
+        Gear4 = "gear-4", 311, ANY, "4 档", "gear 4";
+        User1 = "user-1", 274, ANY, "用户输出 1 (M50/M51)", "user output 1 (M50/M51)";
+        User2 = "user-2", 275, ANY, "用户输出 2 (M52/M53)", "user output 2 (M52/M53)";
+        User3 = "user-3", 276, ANY, "用户输出 3 (M54/M55)", "user output 3 (M54/M55)";
+        User4 = "user-4", 277, ANY, "用户输出 4 (M56/M57)", "user output 4 (M56/M57)";
+        User5 = "user-5", 278, ANY, "用户输出 5 (M58/M59)", "user output 5 (M58/M59)";
+        TowerRed = "tower-red", 312, ANY, "三色灯红", "tower light red";
+        TowerYellow = "tower-yellow", 313, ANY, "三色灯黄", "tower light yellow";
+        TowerGreen = "tower-green", 314, ANY, "三色灯绿", "tower light green";
+        SpindleForward = "spindle-forward", 360, SPINDLE, "主轴正转", "spindle forward";
+        SpindleReverse = "spindle-reverse", 361, SPINDLE, "主轴反转", "spindle reverse";
+        SpindleStop = "spindle-stop", 362, SPINDLE, "主轴停止", "spindle stop";
+        TurretForward = "post-forward", 363, TURRET, "刀架正转", "tool post forward";
+        TurretReverse = "post-reverse", 364, TURRET, "刀架反转锁紧", "tool post reverse, clamps";
     }
 }
 
@@ -155,32 +162,6 @@ impl Output {
     pub const USER: [Self; 5] = [Self::User1, Self::User2, Self::User3, Self::User4, Self::User5];
     /// The gear outputs (M41 to M44).
     pub const GEARS: [Self; 4] = [Self::Gear1, Self::Gear2, Self::Gear3, Self::Gear4];
-
-    /// Whether a kind has the function. Of the functions that share a parameter, a kind has at most one.
-    #[must_use]
-    pub const fn exists_on(self, kind: Kind) -> bool {
-        match self {
-            Self::HeadstockHigh | Self::HeadstockLow | Self::Tailstock => matches!(kind, Kind::Gc),
-            Self::DresserRoll => matches!(kind, Kind::Gs),
-            Self::TableRotation => matches!(kind, Kind::Ga | Kind::Vertical),
-            Self::SpindleForward
-            | Self::SpindleReverse
-            | Self::SpindleStop
-            | Self::TurretForward
-            | Self::TurretReverse => {
-                matches!(kind, Kind::Lathe)
-            }
-            Self::Wheel
-            | Self::SecondSpindle
-            | Self::SecondSpindleCcw
-            | Self::OscillationForward
-            | Self::OscillationBackward
-            | Self::Hydraulic
-            | Self::RadialGauge
-            | Self::AxialGauge => !matches!(kind, Kind::Lathe),
-            _ => true,
-        }
-    }
 
     /// Whether it has no interlock and no sequence, so that a program may also switch it by its port.
     #[must_use]
@@ -197,30 +178,6 @@ impl Input {
     pub const GEARS: [Self; 4] = [Self::Gear1In, Self::Gear2In, Self::Gear3In, Self::Gear4In];
     /// The station switches of the tool turret (L8).
     pub const STATIONS: [Self; 4] = [Self::Station1, Self::Station2, Self::Station3, Self::Station4];
-
-    /// Whether a kind has the switch; pages show only those.
-    #[must_use]
-    pub const fn exists_on(self, kind: Kind) -> bool {
-        match self {
-            Self::Station1 | Self::Station2 | Self::Station3 | Self::Station4 => kind.ui().is_lathe,
-            Self::OscillationForwardEnd
-            | Self::OscillationBackwardEnd
-            | Self::HydraulicPressure
-            | Self::TailstockAdvanced
-            | Self::TailstockRetracted
-            | Self::Gauge1
-            | Self::Gauge2
-            | Self::Gauge3
-            | Self::Gauge4
-            | Self::Gauge5
-            | Self::Gauge6
-            | Self::RadialArmOut
-            | Self::RadialArmIn
-            | Self::AxialArmOut
-            | Self::AxialArmIn => !kind.ui().is_lathe,
-            _ => true,
-        }
-    }
 }
 
 macro_rules! signal_set {

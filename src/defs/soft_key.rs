@@ -127,9 +127,7 @@ impl SoftKey {
     #[must_use]
     pub fn label_on(&self, kind: Kind) -> Text {
         match self.action {
-            SoftKeyAction::Open(page @ (Page::Mdi | Page::Grinding)) if page.title_on(kind) != page.title() => {
-                page.title_on(kind)
-            }
+            SoftKeyAction::Open(page) if page.title_on(kind) != page.title() => page.title_on(kind),
             _ => self.label,
         }
     }

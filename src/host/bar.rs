@@ -20,18 +20,12 @@ const CHUCK_DIAMETER_MM: f64 = 125.0;
 /// Cell size of the bar, mm.
 const CELL_MM: f64 = 0.1;
 
-/// The subfolder of the named programs of a kind; `None` for kinds with numbered programs.
-#[must_use]
-pub const fn program_subfolder(kind: Kind) -> Option<&'static str> {
-    crate::machine::kind::find(kind).program_folder
-}
-
 /// The bar of a program. P384 > 0: a bar of that diameter, its face at X0 Z0, the tool at the position of the first
 /// G92. Otherwise: the built-in part of that program name. `None` on other kinds, for a program without G92 before its
 /// first move, and for a start outside the soft limits.
 #[must_use]
 pub fn bar_of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<PartFile> {
-    if !crate::machine::kind::find(kind).has_main_spindle {
+    if !kind.is_lathe() {
         return None;
     }
     let diameter = params.get(param::BAR_DIAMETER);

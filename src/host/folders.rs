@@ -10,7 +10,7 @@ use chrono::{DateTime, Local};
 use image::ImageReader;
 use ropey::Rope;
 
-use super::shipped::{SHIPPED, SHIPPED_BY_NAME};
+use super::shipped::{SHIPPED, Shipped};
 use crate::controller::{Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
@@ -62,37 +62,18 @@ impl Folders {
         data: &DataDir,
         kind: Kind,
     ) -> std::io::Result<Self> {
-        let choose = |given: Option<PathBuf>, name: &str, own: PathBuf| match given {
+        let choose = |given: Option<PathBuf>, name: &str, own: PathBuf, shipped: &[Shipped]| match given {
             Some(path) => Ok(path),
             None if Path::new(name).is_dir() => Ok(PathBuf::from(name)),
-            None => install_shipped(name, &own).map(|()| own),
+            None => install_shipped(shipped, &own).map(|()| own),
         };
-        let (name, own) = match kind.program_folder() {
-            "" => ("programs".to_owned(), data.programs()),
-            folder => (format!("programs/{folder}"), data.programs().join(folder)),
+        let of_kind = &kind.row().programs;
+        let programs = match of_kind.folder {
+            "" => choose(programs, "programs", data.programs(), &shipped_in("programs"))?,
+            folder => choose(programs, &format!("programs/{folder}"), data.programs().join(folder), of_kind.shipped)?,
         };
-        Ok(Self {
-            programs: choose(programs, &name, own)?,
-            screens: choose(screens, "screens", data.screens())?,
-            by_name: false,
-            dialect: kind.dialect(),
-        })
-    }
-
-    /// The subfolder `name` of the program folder, whose programs have names. It is created with the shipped programs
-    /// when it is missing.
-    ///
-    /// # Errors
-    /// The folder or a file in it cannot be created.
-    pub fn subfolder_by_name(self, name: &str) -> std::io::Result<Self> {
-        let programs = self.programs.join(name);
-        if !programs.is_dir() {
-            std::fs::create_dir_all(&programs)?;
-            for (file, bytes) in SHIPPED_BY_NAME {
-                std::fs::write(programs.join(file), bytes)?;
-            }
-        }
-        Ok(Self { programs, by_name: true, ..self })
+        let screens = choose(screens, "screens", data.screens(), &shipped_in("screens"))?;
+        Ok(Self { programs, screens, by_name: of_kind.by_name, dialect: kind.dialect() })
     }
 
     /// The program folder, for programs with numbers and with names.
@@ -222,17 +203,20 @@ fn time_text(modified: Option<SystemTime>) -> String {
     modified.map(|time| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M").to_string()).unwrap_or_default()
 }
 
-fn install_shipped(name: &str, own: &Path) -> std::io::Result<()> {
+/// The shipped files of a folder.
+fn shipped_in(folder: &str) -> Vec<Shipped> {
+    let name = |path: &'static str| path.strip_prefix(folder).and_then(|rest| rest.strip_prefix('/'));
+    SHIPPED.iter().filter_map(|(path, bytes)| Some((name(path)?, *bytes))).collect()
+}
+
+/// Creates a folder and fills it if it is empty.
+fn install_shipped(shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(own)?;
     if std::fs::read_dir(own)?.next().is_some() {
         return Ok(());
     }
-    for (path, bytes) in SHIPPED {
-        // The subfolder of a kind is filled at the first start with that kind.
-        let own_file = |file: &&str| !file.contains('/');
-        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')).filter(own_file) {
-            std::fs::write(own.join(file), bytes)?;
-        }
+    for (file, bytes) in shipped {
+        std::fs::write(own.join(file), bytes)?;
     }
     Ok(())
 }

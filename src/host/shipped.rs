@@ -5,8 +5,8 @@
 pub(super) type Shipped = (&'static str, &'static [u8]);
 
 macro_rules! shipped {
-    (pages $($page:literal)*; subprograms $($sub:literal)*; sheets $($sheet:literal)*; named $($named:literal)*) => {
-        /// All shipped files.
+    (pages $($page:literal)*; subprograms $($sub:literal)*; sheets $($sheet:literal)*) => {
+        /// The shipped files, except the programs in the subfolder of a kind.
         pub(super) const SHIPPED: &[Shipped] = &[
             $(
                 (concat!("programs/O1", $page, ".NC"), include_bytes!(concat!("../../programs/O1", $page, ".NC"))),
@@ -18,7 +18,6 @@ macro_rules! shipped {
                 (concat!("screens/C0", $sheet, ".TXT"), include_bytes!(concat!("../../screens/C0", $sheet, ".TXT"))),
                 (concat!("screens/B0", $sheet, ".BMP"), include_bytes!(concat!("../../screens/B0", $sheet, ".BMP"))),
             )*
-            $((concat!("programs/", $named), include_bytes!(concat!("../../programs/", $named))),)*
             ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
         ];
     };
@@ -27,13 +26,5 @@ macro_rules! shipped {
 shipped! {
     pages "001" "002" "003" "004" "005" "006" "007" "008" "009" "010" "011" "012" "013" "014";
     subprograms "9000" "9001" "9010" "9011" "9012" "9020";
-    sheets "801" "802" "803";
-    named "802d/VGRIND.MPF" "802d/L1.SPF" "802d/L3.SPF" "802d/L10.SPF" "802d/L20.SPF" "802d/L30.SPF"
-          "802d/VBORE.MPF" "802d/L11.SPF" "802d/L21.SPF" "802d/L31.SPF" "802d/RBORE.MPF" "802d/RGRIND.MPF"
+    sheets "801" "802" "803"
 }
-
-/// The named programs of the lathe.
-pub(super) const SHIPPED_BY_NAME: &[Shipped] = &[
-    ("SHAFT.NC", include_bytes!("../../programs/lathe/SHAFT.NC")),
-    ("TEST.NC", include_bytes!("../../programs/lathe/TEST.NC")),
-];

@@ -32,7 +32,8 @@ impl Machine {
             Request::WheelStop => self.wheel = WheelContactor::Off,
             // One speed only where both codes use the same output.
             Request::WorkDriveHigh | Request::WorkDriveLow => {
-                let fast = request == Request::WorkDriveHigh || self.row.drive_low == self.row.drive_high;
+                let row = self.kind.row();
+                let fast = request == Request::WorkDriveHigh || row.drive_output(false) == row.drive_output(true);
                 self.workpiece_drive.start(fast, now);
             }
             Request::WorkDriveStop => self.workpiece_drive = WorkpieceDrive::Off,
@@ -51,7 +52,7 @@ impl Machine {
             Request::Gauge(gauge, out) => self.gauge_arms.move_arm(gauge, out, now),
             Request::Gear(gear) => self.gears.change(gear, now),
             Request::Switch(output, on) => self.switch(output, on),
-            Request::Port(port, on) => match port_owner(port, params, self.row.kind) {
+            Request::Port(port, on) => match port_owner(port, params, self.kind) {
                 PortOwner::Plain(output) => self.switch(output, on),
                 PortOwner::Unassigned | PortOwner::Interlocked(_) => self.ports.switch(port, on),
             },
@@ -68,8 +69,8 @@ impl Machine {
     pub(super) fn output_of(&self, request: Request) -> Option<Output> {
         Some(match request {
             Request::WheelStart => Output::Wheel,
-            Request::WorkDriveHigh => self.row.drive_high,
-            Request::WorkDriveLow => self.row.drive_low,
+            Request::WorkDriveHigh => self.kind.row().drive_output(true),
+            Request::WorkDriveLow => self.kind.row().drive_output(false),
             Request::SecondSpindleStart(false) => Output::SecondSpindle,
             Request::SecondSpindleStart(true) => Output::SecondSpindleCcw,
             Request::SpindleStart(false) => Output::SpindleForward,
@@ -166,7 +167,7 @@ impl Machine {
         self.main_spindle.write_outputs(self.now, params, &mut on);
         self.turret.write_outputs(&mut on);
         if let Some(fast) = self.workpiece_drive.speed() {
-            on.set(self.row.drive_output(fast), true);
+            on.set(self.kind.row().drive_output(fast), true);
         }
         let ports = self.ports.terminals();
         for output in Output::ALL.iter().filter(|output| ports.0 != 0 && output.is_freely_switchable()) {
@@ -189,7 +190,7 @@ impl Machine {
             Output::AxialGauge => self.gauge_arms.is_moving(Gauge::Axial),
             Output::SecondSpindle | Output::SecondSpindleCcw => self.second_spindle.is_reversing(),
             Output::HeadstockHigh | Output::HeadstockLow | Output::DresserRoll | Output::TableRotation => {
-                matches!(self.workpiece_drive, WorkpieceDrive::RunUp { fast, .. } if self.row.drive_output(fast) == output)
+                matches!(self.workpiece_drive, WorkpieceDrive::RunUp { fast, .. } if self.kind.row().drive_output(fast) == output)
             }
             Output::Gear1 | Output::Gear2 | Output::Gear3 | Output::Gear4 => self.gears.is_changing_to(output),
             Output::Coolant

@@ -11,7 +11,6 @@ mod fluids;
 mod gauge_arms;
 mod hydraulic;
 pub mod interlock;
-pub mod kind;
 pub(crate) mod lathe;
 mod magnetic_chuck;
 pub mod panel_key;
@@ -23,6 +22,8 @@ mod two_position_actuator;
 mod wheel;
 
 use crate::defs::alarm::{self, Reaction};
+use crate::defs::equipment::Equipment;
+use crate::defs::kind::Kind;
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
@@ -33,7 +34,6 @@ use fluids::Fluids;
 use gauge_arms::{GaugeArms, GearBox};
 use hydraulic::Hydraulic;
 use interlock::{InterlockInputs, Rule, RuleOutcome};
-use kind::KindRow;
 use lathe::{MainSpindle, ToolTurret};
 use magnetic_chuck::MagneticChuck;
 use ports::{PortOwner, Ports};
@@ -136,7 +136,7 @@ struct GuardDoor {
 /// All units of one machine.
 #[derive(Clone, Debug)]
 pub struct Machine {
-    row: &'static KindRow,
+    kind: Kind,
     rules: &'static [Rule],
     wheel: WheelContactor,
     workpiece_drive: WorkpieceDrive,
@@ -193,15 +193,15 @@ pub type Findings = [Option<MachineFinding>; MAX_FINDINGS];
 impl Machine {
     /// A machine at power-on: everything off.
     #[must_use]
-    pub fn new(row: &'static KindRow, now: Micros) -> Self {
-        Self::with_rules(RULES, row, now)
+    pub fn new(kind: Kind, now: Micros) -> Self {
+        Self::with_rules(RULES, kind, now)
     }
 
     /// The same with another rule table, for tests that search for the use of each rule.
     #[must_use]
-    pub fn with_rules(rules: &'static [Rule], row: &'static KindRow, now: Micros) -> Self {
+    pub fn with_rules(rules: &'static [Rule], kind: Kind, now: Micros) -> Self {
         Self {
-            row,
+            kind,
             rules,
             wheel: WheelContactor::Off,
             workpiece_drive: WorkpieceDrive::Off,
@@ -228,13 +228,14 @@ impl Machine {
 
     /// Prepares a headless run (tools.md T3): hydraulics on and settled, part clamped.
     pub fn make_ready(&mut self, params: &Params) {
-        if !self.row.has_main_spindle {
+        let row = self.kind.row();
+        if !row.is_lathe() {
             self.hydraulic.make_ready();
         }
-        if params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock {
+        if params.bit(param::TAILSTOCK_ENABLED) && row.has(Equipment::Tailstock) {
             self.tailstock = Tailstock::Clamped;
         }
-        if params.bit(param::MAGNET_ENABLED) && self.row.magnet {
+        if params.bit(param::MAGNET_ENABLED) && row.has(Equipment::MagneticChuck) {
             self.magnet = MagneticChuck::Holding;
         }
     }
@@ -247,6 +248,7 @@ impl Machine {
     /// The inputs of the interlock rules.
     #[must_use]
     pub fn interlock_inputs(&self, now: Micros, inputs: InputSet, params: &Params) -> InterlockInputs {
+        let row = self.kind.row();
         let supervised = !params.bit(param::NO_HYDRAULIC_CHECK);
         let rim_m_s =
             std::f64::consts::PI * params.get(param::WHEEL_DIAMETER) * self.control_state.wheel_rpm / 60_000.0;
@@ -256,10 +258,10 @@ impl Machine {
             wheel_too_fast: rim_m_s > params.get(param::WHEEL_RATED_SPEED),
             wheel_undressed: params.bit(param::WHEEL_UNDRESSED),
             drive_on: self.workpiece_drive.is_on(),
-            drive_carries_part: self.row.drive_needs_magnet,
+            drive_carries_part: row.drive_needs_magnet(),
             drive_stopped_by_guard: self.guard.stopped_drive,
-            tailstock_on_kind: self.row.tailstock,
-            tailstock_enabled: params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock,
+            tailstock_on_kind: row.has(Equipment::Tailstock),
+            tailstock_enabled: params.bit(param::TAILSTOCK_ENABLED) && row.has(Equipment::Tailstock),
             tailstock_moving: self.tailstock.is_moving(),
             tailstock_lost: self.tailstock.is_lost(),
             tailstock_needed: params.bit(param::TAILSTOCK_BEFORE_HEADSTOCK),
@@ -270,12 +272,12 @@ impl Machine {
             hydraulic_latched: self.hydraulic.is_latched(),
             hydraulic_settled: self.hydraulic.is_settled(now, params),
             pressure: inputs.has(Input::HydraulicPressure),
-            magnet_on_kind: self.row.magnet || params.bit(param::MAGNET_ENABLED),
+            magnet_on_kind: row.has(Equipment::MagneticChuck) || params.bit(param::MAGNET_ENABLED),
             magnet_enabled: params.bit(param::MAGNET_ENABLED),
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),
             magnetised: self.magnet.is_holding(),
             cylinder_on: self.cylinder.is_on(),
-            has_main_spindle: self.row.has_main_spindle,
+            has_main_spindle: row.is_lathe(),
             turret_moving: self.turret.is_moving(),
             guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
             external_hold: inputs.has(Input::ExternalHold),
@@ -298,9 +300,9 @@ impl Machine {
         let mut facts = self.interlock_inputs(now, inputs, params);
         let output = self.output_of(request);
         facts.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
-        facts.port_conflict = output.is_some_and(|output| params.output_conflict(self.row.kind, output).is_some());
+        facts.port_conflict = output.is_some_and(|output| params.output_conflict(self.kind, output).is_some());
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
-            facts.port_owned = matches!(ports::port_owner(port, params, self.row.kind), PortOwner::Interlocked(_));
+            facts.port_owned = matches!(ports::port_owner(port, params, self.kind), PortOwner::Interlocked(_));
         }
         interlock::first_blocking_rule(self.rules, request, &facts)
     }
@@ -309,7 +311,7 @@ impl Machine {
     #[must_use]
     pub fn reason_text(&self, reason: Text, request: Request, params: &Params) -> LocalizedText {
         let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return reason.into() };
-        let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.row.kind) else {
+        let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.kind) else {
             return reason.into();
         };
         let name = output.name();

@@ -8,7 +8,6 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
-use crate::host::bar::program_subfolder;
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
@@ -148,7 +147,7 @@ impl LineParser {
             }
             "set" => self.set()?,
             "type" => Statement::Type(self.variable()?, self.optional_number()?),
-            "load" if program_subfolder(kind).is_some() => {
+            "load" if kind.row().programs.by_name => {
                 Statement::LoadNamed(self.word("the name of a program, such as SHAFT")?)
             }
             "load" => {

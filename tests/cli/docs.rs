@@ -106,19 +106,28 @@ fn alarms(text: &mut String) {
     }
 }
 
+/// What holds on the default kind, then the kinds that differ from it.
+fn by_kind(of: impl Fn(Kind) -> String) -> String {
+    let default = of(Kind::default());
+    let others = Kind::ALL.iter().filter(|kind| of(**kind) != default);
+    let words: Vec<_> = others.map(|kind| format!("; {} {}", kind.short_name(), of(*kind))).collect();
+    format!("{default}{}", words.concat())
+}
+
 fn params(text: &mut String) {
-    text.push_str("\n## 参数 Parameters\n\n| 参数 | 名称 | name | 范围 range | 出厂 factory | 单位 unit |\n|---|---|---|---|---|---|\n");
+    text.push_str("\n## 参数 Parameters\n\n分号后为不同的机型。After a semicolon: the kinds that differ.\n\n| 参数 | 名称 | name | 范围 range | 出厂 factory | 单位 unit |\n|---|---|---|---|---|---|\n");
     for row in BITS {
-        // GC / GS / GA where they differ.
-        let [gc, gs, ga] = row.factory.map(u8::from);
-        let factory = if gc == gs && gs == ga { gc.to_string() } else { format!("{gc} / {gs} / {ga}") };
+        let factory = by_kind(|kind| u8::from(row.factory_on(kind)).to_string());
         writeln!(text, "| P{}.{} | {} | {} | 0, 1 | {factory} | |", row.number, row.bit, row.name.zh, row.name.en)
             .unwrap();
     }
     for row in NUMBERS {
-        let (name, range) = (row.name, format!("{} … {}", row.min, row.max));
-        writeln!(text, "| P{} | {} | {} | {range} | {} | {} |", row.number, name.zh, name.en, row.factory, row.unit)
-            .unwrap();
+        let range = by_kind(|kind| {
+            let (min, max) = row.range_on(kind);
+            format!("{min} … {max}")
+        });
+        let (name, factory) = (row.name, by_kind(|kind| Params::factory(kind).get(*row).to_string()));
+        writeln!(text, "| P{} | {} | {} | {range} | {factory} | {} |", row.number, name.zh, name.en, row.unit).unwrap();
     }
 }
 

@@ -4,6 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use kt830::defs::kind::Kind;
+
 /// Rooms and the rooms they may import (beside themselves).
 const ROOMS: &[(&str, &[&str])] = &[
     ("units", &[]),
@@ -150,26 +152,26 @@ fn files_and_functions_are_short() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Where a kind or a language may be named: what differs from one to the other stands there as data or as a dialect.
-const NAMES_KINDS: &[&str] = &["machine/kind/", "nc/dialect/", "defs/", "hmi/panel/"];
+/// Where a kind may be named: its row says what differs from the others.
+const NAMES_KINDS: &[&str] = &["defs/kind/"];
+/// Where a dialect may be named: its folder, and the tables keyed by dialect.
+const NAMES_DIALECTS: &[&str] =
+    &["defs/kind/", "nc/dialect/", "defs/dialect_word.rs", "defs/mcode.rs", "defs/variable_name.rs"];
 
 #[test]
 fn kinds_and_languages_are_told_apart_in_their_rooms_alone() {
-    let variants = |of: &str, names: &[&str]| names.iter().map(|name| format!("{of}::{name}")).collect::<Vec<_>>();
-    let kinds = ["Gc", "Gs", "Ga", "Vertical", "Lathe"];
-    let systems = ["LatheA", "Mill", "Sinumerik", "SuperMan"];
-    let named = [variants("Kind", &kinds), variants("System", &systems)].concat();
+    let kinds = Kind::ALL.map(|kind| (format!("Kind::{kind:?}"), NAMES_KINDS));
+    let dialects = Kind::ALL.map(|kind| (format!("Dialect::{:?}", kind.dialect()), NAMES_DIALECTS));
     let mut wrong = Vec::new();
     for (name, text) in rooms() {
-        let told = NAMES_KINDS.iter().find(|room| name.starts_with(**room));
         for (number, line) in text.lines().enumerate() {
             let code = line.split("//").next().unwrap_or_default();
-            for variant in &named {
+            for (variant, rooms) in kinds.iter().chain(&dialects) {
                 let found = code.split(variant.as_str()).skip(1).any(|rest| {
                     // Neither a longer name nor another enumeration's variant.
                     !rest.starts_with(|sign: char| sign.is_alphanumeric() || sign == '_')
                 });
-                if found && told.is_none() {
+                if found && !rooms.iter().any(|room| name.starts_with(room)) {
                     wrong.push(format!("{name}:{}: {variant}", number + 1));
                 }
             }

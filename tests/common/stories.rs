@@ -19,7 +19,9 @@ pub fn folders() -> Folders {
 /// The folders of a kind.
 pub fn folders_of(kind: Kind) -> Folders {
     let all = folders();
-    Folders { programs: all.programs.join(kind.program_folder()), dialect: kind.dialect(), ..all }
+    let programs = &kind.row().programs;
+    let (path, by_name) = (all.programs.join(programs.folder), programs.by_name);
+    Folders { programs: path, by_name, dialect: kind.dialect(), ..all }
 }
 
 /// A control at power-on with its machine.

@@ -2,6 +2,7 @@
 //! changes something that the operator sees or says why it does not. The keys come from the key table, the modes from the
 //! mode table; a new one is looked at as well. Source: spec K2.1, K2.2, K2.4.
 
+use kt830::defs::equipment::Equipment;
 use kt830::defs::key::{Key, KeyGroup, Mode};
 use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
@@ -25,20 +26,22 @@ fn place(name: &str, ready: bool, story: &str) -> Place {
 const MODE_WORDS: [&str; 7] = ["edit", "auto", "mdi", "home", "handwheel", "step", "jog"];
 
 /// Where the wheel runs: what has to be on before.
-const fn wheel_on(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Gs | Kind::Ga => "mode jog\nkey magnetise\nwait 2 s\nkey wheel-start\nwait 0.2 s",
-        Kind::Gc | Kind::Vertical => "mode jog\nkey wheel-start\nwait 0.2 s",
-        Kind::Lathe => "mode jog\nkey spindle-forward\nwait 0.2 s",
+fn wheel_on(kind: Kind) -> &'static str {
+    if kind.is_lathe() {
+        "mode jog\nkey spindle-forward\nwait 0.2 s"
+    } else if kind.row().has(Equipment::MagneticChuck) {
+        "mode jog\nkey magnetise\nwait 2 s\nkey wheel-start\nwait 0.2 s"
+    } else {
+        "mode jog\nkey wheel-start\nwait 0.2 s"
     }
 }
 
 /// A program that is under way for a minute and stops by itself in between.
 const fn long_program(kind: Kind) -> (&'static str, &'static str) {
-    match kind {
-        Kind::Vertical => ("O7000.MPF", "G4 F60\nM0\nM30\n"),
-        Kind::Lathe => ("O7000.NC", "N0010G04F60\nN0020M00\nN0030M02\n"),
-        Kind::Gc | Kind::Gs | Kind::Ga => ("O7000.NC", "G04 P60000\nM00\nM30\n"),
+    match kind.dialect() {
+        Dialect::Sinumerik => ("O7000.MPF", "G4 F60\nM0\nM30\n"),
+        Dialect::SuperMan => ("O7000.NC", "N0010G04F60\nN0020M00\nN0030M02\n"),
+        Dialect::LatheA | Dialect::Mill => ("O7000.NC", "G04 P60000\nM00\nM30\n"),
     }
 }
 
@@ -49,7 +52,7 @@ fn places(kind: Kind) -> Vec<Place> {
         places.push(place(&format!("cold, mode {mode}"), false, &format!("mode {mode}")));
         places.push(place(&format!("ready, mode {mode}"), true, &format!("mode {mode}")));
     }
-    let first = if matches!(kind, Kind::Gs) { "y-plus" } else { "x-plus" };
+    let first = if kind.row().wheel_axis == Axis::Y { "y-plus" } else { "x-plus" };
     let run = "mode auto\nload O7000\nkey cycle-start\nwait 0.1 s\nexpect state running\n";
     places.extend([
         place("wheel on", true, wheel_on(kind)),
@@ -66,7 +69,7 @@ fn places(kind: Kind) -> Vec<Place> {
             &"mode jog\nkey feed-override-down\nkey spindle-override-down\n".repeat(16),
         ),
     ]);
-    if kind != Kind::Lathe {
+    if !kind.is_lathe() {
         let start = "mode auto\nload O7000\nkey cycle-start\nwait 0.1 s\nexpect alarm 100";
         places.push(place("not homed: alarm 100", false, start));
         places.push(place("dressing point lit", true, "mode jog\nkey dress-return"));

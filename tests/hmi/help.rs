@@ -5,6 +5,7 @@ use crate::sample::{alarm, snapshot};
 use crate::screen::{Screen, open, painted};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::alarm::ALARMS;
+use kt830::defs::availability;
 use kt830::defs::gcode::{Availability, G_CODES};
 use kt830::defs::key::Key;
 use kt830::defs::kind::{Dialect, Kind};
@@ -89,7 +90,7 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
         for row in G_CODES.iter().filter(|row| family && row.availability_on(mill) != Availability::No) {
             says(HelpSection::GCodes, &format!("g-G{:02}", row.code), row.help);
         }
-        for row in mcode::rows_on(kind) {
+        for row in availability::m_codes(kind) {
             says(HelpSection::MCodes, &format!("m-M{:02}", row.code), row.help);
         }
         for section in HelpSection::ALL {

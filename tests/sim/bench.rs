@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "every test file uses its part of the rig")]
 
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{GrindingForm, Kind};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::{Input, Output};
 use kt830::io::sim::{EventKind, MachineFile, PartFile, SimulatedMachine};
@@ -74,11 +74,11 @@ pub fn driven_of(kind: Kind) -> Rig {
 }
 
 /// The program whose part goes into a kind of machine.
-pub const fn program_of(kind: Kind) -> u32 {
-    match kind {
-        Kind::Gc | Kind::Vertical | Kind::Lathe => 1002,
-        Kind::Gs => 1007,
-        Kind::Ga => 1010,
+pub fn program_of(kind: Kind) -> u32 {
+    match kind.ui().grinding_forms {
+        [GrindingForm::Flat, ..] => 1007,
+        [GrindingForm::RotaryFlat, ..] => 1010,
+        [] | [GrindingForm::Outside | GrindingForm::Bore, ..] => 1002,
     }
 }
 
@@ -89,7 +89,7 @@ pub fn connect(params: &mut Params, input: Input, port: u8) {
 
 fn rig(machine: MachineFile, part: Option<&PartFile>, params: Params) -> Rig {
     let mut rig = Rig {
-        diameters: machine.kind == Kind::Gc,
+        diameters: machine.kind.ui().grinding_forms == [GrindingForm::Outside],
         sim: SimulatedMachine::new(machine, part, &params, 1),
         now: Micros::ZERO,
         tick: Micros(1_000),

@@ -2,6 +2,7 @@
 //! P8), and an axis Y that is fitted (P6.6).
 
 use crate::bench::{Rig, cold_of, connect, driven_of, program_of, ready, ready_wired, ready_with};
+use kt830::defs::equipment::Equipment;
 use kt830::defs::kind::Kind;
 use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::{Input, Output, Terminals};
@@ -202,7 +203,7 @@ fn t3_a_ready_machine_has_pressure_and_is_magnetised() {
     for kind in Kind::KT830 {
         let mut rig = ready(program_of(kind));
         assert!(rig.input(Input::HydraulicPressure), "{kind:?}");
-        let magnet = if kind == Kind::Gc { 0.0 } else { 1.0 };
+        let magnet = f64::from(u8::from(kind.row().has(Equipment::MagneticChuck)));
         assert!((rig.sim.magnet_force() - magnet).abs() < 1e-9, "{kind:?}");
         rig.wait(1.0);
         assert!(rig.input(Input::HydraulicPressure) && (rig.sim.magnet_force() - magnet).abs() < 1e-9, "{kind:?}");

@@ -143,7 +143,7 @@ mod tests {
     fn b5_a_jog_key_without_refresh_lets_go() {
         let params = Params::factory(Kind::Gc);
         let image = InputImage::default();
-        let mut axes = Axes::new(&params, crate::machine::kind::find(Kind::Gc), &image, PerAxis::default());
+        let mut axes = Axes::new(&params, Kind::Gc.row(), &image, PerAxis::default());
         let mut jog = JogDemand::default();
         let silence = Micros::from_millis_f64(params.get(param::JOG_KEEP_ALIVE));
         jog.press_jog_key(Axis::X, 1.0, Micros::ZERO);
@@ -160,7 +160,7 @@ mod tests {
     fn k2_3_detents_add_up_and_stop_at_the_soft_limit_of_a_homed_axis() {
         let params = Params::factory(Kind::Gc);
         let image = InputImage::default();
-        let mut axes = Axes::new(&params, crate::machine::kind::find(Kind::Gc), &image, PerAxis::default());
+        let mut axes = Axes::new(&params, Kind::Gc.row(), &image, PerAxis::default());
         axes.finish_homing(Axis::Z, &params);
         let (low, _) = soft_limits(&params, Axis::Z);
         let mut jog = JogDemand::default();

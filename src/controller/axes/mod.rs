@@ -13,10 +13,10 @@ pub mod thread_recorder;
 use homing::AxisHoming;
 use leadscrew::LeadscrewCompensator;
 
+use crate::defs::kind::KindRow;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{self, Params};
 use crate::io::InputImage;
-use crate::machine::kind::KindRow;
 use crate::motion::{AxisLimits, AxisMover, MotionLimits, Override, ThreadMover, TrajectoryPlanner};
 use crate::units::{Axis, Micros, PerAxis};
 

@@ -19,7 +19,7 @@ pub fn home_axis(plant: &mut Plant, axis: Axis) {
     }
     let mut wanted = PerAxis::default();
     wanted[axis] = true;
-    let first = plant.kind_row.home_order.first().copied().unwrap_or(axis);
+    let first = plant.kind.row().home_order.first().copied().unwrap_or(axis);
     if !plant.axes.is_homed(first) {
         wanted[first] = true;
     }
@@ -44,7 +44,7 @@ pub fn home_axis(plant: &mut Plant, axis: Axis) {
 }
 
 fn next_homing(plant: &mut Plant, mut wanted: PerAxis<bool>) {
-    let Some(axis) = plant.kind_row.home_order.iter().copied().find(|axis| wanted[*axis]) else {
+    let Some(axis) = plant.kind.row().home_order.iter().copied().find(|axis| wanted[*axis]) else {
         return plant.transition(ControlEvent::Homed);
     };
     wanted[axis] = false;

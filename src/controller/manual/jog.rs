@@ -41,7 +41,7 @@ pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
 /// A handwheel detent or a step. K5.9: with the wheel on, the wheel axis accepts no coarse steps.
 fn jog_by(plant: &mut Plant, axis: Axis, distance: f64) {
     let coarse = plant.operator.step_mm > FINE_STEP_MM;
-    if coarse && axis == plant.kind_row.wheel_axis && plant.outputs.on.has(Output::Wheel) {
+    if coarse && axis == plant.kind.row().wheel_axis && plant.outputs.on.has(Output::Wheel) {
         return plant.refuse(LocalizedText::new(
             "砂轮启动后该轴倍率只能为 ×0.01",
             "with the wheel on this axis takes ×0.01 and finer",
@@ -68,7 +68,7 @@ pub fn step_jog(plant: &mut Plant) {
             rapid_jog: plant.operator.rapid_jog,
             feed: f64::from(plant.operator.overrides.feed) / 100.0,
             rapid: plant.override_factors().rapid,
-            slow_axis: plant.outputs.on.has(Output::Wheel).then_some(plant.kind_row.wheel_axis),
+            slow_axis: plant.outputs.on.has(Output::Wheel).then_some(plant.kind.row().wheel_axis),
         };
         plant.axes.switch_to_manual();
         if plant.jog.tick(&mut plant.axes, plant.now, &plant.params, limits) {

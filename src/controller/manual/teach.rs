@@ -65,7 +65,7 @@ impl TeachRecorder {
     ///
     /// Save asks for the program file of the recording.
     pub fn command(&mut self, plant: &mut Plant, run_open: bool, command: TeachCommand) -> Option<FileRequest> {
-        if !plant.kind_row.has_main_spindle {
+        if !plant.kind.is_lathe() {
             plant.refuse(NOT_HERE);
             return None;
         }

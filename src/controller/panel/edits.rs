@@ -44,7 +44,7 @@ impl Panel {
         variable: u16,
         value: Option<f64>,
     ) -> Result<LocalizedText, LocalizedText> {
-        let name = crate::defs::variable_name::variable_name_on(u32::from(variable), parts.plant.kind_row.kind);
+        let name = crate::defs::variable_name::variable_name_on(u32::from(variable), parts.plant.kind);
         let shows = match parts.plant.operator.page {
             Page::Grinding => self.page_shows(parts.view(), variable),
             Page::Macro => CommonVariables::contains(u32::from(variable)),

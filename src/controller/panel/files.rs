@@ -77,10 +77,10 @@ impl Panel {
     }
 
     fn submit_job(&mut self, parts: &mut Parts<'_>, ticket: Ticket, request: &FileRequest) {
-        let settings = nc_settings(parts.plant.kind_row.kind, &parts.plant.params);
+        let settings = nc_settings(parts.plant.kind, &parts.plant.params);
         let holdings = matches!(request, FileRequest::Transfer(_)).then(|| {
             Box::new(TransferValues {
-                kind: parts.plant.kind_row.kind,
+                kind: parts.plant.kind,
                 params: Params::clone(&parts.plant.params),
                 memory: parts.plant.work.variables.clone(),
                 work_offsets: parts.plant.work.offsets.clone(),
@@ -89,7 +89,7 @@ impl Panel {
         let start = matches!(request, FileRequest::ComputeToolpath(_)).then(|| {
             let params: &Params = &parts.plant.params;
             Box::new(DrawingStart {
-                kind: parts.plant.kind_row.kind,
+                kind: parts.plant.kind,
                 params: params.clone(),
                 memory: parts.plant.work.variables.clone(),
                 work_offsets: parts.plant.work.offsets.clone(),

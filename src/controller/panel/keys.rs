@@ -21,7 +21,7 @@ impl Panel {
     pub fn press_key(&mut self, parts: &mut Parts<'_>, key: Key) {
         if let Some(reason) = panel_key::inactive_reason(
             key,
-            parts.plant.kind_row.kind,
+            parts.plant.kind,
             parts.plant.axes.fitted(),
             parts.plant.execution.phase.without_homing(),
         ) {
@@ -30,7 +30,7 @@ impl Panel {
         let already = selects_state(key) && self.key_view(parts.view(), key).lamp;
         self.handle_key(parts, key);
         if already && parts.plant.outbox.message.since != parts.plant.now {
-            let name = key.label_on(parts.plant.kind_row.kind);
+            let name = key.label_on(parts.plant.kind);
             parts.plant.show_note(LocalizedText::new(
                 format!("{}：已是此状态", name.zh),
                 format!("{}: it is so already", name.en),

@@ -71,7 +71,7 @@ impl Panel {
     pub fn key_blocked(&self, parts: View<'_>, key: Key) -> Option<Text> {
         if let Some(reason) = panel_key::inactive_reason(
             key,
-            parts.plant.kind_row.kind,
+            parts.plant.kind,
             parts.plant.axes.fitted(),
             parts.plant.execution.phase.without_homing(),
         ) {

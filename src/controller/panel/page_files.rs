@@ -18,7 +18,7 @@ const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the sc
 impl Panel {
     /// Opens a page.
     pub fn open_page(&mut self, parts: &mut Parts<'_>, page: Page) {
-        if !page.exists_on(parts.plant.kind_row.kind) {
+        if !page.exists_on(parts.plant.kind) {
             let title = page.title();
             return parts.plant.refuse(LocalizedText::new(
                 format!("本机床没有“{}”页面", title.zh),
@@ -50,7 +50,7 @@ impl Panel {
     /// A soft key pressed on the panel: acts like a touch on the screen.
     pub fn press_soft_key(&mut self, parts: &mut Parts<'_>, index: usize) {
         let row = self.pages.soft_row;
-        let Some(soft) = soft_key::row(parts.plant.kind_row.kind, row).nth(index) else {
+        let Some(soft) = soft_key::row(parts.plant.kind, row).nth(index) else {
             let (row, key) = (row + 1, index + 1);
             return parts.plant.refuse(LocalizedText::new(
                 format!("第 {row} 行软键没有 F{key}，按 ▶ 换行"),
@@ -64,14 +64,14 @@ impl Panel {
             SoftKeyAction::Print => return parts.plant.refuse(PRINT),
         }
         if before == (parts.plant.operator.page, self.pages.coordinates) {
-            let name = soft.label_on(parts.plant.kind_row.kind);
+            let name = soft.label_on(parts.plant.kind);
             parts.plant.show_note(LocalizedText::new(format!("已是“{}”", name.zh), format!("{} is open", name.en)));
         }
     }
 
     /// Selects a sheet of the grinding page; after the last sheet comes the first.
     pub fn show_sheet(&mut self, parts: &mut Parts<'_>, sheet: usize) {
-        self.pages.sheet = sheet % parts.plant.kind_row.page_files.len().max(1);
+        self.pages.sheet = sheet % parts.plant.kind.row().page_files.len().max(1);
         self.check_page_files(parts);
     }
 
@@ -85,17 +85,17 @@ impl Panel {
 
     /// The page number of the selected sheet, if the kind has its own grinding pages.
     pub fn kind_page(&self, parts: View<'_>) -> Option<u32> {
-        parts.plant.kind_row.page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
+        parts.plant.kind.row().page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
     }
 
     /// Index of the selected sheet and number of sheets.
     pub fn grinding_pages(&self, parts: View<'_>) -> (usize, usize) {
-        (self.pages.sheet, parts.plant.kind_row.page_files.len().max(1))
+        (self.pages.sheet, parts.plant.kind.row().page_files.len().max(1))
     }
 
     /// Whether a sheet of the grinding page has a field for a variable.
     pub fn page_shows(&self, parts: View<'_>, variable: u16) -> bool {
-        let own = parts.plant.kind_row.page_files.iter().map(|number| PAGE_FILES + number);
+        let own = parts.plant.kind.row().page_files.iter().map(|number| PAGE_FILES + number);
         let mut shown = own.chain(self.grinding_page(parts));
         shown.any(|number| {
             let files = self.screens.find(number);

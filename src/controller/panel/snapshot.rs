@@ -13,7 +13,7 @@ use std::sync::Arc;
 impl Panel {
     /// Writes everything that pages show.
     pub fn snapshot(&self, parts: View<'_>, out: &mut Snapshot) {
-        out.kind = parts.plant.kind_row.kind;
+        out.kind = parts.plant.kind;
         out.now = parts.plant.now;
         out.state = run_state(parts);
         (out.coordinates, out.soft_key_row) = (self.pages.coordinates, self.pages.soft_row);
@@ -25,11 +25,10 @@ impl Panel {
         operator_view(&parts.plant.operator, out);
         out.feed_mm_min = parts.plant.path_speed_mm_s() * SECONDS_PER_MINUTE;
         out.wheel_rpm = if parts.plant.outputs.on.has(Output::Wheel) { parts.plant.output_wheel_rpm() } else { 0.0 };
-        if parts.plant.kind_row.has_main_spindle {
+        if parts.plant.kind.is_lathe() {
             out.wheel_rpm = parts.plant.spindles.encoder.rpm.abs();
         }
-        out.tool_station =
-            parts.plant.kind_row.has_main_spindle.then(|| parts.plant.turret_station().map_or(0, u32::from));
+        out.tool_station = parts.plant.kind.is_lathe().then(|| parts.plant.turret_station().map_or(0, u32::from));
         parts.manual.teach.write_view(&mut out.teach);
         out.strokes_per_min = parts.plant.measured_strokes_min();
         out.parts_counted = parts.plant.work.part_count;

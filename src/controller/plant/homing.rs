@@ -20,7 +20,7 @@ impl Plant {
     pub fn plan_homing(&self, axis: Axis) -> AxisHoming {
         let direction = self.home_direction(axis);
         // K5.9: with the wheel turning, its minus direction is slow.
-        let slow = axis == self.kind_row.wheel_axis && direction < 0.0 && self.outputs.on.has(Output::Wheel);
+        let slow = axis == self.kind.row().wheel_axis && direction < 0.0 && self.outputs.on.has(Output::Wheel);
         let most = if slow { self.params.get(param::WHEEL_ON_INFEED_SPEED) } else { f64::INFINITY };
         let plan = HomingPlan {
             direction,
@@ -28,7 +28,7 @@ impl Plant {
             slow_mm_s: self.params.get(param::HOME_SLOW) * MM_S_PER_MM_MIN,
             travel_mm: self.params.get(param::HOMING_TRAVEL),
             coordinate: self.params.get_axis(param::HOME_X, axis),
-            over_switch: self.kind_row.homes_over_switch(),
+            over_switch: self.kind.row().homes_over_switch(),
             width_mm: self.params.get(param::IN_POSITION),
         };
         AxisHoming::new(axis, plan)

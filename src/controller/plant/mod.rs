@@ -39,7 +39,6 @@ use crate::defs::program_number;
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::{LocalizedText, Text};
 use crate::io::InputImage;
-use crate::machine::kind::KindRow;
 use crate::machine::lathe::station_in_position;
 use crate::machine::{ControlState, Machine, RequestResult};
 use crate::units::{Axis, Micros, PerAxis};
@@ -56,7 +55,7 @@ const STANDING_MM_S: f64 = 1e-6;
 /// The machine and the state that all parts share.
 pub struct Plant {
     /// The kind of machine.
-    pub kind_row: &'static KindRow,
+    pub kind: Kind,
     /// The parameters in force; shared with the snapshot.
     pub params: Arc<Params>,
     /// Time of this tick.
@@ -91,14 +90,13 @@ impl Plant {
     /// The plant at power-on.
     #[must_use]
     pub fn new(kind: Kind, retained: PowerOnState, image: InputImage, now: Micros) -> Self {
-        let row = crate::machine::kind::find(kind);
         let params = retained.params;
         let mut plant = Self {
-            kind_row: row,
+            kind,
             now,
             inputs: Inputs::new(&params, image),
-            machine: Machine::new(row, now),
-            axes: Axes::new(&params, row, &image, retained.leadscrew_tables),
+            machine: Machine::new(kind, now),
+            axes: Axes::new(&params, kind.row(), &image, retained.leadscrew_tables),
             jog: JogDemand::default(),
             oscillation: None,
             spindles: Spindles::new(&params),
@@ -181,7 +179,7 @@ impl Plant {
         if Input::ALL.iter().any(|input| input.port_param() == at.number) {
             return turns || self.machine.drive_is_on();
         }
-        let of = |output: &Output| output.port_param() == at.number && output.exists_on(self.kind_row.kind);
+        let of = |output: &Output| output.port_param() == at.number && output.exists_on(self.kind);
         let port = value as u8; // truncated: the range is checked when it is written
         Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.image.terminals.level(port)))
     }
@@ -235,7 +233,7 @@ impl Plant {
         let dressing = self.params.get(param::DRESSING_PROGRAM_FIRST)..=self.params.get(param::DRESSING_PROGRAM_LAST);
         ControlState {
             run_open: self.execution.phase.is_run_open(),
-            homed: self.axes.all_homed() || self.kind_row.may_start_unhomed(),
+            homed: self.axes.all_homed() || self.kind.row().may_start_unhomed(),
             alarm_blocks: self.alarms.blocks_start(),
             drives_off: !self.outputs.drives_on,
             oscillating: self.oscillation.is_some() && !self.execution.phase.is_run_open(),

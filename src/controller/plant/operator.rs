@@ -89,6 +89,6 @@ impl Plant {
     /// Length of a manual step, mm as displayed: P395 on a lathe if set (L9 定长进给), else the selected step.
     pub fn step_length_mm(&self) -> f64 {
         let set = self.params.get(param::FIXED_STEP_LENGTH);
-        if self.kind_row.has_main_spindle && set > 0.0 { set } else { self.operator.step_mm }
+        if self.kind.is_lathe() && set > 0.0 { set } else { self.operator.step_mm }
     }
 }

@@ -76,7 +76,7 @@ impl Plant {
             0.0
         } else if self.spindles.analog_2_rpm > 0.0 {
             self.spindles.analog_2_rpm
-        } else if self.outputs.on.has(self.kind_row.drive_high) {
+        } else if self.outputs.on.has(self.kind.row().drive_output(true)) {
             self.params.get(param::HEADSTOCK_RPM_HIGH)
         } else {
             self.params.get(param::HEADSTOCK_RPM_LOW)

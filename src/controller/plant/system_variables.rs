@@ -33,7 +33,7 @@ pub const GEOMETRY: [(SystemVariableRange, Axis); 3] = [
 /// Interpreter settings for a kind of machine with these parameters.
 #[must_use]
 pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
-    let row = crate::machine::kind::find(kind);
+    let row = kind.row();
     NcSettings {
         diameter: !params.bit(param::RADIUS_PROGRAMMING),
         axes: row.fitted(params),

@@ -60,7 +60,7 @@ impl Program {
         if distance <= 0.0 || !grinds || !self.detach_from_run(plant) {
             return;
         }
-        let axis = plant.kind_row.wheel_axis;
+        let axis = plant.kind.row().wheel_axis;
         plant.jog.move_by(axis, distance, &plant.axes, &plant.params);
         if let Some(Handover::Detached(parted)) = self.run.as_mut().map(|run| &mut run.handover) {
             parted.withdrawn = Some((axis, distance));

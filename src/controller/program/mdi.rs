@@ -85,22 +85,22 @@ impl Program {
             return plant.refuse(why);
         }
         if matches!(plant.request(Request::MdiStart), RequestResult::Accepted) {
-            let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind_row.dialect));
+            let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind.row().dialect));
             self.open_run(plant, source, Origin::Mdi);
         }
     }
 
     /// Checks the first block of the line from the present machine position.
     fn check_mdi(&self, plant: &Plant, line: &str) -> Result<(), LocalizedText> {
-        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind_row.dialect));
-        let settings = NcSettings { needs_block_numbers: false, ..nc_settings(plant.kind_row.kind, &plant.params) };
+        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind.row().dialect));
+        let settings = NcSettings { needs_block_numbers: false, ..nc_settings(plant.kind, &plant.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
         let mut frames = plant.work.offsets.clone();
         frames.activate(modals.work_offset);
         let mut planned =
             LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
         planned.oscillating = plant.oscillating_axis();
-        planned.dialect = plant.kind_row.dialect;
+        planned.dialect = plant.kind.row().dialect;
         let start = (plant.work.variables.clone(), planned);
         let library = Arc::clone(&plant.work.programs);
         let mut run = ProgramRun::new(source, library, (settings, modals), start, plant.now);
@@ -114,7 +114,7 @@ impl Program {
 
     /// The active modal codes: of the run as read, of the last MDI line, or the power-on state.
     pub fn modal_view(&self, plant: &Plant) -> ModalView {
-        let settings = nc_settings(plant.kind_row.kind, &plant.params);
+        let settings = nc_settings(plant.kind, &plant.params);
         if let Some(chosen) = self.restart_modals(plant) {
             return chosen;
         }
@@ -130,7 +130,7 @@ impl Program {
 /// Modal codes as the pages show them.
 pub fn modal_view_of(plant: &Plant, modals: &ModalState) -> ModalView {
     ModalView {
-        g: modals.g_codes(plant.kind_row.kind.dialect()),
+        g: modals.g_codes(plant.kind.dialect()),
         feed: modals.feed,
         speed: modals.speed,
         tool: (modals.tool, modals.offset),

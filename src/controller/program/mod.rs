@@ -91,7 +91,7 @@ impl Program {
 impl Program {
     /// Opens a run of the text and starts it.
     pub fn open_run(&mut self, plant: &mut Plant, source: Arc<Source>, origin: Origin) {
-        let settings = nc_settings(plant.kind_row.kind, &plant.params);
+        let settings = nc_settings(plant.kind, &plant.params);
         let numbered = settings.needs_block_numbers && origin != Origin::Mdi;
         let settings = nc::NcSettings { axes: plant.axes.fitted(), needs_block_numbers: numbered, ..settings };
         // A program starts from the power-on modal state; MDI continues from its last line.
@@ -115,8 +115,8 @@ impl Program {
         );
         planned.oscillating = plant.oscillating_axis();
         planned.soft_limits_active = plant.axes.all_homed();
-        planned.homed = planned.soft_limits_active || plant.kind_row.may_start_unhomed();
-        planned.dialect = plant.kind_row.dialect;
+        planned.homed = planned.soft_limits_active || plant.kind.row().may_start_unhomed();
+        planned.dialect = plant.kind.row().dialect;
         let start = (plant.work.variables.clone(), planned);
         let library = Arc::clone(&plant.work.programs);
         let proof = (origin == Origin::Program).then(|| new_preflight(plant, &source, &settings)).flatten();
@@ -190,7 +190,7 @@ impl Program {
     pub fn set_variable(&mut self, plant: &mut Plant, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = plant.store_variable(number, value) {
-            let name = variable_name::variable_name_on(number, plant.kind_row.kind);
+            let name = variable_name::variable_name_on(number, plant.kind);
             let zh = match error {
                 VariableError::Unknown(_) => format!("{name} 不存在或不能修改"),
                 VariableError::Switch(_) => format!("{name} 只能输入 0 或 1"),

@@ -146,7 +146,7 @@ impl Program {
             ));
         }
         let source = Arc::clone(&program.source);
-        let settings = nc::NcSettings { axes: plant.axes.fitted(), ..nc_settings(plant.kind_row.kind, &plant.params) };
+        let settings = nc::NcSettings { axes: plant.axes.fitted(), ..nc_settings(plant.kind, &plant.params) };
         let modals = ModalState::new(&settings);
         let mut frames = plant.work.offsets.clone();
         frames.activate(modals.work_offset);
@@ -183,7 +183,7 @@ impl Program {
     pub fn step_restart(&mut self, plant: &mut Plant) {
         let Some(mut restart) = self.restart.take_if(|restart| !restart.block_found) else { return };
         let Restart { line, run, world, state: switched, .. } = &mut *restart;
-        let (line, dialect) = (*line, plant.kind_row.dialect);
+        let (line, dialect) = (*line, plant.kind.row().dialect);
         match run.interpreter.advance_to(line, world, &mut |op| switched.apply(op, dialect)) {
             Ok(NextStatus::Block) => {
                 restart.block_found = true;
@@ -282,7 +282,7 @@ impl Program {
 
     fn start_at_block(&mut self, plant: &mut Plant, Restart { mut run, world, state: switched, .. }: Restart) {
         let (from, to, wheel_axis) =
-            (plant.axes.set_point(), run.lookahead.machine_position, plant.kind_row.wheel_axis);
+            (plant.axes.set_point(), run.lookahead.machine_position, plant.kind.row().wheel_axis);
         let mut beside = to;
         beside[wheel_axis] = from[wheel_axis];
         let forbidden = |axis: Axis| check_soft_limits(axis, to[axis], &plant.params).err();
@@ -311,7 +311,7 @@ impl Program {
             )));
         }
         run.lookahead.oscillating = plant.oscillating_axis();
-        run.lookahead.dialect = plant.kind_row.dialect;
+        run.lookahead.dialect = plant.kind.row().dialect;
         run.started_at = plant.now;
         run.origin = Origin::Program;
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);

@@ -143,7 +143,7 @@ impl Program {
                 format!("the programs folder has no O{number:04}: no retract"),
             ));
         }
-        let dialect = plant.kind_row.dialect;
+        let dialect = plant.kind.row().dialect;
         let Some(call) = nc::call_text(dialect, number) else {
             return plant.refuse(LocalizedText::new(
                 format!("该机型的程序不能调用 O{number:04}，不能一键回退"),
@@ -260,7 +260,7 @@ fn moved_away_text(plant: &Plant, axis: Axis, off: f64) -> LocalizedText {
 }
 
 fn off_position_text(plant: &Plant, from: PerAxis<f64>) -> LocalizedText {
-    let (axis, off) = position_deviation(plant, from).unwrap_or((plant.kind_row.wheel_axis, 0.0));
+    let (axis, off) = position_deviation(plant, from).unwrap_or((plant.kind.row().wheel_axis, 0.0));
     let off = off * plant.displayed_per_mm(axis);
     LocalizedText::new(
         format!("O9001 没有回到原位：{axis} 差 {off:+.3}，用手轮移回后循环启动，或复位"),

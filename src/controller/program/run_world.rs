@@ -133,7 +133,7 @@ impl ProgramRun {
             return false;
         }
         let lost_mm = (before - diameter_mm) / 2.0;
-        let (axis, index) = (plant.kind_row.wheel_axis, plant.work.offsets.tool_offset - 1);
+        let (axis, index) = (plant.kind.row().wheel_axis, plant.work.offsets.tool_offset - 1);
         plant.work.offsets.wear[index][axis] -= lost_mm;
         plant.store_offset(index);
         self.lookahead.work_offsets = Arc::new(plant.work.offsets.clone());

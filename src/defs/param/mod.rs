@@ -1,94 +1,19 @@
 //! The parameters: number, bit, name, unit, range, factory value and access level, and the values of a machine.
 //! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; numbers 30 to 99 are defined by this project.
 
-mod table;
+pub(super) mod row;
+pub(super) mod table;
 
+pub use row::*;
 pub use table::*;
-use table::{FACTORY_BITS_OF_KIND, FACTORY_OF_KIND, RANGE_OF_KIND, factory_input_port, factory_output_port};
-
-use serde::{Deserialize, Serialize};
+use table::{factory_input_port, factory_output_port};
 
 use super::kind::Kind;
 use super::signal::{Input, Output, PORTS};
-use super::text::Text;
 use crate::units::{Axis, Micros};
-
-/// Column of the bit table with the factory bits of each kind, in the order of `Kind::ALL`.
-const FACTORY_COLUMN_OF_KIND: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
 /// Exclusive upper limit of parameter numbers.
 pub const PARAM_LIMIT: usize = 440;
-
-/// Who may change a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum AccessLevel {
-    /// Anyone at the panel.
-    Operator,
-    /// The user's password.
-    User,
-    /// The machine builder's password.
-    Builder,
-}
-
-/// A numeric parameter.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NumberParam {
-    /// P number.
-    pub number: u16,
-    /// Display name.
-    pub name: Text,
-    /// Unit; empty for counts and ports.
-    pub unit: &'static str,
-    /// Minimum.
-    pub min: f64,
-    /// Maximum.
-    pub max: f64,
-    /// Factory value.
-    pub factory: f64,
-    /// Who may change it.
-    pub level: AccessLevel,
-}
-
-/// One bit of a bit parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BitParam {
-    /// P number.
-    pub number: u16,
-    /// Bit 0…7.
-    pub bit: u8,
-    /// Meaning of 1.
-    pub name: Text,
-    /// Factory value on GC, GS, GA; the other kinds use the GC value, except for `FACTORY_BITS_OF_KIND`.
-    pub factory: [bool; 3],
-    /// Who may change it.
-    pub level: AccessLevel,
-}
-
-impl BitParam {
-    /// The address of the parameter.
-    #[must_use]
-    pub const fn address(self) -> ParamAddress {
-        ParamAddress { number: self.number, bit: Some(self.bit) }
-    }
-}
-
-impl BitParam {
-    /// Its factory value on a kind of machine.
-    #[must_use]
-    pub fn factory_on(&self, kind: Kind) -> bool {
-        let own = FACTORY_BITS_OF_KIND.iter().find(|(of, row, _)| *of == kind && row == self);
-        let like = FACTORY_COLUMN_OF_KIND[kind as usize];
-        own.map_or(self.factory[like], |(.., value)| *value)
-    }
-}
-
-impl NumberParam {
-    /// The address of the parameter.
-    #[must_use]
-    pub const fn address(self) -> ParamAddress {
-        ParamAddress { number: self.number, bit: None }
-    }
-}
 
 /// Why a value was refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -141,34 +66,30 @@ impl ParamError {
     }
 }
 
-/// The address of a parameter, written `P270` or `P16.0`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ParamAddress {
-    /// P number.
-    pub number: u16,
-    /// The bit, for bit parameters.
-    pub bit: Option<u8>,
-}
-
-impl ParamAddress {
-    /// Parses `P270`, `270`, `P16.0`.
+impl BitParam {
+    /// Its factory value on a kind of machine.
     #[must_use]
-    pub fn parse(text: &str) -> Option<Self> {
-        let digits = text.strip_prefix(['P', 'p']).unwrap_or(text);
-        let (number, bit) = match digits.split_once('.') {
-            Some((number, bit)) => (number, Some(bit.parse().ok()?)),
-            None => (digits, None),
-        };
-        Some(Self { number: number.parse().ok()?, bit })
+    pub fn factory_on(&self, kind: Kind) -> bool {
+        let row = kind.row();
+        let own = row.factory.bits.iter().find(|(bit, _)| bit.address() == self.address());
+        own.map_or_else(
+            || match self.factory {
+                FactoryBit::Off => false,
+                FactoryBit::On => true,
+                FactoryBit::With(device) => row.has(device),
+                FactoryBit::Without(device) => !row.has(device),
+            },
+            |(_, value)| *value,
+        )
     }
 }
 
-impl std::fmt::Display for ParamAddress {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.bit {
-            Some(bit) => write!(f, "P{}.{bit}", self.number),
-            None => write!(f, "P{}", self.number),
-        }
+impl NumberParam {
+    /// Its minimum and maximum on a kind of machine.
+    #[must_use]
+    pub fn range_on(&self, kind: Kind) -> (f64, f64) {
+        let own = kind.row().factory.ranges.iter().find(|(row, ..)| row.number == self.number);
+        own.map_or((self.min, self.max), |(_, min, max)| (*min, *max))
     }
 }
 
@@ -189,10 +110,8 @@ impl Params {
         for row in NUMBERS {
             params.numbers[usize::from(row.number)] = row.factory;
         }
-        for (of, row, value) in FACTORY_OF_KIND {
-            if *of == kind {
-                params.numbers[usize::from(row.number)] = *value;
-            }
+        for (row, value) in kind.row().factory.numbers {
+            params.numbers[usize::from(row.number)] = *value;
         }
         for input in Input::ALL {
             params.numbers[usize::from(input.port_param())] = f64::from(factory_input_port(*input));
@@ -274,7 +193,7 @@ impl Params {
                 .iter()
                 .find(|row| row.number == at.number && row.bit == bit)
                 .map(|row| f64::from(u8::from(self.bit(*row)))),
-            None => find_number(at.number).map(|_| self.numbers[usize::from(at.number)]),
+            None => find_number(at.number, self.kind).map(|_| self.numbers[usize::from(at.number)]),
         }
         .ok_or(ParamError::Unknown(at.number))
     }
@@ -296,9 +215,7 @@ impl Params {
             self.put_bit(at.number, bit, on);
             return Ok(());
         }
-        let (min, max, whole) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
-        let narrower = RANGE_OF_KIND.iter().find(|(kind, row, ..)| *kind == self.kind && row.number == at.number);
-        let (min, max) = narrower.map_or((min, max), |(_, _, min, max)| (*min, *max));
+        let (min, max, whole) = find_number(at.number, self.kind).ok_or(ParamError::Unknown(at.number))?;
         if !(min..=max).contains(&value) {
             return Err(ParamError::Range { number: at.number, min, max, value });
         }
@@ -310,10 +227,11 @@ impl Params {
     }
 }
 
-/// Range of a number parameter or port, and whether it must be a whole number (parameters without a unit).
-fn find_number(number: u16) -> Option<(f64, f64, bool)> {
+/// Range of a number parameter or port on a kind, and whether it must be a whole number (parameters without a unit).
+fn find_number(number: u16, kind: Kind) -> Option<(f64, f64, bool)> {
     if let Some(row) = NUMBERS.iter().find(|row| row.number == number) {
-        return Some((row.min, row.max, row.unit.is_empty()));
+        let (min, max) = row.range_on(kind);
+        return Some((min, max, row.unit.is_empty()));
     }
     let port = Input::ALL.iter().any(|input| input.port_param() == number)
         || Output::ALL.iter().any(|output| output.port_param() == number);

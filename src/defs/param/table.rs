@@ -1,8 +1,8 @@
 //! The table of parameters: bits, numbers and the factory ports.
 //! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; numbers 30 to 99 are defined by this project.
 
-use super::{AccessLevel, BitParam, NumberParam};
-use crate::defs::kind::Kind;
+use super::row::{AccessLevel, BitParam, FactoryBit, NumberParam};
+use crate::defs::equipment::Equipment;
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::Text;
 
@@ -27,35 +27,34 @@ macro_rules! numbers {
     };
 }
 
-const NO: [bool; 3] = [false; 3];
-const YES: [bool; 3] = [true; 3];
+use FactoryBit::{Off, On, With, Without};
 
 bits! {
-    WHEEL_RETRACT = 4 bit 4, NO, User, "一键回退有效", "one-key wheel retract enabled";
-    HOME_MINUS_X = 5 bit 0, NO, Builder, "X 回零方向为负", "X homes in minus direction";
-    HOME_MINUS_Y = 5 bit 1, NO, Builder, "Y 回零方向为负", "Y homes in minus direction";
-    HOME_MINUS_Z = 5 bit 2, NO, Builder, "Z 回零方向为负", "Z homes in minus direction";
-    S_IS_SURFACE_SPEED = 5 bit 3, NO, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
-    ISO_ARC_DIRECTION = 5 bit 4, NO, Builder, "超人：G02/G03 方向按 ISO", "SuperMan: G02 and G03 turn as in ISO";
-    RADIUS_PROGRAMMING = 6 bit 0, [false, true, true], Builder, "半径编程", "radius programming";
-    INTEGERS_AS_LEAST_INCREMENTS = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
-    IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";
-    EDIT_VALUES_IN_RUN = 6 bit 3, NO, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
-    COUNT_ON_M30 = 6 bit 4, NO, User, "M30 工件计数", "M30 counts a workpiece";
-    TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, NO, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
-    Y_FITTED = 6 bit 6, [false, true, false], Builder, "装有 Y 轴", "axis Y is fitted";
-    WHEEL_UNDRESSED = 6 bit 7, NO, User, "换砂轮后未修整", "wheel changed and not dressed yet";
-    MAGNET_ENABLED = 16 bit 0, [false, true, true], Builder, "充磁/退磁有效", "magnet codes and keys enabled";
-    WHEEL_NEEDS_MAGNET = 16 bit 1, [false, true, true], Builder, "砂轮启动检测充磁", "wheel start needs the part magnetised";
-    TAILSTOCK_ENABLED = 16 bit 2, [true, false, false], Builder, "尾座有效", "tailstock code and key enabled";
-    NO_HYDRAULIC_CHECK = 17 bit 0, NO, Builder, "不检测液压", "no hydraulic supervision";
-    OSCILLATION_BY_CYLINDER = 17 bit 1, NO, Builder, "振荡为气缸控制", "oscillation by cylinder";
-    WHEEL_RUNS_AFTER_M30 = 17 bit 2, NO, User, "M30 后砂轮不停", "wheel keeps running after M30";
-    SWAP_OSCILLATION_FLAGS = 17 bit 3, NO, Builder, "#438/#439 互换", "#438 and #439 swapped";
-    EDIT_OFFSETS = 22 bit 0, NO, User, "刀补界面允许修改", "offset page may be edited";
-    PRINT_AS_BMP = 22 bit 1, NO, User, "屏幕打印存为 BMP", "screen prints are kept as BMP";
-    PROGRAM_PASSWORD = 22 bit 5, YES, User, "编辑程序需要密码", "program editing needs the password";
-    SUBPROGRAM_PASSWORD = 23 bit 5, YES, User, "编辑 O9000-O9999 需要密码", "editing O9000-O9999 needs the password";
+    WHEEL_RETRACT = 4 bit 4, Off, User, "一键回退有效", "one-key wheel retract enabled";
+    HOME_MINUS_X = 5 bit 0, Off, Builder, "X 回零方向为负", "X homes in minus direction";
+    HOME_MINUS_Y = 5 bit 1, Off, Builder, "Y 回零方向为负", "Y homes in minus direction";
+    HOME_MINUS_Z = 5 bit 2, Off, Builder, "Z 回零方向为负", "Z homes in minus direction";
+    S_IS_SURFACE_SPEED = 5 bit 3, Off, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
+    ISO_ARC_DIRECTION = 5 bit 4, Off, Builder, "超人：G02/G03 方向按 ISO", "SuperMan: G02 and G03 turn as in ISO";
+    RADIUS_PROGRAMMING = 6 bit 0, Off, Builder, "半径编程", "radius programming";
+    INTEGERS_AS_LEAST_INCREMENTS = 6 bit 1, Off, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
+    IN_POSITION_CHECK = 6 bit 2, Off, Builder, "准停时检测到位", "in-position check at every exact stop";
+    EDIT_VALUES_IN_RUN = 6 bit 3, Off, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
+    COUNT_ON_M30 = 6 bit 4, Off, User, "M30 工件计数", "M30 counts a workpiece";
+    TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, Off, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
+    Y_FITTED = 6 bit 6, Off, Builder, "装有 Y 轴", "axis Y is fitted";
+    WHEEL_UNDRESSED = 6 bit 7, Off, User, "换砂轮后未修整", "wheel changed and not dressed yet";
+    MAGNET_ENABLED = 16 bit 0, With(Equipment::MagneticChuck), Builder, "充磁/退磁有效", "magnet codes and keys enabled";
+    WHEEL_NEEDS_MAGNET = 16 bit 1, With(Equipment::MagneticChuck), Builder, "砂轮启动检测充磁", "wheel start needs the part magnetised";
+    TAILSTOCK_ENABLED = 16 bit 2, With(Equipment::Tailstock), Builder, "尾座有效", "tailstock code and key enabled";
+    NO_HYDRAULIC_CHECK = 17 bit 0, Without(Equipment::Hydraulics), Builder, "不检测液压", "no hydraulic supervision";
+    OSCILLATION_BY_CYLINDER = 17 bit 1, Off, Builder, "振荡为气缸控制", "oscillation by cylinder";
+    WHEEL_RUNS_AFTER_M30 = 17 bit 2, Off, User, "M30 后砂轮不停", "wheel keeps running after M30";
+    SWAP_OSCILLATION_FLAGS = 17 bit 3, Off, Builder, "#438/#439 互换", "#438 and #439 swapped";
+    EDIT_OFFSETS = 22 bit 0, Off, User, "刀补界面允许修改", "offset page may be edited";
+    PRINT_AS_BMP = 22 bit 1, Off, User, "屏幕打印存为 BMP", "screen prints are kept as BMP";
+    PROGRAM_PASSWORD = 22 bit 5, On, User, "编辑程序需要密码", "program editing needs the password";
+    SUBPROGRAM_PASSWORD = 23 bit 5, On, User, "编辑 O9000-O9999 需要密码", "editing O9000-O9999 needs the password";
 }
 
 numbers! {
@@ -191,51 +190,6 @@ numbers! {
     INPUTS_INVERTED_3 = 356, 0 => 65_535, 127, "", Builder, "输入口 33-48 反相", "inputs 33-48 inverted";
     INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
 }
-
-/// Factory values of a kind that differ from the table: travels, wheel, speeds.
-pub(super) const FACTORY_OF_KIND: &[(Kind, NumberParam, f64)] = &[
-    (Kind::Gs, SOFT_MINUS_X, -600.0),
-    (Kind::Gs, SOFT_MINUS_Z, -300.0),
-    (Kind::Gs, WHEEL_DIAMETER, 500.0),
-    (Kind::Gs, WHEEL_WIDTH, 40.0),
-    (Kind::Gs, WHEEL_RATED_SPEED, 30.0),
-    (Kind::Gs, DRESSING_PROGRAM_FIRST, 1_013.0),
-    (Kind::Gs, DRESSING_PROGRAM_LAST, 1_013.0),
-    (Kind::Ga, SOFT_MINUS_X, -400.0),
-    (Kind::Ga, WHEEL_DIAMETER, 500.0),
-    (Kind::Ga, WHEEL_WIDTH, 40.0),
-    (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
-    (Kind::Ga, DRESSING_PROGRAM_FIRST, 1_014.0),
-    (Kind::Ga, DRESSING_PROGRAM_LAST, 1_014.0),
-    (Kind::Ga, SOFT_MINUS_Z, -300.0),
-    (Kind::Vertical, SOFT_MINUS_X, -450.0),
-    (Kind::Vertical, SOFT_MINUS_Z, -600.0),
-    (Kind::Vertical, WHEEL_DIAMETER, 300.0),
-    (Kind::Vertical, WHEEL_WIDTH, 40.0),
-    (Kind::Vertical, WHEEL_RATED_SPEED, 35.0),
-    (Kind::Vertical, WHEEL_RPM_MAX, 2_500.0),
-    (Kind::Vertical, WHEEL_RPM, 1_500.0),
-    (Kind::Vertical, HEADSTOCK_RPM_HIGH, 60.0),
-    (Kind::Vertical, HEADSTOCK_RPM_LOW, 60.0),
-    (Kind::Lathe, RAPID_X, 2_000.0),
-    (Kind::Lathe, RAPID_Z, 4_000.0),
-    (Kind::Lathe, WHEEL_RPM_MAX, 5_000.0),
-    (Kind::Lathe, WHEEL_RPM, 200.0),
-    (Kind::Lathe, WHEEL_DIAMETER, 10.0),
-    (Kind::Lathe, HYDRAULIC_DELAY, 0.0),
-    (Kind::Lathe, HOME_FAST, 2_000.0),
-];
-
-/// Narrower ranges of a kind. L2: rapid 2000–6000 mm/min on Z, half of that on X.
-pub(super) const RANGE_OF_KIND: &[(Kind, NumberParam, f64, f64)] =
-    &[(Kind::Lathe, RAPID_X, 1_000.0, 3_000.0), (Kind::Lathe, RAPID_Z, 2_000.0, 6_000.0)];
-
-/// Factory bits of the kinds without a column in the bit table, where they differ from the GC column.
-pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, BitParam, bool)] = &[
-    (Kind::Vertical, TAILSTOCK_ENABLED, false),
-    (Kind::Lathe, TAILSTOCK_ENABLED, false),
-    (Kind::Lathe, NO_HYDRAULIC_CHECK, true),
-];
 
 /// Factory port of an input (spec K3).
 pub(super) const fn factory_input_port(input: Input) -> u8 {

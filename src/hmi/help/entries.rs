@@ -3,6 +3,7 @@
 
 use super::keyboard_map;
 use crate::defs::alarm::{self, ALARMS, Reaction, ResetRule};
+use crate::defs::availability;
 use crate::defs::dialect_word;
 use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
 use crate::defs::key::{self, Key};
@@ -194,7 +195,7 @@ pub fn entries(kind: Kind) -> Vec<HelpEntry> {
     all.extend(Key::ALL.iter().filter(|key| key.exists_on(kind)).map(|key| key_entry(*key, kind)));
     alarms(&mut all);
     g_codes(kind, &mut all);
-    all.extend(mcode::rows_on(kind).map(mcode_entry));
+    all.extend(availability::m_codes(kind).map(mcode_entry));
     all.extend(param_row::rows(kind).iter().map(param_entry));
     all
 }

@@ -70,7 +70,7 @@ impl SerialPane {
         if self.number.is_empty() {
             return Ok(None);
         }
-        if kind.ui().is_lathe {
+        if kind.is_lathe() {
             return Ok(Some(format!("{}.NC", self.number)));
         }
         match self.number.parse::<u16>() {
@@ -161,7 +161,7 @@ impl SerialPane {
             let words = view.text("程序自带的号", "its own number");
             fit_text(painter, inside, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
         } else {
-            let letter = if view.snapshot.kind.ui().is_lathe { "" } else { "O" };
+            let letter = if view.snapshot.kind.is_lathe() { "" } else { "O" };
             text_line(
                 painter,
                 inside,

@@ -142,7 +142,7 @@ impl SimulatorPage {
 
     fn part(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView) -> Option<SimCommand> {
         let (keys, body) = rect.split_top_bottom_at_y(rect.min.y + ROW_HEIGHT + theme::GAP);
-        let wheel = !view.snapshot.kind.ui().is_lathe;
+        let wheel = !view.snapshot.kind.is_lathe();
         let count = if wheel { 2.0 } else { 1.0 };
         let half = (keys.width() + theme::GAP) / count;
         let cell = |index: f32| {

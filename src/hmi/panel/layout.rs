@@ -3,7 +3,7 @@
 use egui::{Pos2, Rect, pos2, vec2};
 
 use crate::defs::key::Key;
-use crate::defs::kind::Kind;
+use crate::defs::kind::{Kind, MachineUnit};
 use crate::defs::text::Text;
 use crate::hmi::theme;
 
@@ -97,28 +97,18 @@ pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
 }
 
 /// Column and row of the jog keys of a kind in a 3 × 3 cross: rapid in the middle, the third axis on the diagonal.
-/// GC, seen from above: X− moves the wheel to the workpiece, towards the operator. GS: X moves the table sideways,
-/// Y− lowers the wheel, Z moves away from the operator. GA and the vertical grinder: X moves
-/// across the table, Z− lowers the wheel.
 #[must_use]
 pub const fn jog_positions(kind: Kind) -> [(Key, u8, u8); 7] {
-    const fn cross(across: [Key; 2], upright: [Key; 2], aslant: [Key; 2]) -> [(Key, u8, u8); 7] {
-        [
-            (across[0], 0, 1),
-            (across[1], 2, 1),
-            (upright[0], 1, 0),
-            (upright[1], 1, 2),
-            (aslant[0], 2, 0),
-            (aslant[1], 0, 2),
-            (Key::Rapid, 1, 1),
-        ]
-    }
-    let (x, y, z) = ([Key::XMinus, Key::XPlus], [Key::YPlus, Key::YMinus], [Key::ZPlus, Key::ZMinus]);
-    match kind {
-        Kind::Gc | Kind::Lathe => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
-        Kind::Gs => cross(x, y, z),
-        Kind::Ga | Kind::Vertical => cross(x, z, y),
-    }
+    let [across, upright, aslant] = kind.ui().jog_cross;
+    [
+        (across[0], 0, 1),
+        (across[1], 2, 1),
+        (upright[0], 1, 0),
+        (upright[1], 1, 2),
+        (aslant[0], 2, 0),
+        (aslant[1], 0, 2),
+        (Key::Rapid, 1, 1),
+    ]
 }
 
 const MODES: [Key; 8] = [
@@ -148,54 +138,6 @@ const MODES_WIDE: [Key; 10] = [
 const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid100];
 const HANDWHEEL: [[Key; 2]; 3] =
     [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
-
-/// One unit of the machine: caption, keys, width in key columns.
-struct MachineUnit(Text, &'static [Key], usize);
-
-const WHEEL: MachineUnit =
-    MachineUnit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop, Key::SecondSpindle], 1);
-const WHEEL_WIDE: MachineUnit = MachineUnit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop], 1);
-const SPINDLE: MachineUnit = MachineUnit(Text::new("主轴", "SPDL"), &[Key::SecondSpindle], 1);
-const FLUIDS: MachineUnit =
-    MachineUnit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication, Key::Hydraulic], 1);
-const DRESSING: MachineUnit =
-    MachineUnit(Text::new("修整", "DRESS"), &[Key::Oscillation, Key::DressReturn, Key::WheelRetract], 1);
-const TRIAL: MachineUnit =
-    MachineUnit(Text::new("试运行", "TRIAL"), &[Key::MachineLock, Key::AuxFunctionLock, Key::DryRun], 1);
-const HEADSTOCK: MachineUnit =
-    MachineUnit(Text::new("头架", "HEAD"), &[Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop], 1);
-const MAGNET: MachineUnit = MachineUnit(Text::new("磁力", "MAGNET"), &[Key::Magnetise, Key::Demagnetise], 1);
-const TAILSTOCK: MachineUnit =
-    MachineUnit(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
-const ROLL: MachineUnit = MachineUnit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 2);
-const TABLE: MachineUnit = MachineUnit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
-/// The table of a machine that clamps the workpiece with jaws.
-const CLAMPED: MachineUnit = MachineUnit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
-/// Main spindle, fluids and tool turret of a lathe.
-const SPINDLE_DRIVE: MachineUnit =
-    MachineUnit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 2);
-const FLUIDS_LATHE: MachineUnit = MachineUnit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 2);
-const POST_WIDE: MachineUnit = MachineUnit(Text::new("刀架", "POST"), &[Key::ToolTurret], 5);
-const POST: MachineUnit = MachineUnit(Text::new("刀架", "POST"), &[Key::ToolTurret], 4);
-const GAUGES_WIDE: MachineUnit = MachineUnit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
-const GAUGES: MachineUnit = MachineUnit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
-
-/// The units of a kind: the columns, three keys high, and the units in the row below them.
-/// GC has headstock and tailstock, GS magnet and dresser roll, GA magnet and rotary table (K1, K2.1).
-const fn units(kind: Kind, wide: bool) -> (&'static [MachineUnit], &'static [MachineUnit]) {
-    match (kind, wide) {
-        (Kind::Gc, false) => (&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
-        (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
-        (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
-        (Kind::Vertical, false) => (&[WHEEL, CLAMPED, FLUIDS, DRESSING], &[GAUGES_WIDE]),
-        (Kind::Lathe, false) => (&[SPINDLE_DRIVE, FLUIDS_LATHE], &[POST]),
-        (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
-        (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
-        (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
-        (Kind::Lathe, true) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST_WIDE]),
-        (Kind::Vertical, true) => (&[WHEEL_WIDE, CLAMPED, FLUIDS, DRESSING, TRIAL], &[SPINDLE, GAUGES_WIDE]),
-    }
-}
 
 /// Places the groups from top to bottom.
 struct PanelBuilder<'a> {
@@ -253,19 +195,20 @@ impl PanelBuilder<'_> {
 
     /// The units of the machine side by side, then the row of units below them.
     fn machine_units(&mut self) {
-        let (beside, below) = units(self.kind, self.wide);
+        let ui = self.kind.ui();
+        let units = if self.wide { ui.wide_panel } else { ui.panel };
         self.cursor.y += CAPTION_HEIGHT;
         let mut column = 0;
-        for MachineUnit(caption, keys, columns) in beside {
-            self.column(column, *columns, keys, *caption);
-            column += columns;
+        for unit in units.beside {
+            self.column(column, unit);
+            column += unit.columns;
         }
         self.advance(UNIT_ROWS, GROUP_GAP);
         self.cursor.y += CAPTION_HEIGHT;
         let mut column = 0;
-        for MachineUnit(caption, keys, columns) in below {
-            self.block(column, *columns, keys, *caption);
-            column += columns;
+        for unit in units.below {
+            self.block(column, unit);
+            column += unit.columns;
         }
         self.advance(1.0, GROUP_GAP);
     }
@@ -275,7 +218,8 @@ impl PanelBuilder<'_> {
     }
 
     /// Keys in a column; two keys share the height of three.
-    fn column(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+    fn column(&mut self, column: usize, unit: &MachineUnit) {
+        let &MachineUnit { caption, keys, columns } = unit;
         let top = self.cell(self.columns(), column, 0);
         let top = top.union(self.cell(self.columns(), column + columns - 1, 0));
         let height = UNIT_ROWS * self.key_height + (UNIT_ROWS - 1.0) * KEY_GAP;
@@ -287,8 +231,9 @@ impl PanelBuilder<'_> {
         self.group(Rect::from_min_size(top.min, vec2(top.width(), height)), Some(caption));
     }
 
-    /// Keys side by side that share `columns` columns.
-    fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+    /// Keys side by side that share the columns of the unit.
+    fn block(&mut self, column: usize, unit: &MachineUnit) {
+        let &MachineUnit { caption, keys, columns } = unit;
         let first = self.cell(self.columns(), column, 0);
         let around = first.union(self.cell(self.columns(), column + columns - 1, 0));
         let each = (around.width() - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;

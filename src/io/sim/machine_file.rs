@@ -11,15 +11,6 @@ use super::machine_sections::{
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
-/// Built-in machines in the order of `Kind::ALL`; each file names its own kind.
-const BUILTIN: [&str; Kind::ALL.len()] = [
-    include_str!("../../../assets/machines/gc.ron"),
-    include_str!("../../../assets/machines/gs.ron"),
-    include_str!("../../../assets/machines/ga.ron"),
-    include_str!("../../../assets/machines/vertical.ron"),
-    include_str!("../../../assets/machines/lathe.ron"),
-];
-
 /// A whole machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -79,7 +70,7 @@ impl MachineFile {
     /// # Errors
     /// The built-in file is wrong, which a test excludes.
     pub fn builtin(kind: Kind) -> Result<Self, SimFileError> {
-        Self::parse(BUILTIN[kind as usize])
+        Self::parse(kind.row().machine_file)
     }
 
     /// Parses a machine file.
@@ -202,7 +193,7 @@ mod tests {
 
     #[test]
     fn p1_every_kind_has_its_own_axes_and_gear() {
-        let [gc, gs, ga] = Kind::KT830.map(|kind| MachineFile::builtin(kind).unwrap());
+        let [gc, gs, ga] = [Kind::Gc, Kind::Gs, Kind::Ga].map(|kind| MachineFile::builtin(kind).unwrap());
         let there = |file: &MachineFile, fitted| file.axes(fitted).map(|axis| axis.is_some()).0;
         assert_eq!((there(&gc, false), there(&gc, true)), ([true, false, true], [true; 3]));
         assert_eq!((there(&gs, false), there(&gs, true)), ([true; 3], [true; 3]));
@@ -237,19 +228,19 @@ mod tests {
 
     #[test]
     fn p1_a_layout_without_its_axis_is_refused() {
-        let wrong = BUILTIN[0].replacen("infeed: X", "infeed: Y", 1);
+        let wrong = Kind::Gc.row().machine_file.replacen("infeed: X", "infeed: Y", 1);
         let said = MachineFile::parse(&wrong).unwrap_err().to_string();
         assert_eq!(said, "layout: axis Y: the machine has no such axis");
-        let twice = BUILTIN[0].replacen("infeed: X", "infeed: Z", 1);
+        let twice = Kind::Gc.row().machine_file.replacen("infeed: X", "infeed: Z", 1);
         let said = MachineFile::parse(&twice).unwrap_err().to_string();
         assert_eq!(said, "layout: infeed, across and stroke are three different axes");
     }
 
     #[test]
     fn p1_a_wrong_machine_file_is_refused_with_its_place() {
-        let unknown = BUILTIN[0].replacen("bounce_s", "bounce", 1);
+        let unknown = Kind::Gc.row().machine_file.replacen("bounce_s", "bounce", 1);
         assert!(matches!(MachineFile::parse(&unknown), Err(SimFileError::Syntax(_))));
-        let zero = BUILTIN[0].replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
+        let zero = Kind::Gc.row().machine_file.replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
         let said = MachineFile::parse(&zero).unwrap_err().to_string();
         assert_eq!(said, "wheel.grinding_ratio is 0: must be above zero");
         for kind in Kind::ALL {

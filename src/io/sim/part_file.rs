@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::file_error::{SimFileError, require_positive};
+use crate::defs::kind::GrindingForm;
 use crate::defs::kind::Kind;
-use crate::defs::kind_ui::GrindingForm;
 use crate::defs::program_number;
 
 /// Built-in parts of numbered programs.
@@ -394,7 +394,7 @@ impl PartFile {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
             surface.check(i + 1)?;
-            if !file.kind.grinding_forms().contains(&surface.form()) {
+            if !file.kind.ui().grinding_forms.contains(&surface.form()) {
                 let what = format!("surface {}", i + 1);
                 return Err(SimFileError::Incompatible { what, rule: "the part's kind of machine cannot grind it" });
             }

@@ -121,7 +121,7 @@ impl PageUi for GraphicPage {
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
         let (canvas, figures) = body.split_left_right_at_x(body.max.x - FIGURES_WIDTH);
         let canvas = Rect::from_min_max(canvas.min, canvas.max - vec2(theme::GAP, 0.0));
-        let planes = view.snapshot.kind.drawing_planes();
+        let planes = view.snapshot.kind.ui().drawing_planes;
         let plane = planes[self.plane % planes.len()];
         let words = format!("{} · {}{}", view.snapshot.title(program.number), plane.0.letter(), plane.1.letter());
         lines::title(ui, view, title, &words);
@@ -199,7 +199,7 @@ impl GraphicPage {
             .filter(|edit| matches!(edit, EditKey::Next | EditKey::Previous | EditKey::Enter))
             .collect();
         self.walk.begin_frame(&walked);
-        let several = view.snapshot.kind.drawing_planes().len() > 1;
+        let several = view.snapshot.kind.ui().drawing_planes.len() > 1;
         let busy = view.snapshot.files.busy.is_some();
         let keys = [
             ("graphic-fit", Text::new("适合", "FIT"), true),

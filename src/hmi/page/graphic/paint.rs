@@ -8,7 +8,7 @@ use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::{ViewPlane, index, lathe, machine_position, or_around_machine};
-use crate::defs::kind_ui::WheelPose;
+use crate::defs::kind::WheelPose;
 use crate::defs::param;
 use crate::hmi::theme;
 use crate::hmi::view::{View, text_line};
@@ -349,7 +349,7 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
     let here = scene.camera.to_canvas(rect, at[index(right)], at[index(up)]);
     // `body`: axis towards which the wheel's body lies; `spindle`: axis along its spindle.
-    let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.wheel_pose() else {
+    let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.ui().wheel_pose else {
         // Without a bar a turning tool is shown as its tip.
         match lathe::work_area(view) {
             Some(_) => lathe::paint_tool(painter, rect, view, scene.camera, at),

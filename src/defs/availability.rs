@@ -1,0 +1,145 @@
+//! Which axes, keys, signals, M codes and pages a kind of machine has, and how it names them: derived from its row.
+//! Source: spec K1, K2.1, K5.3, K7.1, L9.
+
+use super::equipment::Needs;
+use super::key::Key;
+use super::kind::{Kind, KindRow};
+use super::mcode::{self, MCode};
+use super::page::Page;
+use super::param::{self, Params};
+use super::signal::{Input, Output};
+use super::text::Text;
+use crate::units::{Axis, PerAxis};
+
+fn exists(needs: Needs, kind: Kind) -> bool {
+    kind.row().meets(needs)
+}
+
+impl KindRow {
+    /// The axes of a machine of this kind with these parameters.
+    #[must_use]
+    pub fn fitted(&self, params: &Params) -> PerAxis<bool> {
+        PerAxis::from_fn(|axis| self.axes[axis] || axis == Axis::Y && params.bit(param::Y_FITTED))
+    }
+}
+
+impl Output {
+    /// Whether a kind has the function. Of the functions that share a parameter, a kind has at most one.
+    #[must_use]
+    pub fn exists_on(self, kind: Kind) -> bool {
+        exists(self.needs(), kind)
+    }
+}
+
+impl Input {
+    /// Whether a kind has the switch; pages show only those.
+    #[must_use]
+    pub fn exists_on(self, kind: Kind) -> bool {
+        exists(self.needs(), kind)
+    }
+}
+
+impl Page {
+    /// Whether a kind has the page.
+    #[must_use]
+    pub fn exists_on(self, kind: Kind) -> bool {
+        let has_offsets = kind.dialect().has_tool_offsets() || !matches!(self, Self::Dressing | Self::Offset);
+        exists(self.needs(), kind) && has_offsets
+    }
+
+    /// The title on a kind.
+    #[must_use]
+    pub fn title_on(self, kind: Kind) -> Text {
+        let own = kind.ui().page_titles.iter().find(|(page, _)| *page == self);
+        own.map_or_else(|| self.title(), |(_, title)| *title)
+    }
+}
+
+/// The M codes of a kind of machine.
+pub fn m_codes(kind: Kind) -> impl Iterator<Item = &'static MCode> {
+    mcode::rows_of(kind.dialect()).filter(move |row| exists(row.action.needs(), kind))
+}
+
+impl Key {
+    /// Whether a kind has the key.
+    #[must_use]
+    pub fn exists_on(self, kind: Kind) -> bool {
+        exists(self.row().needs, kind)
+    }
+
+    /// The full label on a kind.
+    #[must_use]
+    pub fn label_on(self, kind: Kind) -> Text {
+        let own = kind.ui().key_labels.iter().find(|label| label.key == self);
+        own.map_or_else(|| self.label(), |label| label.full)
+    }
+
+    /// The label on the panel of a kind: shortened where the group caption gives the context.
+    #[must_use]
+    pub fn short_label(self, kind: Kind) -> Text {
+        let own = kind.ui().key_labels.iter().find(|label| label.key == self);
+        own.map_or_else(|| self.short(), |label| label.short)
+    }
+
+    /// The key of an id or of a Chinese label (full or short) on a kind; an ambiguous label gives `None`.
+    #[must_use]
+    pub fn from_word(word: &str, kind: Kind) -> Option<Self> {
+        let on_kind = || Self::ALL.iter().copied().filter(move |key| key.exists_on(kind));
+        let only = |text: fn(Self, Kind) -> Text| {
+            let mut matches = on_kind().filter(|key| text(*key, kind).zh == word);
+            matches.next().filter(|_| matches.next().is_none())
+        };
+        on_kind()
+            .find(|key| key.id() == word)
+            .or_else(|| only(|key, _| key.label()))
+            .or_else(|| only(Self::label_on))
+            .or_else(|| only(Self::short_label))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k2_1_kinds_differ_in_clamping_and_workpiece_keys() {
+        assert_eq!(Key::from_word("尾座进", Kind::Gc), Some(Key::TailstockAdvance));
+        assert_eq!(Key::from_word("尾座进", Kind::Gs), None);
+        assert_eq!(Key::from_word("充磁", Kind::Gc), None);
+        assert_eq!(Key::from_word("demagnetise", Kind::Ga), Some(Key::Demagnetise));
+        // Short labels work where they are unambiguous.
+        for (word, kind, key) in [
+            ("厚度量仪", Kind::Gs, Key::RadialGauge),
+            ("平面", Kind::Ga, Key::AxialGauge),
+            ("径向", Kind::Gc, Key::RadialGauge),
+            ("高速", Kind::Gc, Key::HeadstockHigh),
+            ("25%", Kind::Gc, Key::Rapid25),
+            ("X", Kind::Gc, Key::AddressX),
+        ] {
+            assert_eq!(Key::from_word(word, kind), Some(key), "{word}");
+        }
+        assert_eq!(Key::from_word("停止", Kind::Gc), None);
+    }
+
+    #[test]
+    fn l9_a_lathe_has_teach_in_and_tools_instead_of_the_grinding_pages() {
+        assert!(Page::Teach.exists_on(Kind::Lathe) && Page::Tools.exists_on(Kind::Lathe));
+        assert!(!Page::Grinding.exists_on(Kind::Lathe) && !Page::Wheel.exists_on(Kind::Lathe));
+        for kind in [Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical] {
+            assert!(Page::Grinding.exists_on(kind) && Page::Wheel.exists_on(kind) && !Page::Teach.exists_on(kind));
+        }
+        assert!(Page::ALL.iter().all(|page| Kind::ALL.iter().any(|kind| page.exists_on(*kind))));
+    }
+
+    #[test]
+    fn k6_1_a_machine_without_tailstock_has_none_of_its_signals_keys_and_codes() {
+        for kind in Kind::ALL {
+            let fitted = Params::factory(kind).bit(param::TAILSTOCK_ENABLED);
+            let codes = m_codes(kind).filter(|row| row.spec_row == "K3.3").count();
+            let keys = [Key::TailstockAdvance, Key::TailstockRetract].map(|key| key.exists_on(kind));
+            let inputs = [Input::TailstockAdvanced, Input::TailstockRetracted].map(|input| input.exists_on(kind));
+            assert_eq!(Output::Tailstock.exists_on(kind), fitted, "{kind:?}");
+            assert_eq!((codes, keys, inputs), (2 * usize::from(fitted), [fitted; 2], [fitted; 2]), "{kind:?}");
+        }
+    }
+}

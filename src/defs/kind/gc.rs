@@ -1,0 +1,51 @@
+//! KT-830GC, cylindrical grinder: X infeed (diameter), Z table, headstock with two speeds, tailstock. Y by parameter.
+//! Source: spec K1, column GC.
+
+use super::panel::{DRESSING, FLUIDS, GAUGES, MachineUnit, MachineUnits, SECOND_SPINDLE, TRIAL, WHEEL, WHEEL_ALONE};
+use super::ui::{GRINDER, GrindingForm, JOG_Y, KindUi, WheelPose};
+use super::{Dialect, KindFactory, KindPrograms, KindRow};
+use crate::defs::equipment::Equipment;
+use crate::defs::key::Key;
+use crate::defs::text::Text;
+use crate::units::{Axis, PerAxis};
+
+const HEADSTOCK: MachineUnit =
+    MachineUnit::new(Text::new("头架", "HEAD"), &[Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop], 1);
+const TAILSTOCK: MachineUnit =
+    MachineUnit::new(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
+
+pub(super) static ROW: KindRow = KindRow {
+    id: "gc",
+    short_name: "GC",
+    name: Text::new("KT-830GC 外圆磨床", "KT-830GC cylindrical grinder"),
+    summary: "cylindrical",
+    dialect: Dialect::LatheA,
+    programs: KindPrograms::SHARED,
+    axes: PerAxis([true, false, true]),
+    home_order: &[Axis::X, Axis::Z, Axis::Y],
+    wheel_axis: Axis::X,
+    equipment: &[
+        Equipment::Wheel,
+        Equipment::Headstock,
+        Equipment::Tailstock,
+        Equipment::Hydraulics,
+        Equipment::Gauges,
+    ],
+    page_files: &[],
+    factory: KindFactory::TABLE,
+    machine_file: include_str!("../../../assets/machines/gc.ron"),
+    demo_story: Some(include_str!("../../../assets/stories/first_part.story")),
+    ui: KindUi {
+        // Seen from above: Z along the part, X to the wheel; X− moves the wheel to the part, towards the operator.
+        drawing_planes: &[(Axis::Z, Axis::X)],
+        grinding_forms: &[GrindingForm::Outside],
+        wheel_pose: Some(WheelPose { body: Axis::X, spindle: Axis::Z, position_is_centre: false }),
+        jog_cross: [[Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], JOG_Y],
+        panel: MachineUnits { beside: &[WHEEL, HEADSTOCK, FLUIDS, DRESSING], below: &[TAILSTOCK, GAUGES] },
+        wide_panel: MachineUnits {
+            beside: &[WHEEL_ALONE, HEADSTOCK, FLUIDS, DRESSING, TRIAL],
+            below: &[SECOND_SPINDLE, TAILSTOCK, GAUGES],
+        },
+        ..GRINDER
+    },
+};

@@ -1,0 +1,340 @@
+//! The kinds of machine, one file per kind, and the dialects of their programs. Other modules read the row of a kind and
+//! do not ask for the kind. A new kind is its file here, its machine file in `assets/machines` and its row in `kinds!`.
+//! Source: spec K1, S1.
+
+mod ga;
+mod gc;
+mod gs;
+mod lathe;
+mod panel;
+mod ui;
+mod vertical;
+
+pub use panel::{MachineUnit, MachineUnits};
+pub use ui::{GrindingForm, KeyLabel, KindUi, WheelPose};
+
+use serde::{Deserialize, Serialize};
+
+use super::equipment::{Equipment, Needs};
+use super::param::row::{BitParam, NumberParam};
+use super::signal::Output;
+use super::text::Text;
+use crate::units::{Axis, PerAxis};
+
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $variant:ident = $file:ident;)*) => {
+        /// A kind of machine, selected at start and stored in the settings.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum Kind { $($(#[$doc])* $variant,)* }
+
+        impl Kind {
+            /// All kinds.
+            pub const ALL: [Self; [$(stringify!($variant)),*].len()] = [$(Self::$variant),*];
+
+            /// The description of the kind.
+            #[must_use]
+            pub const fn row(self) -> &'static KindRow {
+                match self { $(Self::$variant => &$file::ROW,)* }
+            }
+        }
+    };
+}
+
+kinds! {
+    /// KT-830GC, cylindrical grinder; the default.
+    #[default]
+    Gc = gc;
+    /// KT-830GS, surface grinder.
+    Gs = gs;
+    /// KT-830GA, rotary-table grinder.
+    Ga = ga;
+    /// Vertical lathe-grinder with SINUMERIK 802D programs.
+    Vertical = vertical;
+    /// Lathe with a four-station tool turret and 超人 (SuperMan) CNC programs; also used as a training simulator.
+    Lathe = lathe;
+}
+
+/// The description of one kind.
+#[derive(Debug)]
+pub struct KindRow {
+    /// The word used on the command line and in stories.
+    pub id: &'static str,
+    /// The name on a key.
+    pub short_name: &'static str,
+    /// The name in the header.
+    pub name: Text,
+    /// The kind in a few words, for the help of the command line.
+    pub summary: &'static str,
+    /// The dialect of its programs.
+    pub dialect: Dialect,
+    /// Where its programs are.
+    pub programs: KindPrograms,
+    /// The standard axes; Y can be fitted to any kind (P6.6).
+    pub axes: PerAxis<bool>,
+    /// The order of homing: the wheel axis first, away from the part (K5.16).
+    pub home_order: &'static [Axis],
+    /// The axis whose minus direction is slow while the wheel turns (K5.9).
+    pub wheel_axis: Axis,
+    /// Its devices.
+    pub equipment: &'static [Equipment],
+    /// File numbers of its grinding pages (C0801 …); empty where each program has its own page (K7.2).
+    pub page_files: &'static [u32],
+    /// Factory values.
+    pub factory: KindFactory,
+    /// The file of the simulated machine.
+    pub machine_file: &'static str,
+    /// The story that `kt830 demo` plays; it names the kind. `None`: that of the default kind.
+    pub demo_story: Option<&'static str>,
+    /// Labels, drawings and the operator panel.
+    pub ui: KindUi,
+}
+
+/// Where the programs of a kind are.
+#[derive(Debug)]
+pub struct KindPrograms {
+    /// The subfolder below the programs folder; empty for the programs folder itself, which several kinds share.
+    pub folder: &'static str,
+    /// Programs have names (`SHAFT.NC`) instead of O numbers (L1).
+    pub by_name: bool,
+    /// The programs shipped in the subfolder: file name and content.
+    pub shipped: &'static [(&'static str, &'static [u8])],
+}
+
+impl KindPrograms {
+    /// The programs folder with the O numbers.
+    const SHARED: Self = Self { folder: "", by_name: false, shipped: &[] };
+}
+
+/// Factory values of a kind where they differ from the parameter table.
+#[derive(Debug)]
+pub struct KindFactory {
+    /// Number parameters.
+    pub numbers: &'static [(NumberParam, f64)],
+    /// Bits.
+    pub bits: &'static [(BitParam, bool)],
+    /// Narrower ranges: parameter, minimum, maximum.
+    pub ranges: &'static [(NumberParam, f64, f64)],
+    /// R parameters: number, value.
+    pub r_parameters: &'static [(u16, f64)],
+}
+
+impl KindFactory {
+    /// The values of the parameter table.
+    const TABLE: Self = Self { numbers: &[], bits: &[], ranges: &[], r_parameters: &[] };
+}
+
+/// The dialect of the programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// GC: U, V, W are incremental; G90 and G94 are cycles.
+    LatheA,
+    /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
+    Mill,
+    /// SINUMERIK 802D: R parameters, `X=R20`, labels, G90 and G91 modal (S1).
+    Sinumerik,
+    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arc direction reversed (L1–L8).
+    SuperMan,
+}
+
+impl Kind {
+    /// The KT-830 kinds, with the customer's codes, keys and pages (K1).
+    pub const KT830: [Self; KT830_COUNT] = {
+        let (mut found, mut next, mut index) = ([Self::ALL[0]; KT830_COUNT], 0, 0);
+        while index < Self::ALL.len() {
+            if Self::ALL[index].dialect().is_kt830() {
+                found[next] = Self::ALL[index];
+                next += 1;
+            }
+            index += 1;
+        }
+        found
+    };
+
+    /// The word used on the command line and in stories.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        self.row().id
+    }
+
+    /// The name on a key.
+    #[must_use]
+    pub const fn short_name(self) -> &'static str {
+        self.row().short_name
+    }
+
+    /// The name in the header.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        self.row().name
+    }
+
+    /// The dialect of its programs.
+    #[must_use]
+    pub const fn dialect(self) -> Dialect {
+        self.row().dialect
+    }
+
+    /// Labels, drawings and the operator panel.
+    #[must_use]
+    pub const fn ui(self) -> &'static KindUi {
+        &self.row().ui
+    }
+
+    /// Whether it is a lathe: a main spindle turns the part and tools cut it.
+    #[must_use]
+    pub fn is_lathe(self) -> bool {
+        self.row().is_lathe()
+    }
+
+    /// The kind of an id, in either case.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.id().eq_ignore_ascii_case(id))
+    }
+}
+
+/// Number of KT-830 kinds.
+const KT830_COUNT: usize = {
+    let (mut count, mut index) = (0, 0);
+    while index < Kind::ALL.len() {
+        count += Kind::ALL[index].dialect().is_kt830() as usize;
+        index += 1;
+    }
+    count
+};
+
+impl KindRow {
+    /// Whether it has a device.
+    #[must_use]
+    pub fn has(&self, device: Equipment) -> bool {
+        self.equipment.contains(&device)
+    }
+
+    /// Whether it has the device that something needs.
+    #[must_use]
+    pub fn meets(&self, needs: Needs) -> bool {
+        needs.is_none_or(|device| self.has(device))
+    }
+
+    /// Whether it is a lathe: a main spindle turns the part and tools cut it (L7, L8).
+    #[must_use]
+    pub fn is_lathe(&self) -> bool {
+        self.has(Equipment::MainSpindle)
+    }
+
+    /// Whether homing passes the switch and returns onto its far edge (L6).
+    #[must_use]
+    pub fn homes_over_switch(&self) -> bool {
+        self.is_lathe()
+    }
+
+    /// Whether a program may start before homing: a lathe program homes the axes itself (L6).
+    #[must_use]
+    pub fn may_start_unhomed(&self) -> bool {
+        self.is_lathe()
+    }
+
+    /// Whether the M63 drive carries the part on the magnet (K3.11: the table turns only when magnetised).
+    #[must_use]
+    pub fn drive_needs_magnet(&self) -> bool {
+        self.has(Equipment::RotaryTable) && self.has(Equipment::MagneticChuck)
+    }
+
+    /// The output of M63 (fast) or M64; the same where there is one speed.
+    #[must_use]
+    pub fn drive_output(&self, fast: bool) -> Output {
+        match self.equipment.iter().find_map(|device| device.work_drive()) {
+            Some((high, low)) => [low, high][usize::from(fast)],
+            None => Output::SpindleForward,
+        }
+    }
+}
+
+impl Equipment {
+    /// The outputs of M63 and M64, if the device is the workpiece drive.
+    const fn work_drive(self) -> Option<(Output, Output)> {
+        match self {
+            Self::Headstock => Some((Output::HeadstockHigh, Output::HeadstockLow)),
+            Self::DresserRoll => Some((Output::DresserRoll, Output::DresserRoll)),
+            Self::RotaryTable => Some((Output::TableRotation, Output::TableRotation)),
+            Self::Wheel
+            | Self::MainSpindle
+            | Self::Tailstock
+            | Self::MagneticChuck
+            | Self::Hydraulics
+            | Self::Gauges
+            | Self::ToolTurret => None,
+        }
+    }
+}
+
+impl Dialect {
+    /// The milling dialect: G90 and G91 are modal (GS, GA).
+    #[must_use]
+    pub const fn is_mill(self) -> bool {
+        matches!(self, Self::Mill)
+    }
+
+    /// It uses the G codes of the `gcode` table; the other dialects have their own words.
+    #[must_use]
+    pub const fn is_kt830(self) -> bool {
+        matches!(self, Self::LatheA | Self::Mill)
+    }
+
+    /// T selects a tool offset (S1: not in SINUMERIK programs).
+    #[must_use]
+    pub const fn has_tool_offsets(self) -> bool {
+        !matches!(self, Self::Sinumerik)
+    }
+
+    /// Round brackets enclose comments. With R parameters they belong to expressions (S1).
+    #[must_use]
+    pub const fn has_bracket_comments(self) -> bool {
+        !self.has_r_parameters()
+    }
+
+    /// R parameters exist, and round brackets belong to expressions (S1).
+    #[must_use]
+    pub const fn has_r_parameters(self) -> bool {
+        matches!(self, Self::Sinumerik)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k1_the_wheel_axis_homes_first_and_carries_the_wheel() {
+        for kind in Kind::ALL {
+            let row = kind.row();
+            assert_eq!(row.home_order.first(), Some(&row.wheel_axis), "{kind:?}");
+            assert_eq!(row.ui.wheel_pose.is_some(), row.has(Equipment::Wheel), "{kind:?}");
+            assert!(row.ui.wheel_pose.is_none_or(|pose| pose.body == row.wheel_axis), "{kind:?}");
+            assert_eq!(row.ui.grinding_forms.is_empty(), row.is_lathe(), "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn k1_a_kind_has_one_id_one_workpiece_drive_and_a_folder_of_its_own_programs() {
+        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+            let row = kind.row();
+            assert_eq!(Kind::from_id(row.id), Some(kind));
+            assert!(Kind::ALL[..index].iter().all(|other| other.short_name() != row.short_name), "{kind:?}");
+            // P153 assigns the port of each workpiece drive.
+            let drives = row.equipment.iter().filter(|device| device.work_drive().is_some()).count();
+            assert_eq!(drives, usize::from(!row.is_lathe()), "{kind:?}");
+            assert_eq!(row.programs.folder.is_empty(), row.programs.shipped.is_empty(), "{kind:?}");
+        }
+        assert!(Kind::default().row().demo_story.is_some());
+    }
+
+    #[test]
+    fn k1_the_story_of_a_kind_names_the_kind() {
+        for kind in Kind::ALL {
+            let line = format!("kind {}", kind.id());
+            let told = kind.row().demo_story;
+            assert!(told.is_none_or(|story| story.lines().any(|found| found.trim() == line)), "{kind:?}");
+        }
+    }
+}
