@@ -373,23 +373,24 @@ fn b5_a_program_is_run_from_the_line_under_the_cursor() {
 /// Outside edit mode the listing follows the running block; a search leads to its match all the same.
 #[test]
 fn b6_a_search_scrolls_to_its_match_outside_edit_mode() {
-    let lines: String = (1..200).map(|line| format!("N{line} G00 X{line}.\n")).collect();
+    let lines: String = (2..200).map(|line| format!("N{line} G00 X{line}.\n")).collect();
     for begun in [false, true] {
-        let mut shop = Shop::new(format!("{lines}M30\n").as_bytes());
+        let mut rig = crate::stories::ready_with(&format!("G04 P9000\n{lines}M30\n"));
         if begun {
-            shop.tell("param P22.5 0\nmode auto\nkey single-block\nkey cycle-start\nwait 0.5 s");
-            assert!(shop.bench.rig.snapshot().program.line > 0);
+            let story = "mode auto\nkey cycle-start\nwait 0.1 s\nkey feed-hold\nwait 0.1 s\nexpect state held";
+            crate::stories::tell(&mut rig, story);
         }
-        shop.bench.touch("查找 edit-find");
-        shop.bench.write("X150.");
-        shop.bench.press(egui::Key::Enter);
-        shop.bench.turn();
-        assert!(shop.bench.shows("N150 G00 X150."), "a block has run: {begun}");
-        shop.bench.touch("定位 edit-go");
-        shop.bench.write("90");
-        shop.bench.press(egui::Key::Enter);
-        shop.bench.turn();
-        assert!(shop.bench.shows("N90 G00 X90."), "a block has run: {begun}");
+        assert_eq!(rig.snapshot().program.line > 0, begun);
+        let mut bench = Bench::new(rig, Page::Program);
+        for (key, typed, found) in
+            [("查找 edit-find", "X150.", "N150 G00 X150."), ("定位 edit-go", "90", "N90 G00 X90.")]
+        {
+            bench.touch(key);
+            bench.write(typed);
+            bench.press(egui::Key::Enter);
+            bench.turn();
+            assert!(bench.shows(found), "{found}, a block has run: {begun}");
+        }
     }
 }
 
