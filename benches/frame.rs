@@ -19,7 +19,7 @@ use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::link::Snapshot;
 use kt830::link::files::FilesView;
 use kt830::link::toolpath::{MoveKind, PathPoint, Toolpath};
-use kt830::units::{Axis, PerAxis};
+use kt830::units::{Axis, WorkPos};
 
 const FRAMES: u32 = 600;
 const BLOCKS: u32 = 1_000_000;
@@ -93,7 +93,7 @@ fn million_blocks() -> Snapshot {
         length_mm: 250_000.0,
         duration_s: 36_000.0,
         lines: BLOCKS as _,
-        extents: Some((PerAxis([5.0, 0.0, -101.0]), PerAxis([35.0, 0.0, 1.0]))),
+        extents: Some((WorkPos::new([5.0, 0.0, -101.0]), WorkPos::new([35.0, 0.0, 1.0]))),
         finished: true,
         ..Toolpath::default()
     };

@@ -5,7 +5,7 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use kt830::motion::{AxisLimits, CornerMode, MotionLimits, MotionSpeed, Move, MoveShape, Override, TrajectoryPlanner};
-use kt830::units::PerAxis;
+use kt830::units::{MachinePos, PerAxis};
 use serde_json::Value;
 use std::time::Instant;
 
@@ -34,15 +34,15 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
     let mm_s = number(&value["limits"]["feed"]);
     let points: Vec<[f64; 2]> =
         value["points"].as_array().unwrap().iter().map(|p| [number(&p[0]), number(&p[1])]).collect();
-    let mut path = TrajectoryPlanner::new(limits, PerAxis([points[0][0], 0.0, points[0][1]]));
+    let mut path = TrajectoryPlanner::new(limits, MachinePos::new([points[0][0], 0.0, points[0][1]]));
     let mut moves = points[1..].iter().map(|p| Move {
-        to: PerAxis([p[0], 0.0, p[1]]),
+        to: MachinePos::new([p[0], 0.0, p[1]]),
         shape: MoveShape::Line,
         speed: MotionSpeed::Feed { mm_s },
         corner: CornerMode::Continuous { tolerance_mm },
         tag: 0,
     });
-    let start = path.position().0;
+    let start = path.position().coordinates();
     let mut past = [start; 4];
     let (mut kept, mut worst, mut ticks) = (true, [0.0_f64; 4], 0);
     let mut waited = None;
@@ -53,7 +53,7 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
             path.push(m).unwrap();
         }
         let before = Instant::now();
-        let p = path.tick(Override::FULL).position.0;
+        let p = path.tick(Override::FULL).position.coordinates();
         let spent = before.elapsed().as_secs_f64() * 1e6;
         // The same calls do the same work, so a longer duration in one run comes from elsewhere.
         match costs.get_mut(ticks as usize) {
@@ -103,14 +103,14 @@ fn many_moves() {
     let limits = MotionLimits { axes: PerAxis([axis(100.0), axis(100.0), axis(10_000.0 / 60.0)]), tick_s: 0.001 };
     let mut costs: Vec<f64> = Vec::new();
     for _ in 0..RUNS {
-        let mut path = TrajectoryPlanner::new(limits, PerAxis([0.0; 3]));
+        let mut path = TrajectoryPlanner::new(limits, MachinePos::new([0.0; 3]));
         let (mut next, mut ticks, mut rests) = (0_u32, 0, 0);
         while next < MOVES || !path.is_done() {
             while path.free_slots() > 0 && next < MOVES {
                 next += 1;
                 let z = 0.3 * f64::from(next);
                 let end = CornerMode::Continuous { tolerance_mm: 0.01 };
-                let to = PerAxis([5.0 * (z / 8.0).sin(), 0.0, z]);
+                let to = MachinePos::new([5.0 * (z / 8.0).sin(), 0.0, z]);
                 path.push(Move {
                     to,
                     shape: MoveShape::Line,

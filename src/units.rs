@@ -3,10 +3,14 @@
 //! Lengths are in millimetres. Feeds are in millimetres per minute where people read them, in millimetres per second
 //! inside `motion`. Names end in the unit (`accel_mm_s2`) where no type states it.
 
+mod position;
+
 use std::fmt;
 use std::ops::{Add, Index, IndexMut, Sub};
 
 use serde::{Deserialize, Serialize};
+
+pub use position::{DisplayPos, EncoderPos, MachinePos, Position, WorkPos};
 
 /// Millimetres per inch.
 pub const MM_PER_INCH: f64 = 25.4;

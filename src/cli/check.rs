@@ -313,7 +313,7 @@ fn soft_limit_check<'a>(
     let bar = if shared.part.is_some() { None } else { bar::bar_of_program(shared.kind, &retained.params, source) };
     let Some(part) = bar.as_ref().or(part) else { return Ok(None) };
     let mut frames = frames;
-    let machine = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
+    let machine = part.start_mm.machine();
     frames.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
     let world = world.clone().with_position(frames.work_from_machine(machine)).with_work_offsets(frames);
     Ok(Some(SoftLimitCheck::new(world, &retained.params, shown)))
@@ -348,9 +348,7 @@ fn move_error(
 /// Adds the origin to a change of the work offset: G54 as set up for the part, the others zero.
 fn with_work_offset(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<bool>) -> Value {
     if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
-        let zero = part
-            .filter(|_| *g == 54)
-            .map_or_else(PerAxis::default, |part| PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]));
+        let zero = part.filter(|_| *g == 54).map_or_else(PerAxis::default, |part| part.g54_mm.displacement());
         for (axis, _) in axes.iter().filter(|(_, present)| **present) {
             object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
         }
@@ -366,14 +364,14 @@ fn program_number(path: &Path) -> u32 {
 
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
 fn world_at_start(world: OfflineMachine, mut frames: WorkOffsets, part: &PartFile) -> OfflineMachine {
-    frames.work[0] = PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]);
+    frames.work[0] = part.g54_mm.displacement();
     for offset in &part.offsets {
         if let Some(place) = usize::from(offset.number).checked_sub(1).and_then(|index| frames.geometry.get_mut(index))
         {
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         }
     }
-    let at = frames.work_from_machine(PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]));
+    let at = frames.work_from_machine(part.start_mm.machine());
     world.with_position(at).with_work_offsets(frames)
 }
 

@@ -8,7 +8,7 @@ use crate::defs::text::LocalizedText;
 use crate::defs::variable_name;
 use crate::io::sim::FinishedSizeFile;
 use crate::nc::{Block, BlockLocation, CommonVariables, OfflineMachine, OpEffect};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, WorkPos};
 
 /// Rounding tolerance of a size, mm of diameter.
 const SLACK_MM: f64 = 0.000_5;
@@ -94,7 +94,7 @@ impl FinishedSizeCheck {
 
     fn overshoot_of(
         &self,
-        path: (PerAxis<f64>, PerAxis<f64>),
+        path: (WorkPos, WorkPos),
         block: &Block,
         line: &dyn Fn(BlockLocation) -> String,
     ) -> Option<Overshoot> {
@@ -139,7 +139,7 @@ impl FinishedSizeCheck {
     }
 
     /// Start and end of a straight path over the part (X radius, Z); `None` if it is beside the part.
-    fn path_over_part(&self, (from, to): (PerAxis<f64>, PerAxis<f64>)) -> Option<[(f64, f64); 2]> {
+    fn path_over_part(&self, (from, to): (WorkPos, WorkPos)) -> Option<[(f64, f64); 2]> {
         let (low, high) = (self.finished.z_from - self.wheel_width_mm, self.finished.z_to);
         let (a, b) = (from[Axis::Z], to[Axis::Z]);
         let over = |z: f64| z > low && z < high;
@@ -187,12 +187,13 @@ fn axis_word_parameters(line: &str) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::nc::{AxisSet, Feed, NcSettings, Op};
+    use crate::units::PerAxis;
 
     /// The size check of a bore-free part of 100 mm from Z0 to Z50 with a wheel of 0 mm, from X60 Z100.
     fn overshoot_after(ops: Vec<Op>) -> Option<Overshoot> {
         let settings = NcSettings::sinumerik();
         let finished = FinishedSizeFile { size: 620, wheel: 621, z_from: 0.0, z_to: 50.0, inside: false, cone: None };
-        let world = OfflineMachine::new(&settings).with_position(PerAxis([60.0, 0.0, 100.0]));
+        let world = OfflineMachine::new(&settings).with_position(WorkPos::new([60.0, 0.0, 100.0]));
         let mut values = CommonVariables::default();
         values.set(620, Some(100.0)).unwrap();
         values.set(621, Some(0.0)).unwrap();
@@ -203,7 +204,7 @@ mod tests {
     }
 
     fn feed_to(x: f64, z: f64) -> Op {
-        let to = PerAxis([x, 0.0, z]);
+        let to = WorkPos::new([x, 0.0, z]);
         Op::Feed { to, feed: Feed::PerMinute(100.0), words: AxisSet::XZ, incremental: AxisSet::NONE }
     }
 
@@ -215,7 +216,7 @@ mod tests {
         assert!(overshoot_after(vec![machine, feed_to(60.0, 5.0)]).is_some(), "from X30 beside the part");
         let reference = Op::ReturnToReference {
             number: 1,
-            via: PerAxis([30.0, 0.0, 100.0]),
+            via: WorkPos::new([30.0, 0.0, 100.0]),
             words: AxisSet::of(Axis::X),
             incremental: AxisSet::NONE,
         };

@@ -389,7 +389,7 @@ impl TraceFile {
     fn line(&mut self, host: &mut HeadlessHost) -> Result<(), CallError> {
         let control = host.controller();
         let (set, actual, place) = (control.set_point(), control.actual(), control.current_block());
-        let list = |of: crate::units::PerAxis<f64>| {
+        let list = |of: crate::units::MachinePos| {
             control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",")
         };
         let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();

@@ -10,7 +10,7 @@ use crate::defs::text::LocalizedText;
 use crate::io::OutputImage;
 use crate::link::snapshot::{RunState, ThreadCut};
 use crate::nc::BlockLocation;
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, MachinePos, Micros};
 
 impl Controller {
     /// Why a command of the last tick was refused; `None` if all were executed.
@@ -104,13 +104,13 @@ impl Controller {
 
     /// Machine set-point, radius mm.
     #[must_use]
-    pub const fn set_point(&self) -> PerAxis<f64> {
+    pub const fn set_point(&self) -> MachinePos {
         self.plant.axes.set_point()
     }
 
     /// Machine position from the encoders, radius mm.
     #[must_use]
-    pub const fn actual(&self) -> PerAxis<f64> {
+    pub const fn actual(&self) -> MachinePos {
         self.plant.axes.actual()
     }
 

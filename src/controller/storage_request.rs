@@ -14,7 +14,7 @@ use crate::defs::turning_tool;
 use crate::link::files::{FileRequest, Ticket};
 use crate::link::page_command::SettingsRequest;
 use crate::nc::{CommonVariables, NcSettings, REFERENCE_POINTS, WorkOffsets};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,9 +111,9 @@ pub struct DrawingStart {
     /// Work frames and offsets.
     pub work_offsets: WorkOffsets,
     /// Work position, radius mm.
-    pub position: PerAxis<f64>,
+    pub position: WorkPos,
     /// The reference points, machine coordinates.
-    pub reference_points: [PerAxis<f64>; REFERENCE_POINTS],
+    pub reference_points: [MachinePos; REFERENCE_POINTS],
     /// System variables stored in parameters: number, value.
     pub system_variables: Vec<(u32, f64)>,
     /// Block skip (跳段) is on.

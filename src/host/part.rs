@@ -11,7 +11,7 @@ use crate::io::sim::{FaceDirection, PartFile, SurfaceFile};
 use crate::link::command::Command;
 use crate::link::toolpath::StockBox;
 use crate::nc::Source;
-use crate::units::PerAxis;
+use crate::units::{PerAxis, WorkPos};
 
 /// Which part a host mounts when the current program changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +67,7 @@ pub fn stock_command(part: &PartFile) -> Command {
 /// The commands that set a part up in the control: work offset G54, tool geometry, stock, and values for the variables
 /// that have none. `present` reads a variable.
 pub fn part_setup_commands(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Command> {
-    let place = part.g54_mm;
-    let mut commands = vec![Command::SetWorkOffset(0, PerAxis([place.x, place.y, place.z]))];
+    let mut commands = vec![Command::SetWorkOffset(0, part.g54_mm.displacement())];
     for offset in &part.offsets {
         let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         commands.push(Command::SetGeometry(usize::from(offset.number), geometry));
@@ -81,7 +80,7 @@ pub fn part_setup_commands(part: &PartFile, present: impl Fn(u16) -> Option<f64>
 
 /// Bounding boxes of the part and its holders for the drawing, mm.
 fn stock_boxes(part: &PartFile) -> Vec<StockBox> {
-    let turned = |radius: f64, z: (f64, f64)| (PerAxis([-radius, 0.0, z.0]), PerAxis([radius, 0.0, z.1]));
+    let turned = |radius: f64, z: (f64, f64)| (WorkPos::new([-radius, 0.0, z.0]), WorkPos::new([radius, 0.0, z.1]));
     let behind = |looks: FaceDirection, at: f64, thick: f64| match looks {
         FaceDirection::PlusZ => (at - thick, at),
         FaceDirection::MinusZ => (at, at + thick),
@@ -97,16 +96,18 @@ fn stock_boxes(part: &PartFile) -> Vec<StockBox> {
         SurfaceFile::Face { looks, x_from, x_to, stock, thickness, turns, .. } => {
             let z = behind(looks, stock, thickness);
             let low = if turns { -x_to / 2.0 } else { x_from / 2.0 };
-            (PerAxis([low, 0.0, z.0]), PerAxis([x_to / 2.0, 0.0, z.1]))
+            (WorkPos::new([low, 0.0, z.0]), WorkPos::new([x_to / 2.0, 0.0, z.1]))
         }
         SurfaceFile::Plane { x_from, x_to, z_from, z_to, stock, .. } => {
-            (PerAxis([x_from, 0.0, z_from]), PerAxis([x_to, stock, z_to]))
+            (WorkPos::new([x_from, 0.0, z_from]), WorkPos::new([x_to, stock, z_to]))
         }
         SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, thickness, .. } => {
             let z = behind(looks, stock, thickness);
-            (PerAxis([x_from, y_from, z.0]), PerAxis([x_to, y_to, z.1]))
+            (WorkPos::new([x_from, y_from, z.0]), WorkPos::new([x_to, y_to, z.1]))
         }
-        SurfaceFile::Disc { x_from, x_to, stock, .. } => (PerAxis([x_from, 0.0, 0.0]), PerAxis([x_to, 0.0, stock])),
+        SurfaceFile::Disc { x_from, x_to, stock, .. } => {
+            (WorkPos::new([x_from, 0.0, 0.0]), WorkPos::new([x_to, 0.0, stock]))
+        }
     };
     let holders = part.bodies.iter().map(|body| turned(body.diameter / 2.0, (body.z_from, body.z_to)));
     let holders = holders.map(|(low, high)| StockBox { low, high, is_workpiece: false });

@@ -15,7 +15,7 @@ use crate::link::files::FileAnswer;
 use crate::link::line_fault::LineFault;
 use crate::link::toolpath::{MAX_POINTS, MoveKind, PathPoint, Toolpath};
 use crate::nc::{CoordinateChange, ExternalState, Library, MotionSegment, OfflineMachine, Op, OpEffect, check_until};
-use crate::units::PerAxis;
+use crate::units::WorkPos;
 
 /// Text shown with the progress.
 pub const PROGRESS_TEXT: Text = Text::new("正在计算图形", "computing the path");
@@ -151,7 +151,7 @@ impl ToolpathRecorder {
         &self,
         rehearsal: &mut InterferenceCheck,
         op: &Op,
-        from: PerAxis<f64>,
+        from: WorkPos,
         before: usize,
     ) -> Option<(&'static str, [f32; 3])> {
         match op.effect() {
@@ -171,7 +171,7 @@ impl ToolpathRecorder {
         // The path segments recorded for this operation.
         let mut at = from;
         for point in self.path.points.iter().skip(before).filter(|point| point.kind != MoveKind::Break) {
-            let to = PerAxis(point.at.map(f64::from));
+            let to = WorkPos::new(point.at.map(f64::from));
             if let Some(what) = rehearsal.check_move(at, to, point.kind == MoveKind::Rapid) {
                 return Some((what, point.at));
             }
@@ -191,7 +191,7 @@ struct RecordedPath {
 
 impl RecordedPath {
     /// Records a segment, an arc as chords.
-    fn record(&mut self, from: PerAxis<f64>, segment: &MotionSegment) {
+    fn record(&mut self, from: WorkPos, segment: &MotionSegment) {
         let kind = if segment.rapid { MoveKind::Rapid } else { MoveKind::Feed };
         let Some(arc) = segment.arc else { return self.record_line(from, segment.to, kind) };
         let to = segment.to;
@@ -202,15 +202,15 @@ impl RecordedPath {
         for chord in 1..=chords {
             let part = f64::from(chord) / f64::from(chords);
             let at = begin + f64::from(arc.turn) * swept * part;
-            let along = PerAxis::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+            let along = WorkPos::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
             let next = if chord == chords { to } else { arc.point_at(along, radius, at) };
             self.record_line(last, next, kind);
             last = next;
         }
     }
 
-    fn record_line(&mut self, from: PerAxis<f64>, to: PerAxis<f64>, way: MoveKind) {
-        let three = |at: PerAxis<f64>| at.0.map(|value| value as f32);
+    fn record_line(&mut self, from: WorkPos, to: WorkPos, way: MoveKind) {
+        let three = |at: WorkPos| at.coordinates().map(|value| value as f32);
         let (from, to) = (three(from), three(to));
         if self.last.is_none_or(|last| last.map(f32::to_bits) != from.map(f32::to_bits)) {
             self.points.push(PathPoint { at: from, kind: MoveKind::Break });

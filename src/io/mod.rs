@@ -10,7 +10,7 @@ pub mod trace;
 
 use crate::defs::param::Params;
 use crate::defs::signal::Terminals;
-use crate::units::{Micros, PerAxis};
+use crate::units::{EncoderPos, Micros};
 
 /// The inputs of one tick, from the machine to the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,7 +19,7 @@ pub struct InputImage {
     pub terminals: Terminals,
     /// Encoder position of each axis in the encoder's frame, mm of slide travel (radius on X).
     /// Zero is where the drive was switched on; homing finds the machine zero.
-    pub encoder_mm: PerAxis<f64>,
+    pub encoder_mm: EncoderPos,
     /// Revolutions of the main spindle since power-on by its encoder, forward (M03) positive; 0 without such a spindle.
     pub spindle_turns: f64,
     /// Handwheel detents since the last tick, positive clockwise.
@@ -34,7 +34,7 @@ pub struct OutputImage {
     /// Levels of the output terminals.
     pub terminals: Terminals,
     /// Set-point of each axis in the encoder's frame, mm of slide travel.
-    pub set_point_mm: PerAxis<f64>,
+    pub set_point_mm: EncoderPos,
     /// Whether the drives are on. If off, the brakes hold the axes.
     pub drives_on: bool,
     /// First analog output: speed of the wheel (of the main spindle on a lathe), 0…10 V.

@@ -10,7 +10,7 @@ use std::fmt;
 use super::{Backend, InputImage, OutputImage};
 use crate::defs::param::Params;
 use crate::defs::signal::Terminals;
-use crate::units::{Micros, PerAxis};
+use crate::units::{EncoderPos, Micros};
 
 /// One recorded tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,8 +33,8 @@ outputs,set_x,set_y,set_z,drives_on,wheel_volts,analog_2_volts";
 impl fmt::Display for TraceRow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (i, o) = (&self.inputs, &self.outputs);
-        let [ex, ey, ez] = i.encoder_mm.0;
-        let [sx, sy, sz] = o.set_point_mm.0;
+        let [ex, ey, ez] = i.encoder_mm.coordinates();
+        let [sx, sy, sz] = o.set_point_mm.coordinates();
         write!(f, "{},{:x},{ex},{ey},{ez},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
         write!(f, "{},{},{:x},", i.handwheel_detents, u8::from(i.bus_alive), o.terminals.0)?;
         write!(f, "{sx},{sy},{sz},{},{},{}", u8::from(o.drives_on), o.wheel_volts, o.analog_2_volts)
@@ -110,14 +110,14 @@ impl TraceRow {
             now: Micros(c.next(|text| text.parse().ok())?),
             inputs: InputImage {
                 terminals: c.terminals()?,
-                encoder_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+                encoder_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
                 spindle_turns: c.float()?,
                 handwheel_detents: c.next(|text| text.parse().ok())?,
                 bus_alive: c.flag()?,
             },
             outputs: OutputImage {
                 terminals: c.terminals()?,
-                set_point_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+                set_point_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
                 drives_on: c.flag()?,
                 wheel_volts: c.float()?,
                 analog_2_volts: c.float()?,
@@ -246,7 +246,7 @@ mod tests {
     impl Backend for Ramp {
         fn read(&mut self, _now: Micros) -> InputImage {
             self.0 += 0.1;
-            InputImage { encoder_mm: PerAxis([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
+            InputImage { encoder_mm: EncoderPos::new([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
         }
         fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
         fn rewire(&mut self, _params: &Params) {}
@@ -254,7 +254,7 @@ mod tests {
 
     /// Outputs computed from the inputs.
     fn answer(inputs: InputImage) -> OutputImage {
-        let set_point_mm = inputs.encoder_mm.map(|mm| mm / 3.0);
+        let set_point_mm = EncoderPos::from_fn(|axis| inputs.encoder_mm[axis] / 3.0);
         OutputImage { set_point_mm, terminals: Terminals(0x8000_0000_0000_0001), ..OutputImage::default() }
     }
 

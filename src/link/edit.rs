@@ -3,7 +3,7 @@
 //! Source: spec B6, K4.1, K5.10, K5.17, K7.6, K7.7.
 
 use crate::defs::text::{LocalizedText, Text};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, DisplayPos};
 
 /// Number of tool offsets; they are numbered 1 to 16 (K4.1).
 pub const OFFSET_COUNT: usize = 16;
@@ -88,15 +88,15 @@ pub struct EditAnswer {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OffsetView {
     /// Geometry.
-    pub geometry: PerAxis<f64>,
+    pub geometry: DisplayPos,
     /// Wear.
-    pub wear: PerAxis<f64>,
+    pub wear: DisplayPos,
 }
 
 impl OffsetView {
     /// The geometry or the wear.
     #[must_use]
-    pub const fn part(&self, part: OffsetPart) -> &PerAxis<f64> {
+    pub const fn part(&self, part: OffsetPart) -> &DisplayPos {
         match part {
             OffsetPart::Geometry => &self.geometry,
             OffsetPart::Wear => &self.wear,

@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 
 use super::line_fault::LineFault;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, WorkPos};
 
 /// Maximum number of points of a path; a longer path is truncated.
 pub const MAX_POINTS: usize = 4_000_000;
@@ -128,7 +128,7 @@ pub struct Toolpath {
     /// Levels of detail, from exact to coarse.
     pub levels: Vec<DetailLevel>,
     /// Minimum and maximum coordinates of all moves; none without a move.
-    pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+    pub extents: Option<(WorkPos, WorkPos)>,
     /// Length of all moves, mm.
     pub length_mm: f64,
     /// Duration at the programmed feeds, s.
@@ -166,7 +166,7 @@ impl Toolpath {
     #[must_use]
     pub fn bounding_box(&self) -> Option<BoundingBox> {
         let (low, high) = self.extents?;
-        let three = |values: PerAxis<f64>| [Axis::X, Axis::Y, Axis::Z].map(|axis| values[axis] as f32);
+        let three = |values: WorkPos| [Axis::X, Axis::Y, Axis::Z].map(|axis| values[axis] as f32);
         Some(BoundingBox { low: three(low), high: three(high) })
     }
 }
@@ -176,9 +176,9 @@ impl Toolpath {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockBox {
     /// Minimum coordinates, mm, radius.
-    pub low: PerAxis<f64>,
+    pub low: WorkPos,
     /// Maximum coordinates.
-    pub high: PerAxis<f64>,
+    pub high: WorkPos,
     /// True for the workpiece, false for the fixture.
     pub is_workpiece: bool,
 }

@@ -35,7 +35,7 @@ pub use setpoint_planner::MAX_WORK_PER_TICK;
 pub use thread::{ThreadMover, ThreadPass};
 pub use trajectory::{MAX_FINISHED_TAGS, MAX_QUEUED_MOVES, TrajectoryPlanner};
 
-use crate::units::{PerAxis, Plane};
+use crate::units::{MachinePos, PerAxis, Plane};
 
 /// Limits of the machine's axes and the length of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub enum MoveShape {
     /// full turn. If start and end radius differ, the radius changes linearly with the angle.
     Arc {
         /// Centre, mm; the value of the axis outside the plane is ignored.
-        center: PerAxis<f64>,
+        center: MachinePos,
         /// The plane of the arc.
         plane: Plane,
         /// Its direction.
@@ -103,7 +103,7 @@ pub enum CornerMode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     /// End point, mm.
-    pub to: PerAxis<f64>,
+    pub to: MachinePos,
     /// Its shape.
     pub shape: MoveShape,
     /// Its speed.
@@ -132,7 +132,7 @@ impl Override {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setpoint {
     /// Position, mm.
-    pub position: PerAxis<f64>,
+    pub position: MachinePos,
     /// Velocity, mm/s.
     pub velocity_mm_s: PerAxis<f64>,
 }

@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{ArcDirection, AxisLimits, MotionLimits, MoveShape};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos};
 
 /// Shares of the axis limits on an arc, so that the vectors of acceleration and jerk stay below 1 in every direction.
 /// Acceleration: 0.7 normal and 0.7 tangential, √(0.7² + 0.7²) = 0.99. Jerk: 0.4 + 0.3 (curvature) tangential and
@@ -40,15 +40,15 @@ pub struct PathSegment {
 impl PathSegment {
     /// The contour of a move that starts at `from`.
     #[must_use]
-    pub fn new(from: [f64; 3], to: PerAxis<f64>, shape: MoveShape) -> Self {
-        let PerAxis(to) = to;
+    pub fn new(from: [f64; 3], to: MachinePos, shape: MoveShape) -> Self {
+        let to = to.coordinates();
         let chord = distance(from, to);
         match shape {
             MoveShape::Line => Self::with_directions(from, to, SegmentForm::Line, chord),
             MoveShape::Arc { center, plane, direction: turn } => {
                 let (first, second) = plane.axes();
                 let axes = [first, second, plane.normal_axis()].map(|axis: Axis| axis as usize);
-                let center = [center.0[axes[0]], center.0[axes[1]]];
+                let center = [center[first], center[second]];
                 let polar = |p: [f64; 3]| {
                     let (x, y) = (p[axes[0]] - center[0], p[axes[1]] - center[1]);
                     (x.hypot(y), y.atan2(x))
@@ -230,13 +230,13 @@ pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 mod tests {
     use super::PathSegment;
     use crate::motion::{ArcDirection, MoveShape};
-    use crate::units::{PerAxis, Plane};
+    use crate::units::{MachinePos, Plane};
     use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
     fn arc(turn: ArcDirection, to: [f64; 3]) -> PathSegment {
         // In ZX from Z+ (X 0, Z 10) about the origin.
-        let shape = MoveShape::Arc { center: PerAxis([0.0; 3]), plane: Plane::Zx, direction: turn };
-        PathSegment::new([0.0, 0.0, 10.0], PerAxis(to), shape)
+        let shape = MoveShape::Arc { center: MachinePos::new([0.0; 3]), plane: Plane::Zx, direction: turn };
+        PathSegment::new([0.0, 0.0, 10.0], MachinePos::new(to), shape)
     }
 
     fn check_middle(segment: &PathSegment, length: f64, middle: [f64; 3]) {

@@ -11,15 +11,15 @@
 use super::axis_mover::AxisMover;
 use super::profile::{AxisLimits, AxisState, MotionProfile};
 use super::{MotionLimits, Setpoint};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis};
 
 /// The thread to be cut; machine coordinates, mm (radius).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadPass {
     /// Start of the run-out.
-    pub run_out_start: PerAxis<f64>,
+    pub run_out_start: MachinePos,
     /// End of the run-out.
-    pub run_out_end: PerAxis<f64>,
+    pub run_out_end: MachinePos,
     /// Lead along Z, mm.
     pub lead_mm: f64,
 }
@@ -27,9 +27,8 @@ pub struct ThreadPass {
 impl ThreadPass {
     /// Shifts the thread, mm.
     pub fn shift_by(&mut self, by: &PerAxis<f64>) {
-        for place in [&mut self.run_out_start, &mut self.run_out_end] {
-            *place = PerAxis::from_fn(|axis| place[axis] + by[axis]);
-        }
+        self.run_out_start = self.run_out_start + *by;
+        self.run_out_end = self.run_out_end + *by;
     }
 }
 
@@ -81,7 +80,7 @@ enum ThreadStage {
 #[derive(Clone, Debug)]
 pub struct ThreadMover {
     thread: ThreadPass,
-    from: PerAxis<f64>,
+    from: MachinePos,
     limits: MotionLimits,
     /// Servo lag of the drives at constant speed, s.
     lag_s: f64,
@@ -95,7 +94,7 @@ pub struct ThreadMover {
 impl ThreadMover {
     /// A thread from the axis position `from`, mm, with the spindle at `turns`; `lag_s` is the servo lag, s.
     #[must_use]
-    pub fn new(thread: ThreadPass, from: PerAxis<f64>, limits: MotionLimits, (turns, lag_s): (f64, f64)) -> Self {
+    pub fn new(thread: ThreadPass, from: MachinePos, limits: MotionLimits, (turns, lag_s): (f64, f64)) -> Self {
         let mover = |axis: Axis| AxisMover::new(limits.axes[axis], from[axis], limits.tick_s);
         Self {
             thread,
@@ -263,9 +262,9 @@ mod tests {
 
     /// Cuts from Z 0 to −50 with a spindle that starts at `phase` turns; returns set-points and worst error, mm.
     fn cut(lead_mm: f64, rpm: f64, phase: f64) -> (Vec<Setpoint>, f64) {
-        let to = PerAxis([lead_mm + 1.0, 0.0, -50.0]);
-        let thread = ThreadPass { run_out_start: PerAxis([0.0, 0.0, -48.8]), run_out_end: to, lead_mm };
-        let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), (phase, 0.0));
+        let to = MachinePos::new([lead_mm + 1.0, 0.0, -50.0]);
+        let thread = ThreadPass { run_out_start: MachinePos::new([0.0, 0.0, -48.8]), run_out_end: to, lead_mm };
+        let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), (phase, 0.0));
         let (mut points, mut worst, mut turns) = (Vec::new(), 0.0_f64, phase);
         while !mover.is_finished() {
             turns += rpm / 60.0 * TICK_S;
@@ -323,13 +322,13 @@ mod tests {
         for (lead, rpm) in [(0.25, 4_720.0), (0.35, 3_300.0), (0.5, 2_320.0), (1.5, 720.0), (12.0, 20.0)] {
             for sense in [1.0, -1.0] {
                 let thread = ThreadPass {
-                    run_out_start: PerAxis([0.0, 0.0, -48.8]),
-                    run_out_end: PerAxis([1.0, 0.0, -50.0]),
+                    run_out_start: MachinePos::new([0.0, 0.0, -48.8]),
+                    run_out_end: MachinePos::new([1.0, 0.0, -50.0]),
                     lead_mm: lead,
                 };
                 // The spindle has turned forward before, whichever way it turns now.
                 let mut turns = 1_000.3;
-                let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), (turns, 0.02));
+                let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), (turns, 0.02));
                 let (mut drive, mut least, mut most) = (SecondOrderDrive::default(), f64::INFINITY, f64::NEG_INFINITY);
                 for tick in 0.. {
                     assert!(tick < 200_000, "lead {lead}: the thread does not end");
@@ -377,11 +376,11 @@ mod tests {
     #[test]
     fn l5_reset_brakes_within_a_millimetre() {
         let thread = ThreadPass {
-            run_out_start: PerAxis([0.0, 0.0, -48.8]),
-            run_out_end: PerAxis([2.5, 0.0, -50.0]),
+            run_out_start: MachinePos::new([0.0, 0.0, -48.8]),
+            run_out_end: MachinePos::new([2.5, 0.0, -50.0]),
             lead_mm: 1.5,
         };
-        let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), (0.0, 0.0));
+        let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), (0.0, 0.0));
         let mut turns = 0.0;
         while !mover.is_synchronized() {
             turns += 0.012;

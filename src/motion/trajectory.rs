@@ -14,7 +14,7 @@ use super::queued_move::QueuedMove;
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::setpoint_planner::{PlanRequest, SetpointPlanner};
 use super::{MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
-use crate::units::PerAxis;
+use crate::units::{MachinePos, PerAxis};
 
 /// Maximum number of queued moves.
 pub const MAX_QUEUED_MOVES: usize = 256;
@@ -53,11 +53,10 @@ impl TrajectoryPlanner {
     /// # Panics
     /// When a limit or the tick is not positive and finite, or a start is not finite: a bug of the caller.
     #[must_use]
-    pub fn new(limits: MotionLimits, start: PerAxis<f64>) -> Self {
+    pub fn new(limits: MotionLimits, start: MachinePos) -> Self {
         check_limits(&limits);
-        let PerAxis(at) = start;
-        assert!(at.iter().all(|x| x.is_finite()), "start {at:?}");
-        let trail = SetpointBuffer::at_rest(at);
+        assert!(start.is_finite(), "start {start:?}");
+        let trail = SetpointBuffer::at_rest(start.coordinates());
         let spot = trail.rest_position();
         Self {
             limits,
@@ -69,7 +68,7 @@ impl TrajectoryPlanner {
             planner: SetpointPlanner::new(&limits),
             buffer: trail,
             buffer_position: spot,
-            history: [at; 4],
+            history: [start.coordinates(); 4],
             feed_scaling: FeedScaling::steady(1.0),
             unmet_ticks: 0,
             held: false,
@@ -100,12 +99,11 @@ impl TrajectoryPlanner {
         if self.free_slots() == 0 {
             return Err(MoveQueueFull);
         }
-        let finite = |p: PerAxis<f64>| p.0.iter().all(|x| x.is_finite());
-        assert!(finite(program.to), "end point {:?}", program.to);
+        assert!(program.to.is_finite(), "end point {:?}", program.to);
         if let MotionSpeed::Feed { mm_s } = program.speed {
             assert!(mm_s.is_finite(), "feed {mm_s}");
         }
-        let from = self.moves.back().map_or(self.last_planned_position(), |last| last.programmed.to.0);
+        let from = self.moves.back().map_or(self.last_planned_position(), |last| last.programmed.to.coordinates());
         let segment = PathSegment::new(from, program.to, program.shape);
         assert!(segment.length().is_finite(), "move {program:?}");
         self.moves.push_back(QueuedMove { programmed: program, segment, number: self.pushed_count, end_index: None });
@@ -152,7 +150,7 @@ impl TrajectoryPlanner {
             self.feed_scaling = FeedScaling::steady(1.0);
         }
         let rate = self.feed_scaling.rate() / self.limits.tick_s;
-        Setpoint { position: PerAxis(on.position), velocity_mm_s: PerAxis(on.step.map(|step| step * rate)) }
+        Setpoint { position: MachinePos::new(on.position), velocity_mm_s: PerAxis(on.step.map(|step| step * rate)) }
     }
 
     /// Feed hold: brakes along the path to rest within the limits and stays at rest.
@@ -200,12 +198,12 @@ impl TrajectoryPlanner {
     ///
     /// # Panics
     /// When the axes are not at rest: a bug of the caller.
-    pub fn reset_to(&mut self, position: PerAxis<f64>) {
+    pub fn reset_to(&mut self, position: MachinePos) {
         assert!(self.is_at_rest(), "cleared in motion");
         self.moves.clear();
         self.planner.clear();
-        self.buffer_position = self.buffer.reset_to(position.0);
-        self.history = [position.0; 4];
+        self.buffer_position = self.buffer.reset_to(position.coordinates());
+        self.history = [position.coordinates(); 4];
         self.feed_scaling = FeedScaling::steady(if self.held { 0.0 } else { 1.0 });
     }
 
@@ -245,17 +243,15 @@ impl TrajectoryPlanner {
 
     /// The position of the last set-point, mm.
     #[must_use]
-    pub const fn position(&self) -> PerAxis<f64> {
-        PerAxis(self.history[3])
+    pub const fn position(&self) -> MachinePos {
+        MachinePos::new(self.history[3])
     }
 
     /// Signed distance from the last set-point to the end of the active move, mm; zero without an active move.
     #[must_use]
     pub fn distance_to_go(&self) -> PerAxis<f64> {
         let at = self.position();
-        self.moves
-            .front()
-            .map_or(PerAxis([0.0; 3]), |queued| PerAxis::from_fn(|axis| queued.programmed.to[axis] - at[axis]))
+        self.moves.front().map_or_else(PerAxis::default, |queued| queued.programmed.to - at)
     }
 
     /// Units of planning work in the last tick; counted, not timed, and never above [`MAX_WORK_PER_TICK`].

@@ -12,7 +12,7 @@ use super::settings::NcSettings;
 use super::source::{Library, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
 use crate::defs::program_error::ProgramError as E;
-use crate::units::PerAxis;
+use crate::units::WorkPos;
 
 /// Most mistakes, and most warnings, that are collected.
 pub const MAX_FAULTS: usize = 1_000;
@@ -33,7 +33,7 @@ pub struct CheckReport {
     /// Time at programmed feeds without acceleration, seconds; endless loops as in `length_mm`.
     pub seconds: f64,
     /// Least and greatest work coordinates of all moves, radius mm; none without a move.
-    pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+    pub extents: Option<(WorkPos, WorkPos)>,
     /// Lines of the text.
     pub lines: usize,
     /// Number of blocks with operations; endless loops as in `length_mm`.

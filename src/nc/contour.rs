@@ -5,7 +5,7 @@
 use super::op::{AxisSet, Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use crate::defs::program_error::ProgramError as E;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Most strokes of one cycle.
 const MAX_STROKES: usize = 2_000;
@@ -39,15 +39,15 @@ pub(crate) enum CycleKind {
 /// One line or arc of the contour.
 #[derive(Clone, Copy, Debug)]
 struct ContourSegment {
-    from: PerAxis<f64>,
-    to: PerAxis<f64>,
+    from: WorkPos,
+    to: WorkPos,
     /// Centre of an arc, and its turn (−1 or 1).
-    arc: Option<(PerAxis<f64>, i8)>,
+    arc: Option<(WorkPos, i8)>,
     rapid: bool,
 }
 
 /// The operations of the cycle from a starting point, or the mistake in the contour.
-pub(crate) fn expand(cycle: &ContourCycle, start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Op>, E> {
+pub(crate) fn expand(cycle: &ContourCycle, start: WorkPos, contour: &[Op]) -> Result<Vec<Op>, E> {
     let segments = segments(start, contour)?;
     let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
     // The axis that approaches the contour first also retracts first.
@@ -66,7 +66,7 @@ pub(crate) fn expand(cycle: &ContourCycle, start: PerAxis<f64>, contour: &[Op]) 
             for pass in 0..passes {
                 let part = if passes > 1 { f64::from(passes - 1 - pass) / f64::from(passes - 1) } else { 0.0 };
                 let by = PerAxis::from_fn(|axis| cycle.allowance[axis] + part * shift[axis]);
-                let begin = add(start, by);
+                let begin = start + by;
                 ops.push(rapid_to(begin, &[Axis::X, Axis::Z]));
                 segments.iter().for_each(|segment| ops.push(segment.to_op(by, feed)));
                 return_to_start(&mut ops, begin, across);
@@ -77,19 +77,15 @@ pub(crate) fn expand(cycle: &ContourCycle, start: PerAxis<f64>, contour: &[Op]) 
     }
 }
 
-fn add(a: PerAxis<f64>, b: PerAxis<f64>) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| a[axis] + b[axis])
-}
-
 fn axis_set(axes: &[Axis]) -> AxisSet {
     axes.iter().fold(AxisSet::NONE, |set, axis| set.with(AxisSet::of(*axis)))
 }
 
-fn rapid_to(to: PerAxis<f64>, axes: &[Axis]) -> Op {
+fn rapid_to(to: WorkPos, axes: &[Axis]) -> Op {
     Op::Rapid { to, feed: None, words: axis_set(axes), incremental: AxisSet::NONE }
 }
 
-fn feed_to(to: PerAxis<f64>, feed: Feed, axes: &[Axis]) -> Op {
+fn feed_to(to: WorkPos, feed: Feed, axes: &[Axis]) -> Op {
     Op::Feed { to, feed, words: axis_set(axes), incremental: AxisSet::NONE }
 }
 
@@ -101,7 +97,7 @@ const fn other_axis(axis: Axis) -> Axis {
 }
 
 /// Returns from the end of the contour to the start: first away from the part, then along it.
-fn return_to_start(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
+fn return_to_start(ops: &mut Vec<Op>, start: WorkPos, across: Axis) {
     let Some(end) = ops.iter().rev().find_map(end_point) else { return };
     let mut out = end;
     out[across] = start[across];
@@ -109,7 +105,7 @@ fn return_to_start(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
     ops.push(rapid_to(start, &[other_axis(across)]));
 }
 
-fn end_point(op: &Op) -> Option<PerAxis<f64>> {
+fn end_point(op: &Op) -> Option<WorkPos> {
     contour_move(op).ok().flatten().map(|by| by.to)
 }
 
@@ -128,7 +124,7 @@ pub(crate) fn contour_move(op: &Op) -> Result<Option<WorkMove>, E> {
     }
 }
 
-fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<ContourSegment>, E> {
+fn segments(start: WorkPos, contour: &[Op]) -> Result<Vec<ContourSegment>, E> {
     let mut from = start;
     let mut segments = Vec::with_capacity(contour.len());
     for op in contour {
@@ -144,19 +140,19 @@ fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<ContourSegment>, 
 impl ContourSegment {
     /// The segment shifted by `by`.
     fn shifted(&self, by: PerAxis<f64>) -> Self {
-        let arc = self.arc.map(|(center, turn)| (add(center, by), turn));
-        Self { from: add(self.from, by), to: add(self.to, by), arc, rapid: self.rapid }
+        let arc = self.arc.map(|(center, turn)| (center + by, turn));
+        Self { from: self.from + by, to: self.to + by, arc, rapid: self.rapid }
     }
 
     /// The segment shifted by `by`, as an operation with the cycle's feed.
     fn to_op(self, by: PerAxis<f64>, feed: Feed) -> Op {
-        let (to, both) = (add(self.to, by), [Axis::X, Axis::Z]);
+        let (to, both) = (self.to + by, [Axis::X, Axis::Z]);
         match self.arc {
             None if self.rapid => rapid_to(to, &both),
             None => feed_to(to, feed, &both),
             Some((center, turn)) => Op::Arc {
                 to,
-                center: add(center, by),
+                center: center + by,
                 plane: crate::units::Plane::Zx,
                 turn,
                 feed,
@@ -176,7 +172,7 @@ impl ContourSegment {
     fn passes_extreme(&self) -> bool {
         let Some((center, turn)) = self.arc else { return false };
         // Angles with Z to the right and X up; counter-clockwise is positive.
-        let angle = |at: PerAxis<f64>| (at[Axis::X] - center[Axis::X]).atan2(at[Axis::Z] - center[Axis::Z]);
+        let angle = |at: WorkPos| (at[Axis::X] - center[Axis::X]).atan2(at[Axis::Z] - center[Axis::Z]);
         let sense = f64::from(turn);
         let swept = |to: f64| (sense * (to - angle(self.from))).rem_euclid(std::f64::consts::TAU);
         let whole = swept(angle(self.to));
@@ -214,7 +210,7 @@ struct RoughingCycle {
     depth: f64,
     escape: f64,
     feed: Feed,
-    start: PerAxis<f64>,
+    start: WorkPos,
     allowance: PerAxis<f64>,
 }
 
@@ -226,7 +222,7 @@ impl RoughingCycle {
         if (at[b] - self.start[b]).abs() > MIN_LENGTH_MM {
             return Err(E::ContourStart);
         }
-        let way = |from: PerAxis<f64>, to: PerAxis<f64>, axis: Axis| {
+        let way = |from: WorkPos, to: WorkPos, axis: Axis| {
             let way = to[axis] - from[axis];
             if way.abs() > MIN_LENGTH_MM { way.signum() } else { 0.0 }
         };

@@ -6,7 +6,7 @@ use super::fault::{ReadResult, fail, fail1};
 use super::interpreter::{Block, Interpreter, PendingCycle, StepStatus};
 use super::op::Op;
 use crate::defs::program_error::ProgramError as E;
-use crate::units::PerAxis;
+use crate::units::WorkPos;
 
 /// Most blocks of a contour.
 const MAX_CONTOUR_BLOCKS: usize = 500;
@@ -14,11 +14,11 @@ const MAX_CONTOUR_BLOCKS: usize = 500;
 /// The state while a contour is read: the position is the end of its last block.
 struct ContourReadState<'w> {
     inner: &'w mut dyn ExternalState,
-    position: PerAxis<f64>,
+    position: WorkPos,
 }
 
 impl ExternalState for ContourReadState<'_> {
-    fn position(&self) -> PerAxis<f64> {
+    fn position(&self) -> WorkPos {
         self.position
     }
 
@@ -68,7 +68,7 @@ impl Interpreter {
         &mut self,
         cycle: &ContourCycle,
         world: &mut dyn ExternalState,
-        start: PerAxis<f64>,
+        start: WorkPos,
     ) -> ReadResult<Vec<Op>> {
         if self.flow.source.find_block(cycle.last_block, self.flow.at).is_none() {
             return fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block));

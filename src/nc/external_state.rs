@@ -7,15 +7,15 @@ use super::op_effect::{ArcMove, MotionSegment, OpEffect, OscillationChange, Segm
 use super::settings::NcSettings;
 use super::work_offsets::WorkOffsets;
 use crate::defs::system_variable::{self, VariableAccess};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// Position, path length, time and extents so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RunTotals {
-    position: PerAxis<f64>,
+    position: WorkPos,
     length_mm: f64,
     seconds: f64,
-    extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+    extents: Option<(WorkPos, WorkPos)>,
 }
 
 impl RunTotals {
@@ -42,7 +42,7 @@ impl RunTotals {
     }
 
     /// Extends the extents by the bulges of an arc; returns its length.
-    fn extend_along(&mut self, arc: ArcMove, to: PerAxis<f64>) -> f64 {
+    fn extend_along(&mut self, arc: ArcMove, to: WorkPos) -> f64 {
         let from = self.position;
         let (radius, swept) = (arc.radius_at(from), arc.sweep(from, to));
         for quarter in 0..4 {
@@ -54,11 +54,11 @@ impl RunTotals {
         radius * swept
     }
 
-    fn extend_to(&mut self, point: PerAxis<f64>) {
+    fn extend_to(&mut self, point: WorkPos) {
         let (low, high) = self.extents.get_or_insert((point, point));
         for (axis, value) in point.iter() {
-            low[axis] = low[axis].min(*value);
-            high[axis] = high[axis].max(*value);
+            low[axis] = low[axis].min(value);
+            high[axis] = high[axis].max(value);
         }
     }
 }
@@ -77,7 +77,7 @@ pub enum LiveValue {
 /// State outside the program text.
 pub trait ExternalState {
     /// The position at the end of all operations returned so far, active work coordinates, radius mm.
-    fn position(&self) -> PerAxis<f64>;
+    fn position(&self) -> WorkPos;
     /// Reads a system variable: #434–#439, #1000 and up except #4001–#4130. X positions are diameters if X words are.
     /// `#1000` + port − 1 is input `port`: 1 while it is active (low).
     fn system_variable(&mut self, number: u32) -> LiveValue;
@@ -91,7 +91,7 @@ pub trait ExternalState {
     }
     /// The tool-change point: the position at program start, active work coordinates, radius mm. It is a fixed machine
     /// position of the tip: G92 and homing do not move it (L3).
-    fn program_start(&self) -> PerAxis<f64> {
+    fn program_start(&self) -> WorkPos {
         self.position()
     }
     /// The 跳段 (block skip) switch: blocks with `/` are skipped.
@@ -106,9 +106,9 @@ pub struct OfflineMachine {
     rapid_mm_min: PerAxis<f64>,
     totals: RunTotals,
     /// The tip before the first operation, machine coordinates (L3).
-    start: Option<PerAxis<f64>>,
+    start: Option<MachinePos>,
     work_offsets: WorkOffsets,
-    references: [PerAxis<f64>; REFERENCE_POINTS],
+    references: [MachinePos; REFERENCE_POINTS],
     system_variables: BTreeMap<u32, Option<f64>>,
     /// Values that only the machine knows are not 0: reading one returns `LiveValue::Drain`.
     known_values_only: bool,
@@ -133,7 +133,7 @@ impl OfflineMachine {
             start: None,
             // L8: a turret that was never indexed has station 1 active.
             work_offsets: WorkOffsets { tool: u32::from(settings.start_is_work_zero), ..WorkOffsets::default() },
-            references: [PerAxis::default(); REFERENCE_POINTS],
+            references: [MachinePos::default(); REFERENCE_POINTS],
             system_variables: BTreeMap::new(),
             known_values_only: false,
             block_skip: false,
@@ -144,7 +144,7 @@ impl OfflineMachine {
 
     /// Starts at another position: work coordinates, radius mm.
     #[must_use]
-    pub fn with_position(mut self, position: PerAxis<f64>) -> Self {
+    pub fn with_position(mut self, position: WorkPos) -> Self {
         self.totals.position = position;
         self
     }
@@ -159,7 +159,7 @@ impl OfflineMachine {
 
     /// Sets the reference points of G28 and G30, machine coordinates, radius mm. Homing ends at the first.
     #[must_use]
-    pub const fn with_references(mut self, references: [PerAxis<f64>; REFERENCE_POINTS]) -> Self {
+    pub const fn with_references(mut self, references: [MachinePos; REFERENCE_POINTS]) -> Self {
         self.references = references;
         self
     }
@@ -191,7 +191,7 @@ impl OfflineMachine {
 
     /// The work position, radius mm.
     #[must_use]
-    pub const fn work_position(&self) -> PerAxis<f64> {
+    pub const fn work_position(&self) -> WorkPos {
         self.totals.position
     }
 
@@ -209,7 +209,7 @@ impl OfflineMachine {
 
     /// Least and greatest work coordinates of all moves, radius mm.
     #[must_use]
-    pub const fn extents(&self) -> Option<(PerAxis<f64>, PerAxis<f64>)> {
+    pub const fn extents(&self) -> Option<(WorkPos, WorkPos)> {
         self.totals.extents
     }
 
@@ -237,7 +237,7 @@ impl OfflineMachine {
     /// Executes one operation and passes every segment of its path to `sink`, with its start: work coordinates, radius
     /// mm.
     #[inline]
-    pub fn apply_traced(&mut self, op: &Op, mut sink: impl FnMut(PerAxis<f64>, &MotionSegment)) {
+    pub fn apply_traced(&mut self, op: &Op, mut sink: impl FnMut(WorkPos, &MotionSegment)) {
         let machine = self.work_offsets.machine_from_work(self.totals.position);
         self.start.get_or_insert(machine);
         match op.effect() {
@@ -270,18 +270,18 @@ impl OfflineMachine {
     fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
         self.work_offsets.change_tool(station, by);
         if let (Some(start), Some(by)) = (&mut self.start, by) {
-            *start = PerAxis::from_fn(|axis| start[axis] + by[axis]);
+            *start = *start + by;
         }
     }
 }
 
-fn distance(from: PerAxis<f64>, to: PerAxis<f64>) -> f64 {
+fn distance(from: WorkPos, to: WorkPos) -> f64 {
     let square = |axis: Axis| (to[axis] - from[axis]) * (to[axis] - from[axis]);
     (square(Axis::X) + square(Axis::Y) + square(Axis::Z)).sqrt()
 }
 
 impl ExternalState for OfflineMachine {
-    fn position(&self) -> PerAxis<f64> {
+    fn position(&self) -> WorkPos {
         self.totals.position
     }
 
@@ -324,7 +324,7 @@ impl ExternalState for OfflineMachine {
         self.work_offsets.tool
     }
 
-    fn program_start(&self) -> PerAxis<f64> {
+    fn program_start(&self) -> WorkPos {
         self.start.map_or(self.totals.position, |start| self.work_offsets.work_from_machine(start))
     }
 

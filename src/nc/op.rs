@@ -1,7 +1,7 @@
 //! Canonical operations: what a program does, independent of its dialect and notation.
 //! Lengths are radius millimetres in active work coordinates. Feeds are true slide travel. Source: spec T4, K1.
 
-use crate::units::{Axis, PerAxis, Plane};
+use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
 /// A set of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -120,9 +120,9 @@ pub const REFERENCE_POINTS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadMove {
     /// End of the block: the end of the thread in Z, the retracted position in X.
-    pub to: PerAxis<f64>,
+    pub to: WorkPos,
     /// Start of the run-out.
-    pub run_out_start: PerAxis<f64>,
+    pub run_out_start: WorkPos,
     /// Lead along Z, mm.
     pub lead_mm: f64,
 }
@@ -143,20 +143,12 @@ impl ThreadMove {
 #[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum Op {
     /// G00. On the 超人 lathe the block may contain a feed (L2).
-    Rapid { to: PerAxis<f64>, feed: Option<Feed>, words: AxisSet, incremental: AxisSet },
+    Rapid { to: WorkPos, feed: Option<Feed>, words: AxisSet, incremental: AxisSet },
     /// G01.
-    Feed { to: PerAxis<f64>, feed: Feed, words: AxisSet, incremental: AxisSet },
+    Feed { to: WorkPos, feed: Feed, words: AxisSet, incremental: AxisSet },
     /// G02 (turn −1, clockwise) and G03 (turn 1), seen with the plane's first axis to the right and the second up.
     /// Only the two plane axes of `center` are used. If the end equals the start, the arc is a full circle.
-    Arc {
-        to: PerAxis<f64>,
-        center: PerAxis<f64>,
-        plane: Plane,
-        turn: i8,
-        feed: Feed,
-        words: AxisSet,
-        incremental: AxisSet,
-    },
+    Arc { to: WorkPos, center: WorkPos, plane: Plane, turn: i8, feed: Feed, words: AxisSet, incremental: AxisSet },
     /// G04, seconds.
     Dwell { s: f64 },
     /// G61, G64.
@@ -170,9 +162,9 @@ pub enum Op {
     /// G53: a move in machine coordinates, radius mm; at rapid speed if there is no feed.
     MachineMove { to: PerAxis<Option<f64>>, feed: Option<Feed> },
     /// G28 (number 1: machine zero) and G30 (2 to 4): the named axes move via `via` to a reference point.
-    ReturnToReference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    ReturnToReference { number: u8, via: WorkPos, words: AxisSet, incremental: AxisSet },
     /// G31: feeds until the signal (1–6) becomes active.
-    Skip { to: PerAxis<f64>, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
+    Skip { to: WorkPos, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
     /// G10: adds to the wear of an offset, radius mm (K4.1).
     AddWear { number: u8, by: PerAxis<f64> },
     /// G27: to the stored dressing point, machine coordinates; feed in mm/min (K4.2).

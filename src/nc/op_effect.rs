@@ -6,7 +6,7 @@ use super::op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedM
 use super::work_offsets::WorkOffsets;
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, SwitchedUnit};
-use crate::units::{Axis, PerAxis, Plane};
+use crate::units::{Axis, MachinePos, PerAxis, Plane, WorkPos};
 
 /// What an operation does. Lengths are radius millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub enum OpMotion<'a> {
     /// A line in machine coordinates; rapid without a feed.
     Machine { to: PerAxis<Option<f64>>, feed: Option<Feed> },
     /// Rapid via a work position to a reference point, 1 to 4.
-    Reference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    Reference { number: u8, via: WorkPos, words: AxisSet, incremental: AxisSet },
     /// To the stored dressing point; feed in mm/min.
     DressPoint { axes: AxisSet, feed: Option<f64> },
     /// Positioning by a gauge.
@@ -62,7 +62,7 @@ pub enum OpMotion<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkMove {
     /// End point.
-    pub to: PerAxis<f64>,
+    pub to: WorkPos,
     /// The arc; a line without it.
     pub arc: Option<ArcMove>,
     /// G00. It may have a feed (L2).
@@ -81,7 +81,7 @@ pub struct WorkMove {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcMove {
     /// Centre; only the two axes of the plane are used.
-    pub center: PerAxis<f64>,
+    pub center: WorkPos,
     /// Plane.
     pub plane: Plane,
     /// Turn.
@@ -92,7 +92,7 @@ pub struct ArcMove {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionSegment {
     /// End point.
-    pub to: PerAxis<f64>,
+    pub to: WorkPos,
     /// The arc; a line without it.
     pub arc: Option<ArcMove>,
     /// The tool must not cut: rapid, also with a feed (L2).
@@ -224,7 +224,7 @@ impl Op {
 }
 
 #[inline]
-const fn line(to: PerAxis<f64>, words: AxisSet, incremental: AxisSet) -> WorkMove {
+const fn line(to: WorkPos, words: AxisSet, incremental: AxisSet) -> WorkMove {
     WorkMove { to, arc: None, rapid: false, feed: None, skip_signal: None, words, incremental }
 }
 
@@ -305,9 +305,9 @@ impl OpMotion<'_> {
     #[inline]
     pub fn trace(
         &self,
-        from: PerAxis<f64>,
+        from: WorkPos,
         offsets: &WorkOffsets,
-        references: &[PerAxis<f64>; REFERENCE_POINTS],
+        references: &[MachinePos; REFERENCE_POINTS],
         mut put: impl FnMut(MotionSegment),
     ) {
         match *self {
@@ -317,7 +317,7 @@ impl OpMotion<'_> {
             Self::Machine { to, feed } => {
                 let work = |axis: Axis| to[axis].map_or(from[axis], |to| to - offsets.machine_minus_work(axis));
                 put(MotionSegment {
-                    to: PerAxis::from_fn(work),
+                    to: WorkPos::from_fn(work),
                     arc: None,
                     rapid: feed.is_none(),
                     speed: SegmentSpeed::of(feed),
@@ -327,7 +327,7 @@ impl OpMotion<'_> {
                 put(MotionSegment::rapid(via));
                 let at = references[usize::from(number).clamp(1, REFERENCE_POINTS) - 1];
                 let home = offsets.work_from_machine(at);
-                put(MotionSegment::rapid(PerAxis::from_fn(
+                put(MotionSegment::rapid(WorkPos::from_fn(
                     |axis| if words.contains(axis) { home[axis] } else { via[axis] },
                 )));
             }
@@ -369,11 +369,11 @@ impl SegmentSpeed {
 }
 
 impl MotionSegment {
-    const fn rapid(to: PerAxis<f64>) -> Self {
+    const fn rapid(to: WorkPos) -> Self {
         Self { to, arc: None, rapid: true, speed: SegmentSpeed::Rapid }
     }
 
-    const fn feed(to: PerAxis<f64>, mm_min: f64) -> Self {
+    const fn feed(to: WorkPos, mm_min: f64) -> Self {
         Self { to, arc: None, rapid: false, speed: SegmentSpeed::Feed(Feed::PerMinute(mm_min)) }
     }
 }
@@ -384,34 +384,34 @@ const MIN_SWEEP: f64 = 1e-9;
 impl ArcMove {
     /// The angle of a point around the centre, radian, from the plane's first axis to the second.
     #[must_use]
-    pub fn angle_of(&self, point: PerAxis<f64>) -> f64 {
+    pub fn angle_of(&self, point: WorkPos) -> f64 {
         let (first, second) = self.plane.axes();
         (point[second] - self.center[second]).atan2(point[first] - self.center[first])
     }
 
     /// Radius at a point, mm.
     #[must_use]
-    pub fn radius_at(&self, point: PerAxis<f64>) -> f64 {
+    pub fn radius_at(&self, point: WorkPos) -> f64 {
         let (first, second) = self.plane.axes();
         (point[first] - self.center[first]).hypot(point[second] - self.center[second])
     }
 
     /// The angle from one point to another in the direction of the arc, radian; a full turn if they are equal.
     #[must_use]
-    pub fn sweep(&self, from: PerAxis<f64>, to: PerAxis<f64>) -> f64 {
+    pub fn sweep(&self, from: WorkPos, to: WorkPos) -> f64 {
         let swept = self.sweep_to_angle(from, self.angle_of(to));
         if swept <= MIN_SWEEP { std::f64::consts::TAU } else { swept }
     }
 
     /// The angle from a point to an angle in the direction of the arc, radian, from 0 to a full turn.
     #[must_use]
-    pub fn sweep_to_angle(&self, from: PerAxis<f64>, angle: f64) -> f64 {
+    pub fn sweep_to_angle(&self, from: WorkPos, angle: f64) -> f64 {
         (f64::from(self.turn) * (angle - self.angle_of(from))).rem_euclid(std::f64::consts::TAU)
     }
 
     /// `base` with the two axes of the plane on the circle at an angle.
     #[must_use]
-    pub fn point_at(&self, mut base: PerAxis<f64>, radius: f64, angle: f64) -> PerAxis<f64> {
+    pub fn point_at(&self, mut base: WorkPos, radius: f64, angle: f64) -> WorkPos {
         let (first, second) = self.plane.axes();
         base[first] = self.center[first] + radius * angle.cos();
         base[second] = self.center[second] + radius * angle.sin();
@@ -421,7 +421,7 @@ impl ArcMove {
 
 impl CoordinateChange<'_> {
     /// Changes the offsets. `machine` is the present machine position.
-    pub fn apply(&self, offsets: &mut WorkOffsets, machine: PerAxis<f64>) {
+    pub fn apply(&self, offsets: &mut WorkOffsets, machine: MachinePos) {
         match *self {
             Self::Select(g) => offsets.activate(g),
             Self::Set(values) => offsets.set_coordinates(machine, values),
@@ -446,16 +446,16 @@ mod tests {
     #[test]
     fn l6_homing_by_switches_moves_one_axis_after_the_other() {
         let axes = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
-        let references = [PerAxis([1.0, 0.0, 2.0]); REFERENCE_POINTS];
+        let references = [MachinePos::new([1.0, 0.0, 2.0]); REFERENCE_POINTS];
         let mut path = Vec::new();
-        let from = PerAxis([5.0, 0.0, 7.0]);
+        let from = WorkPos::new([5.0, 0.0, 7.0]);
         OpMotion::HomeSwitch(axes).trace(from, &WorkOffsets::default(), &references, |segment| path.push(segment.to));
-        assert_eq!(path, [PerAxis([1.0, 0.0, 7.0]), PerAxis([1.0, 0.0, 2.0])]);
+        assert_eq!(path, [WorkPos::new([1.0, 0.0, 7.0]), WorkPos::new([1.0, 0.0, 2.0])]);
     }
 
     #[test]
     fn b5_the_position_after_a_skip_a_gauge_and_g50_is_unknown() {
-        let to = PerAxis::default();
+        let to = WorkPos::default();
         let words = AxisSet::of(Axis::Z);
         let skip = Op::Skip { to, feed: Feed::PerMinute(1.0), signal: 1, words, incremental: AxisSet::NONE };
         assert!(!skip.effect().leaves_position_known() && skip.effect().is_motion());

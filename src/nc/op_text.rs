@@ -1,6 +1,7 @@
 //! The printed forms of operations: one JSON object, and one line of text. Source: spec T4.
 
 use std::fmt;
+use std::ops::Index;
 
 use serde_json::{Map, Value, json};
 
@@ -192,7 +193,7 @@ fn put_some<const N: usize>(put: &mut dyn FnMut(&str, Value), fields: [(&str, Op
     }
 }
 
-fn put_points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: PerAxis<f64>) {
+fn put_points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: impl Index<Axis, Output = f64>) {
     put_prefixed_points(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
 }
 

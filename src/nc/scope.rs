@@ -12,7 +12,7 @@ use super::settings::NcSettings;
 use super::source::Source;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::system_variable;
-use crate::units::{Axis, MM_PER_INCH, PerAxis};
+use crate::units::{Axis, MM_PER_INCH, WorkPos};
 
 /// First system variables of the axis positions, machine and work coordinates; they count the machine's axes only.
 const FIRST_MACHINE_POSITION: u32 = 5_021;
@@ -41,7 +41,7 @@ pub(crate) struct LiveScope<'w> {
 impl LiveScope<'_> {
     /// The position at the start of the block.
     #[inline]
-    pub fn position(&self) -> PerAxis<f64> {
+    pub fn position(&self) -> WorkPos {
         self.world.position()
     }
 

@@ -3,7 +3,7 @@
 //! All values are radius millimetres of slide travel. machine = work + G5x offset + G50 shift + geometry + wear.
 //! Source: spec B2 (G50, G53–G59, T), K4.1, K5.10.
 
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// Number of tool offsets: T xx01 … xx16.
 pub const TOOL_OFFSET_COUNT: usize = 16;
@@ -56,14 +56,14 @@ impl WorkOffsets {
 
     /// The work coordinate of a machine position.
     #[must_use]
-    pub fn work_from_machine(&self, machine: PerAxis<f64>) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| machine[axis] - self.machine_minus_work(axis))
+    pub fn work_from_machine(&self, machine: MachinePos) -> WorkPos {
+        WorkPos::from_fn(|axis| machine[axis] - self.machine_minus_work(axis))
     }
 
     /// The machine position of a work coordinate.
     #[must_use]
-    pub fn machine_from_work(&self, work: PerAxis<f64>) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
+    pub fn machine_from_work(&self, work: WorkPos) -> MachinePos {
+        MachinePos::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
     }
 
     /// Activates the work offset G54 … G59.
@@ -102,7 +102,7 @@ impl WorkOffsets {
     }
 
     /// G50: assigns the work coordinates `values` to a machine position. K5.10: clears the wear of the active offset.
-    pub fn set_coordinates(&mut self, machine: PerAxis<f64>, values: &PerAxis<Option<f64>>) {
+    pub fn set_coordinates(&mut self, machine: MachinePos, values: &PerAxis<Option<f64>>) {
         if let Some(offset) = self.tool_offset.checked_sub(1) {
             self.wear[offset] = PerAxis::default();
         }
@@ -126,7 +126,7 @@ mod tests {
     fn b2_g50_calls_the_present_position_by_its_new_name() {
         let mut frames = WorkOffsets::default();
         frames.work[0] = PerAxis([-100.0, 0.0, -200.0]);
-        let machine = PerAxis([-75.0, 0.0, -180.0]);
+        let machine = MachinePos::new([-75.0, 0.0, -180.0]);
         frames.set_coordinates(machine, &PerAxis([Some(10.0), None, None]));
         let work = frames.work_from_machine(machine);
         assert!(close(work[Axis::X], 10.0) && close(work[Axis::Z], 20.0));
@@ -137,7 +137,7 @@ mod tests {
         let mut frames = WorkOffsets { tool_offset: 4, ..WorkOffsets::default() };
         frames.wear[3] = PerAxis([0.05, 0.0, -0.1]);
         frames.wear[4] = PerAxis([0.02, 0.0, 0.0]);
-        frames.set_coordinates(PerAxis::default(), &PerAxis([Some(1.0), None, None]));
+        frames.set_coordinates(MachinePos::default(), &PerAxis([Some(1.0), None, None]));
         assert_eq!(frames.wear[3], PerAxis::default());
         assert_eq!(frames.wear[4], PerAxis([0.02, 0.0, 0.0]));
     }
@@ -148,7 +148,7 @@ mod tests {
         frames.geometry[1] = PerAxis([0.0, 0.0, -20.0]);
         frames.wear[1] = PerAxis([0.0, 0.0, 0.5]);
         frames.tool_offset = 2;
-        let work = PerAxis([5.0, 0.0, 30.0]);
+        let work = WorkPos::new([5.0, 0.0, 30.0]);
         let machine = frames.machine_from_work(work);
         assert!(close(machine[Axis::Z], 10.5));
         assert_eq!(frames.work_from_machine(machine), work);

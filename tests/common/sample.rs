@@ -25,7 +25,7 @@ use kt830::link::page_file::{PageFile, PictureFile, PictureLocation};
 use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
 use kt830::link::toolpath::{MoveKind, PathPoint, StockBox, Toolpath};
-use kt830::units::{Axis, Micros, PerAxis};
+use kt830::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
 
 /// The customer's own page text (seed 000).
 pub const C0001: &str = "外卡磨削;\n卡尺X轴始磨位置 #500;\n卡尺X轴终点位置 #501;\n卡尺X轴安全位置 #503;\n\
@@ -140,8 +140,8 @@ pub fn snapshot(page: Page) -> Snapshot {
     snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
     snapshot.directory = Arc::new(directory());
     for (index, row) in snapshot.offsets.iter_mut().enumerate() {
-        row.geometry = PerAxis([-9_999.999 + index as f64, 0.0, -20.0]);
-        row.wear = PerAxis([0.01 * index as f64, 0.0, -999.999]);
+        row.geometry = DisplayPos::new([-9_999.999 + index as f64, 0.0, -20.0]);
+        row.wear = DisplayPos::new([0.01 * index as f64, 0.0, -999.999]);
     }
     snapshot.active_offset = 4;
     snapshot.dressing_point[Axis::X] = Some(-1_234.567);
@@ -236,7 +236,7 @@ pub fn busy(page: Page) -> Snapshot {
         length_mm: 123_456.7,
         duration_s: 36_061.0,
         lines: 1_000_000,
-        extents: Some((PerAxis([-371.54, -1.0, -139.08]), PerAxis([371.54, 1_000.0, 139.08]))),
+        extents: Some((WorkPos::new([-371.54, -1.0, -139.08]), WorkPos::new([371.54, 1_000.0, 139.08]))),
         finished: true,
         ..Toolpath::default()
     };
@@ -252,7 +252,7 @@ pub fn busy(page: Page) -> Snapshot {
         busy: Some((Text::new("正在复制", "copying"), 437)),
         ..(*snapshot.files).clone()
     });
-    let corner = |x, y, z| PerAxis([x, y, z]);
+    let corner = |x, y, z| WorkPos::new([x, y, z]);
     snapshot.stock =
         Arc::from([StockBox { low: corner(-20.0, 0.0, 0.0), high: corner(20.0, 10.0, 60.0), is_workpiece: true }]);
     snapshot

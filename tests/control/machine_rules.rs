@@ -663,7 +663,7 @@ fn b5_a_program_begins_once_the_jogged_axis_stands() {
     for _ in 0..3_000 {
         rig.step();
         let now = rig.controller().set_point();
-        let moved = now.0[2] - at.0[2];
+        let moved = now[kt830::units::Axis::Z] - at[kt830::units::Axis::Z];
         if let Some(before) = step.replace(moved) {
             assert!((moved - before).abs() < 0.004, "from {before} to {moved} mm a tick");
         }

@@ -5,19 +5,19 @@ use kt830::motion::{
     AxisLimits, CornerMode, MAX_QUEUED_MOVES, MAX_WORK_PER_TICK, MotionLimits, MotionSpeed, Move, MoveQueueFull,
     MoveShape, Override, TrajectoryPlanner,
 };
-use kt830::units::PerAxis;
+use kt830::units::{Axis, MachinePos, PerAxis};
 
 /// Jerk is ample: a stroke is 0.2 s up, 0.8 s along, 0.2 s down, and 5 ms for each change of acceleration.
 const AXIS: AxisLimits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 500.0, jerk_mm_s3: 100_000.0 };
 const FULL: Override = Override::FULL;
 
 fn path() -> TrajectoryPlanner {
-    TrajectoryPlanner::new(MotionLimits { axes: PerAxis([AXIS; 3]), tick_s: 0.001 }, PerAxis([0.0; 3]))
+    TrajectoryPlanner::new(MotionLimits { axes: PerAxis([AXIS; 3]), tick_s: 0.001 }, MachinePos::new([0.0; 3]))
 }
 
 fn line(x: f64, z: f64, tag: u32) -> Move {
     let rate = MotionSpeed::Feed { mm_s: 100.0 };
-    Move { to: PerAxis([x, 0.0, z]), shape: MoveShape::Line, speed: rate, corner: CornerMode::ExactStop, tag }
+    Move { to: MachinePos::new([x, 0.0, z]), shape: MoveShape::Line, speed: rate, corner: CornerMode::ExactStop, tag }
 }
 
 /// Ticks until done.
@@ -81,7 +81,7 @@ fn hold_brakes_in_the_least_time_and_resume_goes_on_to_the_end() {
     assert_eq!(path.position(), stood);
     path.resume();
     finish(&mut path);
-    assert_eq!(path.position(), PerAxis([0.0, 0.0, 100.0]));
+    assert_eq!(path.position(), MachinePos::new([0.0, 0.0, 100.0]));
     assert_eq!((path.finished_tag(), path.pop_finished(), path.pop_finished()), (Some(7), Some(7), None));
 }
 
@@ -124,10 +124,10 @@ fn abort_brakes_forgets_and_reports_nothing() {
         path.tick(FULL);
     }
     assert_eq!((path.finished_tag(), path.remaining_moves(), path.is_holding()), (None, 0, false));
-    assert!(path.position().0[2] < 75.0, "{:?}", path.position());
+    assert!(path.position()[Axis::Z] < 75.0, "{:?}", path.position());
     path.push(line(0.0, 0.0, 10)).unwrap();
     finish(&mut path);
-    assert_eq!(path.position(), PerAxis([0.0; 3]));
+    assert_eq!(path.position(), MachinePos::new([0.0; 3]));
 }
 
 #[test]
@@ -145,16 +145,16 @@ fn moves_taken_back_in_a_hold_lead_on_from_where_the_handwheel_left_the_axis() {
     let mut unfinished = Vec::new();
     path.drain_unfinished(&mut unfinished);
     assert_eq!(unfinished.iter().map(|m| m.tag).collect::<Vec<_>>(), [2, 3]);
-    let PerAxis([_, _, z]) = path.position();
-    path.reset_to(PerAxis([1.0, 0.0, z]));
+    let [_, _, z] = path.position().coordinates();
+    path.reset_to(MachinePos::new([1.0, 0.0, z]));
     for m in unfinished {
         path.push(m).unwrap();
     }
     ticks(&mut path, 50, FULL);
-    assert_eq!(path.position(), PerAxis([1.0, 0.0, z]), "still held");
+    assert_eq!(path.position(), MachinePos::new([1.0, 0.0, z]), "still held");
     path.resume();
     finish(&mut path);
-    assert_eq!((path.position(), path.finished_tag()), (PerAxis([0.0; 3]), Some(3)));
+    assert_eq!((path.position(), path.finished_tag()), (MachinePos::new([0.0; 3]), Some(3)));
 }
 
 #[test]
@@ -183,7 +183,7 @@ fn distance_to_go_is_to_the_end_of_the_active_move() {
     path.push(line(0.0, 100.0, 0)).unwrap();
     path.push(line(0.0, 30.0, 1)).unwrap();
     ticks(&mut path, 300, FULL);
-    let (PerAxis([_, _, at]), PerAxis([_, _, to_go])) = (path.position(), path.distance_to_go());
+    let ([_, _, at], PerAxis([_, _, to_go])) = (path.position().coordinates(), path.distance_to_go());
     assert!((at + to_go - 100.0).abs() < 1e-12);
 }
 
@@ -311,7 +311,7 @@ fn strokes_with_rounded_corners_never_go_beyond_their_ends() {
     }
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
     while !path.is_done() {
-        let PerAxis([x, _, _]) = path.tick(FULL).position;
+        let [x, _, _] = path.tick(FULL).position.coordinates();
         (low, high) = (low.min(x), high.max(x));
     }
     assert!(low >= -1e-6 && high <= 50.0 + 1e-6, "{low} to {high}");

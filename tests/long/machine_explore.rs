@@ -159,9 +159,9 @@ fn all_requests() -> Vec<Request> {
         Request::WheelStop,
         Request::TailstockAdvance,
         Request::TailstockRetract,
-        Request::DriveHigh,
-        Request::DriveLow,
-        Request::DriveStop,
+        Request::WorkDriveHigh,
+        Request::WorkDriveLow,
+        Request::WorkDriveStop,
         Request::HydraulicOn,
         Request::HydraulicOff,
         Request::Magnetise,
@@ -239,7 +239,7 @@ impl Search {
     }
 
     fn state(&self, node: &Node, now: Micros) -> State {
-        State { units: node.machine.discrete(now, TICK), phase: node.phase, drives_off: node.drives_off }
+        State { units: node.machine.discrete_state(now, TICK), phase: node.phase, drives_off: node.drives_off }
     }
 
     fn outputs(&self, machine: &Machine) -> OutputSet {
@@ -310,7 +310,7 @@ impl Search {
         let fitted = self.plan.kind.row().fitted(&self.params);
         if let Some(reason) = panel_key::inactive_reason(key, self.plan.kind, fitted, node.phase) {
             self.reasoned(reason.en)?;
-            let by_run = node.phase.is_automatic() && key.is_on(self.plan.kind);
+            let by_run = node.phase.is_automatic() && key.exists_on(self.plan.kind);
             if !(by_run && self.plan.without.dead_keys) {
                 return Ok(false);
             }
@@ -327,7 +327,7 @@ impl Search {
                     return Ok(false);
                 };
                 let answer = self.ask(node, request, inputs, now)?;
-                if request == Request::CycleStart && answer == RequestResult::Taken {
+                if request == Request::CycleStart && answer == RequestResult::Accepted {
                     node.phase = node.phase.after(PhaseEvent::Start);
                 }
             }
@@ -337,12 +337,12 @@ impl Search {
 
     fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, now: Micros) -> Result<RequestResult, String> {
         let before = self.outputs(&node.machine);
-        node.machine.inform(around(node));
-        let answer = node.machine.ask(request, now, inputs, &self.params);
+        node.machine.set_control_state(around(node));
+        let answer = node.machine.request(request, now, inputs, &self.params);
         match answer {
-            RequestResult::Taken => return Ok(answer),
+            RequestResult::Accepted => return Ok(answer),
             RequestResult::NoEffect(reason) | RequestResult::Denied(reason) => self.reasoned(reason.en)?,
-            RequestResult::Refused(number, reason) => {
+            RequestResult::Alarm(number, reason) => {
                 self.reasoned(reason.en)?;
                 match Consequence::of(number, false) {
                     Consequence::Nothing => {}
@@ -370,7 +370,7 @@ impl Search {
         now: Micros,
     ) -> Result<(), String> {
         let (before, after) = (self.outputs(&from.machine), self.outputs(&to.machine));
-        let facts = from.machine.facts(now, inputs, &self.params);
+        let facts = from.machine.interlock_inputs(now, inputs, &self.params);
         let turns = |on: OutputSet| {
             [Output::HeadstockHigh, Output::HeadstockLow, Output::DresserRoll, Output::TableRotation]
                 .iter()
@@ -390,10 +390,10 @@ impl Search {
         for output in ALL_OFF_IN_AN_EMERGENCY {
             held("something starts before RESET", !(from.drives_off && starts(*output)))?;
         }
-        let moving = to.machine.facts(now, inputs, &self.params).tailstock_moving;
+        let moving = to.machine.interlock_inputs(now, inputs, &self.params).tailstock_moving;
         held("headstock and tailstock move together", !(turns(after) && moving))?;
         if self.plan.kind == Kind::Ga && self.params.bit(param::MAGNET_ENABLED) {
-            let holding = to.machine.facts(now, inputs, &self.params).magnetised;
+            let holding = to.machine.interlock_inputs(now, inputs, &self.params).magnetised;
             held("the table turns unmagnetised", !turns(after) || holding)?;
             held("demagnetised while the table turns", !(turns(after) && after.has(Output::Demagnetise)))?;
         }
@@ -432,10 +432,10 @@ impl Search {
         }
         for request in foreign_requests() {
             let mut machine = node.machine.clone();
-            if machine.ask(request, now, inputs, &self.params) != RequestResult::Taken {
+            if machine.request(request, now, inputs, &self.params) != RequestResult::Accepted {
                 return Err(format!("{request:?} depends on the searched units"));
             }
-            if machine.discrete(now, TICK) != node.machine.discrete(now, TICK) {
+            if machine.discrete_state(now, TICK) != node.machine.discrete_state(now, TICK) {
                 return Err(format!("{request:?} changes the searched units"));
             }
         }

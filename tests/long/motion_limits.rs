@@ -7,7 +7,7 @@ use kt830::motion::{
     ArcDirection, AxisLimits, CornerMode, MAX_WORK_PER_TICK, MotionLimits, MotionSpeed, Move, MoveShape, Override,
     TrajectoryPlanner,
 };
-use kt830::units::{PerAxis, Plane};
+use kt830::units::{MachinePos, Plane};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -42,7 +42,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// From a point to a move that starts at `from`.
 fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
-    let to = program.to.0;
+    let to = program.to.coordinates();
     match program.shape {
         MoveShape::Line => {
             let d = [0, 1, 2].map(|x| to[x] - from[x]);
@@ -52,7 +52,7 @@ fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
             distance(p, [0, 1, 2].map(|x| from[x] + t * d[x]))
         }
         MoveShape::Arc { center, plane, direction: turn } => {
-            let arc = Arc::new(from, to, center.0, plane, turn);
+            let arc = Arc::new(from, to, center.coordinates(), plane, turn);
             // Looked for everywhere, then closely around the best: on a steep helix the angle says little.
             let off = |part: f64| distance(p, arc.at(part));
             let best = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)).min_by(|a, b| off(*a).total_cmp(&off(*b)));
@@ -109,9 +109,9 @@ fn extent(contour: &[([f64; 3], Move)]) -> [(f64, f64); 3] {
     };
     for (from, m) in contour {
         see(*from);
-        see(m.to.0);
+        see(m.to.coordinates());
         if let MoveShape::Arc { center, plane, direction: turn } = m.shape {
-            let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
+            let arc = Arc::new(*from, m.to.coordinates(), center.coordinates(), plane, turn);
             for quarter in -8..=8 {
                 let part = (f64::from(quarter) * FRAC_PI_2 - arc.start) / arc.sweep;
                 if (0.0..=1.0).contains(&part) {
@@ -216,13 +216,13 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
                     center[a] = from[a] + u / 2.0 - bulge * v;
                     center[b] = from[b] + v / 2.0 + bulge * u;
                     let turn = if ccw { ArcDirection::Ccw } else { ArcDirection::Cw };
-                    shape = MoveShape::Arc { center: PerAxis(center), plane, direction: turn };
+                    shape = MoveShape::Arc { center: MachinePos::new(center), plane, direction: turn };
                 }
             }
             let rate = if leg.rapid { MotionSpeed::Rapid } else { MotionSpeed::Feed { mm_s: leg.feed } };
             let end = if leg.exact { CornerMode::ExactStop } else { CornerMode::Continuous { tolerance_mm } };
             let start = std::mem::replace(&mut from, to);
-            (start, Move { to: PerAxis(to), shape, speed: rate, corner: end, tag })
+            (start, Move { to: MachinePos::new(to), shape, speed: rate, corner: end, tag })
         })
         .collect()
 }
@@ -246,9 +246,9 @@ fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
             MotionSpeed::Rapid => 80.0,
         };
         let length = match m.shape {
-            MoveShape::Line => distance(*from, m.to.0),
+            MoveShape::Line => distance(*from, m.to.coordinates()),
             MoveShape::Arc { center, plane, direction: turn } => {
-                let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
+                let arc = Arc::new(*from, m.to.coordinates(), center.coordinates(), plane, turn);
                 (arc.radius * arc.sweep).hypot(arc.rise)
             }
         };
@@ -256,7 +256,7 @@ fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
         let radius = match m.shape {
             MoveShape::Line => f64::INFINITY,
             MoveShape::Arc { center, plane, direction: turn } => {
-                Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3)
+                Arc::new(*from, m.to.coordinates(), center.coordinates(), plane, turn).radius.max(1e-3)
             }
         };
         let feed = feed.min((0.3 * j * radius * radius).cbrt()).min((0.7 * a * radius).sqrt());
@@ -275,8 +275,8 @@ struct Play {
 /// Plays it; returns every set-point.
 fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
     let contour = program(legs, tolerance_mm);
-    let mut path = TrajectoryPlanner::new(limits(), PerAxis([0.0; 3]));
-    let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.0);
+    let mut path = TrajectoryPlanner::new(limits(), MachinePos::default());
+    let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.coordinates());
     let tags: Vec<u32> = contour.iter().map(|(_, m)| m.tag).collect();
     let moves: Vec<Move> = contour.iter().map(|(_, m)| *m).collect();
     let (mut next, mut due, mut tick) = (0, 0_u64, 0_u64);
@@ -292,7 +292,7 @@ fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
             due += u64::from(play.gaps.get(next).copied().unwrap_or(0));
         }
         tick += 1;
-        let at = path.tick(ov).position.0;
+        let at = path.tick(ov).position.coordinates();
         witness.sees(at, seen.len());
         trace.push(at);
         seen.extend(std::iter::from_fn(|| path.pop_finished()));
@@ -318,7 +318,7 @@ fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
     }
     assert!(path.is_done(), "never done: {} moves left after {most} ticks", path.remaining_moves());
     assert_eq!(seen, tags);
-    assert!(distance(path.position().0, end) <= 1e-9, "ended at {:?}, not {end:?}", path.position());
+    assert!(distance(path.position().coordinates(), end) <= 1e-9, "ended at {:?}, not {end:?}", path.position());
     trace
 }
 

@@ -8,7 +8,7 @@ use kt830::nc::{
     Block, CommonVariables, EmptyLibrary, ExternalState, Feed, Interpreter, Library, LiveValue, NcSettings, NextStatus,
     OfflineMachine, Op, ProgramFault, Source, check,
 };
-use kt830::units::{Axis, PerAxis};
+use kt830::units::{Axis, WorkPos};
 
 fn start(text: impl Into<Vec<u8>>, settings: NcSettings) -> (Interpreter, OfflineMachine, Block) {
     let (world, block) = (OfflineMachine::new(&settings), Block::new(&settings));
@@ -156,7 +156,7 @@ struct Live434 {
 }
 
 impl ExternalState for Live434 {
-    fn position(&self) -> PerAxis<f64> {
+    fn position(&self) -> WorkPos {
         self.inner.position()
     }
 
@@ -197,7 +197,7 @@ fn b3_a_live_value_waits_for_motion_and_the_block_is_read_again() {
 struct Counting(OfflineMachine, u32);
 
 impl ExternalState for Counting {
-    fn position(&self) -> PerAxis<f64> {
+    fn position(&self) -> WorkPos {
         self.0.position()
     }
 
@@ -255,7 +255,7 @@ fn b2_a_frame_and_a_move_in_one_block_come_in_two_parts() {
     assert_eq!(block.ops, [Op::SelectWorkOffset { g: 55 }, Op::T { tool: 3, offset: 3 }]);
     assert!(!block.complete);
     // Frame and offset have moved the origin meanwhile.
-    let mut world = world.with_position(PerAxis([7.0, 0.0, 0.0]));
+    let mut world = world.with_position(WorkPos::new([7.0, 0.0, 0.0]));
     interpreter.next(&mut world, &mut block).unwrap();
     assert_eq!(block.ops[0].to_string(), "rapid x=8 y=0 z=0 [X+]");
     assert!(block.complete);
@@ -272,7 +272,7 @@ fn b5_a_run_from_a_chosen_block_knows_what_is_in_force_there() {
         (modals.work_offset, modals.tool, modals.feed(), modals.motion.g()),
         (56, 2, Some(Feed::PerRev(0.2)), 1)
     );
-    assert_eq!(world.position(), PerAxis([11.0, 0.0, 0.0]));
+    assert_eq!(world.position(), WorkPos::new([11.0, 0.0, 0.0]));
     assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
     assert_eq!((block.location.line, block.location.n), (5, Some(70)));
     assert_eq!(interpreter.advance_to(99, &mut world, &mut |_| {}), Ok(NextStatus::End));

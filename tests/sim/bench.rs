@@ -7,7 +7,7 @@ use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::{Input, Output};
 use kt830::io::sim::{EventKind, MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
-use kt830::units::{Axis, Micros, PerAxis};
+use kt830::units::{Axis, EncoderPos, Micros, PerAxis};
 
 /// Acceleration of the hand, mm/s²: the control's.
 const ACCEL_MM_S2: f64 = 800.0;
@@ -147,7 +147,7 @@ impl Rig {
     pub fn go_xyz(&mut self, x: f64, y: f64, z: f64, feed_mm_min: f64) {
         let zero = self.sim.encoder_zero_mm();
         let part = PerAxis([if self.diameters { x / 2.0 } else { x }, y, z]);
-        let to = PerAxis::from_fn(|axis| part[axis] + self.g54[axis] - zero[axis]);
+        let to = EncoderPos::from_fn(|axis| part[axis] + self.g54[axis] - zero[axis]);
         let from = self.out.set_point_mm;
         let way = Axis::ALL.map(|axis| (to[axis] - from[axis]).powi(2)).iter().sum::<f64>().sqrt();
         let dt = self.tick.as_secs_f64();
@@ -157,7 +157,7 @@ impl Rig {
             speed = (speed + ACCEL_MM_S2 * dt).min(feed_mm_min / 60.0).min(stopping);
             gone = (gone + speed * dt).min(way);
             let share = gone / way;
-            self.out.set_point_mm = PerAxis::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * share);
+            self.out.set_point_mm = EncoderPos::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * share);
             self.step();
         }
         self.out.set_point_mm = to;

@@ -7,7 +7,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::{Input, Output, Terminals};
 use kt830::io::sim::{EventKind, MachineFile, PartFile, SimulatedMachine};
-use kt830::units::Axis;
+use kt830::units::{Axis, EncoderPos};
 
 /// Whether an input is on after so many seconds more.
 fn after(rig: &mut Rig, seconds: f64, input: Input) -> bool {
@@ -207,7 +207,7 @@ fn t3_a_ready_machine_has_pressure_and_is_magnetised() {
         assert!((rig.sim.magnet_force() - magnet).abs() < 1e-9, "{kind:?}");
         rig.wait(1.0);
         assert!(rig.input(Input::HydraulicPressure) && (rig.sim.magnet_force() - magnet).abs() < 1e-9, "{kind:?}");
-        assert!(rig.seen.encoder_mm.0.iter().all(|mm| mm.abs() <= 0.0) && rig.events().is_empty());
+        assert!(rig.seen.encoder_mm.coordinates().iter().all(|mm| mm.abs() <= 0.0) && rig.events().is_empty());
     }
 }
 
@@ -508,12 +508,12 @@ fn p8_whatever_the_control_does_table_machines_stay_in_their_bounds() {
                 rig.out.drives_on = bits & 0xF != 0;
                 rig.out.wheel_volts = (bits >> 8 & 0xF) as f64 - 2.0;
                 let wild = [16, 26, 36].map(|shift| (bits >> shift & 0x1FF) as f64 - 300.0);
-                rig.out.set_point_mm.0 = if bits & 0xF0 == 0 { [f64::NAN; 3] } else { wild };
+                rig.out.set_point_mm = EncoderPos::new(if bits & 0xF0 == 0 { [f64::NAN; 3] } else { wild });
             }
             rig.tick.0 = [500, 1_000, 4_000, 30_000][(bits >> 60) as usize % 4];
             rig.step();
             let (slide, wheel) = (rig.sim.slide_mm(), rig.sim.wheel());
-            assert!(slide.0.iter().zip(travel).all(|(at, most)| (-most..=8.0).contains(at)), "{slide:?}");
+            assert!(slide.coordinates().iter().zip(travel).all(|(at, most)| (-most..=8.0).contains(at)), "{slide:?}");
             assert!(
                 (0.0..=1_260.0).contains(&wheel.rpm) && wheel.diameter_mm > 400.0 && wheel.load_percent.is_finite()
             );
@@ -528,7 +528,7 @@ fn p8_whatever_the_control_does_table_machines_stay_in_their_bounds() {
 fn p1_a_cold_machine_of_every_kind_stands_in_mid_travel_with_nothing_pressed() {
     for kind in Kind::KT830 {
         let rig = cold_of(kind);
-        assert!(rig.seen.encoder_mm.0.iter().all(|mm| mm.abs() <= 0.0));
+        assert!(rig.seen.encoder_mm.coordinates().iter().all(|mm| mm.abs() <= 0.0));
         for input in [Input::HomeX, Input::HomeZ, Input::LimitXMinus, Input::LimitZPlus, Input::DriveX, Input::Gauge4] {
             assert!(!rig.input(input), "{kind:?} {}", input.id());
         }

@@ -3,7 +3,7 @@
 use crate::bench::{Rig, cold, ready};
 use kt830::defs::signal::{Input, Output, Terminals};
 use kt830::io::Backend;
-use kt830::units::Axis;
+use kt830::units::{Axis, EncoderPos};
 
 /// Cold machine with its drives on.
 fn driven() -> Rig {
@@ -16,7 +16,7 @@ fn driven() -> Rig {
 #[test]
 fn p1_at_power_on_the_encoders_read_zero_somewhere_in_mid_travel() {
     let rig = cold();
-    assert!(rig.seen.encoder_mm.0.iter().all(|mm| mm.abs() <= 0.0));
+    assert!(rig.seen.encoder_mm.coordinates().iter().all(|mm| mm.abs() <= 0.0));
     let zero = rig.sim.encoder_zero_mm();
     assert!((zero[Axis::X] + 40.0).abs() < 1e-9 && (zero[Axis::Z] + 150.0).abs() < 1e-9);
     for input in [Input::EmergencyStop, Input::LimitXPlus, Input::LimitZMinus, Input::DriveX, Input::HomeX] {
@@ -252,13 +252,13 @@ fn p8_whatever_the_control_does_the_machine_stays_in_its_bounds() {
             rig.out.drives_on = bits & 0xF != 0;
             rig.out.wheel_volts = (bits >> 8 & 0xF) as f64 - 2.0;
             let wild = [(bits >> 16 & 0x3FF) as f64 - 500.0, f64::NAN, (bits >> 32 & 0x7FF) as f64 - 1_200.0];
-            rig.out.set_point_mm.0 = if bits & 0xF0 == 0 { [f64::NAN; 3] } else { wild };
+            rig.out.set_point_mm = EncoderPos::new(if bits & 0xF0 == 0 { [f64::NAN; 3] } else { wild });
         }
         rig.tick.0 = [500, 1_000, 4_000, 30_000][(bits >> 60) as usize % 4];
         rig.step();
         let (slide, wheel) = (rig.sim.slide_mm(), rig.sim.wheel());
         assert!((-308.0..=8.0).contains(&slide[Axis::X]) && (-908.0..=8.0).contains(&slide[Axis::Z]), "{slide:?}");
-        assert!(rig.seen.encoder_mm.0.iter().all(|mm| mm.is_finite()));
+        assert!(rig.seen.encoder_mm.coordinates().iter().all(|mm| mm.is_finite()));
         assert!((0.0..=1_260.0).contains(&wheel.rpm) && wheel.diameter_mm > 500.0 && wheel.load_percent.is_finite());
         assert!(rig.sim.measure().diameters.iter().all(|at| (0.0..=40.4).contains(&at.d)));
     }

@@ -18,7 +18,7 @@ use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{self, Params};
 use crate::io::InputImage;
 use crate::motion::{AxisLimits, AxisMover, MotionLimits, Override, ThreadMover, TrajectoryPlanner};
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, EncoderPos, MachinePos, Micros, PerAxis};
 
 /// Seconds in a minute: parameters are per minute, motion per second.
 pub const SECONDS_PER_MINUTE: f64 = 60.0;
@@ -38,7 +38,7 @@ pub enum AxisOwner {
 /// Set-points and the direction from which they were reached.
 #[derive(Clone, Copy, Debug)]
 struct Commanded {
-    set_point: PerAxis<f64>,
+    set_point: MachinePos,
     /// The last move of each axis was in the minus direction: backlash is taken up on that side.
     last_move_minus: PerAxis<bool>,
 }
@@ -48,10 +48,10 @@ struct Commanded {
 struct Feedback {
     /// Machine coordinate minus encoder reading.
     machine_minus_encoder_mm: PerAxis<f64>,
-    /// Actual positions from the encoders.
-    encoder: PerAxis<f64>,
-    /// Displayed positions: equal to `encoder`, except under machine lock.
-    actual: PerAxis<f64>,
+    /// Measured positions.
+    measured: MachinePos,
+    /// Displayed positions: equal to `measured`, except under machine lock.
+    actual: MachinePos,
 }
 
 /// An axis that oscillates independently of the owner.
@@ -99,7 +99,8 @@ impl Axes {
         let tick_time = Micros(params.get(param::TICK_TIME) as u64);
         let tick_s = tick_time.as_secs_f64();
         let limits = limits(params, tick_s);
-        let start = image.encoder_mm;
+        // Not homed: the machine zero is where the drives were switched on.
+        let start = MachinePos::new(image.encoder_mm.coordinates());
         let movers = PerAxis::from_fn(|axis| AxisMover::new(limits.axes[axis], start[axis], limits.tick_s));
         Self {
             planner: TrajectoryPlanner::new(limits, start),
@@ -107,7 +108,7 @@ impl Axes {
             present: row.fitted(params),
             owner: AxisOwner::Manual,
             homed: PerAxis::default(),
-            feedback: Feedback { machine_minus_encoder_mm: PerAxis::default(), encoder: start, actual: start },
+            feedback: Feedback { machine_minus_encoder_mm: PerAxis::default(), measured: start, actual: start },
             commanded: Commanded { set_point: start, last_move_minus: PerAxis::default() },
             velocity_mm_s: PerAxis::default(),
             oscillating: None,
@@ -143,7 +144,7 @@ impl Axes {
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         let shift = coordinate - edge;
         self.feedback.machine_minus_encoder_mm[axis] += shift;
-        self.feedback.encoder[axis] += shift;
+        self.feedback.measured[axis] += shift;
         self.feedback.actual[axis] += shift;
         self.commanded.set_point[axis] += shift;
         self.movers[axis].set_position(self.commanded.set_point[axis]);
@@ -175,10 +176,10 @@ impl Axes {
     /// Reads the encoders.
     pub fn read(&mut self, image: &InputImage) {
         let applied = self.compensation.applied_mm();
-        self.feedback.encoder = PerAxis::from_fn(|axis| {
+        self.feedback.measured = MachinePos::from_fn(|axis| {
             image.encoder_mm[axis] + self.feedback.machine_minus_encoder_mm[axis] - applied[axis]
         });
-        self.feedback.actual = if self.locked.is_some() { self.commanded.set_point } else { self.feedback.encoder };
+        self.feedback.actual = if self.locked.is_some() { self.commanded.set_point } else { self.feedback.measured };
     }
 
     /// One tick of the owner of the axes. A thread follows `spindle_turns` (revolutions).
@@ -277,7 +278,7 @@ impl Axes {
 
     /// The set-points as the program sees them: an oscillating axis counts as being at its start point.
     #[must_use]
-    pub fn program_set_point(&self) -> PerAxis<f64> {
+    pub fn program_set_point(&self) -> MachinePos {
         let mut set = self.commanded.set_point;
         if let Some(OscillatingAxis { axis, start_mm, .. }) = self.oscillating {
             set[axis] = start_mm;
@@ -287,10 +288,10 @@ impl Axes {
 
     /// The set-point of each axis in encoder coordinates, mm.
     #[must_use]
-    pub fn encoder_set_points(&self) -> PerAxis<f64> {
+    pub fn encoder_set_points(&self) -> EncoderPos {
         let Commanded { set_point: set, .. } = self.physical_position();
         let applied = self.compensation.applied_mm();
-        PerAxis::from_fn(|axis| set[axis] - self.feedback.machine_minus_encoder_mm[axis] + applied[axis])
+        EncoderPos::from_fn(|axis| set[axis] - self.feedback.machine_minus_encoder_mm[axis] + applied[axis])
     }
 
     /// The real set-points and last directions, with machine lock on or off.
@@ -331,7 +332,7 @@ impl Axes {
     /// Machine lock off: displays the real positions again.
     pub fn unlock(&mut self) {
         let Some(real) = self.locked.take() else { return };
-        (self.commanded, self.feedback.actual) = (real, self.feedback.encoder);
+        (self.commanded, self.feedback.actual) = (real, self.feedback.measured);
         let set = real.set_point;
         self.planner.reset_to(set);
         for axis in Axis::ALL {
@@ -408,7 +409,7 @@ impl Axes {
     pub fn first_following_error(&self, params: &Params) -> Option<Axis> {
         let limit = params.get(param::FOLLOWING_LIMIT);
         let set = self.locked.map_or(self.commanded.set_point, |locked| locked.set_point);
-        self.present().find(|axis| (set[*axis] - self.feedback.encoder[*axis]).abs() > limit)
+        self.present().find(|axis| (set[*axis] - self.feedback.measured[*axis]).abs() > limit)
     }
 
     /// Drives off: the set-points follow the actual positions, so that switching on causes no jump.
@@ -454,13 +455,13 @@ impl Axes {
 
     /// Machine position from the encoders, mm.
     #[must_use]
-    pub const fn actual(&self) -> PerAxis<f64> {
+    pub const fn actual(&self) -> MachinePos {
         self.feedback.actual
     }
 
     /// Machine set-point, mm.
     #[must_use]
-    pub const fn set_point(&self) -> PerAxis<f64> {
+    pub const fn set_point(&self) -> MachinePos {
         self.commanded.set_point
     }
 

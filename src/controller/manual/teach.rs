@@ -11,7 +11,7 @@ use crate::defs::signal::Output;
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::files::FileRequest;
 use crate::link::teach::{TeachCommand, TeachView};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, WorkPos};
 use std::sync::Arc;
 
 /// Maximum blocks: numbers go in steps of ten and have four digits (L1).
@@ -30,9 +30,9 @@ const NOT_HERE: Text = Text::new("本机床没有录返功能", "this machine ha
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TaughtBlock {
     /// G92: start position, work coordinates, radius mm.
-    Start(PerAxis<f64>),
+    Start(WorkPos),
     /// A straight line: end point (work, radius mm), directions of X and Z, rapid or feed (mm/min).
-    Line { to: PerAxis<f64>, heading: [i8; 2], rapid: bool, feed: f64 },
+    Line { to: WorkPos, heading: [i8; 2], rapid: bool, feed: f64 },
     /// G37 or G39: an axis was homed.
     Home(Axis),
     /// An M code.
@@ -47,8 +47,8 @@ pub struct TeachRecorder {
     recording: bool,
     blocks: Vec<TaughtBlock>,
     /// End of the last block, and tool position one tick ago; work coordinates, radius mm.
-    segment_start: PerAxis<f64>,
-    previous: PerAxis<f64>,
+    segment_start: WorkPos,
+    previous: WorkPos,
     /// The present segment: directions of X and Z, greatest path speed, mm/s.
     heading: [i8; 2],
     speed_mm_s: f64,
@@ -244,7 +244,7 @@ impl TeachRecorder {
 }
 
 /// Set-point of the tool, work coordinates, radius mm.
-fn teach_position(plant: &Plant) -> PerAxis<f64> {
+fn teach_position(plant: &Plant) -> WorkPos {
     plant.work.offsets.work_from_machine(plant.axes.set_point())
 }
 

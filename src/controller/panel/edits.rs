@@ -94,8 +94,8 @@ impl Panel {
         }
         for (index, row) in out.offsets.iter_mut().enumerate() {
             *row = OffsetView {
-                geometry: parts.plant.displayed(&parts.plant.work.offsets.geometry[index]),
-                wear: parts.plant.displayed(&parts.plant.work.offsets.wear[index]),
+                geometry: parts.plant.displayed(parts.plant.work.offsets.geometry[index]),
+                wear: parts.plant.displayed(parts.plant.work.offsets.wear[index]),
             };
         }
         out.active_offset = parts.plant.work.offsets.tool_offset;

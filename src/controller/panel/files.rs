@@ -17,7 +17,7 @@ use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::snapshot::{Snapshot, Tone};
 use crate::link::toolpath::StockBox;
 use crate::nc::BlockLocation;
-use crate::units::PerAxis;
+use crate::units::WorkPos;
 use std::sync::Arc;
 
 /// Programs whose editing is protected by P23.5.
@@ -94,7 +94,7 @@ impl Panel {
                 memory: parts.plant.work.variables.clone(),
                 work_offsets: parts.plant.work.offsets.clone(),
                 // L3: a lathe program starts at its own zero.
-                position: if settings.start_is_work_zero { PerAxis::default() } else { parts.plant.work_position() },
+                position: if settings.start_is_work_zero { WorkPos::default() } else { parts.plant.work_position() },
                 reference_points: reference_points(params),
                 system_variables: PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
                 block_skip: parts.plant.operator.switches.block_skip,

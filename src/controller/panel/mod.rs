@@ -28,7 +28,7 @@ use crate::defs::kind::Kind;
 use crate::link::command::Screens;
 use crate::link::edit::EditAnswer;
 use crate::link::snapshot::DirectoryRow;
-use crate::units::PerAxis;
+use crate::units::MachinePos;
 
 /// The parts on which a key or a command acts.
 pub struct Parts<'a> {
@@ -71,7 +71,7 @@ pub struct Panel {
     pub directory: Arc<Vec<DirectoryRow>>,
     /// Date and time of day.
     pub calendar: calendar::Calendar,
-    relative_zero: PerAxis<f64>,
+    relative_zero: MachinePos,
 }
 
 impl Panel {
@@ -86,7 +86,7 @@ impl Panel {
             screens: Arc::default(),
             directory: Arc::default(),
             calendar: calendar::Calendar::new(clock_offset_s),
-            relative_zero: PerAxis::default(),
+            relative_zero: MachinePos::default(),
         }
     }
 }

@@ -41,7 +41,7 @@ use crate::defs::text::{LocalizedText, Text};
 use crate::io::InputImage;
 use crate::machine::lathe::station_in_position;
 use crate::machine::{ControlState, Machine, RequestResult};
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
 
 /// Refusal while set-points move.
 pub const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
@@ -195,7 +195,7 @@ impl Plant {
     }
 
     /// The actual work position, radius mm.
-    pub fn work_position(&self) -> PerAxis<f64> {
+    pub fn work_position(&self) -> WorkPos {
         self.work.offsets.work_from_machine(self.axes.actual())
     }
 
@@ -244,9 +244,9 @@ impl Plant {
         }
     }
 
-    /// Converts radius mm to displayed mm.
-    pub fn displayed(&self, values: &PerAxis<f64>) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| values[axis] * self.displayed_per_mm(axis))
+    /// The displayed millimetres of slide travel: X is doubled in diameter mode.
+    pub fn displayed(&self, values: PerAxis<f64>) -> DisplayPos {
+        DisplayPos::from_fn(|axis| values[axis] * self.displayed_per_mm(axis))
     }
 
     /// Whether an axis moves.

@@ -128,13 +128,13 @@ impl Plant {
         ];
         let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
         let Some(axis) = self.axes.present().nth(index) else { return Some(None) };
-        let place = match which {
-            0 => self.work.offsets.work_from_machine(self.axes.set_point()),
-            1 => self.axes.actual(),
-            2 => self.work_position(),
-            _ => self.work.skip_position,
+        let mm = match which {
+            0 => self.work.offsets.work_from_machine(self.axes.set_point())[axis],
+            1 => self.axes.actual()[axis],
+            2 => self.work_position()[axis],
+            _ => self.work.skip_position[axis],
         };
-        Some(Some(place[axis] * self.displayed_per_mm(axis)))
+        Some(Some(mm * self.displayed_per_mm(axis)))
     }
 }
 

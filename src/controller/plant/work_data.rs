@@ -9,7 +9,7 @@ use crate::controller::storage_request::StorageRequest;
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::nc::{CommonVariables, VariableError, WorkOffsets};
-use crate::units::PerAxis;
+use crate::units::{MachinePos, PerAxis, WorkPos};
 
 /// Results of the last G78 for the program: #434 to #437, mm as displayed.
 pub type GaugePositions = [Option<f64>; 4];
@@ -30,11 +30,11 @@ pub struct WorkData {
     /// Offsets added to the time since power-on in #3001 (ms) and #3002 (h).
     pub timer_offset: [f64; 2],
     /// Position latched by the last G31, work coordinates, radius mm.
-    pub skip_position: PerAxis<f64>,
+    pub skip_position: WorkPos,
     /// Results of the last G78.
     pub gauge_positions: GaugePositions,
     /// The tool-change point: tip position at the start of the last program, machine coordinates (L3).
-    pub tool_change_point: Option<PerAxis<f64>>,
+    pub tool_change_point: Option<MachinePos>,
 }
 
 impl WorkData {
@@ -53,7 +53,7 @@ impl WorkData {
             programs: Arc::default(),
             part_count,
             timer_offset: [0.0; 2],
-            skip_position: PerAxis::default(),
+            skip_position: WorkPos::default(),
             gauge_positions: GaugePositions::default(),
             tool_change_point: None,
         }
@@ -101,7 +101,7 @@ impl Plant {
     /// Shifts the tool-change point with the slides when a tool compensation is applied.
     pub fn shift_tool_change_point(&mut self, shift: PerAxis<f64>) {
         if let Some(start) = &mut self.work.tool_change_point {
-            *start = PerAxis::from_fn(|axis| start[axis] + shift[axis] - self.work.offsets.shift[axis]);
+            *start = *start + shift - self.work.offsets.shift;
         }
     }
 

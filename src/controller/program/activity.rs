@@ -3,7 +3,7 @@
 
 use crate::defs::signal::Input;
 use crate::nc::GaugeMove;
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, MachinePos, Micros};
 
 /// The gauge inputs, P1 to P6.
 pub const GAUGE_INPUTS: [Input; 6] =
@@ -100,7 +100,7 @@ pub struct GaugeCycle {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ManualIntervention {
     /// Set-points when it began, machine mm.
-    pub start: PerAxis<f64>,
+    pub start: MachinePos,
     /// The axis that the hold has withdrawn, and the distance, mm.
     pub withdrawn: Option<(Axis, f64)>,
 }

@@ -13,7 +13,7 @@ use crate::defs::mcode::{Gauge, Request};
 use crate::defs::text::LocalizedText;
 use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
 use crate::nc::GaugeMove;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos};
 
 impl ProgramRun {
     /// One tick of G78.
@@ -109,7 +109,7 @@ impl ProgramRun {
             plant.raise(alarm::SOFT_LIMIT, Some(said));
             return ActionStatus::Wait;
         }
-        let mut to: PerAxis<f64> = from;
+        let mut to: MachinePos = from;
         to[axis] = target;
         let tag = self.next_tag;
         let rate = MotionSpeed::Feed { mm_s: mm_min / SECONDS_PER_MINUTE };

@@ -18,7 +18,7 @@ use crate::defs::signal::Output;
 use crate::defs::text::Text;
 use crate::motion::MoveShape;
 use crate::nc::AxisSet;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis};
 
 const WHEEL_STOPPED: Text = Text::new(
     "暂停中砂轮已停：先启动砂轮，再循环启动",
@@ -161,14 +161,14 @@ impl ProgramRun {
     fn shift_by_intervention(
         &mut self,
         parted: ManualIntervention,
-        now: PerAxis<f64>,
+        now: MachinePos,
         params: &Params,
     ) -> Result<(), MoveRefusal> {
-        let mut shift = PerAxis::from_fn(|axis| now[axis] - parted.start[axis]);
+        let mut shift = now - parted.start;
         if let Some((axis, distance)) = parted.withdrawn {
             shift[axis] -= distance;
         }
-        let begin = PerAxis::from_fn(|axis| parted.start[axis] + shift[axis]);
+        let begin = parted.start + shift;
         let mut items = self.queue.clone();
         let back = self.return_moves(parted, begin, &shift, params);
         let mut from = begin;
@@ -188,7 +188,7 @@ impl ProgramRun {
             items.push_front(QueueItem::Move(planned));
         }
         self.queue = items;
-        self.lookahead.machine_position = PerAxis::from_fn(|axis| self.lookahead.machine_position[axis] + shift[axis]);
+        self.lookahead.machine_position = self.lookahead.machine_position + shift;
         self.handover = Handover::Feeding;
         Ok(())
     }
@@ -197,7 +197,7 @@ impl ProgramRun {
     fn return_moves(
         &self,
         parted: ManualIntervention,
-        begin: PerAxis<f64>,
+        begin: MachinePos,
         shift: &PerAxis<f64>,
         params: &Params,
     ) -> Vec<PlannedMove> {
@@ -268,7 +268,7 @@ mod tests {
             axes.iter().for_each(|axis| set.insert(*axis));
             set
         };
-        PlannedMove::new(PerAxis(to), MoveShape::Line, ProgrammedFeed::Rapid, (set(words), set(incremental)))
+        PlannedMove::new(MachinePos::new(to), MoveShape::Line, ProgrammedFeed::Rapid, (set(words), set(incremental)))
     }
 
     #[test]
@@ -276,25 +276,26 @@ mod tests {
         let mut shift = PerAxis([-0.05, 0.0, 0.2]);
         let mut first = line([10.0, 0.0, 5.0], &[Axis::Z], &[Axis::Z]);
         first.shift(&mut shift);
-        assert_eq!(first.to, PerAxis([9.95, 0.0, 5.2]));
+        assert_eq!(first.to, MachinePos::new([9.95, 0.0, 5.2]));
         let mut place = line([8.0, 0.0, 5.0], &[Axis::X], &[]);
         place.shift(&mut shift);
-        assert_eq!(place.to, PerAxis([8.0, 0.0, 5.2]));
+        assert_eq!(place.to, MachinePos::new([8.0, 0.0, 5.2]));
         let mut later = line([7.0, 0.0, 4.0], &[Axis::X, Axis::Z], &[Axis::X, Axis::Z]);
         later.shift(&mut shift);
-        assert_eq!(later.to, PerAxis([7.0, 0.0, 4.2]));
+        assert_eq!(later.to, MachinePos::new([7.0, 0.0, 4.2]));
     }
 
     #[test]
     fn k6_3_the_centre_of_an_incremental_arc_goes_with_it() {
         let mut shift = PerAxis([-0.05, 0.0, 0.0]);
         let mut arc = line([0.0, 0.0, 10.0], &[Axis::X, Axis::Z], &[Axis::X, Axis::Z]);
-        arc.shape = MoveShape::Arc { center: PerAxis([5.0, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw };
+        arc.shape =
+            MoveShape::Arc { center: MachinePos::new([5.0, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw };
         arc.shift(&mut shift);
-        assert_eq!(arc.to, PerAxis([-0.05, 0.0, 10.0]));
+        assert_eq!(arc.to, MachinePos::new([-0.05, 0.0, 10.0]));
         assert_eq!(
             arc.shape,
-            MoveShape::Arc { center: PerAxis([4.95, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw }
+            MoveShape::Arc { center: MachinePos::new([4.95, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw }
         );
     }
 }

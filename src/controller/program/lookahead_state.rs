@@ -19,7 +19,7 @@ use crate::nc::{
     ArcMove, AxisSet, BlockLocation, CoordinateChange, Feed, Op, OpEffect, OpMotion, OscillationChange, PathMode,
     ProgramMessage, REFERENCE_POINTS, ThreadMove, WorkOffsets,
 };
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// Work offsets, position and modal state at the end of the blocks read so far.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct LookaheadState {
     /// Active work offsets; shared until one changes.
     pub work_offsets: Arc<WorkOffsets>,
     /// Machine position, radius mm.
-    pub machine_position: PerAxis<f64>,
+    pub machine_position: MachinePos,
     /// The dressing points, machine coordinates, radius mm.
     pub dress_points: PerAxis<Option<f64>>,
     /// The oscillating axis.
@@ -44,7 +44,7 @@ pub struct LookaheadState {
 impl LookaheadState {
     /// State at the start of a run.
     #[must_use]
-    pub fn new(frames: WorkOffsets, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
+    pub fn new(frames: WorkOffsets, machine: MachinePos, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
         Self {
             work_offsets: Arc::new(frames),
             machine_position: machine,
@@ -105,7 +105,7 @@ impl LookaheadState {
         match motion {
             OpMotion::Work(by) => self.queue_work_move(by, items, params),
             OpMotion::Machine { to, feed } => {
-                let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine_position[axis]));
+                let target = MachinePos::from_fn(|axis| to[axis].unwrap_or(self.machine_position[axis]));
                 let named = (motion.named_axes(), AxisSet::NONE);
                 self.queue_move(PlannedMove::new(target, MoveShape::Line, speed(feed), named), items, params)
             }
@@ -115,8 +115,8 @@ impl LookaheadState {
                 let rapid = ProgrammedFeed::Rapid;
                 self.queue_move(PlannedMove::new(target, MoveShape::Line, rapid, named), items, params)?;
                 let at = reference_points(params)[usize::from(number).clamp(1, REFERENCE_POINTS) - 1];
-                let to =
-                    PerAxis::from_fn(|axis| if words.contains(axis) { at[axis] } else { self.machine_position[axis] });
+                let stays = self.machine_position;
+                let to = MachinePos::from_fn(|axis| if words.contains(axis) { at[axis] } else { stays[axis] });
                 let named = (words, AxisSet::NONE);
                 self.queue_move(PlannedMove::new(to, MoveShape::Line, rapid, named), items, params)
             }
@@ -243,21 +243,21 @@ impl LookaheadState {
         items.push_back(QueueItem::Action(QueuedAction::IndexTurret(station)));
         items.push_back(QueueItem::Action(QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))));
         let Some(by) = by else { return Ok(()) };
-        let to = PerAxis::from_fn(|axis| self.machine_position[axis] + by[axis]);
+        let to = self.machine_position + by;
         let named = (AxisSet::XZ, AxisSet::XZ);
         self.queue_move(PlannedMove::new(to, MoveShape::Line, ProgrammedFeed::Rapid, named), items, params)
     }
 
     /// The position with Y unchanged from the read-ahead position.
-    fn with_y(&self, mut at: PerAxis<f64>) -> PerAxis<f64> {
+    fn with_y(&self, mut at: MachinePos) -> MachinePos {
         at[Axis::Y] = self.machine_position[Axis::Y];
         at
     }
 
     /// Machine coordinates of a target; axes that the block does not program stay where they are.
-    fn machine_target(&self, to: PerAxis<f64>, words: AxisSet) -> PerAxis<f64> {
+    fn machine_target(&self, to: WorkPos, words: AxisSet) -> MachinePos {
         let machine = self.work_offsets.machine_from_work(to);
-        PerAxis::from_fn(|axis| if words.contains(axis) { machine[axis] } else { self.machine_position[axis] })
+        MachinePos::from_fn(|axis| if words.contains(axis) { machine[axis] } else { self.machine_position[axis] })
     }
 
     /// G27: machine coordinates, independent of active offsets.
@@ -307,9 +307,9 @@ impl LookaheadState {
 
 /// The reference points of G28 and G30, machine coordinates, radius mm.
 #[must_use]
-pub fn reference_points(params: &Params) -> [PerAxis<f64>; REFERENCE_POINTS] {
+pub fn reference_points(params: &Params) -> [MachinePos; REFERENCE_POINTS] {
     [param::HOME_X, param::REFERENCE_2_X, param::REFERENCE_3_X, param::REFERENCE_4_X]
-        .map(|x| PerAxis::from_fn(|axis| params.get_axis(x, axis)))
+        .map(|x| MachinePos::from_fn(|axis| params.get_axis(x, axis)))
 }
 
 const fn speed(feed: Option<Feed>) -> ProgrammedFeed {

@@ -12,7 +12,7 @@ use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
 use crate::nc::{AxisSet, BlockLocation, GaugeMove, MCodeWords, SpeedMode, WorkOffsets};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis};
 
 /// The axes that a block programs, and those of them that it programs incrementally.
 pub type NamedAxes = (AxisSet, AxisSet);
@@ -21,7 +21,7 @@ pub type NamedAxes = (AxisSet, AxisSet);
 #[derive(Clone, Debug)]
 pub struct PlannedMove {
     /// End point, machine coordinates, radius mm.
-    pub to: PerAxis<f64>,
+    pub to: MachinePos,
     /// Line or arc.
     pub shape: MoveShape,
     /// Its speed.
@@ -39,12 +39,7 @@ pub struct PlannedMove {
 impl PlannedMove {
     /// A move with exact stop, not yet handed to the planner.
     #[must_use]
-    pub const fn new(
-        to: PerAxis<f64>,
-        shape: MoveShape,
-        speed: ProgrammedFeed,
-        (words, incremental): NamedAxes,
-    ) -> Self {
+    pub const fn new(to: MachinePos, shape: MoveShape, speed: ProgrammedFeed, (words, incremental): NamedAxes) -> Self {
         Self {
             to,
             shape,
@@ -60,7 +55,7 @@ impl PlannedMove {
     ///
     /// # Errors
     /// The axis, its position and the limit.
-    pub fn check_soft_limits(&self, from: PerAxis<f64>, params: &Params) -> Result<(), MoveRefusal> {
+    pub fn check_soft_limits(&self, from: MachinePos, params: &Params) -> Result<(), MoveRefusal> {
         for axis in Axis::ALL {
             if (self.to[axis] - from[axis]).abs() > 0.0 {
                 check_soft_limits(axis, self.to[axis], params)?;
@@ -216,9 +211,9 @@ pub fn check_soft_limits(axis: Axis, at: f64, params: &Params) -> Result<(), Mov
 
 /// An arc in the plane of two axes.
 struct PlaneArc {
-    from: PerAxis<f64>,
-    to: PerAxis<f64>,
-    center: PerAxis<f64>,
+    from: MachinePos,
+    to: MachinePos,
+    center: MachinePos,
     first: Axis,
     second: Axis,
     ccw: bool,
@@ -226,9 +221,9 @@ struct PlaneArc {
 
 impl PlaneArc {
     /// Whether the arc passes through a point of its circle.
-    fn passes(&self, point: PerAxis<f64>) -> bool {
+    fn passes(&self, point: MachinePos) -> bool {
         let Self { from, to, center, first, second, ccw } = *self;
-        let angle = |at: PerAxis<f64>| (at[second] - center[second]).atan2(at[first] - center[first]);
+        let angle = |at: MachinePos| (at[second] - center[second]).atan2(at[first] - center[first]);
         let sense = if ccw { 1.0 } else { -1.0 };
         let swept = |to: f64| (sense * (to - angle(from))).rem_euclid(std::f64::consts::TAU);
         let whole = swept(angle(to));
@@ -243,11 +238,11 @@ mod tests {
     #[test]
     fn b5_an_arc_is_checked_where_it_bulges() {
         // From angle 0 (Z+) counter-clockwise to 180°: it passes the summit at X+, not the one at X−.
-        let center = PerAxis([0.0, 0.0, 0.0]);
-        let (from, to) = (PerAxis([0.0, 0.0, 10.0]), PerAxis([0.0, 0.0, -10.0]));
+        let center = MachinePos::new([0.0, 0.0, 0.0]);
+        let (from, to) = (MachinePos::new([0.0, 0.0, 10.0]), MachinePos::new([0.0, 0.0, -10.0]));
         let passes =
             |from, to, ccw, point| PlaneArc { from, to, center, first: Axis::Z, second: Axis::X, ccw }.passes(point);
-        let (up, down) = (PerAxis([10.0, 0.0, 0.0]), PerAxis([-10.0, 0.0, 0.0]));
+        let (up, down) = (MachinePos::new([10.0, 0.0, 0.0]), MachinePos::new([-10.0, 0.0, 0.0]));
         assert!(passes(from, to, true, up) && !passes(from, to, true, down));
         assert!(passes(from, to, false, down) && !passes(from, to, false, up));
         assert!(passes(from, from, true, down), "a full circle passes everything");

@@ -17,7 +17,7 @@ use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::machine::RequestResult;
 use crate::nc::{self, BlockLocation, Library, Source};
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, MachinePos, Micros};
 
 /// The programs that retract and return the wheel.
 const RETRACT_PROGRAM: u32 = 9_000;
@@ -37,13 +37,13 @@ pub enum RetractStage {
     /// The key was pressed in a run: O9000 starts as soon as the axes are at rest.
     Requested,
     /// O9000 runs. Start position (machine, radius mm).
-    Retracting(PerAxis<f64>),
+    Retracting(MachinePos),
     /// The wheel is retracted. Start position, and end position of O9000 (machine, radius mm).
-    Retracted(PerAxis<f64>, PerAxis<f64>),
+    Retracted(MachinePos, MachinePos),
     /// O9001 runs. Target: the start position.
-    Returning(PerAxis<f64>),
+    Returning(MachinePos),
     /// O9001 ended elsewhere. The axes must be jogged to this position.
-    OffPosition(PerAxis<f64>),
+    OffPosition(MachinePos),
 }
 
 /// The retract and the suspended run.
@@ -241,7 +241,7 @@ impl Program {
 }
 
 /// The first axis that is off a position, and by how much, radius mm.
-fn position_deviation(plant: &Plant, from: PerAxis<f64>) -> Option<(Axis, f64)> {
+fn position_deviation(plant: &Plant, from: MachinePos) -> Option<(Axis, f64)> {
     let now = plant.axes.program_set_point();
     Axis::ALL.into_iter().map(|axis| (axis, now[axis] - from[axis])).find(|(_, off)| off.abs() > RETURN_TOLERANCE_MM)
 }
@@ -259,7 +259,7 @@ fn moved_away_text(plant: &Plant, axis: Axis, off: f64) -> LocalizedText {
     )
 }
 
-fn off_position_text(plant: &Plant, from: PerAxis<f64>) -> LocalizedText {
+fn off_position_text(plant: &Plant, from: MachinePos) -> LocalizedText {
     let (axis, off) = position_deviation(plant, from).unwrap_or((plant.kind.row().wheel_axis, 0.0));
     let off = off * plant.displayed_per_mm(axis);
     LocalizedText::new(

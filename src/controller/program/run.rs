@@ -15,7 +15,7 @@ use super::queue::{QueueItem, QueuedAction};
 use crate::defs::param::Params;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::nc::{self, Block, CommonVariables, Interpreter, Library, Source, WorkOffsets};
-use crate::units::{Micros, PerAxis};
+use crate::units::{MachinePos, Micros};
 
 /// Maximum items read ahead.
 pub const MAX_ITEMS: usize = 512;
@@ -49,7 +49,7 @@ pub struct PendingPreflight {
     /// The operator has been informed.
     pub announced: bool,
     /// Work offsets and tool-change point before the start: a refused program changes nothing.
-    pub before: (WorkOffsets, Option<PerAxis<f64>>),
+    pub before: (WorkOffsets, Option<MachinePos>),
 }
 
 /// One run of a program or an MDI line.

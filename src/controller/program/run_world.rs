@@ -16,7 +16,7 @@ use crate::defs::text::LocalizedText;
 use crate::link::edit::OffsetPart;
 use crate::machine::RequestResult;
 use crate::nc::{ExternalState, LiveValue};
-use crate::units::PerAxis;
+use crate::units::{PerAxis, WorkPos};
 
 /// Threshold between off (0) and on (1) when a program writes an output.
 const SWITCH_THRESHOLD: f64 = 0.5;
@@ -36,7 +36,7 @@ impl<'a> RunWorld<'a> {
 }
 
 impl ExternalState for RunWorld<'_> {
-    fn position(&self) -> PerAxis<f64> {
+    fn position(&self) -> WorkPos {
         self.planned.work_offsets.work_from_machine(self.planned.machine_position)
     }
 
@@ -56,11 +56,11 @@ impl ExternalState for RunWorld<'_> {
         self.planned.work_offsets.tool
     }
 
-    fn program_start(&self) -> PerAxis<f64> {
+    fn program_start(&self) -> WorkPos {
         let Some(start) = self.plant.work.tool_change_point else { return self.position() };
         // L8: a tool change read ahead shifts the tip position by the same amount as the slides.
         let (there, now) = (self.planned.work_offsets.shift, self.plant.work.offsets.shift);
-        self.planned.work_offsets.work_from_machine(PerAxis::from_fn(|axis| start[axis] + there[axis] - now[axis]))
+        self.planned.work_offsets.work_from_machine(start + there - now)
     }
 
     fn block_skip(&self) -> bool {

@@ -18,7 +18,7 @@ use super::spindle::Spindle;
 use super::surface::{ContactFlags, Surface};
 use super::wheel::GrindingWheel;
 use crate::io::random::SplitMix64;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos, PerAxis, Position, WorkPos};
 
 /// Time over which dressing cuts are summed, s: a dresser fed too fast into the rim breaks, however short the tick.
 const CUT_WINDOW_S: f64 = 0.1;
@@ -30,7 +30,7 @@ const SWEEP_LIMIT_MM: f64 = 20.0;
 pub(super) struct MachineState {
     pub seconds: f64,
     pub dt_s: f64,
-    pub slide_mm: PerAxis<f64>,
+    pub slide_mm: MachinePos,
     pub speed_mm_s: PerAxis<f64>,
     pub wheel: Spindle,
     pub wheel_m_s: f64,
@@ -153,7 +153,7 @@ impl Grinding {
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
             self.obstacles.extend(part.tailstock.as_ref().map(Obstacle::of_tailstock));
         }
-        let zero = self.machine.layout.wheel_at(PerAxis([self.work_zero.x, self.work_zero.y, self.work_zero.z]));
+        let zero = self.machine.layout.wheel_at(self.work_zero.machine());
         self.obstacles.extend(self.machine.plate.as_ref().map(|plate| Obstacle::of_plate(plate, &zero)));
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
         let obstacles = self.obstacles.iter().map(Obstacle::top_mm);
@@ -187,7 +187,7 @@ impl Grinding {
 
     /// An event at the current time and position.
     pub(super) fn event(&self, kind: EventKind, place: &'static str, scene: &MachineState) -> SimEvent {
-        let at = PerAxis::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis));
+        let at = WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis));
         let layout = self.machine.layout;
         let whole = scene.speed_mm_s.0.iter().map(|v| v * v).sum::<f64>().sqrt();
         SimEvent {
@@ -213,7 +213,7 @@ impl Grinding {
     /// Position and motion of the wheel, part coordinates.
     fn wheel_motion(&mut self, scene: &MachineState) -> WheelMotion {
         let layout = self.machine.layout;
-        let mut pass = layout.wheel_at(PerAxis::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis)));
+        let mut pass = layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis)));
         let far = (pass.stroke_mm - self.previous_stroke_mm).abs() > SWEEP_LIMIT_MM;
         pass.previous_stroke_mm = if far { pass.stroke_mm } else { self.previous_stroke_mm };
         self.previous_stroke_mm = pass.stroke_mm;
@@ -283,7 +283,7 @@ impl Grinding {
             return None;
         }
         let tip = self.probe_tip(
-            self.machine.layout.wheel_at(PerAxis::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis))),
+            self.machine.layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis))),
         );
         let inside = self.surfaces().iter().filter_map(|surface| surface.penetration_mm(&tip));
         inside.filter(|mm| *mm >= 0.0).max_by(f64::total_cmp)
@@ -413,7 +413,7 @@ fn contact_surface(
 
 impl LayoutFile {
     /// Slide positions in wheel directions, at rest.
-    fn wheel_at(self, at_mm: PerAxis<f64>) -> WheelMotion {
+    fn wheel_at<Frame>(self, at_mm: Position<Frame>) -> WheelMotion {
         let stroke_mm = self.stroke.map_or(0.0, |axis| at_mm[axis]);
         let (front_mm, left_mm) = (at_mm[self.infeed], at_mm[self.across]);
         WheelMotion { front_mm, left_mm, stroke_mm, previous_stroke_mm: stroke_mm, ..WheelMotion::default() }

@@ -5,7 +5,7 @@ use super::SimulatedMachine;
 use super::axis::{AxisSwitches, SimAxis};
 use super::lathe::SimLathe;
 use crate::defs::signal::{Input, InputSet, Terminals};
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, EncoderPos, Micros, PerAxis};
 
 /// The inputs of an axis: home, limit plus, limit minus, drive.
 const AXIS_INPUTS: PerAxis<[Input; 4]> = PerAxis([
@@ -27,7 +27,7 @@ impl SimulatedMachine {
         }
         InputImage {
             terminals,
-            encoder_mm: PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_mm)),
+            encoder_mm: EncoderPos::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_mm)),
             spindle_turns: self.lathe.as_ref().map_or(0.0, SimLathe::encoder_turns),
             handwheel_detents: 0,
             bus_alive: true,

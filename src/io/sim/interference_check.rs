@@ -5,7 +5,7 @@ use super::lathe::{Bar, touches_any, turret_with_tools};
 use super::machine_sections::{ToolFile, ToolTurretFile};
 use super::part_file::{BodyFile, PartFile};
 use crate::defs::param::Params;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Step along a move, mm: one cell of the bar.
 const STEP_MM: f64 = 0.1;
@@ -65,7 +65,7 @@ impl InterferenceCheck {
     }
 
     /// Gives the present point new work coordinates. The first call makes them the coordinates of the bar.
-    pub fn set_coordinate_system(&mut self, from: PerAxis<f64>, to: PerAxis<f64>) {
+    pub fn set_coordinate_system(&mut self, from: WorkPos, to: WorkPos) {
         let (x, z) = self
             .part_from_work
             .map_or((0.0, 0.0), |(x, z)| (x + from[Axis::X] - to[Axis::X], z + from[Axis::Z] - to[Axis::Z]));
@@ -73,7 +73,7 @@ impl InterferenceCheck {
     }
 
     /// Checks a straight move in work coordinates; returns the first crash, once per contact.
-    pub fn check_move(&mut self, from: PerAxis<f64>, to: PerAxis<f64>, rapid: bool) -> Option<&'static str> {
+    pub fn check_move(&mut self, from: WorkPos, to: WorkPos, rapid: bool) -> Option<&'static str> {
         let (shift, tool) = (self.part_from_work?, self.tools.get(self.station)?.clone());
         let length = (to[Axis::X] - from[Axis::X]).hypot(to[Axis::Z] - from[Axis::Z]);
         let pieces = (length / STEP_MM).ceil().max(1.0) as u64;

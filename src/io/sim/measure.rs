@@ -8,7 +8,7 @@ use super::lathe::SimLathe;
 use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
-use crate::units::PerAxis;
+use crate::units::{MachinePos, PerAxis};
 
 /// Present state of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +38,8 @@ impl SimulatedMachine {
 
     /// Actual position of each slide, machine coordinates, mm of slide travel.
     #[must_use]
-    pub fn slide_mm(&self) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm))
+    pub fn slide_mm(&self) -> MachinePos {
+        MachinePos::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm))
     }
 
     /// Present state of the wheel.

@@ -47,7 +47,7 @@ use super::random::SplitMix64;
 use super::{Backend, InputImage, OutputImage};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Output, OutputSet};
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, MachinePos, Micros, PerAxis};
 
 pub use self::fault::FaultError;
 pub use self::file_error::SimFileError;
@@ -88,7 +88,7 @@ pub struct SimulatedMachine {
     active_faults: ActiveFaults,
     log: EventLog,
     rng: SplitMix64,
-    start_mm: PerAxis<f64>,
+    start_mm: MachinePos,
     tailstock_at_start: bool,
     /// A crash has tripped all drives. Cleared when the drives are off and the axes are at rest.
     tripped: bool,
@@ -112,7 +112,7 @@ impl SimulatedMachine {
     pub fn new(machine: MachineFile, part: Option<&PartFile>, wiring: &Params, seed: u64) -> Self {
         let axes = fitted_axes(&machine, wiring);
         let mut sim = Self {
-            start_mm: PerAxis::from_fn(|axis| axes[axis].as_ref().map_or(0.0, SimAxis::encoder_zero_mm)),
+            start_mm: MachinePos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, SimAxis::encoder_zero_mm)),
             axes,
             spindles: Spindles::new(&machine),
             hydraulics: Hydraulics::new(machine.hydraulics.clone()),
@@ -179,7 +179,7 @@ impl SimulatedMachine {
             turning.set_part(part);
         }
         if let Some(part) = part {
-            self.start_mm = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
+            self.start_mm = part.start_mm.machine();
             self.tailstock_at_start = part.tailstock_advanced;
             self.hydraulics.place_tailstock(part.tailstock_advanced);
         }
@@ -222,7 +222,7 @@ impl SimulatedMachine {
     }
 
     fn step(&mut self, dt_s: f64) {
-        self.log.set_slides(PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm)));
+        self.log.set_slides(MachinePos::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm)));
         let mut crashed = self.move_axes(dt_s);
         let on = self.active_outputs;
         self.spindles.step(&self.file, on, (self.outputs.wheel_volts, self.outputs.analog_2_volts), dt_s);
@@ -256,7 +256,7 @@ impl SimulatedMachine {
         MachineState {
             seconds: self.seconds,
             dt_s,
-            slide_mm: PerAxis::from_fn(|axis| of(axis, SimAxis::slide_mm)),
+            slide_mm: MachinePos::from_fn(|axis| of(axis, SimAxis::slide_mm)),
             speed_mm_s: PerAxis::from_fn(|axis| of(axis, SimAxis::velocity_mm_s)),
             wheel: self.spindles.wheel,
             wheel_m_s: self.wheel().peripheral_m_s,

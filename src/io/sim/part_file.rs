@@ -12,6 +12,7 @@ use super::file_error::{SimFileError, require_positive};
 use crate::defs::kind::GrindingForm;
 use crate::defs::kind::Kind;
 use crate::defs::program_number;
+use crate::units::{MachinePos, PerAxis};
 
 /// Built-in parts of numbered programs.
 const BUILTIN: &[(&str, &str)] = &[
@@ -134,6 +135,20 @@ pub struct SlidePosition {
     pub y: f64,
     /// Z.
     pub z: f64,
+}
+
+impl SlidePosition {
+    /// The position in machine coordinates.
+    #[must_use]
+    pub const fn machine(self) -> MachinePos {
+        MachinePos::new([self.x, self.y, self.z])
+    }
+
+    /// The displacement of a work zero from the machine zero.
+    #[must_use]
+    pub const fn displacement(self) -> PerAxis<f64> {
+        PerAxis([self.x, self.y, self.z])
+    }
 }
 
 /// One tool offset to preset.

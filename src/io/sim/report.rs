@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MachinePos};
 
 /// Greatest number of stored events; further ones are only counted.
 const EVENT_LIMIT: usize = 256;
@@ -73,7 +73,7 @@ pub(super) struct EventLog {
     events: Vec<SimEvent>,
     dropped: u64,
     /// Present positions of the slides.
-    slide_mm: PerAxis<f64>,
+    slide_mm: MachinePos,
     /// Crashes whose contact has not ended.
     active_crashes: Vec<ActiveCrash>,
 }
@@ -83,7 +83,7 @@ pub(super) struct EventLog {
 struct ActiveCrash {
     place: &'static str,
     /// Positions of the slides at the last contact.
-    slide_mm: PerAxis<f64>,
+    slide_mm: MachinePos,
     /// There was contact in the last step.
     touched: bool,
 }
@@ -94,13 +94,13 @@ impl EventLog {
         Self {
             events: Vec::with_capacity(EVENT_LIMIT),
             dropped: 0,
-            slide_mm: PerAxis::default(),
+            slide_mm: MachinePos::default(),
             active_crashes: Vec::new(),
         }
     }
 
     /// Takes over the slide positions and ends the crashes that the slides have left.
-    pub(super) fn set_slides(&mut self, slide_mm: PerAxis<f64>) {
+    pub(super) fn set_slides(&mut self, slide_mm: MachinePos) {
         self.slide_mm = slide_mm;
         self.active_crashes.retain_mut(|crashed| {
             let near =

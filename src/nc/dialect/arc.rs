@@ -1,6 +1,6 @@
 //! The centre of an arc by radius or by offsets. Source: spec B2, S1.
 
-use crate::units::{PerAxis, Plane};
+use crate::units::{Plane, WorkPos};
 
 /// Shorter chords and radii count as zero, mm.
 const MIN_LENGTH_MM: f64 = 1e-9;
@@ -8,12 +8,12 @@ const MIN_LENGTH_MM: f64 = 1e-9;
 /// The centre of an arc by its radius; a negative radius is the major arc. `None` if no such arc reaches the end. The
 /// radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
 pub(super) fn centre_by_radius(
-    (from, to): (PerAxis<f64>, PerAxis<f64>),
+    (from, to): (WorkPos, WorkPos),
     plane: Plane,
     turn: i8,
     radius: f64,
     tolerance_mm: f64,
-) -> Option<PerAxis<f64>> {
+) -> Option<WorkPos> {
     let (first, second) = plane.axes();
     let (a, b) = (to[first] - from[first], to[second] - from[second]);
     let chord = a.hypot(b);
@@ -31,13 +31,9 @@ pub(super) fn centre_by_radius(
 }
 
 /// The radius of an arc around a centre, and the distance of its end from the circle, mm.
-pub(super) fn radius_and_end_error(
-    (from, to): (PerAxis<f64>, PerAxis<f64>),
-    center: PerAxis<f64>,
-    plane: Plane,
-) -> (f64, f64) {
+pub(super) fn radius_and_end_error((from, to): (WorkPos, WorkPos), center: WorkPos, plane: Plane) -> (f64, f64) {
     let (first, second) = plane.axes();
-    let radius = |point: PerAxis<f64>| (point[first] - center[first]).hypot(point[second] - center[second]);
+    let radius = |point: WorkPos| (point[first] - center[first]).hypot(point[second] - center[second]);
     let (start, end) = (radius(from), radius(to));
     (start, (start - end).abs())
 }

@@ -9,7 +9,7 @@ use crate::nc::expression::whole_number;
 use crate::nc::fault::{ReadResult, ReadStop, fail1, fail2};
 use crate::nc::op::{AxisSet, Op};
 use crate::nc::words::{BlockWords, Word};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, WorkPos};
 
 /// Greatest coordinate, feed or speed that can be programmed.
 pub(super) const MAX_VALUE: f64 = 99_999.999;
@@ -19,14 +19,14 @@ const MIN_FEED: f64 = 0.001;
 /// The end of a move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MoveTarget {
-    pub to: PerAxis<f64>,
+    pub to: WorkPos,
     pub words: AxisSet,
     pub incremental: AxisSet,
 }
 
 impl MoveTarget {
     /// No axis moves yet.
-    pub const fn from(position: PerAxis<f64>) -> Self {
+    pub const fn from(position: WorkPos) -> Self {
         Self { to: position, words: AxisSet::NONE, incremental: AxisSet::NONE }
     }
 

@@ -115,7 +115,7 @@ pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[
         }
     };
     for stock in view.snapshot.stock.iter().filter(|stock| stock.is_workpiece) {
-        take(stock.low.0.map(|at| at as f32), stock.high.0.map(|at| at as f32));
+        take(stock.low.coordinates().map(|at| at as f32), stock.high.coordinates().map(|at| at as f32));
     }
     if let Some(bar) = lathe::bar_bounds(view) {
         take(bar.low, bar.high);
@@ -220,8 +220,7 @@ fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
 fn paint_stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = scene.plane;
     for stock in view.snapshot.stock.iter() {
-        let at =
-            |corner: &crate::units::PerAxis<f64>| scene.camera.to_canvas(rect, corner[right] as f32, corner[up] as f32);
+        let at = |corner: &crate::units::WorkPos| scene.camera.to_canvas(rect, corner[right] as f32, corner[up] as f32);
         let place = Rect::from_two_pos(at(&stock.low), at(&stock.high));
         let (fill, line) = if stock.is_workpiece {
             (view.theme.muted.gamma_multiply(0.30), view.theme.muted)

@@ -7,7 +7,7 @@ use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::BlockContext;
 use crate::nc::fault::{ReadResult, fail2};
 use crate::nc::op::{AxisSet, Op};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, WorkPos};
 
 /// G90: X in at rapid, Z at feed (taper R: start radius minus end radius), X out at feed, Z back at rapid.
 pub(super) fn longitudinal(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
@@ -38,7 +38,7 @@ fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) ->
     };
     let feed = modal_feed(running)?;
     running.modals.cycle = kept;
-    let with = |base: PerAxis<f64>, axis: Axis, value: f64| {
+    let with = |base: WorkPos, axis: Axis, value: f64| {
         let mut point = base;
         point[axis] = value;
         point

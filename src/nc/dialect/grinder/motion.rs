@@ -10,14 +10,14 @@ use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Feed, Op, REFERENCE_POINTS};
 use crate::nc::words::{ValueKind, Word};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Number of skip signals of G31.
 const SKIP_SIGNALS: u32 = 6;
 const CENTRE_ADDRESSES: u32 = 1 << (b'I' - b'A') | 1 << (b'J' - b'A') | 1 << (b'K' - b'A');
 
 /// The end of the move from `from` by the axis words of the block.
-pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<MoveTarget> {
+pub(super) fn target(running: &BlockContext<'_, '_>, from: WorkPos) -> ReadResult<MoveTarget> {
     let words = running.words;
     let mut target = MoveTarget::from(from);
     for axis in Axis::ALL {
@@ -135,10 +135,10 @@ const fn centre_address(axis: Axis) -> u8 {
 
 fn centre_by_offsets(
     running: &BlockContext<'_, '_>,
-    from: PerAxis<f64>,
-    to: PerAxis<f64>,
+    from: WorkPos,
+    to: WorkPos,
     offsets: [Option<Word>; 2],
-) -> ReadResult<PerAxis<f64>> {
+) -> ReadResult<WorkPos> {
     let (first, second) = running.modals.plane.axes();
     let mut center = from;
     for (axis, word) in [first, second].into_iter().zip(offsets) {
@@ -159,11 +159,11 @@ fn centre_by_offsets(
 
 fn centre_from_r(
     running: &BlockContext<'_, '_>,
-    from: PerAxis<f64>,
-    to: PerAxis<f64>,
+    from: WorkPos,
+    to: WorkPos,
     word: Word,
     turn: i8,
-) -> ReadResult<PerAxis<f64>> {
+) -> ReadResult<WorkPos> {
     let radius = length_mm(running, word)?;
     let tolerance = running.settings.arc_tolerance_mm;
     match arc::centre_by_radius((from, to), running.modals.plane, turn, radius, tolerance) {

@@ -11,7 +11,7 @@ use crate::nc::dialect::BlockContext;
 use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{ValueKind, Word};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Most passes of G73.
 const MAX_PASSES: u32 = 1_000;
@@ -147,8 +147,8 @@ pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> R
 struct GroovingCycle {
     peck: Axis,
     step: Axis,
-    from: PerAxis<f64>,
-    to: PerAxis<f64>,
+    from: WorkPos,
+    to: WorkPos,
     /// Depth of a peck; none: one cut to full depth.
     peck_depth: Option<f64>,
     step_width: Option<f64>,

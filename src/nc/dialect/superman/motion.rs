@@ -8,7 +8,7 @@ use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{BlockWords, Word};
-use crate::units::{Axis, PerAxis, Plane};
+use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
 const RAPID_FEED_RANGE: (f64, f64) = (2_000.0, 6_000.0);
@@ -41,7 +41,7 @@ pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
 }
 
 /// The end of the move by the axis words of the block.
-pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<MoveTarget> {
+pub(super) fn target(running: &BlockContext<'_, '_>, from: WorkPos) -> ReadResult<MoveTarget> {
     let mut target = MoveTarget::from(from);
     check_one_word_per_axis(running.words)?;
     for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(AXIS_ADDRESSES) {
@@ -97,7 +97,7 @@ fn line_feed(running: &BlockContext<'_, '_>) -> f64 {
 }
 
 /// Feed along a line: F, reduced so that X moves at no more than half of F.
-fn feed_along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
+fn feed_along(feed: f64, from: WorkPos, to: WorkPos) -> Feed {
     let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), to[Axis::Z] - from[Axis::Z]);
     let length = x.hypot(z);
     let most = if x > MIN_LENGTH_MM { feed / 2.0 * length / x } else { feed };
@@ -105,7 +105,7 @@ fn feed_along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
 }
 
 /// Records the direction of X, for the run-out of a thread.
-fn record_infeed(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
+fn record_infeed(running: &mut BlockContext<'_, '_>, from: WorkPos, to: WorkPos) {
     let by = to[Axis::X] - from[Axis::X];
     if by.abs() > MIN_LENGTH_MM {
         running.modals.infeed_direction = if by > 0.0 { 1 } else { -1 };
@@ -142,7 +142,7 @@ fn intersection(set: AxisSet, of: AxisSet) -> AxisSet {
 }
 
 /// Adds a rapid; with F, at that feed.
-fn push_rapid(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, target: MoveTarget, feed: Option<f64>) {
+fn push_rapid(running: &mut BlockContext<'_, '_>, from: WorkPos, target: MoveTarget, feed: Option<f64>) {
     let MoveTarget { to, words, incremental } = target;
     let feed = feed.map(|feed| feed_along(feed, from, to));
     running.ops.push(Op::Rapid { to, feed, words, incremental });
@@ -191,9 +191,9 @@ fn check_radius(at: usize, radius: f64) -> ReadResult<()> {
 fn centre_by_offsets(
     running: &BlockContext<'_, '_>,
     place: usize,
-    (from, to): (PerAxis<f64>, PerAxis<f64>),
+    (from, to): (WorkPos, WorkPos),
     offsets: [Option<Word>; 2],
-) -> ReadResult<PerAxis<f64>> {
+) -> ReadResult<WorkPos> {
     let mut center = from;
     for (axis, word) in [Axis::X, Axis::Z].into_iter().zip(offsets) {
         if let Some(word) = word {
@@ -201,7 +201,7 @@ fn centre_by_offsets(
         }
     }
     let at = offsets.into_iter().flatten().next().map_or(place, |word| word.at as usize);
-    let arm = |point: PerAxis<f64>| (point[Axis::X] - center[Axis::X], point[Axis::Z] - center[Axis::Z]);
+    let arm = |point: WorkPos| (point[Axis::X] - center[Axis::X], point[Axis::Z] - center[Axis::Z]);
     let ((start_x, start_z), (end_x, end_z)) = (arm(from), arm(to));
     let (radius, reached) = (start_x.hypot(start_z), end_x.hypot(end_z));
     check_radius(at, radius)?;
@@ -215,7 +215,7 @@ fn centre_by_offsets(
     Ok(center)
 }
 
-fn centre_from_r(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> ReadResult<PerAxis<f64>> {
+fn centre_from_r(from: WorkPos, to: WorkPos, word: Word, turn: i8) -> ReadResult<WorkPos> {
     let (radius, at) = (word.value, word.at as usize);
     if (to[Axis::Z] - from[Axis::Z]).hypot(to[Axis::X] - from[Axis::X]) <= MIN_LENGTH_MM {
         return fail(at, E::FullCircleByRadius);
@@ -247,7 +247,7 @@ pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> Rea
     }
     (running.modals.cycle.x, running.modals.cycle.z) = (Some(x), Some(z));
     let feed = line_feed(running);
-    let with = |mut point: PerAxis<f64>, axis: Axis, value: f64| {
+    let with = |mut point: WorkPos, axis: Axis, value: f64| {
         point[axis] = value;
         point
     };
