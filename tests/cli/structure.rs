@@ -1,6 +1,5 @@
 //! The structure of the sources: no circle of imports, no wide parameter list, no retired name, no document that names
-//! what is gone.
-//! A file and the files below it may import each other.
+//! what is gone. A file and the files below it may import each other.
 
 mod imports;
 mod tokens;
@@ -14,6 +13,7 @@ use tokens::{declared, functions, is_word, tokens};
 
 /// Most parameters of a function, beside `self`.
 const PARAMETERS: usize = 5;
+
 /// Names of an earlier version and what stands in their place; docs/architecture.md has the table. No type, function,
 /// module or file has such a name.
 #[rustfmt::skip]
