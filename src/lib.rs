@@ -1,6 +1,9 @@
 //! KT-830: a CNC control for grinding machines. A touch screen and a controller core in one process, joined by channels;
 //! a simulated machine stands in for the real one.
 //!
+//! This is the short map. `docs/architecture.md` tells the rest: function by function the way of a key press, a block, a
+//! set-point and a stored value, where what is decided, and the glossary.
+//!
 //! # Rooms
 //!
 //! Who may import whom is checked by `tests/cli/tidy.rs`; siblings never import each other.
@@ -8,47 +11,49 @@
 //! | room | what it owns | imports |
 //! |---|---|---|
 //! | [`units`] | time, axes | – |
-//! | [`defs`] | one table a concept: keys, signals, M and G codes, parameters, alarms, pages; [`defs::kind`], one file a kind of machine | units |
+//! | [`defs`] | one table per concept: keys, signals, M and G codes, parameters, alarms, pages; [`defs::kind`], one file per kind of machine | units |
 //! | [`link`] | [`link::Command`] in, [`link::Snapshot`] out: all that screen and core share | units, defs |
 //! | [`nc`] | program text → [`nc::Op`]; moves nothing | units, defs |
 //! | [`motion`] | moves → set-points within velocity, acceleration, jerk and tolerance | units, defs |
-//! | [`machine`] | the units; [`machine::rules`], the one interlock table; [`machine::phase`] of a run; [`machine::panel_key`], what a key asks for | units, defs, link |
+//! | [`machine`] | the units; [`machine::rules`], the interlock table; [`machine::phase`] of a run; [`machine::panel_key`], what a key requests | units, defs, link |
 //! | [`io`] | [`io::Backend`]; the simulated machine and its physics | units, defs |
-//! | [`store`] | what outlives a power cut, and the folders people copy files into | units, defs |
+//! | [`store`] | what survives a power cut, and the folders into which people copy files | units, defs |
 //! | [`controller`] | [`controller::Controller::tick`] in a fixed order | the core above |
-//! | [`host`] | clock, threads, disk; [`host::Host`], the one way to run the core: stepped or on a thread | controller, io, store, link |
-//! | [`story`] | what an operator does, as text; its player | host, link |
+//! | [`host`] | clock, threads, disk; [`host::Host`], the one way to run the core: stepped or on a thread | controller, machine, nc, io, store, link |
+//! | [`story`] | what an operator does, as text; its player | host, io, link |
 //! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link |
 //! | [`cli`] | the command line | all |
 //!
 //! # The path of a key press
 //!
 //! finger → `hmi::panel` → [`link::Command`] → bounded channel (reset, hold and emergency stop have one of their own) →
-//! [`host::thread`] → [`controller::Controller::tick`]: inputs, commands (`controller::panel::keys` asks
-//! [`machine::Machine::ask`], which asks [`machine::interlock`]), machine logic and alarms, program, hand, axes, outputs →
-//! [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp shows the output, not the wish.
+//! [`host::thread`] → [`controller::Controller::tick`]: inputs, commands (`Panel::press_key` sends a request to
+//! [`machine::Machine::request`], which asks the table [`machine::rules`]), machine logic and alarms, program, jog and
+//! homing, axes, outputs → [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp
+//! shows the output, not the wish.
 //!
 //! # The path of a move
 //!
-//! text → on the lathe and the 802D [`nc::ProgramPreflight`]: the whole of it before anything moves → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::program::queue` turns it into machine
-//! coordinates and checks the soft limits → `controller::program::executor` hands it to [`motion::TrajectoryPlanner`], in order with the acts
-//! between the moves → [`motion::TrajectoryPlanner::tick`], one set-point a tick → [`io::OutputImage`]. Variables, frames and block numbers
-//! change when the machine gets there, not when the reader does.
+//! text → on the lathe and the 802D [`nc::ProgramPreflight`] reads all of it before anything moves →
+//! [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work coordinates) → `LookaheadState` converts it to machine
+//! coordinates and checks the soft limits → `ProgramRun` hands it to [`motion::TrajectoryPlanner`], in order with the
+//! actions between the moves → [`motion::TrajectoryPlanner::tick`], one set-point per tick → [`io::OutputImage`].
+//! Variables, work offsets and block numbers change when the machine gets there, not when the block is read.
 //!
 //! # What always holds
 //!
 //! - Time, inputs and commands are arguments of the core: the same story gives the same trace, bit for bit.
 //! - An output changes by a row of the interlock table or a sequence of [`machine`], never by a page.
-//! - No axis moves while the drives are off, while another one owns it, or beyond a soft limit once it is homed.
+//! - No axis moves while the drives are off, while another owner moves it, or beyond a soft limit once it is homed.
 //! - Every refusal says why; a refused request changes nothing.
-//! - A lost screen, a silent bus, a panic end in the safe output image: what turns or flows is off, what clamps stays.
+//! - A lost screen, a silent bus or a panic leads to the safe output image: spindles and fluids off, clamps hold.
 //!
 //! # Words
 //!
-//! *Block*: one line of a program. *Op*: a canonical operation of a block. *Act*: something other than a move that waits for
-//! its turn. *Barrier*: an op that must be executed before the next block is read. *Drain*: all motion over, axes in
-//! position. *Host*: control, machine and storage; stepped, or paced on a thread. *Slide travel*: true millimetres of an axis; X is
-//! shown as twice that where diameter mode is on.
+//! *Block*: one line of a program. *Op*: a canonical operation of a block. *Action*: anything other than a move that a
+//! run executes in program order. *Barrier*: an operation that must be executed before the next block is read. *Drain*:
+//! all motion is over and the axes are in position. *Host*: control, machine and storage; stepped, or paced on a thread.
+//! *Slide travel*: true millimetres of an axis; X is shown as twice that in diameter mode.
 
 pub mod cli;
 pub mod controller;

@@ -16,4 +16,5 @@ mod requirements;
 mod serial;
 mod store_files;
 mod store_retained;
+mod structure;
 mod tidy;
