@@ -1,8 +1,8 @@
-//! Feed scaling: the rate at which the trail is followed, from 0 (held) to 1 (as planned).
+//! Feed scaling: the rate at which the buffer is followed, from 0 (held) to 1 (as planned).
 //!
 //! Holds the rate and its slope and searches for a change of rate that keeps every limit. Knows nothing of moves. A
-//! change of rate adds to the acceleration and jerk of the trail. Whether the sum is within the limits depends on the
-//! trail ahead, so a candidate is simulated tick by tick to its end and the differences of its set-points are checked.
+//! change of rate adds to the acceleration and jerk of the buffer. Whether the sum is within the limits depends on the
+//! buffer ahead, so a candidate is simulated tick by tick to its end and the differences of its set-points are checked.
 //! Only a valid candidate is started, so the change in progress is always verified.
 
 use super::MotionLimits;
@@ -82,7 +82,7 @@ struct RateSegment {
     bend: f64,
 }
 
-/// The rate at which the trail is followed.
+/// The rate at which the buffer is followed.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedScaling {
     rate: f64,
@@ -124,7 +124,7 @@ impl FeedScaling {
         self.is_steady() && self.rate <= 0.0
     }
 
-    /// Advances by one tick; returns the distance along the trail in ticks.
+    /// Advances by one tick; returns the distance along the buffer in ticks.
     pub fn advance(&mut self) -> f64 {
         let (mut left, mut way) = (1.0, 0.0);
         for leg in &mut self.segments {
@@ -147,17 +147,17 @@ impl FeedScaling {
     /// Starts the fastest change to `target` (0 to 1) that keeps every limit from `spot` to its end. `past`: the last
     /// set-points. If no candidate is valid in this tick, the rate continues as before; call again in the next tick.
     ///
-    /// Where the trail is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
+    /// Where the buffer is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
     /// slightly lower rate ([`TARGET_FRACTIONS`]) is used on the way up.
     pub fn change_to(
         &mut self,
         target: f64,
-        trail: &SetpointBuffer,
+        buffer: &SetpointBuffer,
         spot: BufferPosition,
         past: &SetpointHistory,
         limits: &DifferenceLimits,
     ) {
-        let (slope, bend) = scales(trail, spot, limits);
+        let (slope, bend) = scales(buffer, spot, limits);
         let mut runs_left = MAX_STEPS_PER_TICK;
         for _ in 0..RATE_CHANGE_FRACTIONS.len() * TARGET_FRACTIONS.len() {
             let near = target * TARGET_FRACTIONS[self.next_try / RATE_CHANGE_FRACTIONS.len()];
@@ -166,7 +166,7 @@ impl FeedScaling {
             let closer = (near - target).abs() <= 0.0 || (near > self.rate && near > self.target);
             if closer {
                 let candidate = self.candidate_to(near, part * slope, part * bend);
-                if candidate.keeps_limits(trail, spot, past, limits, &mut runs_left) {
+                if candidate.keeps_limits(buffer, spot, past, limits, &mut runs_left) {
                     *self = Self { next_try: 0, ..candidate };
                     return;
                 }
@@ -197,7 +197,7 @@ impl FeedScaling {
 
     fn keeps_limits(
         mut self,
-        trail: &SetpointBuffer,
+        buffer: &SetpointBuffer,
         mut spot: BufferPosition,
         past: &SetpointHistory,
         limits: &DifferenceLimits,
@@ -209,11 +209,11 @@ impl FeedScaling {
             *left = left.saturating_sub(1);
             spot = spot.later(self.advance());
             // A rate below zero or above one is invalid, and set-points not appended yet cannot be checked.
-            let unknown = trail.is_open() && spot.tick + 3 > trail.end();
+            let unknown = buffer.is_open() && spot.tick + 3 > buffer.end();
             if self.rate < -1e-12 || self.rate > 1.0 + 1e-12 || unknown {
                 return false;
             }
-            seen = [seen[1], seen[2], seen[3], trail.sample(spot).position];
+            seen = [seen[1], seen[2], seen[3], buffer.sample(spot).position];
             if !limits.allows(&seen) {
                 return false;
             }
@@ -227,11 +227,11 @@ impl FeedScaling {
 }
 
 /// Maximum slope and bend of the rate by acceleration and jerk limits at the highest speed ahead.
-fn scales(trail: &SetpointBuffer, spot: BufferPosition, limits: &DifferenceLimits) -> (f64, f64) {
+fn scales(buffer: &SetpointBuffer, spot: BufferPosition, limits: &DifferenceLimits) -> (f64, f64) {
     let mut speed = [1e-9; 3];
-    let mut last = trail.setpoint(spot.tick.saturating_sub(1)).position;
+    let mut last = buffer.setpoint(spot.tick.saturating_sub(1)).position;
     for number in 0..SCALE_SETPOINTS {
-        let at = trail.setpoint(spot.tick + number).position;
+        let at = buffer.setpoint(spot.tick + number).position;
         for axis in 0..3 {
             speed[axis] = (at[axis] - last[axis]).abs().max(speed[axis]);
         }

@@ -4,13 +4,13 @@
 //! drives or time of day. It is deterministic: the same calls give the same set-points bit for bit. Machine
 //! coordinates, millimetres (radius), seconds.
 //!
-//! A move passes through [`TrajectoryPlanner`]: `push` queues it. The [`planner`] turns the moves at the front of the queue into
-//! *nominal* set-points, one per tick at 100 % override, and appends them to the [`trail`]. A move from rest to rest is
-//! a [`stroke`]. A [`run`] of moves that blend into each other is planned as a sequence of look-ahead windows
-//! ([`window`]), each in slices to an end at rest; the next window takes over before it brakes. `tick` follows the
-//! trail: one set-point per tick at full rate, slower under an override or a hold ([`warp`]). A change of rate starts
-//! only after it has been simulated to its end and keeps every limit. [`ThreadMover`] moves Z in step with a spindle,
-//! [`AxisMover`] moves one axis; both use the seven-segment [`profile`].
+//! A move passes through [`TrajectoryPlanner`]: `push` queues it. The [`setpoint_planner`] turns the moves at the front of
+//! the queue into *nominal* set-points, one per tick at 100 % override, and appends them to the [`setpoint_buffer`]. A
+//! move from rest to rest is a [`point_to_point`] move. Moves that blend into each other ([`blending`]) are planned as a
+//! sequence of look-ahead windows ([`lookahead_window`]), each in slices to an end at rest; the next window takes over
+//! before it brakes. `tick` follows the buffer: one set-point per tick at full rate, slower under an override or a hold
+//! ([`feed_scaling`]). A change of rate starts only after it has been simulated to its end and keeps every limit.
+//! [`ThreadMover`] moves Z in step with a spindle, [`AxisMover`] moves one axis; both use the seven-segment [`profile`].
 
 mod axis_mover;
 mod blending;
@@ -31,9 +31,10 @@ mod work_budget;
 
 pub use axis_mover::{AxisMover, EMERGENCY_JERK_FACTOR};
 pub use profile::AxisLimits;
+pub use queued_move::MAX_QUEUED_MOVES;
 pub use setpoint_planner::MAX_WORK_PER_TICK;
 pub use thread::{ThreadMover, ThreadPass};
-pub use trajectory::{MAX_FINISHED_TAGS, MAX_QUEUED_MOVES, TrajectoryPlanner};
+pub use trajectory::{MAX_FINISHED_TAGS, TrajectoryPlanner};
 
 use crate::units::{MachinePos, PerAxis, Plane};
 
@@ -137,7 +138,7 @@ pub struct Setpoint {
     pub velocity_mm_s: PerAxis<f64>,
 }
 
-/// The move queue is full; try again after a move has finished ([`TrajectoryPlanner::room`]).
+/// The move queue is full; try again after a move has finished ([`TrajectoryPlanner::free_slots`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the queue of moves is full")]
 pub struct MoveQueueFull;

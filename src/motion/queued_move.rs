@@ -3,6 +3,9 @@
 use super::Move;
 use super::path_segment::PathSegment;
 
+/// Maximum number of queued moves.
+pub const MAX_QUEUED_MOVES: usize = 256;
+
 /// A move in the queue.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QueuedMove {
@@ -10,6 +13,6 @@ pub(super) struct QueuedMove {
     pub segment: PathSegment,
     /// Serial number since power-on.
     pub number: u64,
-    /// Index on the trail at which the move is finished (one after its last set-point), once that is appended.
+    /// Index on the buffer at which the move is finished (one after its last set-point), once that is appended.
     pub end_index: Option<u64>,
 }

@@ -30,10 +30,10 @@ pub struct BufferSample {
     pub step: [f64; 3],
 }
 
-/// A position on the trail: whole ticks and a fraction.
+/// A position on the buffer: whole ticks and a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BufferPosition {
-    /// Whole ticks since the start of the trail.
+    /// Whole ticks since the start of the buffer.
     pub tick: u64,
     /// Fraction, 0 to below 1.
     pub fraction: f64,
@@ -60,14 +60,14 @@ pub struct SetpointBuffer {
 }
 
 impl SetpointBuffer {
-    /// A trail with the axes at rest at `at`, mm.
+    /// A buffer with the axes at rest at `at`, mm.
     #[must_use]
     pub fn at_rest(at: [f64; 3]) -> Self {
         let place = NominalSetpoint { position: at, planned_override: 1.0, is_rapid: false };
         Self { setpoints: vec![place; BUFFER_CAPACITY], end: BUFFER_CAPACITY as u64, open: false }
     }
 
-    /// Discards everything and rests at `at`, mm; returns the position of rest on the trail.
+    /// Discards everything and rests at `at`, mm; returns the position of rest on the buffer.
     pub fn reset_to(&mut self, at: [f64; 3]) -> BufferPosition {
         self.setpoints.fill(NominalSetpoint { position: at, planned_override: 1.0, is_rapid: false });
         self.open = false;
@@ -125,7 +125,7 @@ impl SetpointBuffer {
         self.end += 1;
     }
 
-    /// The curve at a position on the trail.
+    /// The curve at a position on the buffer.
     #[must_use]
     pub fn sample(&self, spot: BufferPosition) -> BufferSample {
         let t = spot.fraction;
@@ -162,15 +162,15 @@ mod tests {
 
     #[test]
     fn a_start_from_rest_does_not_move_the_present() {
-        let mut trail = SetpointBuffer::at_rest([5.0; 3]);
-        let spot = trail.rest_position();
-        trail.pad_for_start(spot);
+        let mut buffer = SetpointBuffer::at_rest([5.0; 3]);
+        let spot = buffer.rest_position();
+        buffer.pad_for_start(spot);
         for k in 1..50 {
-            trail.push(NominalSetpoint { position: [5.0 + f64::from(k); 3], planned_override: 1.0, is_rapid: false });
+            buffer.push(NominalSetpoint { position: [5.0 + f64::from(k); 3], planned_override: 1.0, is_rapid: false });
         }
-        assert!((trail.sample(spot).position[0] - 5.0).abs() < 1e-15);
-        // A straight trail at constant speed: after the padding, 30.5 set-points on.
-        let even = trail.sample(BufferPosition { tick: trail.end() - 20, fraction: 0.5 });
+        assert!((buffer.sample(spot).position[0] - 5.0).abs() < 1e-15);
+        // A straight buffer at constant speed: after the padding, 30.5 set-points on.
+        let even = buffer.sample(BufferPosition { tick: buffer.end() - 20, fraction: 0.5 });
         assert!((even.position[0] - (5.0 + 30.5)).abs() < 1e-12 && (even.step[0] - 1.0).abs() < 1e-12, "{even:?}");
     }
 }

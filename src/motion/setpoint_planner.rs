@@ -1,4 +1,4 @@
-//! The planner: turns queued moves into nominal set-points on the trail.
+//! The planner: turns queued moves into nominal set-points on the buffer.
 //!
 //! Decides which moves are planned and how far ahead. Knows nothing of holds and overrides below 100 %. Every plan ends
 //! at rest. If the run continues beyond it, only the part not affected by braking is appended first; meanwhile the
@@ -11,11 +11,11 @@ use std::collections::VecDeque;
 use super::blending::{Continuation, continuation};
 use super::lookahead_window::{LookaheadWindow, MAX_PLAN_TICKS, MAX_WINDOW_MOVES, PlanPoint};
 use super::point_to_point::PointToPointMove;
-use super::queued_move::QueuedMove;
+use super::queued_move::{MAX_QUEUED_MOVES, QueuedMove};
 use super::setpoint_buffer::{BUFFER_CAPACITY, BufferPosition, NominalSetpoint, SetpointBuffer};
 use super::tolerance_band::ToleranceBand;
 use super::work_budget::WorkBudget;
-use super::{MAX_QUEUED_MOVES, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
+use super::{MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use handover::{COST_POINT, WindowJob};
 
 /// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
@@ -27,10 +27,10 @@ const STEADY_WORK_PER_TICK: usize = 5_000;
 const SETPOINTS_PER_TICK: usize = 24;
 /// Maximum number of zero-length moves skipped per tick.
 const EMPTY_MOVES_PER_TICK: usize = 32;
-/// The trail is filled ahead of the axes by this many of the longest braking times, plus `MIN_AHEAD_TICKS` ticks.
+/// The buffer is filled ahead of the axes by this many of the longest braking times, plus `MIN_AHEAD_TICKS` ticks.
 const AHEAD_BRAKING_TIMES: f64 = 2.0;
 const MIN_AHEAD_TICKS: f64 = 96.0;
-/// The braking part of a plan is appended only when the axes are this near to the end of the trail, in set-points.
+/// The braking part of a plan is appended only when the axes are this near to the end of the buffer, in set-points.
 const APPEND_MARGIN_TICKS: u64 = 8;
 /// A run that may still grow is started when no move has been queued for this many ticks, or after this many ticks.
 const GATHER_TICKS: u32 = 3;
@@ -52,7 +52,7 @@ pub struct PlanRequest {
 pub struct SetpointPlanner {
     limits: MotionLimits,
     ahead_ticks: u64,
-    /// Number of moves at the front of the queue whose end is on the trail, including the active stroke.
+    /// Number of moves at the front of the queue whose end is on the buffer, including the active stroke.
     planned_moves: usize,
     single_move: Option<PointToPointMove>,
     /// The plan being appended: its set-points, how many are appended, and its tolerance band.
@@ -137,36 +137,36 @@ impl SetpointPlanner {
         self.work
     }
 
-    /// Plans for one tick and appends set-points to the trail.
+    /// Plans for one tick and appends set-points to the buffer.
     pub fn tick(
         &mut self,
         moves: &mut VecDeque<QueuedMove>,
-        trail: &mut SetpointBuffer,
+        buffer: &mut SetpointBuffer,
         spot: BufferPosition,
-        ask: PlanRequest,
+        request: PlanRequest,
     ) {
-        let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, trail, spot));
+        let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, buffer, spot));
         let units = if calm { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK };
         let mut budget = WorkBudget::new(units);
         self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };
         self.last_queue_length = moves.len();
         for _ in 0..EMPTY_MOVES_PER_TICK {
-            if !self.start_next(moves, trail, ask) {
+            if !self.start_next(moves, buffer, request) {
                 break;
             }
         }
-        self.raise_single_move_speed(moves, ask.feed_override);
-        self.look_ahead(moves, trail, spot, ask, &mut budget);
+        self.raise_single_move_speed(moves, request.feed_override);
+        self.look_ahead(moves, buffer, spot, request, &mut budget);
         for _ in 0..SETPOINTS_PER_TICK {
-            if trail.end() >= spot.tick + self.ahead_ticks {
+            if buffer.end() >= spot.tick + self.ahead_ticks {
                 break;
             }
             let laid = if self.single_move.is_some() {
-                self.append_single_move(moves, trail, spot)
+                self.append_single_move(moves, buffer, spot)
             } else {
-                self.append_plan(moves, trail, spot, ask)
+                self.append_plan(moves, buffer, spot, request)
             };
-            if !laid && !self.start_next(moves, trail, ask) {
+            if !laid && !self.start_next(moves, buffer, request) {
                 break;
             }
         }
@@ -186,7 +186,7 @@ impl SetpointPlanner {
     fn append_single_move(
         &mut self,
         moves: &mut VecDeque<QueuedMove>,
-        trail: &mut SetpointBuffer,
+        buffer: &mut SetpointBuffer,
         spot: BufferPosition,
     ) -> bool {
         let Some(stroke) = &mut self.single_move else { return false };
@@ -197,9 +197,9 @@ impl SetpointPlanner {
             is_rapid: queued.programmed.speed == MotionSpeed::Rapid,
         };
         let over = stroke.is_finished();
-        append_setpoint(trail, spot, place, !over);
+        append_setpoint(buffer, spot, place, !over);
         if over {
-            queued.end_index = Some(trail.end());
+            queued.end_index = Some(buffer.end());
             self.single_move = None;
         }
         true
@@ -208,21 +208,21 @@ impl SetpointPlanner {
     fn append_plan(
         &mut self,
         moves: &mut VecDeque<QueuedMove>,
-        trail: &mut SetpointBuffer,
+        buffer: &mut SetpointBuffer,
         spot: BufferPosition,
-        ask: PlanRequest,
+        request: PlanRequest,
     ) -> bool {
-        self.adopt_window(trail);
+        self.adopt_window(buffer);
         let Some(point) = self.plan.get(self.appended).copied() else { return false };
         let kept = self.is_extendable && self.appended > self.job.map_or(self.best_handover_index, |job| job.handover);
-        if kept && !ask.braking && trail.is_open() && trail.end() >= spot.tick + APPEND_MARGIN_TICKS {
+        if kept && !request.braking && buffer.is_open() && buffer.end() >= spot.tick + APPEND_MARGIN_TICKS {
             return false;
         }
         self.appended += 1;
         let over = self.appended == self.plan.len();
         let rapid = moves.get(self.planned_moves).is_some_and(|queued| queued.programmed.speed == MotionSpeed::Rapid);
         append_setpoint(
-            trail,
+            buffer,
             spot,
             NominalSetpoint { position: point.at, planned_override: self.planned_override, is_rapid: rapid },
             !over,
@@ -232,7 +232,7 @@ impl SetpointPlanner {
         while let Some(queued) = moves.get_mut(self.planned_moves)
             && queued.number < number
         {
-            queued.end_index = Some(trail.end());
+            queued.end_index = Some(buffer.end());
             self.planned_moves += 1;
         }
         if over {
@@ -240,19 +240,19 @@ impl SetpointPlanner {
             self.plan.clear();
             self.appended = 0;
             self.cancel_window();
-            append_rest(trail);
+            append_rest(buffer);
         }
         true
     }
 
     /// Starts the next move or run of the queue; false if there is none or the last one is still active.
-    fn start_next(&mut self, moves: &mut VecDeque<QueuedMove>, trail: &SetpointBuffer, ask: PlanRequest) -> bool {
+    fn start_next(&mut self, moves: &mut VecDeque<QueuedMove>, buffer: &SetpointBuffer, request: PlanRequest) -> bool {
         if self.single_move.is_some() || !self.plan.is_empty() || self.job.is_some() {
             return false;
         }
         let Some(queued) = moves.get_mut(self.planned_moves) else { return false };
         if queued.segment.has_no_length() {
-            queued.end_index = Some(trail.end());
+            queued.end_index = Some(buffer.end());
             self.planned_moves += 1;
             return true;
         }
@@ -267,15 +267,15 @@ impl SetpointPlanner {
             self.waited_ticks = 0;
             // A single move runs exactly at its feed to its end and needs no window.
             if then != Continuation::Unknown || self.resting_point.is_some() {
-                self.begin_at_rest(moves, ask);
+                self.begin_at_rest(moves, request);
                 return false;
             }
         }
         self.horizon_fraction = (2.0 * self.horizon_fraction).min(1.0);
         let Some(queued) = moves.get(self.planned_moves) else { return false };
         let mut limits = queued.segment.limits(&self.limits);
-        limits.velocity_mm_s = top_speed(queued, &self.limits, ask.feed_override);
-        self.planned_override = ask.feed_override;
+        limits.velocity_mm_s = top_speed(queued, &self.limits, request.feed_override);
+        self.planned_override = request.feed_override;
         let from = self.resting_point.take().map_or(0.0, |point| point.along - self.band.starts[point.segment]);
         self.single_move = Some(PointToPointMove::new(queued.segment, from, limits, self.limits.tick_s));
         self.planned_moves += 1;
@@ -288,20 +288,20 @@ const MIN_HORIZON_FRACTION: f64 = 0.2;
 
 /// Appends two set-points at rest, so that no third difference spans both the old and the new motion: the check of
 /// a plan from rest covers only the plan itself.
-fn append_rest(trail: &mut SetpointBuffer) {
+fn append_rest(buffer: &mut SetpointBuffer) {
     for _ in 0..2 {
-        let last = trail.last();
-        trail.push(last);
+        let last = buffer.last();
+        buffer.push(last);
     }
 }
 
 /// Appends a set-point, with padding before it at a start from rest.
-fn append_setpoint(trail: &mut SetpointBuffer, spot: BufferPosition, place: NominalSetpoint, more: bool) {
-    if !trail.is_open() {
-        trail.pad_for_start(spot);
+fn append_setpoint(buffer: &mut SetpointBuffer, spot: BufferPosition, place: NominalSetpoint, more: bool) {
+    if !buffer.is_open() {
+        buffer.pad_for_start(spot);
     }
-    trail.push(place);
-    trail.set_open(more);
+    buffer.push(place);
+    buffer.set_open(more);
 }
 
 fn top_speed(queued: &QueuedMove, limits: &MotionLimits, feed_override: f64) -> f64 {

@@ -1,23 +1,21 @@
 //! Program motion: the move queue and the set-points along the moves.
 //!
-//! Owns the queue, the planner, the trail, the position of the axes on it, and hold, override and abort.
+//! Owns the queue, the planner, the buffer, the position of the axes on it, and hold, override and abort.
 //!
 //! An override below 100 % slows feed and corners alike and takes effect within a few ticks. An override above 100 %
-//! raises the programmed feed of everything that is not on the trail yet: of an active stroke at once, of a blended run
+//! raises the programmed feed of everything that is not on the buffer yet: of an active stroke at once, of a blended run
 //! from the next look-ahead window on, which is then planned immediately.
 
 use std::collections::VecDeque;
 
 use super::feed_scaling::{DifferenceLimits, FeedScaling, SetpointHistory};
 use super::path_segment::PathSegment;
-use super::queued_move::QueuedMove;
+use super::queued_move::{MAX_QUEUED_MOVES, QueuedMove};
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::setpoint_planner::{PlanRequest, SetpointPlanner};
 use super::{MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
 use crate::units::{MachinePos, PerAxis};
 
-/// Maximum number of queued moves.
-pub const MAX_QUEUED_MOVES: usize = 256;
 /// Maximum number of finished tags kept for [`TrajectoryPlanner::pop_finished`]; older tags are dropped.
 pub const MAX_FINISHED_TAGS: usize = 1_024;
 /// After this many ticks without reaching the requested rate, the rest of the plan is appended up to its end at rest.
@@ -56,8 +54,8 @@ impl TrajectoryPlanner {
     pub fn new(limits: MotionLimits, start: MachinePos) -> Self {
         check_limits(&limits);
         assert!(start.is_finite(), "start {start:?}");
-        let trail = SetpointBuffer::at_rest(start.coordinates());
-        let spot = trail.rest_position();
+        let buffer = SetpointBuffer::at_rest(start.coordinates());
+        let spot = buffer.rest_position();
         Self {
             limits,
             steps: DifferenceLimits::from_limits(&limits),
@@ -66,7 +64,7 @@ impl TrajectoryPlanner {
             finished: VecDeque::with_capacity(MAX_FINISHED_TAGS),
             finished_tag: None,
             planner: SetpointPlanner::new(&limits),
-            buffer: trail,
+            buffer,
             buffer_position: spot,
             history: [start.coordinates(); 4],
             feed_scaling: FeedScaling::steady(1.0),
@@ -91,7 +89,7 @@ impl TrajectoryPlanner {
     /// Appends a move to the queue.
     ///
     /// # Errors
-    /// [`MoveQueueFull`] when [`TrajectoryPlanner::room`] is 0.
+    /// [`MoveQueueFull`] when [`TrajectoryPlanner::free_slots`] is 0.
     ///
     /// # Panics
     /// When an end point, centre, feed or tolerance is not finite: a bug of the caller.
@@ -123,16 +121,16 @@ impl TrajectoryPlanner {
             feed: clamp_factor(requested.feed, MAX_FEED_OVERRIDE),
             rapid: clamp_factor(requested.rapid, 1.0),
         };
-        // A verified change of rate relies on the end of a closed trail: nothing may be appended until it has ended.
+        // A verified change of rate relies on the end of a closed buffer: nothing may be appended until it has ended.
         // An abort appends only what it needs until a change of rate to rest has been found.
         let wanted = !self.aborting || (self.buffer.is_open() && self.feed_scaling.target() > 0.0);
         if wanted && (self.buffer.is_open() || self.feed_scaling.is_steady()) {
-            let ask = PlanRequest {
+            let request = PlanRequest {
                 feed_override: requested.feed.max(1.0),
                 braking: self.unmet_ticks > if self.held { 0 } else { MAX_UNMET_TICKS },
                 catching_up: !self.held && self.wanted_rate(requested) > self.feed_scaling.target(),
             };
-            self.planner.tick(&mut self.moves, &mut self.buffer, self.buffer_position, ask);
+            self.planner.tick(&mut self.moves, &mut self.buffer, self.buffer_position, request);
         }
         self.adjust_rate(requested);
         let ahead = self.feed_scaling.advance();
@@ -183,8 +181,8 @@ impl TrajectoryPlanner {
         self.moves.is_empty() && self.is_at_rest()
     }
 
-    /// Brakes along the path to rest within the limits, then discards all moves and any hold. Until then [`TrajectoryPlanner::room`]
-    /// is 0. Discarded moves are not reported as finished.
+    /// Brakes along the path to rest within the limits, then discards all moves and any hold. Until then
+    /// [`TrajectoryPlanner::free_slots`] is 0. Discarded moves are not reported as finished.
     pub fn abort(&mut self) {
         (self.aborting, self.held) = (true, true);
         if self.is_at_rest() {
@@ -208,8 +206,8 @@ impl TrajectoryPlanner {
     }
 
     /// Moves every unfinished move to `out`, the interrupted one first, in order and with tags. The axes stay where
-    /// they are; a hold stays active. The moves can be pushed again, after [`TrajectoryPlanner::clear_at`] if an axis was moved
-    /// meanwhile; an arc then starts with the radius of its new start point.
+    /// they are; a hold stays active. The moves can be pushed again, after [`TrajectoryPlanner::reset_to`] if an axis was
+    /// moved meanwhile; an arc then starts with the radius of its new start point.
     ///
     /// # Panics
     /// When the axes are not at rest: a bug of the caller.
@@ -284,7 +282,7 @@ impl TrajectoryPlanner {
             return;
         }
         if self.buffer_position.tick >= self.buffer.end() {
-            // At rest with an empty trail: the rate can change at once.
+            // At rest with an empty buffer: the rate can change at once.
             self.feed_scaling = FeedScaling::steady(target);
             self.unmet_ticks = 0;
         } else {
@@ -316,7 +314,7 @@ impl TrajectoryPlanner {
         self.reset_to(self.position());
     }
 
-    /// End position of the trail, mm.
+    /// End position of the buffer, mm.
     fn last_planned_position(&self) -> [f64; 3] {
         self.buffer.last().position
     }

@@ -94,7 +94,7 @@ impl SetpointPlanner {
     }
 
     /// Starts a window from rest.
-    pub(super) fn begin_at_rest(&mut self, moves: &VecDeque<QueuedMove>, ask: PlanRequest) {
+    pub(super) fn begin_at_rest(&mut self, moves: &VecDeque<QueuedMove>, request: PlanRequest) {
         let Some(queued) = moves.get(self.planned_moves) else { return };
         let point = self.resting_point.unwrap_or_else(|| PlanPoint::at_rest(queued.segment.at(0.0), 0.0, 0));
         if self.resting_point.is_none() {
@@ -109,7 +109,7 @@ impl SetpointPlanner {
             is_urgent: true,
         };
         let (first, next) = (point.segment, queued.number);
-        let brake = self.brake_s(top_speed(queued, &self.limits, ask.feed_override));
+        let brake = self.brake_s(top_speed(queued, &self.limits, request.feed_override));
         self.begin_job(
             start,
             HandoverChoice {
@@ -120,11 +120,11 @@ impl SetpointPlanner {
                 next,
                 steady: false,
             },
-            ask,
+            request,
         );
     }
 
-    fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, ask: PlanRequest) {
+    fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, request: PlanRequest) {
         let HandoverChoice { handover, first, horizon_s: seconds, next, steady, .. } = choice;
         self.window.clear();
         self.window.band.continue_from(&self.band, first);
@@ -132,9 +132,9 @@ impl SetpointPlanner {
         start.shift = (self.band.starts.get(first).copied().unwrap_or(0.0), first);
         start.point.along -= start.shift.0;
         start.point.segment -= first;
-        start.reserve = if ask.catching_up { RATE_RESERVE } else { 0.0 };
+        start.reserve = if request.catching_up { RATE_RESERVE } else { 0.0 };
         let in_motion = start.point.is_in_motion();
-        // The rate is relative to the override of the set-points on the trail: the planned override may rise, not fall.
+        // The rate is relative to the override of the set-points on the buffer: the planned override may rise, not fall.
         let least = if in_motion { self.planned_override } else { 1.0 };
         let filling = BandFiller {
             copied: first,
@@ -145,7 +145,7 @@ impl SetpointPlanner {
             acceleration: self.limits.axes.iter().map(|(_, l)| l.acceleration_mm_s2).fold(f64::INFINITY, f64::min)
                 / 2.0,
             jerk: self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min),
-            feed_override: ask.feed_override.max(least),
+            feed_override: request.feed_override.max(least),
         };
         self.job = Some(WindowJob {
             handover,
@@ -163,17 +163,17 @@ impl SetpointPlanner {
     pub(super) fn look_ahead(
         &mut self,
         moves: &VecDeque<QueuedMove>,
-        trail: &SetpointBuffer,
+        buffer: &SetpointBuffer,
         spot: BufferPosition,
-        ask: PlanRequest,
+        request: PlanRequest,
         budget: &mut WorkBudget,
     ) {
-        if self.job.is_some_and(|job| job.steady && job.in_motion && ask.feed_override > job.filler.feed_override) {
+        if self.job.is_some_and(|job| job.steady && job.in_motion && request.feed_override > job.filler.feed_override) {
             // There was enough time, so there is enough for a faster window.
             self.cancel_window();
         }
-        if self.job.is_none() && !ask.braking && self.is_extendable && !self.plan.is_empty() {
-            self.begin_in_motion(moves, trail, spot, ask);
+        if self.job.is_none() && !request.braking && self.is_extendable && !self.plan.is_empty() {
+            self.begin_in_motion(moves, buffer, spot, request);
         }
         let Some(mut job) = self.job else { return };
         if job.in_motion && self.appended > job.handover + 1 {
@@ -205,9 +205,9 @@ impl SetpointPlanner {
     fn begin_in_motion(
         &mut self,
         moves: &VecDeque<QueuedMove>,
-        trail: &SetpointBuffer,
+        buffer: &SetpointBuffer,
         spot: BufferPosition,
-        ask: PlanRequest,
+        request: PlanRequest,
     ) {
         let Some(last) = self.band.moves.last() else { return };
         let front = moves.front().map_or(0, |queued| queued.number);
@@ -216,7 +216,7 @@ impl SetpointPlanner {
             return;
         }
         // Index of the axes on the plan; negative while they are still before it.
-        let here = self.appended as i64 + spot.tick as i64 - trail.end() as i64;
+        let here = self.appended as i64 + spot.tick as i64 - buffer.end() as i64;
         let near = here + APPEND_MARGIN_TICKS as i64 + SPARE_TICKS as i64;
         let best = self.best_handover_index as i64;
         // The horizon is limited by the known moves and by the time for planning.
@@ -224,7 +224,7 @@ impl SetpointPlanner {
         let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
         let wanted =
             self.seconds_of((aim - near) as f64, MAX_WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
-        let raised = ask.feed_override > self.planned_override;
+        let raised = request.feed_override > self.planned_override;
         let steady = !raised && near + self.ticks_of(wanted, STEADY_WORK_PER_TICK) <= aim;
         let ticks = self.ticks_of(wanted, if steady { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK });
         if !raised && wanted >= MAX_HORIZON_S && steady && near + ticks + self.ahead_ticks as i64 <= aim {
@@ -247,7 +247,7 @@ impl SetpointPlanner {
         self.begin_job(
             start,
             HandoverChoice { handover, first, end, horizon_s: wanted, next: last.number, steady },
-            ask,
+            request,
         );
     }
 
@@ -278,14 +278,14 @@ impl SetpointPlanner {
     }
 
     /// Switches to the window when it is ready and the current plan has been appended up to the handover.
-    pub(super) fn adopt_window(&mut self, trail: &mut SetpointBuffer) {
+    pub(super) fn adopt_window(&mut self, buffer: &mut SetpointBuffer) {
         let Some(job) = self.job else { return };
         if !self.window.is_ready() || (job.in_motion && self.appended != job.handover + 1) {
             return;
         }
         self.update_cost(&job);
         if !job.in_motion {
-            append_rest(trail);
+            append_rest(buffer);
         }
         std::mem::swap(&mut self.plan, &mut self.window.plan);
         std::mem::swap(&mut self.band, &mut self.window.band);
@@ -316,8 +316,8 @@ impl SetpointPlanner {
     }
 
     /// Whether the axes are near the handover of a window.
-    pub(super) fn is_urgent(&self, job: WindowJob, trail: &SetpointBuffer, spot: BufferPosition) -> bool {
-        job.in_motion && spot.tick + self.appended as u64 + URGENT_TICKS > trail.end() + job.handover as u64
+    pub(super) fn is_urgent(&self, job: WindowJob, buffer: &SetpointBuffer, spot: BufferPosition) -> bool {
+        job.in_motion && spot.tick + self.appended as u64 + URGENT_TICKS > buffer.end() + job.handover as u64
     }
 
     /// Horizon of the first window, s: long enough to plan the next one in time.
