@@ -4,7 +4,6 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::Host;
 use super::folders::Folders;
@@ -14,6 +13,7 @@ use super::simulated::HostedSimulation;
 use super::storage::{DirectStorage, RetainedWorker, Storage};
 use crate::controller::{PowerOnState, StoredProgram};
 use crate::defs::kind::Kind;
+use crate::io::OutputImage;
 use crate::io::sim::{MachineFile, PartFile, SimFileError, SimulatedMachine};
 use crate::store::FolderError;
 use crate::units::Micros;
@@ -58,12 +58,11 @@ impl HeadlessHost {
         Ok(Self::connect(kind, retained, HostedSimulation::new(machine, Micros::ZERO), storage))
     }
 
-    /// Steps by one tick and reports the duration of `Controller::tick` in nanoseconds, for benchmarks.
-    pub fn step_timed(&mut self, told: impl FnOnce(u64)) {
+    /// Steps by one tick; `around` runs `Controller::tick`, to time it or to count its allocations.
+    pub fn step_around(&mut self, around: impl FnOnce(&mut dyn FnMut())) {
         self.step_with(|controller, now, image, commands| {
-            let begun = Instant::now();
-            let outputs = *controller.tick(now, image, commands);
-            told(begun.elapsed().as_nanos() as u64);
+            let mut outputs = OutputImage::default();
+            around(&mut || outputs = *controller.tick(now, image, commands));
             outputs
         });
     }

@@ -15,7 +15,7 @@ pub enum OpEffect<'a> {
     /// Axes move.
     Motion(OpMotion<'a>),
     /// Work coordinates change. The slides stand still.
-    Coordinates(CoordinateChange<'a>),
+    Coordinates(CoordinateChange),
     /// The tool turret turns to a station, 1 to 4. With compensation the slides move by `by`; work coordinates stay (L8).
     IndexTurret { station: u8, by: Option<PerAxis<f64>> },
     /// An oscillation starts or ends.
@@ -115,11 +115,11 @@ pub enum SegmentSpeed {
 /// A change of work coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
-pub enum CoordinateChange<'a> {
+pub enum CoordinateChange {
     /// G54–G59.
     Select(u8),
     /// G50, G92: assigns work coordinates to the present position.
-    Set(&'a PerAxis<Option<f64>>),
+    Set(PerAxis<Option<f64>>),
     /// T: tool 0 keeps the tool, offset 0 cancels the offset.
     Tool { tool: u16, offset: u16 },
     /// G10: adds to the wear of a tool offset, 1 to 16.
@@ -191,7 +191,7 @@ impl Op {
             Self::Thread(threading) => OpEffect::Motion(OpMotion::Thread(threading)),
             Self::HomeSwitch { axes } => OpEffect::Motion(OpMotion::HomeSwitch(*axes)),
             Self::SelectWorkOffset { g } => OpEffect::Coordinates(CoordinateChange::Select(*g)),
-            Self::SetCoordinateSystem { values } => OpEffect::Coordinates(CoordinateChange::Set(values)),
+            Self::SetCoordinateSystem { values } => OpEffect::Coordinates(CoordinateChange::Set(*values)),
             Self::T { tool, offset } => OpEffect::Coordinates(CoordinateChange::Tool { tool: *tool, offset: *offset }),
             Self::AddWear { number, by } => {
                 OpEffect::Coordinates(CoordinateChange::AddWear { number: *number, by: *by })
@@ -419,12 +419,12 @@ impl ArcMove {
     }
 }
 
-impl CoordinateChange<'_> {
+impl CoordinateChange {
     /// Changes the offsets. `machine` is the present machine position.
     pub fn apply(&self, offsets: &mut WorkOffsets, machine: MachinePos) {
         match *self {
             Self::Select(g) => offsets.activate(g),
-            Self::Set(values) => offsets.set_coordinates(machine, values),
+            Self::Set(values) => offsets.set_coordinates(machine, &values),
             Self::Tool { tool, offset } => offsets.call_tool(tool, offset),
             Self::AddWear { number, by } => offsets.add_wear(number, by),
         }

@@ -148,11 +148,11 @@ impl OpMotion<'_> {
     }
 }
 
-impl CoordinateChange<'_> {
+impl CoordinateChange {
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match *self {
             Self::Select(g) => put("g", json!(g)),
-            Self::Set(values) => put_some_points(put, *values),
+            Self::Set(values) => put_some_points(put, values),
             Self::Tool { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
             Self::AddWear { number, by } => {
                 put("offset", json!(number));

@@ -8,7 +8,7 @@ use super::snapshot::run_state;
 use super::{Panel, Parts, View};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::kind::Kind;
-use crate::defs::param::{AccessLevel, ParamAddress};
+use crate::defs::param::{AccessLevel, ParamAddress, Params};
 use crate::defs::param_row;
 use crate::defs::signal::Output;
 use crate::defs::soft_key::CoordinateView;
@@ -18,7 +18,7 @@ use crate::link::page_command::{
     BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordScope, SettingsRequest, StorageAnswer,
 };
 use crate::link::snapshot::{RunState, Snapshot};
-use crate::units::{Axis, PerAxis};
+use crate::units::Axis;
 
 const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password has 4 to 16 digits");
 
@@ -160,13 +160,16 @@ impl Panel {
         out.analog_volts = [parts.plant.outputs.image.wheel_volts, parts.plant.outputs.image.analog_2_volts];
         out.internals = internal_signals(parts);
         out.access = self.access.view();
-        out.leadscrews = PerAxis::from_fn(|axis| parts.plant.axes.leadscrew_table(axis).clone());
+        for axis in Axis::ALL {
+            let table = parts.plant.axes.leadscrew_table(axis);
+            if out.leadscrews[axis] != *table {
+                out.leadscrews[axis].clone_from(table);
+            }
+        }
         out.date = self.calendar.date(parts.plant.now);
         self.files_view(out);
         out.next_kind = self.pages.next_kind;
-        if !Arc::ptr_eq(&out.params, &parts.plant.params) {
-            out.params.clone_from(&parts.plant.params);
-        }
+        copy_changed(&mut out.params, &parts.plant.params);
         if !Arc::ptr_eq(&out.alarm_history, parts.plant.alarms.history()) {
             out.alarm_history.clone_from(parts.plant.alarms.history());
         }
@@ -213,4 +216,14 @@ fn internal_signals(parts: View<'_>) -> InternalSignalSet {
 fn password_needed(level: AccessLevel) -> LocalizedText {
     let guard = PasswordScope::for_level(level).map_or(level.name(), PasswordScope::name);
     LocalizedText::new(format!("需要{}密码", guard.zh), format!("the password for {} is needed", guard.en))
+}
+
+/// Copies the parameters if they have changed: in place, unless a reader still holds the older values.
+fn copy_changed(shown: &mut Arc<Params>, params: &Params) {
+    if **shown != *params {
+        match Arc::get_mut(shown) {
+            Some(shown) => shown.copy_from(params),
+            None => *shown = Arc::new(params.clone()),
+        }
+    }
 }

@@ -13,8 +13,6 @@ pub mod system_variables;
 pub mod wheel_size;
 mod work_data;
 
-use std::sync::Arc;
-
 pub use execution::{ControlEvent, ControlPhase, Execution, Homing};
 pub use operator::OperatorState;
 pub use outbox::Outbox;
@@ -57,7 +55,7 @@ pub struct Plant {
     /// The kind of machine.
     pub kind: Kind,
     /// The parameters in force; shared with the snapshot.
-    pub params: Arc<Params>,
+    pub params: Params,
     /// Time of this tick.
     pub now: Micros,
     /// The inputs.
@@ -106,7 +104,7 @@ impl Plant {
             work: WorkData::new(retained.work_offsets, retained.variables, retained.dress_points, retained.part_count),
             execution: Execution::new(retained.current_program),
             operator: OperatorState::default(),
-            params: Arc::new(params),
+            params,
         };
         plant.update_unusable_outputs();
         plant
@@ -141,7 +139,7 @@ impl Plant {
                 format!("{at}: the function is on; switch it off before this is changed"),
             ));
         }
-        let written = Arc::make_mut(&mut self.params).write(at, value);
+        let written = self.params.write(at, value);
         written.map_err(|error| LocalizedText::new(error.zh(), error.to_string()))?;
         self.outbox.requests.push(StorageRequest::Param(at, value));
         self.inputs.configure(&self.params);

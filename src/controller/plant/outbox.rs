@@ -1,7 +1,5 @@
 //! What a tick tells the outside: the message, the refusal of a command, and requests to the disk thread.
 
-use std::sync::Arc;
-
 use super::Plant;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::param::ParamAddress;
@@ -63,7 +61,7 @@ impl Plant {
 
     /// Changes a parameter on behalf of the control and stores it.
     pub fn store_param(&mut self, at: ParamAddress, value: f64) {
-        if Arc::make_mut(&mut self.params).write(at, value).is_ok() {
+        if self.params.write(at, value).is_ok() {
             self.outbox.requests.push(StorageRequest::Param(at, value));
         }
     }

@@ -7,8 +7,7 @@ use super::Plant;
 use crate::controller::program::library::Programs;
 use crate::controller::storage_request::StorageRequest;
 use crate::link::edit::OffsetPart;
-use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{CommonVariables, VariableError, WorkOffsets};
+use crate::nc::{CommonVariables, CoordinateChange, VariableError, WorkOffsets};
 use crate::units::{MachinePos, PerAxis, WorkPos};
 
 /// Results of the last G78 for the program: #434 to #437, mm as displayed.
@@ -75,14 +74,23 @@ impl Plant {
         Ok(())
     }
 
-    pub fn set_work_offsets(&mut self, frames: &WorkOffsets) {
-        for number in 1..=TOOL_OFFSET_COUNT {
-            let (geometry, wear) = (frames.geometry[number - 1], frames.wear[number - 1]);
-            if wear != self.work.offsets.wear[number - 1] {
-                self.outbox.requests.push(StorageRequest::Offset { number, geometry, wear });
+    /// Changes the work coordinates and stores the wear that it changes.
+    pub fn change_coordinates(&mut self, change: CoordinateChange) {
+        let before = self.work.offsets.wear;
+        change.apply(&mut self.work.offsets, self.axes.set_point());
+        for (index, wear) in before.iter().enumerate() {
+            if *wear != self.work.offsets.wear[index] {
+                self.store_offset(index);
             }
         }
-        self.work.offsets.clone_from(frames);
+    }
+
+    /// Changes to the tool of a turret station. The tool-change point moves with the slides (L8).
+    pub fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
+        self.work.offsets.change_tool(station, by);
+        if let (Some(start), Some(by)) = (&mut self.work.tool_change_point, by) {
+            *start = *start + by;
+        }
     }
 
     /// Stores a changed offset (index from 0) on disk.
@@ -96,13 +104,6 @@ impl Plant {
         self.work.part_count += 1;
         self.outbox.requests.push(StorageRequest::PartCount(self.work.part_count));
         self.count_since_dressing();
-    }
-
-    /// Shifts the tool-change point with the slides when a tool compensation is applied.
-    pub fn shift_tool_change_point(&mut self, shift: PerAxis<f64>) {
-        if let Some(start) = &mut self.work.tool_change_point {
-            *start = *start + shift - self.work.offsets.shift;
-        }
     }
 
     /// Run start: sets the tool-change point (programs only) and reads the present tool from its switch (L3, L8).

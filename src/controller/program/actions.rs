@@ -1,8 +1,6 @@
 //! Queued actions: everything a run does besides moving, executed in program order.
 //! Source: spec B2, B3, K3.14, K4.
 
-use std::sync::Arc;
-
 use super::activity::{ActionStatus, Activity, GAUGE_INPUTS};
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
@@ -15,7 +13,8 @@ use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 use crate::machine::RequestResult;
 use crate::motion::{CornerMode, Move};
-use crate::units::{Micros, PerAxis};
+use crate::nc::CoordinateChange;
+use crate::units::Micros;
 
 impl ProgramRun {
     /// One tick of the action at the front of the queue.
@@ -37,10 +36,9 @@ impl ProgramRun {
                 plant.spindles.wheel_rpm_limit = Some(*rpm);
                 ActionStatus::Done
             }
-            QueuedAction::SetCoordinateSystem(values) => self.set_coordinate_system(plant, values),
-            QueuedAction::SetWorkOffsets(frames) => {
-                plant.shift_tool_change_point(frames.shift);
-                plant.set_work_offsets(frames);
+            QueuedAction::ChangeCoordinates(change) => self.change_coordinates(plant, *change),
+            QueuedAction::ChangeTool(station, by) => {
+                plant.change_tool(*station, *by);
                 ActionStatus::Done
             }
             QueuedAction::MCode(call) => self.m_code(plant, *call),
@@ -90,18 +88,17 @@ impl ProgramRun {
         }
     }
 
-    /// G50: sets the work coordinates of the present position once all motion is over.
-    fn set_coordinate_system(&mut self, plant: &mut Plant, values: &PerAxis<Option<f64>>) -> ActionStatus {
-        match self.is_settled(plant) {
-            Some(true) => {
-                let mut frames = plant.work.offsets.clone();
-                frames.set_coordinates(plant.axes.set_point(), values);
-                plant.set_work_offsets(&frames);
-                self.lookahead.work_offsets = Arc::new(frames);
-                ActionStatus::Done
-            }
-            Some(false) | None => ActionStatus::Wait,
+    /// Changes the work coordinates; G50 once all motion is over, at the position reached.
+    fn change_coordinates(&mut self, plant: &mut Plant, change: CoordinateChange) -> ActionStatus {
+        let at_rest = matches!(change, CoordinateChange::Set(_));
+        if at_rest && self.is_settled(plant) != Some(true) {
+            return ActionStatus::Wait;
         }
+        plant.change_coordinates(change);
+        if at_rest {
+            self.lookahead.work_offsets.clone_from(&plant.work.offsets);
+        }
+        ActionStatus::Done
     }
 
     /// Whether all motion is over and the axes are in position; `None` after the time-out, with the alarm raised.

@@ -12,7 +12,7 @@ use crate::defs::alarm;
 use crate::defs::param;
 use crate::defs::text::LocalizedText;
 use crate::motion::Move;
-use crate::nc::{NextStatus, PreflightStatus};
+use crate::nc::{CoordinateChange, NextStatus, PreflightStatus};
 
 /// Maximum blocks read per tick.
 const BLOCKS_PER_TICK: usize = 16;
@@ -160,7 +160,10 @@ impl ProgramRun {
                 QueueItem::Action(
                     QueuedAction::SetVariable(..)
                     | QueuedAction::Note(_)
-                    | QueuedAction::SetWorkOffsets(_)
+                    | QueuedAction::ChangeCoordinates(
+                        CoordinateChange::Select(_) | CoordinateChange::Tool { .. } | CoordinateChange::AddWear { .. },
+                    )
+                    | QueuedAction::ChangeTool(..)
                     | QueuedAction::WheelSpeed(..)
                     | QueuedAction::WheelSpeedLimit(_),
                 )
@@ -168,7 +171,7 @@ impl ProgramRun {
                 | QueueItem::BlockEnd => {}
                 QueueItem::Action(
                     QueuedAction::SetSystemVariable(..)
-                    | QueuedAction::SetCoordinateSystem(_)
+                    | QueuedAction::ChangeCoordinates(CoordinateChange::Set(_))
                     | QueuedAction::MCode(..)
                     | QueuedAction::Gauge(_)
                     | QueuedAction::Oscillate(_)

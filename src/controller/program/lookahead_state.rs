@@ -2,7 +2,6 @@
 //! Source: spec B3, B5, K4.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
 use super::move_refusal::MoveRefusal;
 use super::queue::{MCall, PlannedMove, ProgrammedFeed, QueueItem, QueuedAction, check_soft_limits};
@@ -24,8 +23,8 @@ use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 /// Work offsets, position and modal state at the end of the blocks read so far.
 #[derive(Clone, Debug)]
 pub struct LookaheadState {
-    /// Active work offsets; shared until one changes.
-    pub work_offsets: Arc<WorkOffsets>,
+    /// Active work offsets.
+    pub work_offsets: WorkOffsets,
     /// Machine position, radius mm.
     pub machine_position: MachinePos,
     /// The dressing points, machine coordinates, radius mm.
@@ -46,7 +45,7 @@ impl LookaheadState {
     #[must_use]
     pub fn new(frames: WorkOffsets, machine: MachinePos, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
         Self {
-            work_offsets: Arc::new(frames),
+            work_offsets: frames,
             machine_position: machine,
             dress_points,
             oscillating: None,
@@ -163,21 +162,16 @@ impl LookaheadState {
         if let Some(signal) = by.skip_signal
             && let Some(QueueItem::Move(planned)) = items.pop_back()
         {
-            items.push_back(QueueItem::Action(QueuedAction::Skip(Box::new(planned), signal)));
+            items.push_back(QueueItem::Action(QueuedAction::Skip(planned, signal)));
         }
         Ok(())
     }
 
     /// G50 takes the position when it is executed; the other changes act at once.
-    fn change_coordinates(
-        &mut self,
-        change: CoordinateChange<'_>,
-        params: &Params,
-    ) -> Result<QueuedAction, MoveRefusal> {
-        if let CoordinateChange::Set(values) = change {
-            return Ok(QueuedAction::SetCoordinateSystem(*values));
+    fn change_coordinates(&mut self, change: CoordinateChange, params: &Params) -> Result<QueuedAction, MoveRefusal> {
+        if !matches!(change, CoordinateChange::Set(_)) {
+            change.apply(&mut self.work_offsets, self.machine_position);
         }
-        change.apply(Arc::make_mut(&mut self.work_offsets), self.machine_position);
         if let CoordinateChange::AddWear { number, by } = change {
             // K4.1: the same range as on the offset page.
             let wear = self.work_offsets.wear[usize::from(number).clamp(1, TOOL_OFFSET_COUNT) - 1];
@@ -187,7 +181,7 @@ impl LookaheadState {
                 return Err(MoveRefusal::WearOutOfRange(axis, wear[axis]));
             }
         }
-        Ok(QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets)))
+        Ok(QueuedAction::ChangeCoordinates(change))
     }
 
     fn change_oscillation(&mut self, change: OscillationChange, params: &Params) -> Result<QueuedAction, MoveRefusal> {
@@ -239,9 +233,9 @@ impl LookaheadState {
         items: &mut VecDeque<QueueItem>,
         params: &Params,
     ) -> Result<(), MoveRefusal> {
-        Arc::make_mut(&mut self.work_offsets).change_tool(station, by);
+        self.work_offsets.change_tool(station, by);
         items.push_back(QueueItem::Action(QueuedAction::IndexTurret(station)));
-        items.push_back(QueueItem::Action(QueuedAction::SetWorkOffsets(Arc::clone(&self.work_offsets))));
+        items.push_back(QueueItem::Action(QueuedAction::ChangeTool(station, by)));
         let Some(by) = by else { return Ok(()) };
         let to = self.machine_position + by;
         let named = (AxisSet::XZ, AxisSet::XZ);

@@ -24,7 +24,6 @@ use std::sync::Arc;
 use activity::Activity;
 use lookahead_state::LookaheadState;
 use preflight::new_preflight;
-use queue::{QueueItem, QueuedAction};
 use run::{Origin, PendingPreflight, ProgramRun};
 
 use super::plant::system_variables::nc_settings;
@@ -70,14 +69,10 @@ impl Program {
         self.run.as_ref().map(|run| run.started_at)
     }
 
-    /// Changes the work offsets that the open run has read ahead, queued changes included.
+    /// Changes the work offsets that the open run has read ahead.
     pub fn change_offsets_read_ahead(&mut self, change: impl Fn(&mut WorkOffsets)) {
-        let Some(run) = &mut self.run else { return };
-        change(Arc::make_mut(&mut run.lookahead.work_offsets));
-        for item in &mut run.queue {
-            if let QueueItem::Action(QueuedAction::SetWorkOffsets(frames)) = item {
-                change(Arc::make_mut(frames));
-            }
+        if let Some(run) = &mut self.run {
+            change(&mut run.lookahead.work_offsets);
         }
     }
 

@@ -1,8 +1,6 @@
 //! The queue of a run: moves with machine coordinates, and everything else in program order.
 //! Source: spec B2, B5.
 
-use std::sync::Arc;
-
 use super::move_refusal::MoveRefusal;
 use crate::controller::axes::oscillation::OscillationStroke;
 use crate::controller::axes::{SECONDS_PER_MINUTE, soft_limits};
@@ -11,7 +9,7 @@ use crate::defs::mcode::{self, MCode, MCodeAction, Request};
 use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
-use crate::nc::{AxisSet, BlockLocation, GaugeMove, MCodeWords, SpeedMode, WorkOffsets};
+use crate::nc::{AxisSet, BlockLocation, CoordinateChange, GaugeMove, MCodeWords, SpeedMode};
 use crate::units::{Axis, MachinePos, PerAxis};
 
 /// The axes that a block programs, and those of them that it programs incrementally.
@@ -146,10 +144,10 @@ pub enum QueuedAction {
     SetVariable(u32, Option<f64>),
     /// Write a system variable.
     SetSystemVariable(u32, Option<f64>),
-    /// G50: set the work coordinates of the position at execution, mm.
-    SetCoordinateSystem(PerAxis<Option<f64>>),
-    /// Activate other work offsets or tool offsets.
-    SetWorkOffsets(Arc<WorkOffsets>),
+    /// Change the work coordinates; G50 at the position of its execution.
+    ChangeCoordinates(CoordinateChange),
+    /// Change to the tool of a turret station; with compensation the slides move by this displacement.
+    ChangeTool(u8, Option<PerAxis<f64>>),
     /// An M code.
     MCode(MCall),
     /// G78; its end is a machine coordinate.
@@ -171,7 +169,7 @@ pub enum QueuedAction {
     /// G50 S: maximum wheel speed under G96, rpm.
     WheelSpeedLimit(f64),
     /// G31: move until a signal comes: the move and the gauge signal (1 to 6).
-    Skip(Box<PlannedMove>, u8),
+    Skip(PlannedMove, u8),
     /// Alarm raised by the program: number, text, block position.
     Alarm(u16, LocalizedText, BlockLocation),
     /// Program message, shown until it is replaced; an empty text ends it.

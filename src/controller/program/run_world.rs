@@ -1,8 +1,6 @@
 //! The machine as a running program sees it, and what it writes to it by system variables.
 //! Source: spec B3, K4.2, K5.17, L8.
 
-use std::sync::Arc;
-
 use super::lookahead_state::LookaheadState;
 use super::run::ProgramRun;
 use crate::controller::plant::system_variables::{GEOMETRY, WEAR, offset_and_axis};
@@ -102,7 +100,7 @@ impl ProgramRun {
                 let place = if wear { &mut plant.work.offsets.wear } else { &mut plant.work.offsets.geometry };
                 place[index][axis] = value;
                 plant.store_offset(index);
-                self.lookahead.work_offsets = Arc::new(plant.work.offsets.clone());
+                self.lookahead.work_offsets.clone_from(&plant.work.offsets);
             }
         }
         true
@@ -136,7 +134,7 @@ impl ProgramRun {
         let (axis, index) = (plant.kind.row().wheel_axis, plant.work.offsets.tool_offset - 1);
         plant.work.offsets.wear[index][axis] -= lost_mm;
         plant.store_offset(index);
-        self.lookahead.work_offsets = Arc::new(plant.work.offsets.clone());
+        self.lookahead.work_offsets.clone_from(&plant.work.offsets);
         if let Some(point) = &mut plant.work.dress_points[axis] {
             *point += lost_mm * plant.params.get(param::DRESSING_POINT_SIDE);
             plant.outbox.requests.push(StorageRequest::DressPoint(axis, *point));

@@ -125,6 +125,13 @@ impl Params {
         params
     }
 
+    /// Takes over all values of `other`, in place.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.kind = other.kind;
+        self.numbers.copy_from_slice(&*other.numbers);
+        self.bits.copy_from_slice(&*other.bits);
+    }
+
     fn put_bit(&mut self, number: u16, bit: u8, on: bool) {
         let byte = &mut self.bits[usize::from(number)];
         if on { *byte |= 1 << bit } else { *byte &= !(1 << bit) }
