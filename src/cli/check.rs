@@ -90,7 +90,7 @@ fn file_kind(name: &str) -> CheckedFileKind {
 
 fn file_error(shared: &SharedArgs, fault: &crate::link::command::FileFault) -> CheckError {
     let (line, column) = fault.position.unwrap_or((0, 0));
-    CheckError { line, column, message: fault.message.get(shared.lang).to_owned() }
+    CheckError { line, column, message: fault.message.get(shared.lang).into_owned() }
 }
 
 fn program_error(shared: &SharedArgs, number: u32, fault: &ProgramFault) -> CheckError {
@@ -167,22 +167,22 @@ fn run_errors(shared: &SharedArgs, source: &Source, ran: &RunResult) -> Vec<Chec
         .iter()
         .map(|(place, said)| {
             let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
-            CheckError { line, column: 1, message: said.get(shared.lang).to_owned() }
+            CheckError { line, column: 1, message: said.get(shared.lang).into_owned() }
         })
         .collect();
     if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
-        let tells = |line: &u32| source.line(*line).is_some_and(|text| text.contains(&told.zh));
+        let tells = |line: &u32| source.line(*line).is_some_and(|text| text.contains(&*told.zh()));
         let line = (1..=source.line_count() as u32).find(tells).unwrap_or(0);
         let column = source.line(line).and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
         met.push(CheckError {
             line,
             column: column.map_or(1, |at| at as u32 + 1),
-            message: told.get(shared.lang).to_owned(),
+            message: told.get(shared.lang).into_owned(),
         });
     } else if ran.has_own_error {
         let said =
             LocalizedText::new("程序以自己的错误结束 (R62)", "the program has ended in an error of its own (R62)");
-        met.push(CheckError { line: 0, column: 1, message: said.get(shared.lang).to_owned() });
+        met.push(CheckError { line: 0, column: 1, message: said.get(shared.lang).into_owned() });
     }
     met
 }
@@ -389,8 +389,8 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
             let why = ran.message.clone().unwrap_or_default();
             let by = |text: &str| if text.is_empty() { String::new() } else { format!(": {text}") };
             LocalizedText::new(
-                format!("未发现错误，但模拟运行没有到程序结束{}", by(&why.zh)),
-                format!("no error found, but the simulated run did not come to its end{}", by(&why.en)),
+                format!("未发现错误，但模拟运行没有到程序结束{}", by(&why.zh())),
+                format!("no error found, but the simulated run did not come to its end{}", by(&why.en())),
             )
         }
         // The run reached the end even if the check did not.

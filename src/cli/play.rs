@@ -147,7 +147,7 @@ fn play_lines(shared: &SharedArgs, lines: &[StoryLine], player: &mut Player<'_, 
         let seconds = host.now().as_secs_f64();
         let message = &host.snapshot().message;
         let refused = (message.tone == Tone::Refused && message.since > before).then(|| message.text.get(shared.lang));
-        print_outcome(shared.format, line, (&done, refused), seconds);
+        print_outcome(shared.format, line, (&done, refused.as_deref()), seconds);
         if line.statement == Statement::FaultList && shared.format == OutputFormat::Text {
             for row in FAULTS {
                 print_line(format!("{:14}{:20} {} {}", "", row.usage(), row.text.zh, row.text.en));

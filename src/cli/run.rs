@@ -284,9 +284,9 @@ impl RunReport {
         let told = self.stop_reason.as_ref().or(snapshot.waiting_for.as_ref());
         let message = &snapshot.message.text;
         if self.end != RunEnd::Finished && !message.get(lang).is_empty() && told != Some(message) {
-            lines.push(message.get(lang).to_owned());
+            lines.push(message.get(lang).into_owned());
         }
-        lines.extend(told.map(|told| told.get(lang).to_owned()));
+        lines.extend(told.map(|told| told.get(lang).into_owned()));
         for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
             lines.push(format!("{axis}  work {:10.3}  machine {:10.3}", view.work, view.machine));
         }

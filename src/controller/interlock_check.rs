@@ -12,7 +12,8 @@ use crate::defs::mcode::{MCodeAction, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output};
 use crate::defs::system_variable;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Template, phrase};
+use crate::defs::text_arg::Arg;
 use crate::machine::interlock::RuleOutcome;
 use crate::machine::{ControlState, Machine};
 use crate::nc::{AxisSet, Block, BlockLocation, Op, OpEffect, OscillationChange, SpeedMode};
@@ -120,7 +121,9 @@ impl<'a> InterlockCheck<'a> {
                 self.oscillating = Some(axis);
                 refused
             }
-            OpEffect::Oscillation(OscillationChange::Cylinder { .. }) => self.request(Request::CylinderOn, "G35"),
+            OpEffect::Oscillation(OscillationChange::Cylinder { .. }) => {
+                self.request(Request::CylinderOn, "G35".into())
+            }
             OpEffect::Oscillation(OscillationChange::Off) => {
                 self.oscillating = None;
                 None
@@ -136,40 +139,41 @@ impl<'a> InterlockCheck<'a> {
 
     fn oscillating_refusal(&self, asked: Axis) -> Option<LocalizedText> {
         let axis = self.oscillating?;
-        Some(with_alarm(
-            alarm::AXIS_OSCILLATES,
-            format!("{asked}：{axis} 轴在振荡中，先用 G36 关闭"),
-            format!("{asked}: {axis} oscillates, end it with G36 first"),
-        ))
+        let said = phrase!(
+            "{asked}：{axis} 轴在振荡中，先用 G36 关闭",
+            "{asked}: {axis} oscillates, end it with G36 first",
+            asked,
+            axis
+        );
+        Some(with_alarm(alarm::AXIS_OSCILLATES, said))
     }
 
     fn m_code(&mut self, call: MCall) -> Option<LocalizedText> {
-        let name = format!("M{:02}", call.row.code);
+        let name = Arg::from(format_args!("M{:02}", call.row.code));
         match call.row.action {
             MCodeAction::AwaitInput(input) if self.params.input_port(input) == 0 => {
-                let said = input.name();
-                let (zh, en) = (format!("{name}：{} 没有输入口", said.zh), format!("{name}: {} has no port", said.en));
-                Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, zh, en))
+                let said = phrase!("{name}：{input} 没有输入口", "{name}: {input} has no port", name, input);
+                Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, said))
             }
             MCodeAction::ProgramEnd => {
                 self.machine.program_end(self.params);
                 self.settle();
                 None
             }
-            _ => call.request().and_then(|request| self.request(request, &name)),
+            _ => call.request().and_then(|request| self.request(request, name)),
         }
     }
 
     /// Requests a change of the machine and lets it settle.
-    fn request(&mut self, request: Request, name: &str) -> Option<LocalizedText> {
+    fn request(&mut self, request: Request, name: Arg) -> Option<LocalizedText> {
         let inputs = self.inputs();
         if let Some(rule) = self.machine.blocking_rule(request, self.now, inputs, self.params) {
-            let reason = self.machine.reason_text(rule.reason, request, self.params);
-            let (zh, en) = (format!("{name}：{}", reason.zh), format!("{name}: {}", reason.en));
+            let reason = self.machine.reason_text(&rule.reason, request, self.params);
+            let said = LocalizedText::phrase_of(REFUSED, [name], [reason]);
             return match rule.outcome {
                 RuleOutcome::NoEffect => None,
-                RuleOutcome::Deny => Some(LocalizedText::new(zh, en)),
-                RuleOutcome::Alarm(number) => Some(with_alarm(number, zh, en)),
+                RuleOutcome::Deny => Some(said),
+                RuleOutcome::Alarm(number) => Some(with_alarm(number, said)),
             };
         }
         self.machine.request(request, self.now, inputs, self.params);
@@ -180,23 +184,27 @@ impl<'a> InterlockCheck<'a> {
     /// A program writes a system variable.
     fn check_system_variable(&mut self, number: u32, value: f64) -> Option<LocalizedText> {
         if let Some(index) = system_variable::OUTPUTS.index(number) {
-            return self
-                .request(Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD), &format!("#{number}"));
+            return self.request(
+                Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD),
+                format_args!("#{number}").into(),
+            );
         }
         if let Some(part) = offset_part_of_variable(number).filter(|part| !offset_in_range(*part, value)) {
             let most = part.max_abs();
-            let range = format!("#{number} = {value} (±{most})");
-            return Some(with_alarm(alarm::OFFSET_RANGE, range.clone(), range));
+            let said = phrase!("#{number} = {value} (±{most})", "#{number} = {value} (±{most})", number, value, most);
+            return Some(with_alarm(alarm::OFFSET_RANGE, said));
         }
         if number == system_variable::WHEEL_DIAMETER.first {
             if value > self.wheel_diameter_mm || value < param::WHEEL_DIAMETER.min {
                 let before = self.wheel_diameter_mm;
-                let zh = format!("#{number} = {value:.4}，现直径 {before:.4}");
-                return Some(with_alarm(
-                    alarm::WHEEL_DIAMETER_REFUSED,
-                    zh,
-                    format!("#{number} = {value:.4}, the wheel has {before:.4}"),
-                ));
+                let said = phrase!(
+                    "#{number} = {value:.4}，现直径 {before:.4}",
+                    "#{number} = {value:.4}, the wheel has {before:.4}",
+                    number,
+                    value,
+                    before
+                );
+                return Some(with_alarm(alarm::WHEEL_DIAMETER_REFUSED, said));
             }
             self.wheel_diameter_mm = value;
             self.update_control_state();
@@ -236,6 +244,9 @@ impl<'a> InterlockCheck<'a> {
     }
 }
 
-fn with_alarm(number: u16, zh: String, en: String) -> LocalizedText {
-    LocalizedText::new(format!("{zh} (报警 {number})"), format!("{en} (alarm {number})"))
+const REFUSED: &Template = &Template::new("{name}：{reason}", "{name}: {reason}", &["name", "reason"]);
+const WITH_ALARM: &Template = &Template::new("{said} (报警 {number})", "{said} (alarm {number})", &["number", "said"]);
+
+fn with_alarm(number: u16, said: LocalizedText) -> LocalizedText {
+    LocalizedText::phrase_of(WITH_ALARM, [number.into()], [said])
 }

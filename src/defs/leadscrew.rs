@@ -35,7 +35,7 @@ pub struct LeadscrewCompensation {
 
 /// An error in the text of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {}", .message.en)]
+#[error("line {line}: {}", .message.en())]
 pub struct LeadscrewTableError {
     /// Line, from 1.
     pub line: u32,
@@ -90,8 +90,8 @@ impl LeadscrewCompensation {
         match Self::parse(&table.to_text()) {
             Ok(_) => Ok(table),
             Err(fault) => Err(LocalizedText::new(
-                format!("第 {} 点：{}", fault.line, fault.message.zh),
-                format!("point {}: {}", fault.line, fault.message.en),
+                format!("第 {} 点：{}", fault.line, fault.message.zh()),
+                format!("point {}: {}", fault.line, fault.message.en()),
             )),
         }
     }
@@ -207,7 +207,7 @@ mod tests {
             ("0,0,inf", 1, "inf is out of range -2…2 mm"),
         ] {
             let fault = LeadscrewCompensation::parse(text).unwrap_err();
-            assert_eq!((fault.line, fault.message.en.as_str()), (line, said), "{text}");
+            assert_eq!((fault.line, &*fault.message.en()), (line, said), "{text}");
         }
         let long: String = (0..=MAX_POINTS).map(|at| format!("{at},0.01\n")).collect();
         assert_eq!(LeadscrewCompensation::parse(&long).unwrap_err().line, 101);

@@ -121,11 +121,11 @@ pub fn access_level(at: ParamAddress) -> Option<AccessLevel> {
 impl AccessLevel {
     /// The name shown.
     #[must_use]
-    pub const fn name(self) -> Text {
+    pub const fn name(self) -> &'static Text {
         match self {
-            Self::Operator => Text::new("操作", "operator"),
-            Self::User => Text::new("用户", "user"),
-            Self::Builder => Text::new("机床厂", "builder"),
+            Self::Operator => const { &Text::new("操作", "operator") },
+            Self::User => const { &Text::new("用户", "user") },
+            Self::Builder => const { &Text::new("机床厂", "builder") },
         }
     }
 }
@@ -146,7 +146,7 @@ mod tests {
             }
         }
         let rapid = rows(Kind::Lathe).into_iter().find(|row| row.address == param::RAPID_X.address());
-        assert_eq!(rapid.map(|row| row.range().en), Some("1000 … 3000 mm/min".to_owned()));
+        assert_eq!(rapid.map(|row| row.range().en().into_owned()), Some("1000 … 3000 mm/min".to_owned()));
     }
 
     #[test]

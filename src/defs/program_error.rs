@@ -1,7 +1,10 @@
 //! Program alarms: errors in the program text, with remedies.
 //! `{}` is replaced by the first detail of a fault, `{2}` by the second. Source: spec B8 (1–65, 67–99), B1–B4.
 
-use super::text::Text;
+use super::text::{Template, Text};
+
+/// The placeholders of the details.
+const DETAILS: &[&str] = &["", "2"];
 
 macro_rules! program_errors {
     ($($(#[$doc:meta])* $name:ident = $number:literal, $id:literal, $zh:literal, $en:literal, $remedy_zh:literal, $remedy_en:literal;)*) => {
@@ -28,13 +31,27 @@ macro_rules! program_errors {
             /// Description; `{}` and `{2}` are replaced by the details.
             #[must_use]
             pub const fn text(self) -> Text {
-                match self { $(Self::$name => Text { zh: $zh, en: $en },)* }
+                self.template().text
             }
 
             /// Remedy.
             #[must_use]
             pub const fn remedy(self) -> Text {
-                match self { $(Self::$name => Text { zh: $remedy_zh, en: $remedy_en },)* }
+                self.remedy_template().text
+            }
+
+            /// Description, as a template of the two details.
+            #[must_use]
+            pub const fn template(self) -> &'static Template {
+                match self { $(Self::$name => &Template { text: Text { zh: $zh, en: $en }, names: DETAILS },)* }
+            }
+
+            /// Remedy, as a template of the two details.
+            #[must_use]
+            pub const fn remedy_template(self) -> &'static Template {
+                match self {
+                    $(Self::$name => &Template { text: Text { zh: $remedy_zh, en: $remedy_en }, names: DETAILS },)*
+                }
             }
         }
     };

@@ -69,7 +69,7 @@ impl SoftKeyAction {
 }
 
 /// One soft key.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SoftKey {
     /// Label.
     pub label: Text,

@@ -1,6 +1,16 @@
 //! Texts in the two languages of the control.
+//!
+//! The core says what it means by a phrase: a constant template and its arguments. Making, cloning and dropping one
+//! allocates nothing. The screen, the disk thread and the tests put it into words.
+
+use std::borrow::Cow;
+use std::fmt::{self, Write};
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+
+use super::alarm;
+use super::text_arg::{Arg, NumberForm};
 
 /// A language of the control. Chinese is the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -38,21 +48,110 @@ impl Text {
     }
 }
 
-/// A text composed at run time, in both languages: the core does not know the language of the display.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LocalizedText {
-    /// Chinese.
-    pub zh: String,
-    /// English.
-    pub en: String,
+/// A phrase: the Chinese and the English template, then the arguments, `name` or `name = value`.
+macro_rules! phrase {
+    (@value $name:ident) => { $name };
+    (@value $name:ident $value:expr) => { $value };
+    ($zh:expr, $en:expr $(, $name:ident $(= $value:expr)?)* $(,)?) => {
+        $crate::defs::text::LocalizedText::phrase(
+            const { &$crate::defs::text::Template::new($zh, $en, &[$(stringify!($name)),*]) },
+            [$($crate::defs::text_arg::Arg::from($crate::defs::text::phrase!(@value $name $($value)?))),*],
+        )
+    };
+}
+pub(crate) use phrase;
+
+/// Maximum number of arguments of a phrase.
+pub const MAX_ARGS: usize = 6;
+
+/// A constant text with named placeholders: `{axis}`, `{value:.3}`, `{off:+.3}`, `{number:04}`, as in `format!`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Template {
+    /// The text with its placeholders.
+    pub text: Text,
+    /// The names of the arguments, in their order.
+    pub names: &'static [&'static str],
 }
 
-impl LocalizedText {
-    /// A text from its Chinese and English forms.
-    pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
-        Self { zh: zh.into(), en: en.into() }
+impl Template {
+    /// A template from its Chinese and English forms and the names of its arguments.
+    ///
+    /// # Panics
+    /// A language has a placeholder that is not named, or lacks one that is. The macro [`phrase!`] checks at compile
+    /// time.
+    #[must_use]
+    pub const fn new(zh: &'static str, en: &'static str, names: &'static [&'static str]) -> Self {
+        assert!(names.len() <= MAX_ARGS, "too many arguments");
+        assert!(uses_exactly(zh, names) && uses_exactly(en, names), "placeholders and arguments differ");
+        Self { text: Text::new(zh, en), names }
     }
 
+    /// Puts the template into words, with its arguments.
+    fn write(&self, out: &mut String, lang: Lang, args: &[Arg]) -> fmt::Result {
+        let mut rest = self.text.get(lang);
+        while let Some((before, after)) = rest.split_once('{') {
+            out.push_str(before);
+            let (inside, tail) = after.split_once('}').unwrap_or((after, ""));
+            let (name, form) = inside.split_once(':').unwrap_or((inside, ""));
+            match self.names.iter().position(|known| *known == name).and_then(|index| args.get(index)) {
+                Some(Arg::Phrase(template, first)) => {
+                    template.write(out, lang, args.get(usize::from(*first)..).unwrap_or_default())?;
+                }
+                Some(arg) => arg.write(out, lang, NumberForm::parse(form))?,
+                None => write!(out, "{{{inside}}}")?,
+            }
+            rest = tail;
+        }
+        out.write_str(rest)
+    }
+}
+
+/// A text of a program.
+const OF_PROGRAM: &Template = &Template::new("{text}", "{text}", &["text"]);
+
+/// Whether a text has a placeholder for each name, and no other.
+const fn uses_exactly(text: &str, names: &[&str]) -> bool {
+    let (bytes, mut at, mut used) = (text.as_bytes(), 0, 0_u32);
+    while at < bytes.len() {
+        if bytes[at] == b'{' {
+            let (start, mut index) = (at + 1, 0);
+            while index < names.len() && !is_placeholder(bytes, start, names[index].as_bytes()) {
+                index += 1;
+            }
+            if index == names.len() {
+                return false;
+            }
+            used |= 1 << index;
+        }
+        at += 1;
+    }
+    used == (1 << names.len()) - 1
+}
+
+/// Whether the placeholder that begins at `start` has this name.
+const fn is_placeholder(text: &[u8], start: usize, name: &[u8]) -> bool {
+    if start + name.len() >= text.len() {
+        return false;
+    }
+    let mut index = 0;
+    while index < name.len() {
+        if text[start + index] != name[index] {
+            return false;
+        }
+        index += 1;
+    }
+    matches!(text[start + name.len()], b':' | b'}')
+}
+
+/// A text in both languages that was put into words.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "LocalizedText")]
+pub struct Words {
+    zh: String,
+    en: String,
+}
+
+impl Words {
     /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> &str {
@@ -63,8 +162,235 @@ impl LocalizedText {
     }
 }
 
+/// A text for the operator in both languages: the core does not know the language of the display.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Words", into = "Words")]
+pub struct LocalizedText {
+    body: Body,
+    /// The alarm whose text of the table comes before it.
+    alarm: Option<u16>,
+    /// Maximum number of characters; the rest is cut off.
+    max_chars: u16,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Body {
+    /// A constant text.
+    Text(Text),
+    /// A template with its arguments.
+    Phrase(&'static Template, [Arg; MAX_ARGS]),
+    /// Words that were composed outside the tick.
+    Words(Arc<Words>),
+}
+
+impl LocalizedText {
+    /// A text from its Chinese and English words. It allocates: the core makes phrases instead, by [`phrase!`].
+    pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
+        Self::of(Body::Words(Arc::new(Words { zh: zh.into(), en: en.into() })))
+    }
+
+    /// A text of a program, the same in both languages.
+    #[must_use]
+    pub fn of_program(text: &str) -> Self {
+        Self::phrase(OF_PROGRAM, [text.into()])
+    }
+
+    /// A phrase from a template and its arguments; see [`phrase!`].
+    #[must_use]
+    pub fn phrase<const N: usize>(template: &'static Template, args: [Arg; N]) -> Self {
+        Self::phrase_of(template, args, [])
+    }
+
+    /// A phrase whose last arguments are other texts. Each needs one argument more than it has itself; what does not
+    /// fit is put into words.
+    #[must_use]
+    pub fn phrase_of<const N: usize, const M: usize>(
+        template: &'static Template,
+        args: [Arg; N],
+        texts: [Self; M],
+    ) -> Self {
+        const { assert!(N + M <= MAX_ARGS, "too many arguments") };
+        let mut all = [const { Arg::None }; MAX_ARGS];
+        all.iter_mut().zip(args).for_each(|(place, arg)| *place = arg);
+        let mut free = N + M;
+        for (index, text) in texts.into_iter().enumerate() {
+            let whole = text.alarm.is_none() && text.max_chars == u16::MAX;
+            all[N + index] = match text.body {
+                Body::Words(words) if whole => Arg::Words(words),
+                Body::Phrase(within, own) if whole && free + used(&own) <= MAX_ARGS => {
+                    let (first, length) = (free, used(&own));
+                    all[first..].iter_mut().zip(own).take(length).for_each(|(place, arg)| *place = arg);
+                    free += length;
+                    Arg::Phrase(within, first as u8)
+                }
+                body => Arg::Words(Arc::new(Self { body, ..text }.into())),
+            };
+        }
+        Self::of(Body::Phrase(template, all))
+    }
+
+    const fn of(body: Body) -> Self {
+        Self { body, alarm: None, max_chars: u16::MAX }
+    }
+
+    /// This text as the detail of an alarm: the alarm's text of the table comes before it.
+    #[must_use]
+    pub fn after_alarm(self, number: u16) -> Self {
+        Self { alarm: Some(number), ..self }
+    }
+
+    /// This text cut to a number of characters.
+    #[must_use]
+    pub fn cut(self, max_chars: u16) -> Self {
+        Self { max_chars, ..self }
+    }
+
+    /// The text in a language.
+    #[must_use]
+    pub fn get(&self, lang: Lang) -> Cow<'_, str> {
+        let mut said = self.unworded(lang).map_or_else(|| Cow::Owned(String::new()), Cow::Borrowed);
+        if let (Body::Phrase(template, args), Cow::Owned(out)) = (&self.body, &mut said) {
+            // Writing to a `String` does not fail.
+            let _ = template.write(out, lang, args);
+        }
+        let said = match self.alarm.and_then(alarm::find) {
+            Some(row) => Cow::Owned(format!("{}{}{said}", row.text.get(lang), Text::new("：", ": ").get(lang))),
+            None => said,
+        };
+        match said.char_indices().nth(usize::from(self.max_chars)) {
+            Some((end, _)) => Cow::Owned(said[..end].to_owned()),
+            None => said,
+        }
+    }
+
+    /// The text in Chinese.
+    #[must_use]
+    pub fn zh(&self) -> Cow<'_, str> {
+        self.get(Lang::Zh)
+    }
+
+    /// The text in English.
+    #[must_use]
+    pub fn en(&self) -> Cow<'_, str> {
+        self.get(Lang::En)
+    }
+
+    /// Whether it says nothing but blanks.
+    #[must_use]
+    pub fn is_blank(&self) -> bool {
+        self.unworded(Lang::Zh).is_some_and(|text| text.trim().is_empty())
+    }
+
+    /// Whether it says nothing at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.unworded(Lang::Zh).is_some_and(str::is_empty)
+    }
+
+    /// The text without alarm and limit, if it needs no wording.
+    fn unworded(&self, lang: Lang) -> Option<&str> {
+        match &self.body {
+            Body::Text(text) => Some(text.get(lang)),
+            Body::Words(words) => Some(words.get(lang)),
+            Body::Phrase(template, _) if template.names.is_empty() => Some(template.text.get(lang)),
+            Body::Phrase(template, args) if *template == OF_PROGRAM => Some(args[0].as_name()),
+            Body::Phrase(..) => None,
+        }
+    }
+}
+
+/// The number of arguments that a phrase has.
+fn used(args: &[Arg]) -> usize {
+    args.iter().rposition(|arg| *arg != Arg::None).map_or(0, |last| last + 1)
+}
+
+impl Default for LocalizedText {
+    fn default() -> Self {
+        Text::new("", "").into()
+    }
+}
+
 impl From<Text> for LocalizedText {
     fn from(text: Text) -> Self {
-        Self::new(text.zh, text.en)
+        Self::of(Body::Text(text))
+    }
+}
+
+impl From<Words> for LocalizedText {
+    fn from(words: Words) -> Self {
+        Self::of(Body::Words(Arc::new(words)))
+    }
+}
+
+impl From<LocalizedText> for Words {
+    fn from(text: LocalizedText) -> Self {
+        Self { zh: text.zh().into_owned(), en: text.en().into_owned() }
+    }
+}
+
+// A text is kept in queues and returned as an error.
+const _: () = assert!(size_of::<LocalizedText>() <= 120);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Axis;
+
+    #[test]
+    fn a_phrase_is_worded_in_both_languages() {
+        let (axis, to, code) = (Axis::Z, -12.345_6, 7_u8);
+        let said = phrase!(
+            "{axis} 目标 {to:.3} ({to:+.1})，M{code:02}",
+            "M{code:02}: {axis} target {to:.3} ({to:+.1})",
+            axis,
+            to,
+            code
+        );
+        assert_eq!(said.zh(), "Z 目标 -12.346 (-12.3)，M07");
+        assert_eq!(said.get(Lang::En), "M07: Z target -12.346 (-12.3)");
+        assert_eq!(phrase!("S{rpm}", "S{rpm}", rpm = 1_500.0).en(), "S1500");
+        assert!(matches!(phrase!("先回零", "home the axes first").zh(), Cow::Borrowed("先回零")));
+    }
+
+    #[test]
+    fn a_phrase_takes_another_text_as_its_last_argument() {
+        const PLACE: &Template = &Template::new("第{line}行 {cause}", "line {line}: {cause}", &["line", "cause"]);
+        let at = |inner: LocalizedText| LocalizedText::phrase_of(PLACE, [Arg::from(7_u32)], [inner]);
+        let inner = phrase!("{axis} 轴 {off:+.3}", "{axis} is {off:+.3} off", axis = Axis::X, off = 0.25);
+        assert_eq!(
+            (at(inner.clone()).zh(), at(inner).en()),
+            ("第7行 X 轴 +0.250".into(), "line 7: X is +0.250 off".into())
+        );
+        assert_eq!(at(LocalizedText::new("磁盘满", "the disk is full")).en(), "line 7: the disk is full");
+        assert_eq!(at(Text::new("先回零", "home first").into()).zh(), "第7行 先回零");
+        let many = phrase!("{a}{b}{c}{d}{e}", "{a}{b}{c}{d}{e}", a = 1, b = 2, c = 3, d = 4, e = 5);
+        assert_eq!(at(many).en(), "line 7: 12345", "what does not fit is put into words");
+    }
+
+    #[test]
+    fn an_alarm_comes_before_its_detail_and_a_text_is_cut_by_characters() {
+        let row = alarm::find(alarm::NOT_HOMED).unwrap();
+        let said = phrase!("{axis} 轴", "axis {axis}", axis = Axis::Y).after_alarm(alarm::NOT_HOMED);
+        assert_eq!(said.zh(), format!("{}：Y 轴", row.text.zh));
+        assert_eq!(said.en(), format!("{}: axis Y", row.text.en));
+        assert_eq!(said.cut(2).zh(), row.text.zh.chars().take(2).collect::<String>());
+    }
+
+    #[test]
+    fn both_languages_take_the_same_arguments() {
+        assert!(uses_exactly("{axis}：{to:.3}", &["axis", "to"]));
+        assert!(!uses_exactly("{axis}", &["axis", "to"]), "one is not said");
+        assert!(!uses_exactly("{axis} {too}", &["axis", "to"]), "one is unknown");
+        assert!(uses_exactly("", &[]) && !uses_exactly("{", &["to"]));
+    }
+
+    #[test]
+    fn the_stored_form_is_the_words_in_both_languages() {
+        let said = phrase!("第 {row} 行", "row {row}", row = 3_usize);
+        let stored = serde_json::to_string(&said).unwrap();
+        assert_eq!(stored, r#"{"zh":"第 3 行","en":"row 3"}"#);
+        let read: LocalizedText = serde_json::from_str(&stored).unwrap();
+        assert_eq!((read.zh(), read.en()), (said.zh(), said.en()));
+        assert!(LocalizedText::default().is_blank() && !said.is_blank());
     }
 }

@@ -1,6 +1,8 @@
 //! A value being typed: its text, and its refusal by the page or by the core.
 //! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
 
+use std::borrow::Cow;
+
 use super::variable_entry::EditKey;
 use crate::defs::param::NumberParam;
 use crate::defs::text::{Lang, LocalizedText};
@@ -128,7 +130,7 @@ impl FieldEditor {
 
     /// The reason of a refusal in a language.
     #[must_use]
-    pub fn refusal(&self, lang: Lang) -> Option<&str> {
+    pub fn refusal(&self, lang: Lang) -> Option<Cow<'_, str>> {
         self.refused.as_ref().map(|said| said.get(lang))
     }
 }
@@ -150,7 +152,7 @@ mod tests {
         assert!(typing.text.is_empty());
         let no = EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) };
         assert_eq!(typing.poll_answer(&no), CoreAnswer::Refused(7));
-        assert_eq!((typing.text.as_str(), typing.refusal(Lang::En)), ("1.5", Some("no")));
+        assert_eq!((typing.text.as_str(), typing.refusal(Lang::En).as_deref()), ("1.5", Some("no")));
         assert_eq!(typing.poll_answer(&no), CoreAnswer::Nothing, "an answer counts once");
     }
 

@@ -123,7 +123,7 @@ fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
 /// Whether the message is still shown.
 #[must_use]
 pub fn message_is_fresh(snapshot: &Snapshot) -> bool {
-    snapshot.now.since(snapshot.message.since) < MESSAGE_DURATION && !snapshot.message.text.zh.is_empty()
+    snapshot.now.since(snapshot.message.since) < MESSAGE_DURATION && !snapshot.message.text.zh().is_empty()
 }
 
 /// Text and colour of the message line.
@@ -134,7 +134,7 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     }
     let (message, fresh) = (&view.snapshot.message, message_is_fresh(view.snapshot));
     if fresh && message.tone == Tone::Refused {
-        return Some((message.text.get(lang).to_owned(), view.theme.hold));
+        return Some((message.text.get(lang).into_owned(), view.theme.hold));
     }
     if let Some(alarm) = view.snapshot.alarms.first() {
         let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
@@ -143,9 +143,9 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
         return Some((word, view.theme.alarm_text));
     }
     if let Some(waiting) = &view.snapshot.waiting_for {
-        return Some((waiting.get(lang).to_owned(), view.theme.hold));
+        return Some((waiting.get(lang).into_owned(), view.theme.hold));
     }
-    fresh.then(|| (message.text.get(lang).to_owned(), view.theme.text))
+    fresh.then(|| (message.text.get(lang).into_owned(), view.theme.text))
 }
 
 /// Draws the message line: a refusal in amber for 5 s, else the first alarm with its remedy in red, else what the run

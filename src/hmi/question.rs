@@ -87,7 +87,7 @@ impl Question {
         fit_text(painter, title, Align2::LEFT_CENTER, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
         let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - 56.0);
         let body = Rect::from_min_max(body.min + vec2(0.0, 6.0), body.max);
-        paragraph(painter, body, self.body.get(view.lang), theme::LABEL, view.theme.text);
+        paragraph(painter, body, &self.body.get(view.lang), theme::LABEL, view.theme.text);
         self.focus.begin_frame(edits);
         let last = self.keys.len() - 1;
         let width = ((keys.width() + theme::GAP) / self.keys.len() as f32).min(170.0);

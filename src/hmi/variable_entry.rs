@@ -1,6 +1,8 @@
 //! Input of a value for a macro variable: cursor, text, check, refusal.
 //! Source: spec H6, K7.5.
 
+use std::borrow::Cow;
+
 use super::field_editor::{CoreAnswer, FieldEditor};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::Command;
@@ -158,7 +160,7 @@ impl VariableEntry {
 
     /// The reason of a refusal in a language.
     #[must_use]
-    pub fn refusal(&self, lang: Lang) -> Option<&str> {
+    pub fn refusal(&self, lang: Lang) -> Option<Cow<'_, str>> {
         self.editor.refusal(lang)
     }
 }
@@ -207,7 +209,7 @@ mod tests {
     fn k7_5_switches_take_zero_or_one_and_the_refused_text_stays() {
         let mut entry = VariableEntry { cursor: 1, ..VariableEntry::default() };
         assert!(typed(&mut entry, "2").is_none());
-        assert_eq!((entry.editor.text.as_str(), entry.refusal(Lang::En)), ("2", Some("only 0 or 1")));
+        assert_eq!((entry.editor.text.as_str(), entry.refusal(Lang::En).as_deref()), ("2", Some("only 0 or 1")));
         entry.handle_key(EditKey::Char('1'), COLUMNS);
         assert_eq!((entry.editor.text.as_str(), entry.editor.refused.is_none()), ("1", true));
         assert!(matches!(entry.handle_key(EditKey::Enter, COLUMNS), Some(Command::EnterVariable(570, Some(_)))));

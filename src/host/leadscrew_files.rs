@@ -50,8 +50,8 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> Result<FileAnswer, Refusal>
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = LeadscrewCompensation::parse(&text.text).map_err(|fault| {
         wrong(
-            format!("第 {} 行：{}", fault.line, fault.message.zh),
-            format!("line {}: {}", fault.line, fault.message.en),
+            format!("第 {} 行：{}", fault.line, fault.message.zh()),
+            format!("line {}: {}", fault.line, fault.message.en()),
         )
     })?;
     if table.points().is_empty() {

@@ -133,8 +133,8 @@ impl PageFileFolder {
         Ok(FileAnswer::Done(match fault {
             None => LocalizedText::new(format!("{to} 已换成 {name}"), format!("{to} is now {name}")),
             Some(fault) => LocalizedText::new(
-                format!("{to} 已换成 {name}，已转换（{}）", fault.zh),
-                format!("{to} is now {name}, converted ({})", fault.en),
+                format!("{to} 已换成 {name}，已转换（{}）", fault.zh()),
+                format!("{to} is now {name}, converted ({})", fault.en()),
             ),
         }))
     }

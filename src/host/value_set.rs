@@ -52,7 +52,7 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
         let at = ParamAddress::parse(key).ok_or_else(unknown)?;
         params.write(at, *value).map_err(|error| {
             Refusal::Other(LocalizedText::new(
-                format!("{key} = {value}：{}", error.zh()),
+                format!("{key} = {value}：{}", error.text().zh()),
                 format!("{key} = {value}: {error}"),
             ))
         })?;

@@ -14,7 +14,8 @@ use crate::defs::page::Page;
 use crate::defs::page_text::PageText;
 use crate::defs::param::ParamAddress;
 use crate::defs::soft_key::CoordinateView;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Template};
+use crate::defs::text_arg::Arg;
 use crate::units::{Axis, PerAxis};
 
 /// One request to the core. The tick that takes it either executes it or shows a message with the reason of the
@@ -145,19 +146,20 @@ pub struct FileFault {
     pub message: LocalizedText,
 }
 
+const FAULT_AT_PLACE: &Template =
+    &Template::new("{file} {place}：{message}", "{file} {place}: {message}", &["file", "place", "message"]);
+const FAULT_OF_FILE: &Template = &Template::new("{file}：{message}", "{file}: {message}", &["file", "message"]);
+
 impl FileFault {
     /// The fault with its place, as shown.
     #[must_use]
     pub fn full_message(&self) -> LocalizedText {
+        let (file, message) = (self.file.as_str(), self.message.clone());
         match self.position {
-            Some((line, column)) => LocalizedText::new(
-                format!("{} 第{line}行 第{column}列：{}", self.file, self.message.zh),
-                format!("{} line {line}, column {column}: {}", self.file, self.message.en),
-            ),
-            None => LocalizedText::new(
-                format!("{}：{}", self.file, self.message.zh),
-                format!("{}: {}", self.file, self.message.en),
-            ),
+            Some((line, column)) => {
+                LocalizedText::phrase_of(FAULT_AT_PLACE, [file.into(), Arg::Place(line, column)], [message])
+            }
+            None => LocalizedText::phrase_of(FAULT_OF_FILE, [file.into()], [message]),
         }
     }
 }

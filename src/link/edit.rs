@@ -20,10 +20,10 @@ pub enum OffsetPart {
 impl OffsetPart {
     /// The name shown.
     #[must_use]
-    pub const fn name(self) -> Text {
+    pub const fn name(self) -> &'static Text {
         match self {
-            Self::Geometry => Text::new("几何", "geometry"),
-            Self::Wear => Text::new("磨耗", "wear"),
+            Self::Geometry => const { &Text::new("几何", "geometry") },
+            Self::Wear => const { &Text::new("磨耗", "wear") },
         }
     }
 

@@ -14,7 +14,7 @@ use super::toolpath::Toolpath;
 use crate::defs::alarm;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::units::{Axis, PerAxis};
 
 /// Maximum number of lines checked in one request.
@@ -183,6 +183,9 @@ pub enum Refusal {
     Other(LocalizedText),
 }
 
+const ALARM: &Template =
+    &Template::new("{text}：{detail}。{remedy}", "{text}: {detail}. {remedy}", &["text", "remedy", "detail"]);
+
 impl Refusal {
     /// The text shown.
     #[must_use]
@@ -191,19 +194,15 @@ impl Refusal {
             Self::Conflict => Text::new("文件已被别处改动", "the file was changed elsewhere meanwhile").into(),
             Self::Password => Text::new("需要程序编辑密码", "the password for editing programs is needed").into(),
             Self::Builder => Text::new("需要机床厂密码", "the machine builder's password is needed").into(),
-            Self::Overwrite(names) => LocalizedText::new(
-                format!("{} 个文件已存在且内容不同", names.len()),
-                format!("{} files are there already and differ", names.len()),
+            Self::Overwrite(names) => phrase!(
+                "{count} 个文件已存在且内容不同",
+                "{count} files are there already and differ",
+                count = names.len()
             ),
             Self::Convert(faults) => faults.first().cloned().unwrap_or_default(),
             Self::Alarm(number, detail) => alarm::find(*number).map_or_else(
                 || detail.clone(),
-                |row| {
-                    LocalizedText::new(
-                        format!("{}：{}。{}", row.text.zh, detail.zh, row.remedy.zh),
-                        format!("{}: {}. {}", row.text.en, detail.en, row.remedy.en),
-                    )
-                },
+                |row| LocalizedText::phrase_of(ALARM, [(&row.text).into(), (&row.remedy).into()], [detail.clone()]),
             ),
             Self::Other(said) => said.clone(),
         }

@@ -29,11 +29,11 @@ impl PasswordScope {
 
     /// The name shown.
     #[must_use]
-    pub const fn name(self) -> Text {
+    pub const fn name(self) -> &'static Text {
         match self {
-            Self::Program => Text::new("程序编辑", "program edit"),
-            Self::User => Text::new("用户参数", "user parameters"),
-            Self::Builder => Text::new("机床厂参数", "machine builder"),
+            Self::Program => const { &Text::new("程序编辑", "program edit") },
+            Self::User => const { &Text::new("用户参数", "user parameters") },
+            Self::Builder => const { &Text::new("机床厂参数", "machine builder") },
         }
     }
 

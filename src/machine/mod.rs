@@ -27,7 +27,7 @@ use crate::defs::kind::Kind;
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::units::Micros;
 use cylinder::Cylinder;
 use fluids::Fluids;
@@ -51,7 +51,7 @@ pub enum RequestResult {
     /// Refused with a message; a program waits before the block.
     Denied(Text),
     /// Refused with an alarm: number, reason.
-    Alarm(u16, Text),
+    Alarm(u16, &'static Text),
 }
 
 /// State of the control that the machine logic needs, updated each tick.
@@ -309,16 +309,12 @@ impl Machine {
 
     /// The reason of a rule; for requests by port number with the port and the function that owns it.
     #[must_use]
-    pub fn reason_text(&self, reason: Text, request: Request, params: &Params) -> LocalizedText {
-        let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return reason.into() };
+    pub fn reason_text(&self, reason: &'static Text, request: Request, params: &Params) -> LocalizedText {
+        let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return (*reason).into() };
         let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.kind) else {
-            return reason.into();
+            return (*reason).into();
         };
-        let name = output.name();
-        LocalizedText::new(
-            format!("{} (输出口 {port}：{})", reason.zh, name.zh),
-            format!("{} (port {port}: {})", reason.en, name.en),
-        )
+        phrase!("{reason} (输出口 {port}：{output})", "{reason} (port {port}: {output})", reason, port, output)
     }
 
     /// Requests a change. The interlock table decides; a refused request changes nothing.
@@ -331,7 +327,7 @@ impl Machine {
                     if number == alarm::HYDRAULIC_PRESSURE {
                         self.hydraulic.note_refused_start();
                     }
-                    RequestResult::Alarm(number, rule.reason)
+                    RequestResult::Alarm(number, &rule.reason)
                 }
             };
         }

@@ -290,9 +290,9 @@ impl ProgramCheck {
     fn report_endless_loop(&mut self, world: &mut OfflineMachine) {
         let (place, title) = match self.checkpoint.jump_back_line {
             Some(line) => {
-                (BlockLocation { program: self.source.number(), line: line + 1, n: None }, self.source.title())
+                (BlockLocation { program: self.source.number(), line: line + 1, n: None }, self.source.title_arg())
             }
-            None => (self.interpreter.next_location(), self.interpreter.next_line().0.title()),
+            None => (self.interpreter.next_location(), self.interpreter.next_line().0.title_arg()),
         };
         self.add_warning(ProgramFault::new(
             title,
@@ -331,7 +331,7 @@ impl ProgramCheck {
         let by_null = match fault.error {
             E::MissingWord | E::ArcWithoutCentre => null_here,
             E::ArcEndOffCircle | E::ArcRadius => null_here || self.left_loops > 0,
-            E::DivisionByZero => null_here && fault.detail().is_empty(),
+            E::DivisionByZero => null_here && !fault.has_detail(),
             E::FunctionDomain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
             E::FeedMissing => left_out,
             // The position after a loop that was left is unknown.

@@ -71,7 +71,7 @@ impl Interpreter {
         start: WorkPos,
     ) -> ReadResult<Vec<Op>> {
         if self.flow.source.find_block(cycle.last_block, self.flow.at).is_none() {
-            return fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block));
+            return fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block));
         }
         self.flow.go_to_block(cycle.first_block, cycle.at)?;
         let mut ahead = ContourReadState { inner: world, position: start };
@@ -98,6 +98,6 @@ impl Interpreter {
                 return Ok(ops);
             }
         }
-        fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block))
+        fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block))
     }
 }

@@ -211,7 +211,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             let exponent = if negative { -exponent } else { exponent };
             let power = base.powf(exponent);
             if power.is_nan() && S::HAS_VALUES {
-                return fail2(at, E::FunctionDomain, "**", format!("{base}, {exponent}"));
+                return fail2(at, E::FunctionDomain, "**", format_args!("{base}, {exponent}"));
             }
             left = self.check_finite(power, at)?;
         }
@@ -282,7 +282,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         let value = self.operand(value, at);
         match whole_number(value).map(u32::try_from) {
             Some(Ok(number)) => Ok(number),
-            Some(Err(_)) | None => fail1(at, E::BadVariable, format!("#{value}")),
+            Some(Err(_)) | None => fail1(at, E::BadVariable, format_args!("#{value}")),
         }
     }
 
@@ -318,7 +318,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
     fn bitwise(&self, a: f64, b: f64, at: usize, act: fn(i64, i64) -> i64) -> ReadResult<f64> {
         match (whole_number(a), whole_number(b)) {
             (Some(a), Some(b)) => Ok(act(a, b) as f64),
-            _ if S::HAS_VALUES => fail2(at, E::FunctionDomain, "AND OR XOR", format!("{a}, {b}")),
+            _ if S::HAS_VALUES => fail2(at, E::FunctionDomain, "AND OR XOR", format_args!("{a}, {b}")),
             _ => Ok(0.0),
         }
     }
@@ -342,7 +342,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         };
         match value {
             Some(value) => self.check_finite(value, at),
-            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument.to_string()),
+            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, format_args!("{argument}")),
             None => Ok(Some(0.0)),
         }
     }

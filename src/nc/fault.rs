@@ -5,7 +5,8 @@ use std::fmt;
 use super::source::Source;
 use crate::defs::gcode::GCode;
 use crate::defs::program_error::ProgramError;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, LocalizedText, Template};
+use crate::defs::text_arg::Arg;
 
 /// The location of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -27,24 +28,24 @@ pub struct ProgramFault {
     pub column: u32,
     /// The row of the error table.
     pub error: ProgramError,
-    details: [String; 2],
+    details: [Arg; 2],
     /// The displayed name of the program.
-    program_title: Box<str>,
+    program_title: Arg,
 }
 
 impl ProgramFault {
-    pub(crate) fn new(program: impl Into<Box<str>>, place: BlockLocation, column: u32, wrong: ErrorAt) -> Self {
+    pub(crate) fn new(program: impl Into<Arg>, place: BlockLocation, column: u32, wrong: ErrorAt) -> Self {
         Self { location: place, column, error: wrong.error, details: wrong.details, program_title: program.into() }
     }
 
     /// The displayed name of the program.
     #[must_use]
-    pub fn program_title(&self) -> &str {
-        &self.program_title
+    pub fn program_title(&self) -> String {
+        self.program_title.to_text()
     }
 
-    pub(crate) fn detail(&self) -> &str {
-        &self.details[0]
+    pub(crate) fn has_detail(&self) -> bool {
+        !self.details[0].is_empty()
     }
 
     /// The alarm number, 1–65 or 67–99.
@@ -56,30 +57,49 @@ impl ProgramFault {
     /// The cause, without location and remedy.
     #[must_use]
     pub fn cause(&self, lang: Lang) -> String {
-        let text = self.error.text().get(lang);
-        match (self.error, self.details[0].get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
-            // The function's name comes from the G-code table, in the chosen language.
-            (ProgramError::UnavailableG | ProgramError::WrongKindG, Some(row)) => {
-                fill_template(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
-            }
-            _ => fill_template(text, &self.details),
-        }
+        self.cause_phrase().get(lang).into_owned()
     }
 
     /// The remedy.
     #[must_use]
     pub fn remedy(&self, lang: Lang) -> String {
-        fill_template(self.error.remedy().get(lang), &self.details)
+        LocalizedText::phrase(self.error.remedy_template(), self.details.clone()).get(lang).into_owned()
     }
 
     /// Program, line, column, cause and remedy in one line.
     #[must_use]
     pub fn text(&self, lang: Lang) -> String {
-        let (program, line, column) = (&self.program_title, self.location.line, self.column);
-        let (cause, remedy) = (self.cause(lang), self.remedy(lang));
-        match lang {
-            Lang::Zh => format!("{program} 第{line}行 第{column}列：{cause} – {remedy}"),
-            Lang::En => format!("{program} line {line}, column {column}: {cause} – {remedy}"),
+        self.phrase().get(lang).into_owned()
+    }
+
+    /// [`Self::cause`] as a phrase.
+    #[must_use]
+    pub fn cause_phrase(&self) -> LocalizedText {
+        LocalizedText::phrase(self.error.template(), self.cause_details())
+    }
+
+    /// [`Self::text`] as a phrase.
+    #[must_use]
+    pub fn phrase(&self) -> LocalizedText {
+        let template = const {
+            &Template::new(
+                "{program} {place}：{cause} – {remedy}",
+                "{program} {place}: {cause} – {remedy}",
+                &["program", "place", "cause", "remedy"],
+            )
+        };
+        let [first, second] = self.cause_details();
+        let place = Arg::Place(self.location.line, self.column);
+        let (cause, remedy) = (Arg::Phrase(self.error.template(), 4), Arg::Phrase(self.error.remedy_template(), 4));
+        LocalizedText::phrase(template, [self.program_title.clone(), place, cause, remedy, first, second])
+    }
+
+    /// The details. The name of a function comes from the table of G codes.
+    fn cause_details(&self) -> [Arg; 2] {
+        let [first, second] = self.details.clone();
+        match (self.error, first.as_name().get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
+            (ProgramError::UnavailableG | ProgramError::WrongKindG, Some(row)) => [first, Arg::Text(&row.text)],
+            _ => [first, second],
         }
     }
 }
@@ -90,16 +110,12 @@ impl fmt::Display for ProgramFault {
     }
 }
 
-fn fill_template(template: &str, details: &[String; 2]) -> String {
-    template.replace("{}", &details[0]).replace("{2}", &details[1])
-}
-
 /// A mistake at a byte of the text; line and column are not determined yet.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorAt {
     pub at: usize,
     pub error: ProgramError,
-    pub details: [String; 2],
+    pub details: [Arg; 2],
 }
 
 /// Why reading a block stopped.
@@ -116,20 +132,20 @@ pub(crate) type ReadResult<T> = Result<T, Box<ReadStop>>;
 
 #[cold]
 pub(crate) fn fail<T>(at: usize, error: ProgramError) -> ReadResult<T> {
-    fail2(at, error, "", "")
+    fail2(at, error, Arg::None, Arg::None)
 }
 
 #[cold]
-pub(crate) fn fail1<T>(at: usize, error: ProgramError, detail: impl Into<String>) -> ReadResult<T> {
-    fail2(at, error, detail, "")
+pub(crate) fn fail1<T>(at: usize, error: ProgramError, detail: impl Into<Arg>) -> ReadResult<T> {
+    fail2(at, error, detail, Arg::None)
 }
 
 #[cold]
 pub(crate) fn fail2<T>(
     at: usize,
     error: ProgramError,
-    detail: impl Into<String>,
-    second: impl Into<String>,
+    detail: impl Into<Arg>,
+    second: impl Into<Arg>,
 ) -> ReadResult<T> {
     Err(Box::new(ReadStop::Error(ErrorAt { at, error, details: [detail.into(), second.into()] })))
 }
@@ -142,14 +158,14 @@ pub(crate) fn locate_error(source: &Source, n: Option<u32>, mut wrong: ErrorAt) 
     {
         if character == char::REPLACEMENT_CHARACTER {
             wrong.error = ProgramError::BadEncoding;
-            wrong.details =
-                [source.bytes().get(wrong.at).map(|byte| format!("0x{byte:02X}")).unwrap_or_default(), instead];
+            let byte = source.bytes().get(wrong.at);
+            wrong.details = [byte.map_or(Arg::None, |byte| format!("0x{byte:02X}").into()), instead.into()];
         } else {
-            wrong.details = [character.to_string(), instead];
+            wrong.details = [character.into(), instead.into()];
         }
     }
     let (place, column) = source.locate(wrong.at, n);
-    ProgramFault::new(source.title(), place, column, wrong)
+    ProgramFault::new(source.title_arg(), place, column, wrong)
 }
 
 #[cfg(test)]
@@ -158,7 +174,7 @@ mod tests {
 
     #[test]
     fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
-        let wrong = ErrorAt { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), String::new()] };
+        let wrong = ErrorAt { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), Arg::None] };
         let fault = ProgramFault::new("O1001", BlockLocation { program: 1001, line: 7, n: None }, 12, wrong);
         assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
         assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));

@@ -181,7 +181,7 @@ impl Flow {
     /// GOTO: goes to the next block with the number, else to the first. Leaves loops that do not contain it.
     pub fn go_to_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
         let Some(target) = self.source.find_block(n, self.at) else {
-            return fail1(at, E::MissingTarget, format!("N{n}"));
+            return fail1(at, E::MissingTarget, format_args!("N{n}"));
         };
         let stays = |open: &OpenLoop| open.while_at < target && target <= open.end.at as usize;
         self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
@@ -198,13 +198,13 @@ impl Flow {
     pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> ReadResult<()> {
         let found = self.source.while_loop_at(self.at).filter(|found| found.number == number);
         let Some((while_at, end)) = found.and_then(|found| Some((found.while_at as usize, found.end?))) else {
-            return fail1(at, E::LoopMismatch, format!("WHILE … DO{number}"));
+            return fail1(at, E::LoopMismatch, format_args!("WHILE … DO{number}"));
         };
         let top = self.depth.checked_sub(1).map(|top| self.loops[top]);
         let again = top.is_some_and(|top| top.while_at == while_at);
         if !again {
             if self.loops[..self.depth].iter().any(|open| open.number == number) || self.depth == LOOP_DEPTH {
-                return fail1(at, E::DoNumber, number.to_string());
+                return fail1(at, E::DoNumber, format_args!("{number}"));
             }
             self.loops[self.depth] = OpenLoop { number, while_at, end };
             self.depth += 1;
@@ -223,7 +223,7 @@ impl Flow {
                 self.go_to(top.while_at);
                 Ok(())
             }
-            Some(_) | None => fail1(at, E::LoopMismatch, format!("END{number}")),
+            Some(_) | None => fail1(at, E::LoopMismatch, format_args!("END{number}")),
         }
     }
 
@@ -253,7 +253,7 @@ impl Flow {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
         if self.call_stack.iter().filter(same).count() >= limit.depth {
-            return fail2(call.at, E::TooDeep, limit.name, limit.depth.to_string());
+            return fail2(call.at, E::TooDeep, limit.name, format_args!("{}", limit.depth));
         }
         if let Callee::Macro(arguments) = &call.callee {
             self.locals.push(**arguments);
@@ -286,7 +286,7 @@ impl Flow {
     pub fn go_to_unique_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
         let line = self.find_unique_block(n, at)?;
         if line == self.line {
-            return fail1(at, E::JumpToItself, format!("N{n:04}"));
+            return fail1(at, E::JumpToItself, format_args!("N{n:04}"));
         }
         let stays = |open: &OpenCountedLoop| open.line < line && line <= open.end_line;
         let kept = self.counted_loops[self.counted_base..].iter().take_while(|open| stays(open)).count();
@@ -298,8 +298,8 @@ impl Flow {
     fn find_unique_block(&self, n: u32, at: usize) -> ReadResult<u32> {
         match self.source.find_unique_block(n) {
             Ok(Some(line)) => Ok(line),
-            Ok(None) => fail1(at, E::MissingTarget, format!("N{n:04}")),
-            Err(()) => fail1(at, E::SeveralTargets, format!("N{n:04}")),
+            Ok(None) => fail1(at, E::MissingTarget, format_args!("N{n:04}")),
+            Err(()) => fail1(at, E::SeveralTargets, format_args!("N{n:04}")),
         }
     }
 
@@ -309,10 +309,10 @@ impl Flow {
         // L7: subprograms follow the main program, which M02 ends.
         let within = self.source.main_end_line().is_some_and(|end| line < end);
         if within || self.is_main() && line <= self.line.saturating_sub(1) {
-            return fail1(at, E::SubBeforeMain, format!("N{n:04}"));
+            return fail1(at, E::SubBeforeMain, format_args!("N{n:04}"));
         }
         if self.call_stack.len() >= COUNTED_DEPTH {
-            return fail2(at, E::TooDeep, "M98", COUNTED_DEPTH.to_string());
+            return fail2(at, E::TooDeep, "M98", format_args!("{COUNTED_DEPTH}"));
         }
         let (source, depth) = (Arc::clone(&self.source), self.depth);
         self.call_stack.push(CallFrame {
@@ -345,7 +345,7 @@ impl Flow {
             return Ok(false);
         }
         if self.counted_loops.len() - self.counted_base >= COUNTED_DEPTH {
-            return fail2(at, E::TooDeep, "G22", COUNTED_DEPTH.to_string());
+            return fail2(at, E::TooDeep, "G22", format_args!("{COUNTED_DEPTH}"));
         }
         self.counted_loops.push(OpenCountedLoop { line, end_line, repeats_left: times - 1 });
         Ok(true)
@@ -389,7 +389,7 @@ impl Flow {
         if let Some(n) = target
             && level.source.find_block(n, level.at).is_none()
         {
-            return fail1(at, E::MissingTarget, format!("{} N{n}", level.source.title()));
+            return fail1(at, E::MissingTarget, format_args!("{} N{n}", level.source.title()));
         }
         if level.repeats_left > 0 && target.is_none() {
             level.repeats_left -= 1;

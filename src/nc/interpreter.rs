@@ -321,7 +321,7 @@ impl Interpreter {
             return Ok(StepStatus::End);
         }
         if let Some(n) = self.flow.local_sub() {
-            return fail1(self.flow.source.last_line_start(), E::SubWithoutReturn, format!("N{n:04}"));
+            return fail1(self.flow.source.last_line_start(), E::SubWithoutReturn, format_args!("N{n:04}"));
         }
         self.condition_changed = true;
         self.flow.return_to(None, at)?;
@@ -543,7 +543,7 @@ impl Interpreter {
                 let value = value.unwrap_or(0.0);
                 let Some(number) = super::expression::whole_number(value).filter(|number| (0..=999).contains(number))
                 else {
-                    return fail2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
+                    return fail2(at, E::OutOfRange, format_args!("#{variable}={value}"), "0–999");
                 };
                 let number = number as u32;
                 block.ops.push(if variable == 3000 {

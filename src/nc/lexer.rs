@@ -208,7 +208,7 @@ impl<'a> Cursor<'a> {
             0x80.. => fail(self.at, ProgramError::NonAsciiCharacter),
             b'\r' | b'\n' => fail1(self.at, ProgramError::UnexpectedCharacter, "⏎"),
             byte if byte.is_ascii_control() => {
-                fail1(self.at, ProgramError::UnexpectedCharacter, format!("0x{byte:02X}"))
+                fail1(self.at, ProgramError::UnexpectedCharacter, format_args!("0x{byte:02X}"))
             }
             byte => fail1(self.at, ProgramError::UnexpectedCharacter, char::from(byte)),
         }

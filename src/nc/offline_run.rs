@@ -9,6 +9,7 @@ use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
 use super::op::Op;
 use super::source::Source;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::text_arg::Arg;
 
 /// Most blocks that one call of `advance_to` reads.
 pub const ADVANCE_PER_CALL: usize = 2_000;
@@ -98,7 +99,7 @@ impl Interpreter {
         let source = Arc::clone(&self.flow.source);
         let mut remarks = Vec::new();
         for (source, at, variable) in self.null_uses.iter_mut().flat_map(|nulls| nulls.drain(..)) {
-            let details = [format!("#{variable}"), String::new()];
+            let details = [format!("#{variable}").into(), Arg::None];
             remarks.push(locate_error(&source, None, ErrorAt { at, error: E::NullUsed, details }));
         }
         for wrong in self.warnings.iter_mut().flat_map(|notes| notes.drain(..)) {

@@ -12,6 +12,7 @@ use super::settings::NcSettings;
 use super::source::Source;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::system_variable;
+use crate::defs::text_arg::Arg;
 use crate::units::{Axis, MM_PER_INCH, WorkPos};
 
 /// First system variables of the axis positions, machine and work coordinates; they count the machine's axes only.
@@ -46,7 +47,7 @@ impl LiveScope<'_> {
     }
 
     /// Adds a warning: allowed but rarely intended.
-    pub fn warn(&mut self, at: usize, error: E, details: [String; 2]) {
+    pub fn warn(&mut self, at: usize, error: E, details: [Arg; 2]) {
         if let Some(notes) = self.warnings {
             notes.push(ErrorAt { at, error, details });
         }
@@ -97,16 +98,16 @@ impl LiveScope<'_> {
             4000..=4200 => self
                 .modals
                 .variable(number, self.settings.is_mill())
-                .map_or_else(|| fail1(at, E::BadVariable, format!("#{number}")), Ok),
+                .map_or_else(|| fail1(at, E::BadVariable, format_args!("#{number}")), Ok),
             434..=439 | 1000.. => match self.world.system_variable(number) {
                 LiveValue::Value(Some(length)) if self.modals.inch && system_variable::is_position(number) => {
                     Ok(Some(length / MM_PER_INCH))
                 }
                 LiveValue::Value(value) => Ok(value),
                 LiveValue::Drain => Err(Box::new(ReadStop::Drain)),
-                LiveValue::Unknown => fail1(at, E::BadVariable, format!("#{number}")),
+                LiveValue::Unknown => fail1(at, E::BadVariable, format_args!("#{number}")),
             },
-            _ => self.common_variables.get(number).or_else(|_| fail1(at, E::BadVariable, format!("#{number}"))),
+            _ => self.common_variables.get(number).or_else(|_| fail1(at, E::BadVariable, format_args!("#{number}"))),
         }
     }
 }

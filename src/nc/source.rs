@@ -11,6 +11,7 @@ use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_
 use crate::defs::kind::Dialect;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
+use crate::defs::text_arg::Arg;
 
 /// The UTF-8 byte order mark that some editors write.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
@@ -36,6 +37,7 @@ impl Library for EmptyLibrary {
 pub struct Source {
     number: u32,
     name: String,
+    title: Arg,
     bytes: Arc<[u8]>,
     utf8: bool,
     line_offsets: Vec<u32>,
@@ -55,7 +57,10 @@ impl Source {
         let lines = line_starts(&bytes);
         let utf8 = std::str::from_utf8(&bytes).is_ok();
         let index = index(dialect, &TextLines { text: &bytes, starts: &lines });
-        Self { number, name: name.into(), bytes, utf8, line_offsets: lines, dialect, index }
+        let name = name.into();
+        let named = program_number::is_named(number);
+        let title = if named { program_number::stem(&name).into() } else { Arg::Program(number) };
+        Self { number, name, title, bytes, utf8, line_offsets: lines, dialect, index }
     }
 
     /// The O number.
@@ -75,11 +80,13 @@ impl Source {
     /// The displayed name of the program: its number, or the name of its file.
     #[must_use]
     pub fn title(&self) -> String {
-        if program_number::is_named(self.number) {
-            program_number::stem(&self.name).to_owned()
-        } else {
-            program_number::name_of(self.number)
-        }
+        self.title.to_text()
+    }
+
+    /// [`Self::title`] as an argument of a phrase.
+    #[must_use]
+    pub fn title_arg(&self) -> Arg {
+        self.title.clone()
     }
 
     /// The file name.

@@ -162,7 +162,7 @@ fn loop_number(cursor: &mut Cursor<'_>) -> ReadResult<u8> {
     let number = cursor.read_number()?;
     match whole_number(number.value) {
         Some(number @ 1..=3) => Ok(number as u8),
-        Some(_) | None => fail1(at, E::DoNumber, number.value.to_string()),
+        Some(_) | None => fail1(at, E::DoNumber, format_args!("{}", number.value)),
     }
 }
 
@@ -225,7 +225,7 @@ fn read_assignment<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResu
     cursor.skip_blanks()?;
     let start = cursor.at;
     if matches!(cursor.peek(), b'\r' | b'\n' | b';') {
-        return fail1(at, E::MissingNumber, format!("#{variable}="));
+        return fail1(at, E::MissingNumber, format_args!("#{variable}="));
     }
     let value = evaluate(cursor, scope)?;
     cursor.skip_blanks()?;

@@ -10,6 +10,7 @@ use super::statement::{self, BlockContent, ReadOptions, SyntaxOnlyScope};
 use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
+use crate::defs::text_arg::Arg;
 
 /// The lines read so far, one bit per line.
 pub(crate) struct VisitedLines(Vec<u64>);
@@ -97,20 +98,20 @@ pub(crate) fn check_whole_text<'a>(
     source: &'a Source,
     settings: &NcSettings,
 ) -> impl Iterator<Item = ProgramFault> + use<'a> {
-    let told = |at: usize, error: E, detail: String| {
-        locate_error(source, None, ErrorAt { at, error, details: [detail, String::new()] })
+    let told = |at: usize, error: E, detail: Arg| {
+        locate_error(source, None, ErrorAt { at, error, details: [detail, Arg::None] })
     };
     let rules = dialect::rules(settings.dialect);
     let empty = rules
         .required_end_code(settings)
         .filter(|_| source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block))
-        .map(|end| told(0, E::EmptyProgram, end.to_owned()));
+        .map(|end| told(0, E::EmptyProgram, end.into()));
     let labels = rules.has_labels().then(|| source.repeated_labels()).into_iter().flatten();
     let labels = labels.map(move |(line, label)| {
         let text = source.bytes().get(source.line_start(line)..).unwrap_or_default();
         let upper = text.get(..text.len().min(LABEL_SEARCH_BYTES)).unwrap_or_default().to_ascii_uppercase();
         let at = upper.windows(label.len()).position(|part| part == label).unwrap_or(0);
-        told(source.line_start(line) + at, E::SeveralLabels, String::from_utf8_lossy(label).into_owned())
+        told(source.line_start(line) + at, E::SeveralLabels, String::from_utf8_lossy(label).as_ref().into())
     });
     empty.into_iter().chain(labels)
 }
@@ -148,7 +149,7 @@ fn read_line(
             }
             BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,
             BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
-                return fail1(at, E::MissingTarget, format!("N{n}"));
+                return fail1(at, E::MissingTarget, format_args!("N{n}"));
             }
             BlockContent::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop)?,
             _ => {}

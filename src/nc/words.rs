@@ -158,7 +158,7 @@ impl BlockWords {
     /// Adds a variable that the block sets.
     pub fn push_assignment(&mut self, set: Assignment) -> ReadResult<()> {
         let Some(place) = self.assignments.get_mut(self.assignment_count) else {
-            return fail2(set.at as usize, E::TooManyCodes, "R", MAX_ASSIGNMENTS.to_string());
+            return fail2(set.at as usize, E::TooManyCodes, "R", format_args!("{MAX_ASSIGNMENTS}"));
         };
         *place = set;
         self.assignment_count += 1;
@@ -299,12 +299,12 @@ fn push_code<const COUNT: usize>(
             Some(Ok(number)) => number,
             Some(Err(_)) | None => {
                 let error = if letter == b'G' { E::UnknownG } else { E::UnknownM };
-                return fail1(at as usize, error, format!("{name}{value}"));
+                return fail1(at as usize, error, format_args!("{name}{value}"));
             }
         },
     };
     let Some(place) = codes.get_mut(*count) else {
-        return fail2(at as usize, E::TooManyCodes, name, COUNT.to_string());
+        return fail2(at as usize, E::TooManyCodes, name, format_args!("{COUNT}"));
     };
     *place = Code { number, at };
     *count += 1;

@@ -245,7 +245,7 @@ impl<'a, G: Stage> Player<'a, G> {
             return Err("the control has no power".to_owned());
         }
         self.step();
-        let refused = self.stage.host().controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
+        let refused = self.stage.host().controller().refusal().map(|said| format!("{}; {}", said.zh(), said.en()));
         self.ticks(ANSWER_TICKS - 1);
         self.run_until(ANSWER_TIMEOUT, |host| !host.controller().is_braking());
         refused.map_or(Ok(()), Err)
@@ -352,7 +352,7 @@ impl<'a, G: Stage> Player<'a, G> {
         let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
         match missing {
             None => Ok(()),
-            Some(axis) => Err(format!("{axis} is not homed: {}", snapshot.message.text.zh)),
+            Some(axis) => Err(format!("{axis} is not homed: {}", snapshot.message.text.zh())),
         }
     }
 
@@ -410,13 +410,13 @@ impl<'a, G: Stage> Player<'a, G> {
             Expectation::AnyAlarm => self.alarm(|_| true, "no alarm is present"),
             Expectation::AlarmText(text) => {
                 let has = |alarm: &crate::link::snapshot::AlarmView| {
-                    alarm.text.zh.contains(text) || alarm.text.en.contains(text)
+                    alarm.text.zh().contains(text) || alarm.text.en().contains(text)
                 };
                 self.alarm(has, "no alarm has this text")
             }
             Expectation::NoAlarm => match self.stage.host().snapshot().alarms.first() {
                 None => Ok(()),
-                Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh)),
+                Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh())),
             },
             Expectation::Event(kind) => {
                 let seen: Vec<_> = self.stage.host().machine().events().iter().map(|event| event.kind).collect();
@@ -433,10 +433,10 @@ impl<'a, G: Stage> Player<'a, G> {
             Expectation::Value { of, is, tolerance } => self.value(*of, *is, *tolerance),
             Expectation::Message(text) => {
                 let message = &self.stage.host().snapshot().message.text;
-                if message.zh.contains(text) || message.en.contains(text) {
+                if message.zh().contains(text) || message.en().contains(text) {
                     Ok(())
                 } else {
-                    Err(format!("the message is \"{}\"", message.zh))
+                    Err(format!("the message is \"{}\"", message.zh()))
                 }
             }
             Expectation::Page(page, text) => self.page_shows(*page, text),
@@ -448,7 +448,7 @@ impl<'a, G: Stage> Player<'a, G> {
         if alarms.iter().any(is) {
             return Ok(());
         }
-        let present: Vec<_> = alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh)).collect();
+        let present: Vec<_> = alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh())).collect();
         Err(format!("{no}; present: [{}]", present.join(", ")))
     }
 
@@ -504,7 +504,7 @@ pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> Stri
         .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go))
         .collect();
     let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
-    let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh)).collect();
+    let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh())).collect();
     format!(
         "  at {now:.3} s: state {}, mode {}, page {}, {} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
         snapshot.state.id(),
@@ -515,6 +515,6 @@ pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> Stri
         axes.join(", "),
         outputs.join(" "),
         alarms.join("; "),
-        snapshot.message.text.zh,
+        snapshot.message.text.zh(),
     )
 }

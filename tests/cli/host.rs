@@ -339,7 +339,7 @@ fn a_serial_transfer_that_waits_is_cancelled_and_delays_no_value() {
     bench.send(file(FileRequest::Cancel));
     bench.until("the end", |snapshot| !snapshot.files.answers.is_empty() && snapshot.files.busy.is_none());
     let last = bench.link.newest().files.answers.last().unwrap().result.clone();
-    assert!(matches!(&last, Err(Refusal::Other(said)) if said.zh.contains("已取消")), "{last:?}");
+    assert!(matches!(&last, Err(Refusal::Other(said)) if said.zh().contains("已取消")), "{last:?}");
 }
 
 #[test]

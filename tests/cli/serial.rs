@@ -301,11 +301,11 @@ fn l9_a_program_that_cannot_be_stored_or_sent_is_named() {
     fs::create_dir(shop.path("O0005.NC")).unwrap();
     let done = shop.receive(b"%\nO0004\nM30\nO0005\nM30\n%\n", &[]);
     assert_eq!(number(&done), Some(alarm::SERIAL_FILE_ERROR), "{done:?}");
-    assert!(done.unwrap_err().message().zh.contains("已保存 O0004.NC"));
+    assert!(done.unwrap_err().message().zh().contains("已保存 O0004.NC"));
     fs::write(shop.path("O0006.NC"), "O0006\nG00 X1 (50%)\n").unwrap();
     let done = shop.ask(Direction::Export, &["O0006.NC"], None);
     assert_eq!(number(&done), Some(alarm::SERIAL_NOT_SENDABLE));
-    assert!(done.unwrap_err().message().zh.contains("第2行"));
+    assert!(done.unwrap_err().message().zh().contains("第2行"));
     assert_eq!(number(&shop.ask(Direction::Export, &["../O0001.NC"], None)), Some(alarm::SERIAL_FILE_ERROR));
 }
 

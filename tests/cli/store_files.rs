@@ -356,10 +356,10 @@ fn k7_3_a_page_file_that_cannot_be_read_is_told_by_its_name_in_both_languages() 
         .read_screens()
         .unwrap();
     let said = |number: u32| found.find(number).unwrap().text.as_ref().unwrap_err().full_message();
-    assert_eq!(said(1_004).zh, "C0004.TXT：文件不存在，请拷入 screens 目录");
-    assert!(said(1_005).zh.contains("C0005.TXT 是链接"), "{}", said(1_005).zh);
+    assert_eq!(said(1_004).zh(), "C0004.TXT：文件不存在，请拷入 screens 目录");
+    assert!(said(1_005).zh().contains("C0005.TXT 是链接"), "{}", said(1_005).zh());
     for number in [1_004, 1_005] {
-        assert!(!said(number).zh.contains(" is ") && !said(number).zh.contains('/'), "{}", said(number).zh);
-        assert!(!said(number).en.contains('/'), "{}", said(number).en);
+        assert!(!said(number).zh().contains(" is ") && !said(number).zh().contains('/'), "{}", said(number).zh());
+        assert!(!said(number).en().contains('/'), "{}", said(number).en());
     }
 }

@@ -209,3 +209,34 @@ fn no_test_is_switched_off() {
         assert!(!fs::read_to_string(&path).unwrap().contains(&mark), "{}", path.display());
     }
 }
+
+/// Rooms that run in the tick: they say what they mean by phrases, and the screen puts them into words.
+const MAKES_PHRASES: &[&str] = &["controller", "machine"];
+/// What puts a text into words, and allocates.
+const WORDING: &[&str] = &["format!(", ".to_string()", "to_string)", "LocalizedText::new("];
+/// Where a text is composed nevertheless: seldom, and at the wish of the operator.
+const COMPOSES_TEXTS: &[(&str, &str)] = &[
+    // The program of a recording is written when it is saved.
+    ("controller/manual/teach.rs", ""),
+    // Values read from a file: names the parameters in use, as many as they are.
+    ("controller/panel/files.rs", "kept.push(at.to_string())"),
+];
+
+#[test]
+fn the_tick_makes_phrases_and_leaves_the_words_to_the_screen() {
+    let (mut wrong, mut used) = (Vec::new(), vec![false; COMPOSES_TEXTS.len()]);
+    for (name, text) in rooms().into_iter().filter(|(name, _)| MAKES_PHRASES.contains(&room_of(name))) {
+        for (number, line) in text.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            if !WORDING.iter().any(|word| code.contains(word)) {
+                continue;
+            }
+            match COMPOSES_TEXTS.iter().position(|(file, words)| *file == name && code.contains(words)) {
+                Some(exempt) => used[exempt] = true,
+                None => wrong.push(format!("{name}:{}: {}", number + 1, line.trim())),
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(!used.contains(&false), "an exemption that is no longer needed: {used:?}");
+}

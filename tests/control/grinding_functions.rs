@@ -104,7 +104,7 @@ fn k4_2_the_return_by_key_without_a_point_is_the_alarm_of_g27() {
     let by_program = rig.snapshot().alarms.clone();
     assert_eq!((by_key.len(), by_program.len()), (1, 1));
     // The program's has its place before the same words.
-    assert_eq!(by_program[0].text.zh.replace("O7000 第1行 ", ""), by_key[0].text.zh);
+    assert_eq!(by_program[0].text.zh().replace("O7000 第1行 ", ""), by_key[0].text.zh());
     assert_eq!(by_program[0].remedy, by_key[0].remedy);
     assert_eq!((by_program[0].number, by_key[0].number), (196, 196));
 }

@@ -189,7 +189,7 @@ fn l5_every_legal_s_turns_at_its_speed() {
     for (s, most) in [("S0", "5000"), ("S5001", "5000"), ("S-1", "5000")] {
         let mut rig = lathe(&format!("N0010M03{s}\nN0030M02"));
         tell(&mut rig, "key cycle-start\nwait 1 s\nexpect alarm any\nexpect output spindle-forward off");
-        assert!(rig.snapshot().alarms[0].text.en.contains(&format!("1–{most} r/min (P64)")), "{s}");
+        assert!(rig.snapshot().alarms[0].text.en().contains(&format!("1–{most} r/min (P64)")), "{s}");
     }
 }
 
@@ -233,7 +233,7 @@ fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
         "key cycle-start\nwait until alarm max 20 s\nexpect alarm 212\nexpect Z 20 ±0.001\nexpect X 98 ±0.001",
     );
     let told = &rig.snapshot().alarms[0].text;
-    assert_eq!(told.en.to_string(), "the spindle stands: O7000 line 3, column 6");
+    assert_eq!(told.en().to_string(), "the spindle stands: O7000 line 3, column 6");
     let mut rig = lathe("N0010G92X100Z20\nN0020M03S400\nN0030G01U-2F300\nN0040W-30G33F3\nN0060M02");
     // 1200/3 − 80 = 320 rpm.
     tell(
@@ -241,7 +241,7 @@ fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
         "key cycle-start\nwait until alarm max 20 s\nexpect alarm 211\nexpect Z 20 ±0.001\nexpect X 98 ±0.001",
     );
     let told = &rig.snapshot().alarms[0].text;
-    let (en, zh) = (told.en.to_string(), told.zh.to_string());
+    let (en, zh) = (told.en().to_string(), told.zh().to_string());
     assert_eq!(
         en,
         "spindle too fast for the thread: O7000 line 4, column 10: 400 rpm, a lead of 3.000 mm allows 320 rpm"
@@ -565,7 +565,7 @@ fn refused(text: &str) -> (u16, [String; 2]) {
     tell(&mut rig, "expect output spindle-forward off");
     let alarms = &rig.snapshot().alarms;
     assert_eq!(alarms.len(), 1, "{text}: {alarms:?}");
-    (alarms[0].number, [alarms[0].text.en.to_string(), alarms[0].text.zh.to_string()])
+    (alarms[0].number, [alarms[0].text.en().to_string(), alarms[0].text.zh().to_string()])
 }
 
 /// Every mistake that the manual names: its own number and text, line and column; nothing has moved, not even the block

@@ -146,7 +146,7 @@ fn l9_interference_is_told_before_anything_moves() {
         let told: Vec<(u32, String)> = drawing
             .faults
             .iter()
-            .map(|fault| (fault.line, fault.message.en.split(',').next().unwrap().to_owned()))
+            .map(|fault| (fault.line, fault.message.en().split(',').next().unwrap().to_owned()))
             .collect();
         assert_eq!(drawing.crashes.len(), drawing.faults.len());
         told

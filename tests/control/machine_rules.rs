@@ -218,7 +218,7 @@ fn k3_13_m80_waits_for_its_input_and_reset_ends_it() {
         &mut rig,
         "mode auto\nkey cycle-start\nwait until waiting max 2 s\ninput user-1 on\nexpect #100 1\nexpect state waiting",
     );
-    assert!(rig.snapshot().waiting_for.as_ref().is_some_and(|text| text.zh.contains("14")), "M81 waits for port 14");
+    assert!(rig.snapshot().waiting_for.as_ref().is_some_and(|text| text.zh().contains("14")), "M81 waits for port 14");
     tell(&mut rig, "key reset\nwait 0.1 s\nexpect state idle");
 }
 
@@ -778,7 +778,7 @@ fn k2_1_a_key_that_a_story_presses_stays_held_until_it_is_let_go() {
     let z = |rig: &mut kt830::host::headless::HeadlessHost| rig.snapshot().axes.0[2].machine;
     let before = z(&mut rig);
     tell(&mut rig, "press x-minus\npress z-minus\nwait 1 s\nkey coolant\nwait 1 s\nrelease x-minus\nwait 1 s");
-    assert!(!rig.snapshot().message.text.zh.contains("按键"), "no finger was lost");
+    assert!(!rig.snapshot().message.text.zh().contains("按键"), "no finger was lost");
     assert!((z(&mut rig) - before + 50.0).abs() < 2.5, "3 s at 1000 mm/min");
     tell(&mut rig, "wait 1 s\npress z-minus\nwait 1 s\npower cut\npower on\nmode jog\nwait 0.1 s");
     let before = z(&mut rig);

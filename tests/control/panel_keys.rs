@@ -120,7 +120,7 @@ fn silent(rig: &mut HeadlessHost, key: Key) -> Option<String> {
         }
     }
     let after = rig.snapshot();
-    let told = after.message != before.message && !after.message.text.zh.is_empty();
+    let told = after.message != before.message && !after.message.text.zh().is_empty();
     let moved = key.jog_direction().is_some() && stands(after) != stands(&before);
     let changed = seen(after) != seen(&before);
     match before.key(key).blocked {

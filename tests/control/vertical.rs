@@ -231,7 +231,7 @@ fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
             &mut rig,
             &format!("expect message \"{message}\"\nexpect R62 {flag}\nexpect output wheel off\nexpect no alarm"),
         );
-        assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh.as_str()), Some(message), "{values}");
+        assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh()).as_deref(), Some(message), "{values}");
         tell(&mut rig, "mode mdi\nmdi MSG()");
         assert!(rig.snapshot().waiting_for.is_none());
     }
@@ -251,7 +251,7 @@ fn refused_at_the_start(rig: &mut HeadlessHost, values: &str, (message, flag): (
         assert_eq!(rig.controller().set_point(), from, "{values}: something has moved");
     });
     tell(rig, &format!("expect message \"{message}\"\nexpect R62 {flag}\nexpect no alarm\nexpect no event"));
-    assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh.as_str()), Some(message), "{values}");
+    assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh()).as_deref(), Some(message), "{values}");
     for (number, value) in kept {
         rig.send(Command::SetVariable(number, value));
     }
@@ -464,7 +464,7 @@ fn s1_a_feed_per_revolution_without_a_turning_part_says_so() {
         rig.kind().dialect(),
     ));
     tell(&mut rig, "load TURN\nmode auto\nkey cycle-start\nwait 2 s\nexpect alarm \"每转进给需要工件转动\"");
-    assert!(!rig.snapshot().alarms[0].text.zh.contains("需要头架"));
+    assert!(!rig.snapshot().alarms[0].text.zh().contains("需要头架"));
 }
 
 /// As printed, L30 sets R60 back with every dressing: it never ends, and the check counts up to there and says so.
@@ -723,7 +723,7 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
     ] {
         let mut rig = wrong(block);
         let alarms = rig.snapshot().alarms.clone();
-        assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
+        assert!(alarms[0].text.zh().contains(said), "{block}: {}", alarms[0].text.zh());
         tell(&mut rig, "expect X 690 ±0.001\nexpect output wheel off");
     }
     for (block, said) in [
@@ -737,7 +737,7 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
     ] {
         let mut rig = wrong(block);
         let alarms = rig.snapshot().alarms.clone();
-        assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
+        assert!(alarms[0].text.zh().contains(said), "{block}: {}", alarms[0].text.zh());
         tell(&mut rig, "expect X 700 ±0.000001\nexpect output wheel off");
     }
 }
@@ -768,7 +768,7 @@ fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {
         rig.kind().dialect(),
     ));
     tell(&mut rig, "load TELL\nmode auto\nkey cycle-start\nwait 0.5 s");
-    let told = |rig: &mut HeadlessHost| rig.snapshot().waiting_for.as_ref().map(|said| said.zh.clone());
+    let told = |rig: &mut HeadlessHost| rig.snapshot().waiting_for.as_ref().map(|said| said.zh().into_owned());
     assert_eq!(told(&mut rig).as_deref(), Some("粗磨"));
     tell(&mut rig, "wait 1 s");
     assert_eq!(told(&mut rig), None);
@@ -807,7 +807,7 @@ fn s1_a_program_with_a_mistake_does_not_start() {
         tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s\nexpect output wheel off");
         assert_eq!(rig.controller().set_point(), before, "{block}");
         let told = &rig.snapshot().alarms[0];
-        let (said_en, said_zh) = (told.text.en.to_string(), told.text.zh.to_string());
+        let (said_en, said_zh) = (told.text.en().to_string(), told.text.zh().to_string());
         assert!(said_en.starts_with(&format!("WRONG line 3, column {column}: {en} – ")), "{block}: {said_en}");
         assert!(said_zh.starts_with(&format!("WRONG 第3行 第{column}列：{zh} – ")), "{block}: {said_zh}");
         assert_eq!(told.number, *alarm, "{block}");
@@ -830,6 +830,6 @@ fn s1_a_program_with_a_mistake_does_not_start() {
     let before = rig.controller().set_point();
     tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s");
     assert_eq!(rig.controller().set_point(), before);
-    let said = rig.snapshot().alarms[0].text.en.to_string();
+    let said = rig.snapshot().alarms[0].text.en().to_string();
     assert!(said.starts_with("L77 line 2, column 7: there is no label AA1"), "{said}");
 }

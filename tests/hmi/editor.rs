@@ -140,7 +140,7 @@ fn b6_programs_are_edited_in_edit_mode_only_and_not_in_a_run() {
     crate::stories::tell(&mut rig, "param P22.5 0\nmode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
     rig.send(save(true));
     (0..3).for_each(|_| rig.step());
-    assert!(rig.snapshot().message.text.zh.contains("运行中"), "{}", rig.snapshot().message.text.zh);
+    assert!(rig.snapshot().message.text.zh().contains("运行中"), "{}", rig.snapshot().message.text.zh());
     shop.bench.rig.send(save(true));
     shop.bench.turn();
     assert_eq!(shop.file(), "G04 P9000\nM30\n");
@@ -206,7 +206,7 @@ fn b6_a_mistake_is_told_while_it_is_typed() {
     let looked = shop.bench.rig.snapshot().files.line_check.clone();
     assert!(looked.faults.iter().any(|fault| fault.line == 2), "{looked:?}");
     assert!(looked.faults.iter().all(|fault| fault.line == 2), "{looked:?}");
-    let said = looked.faults[0].message.zh.clone();
+    let said = looked.faults[0].message.zh().into_owned();
     assert!(shop.bench.shows(&said));
     (0..5).for_each(|_| shop.bench.press(egui::Key::Backspace));
     for _ in 0..30 {

@@ -91,7 +91,7 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     write(&mut screen, "2");
     press(&mut screen, egui::Key::Enter);
     assert!(sent(&mut screen).is_empty());
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh), Some("只能输入 0 或 1"));
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh).as_deref(), Some("只能输入 0 或 1"));
     assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "2");
     write(&mut screen, "1");
     assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh), None);
@@ -99,7 +99,10 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     assert_eq!(sent(&mut screen), ["EnterVariable(570, Some(1.0))"]);
     write(&mut screen, "100000");
     press(&mut screen, egui::Key::Enter);
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::En), Some("out of range ±99999.999"));
+    assert_eq!(
+        screen.state().hmi.variable_entry().unwrap().refusal(Lang::En).as_deref(),
+        Some("out of range ±99999.999")
+    );
     assert!(sent(&mut screen).is_empty());
 }
 

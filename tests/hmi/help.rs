@@ -99,8 +99,8 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
         for entry in &all {
             for (caption, said) in &entry.paragraphs {
                 let name = format!("{} of {} on {kind:?}", caption.en, entry.id);
-                assert!(!said.zh.is_empty() && !said.en.is_empty(), "{name}");
-                assert!(!is_chinese(&said.en), "{name}: {}", said.en);
+                assert!(!said.zh().is_empty() && !said.en().is_empty(), "{name}");
+                assert!(!is_chinese(&said.en()), "{name}: {}", said.en());
             }
             let words = entry.text(Lang::Zh);
             assert!(is_chinese(words.split(": ").nth(1).unwrap_or_default()), "{}: {words}", entry.id);
@@ -297,7 +297,7 @@ fn b6_a_parameter_is_found_with_its_meaning_range_and_value() {
     let row = param_row::rows(Kind::Gc).into_iter().find(|row| row.address.number == 370).unwrap();
     for lang in [Lang::Zh, Lang::En] {
         let text = entry.text(lang);
-        for words in [row.name.get(lang), row.range().get(lang), "9600", row.level.name().get(lang)] {
+        for words in [&*row.name.get(lang), &row.range().get(lang), "9600", row.level.name().get(lang)] {
             assert!(text.contains(words), "{words} in {text}");
         }
     }
@@ -323,7 +323,7 @@ fn h6_a_long_entry_is_read_to_its_end_beside_the_letters() {
     let longest = |all: Vec<kt830::hmi::HelpEntry>| all.into_iter().max_by_key(|entry| entry.text(Lang::En).len());
     let entry = longest(help_entries(Kind::Gc)).unwrap();
     let (_, last) = entry.paragraphs.last().unwrap();
-    let end = last.en.split(' ').next_back().unwrap().to_owned();
+    let end = last.en().split(' ').next_back().unwrap().to_owned();
     let mut stage = OffscreenHmi::new(Hmi::new(Lang::En), (1_024, 768));
     let machine = snapshot(Page::Help);
     stage.frame(&machine);

@@ -94,6 +94,6 @@ impl Bench {
     }
 
     pub fn message(&mut self) -> String {
-        self.rig.snapshot().message.text.zh.clone()
+        self.rig.snapshot().message.text.zh().into_owned()
     }
 }

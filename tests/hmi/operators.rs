@@ -98,7 +98,7 @@ impl Operator {
         let end = self.rig.now() + Micros::from_secs_f64(longest_s);
         while !done(self.rig.snapshot()) {
             let snapshot = self.rig.snapshot();
-            let now = format!("{:?} {:?} {:?}", snapshot.state, snapshot.alarms, snapshot.message.text.zh);
+            let now = format!("{:?} {:?} {:?}", snapshot.state, snapshot.alarms, snapshot.message.text.zh());
             assert!(self.rig.now() < end, "{:?} waits for {what}: {now}", self.hand);
             (0..50).for_each(|_| self.tick());
         }
@@ -123,7 +123,7 @@ impl Operator {
     }
 
     pub fn says(&self, words: &str) -> bool {
-        self.snapshot().message.text.zh.contains(words)
+        self.snapshot().message.text.zh().contains(words)
     }
 
     /// Whether what bears this label is on the screen, with room for a finger.
@@ -300,7 +300,7 @@ impl Operator {
             }
         }
         self.look();
-        assert_eq!(self.snapshot().program.number, number, "{:?}: {}", self.hand, self.snapshot().message.text.zh);
+        assert_eq!(self.snapshot().program.number, number, "{:?}: {}", self.hand, self.snapshot().message.text.zh());
     }
 
     /// A value on the grinding page.

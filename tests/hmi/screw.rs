@@ -127,7 +127,10 @@ fn b7_no_table_is_changed_in_a_run_or_without_the_password() {
     rig.send(Command::Page(wish.clone()));
     (0..3).for_each(|_| rig.step());
     assert!(rig.snapshot().leadscrews[Axis::X].points().is_empty());
-    assert_eq!(rig.snapshot().edit_answer.refused.as_ref().map(|said| said.zh.as_str()), Some("需要机床厂参数密码"));
+    assert_eq!(
+        rig.snapshot().edit_answer.refused.as_ref().map(|said| said.zh()).as_deref(),
+        Some("需要机床厂参数密码")
+    );
     rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Builder, Secret::new("830830".into()))));
     crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
     rig.send(Command::Page(wish));

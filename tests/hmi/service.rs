@@ -141,7 +141,7 @@ fn b6_three_wrong_passwords_bring_a_pause() {
     let mut ask = |text: &str| {
         rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new(text.into()))));
         (0..3).for_each(|_| rig.step());
-        (rig.snapshot().access.level, rig.snapshot().message.text.zh.clone())
+        (rig.snapshot().access.level, rig.snapshot().message.text.zh().into_owned())
     };
     for _ in 0..3 {
         assert_eq!(ask("000000"), (AccessLevel::Operator, "密码错误".into()));
@@ -313,7 +313,7 @@ fn k2_4_every_key_of_every_kind_acts_or_says_why_not() {
             let after = bench.rig.snapshot().clone();
             bench.rig.send(Command::Release(*key));
             bench.turn();
-            let refused = after.message != before.message && !after.message.text.zh.is_empty();
+            let refused = after.message != before.message && !after.message.text.zh().is_empty();
             assert!(blocked.is_none() || refused, "{} of {kind:?} is blocked and said nothing", key.id());
         }
     }

@@ -47,7 +47,7 @@ fn idle(operator: &mut Operator, longest_s: f64) {
 /// Hydraulics, then every axis of the kind to its home, the wheel's first.
 fn hydraulics_and_homing(operator: &mut Operator, axes: &[Key]) {
     operator.key(Key::CycleStart);
-    assert!(operator.says("自动"), "not in this mode: {}", operator.snapshot().message.text.zh);
+    assert!(operator.says("自动"), "not in this mode: {}", operator.snapshot().message.text.zh());
     operator.key(Key::Hydraulic);
     operator.wait(4.0);
     operator.key(Key::ModeHome);
@@ -65,7 +65,7 @@ fn grind_with_a_hold(operator: &mut Operator, longest_s: f64, there: impl FnMut(
     operator.key(Key::ModeAuto);
     operator.pace();
     operator.key(Key::CycleStart);
-    assert_eq!(operator.snapshot().state, RunState::Running, "{}", operator.snapshot().message.text.zh);
+    assert_eq!(operator.snapshot().state, RunState::Running, "{}", operator.snapshot().message.text.zh());
     operator.until("the place to hold at", longest_s, there);
     operator.key(Key::FeedHold);
     operator.until("the hold", 3.0, |snapshot| snapshot.state == RunState::Held && snapshot.feed_mm_min < 0.001);
@@ -122,7 +122,7 @@ fn gc_shift(hand: Hand) -> Outcome {
     one.page(Page::Dressing);
     one.pace();
     one.key(Key::CycleStart);
-    assert_eq!(one.snapshot().state, RunState::Running, "{}", one.snapshot().message.text.zh);
+    assert_eq!(one.snapshot().state, RunState::Running, "{}", one.snapshot().message.text.zh());
     idle(one, 200.0);
 
     one.load(1_002);

@@ -283,7 +283,7 @@ fn k7_6_a_missing_picture_is_alarm_66_and_named() {
     assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != 66));
     bench.touch("砂轮修整 f5");
     let alarm = bench.rig.snapshot().alarms.iter().find(|alarm| alarm.number == 66).cloned().expect("alarm 66");
-    assert!(alarm.text.zh.contains("B0100.BMP"), "{}", alarm.text.zh);
+    assert!(alarm.text.zh().contains("B0100.BMP"), "{}", alarm.text.zh());
     assert!(bench.says("没有图片"));
     bench.touch("综合 f2");
     assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != 66), "it goes with the page");

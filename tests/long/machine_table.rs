@@ -218,7 +218,7 @@ fn judge(row: &Row, rig: &mut HeadlessHost, mode: &str, kind: Kind) {
         Done | NoEffect | Waits => assert!(numbers.is_empty(), "{}: alarms {numbers:?}", at()),
     }
     if row.comes != Done {
-        let said = snapshot.message.tone == Tone::Refused && !snapshot.message.text.zh.is_empty();
+        let said = snapshot.message.tone == Tone::Refused && !snapshot.message.text.zh().is_empty();
         assert!(said, "{}: no reason given", at());
     }
     if let Some((output, on)) = row.output {
@@ -333,7 +333,7 @@ fn k3_13_each_of_m80_to_m89_waits_for_its_own_input_on_every_kind() {
             assert_eq!(settle(&mut rig), RunState::Waiting, "M{} on {}", 80 + index, kind.id());
             let port = rig.controller().params().input_port(*input).to_string();
             let said = rig.snapshot().waiting_for.clone();
-            assert!(said.is_some_and(|said| said.zh.contains(&port)), "the port is named");
+            assert!(said.is_some_and(|said| said.zh().contains(&port)), "the port is named");
             let other = USERS[(index + 1) % USERS.len()];
             tell(&mut rig, &format!("input {} on\nexpect state waiting", other.id()));
             tell(&mut rig, &format!("input {} on\nwait until stopped max 1 s", input.id()));

@@ -6,10 +6,12 @@
 
 use super::{SECONDS_PER_MINUTE, limits};
 use crate::defs::param::{self, Params};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::motion::{AxisLimits, AxisMover};
 use crate::units::{Axis, Micros};
 
+/// Several limited values.
+const LIST: &Template = &Template::new("{said}; {next}", "{said}; {next}", &["said", "next"]);
 /// Speed to which the ramp time D refers, mm/min.
 const RAMP_SPEED_MM_MIN: f64 = 10_000.0;
 /// Minimum double strokes per minute.
@@ -89,29 +91,13 @@ impl Oscillation {
         let axis = stroke.axis;
         let own = limits(params, tick_s).axes[axis];
         let length = (stroke.to - from).abs();
-        let mut said: Vec<(String, String)> = Vec::new();
         let asked = stroke.strokes_min.unwrap_or_else(|| params.get(param::OSCILLATION_FREQUENCY));
         let strokes = asked.max(MIN_STROKES_PER_MIN);
-        if strokes > asked {
-            said.push((format!("Q{asked} 按 1 次/分"), format!("Q{asked} is taken as 1")));
-        }
         // K4.3: v = 2·L·Q.
         let wanted = 2.0 * length * strokes;
         let most = params.get(param::OSCILLATION_SPEED).min(own.velocity_mm_s * SECONDS_PER_MINUTE);
-        if wanted > most {
-            said.push((
-                format!("速度 {wanted:.0} 限为 {most:.0} mm/min"),
-                format!("{wanted:.0} mm/min is held to {most:.0}"),
-            ));
-        }
         let ramp_ms = stroke.ramp_ms.unwrap_or_else(|| params.get(param::OSCILLATION_TIME_CONSTANT));
         let rapid_ms = 1_000.0 * RAMP_SPEED_MM_MIN / SECONDS_PER_MINUTE / own.acceleration_mm_s2;
-        if ramp_ms < rapid_ms {
-            said.push((
-                format!("D{ramp_ms:.0} 按 {rapid_ms:.0} ms"),
-                format!("D{ramp_ms:.0} is taken as {rapid_ms:.0} ms"),
-            ));
-        }
         let acceleration_mm_s2 = RAMP_SPEED_MM_MIN / SECONDS_PER_MINUTE / (ramp_ms.max(rapid_ms) / 1_000.0);
         let speed_mm_s = wanted.min(most) / SECONDS_PER_MINUTE;
         let bounds = AxisLimits { velocity_mm_s: speed_mm_s, acceleration_mm_s2, jerk_mm_s3: own.jerk_mm_s3 };
@@ -128,10 +114,27 @@ impl Oscillation {
             last_forward_at: None,
             strokes_min: 0.0,
         };
-        let clamped = (!said.is_empty()).then(|| {
-            let join = |pick: fn(&(String, String)) -> &str| said.iter().map(pick).collect::<Vec<_>>().join("; ");
-            LocalizedText::new(join(|text| &text.0), join(|text| &text.1))
-        });
+        let limited = [
+            (strokes > asked).then(|| phrase!("Q{asked} 按 1 次/分", "Q{asked} is taken as 1", asked)),
+            (wanted > most).then(|| {
+                phrase!(
+                    "速度 {wanted:.0} 限为 {most:.0} mm/min",
+                    "{wanted:.0} mm/min is held to {most:.0}",
+                    wanted,
+                    most
+                )
+            }),
+            (ramp_ms < rapid_ms).then(|| {
+                phrase!(
+                    "D{ramp_ms:.0} 按 {rapid_ms:.0} ms",
+                    "D{ramp_ms:.0} is taken as {rapid_ms:.0} ms",
+                    ramp_ms,
+                    rapid_ms
+                )
+            }),
+        ];
+        let clamped =
+            limited.into_iter().flatten().reduce(|said, next| LocalizedText::phrase_of(LIST, [], [said, next]));
         (oscillation, clamped)
     }
 
@@ -229,7 +232,7 @@ mod tests {
 
     #[test]
     fn k4_3_less_than_one_stroke_a_minute_is_taken_as_one_and_says_so() {
-        assert!(begin(0.5).1.is_some_and(|said| said.en.contains("taken as 1")));
+        assert!(begin(0.5).1.is_some_and(|said| said.en().contains("taken as 1")));
         let (mut oscillation, ..) = begin(30.0);
         let params = Params::factory(Kind::Gc);
         run(&mut oscillation, &params, 0, 200);

@@ -14,7 +14,7 @@ use crate::defs::mcode::Request;
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::soft_key::CoordinateView;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::machine::RequestResult;
 use crate::units::Axis;
 
@@ -44,32 +44,31 @@ impl Manual {
     /// Key X, Y or Z in JOG mode, view 相对 of the position page: asks whether to set the dressing point here.
     pub fn ask_dress_point(&mut self, plant: &mut Plant, coordinates: CoordinateView, axis: Axis) {
         let elsewhere = if plant.operator.mode != Mode::Manual {
-            Some(Text::new("不是手动方式", "the mode is not JOG"))
+            Some(const { &Text::new("不是手动方式", "the mode is not JOG") })
         } else if plant.operator.page != Page::Position {
-            Some(Text::new("不在位置页面", "this is not the position page"))
+            Some(const { &Text::new("不在位置页面", "this is not the position page") })
         } else {
             (coordinates != CoordinateView::Relative)
-                .then_some(Text::new("不是相对坐标", "these are not the relative coordinates"))
+                .then_some(const { &Text::new("不是相对坐标", "these are not the relative coordinates") })
         };
         let refusal = if let Some(why) = elsewhere {
-            Some(LocalizedText::new(
-                format!("{}：修整点在手动方式、位置页面 F1“相对”下设置", why.zh),
-                format!("{}: dressing points are set in JOG, position page, F1 RELATIVE", why.en),
+            Some(phrase!(
+                "{why}：修整点在手动方式、位置页面 F1“相对”下设置",
+                "{why}: dressing points are set in JOG, position page, F1 RELATIVE",
+                why
             ))
         } else if !plant.axes.is_homed(axis) {
-            Some(LocalizedText::new(
-                format!("{axis} 轴未回零，不能设置修整点"),
-                format!("{axis} is not homed: no dressing point"),
-            ))
+            Some(phrase!("{axis} 轴未回零，不能设置修整点", "{axis} is not homed: no dressing point", axis))
         } else {
             None
         };
         self.dressing.awaiting_answer = refusal.is_none().then_some(axis);
         match refusal {
             Some(said) => plant.refuse(said),
-            None => plant.show_note(LocalizedText::new(
-                format!("是否设置 {axis} 轴修整点？按输入设置，取消放弃"),
-                format!("set the dressing point of {axis} here? INPUT sets it, CANCEL leaves it"),
+            None => plant.show_note(phrase!(
+                "是否设置 {axis} 轴修整点？按输入设置，取消放弃",
+                "set the dressing point of {axis} here? INPUT sets it, CANCEL leaves it",
+                axis
             )),
         }
     }
@@ -77,7 +76,7 @@ impl Manual {
     /// 输入 confirms the question: the present machine coordinate is stored.
     pub fn set_dress_point(&mut self, plant: &mut Plant) {
         let Some(axis) = self.dressing.awaiting_answer else {
-            return plant.refuse(LocalizedText::new("没有要输入的内容", "there is nothing to enter"));
+            return plant.refuse(phrase!("没有要输入的内容", "there is nothing to enter"));
         };
         if !plant.axes.is_at_rest() {
             return plant.refuse(STILL_MOVING); // the question stays
@@ -87,25 +86,27 @@ impl Manual {
         plant.work.dress_points[axis] = Some(at);
         plant.outbox.requests.push(StorageRequest::DressPoint(axis, at));
         let shown = at * plant.displayed_per_mm(axis);
-        plant.show_note(LocalizedText::new(
-            format!("{axis} 轴修整点设置成功：机床坐标 {shown:.3}"),
-            format!("dressing point of {axis} set: machine {shown:.3}"),
+        plant.show_note(phrase!(
+            "{axis} 轴修整点设置成功：机床坐标 {shown:.3}",
+            "dressing point of {axis} set: machine {shown:.3}",
+            axis,
+            shown
         ));
     }
 
     /// 取消 withdraws the question.
     pub fn cancel_dress_point(&mut self, plant: &mut Plant) {
         if self.dressing.awaiting_answer.take().is_some() {
-            plant.show_note(LocalizedText::new("修整点没有改变", "the dressing point is as it was"));
+            plant.show_note(phrase!("修整点没有改变", "the dressing point is as it was"));
         } else {
-            plant.refuse(LocalizedText::new("没有要取消的内容", "there is nothing to cancel"));
+            plant.refuse(phrase!("没有要取消的内容", "there is nothing to cancel"));
         }
     }
 
     /// 回修整点 switches its lamp on or off.
     pub fn toggle_dress_return(&mut self, plant: &mut Plant) {
         if plant.operator.mode != Mode::Manual {
-            return plant.refuse(LocalizedText::new("手动方式下才能回修整点", "the return works in JOG"));
+            return plant.refuse(phrase!("手动方式下才能回修整点", "the return works in JOG"));
         }
         self.dressing.return_active = !self.dressing.return_active;
         if !self.dressing.return_active {
@@ -129,8 +130,7 @@ impl Manual {
             return self.refuse_dress_return(plant, alarm::NO_DRESSING_POINT, why);
         };
         if !plant.axes.is_homed(axis) {
-            let why =
-                LocalizedText::new(format!("{axis} 轴未回零，不能回修整点"), format!("{axis} is not homed: no return"));
+            let why = phrase!("{axis} 轴未回零，不能回修整点", "{axis} is not homed: no return", axis);
             return self.refuse_dress_return(plant, alarm::NOT_HOMED, why);
         }
         let still = matches!(plant.execution.phase, ControlPhase::Idle) || plant.allows_manual_motion();
@@ -157,7 +157,7 @@ mod tests {
         let mut plant = Plant::new(Kind::Gc, factory, InputImage::default(), Micros::ZERO);
         let mut manual = Manual::default();
         manual.ask_dress_point(&mut plant, CoordinateView::Relative, Axis::X);
-        assert!(plant.outbox.refusal.take().is_some_and(|why| why.en.contains("not homed")));
+        assert!(plant.outbox.refusal.take().is_some_and(|why| why.en().contains("not homed")));
         manual.set_dress_point(&mut plant);
         assert!(plant.outbox.refusal.take().is_some(), "no question is open");
         let params = std::sync::Arc::clone(&plant.params);

@@ -5,7 +5,7 @@ use super::ON_LIMIT_SWITCH;
 use crate::controller::axes::homing::HomingProgress;
 use crate::controller::plant::{ControlEvent, ControlPhase, Homing, Plant};
 use crate::defs::mcode::Request;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::machine::RequestResult;
 use crate::units::{Axis, PerAxis};
 
@@ -27,10 +27,11 @@ pub fn home_axis(plant: &mut Plant, axis: Axis) {
         ControlPhase::Homing(Homing { queued: next, current: now }) => {
             let (now, waits) = (now.axis, now.axis != axis);
             next[axis] |= waits;
-            plant.show_note(LocalizedText::new(
-                format!("{now} 轴正在回零{}", if waits { format!("，然后 {axis} 轴") } else { String::new() }),
-                format!("{now} is homing{}", if waits { format!(", then {axis}") } else { String::new() }),
-            ));
+            plant.show_note(if waits {
+                phrase!("{now} 轴正在回零，然后 {axis} 轴", "{now} is homing, then {axis}", now, axis)
+            } else {
+                phrase!("{now} 轴正在回零", "{now} is homing", now)
+            });
         }
         ControlPhase::Idle => next_homing(plant, wanted),
         ControlPhase::Running

@@ -10,7 +10,7 @@ use crate::controller::program::Program;
 use crate::defs::key::{Key, Mode};
 use crate::defs::mcode::Request;
 use crate::defs::signal::Output;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::machine::RequestResult;
 use crate::units::Axis;
 
@@ -22,7 +22,7 @@ const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动",
 /// Handwheel detents: each changes the displayed coordinate by the step (K2.3).
 pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
     if plant.operator.mode != Mode::Handwheel {
-        return plant.refuse(LocalizedText::new("手轮方式下手轮才有效", "the handwheel works in mode HANDWHEEL"));
+        return plant.refuse(phrase!("手轮方式下手轮才有效", "the handwheel works in mode HANDWHEEL"));
     }
     if !plant.allows_manual_motion() {
         return plant.refuse(STILL_MOVING);
@@ -42,10 +42,8 @@ pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
 fn jog_by(plant: &mut Plant, axis: Axis, distance: f64) {
     let coarse = plant.operator.step_mm > FINE_STEP_MM;
     if coarse && axis == plant.kind.row().wheel_axis && plant.outputs.on.has(Output::Wheel) {
-        return plant.refuse(LocalizedText::new(
-            "砂轮启动后该轴倍率只能为 ×0.01",
-            "with the wheel on this axis takes ×0.01 and finer",
-        ));
+        return plant
+            .refuse(phrase!("砂轮启动后该轴倍率只能为 ×0.01", "with the wheel on this axis takes ×0.01 and finer"));
     }
     if plant.is_on_limit_switch(axis, distance) {
         return plant.refuse(ON_LIMIT_SWITCH);
@@ -72,7 +70,7 @@ pub fn step_jog(plant: &mut Plant) {
         };
         plant.axes.switch_to_manual();
         if plant.jog.tick(&mut plant.axes, plant.now, &plant.params, limits) {
-            plant.refuse(LocalizedText::new("按键信号中断，轴已停止", "the key was lost: the axis has stopped"));
+            plant.refuse(phrase!("按键信号中断，轴已停止", "the key was lost: the axis has stopped"));
         }
     }
 }
@@ -92,7 +90,7 @@ impl Manual {
                 if plant.is_on_limit_switch(axis, direction) {
                     plant.refuse(ON_LIMIT_SWITCH);
                 } else if plant.operator.overrides.feed == 0 && !plant.operator.rapid_jog {
-                    plant.refuse(LocalizedText::new("进给倍率为 0，轴不动", "the feed override is 0: the axis stands"));
+                    plant.refuse(phrase!("进给倍率为 0，轴不动", "the feed override is 0: the axis stands"));
                 } else if plant.is_at_soft_limit(axis, direction) {
                     plant.refuse(AT_SOFT_LIMIT);
                 } else if matches!(plant.request(Request::Jog), RequestResult::Accepted)
@@ -108,10 +106,7 @@ impl Manual {
                 }
             }
             Mode::Edit | Mode::Auto | Mode::Mdi | Mode::Handwheel => {
-                plant.refuse(LocalizedText::new(
-                    "手动、单步或机械零点方式下轴键才有效",
-                    "axis keys work in JOG, STEP and HOME",
-                ));
+                plant.refuse(phrase!("手动、单步或机械零点方式下轴键才有效", "axis keys work in JOG, STEP and HOME"));
             }
         }
     }

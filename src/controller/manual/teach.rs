@@ -8,7 +8,7 @@ use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::{ControlPhase, Plant};
 use crate::defs::key::Mode;
 use crate::defs::signal::Output;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::link::files::FileRequest;
 use crate::link::teach::{TeachCommand, TeachView};
 use crate::units::{Axis, WorkPos};
@@ -79,7 +79,7 @@ impl TeachRecorder {
             TeachCommand::Stop if self.recording => {
                 self.end_segment();
                 self.recording = false;
-                plant.show_note(LocalizedText::new("录返已停止", "teach-in has stopped"));
+                plant.show_note(phrase!("录返已停止", "teach-in has stopped"));
             }
             TeachCommand::Undo if self.blocks.len() > 1 => {
                 self.blocks.pop();
@@ -109,8 +109,7 @@ impl TeachRecorder {
             station: plant.turret_station(),
             ..Self::default()
         };
-        plant
-            .show_note(LocalizedText::new("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
+        plant.show_note(phrase!("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
     }
 
     /// One tick of a recording, after the axes have moved.
@@ -122,7 +121,7 @@ impl TeachRecorder {
         if run_open {
             self.end_segment();
             self.recording = false;
-            plant.show_note(LocalizedText::new("程序启动，录返已停止", "a program was started: teach-in has stopped"));
+            plant.show_note(phrase!("程序启动，录返已停止", "a program was started: teach-in has stopped"));
             return self.publish();
         }
         if !self.record_homing(plant) {

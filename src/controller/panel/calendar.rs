@@ -4,7 +4,7 @@
 use super::{Panel, Parts};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::date::{DateTime, YEARS};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
 use crate::units::Micros;
 
 /// The calendar resynchronises when the system clock differs by at least this, s. Truncation to whole seconds at
@@ -64,21 +64,15 @@ impl Panel {
     pub fn set_date(&mut self, parts: &mut Parts<'_>, wanted: DateTime) {
         let [year, ..] = wanted.parts();
         if !YEARS.contains(&year) {
-            let (first, last) = (YEARS.start(), YEARS.end());
-            return parts.plant.refuse(LocalizedText::new(
-                format!("年份应为 {first}-{last}"),
-                format!("years are {first} to {last}"),
-            ));
+            let (first, last) = (*YEARS.start(), *YEARS.end());
+            return parts.plant.refuse(phrase!("年份应为 {first}-{last}", "years are {first} to {last}", first, last));
         }
         let Some(offset_s) = self.calendar.offset_for(parts.plant.now, wanted) else {
-            return parts.plant.refuse(LocalizedText::new("没有系统时钟", "the computer tells no time"));
+            return parts.plant.refuse(phrase!("没有系统时钟", "the computer tells no time"));
         };
         self.calendar.offset_s = offset_s;
         parts.plant.outbox.requests.push(StorageRequest::ClockOffset(offset_s));
-        parts.plant.show_note(LocalizedText::new(
-            format!("日期时间已设为 {wanted}"),
-            format!("date and time set to {wanted}"),
-        ));
+        parts.plant.show_note(phrase!("日期时间已设为 {wanted}", "date and time set to {wanted}", wanted));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::defs::key::Key;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
 use crate::defs::program_number;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::files::{Requester, Ticket};
@@ -92,10 +92,10 @@ impl Panel {
         if parts.program.is_open() {
             return parts
                 .plant
-                .refuse(LocalizedText::new("运行中不能修改参数", "parameters are not changed while a program runs"));
+                .refuse(phrase!("运行中不能修改参数", "parameters are not changed while a program runs"));
         }
         match parts.plant.change_param(at, value) {
-            Ok(()) => parts.plant.show_note(LocalizedText::new(format!("{at} = {value}"), format!("{at} = {value}"))),
+            Ok(()) => parts.plant.show_note(phrase!("{at} = {value}", "{at} = {value}", at, value)),
             Err(why) => parts.plant.refuse(why),
         }
     }
@@ -107,7 +107,7 @@ impl Panel {
                 *frame = origin;
                 parts.plant.outbox.requests.push(StorageRequest::WorkOffset(index, origin));
             }
-            None => parts.plant.refuse(LocalizedText::new("没有此工件坐标系", "there is no such work frame")),
+            None => parts.plant.refuse(phrase!("没有此工件坐标系", "there is no such work frame")),
         }
     }
 
@@ -119,9 +119,11 @@ impl Panel {
         parts.plant.axes.set_leadscrew_table(axis, table.clone());
         parts.plant.outbox.requests.push(StorageRequest::LeadscrewTable(axis, table.clone()));
         let points = table.points().len();
-        parts.plant.show_note(LocalizedText::new(
-            format!("{axis} 轴丝杠补偿表：{points} 点"),
-            format!("screw table of axis {axis}: {points} points"),
+        parts.plant.show_note(phrase!(
+            "{axis} 轴丝杠补偿表：{points} 点",
+            "screw table of axis {axis}: {points} points",
+            axis,
+            points
         ));
     }
 
@@ -136,7 +138,7 @@ impl Panel {
                     wear: parts.plant.work.offsets.wear[index],
                 });
             }
-            None => parts.plant.refuse(LocalizedText::new("刀补号应为 1-16", "offsets are numbered 1 to 16")),
+            None => parts.plant.refuse(phrase!("刀补号应为 1-16", "offsets are numbered 1 to 16")),
         }
     }
 
@@ -149,9 +151,9 @@ impl Panel {
             // For a named program only the number is known.
             let title = if program_number::is_named(number) { String::new() } else { program_number::name_of(number) };
             return parts.plant.refuse(match title.as_str() {
-                "" => LocalizedText::new("程序目录中没有这个程序", "the programs folder has no such program"),
+                "" => phrase!("程序目录中没有这个程序", "the programs folder has no such program"),
                 title => {
-                    LocalizedText::new(format!("程序目录中没有 {title}"), format!("the programs folder has no {title}"))
+                    phrase!("程序目录中没有 {title}", "the programs folder has no {title}", title)
                 }
             });
         }
@@ -161,15 +163,13 @@ impl Panel {
         parts.plant.outbox.requests.push(StorageRequest::CurrentProgram(number));
         self.check_page_files(parts);
         let title = parts.plant.program_title(number);
-        parts.plant.show_note(LocalizedText::new(format!("当前程序 {title}"), format!("current program {title}")));
+        parts.plant.show_note(phrase!("当前程序 {title}", "current program {title}", title));
     }
 
     /// Resumes the run that a power failure interrupted.
     pub fn resume_interrupted(&mut self, parts: &mut Parts<'_>) {
         let Some((program, line)) = parts.program.power_cut.interrupted else {
-            return parts
-                .plant
-                .refuse(LocalizedText::new("没有断电中断的程序", "no program was cut off by a power failure"));
+            return parts.plant.refuse(phrase!("没有断电中断的程序", "no program was cut off by a power failure"));
         };
         if parts.plant.execution.current_program != program {
             self.load_program(parts, program);

@@ -5,7 +5,8 @@ use super::edit_protection::{check_not_running, check_unlocked};
 use super::wheel_change::change_wheel;
 use super::{Panel, Parts, View, offsets};
 use crate::defs::page::Page;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
+use crate::defs::text_arg::Arg;
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::OffsetView;
@@ -44,7 +45,7 @@ impl Panel {
         variable: u16,
         value: Option<f64>,
     ) -> Result<LocalizedText, LocalizedText> {
-        let name = crate::defs::variable_name::variable_name_on(u32::from(variable), parts.plant.kind);
+        let name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect());
         let shows = match parts.plant.operator.page {
             Page::Grinding => self.page_shows(parts.view(), variable),
             Page::Macro => CommonVariables::contains(u32::from(variable)),
@@ -52,9 +53,9 @@ impl Panel {
         };
         if !shows {
             return Err(if parts.plant.operator.page == Page::Macro {
-                LocalizedText::new(format!("{name} 是只读变量"), format!("{name} is read-only"))
+                phrase!("{name} 是只读变量", "{name} is read-only", name)
             } else {
-                LocalizedText::new(format!("当前页面没有 {name}"), format!("the open page does not show {name}"))
+                phrase!("当前页面没有 {name}", "the open page does not show {name}", name)
             });
         }
         if parts.plant.operator.page == Page::Macro {
@@ -65,8 +66,10 @@ impl Panel {
             // The reason is already shown.
             return Err(parts.plant.outbox.message.text.clone());
         }
-        let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
-        Ok(LocalizedText::new(format!("{name} = {shown}"), format!("{name} = {shown}")))
+        Ok(match value {
+            Some(value) => phrase!("{name} = {value:.3}", "{name} = {value:.3}", name, value),
+            None => phrase!("{name} = ", "{name} = ", name),
+        })
     }
 
     /// A parameter typed on its page. The result is taken from the message that the command has shown.

@@ -11,7 +11,7 @@ pub use crate::controller::storage_request::{BackgroundJob, DrawingStart, Transf
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::param::{self, Params};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::files::{Completion, FileAnswer, FileRequest, FilesView, Refusal, RestoredValues, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::snapshot::{Snapshot, Tone};
@@ -58,8 +58,7 @@ impl Panel {
             }
             FileRequest::CheckEditable(number) => {
                 let may = self.check_program_edit(parts.view(), *number);
-                let ready =
-                    Completion { message: LocalizedText::new("可以编辑", "ready for editing"), saved: None };
+                let ready = Completion { message: phrase!("可以编辑", "ready for editing"), saved: None };
                 return Arc::make_mut(&mut self.files.view).add_answer(ticket, may.map(|()| ready));
             }
             _ => {}
@@ -209,16 +208,15 @@ impl Panel {
         }
         let (params, variables) = (restored.params.len(), restored.variables.len());
         if kept.is_empty() {
-            return LocalizedText::new(
-                format!("已读入：参数 {params} 个，变量 {variables} 个"),
-                format!("taken: {params} parameters, {variables} variables"),
+            return phrase!(
+                "已读入：参数 {params} 个，变量 {variables} 个",
+                "taken: {params} parameters, {variables} variables",
+                params,
+                variables
             );
         }
         let kept = kept.join(" ");
-        LocalizedText::new(
-            format!("已读入，正在使用而未改的：{kept}"),
-            format!("taken; in use and left as they are: {kept}"),
-        )
+        phrase!("已读入，正在使用而未改的：{kept}", "taken; in use and left as they are: {kept}", kept)
     }
 
     /// Editing needs mode EDIT, no open run, and the password where set (K6.2).
@@ -258,9 +256,12 @@ impl Panel {
             FileAnswer::Leadscrew(axis, table, file) => {
                 Self::set_leadscrew_table(parts, *axis, table);
                 let points = table.points().len();
-                let said = LocalizedText::new(
-                    format!("{axis} 轴：已从 {file} 读入 {points} 点"),
-                    format!("axis {axis}: {points} points from {file}"),
+                let said = phrase!(
+                    "{axis} 轴：已从 {file} 读入 {points} 点",
+                    "axis {axis}: {points} points from {file}",
+                    axis = *axis,
+                    file = file.as_str(),
+                    points
                 );
                 self.finish_file_request(parts, ticket, said, None);
             }

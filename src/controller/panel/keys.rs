@@ -6,7 +6,8 @@ use super::{Panel, Parts};
 use crate::controller::manual::toggle_oscillation;
 use crate::controller::plant::{ControlPhase, Plant};
 use crate::defs::key::{Key, KeyGroup, Mode};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
+use crate::defs::text_arg::Arg;
 use crate::link::snapshot::Message;
 use crate::machine::panel_key;
 use crate::units::Axis;
@@ -30,11 +31,8 @@ impl Panel {
         let already = selects_state(key) && self.key_view(parts.view(), key).lamp;
         self.handle_key(parts, key);
         if already && parts.plant.outbox.message.since != parts.plant.now {
-            let name = key.label_on(parts.plant.kind);
-            parts.plant.show_note(LocalizedText::new(
-                format!("{}：已是此状态", name.zh),
-                format!("{}: it is so already", name.en),
-            ));
+            let name = Arg::Key(key, parts.plant.kind);
+            parts.plant.show_note(phrase!("{name}：已是此状态", "{name}: it is so already", name));
         }
     }
 
@@ -59,10 +57,10 @@ impl Panel {
             Key::FeedHold => parts.program.feed_hold(parts.plant),
             Key::Reset => {
                 self.reset(parts);
-                parts.plant.show_note(LocalizedText::new("已复位", "reset"));
+                parts.plant.show_note(phrase!("已复位", "reset"));
             }
             Key::EmergencyStop if parts.plant.inputs.screen_e_stop() => {
-                parts.plant.show_note(LocalizedText::new("急停已按下", "the emergency stop is pressed already"));
+                parts.plant.show_note(phrase!("急停已按下", "the emergency stop is pressed already"));
             }
             Key::EmergencyStop => parts.plant.inputs.set_screen_e_stop(true),
             Key::Rapid => parts.plant.operator.rapid_jog = !parts.plant.operator.rapid_jog,
@@ -98,9 +96,7 @@ impl Panel {
         if !matches!(parts.plant.execution.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
             && mode != parts.plant.operator.mode
         {
-            return parts
-                .plant
-                .refuse(LocalizedText::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
+            return parts.plant.refuse(phrase!("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
         parts.plant.jog.stop_all();
         parts.program.discard_mdi();
@@ -134,7 +130,7 @@ fn press_override(plant: &mut Plant, key: Key) {
         Key::SpindleOverrideUp | Key::SpindleOverrideDown if before == now => now.1,
         _ => return,
     };
-    plant.show_note(LocalizedText::new(format!("倍率已到 {at} %"), format!("the override stands at its end, {at} %")));
+    plant.show_note(phrase!("倍率已到 {at} %", "the override stands at its end, {at} %", at));
 }
 
 fn set_override(plant: &mut Plant, key: Key) {

@@ -10,7 +10,7 @@ use crate::controller::plant::Plant;
 use crate::controller::plant::offset_in_range;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::page::Page;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::link::edit::{MAX_INCREMENT, OffsetCommand, OffsetPart};
 use crate::nc::WorkOffsets;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
@@ -19,6 +19,7 @@ use crate::units::{Axis, PerAxis};
 const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "offsets are numbered 1 to 16");
 const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edit it on the offset or dressing page");
 const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is open: no measurement");
+const WEAR_CLEARED: &Template = &Template::new("{said}，磨耗已清零", "{said}, wear cleared", &["said"]);
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still move: no measurement");
 
 /// Executes a command of the offset or the dressing page.
@@ -81,17 +82,14 @@ fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Resul
         return Err(MOVING.into());
     }
     if !parts.plant.axes.is_homed(axis) {
-        return Err(LocalizedText::new(
-            format!("{axis} 未回零，不能测量"),
-            format!("{axis} is not homed: no measurement"),
-        ));
+        return Err(phrase!("{axis} 未回零，不能测量", "{axis} is not homed: no measurement", axis));
     }
     let frame =
         parts.plant.work.offsets.work[parts.plant.work.offsets.active][axis] + parts.plant.work.offsets.shift[axis];
     let geometry = parts.plant.axes.actual()[axis] - frame - value / parts.plant.displayed_per_mm(axis);
     let said = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
     set_offset_value(parts, index, OffsetPart::Wear, axis, 0.0)?;
-    Ok(LocalizedText::new(format!("{}，磨耗已清零", said.zh), format!("{}, wear cleared", said.en)))
+    Ok(LocalizedText::phrase_of(WEAR_CLEARED, [], [said]))
 }
 
 /// Sets one value, radius mm, and stores it on disk.
@@ -105,10 +103,7 @@ fn set_offset_value(
     let shown = value * parts.plant.displayed_per_mm(axis);
     let most = part.max_abs();
     if !offset_in_range(part, shown) {
-        return Err(LocalizedText::new(
-            format!("超出范围 ±{most:.3}：{shown:.3}"),
-            format!("out of range ±{most:.3}: {shown:.3}"),
-        ));
+        return Err(phrase!("超出范围 ±{most:.3}：{shown:.3}", "out of range ±{most:.3}: {shown:.3}", most, shown));
     }
     let old = std::mem::replace(&mut offset_table(&mut parts.plant.work.offsets, part)[index][axis], value);
     parts.program.change_offsets_read_ahead(|frames| {
@@ -118,16 +113,20 @@ fn set_offset_value(
     let (geometry, wear) = (parts.plant.work.offsets.geometry[index], parts.plant.work.offsets.wear[index]);
     parts.plant.outbox.requests.push(StorageRequest::Offset { number: index + 1, geometry, wear });
     let (name, number) = (part.name(), index + 1);
-    Ok(LocalizedText::new(
-        format!("刀补 {number:02} {} {axis} = {shown:.3}", name.zh),
-        format!("offset {number:02} {} {axis} = {shown:.3}", name.en),
+    Ok(phrase!(
+        "刀补 {number:02} {name} {axis} = {shown:.3}",
+        "offset {number:02} {name} {axis} = {shown:.3}",
+        number,
+        name,
+        axis,
+        shown
     ))
 }
 
 /// The index of an offset, if the machine has the axis.
 fn offset_index(plant: &Plant, number: usize, axis: Axis) -> Result<usize, LocalizedText> {
     if !plant.axes.is_present(axis) {
-        return Err(LocalizedText::new(format!("没有 {axis} 轴"), format!("there is no axis {axis}")));
+        return Err(phrase!("没有 {axis} 轴", "there is no axis {axis}", axis));
     }
     number.checked_sub(1).filter(|index| *index < TOOL_OFFSET_COUNT).ok_or_else(|| NO_NUMBER.into())
 }
@@ -153,8 +152,5 @@ fn check_increment(by: f64) -> Result<(), LocalizedText> {
     if by.abs() <= MAX_INCREMENT {
         return Ok(());
     }
-    Err(LocalizedText::new(
-        format!("一次增量最大 ±{MAX_INCREMENT:.3}"),
-        format!("an increment is ±{MAX_INCREMENT:.3} at most"),
-    ))
+    Err(phrase!("一次增量最大 ±{MAX_INCREMENT:.3}", "an increment is ±{MAX_INCREMENT:.3} at most", MAX_INCREMENT))
 }

@@ -5,13 +5,15 @@ use super::{Panel, Parts, View};
 use crate::defs::alarm;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
+use crate::defs::text_arg::Arg;
 use crate::link::command::FileFault;
 use crate::link::snapshot::PROGRAMS_WITH_PAGE;
 
 /// Base of the page numbers: file C0001 belongs to page 1001.
 const PAGE_FILES: u32 = 1_000;
 
+const BOTH_FILES: &Template = &Template::new("{first}；{next}", "{first}; {next}", &["first", "next"]);
 /// Screen printing happens in the HMI, not in the core.
 const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the screen is printed by touching the key on it");
 
@@ -19,11 +21,7 @@ impl Panel {
     /// Opens a page.
     pub fn open_page(&mut self, parts: &mut Parts<'_>, page: Page) {
         if !page.exists_on(parts.plant.kind) {
-            let title = page.title();
-            return parts.plant.refuse(LocalizedText::new(
-                format!("本机床没有“{}”页面", title.zh),
-                format!("this machine has no page {}", title.en),
-            ));
+            return parts.plant.refuse(phrase!("本机床没有“{page}”页面", "this machine has no page {page}", page));
         }
         if parts.plant.operator.page != page {
             parts.plant.operator.page = page;
@@ -52,9 +50,11 @@ impl Panel {
         let row = self.pages.soft_row;
         let Some(soft) = soft_key::row(parts.plant.kind, row).nth(index) else {
             let (row, key) = (row + 1, index + 1);
-            return parts.plant.refuse(LocalizedText::new(
-                format!("第 {row} 行软键没有 F{key}，按 ▶ 换行"),
-                format!("row {row} of the soft keys has no F{key}: turn it by ▶"),
+            return parts.plant.refuse(phrase!(
+                "第 {row} 行软键没有 F{key}，按 ▶ 换行",
+                "row {row} of the soft keys has no F{key}: turn it by ▶",
+                row,
+                key
             ));
         };
         let before = (parts.plant.operator.page, self.pages.coordinates);
@@ -64,8 +64,8 @@ impl Panel {
             SoftKeyAction::Print => return parts.plant.refuse(PRINT),
         }
         if before == (parts.plant.operator.page, self.pages.coordinates) {
-            let name = soft.label_on(parts.plant.kind);
-            parts.plant.show_note(LocalizedText::new(format!("已是“{}”", name.zh), format!("{} is open", name.en)));
+            let name = Arg::SoftKey(soft, parts.plant.kind);
+            parts.plant.show_note(phrase!("已是“{name}”", "{name} is open", name));
         }
     }
 
@@ -118,27 +118,21 @@ impl Panel {
         else {
             return;
         };
-        let nn = shown - PAGE_FILES;
-        let missing = |file: String| FileFault {
-            file,
-            position: None,
-            message: LocalizedText::new("文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder"),
-        };
-        let faults: Vec<LocalizedText> = match self.screens.find(shown) {
+        let number = shown - PAGE_FILES;
+        let detail = match self.screens.find(shown) {
             Some(files) => [files.text.as_ref().err(), files.picture.as_ref().err()]
                 .into_iter()
                 .flatten()
                 .map(FileFault::full_message)
-                .collect(),
-            None => {
-                vec![missing(format!("C{nn:04}.TXT")).full_message(), missing(format!("B{nn:04}.BMP")).full_message()]
-            }
+                .reduce(|first, next| LocalizedText::phrase_of(BOTH_FILES, [], [first, next])),
+            None => Some(phrase!(
+                "C{number:04}.TXT：文件不存在，请拷入 screens 目录；B{number:04}.BMP：文件不存在，请拷入 screens 目录",
+                "C{number:04}.TXT: missing: copy it into the screens folder; \
+                 B{number:04}.BMP: missing: copy it into the screens folder",
+                number
+            )),
         };
-        if let Some(first) = faults.first() {
-            let rest = &faults[1..];
-            let detail = rest.iter().fold(first.clone(), |all, fault| {
-                LocalizedText::new(format!("{}；{}", all.zh, fault.zh), format!("{}; {}", all.en, fault.en))
-            });
+        if let Some(detail) = detail {
             parts.plant.raise(alarm::PAGE_FILES_INVALID, Some(detail));
         }
     }

@@ -12,7 +12,7 @@ use crate::defs::param::{AccessLevel, ParamAddress, Params};
 use crate::defs::param_row;
 use crate::defs::signal::Output;
 use crate::defs::soft_key::CoordinateView;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::internal_signal::{InternalSignal, InternalSignalSet};
 use crate::link::page_command::{
     BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordScope, SettingsRequest, StorageAnswer,
@@ -58,7 +58,7 @@ impl Panel {
             }
             PageCommand::Lock => {
                 self.access.lock();
-                parts.plant.show_note(LocalizedText::new("参数已锁定", "parameters are locked"));
+                parts.plant.show_note(phrase!("参数已锁定", "parameters are locked"));
             }
             PageCommand::ChangePassword { scope: of, old, new } => {
                 let digits = new.reveal().bytes().all(|sign| sign.is_ascii_digit());
@@ -119,18 +119,12 @@ impl Panel {
             StorageAnswer::PasswordChecked(guard, true) => {
                 self.access.unlock(*guard);
                 let name = guard.name();
-                parts.plant.show_note(LocalizedText::new(
-                    format!("{}已打开，关机前有效", name.zh),
-                    format!("{}: open until power-off", name.en),
-                ));
+                parts.plant.show_note(phrase!("{name}已打开，关机前有效", "{name}: open until power-off", name));
             }
             StorageAnswer::PasswordChanged(guard, true) => {
                 self.access.accept();
                 let name = guard.name();
-                parts.plant.show_note(LocalizedText::new(
-                    format!("{}密码已修改", name.zh),
-                    format!("{}: password changed", name.en),
-                ));
+                parts.plant.show_note(phrase!("{name}密码已修改", "{name}: password changed", name));
             }
             StorageAnswer::PasswordChecked(_, false) | StorageAnswer::PasswordChanged(_, false) => {
                 let wrong = self.access.reject(parts.plant.now);
@@ -138,11 +132,8 @@ impl Panel {
             }
             StorageAnswer::KindSaved(kind) => {
                 self.pages.next_kind = *kind;
-                let name = kind.name();
-                parts.plant.show_note(LocalizedText::new(
-                    format!("下次启动为 {}", name.zh),
-                    format!("from the next start: {}", name.en),
-                ));
+                let name = &kind.row().name;
+                parts.plant.show_note(phrase!("下次启动为 {name}", "from the next start: {name}", name));
             }
             StorageAnswer::LangSaved => {}
             StorageAnswer::File(ticket, answer) => self.handle_file_answer(parts, *ticket, answer),
@@ -215,7 +206,7 @@ fn internal_signals(parts: View<'_>) -> InternalSignalSet {
 /// The refusal for a locked level.
 fn password_needed(level: AccessLevel) -> LocalizedText {
     let guard = PasswordScope::for_level(level).map_or(level.name(), PasswordScope::name);
-    LocalizedText::new(format!("需要{}密码", guard.zh), format!("the password for {} is needed", guard.en))
+    phrase!("需要{guard}密码", "the password for {guard} is needed", guard)
 }
 
 /// Copies the parameters if they have changed: in place, unless a reader still holds the older values.

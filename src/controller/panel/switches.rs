@@ -3,7 +3,7 @@
 
 use super::Parts;
 use crate::controller::plant::Plant;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 
 const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is open: it is not switched now");
 
@@ -12,7 +12,7 @@ pub fn toggle_machine_lock(parts: &mut Parts<'_>) {
     if !parts.plant.outputs.drives_on {
         return parts
             .plant
-            .refuse(LocalizedText::new("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now"));
+            .refuse(phrase!("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now"));
     }
     if parts.program.is_open()
         || !parts.plant.axes.is_at_rest()
@@ -41,6 +41,6 @@ pub fn toggle_dry_run(parts: &mut Parts<'_>) {
     }
     parts.plant.operator.switches.dry_run = !parts.plant.operator.switches.dry_run;
     if parts.plant.operator.switches.dry_run {
-        parts.plant.show_note(LocalizedText::new("空运行：进给按 P89 速度", "dry run: feeds run at P89"));
+        parts.plant.show_note(phrase!("空运行：进给按 P89 速度", "dry run: feeds run at P89"));
     }
 }

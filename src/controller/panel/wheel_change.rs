@@ -5,7 +5,7 @@ use super::Parts;
 use crate::defs::page::Page;
 use crate::defs::param::{self, NumberParam};
 use crate::defs::signal::Output;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 
 const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel runs: stop it first");
 const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is open: press RESET first");
@@ -25,14 +25,21 @@ pub fn change_wheel(
     if parts.program.is_open() {
         return Err(OPEN_RUN.into());
     }
-    let values: [(NumberParam, f64); 3] =
-        [(param::WHEEL_DIAMETER, diameter_mm), (param::WHEEL_WIDTH, width_mm), (param::WHEEL_RATED_SPEED, rated_m_s)];
+    let values: [(&'static NumberParam, f64); 3] = [
+        (&param::WHEEL_DIAMETER, diameter_mm),
+        (&param::WHEEL_WIDTH, width_mm),
+        (&param::WHEEL_RATED_SPEED, rated_m_s),
+    ];
     for (row, value) in values {
         if !(row.min..=row.max).contains(&value) {
-            let range = format!("{} … {} {}", row.min, row.max, row.unit);
-            return Err(LocalizedText::new(
-                format!("P{} {} 超出范围 {range}", row.number, row.name.zh),
-                format!("P{} {}: out of range {range}", row.number, row.name.en),
+            return Err(phrase!(
+                "P{number} {name} 超出范围 {min} … {max} {unit}",
+                "P{number} {name}: out of range {min} … {max} {unit}",
+                number = row.number,
+                name = &row.name,
+                min = row.min,
+                max = row.max,
+                unit = row.unit
             ));
         }
     }
@@ -41,5 +48,5 @@ pub fn change_wheel(
         parts.plant.store_param(at, value);
     }
     parts.plant.reset_dressing_counts();
-    Ok(LocalizedText::new("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
+    Ok(phrase!("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
 }

@@ -7,7 +7,7 @@ use crate::controller::axes::soft_limits;
 use crate::defs::alarm;
 use crate::defs::param::{self, BitParam};
 use crate::defs::signal::{Input, Output};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
 use crate::units::Axis;
 
 impl Plant {
@@ -56,10 +56,13 @@ impl Plant {
     pub fn raise_homing_failed(&mut self, axis: Axis, why: HomingFailure) {
         let n = param::HOME_X.number + axis as u16;
         let said = match why {
-            HomingFailure::NoSwitch => LocalizedText::new(axis.to_string(), axis.to_string()),
-            HomingFailure::NotAtZero => LocalizedText::new(
-                format!("{axis} 到不了零点坐标 P{n}={:.3}", self.params.get_axis(param::HOME_X, axis)),
-                format!("{axis} does not come to its coordinate P{n}={:.3}", self.params.get_axis(param::HOME_X, axis)),
+            HomingFailure::NoSwitch => phrase!("{axis}", "{axis}", axis),
+            HomingFailure::NotAtZero => phrase!(
+                "{axis} 到不了零点坐标 P{n}={zero:.3}",
+                "{axis} does not come to its coordinate P{n}={zero:.3}",
+                axis,
+                n,
+                zero = self.params.get_axis(param::HOME_X, axis)
             ),
         };
         self.raise(alarm::HOMING_FAILED, Some(said));

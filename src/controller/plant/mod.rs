@@ -32,10 +32,10 @@ use crate::defs::date::DateTime;
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::mcode::Request;
-use crate::defs::param::{self, ParamAddress, Params};
-use crate::defs::program_number;
+use crate::defs::param::{self, ParamAddress, ParamError, Params};
 use crate::defs::signal::{Input, Output};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
+use crate::defs::text_arg::Arg;
 use crate::io::InputImage;
 use crate::machine::lathe::station_in_position;
 use crate::machine::{ControlState, Machine, RequestResult};
@@ -134,13 +134,13 @@ impl Plant {
     /// The function is in use, or the value is out of range.
     pub fn change_param(&mut self, at: ParamAddress, value: f64) -> Result<(), LocalizedText> {
         if self.is_in_use(at, value) {
-            return Err(LocalizedText::new(
-                format!("{at}：该功能正在工作，先关闭再修改"),
-                format!("{at}: the function is on; switch it off before this is changed"),
+            return Err(phrase!(
+                "{at}：该功能正在工作，先关闭再修改",
+                "{at}: the function is on; switch it off before this is changed",
+                at
             ));
         }
-        let written = self.params.write(at, value);
-        written.map_err(|error| LocalizedText::new(error.zh(), error.to_string()))?;
+        self.params.write(at, value).map_err(ParamError::text)?;
         self.outbox.requests.push(StorageRequest::Param(at, value));
         self.inputs.configure(&self.params);
         self.axes.configure(&self.params);
@@ -198,8 +198,8 @@ impl Plant {
     }
 
     /// The title of a program.
-    pub fn program_title(&self, number: u32) -> String {
-        self.work.programs.get(number).map_or_else(|| program_number::name_of(number), |program| program.source.title())
+    pub fn program_title(&self, number: u32) -> Arg {
+        self.work.programs.get(number).map_or(Arg::Program(number), |program| program.source.title_arg())
     }
 
     /// Sends a request to the machine logic and shows a refusal.

@@ -48,7 +48,7 @@ impl Plant {
 
     /// MSG: shown until replaced; an empty text ends it.
     pub fn show_program_message(&mut self, text: &LocalizedText) {
-        self.outbox.program_message = (!text.zh.is_empty()).then(|| text.clone());
+        self.outbox.program_message = (!text.is_empty()).then(|| text.clone());
         if self.outbox.program_message.is_some() {
             self.show_note(text.clone());
         }

@@ -7,7 +7,7 @@ use crate::controller::axes::spindle_encoder::SpindleEncoder;
 use crate::controller::axes::thread_recorder::ThreadRecorder;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
 use crate::nc::SpeedMode;
 use crate::units::Axis;
 
@@ -45,9 +45,9 @@ impl Plant {
     pub fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
         self.spindles.wheel_speed = (value, mode);
         if self.outputs.on.has(Output::Wheel) && self.output_wheel_rpm() < self.commanded_wheel_rpm() {
-            self.refuse(LocalizedText::new(
+            self.refuse(phrase!(
                 "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
-                "S exceeds the wheel's rating: it runs at the rating (P77, P79)",
+                "S exceeds the wheel's rating: it runs at the rating (P77, P79)"
             ));
         }
     }

@@ -8,7 +8,7 @@
 use super::Plant;
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::defs::param::{self, NumberParam};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
 use crate::nc::SpeedMode;
 
 impl Plant {
@@ -18,9 +18,10 @@ impl Plant {
         self.store_param(param::PARTS_SINCE_DRESSING.address(), parts);
         let interval = self.params.get(param::DRESSING_INTERVAL);
         if interval > 0.0 && parts >= interval {
-            self.show_note(LocalizedText::new(
-                format!("已磨 {parts:.0} 件，应修整砂轮 (P95)"),
-                format!("{parts:.0} parts ground: the wheel is due for dressing (P95)"),
+            self.show_note(phrase!(
+                "已磨 {parts:.0} 件，应修整砂轮 (P95)",
+                "{parts:.0} parts ground: the wheel is due for dressing (P95)",
+                parts
             ));
         }
     }

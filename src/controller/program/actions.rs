@@ -10,7 +10,7 @@ use crate::defs::alarm;
 use crate::defs::mcode::{MCodeAction, Request};
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::machine::RequestResult;
 use crate::motion::{CornerMode, Move};
 use crate::nc::CoordinateChange;
@@ -173,9 +173,11 @@ impl ProgramRun {
             plant.spindles.analog_2_rpm = rpm; // K3.4: M63 S
             let most = plant.params.get(param::ANALOG_2_RPM_MAX);
             if rpm > most {
-                plant.refuse(LocalizedText::new(
-                    format!("S{rpm} 超过第二模拟量最高转速，按 {most} 运行 (P65)"),
-                    format!("S{rpm} is above the second analog output: it gives {most} (P65)"),
+                plant.refuse(phrase!(
+                    "S{rpm} 超过第二模拟量最高转速，按 {most} 运行 (P65)",
+                    "S{rpm} is above the second analog output: it gives {most} (P65)",
+                    rpm,
+                    most
                 ));
             }
         }
@@ -288,17 +290,16 @@ fn switch_cylinder(plant: &mut Plant, on: bool) -> ActionStatus {
 
 /// The text shown while a program waits for an input.
 pub fn awaited_input_text(input: Input, port: u8) -> LocalizedText {
-    let name = input.name();
-    LocalizedText::new(format!("等待{}，输入口 {port}", name.zh), format!("waiting for {}, port {port}", name.en))
+    phrase!("等待{input}，输入口 {port}", "waiting for {input}, port {port}", input, port)
 }
 
 /// Raises the alarm of a feed per revolution without rotation.
 pub fn raise_no_workpiece_drive(plant: &mut Plant) -> ActionStatus {
     plant.raise(
         alarm::WORK_DRIVE_BLOCKED,
-        Some(LocalizedText::new(
+        Some(phrase!(
             "每转进给需要工件转动，先用 M63 启动",
-            "a feed per revolution needs the workpiece turning: M63 first",
+            "a feed per revolution needs the workpiece turning: M63 first"
         )),
     );
     ActionStatus::Wait

@@ -10,7 +10,7 @@ use crate::controller::plant::{ControlPhase, Plant, STILL_MOVING};
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::param;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Text, phrase};
 use crate::machine::RequestResult;
 
 /// A start in the tick of a reset.
@@ -37,13 +37,13 @@ impl Program {
             return plant.refuse(START_VOID);
         }
         match plant.execution.phase {
-            ControlPhase::Running => return plant.refuse(LocalizedText::new("程序已在运行", "the program is running")),
+            ControlPhase::Running => return plant.refuse(phrase!("程序已在运行", "the program is running")),
             ControlPhase::Holding | ControlPhase::Aborting | ControlPhase::Homing(_) => {
                 return plant.refuse(STILL_MOVING);
             }
             ControlPhase::Idle if plant.operator.mode == Mode::Mdi => return self.start_mdi(plant),
             ControlPhase::Idle if plant.operator.mode != Mode::Auto => {
-                return plant.refuse(LocalizedText::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
+                return plant.refuse(phrase!("自动方式下才能循环启动", "cycle start works in mode AUTO"));
             }
             ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped => {}
         }
@@ -64,9 +64,9 @@ impl Program {
             return plant.refuse(why);
         }
         if plant.oscillates_by_key() {
-            return plant.refuse(LocalizedText::new(
+            return plant.refuse(phrase!(
                 "暂停中用按键启动的振荡未关闭，先关闭再循环启动",
-                "the key has begun an oscillation in the pause: end it before cycle start",
+                "the key has begun an oscillation in the pause: end it before cycle start"
             ));
         }
         self.resume_run(plant);
@@ -91,9 +91,10 @@ impl Program {
             }
             None => {
                 let title = plant.program_title(number);
-                plant.refuse(LocalizedText::new(
-                    format!("没有程序 {title}：先在目录中选择程序"),
-                    format!("there is no program {title}: choose one in the directory"),
+                plant.refuse(phrase!(
+                    "没有程序 {title}：先在目录中选择程序",
+                    "there is no program {title}: choose one in the directory",
+                    title
                 ));
             }
         }
@@ -104,13 +105,14 @@ impl Program {
         match plant.execution.phase {
             ControlPhase::Running => plant.hold_run(),
             ControlPhase::Homing(_) => plant.abort_run(),
-            ControlPhase::Idle => plant
-                .refuse(LocalizedText::new("没有程序在运行，无可暂停", "no program runs: there is nothing to hold")),
+            ControlPhase::Idle => {
+                plant.refuse(phrase!("没有程序在运行，无可暂停", "no program runs: there is nothing to hold"))
+            }
             ControlPhase::Holding | ControlPhase::Aborting => {
-                plant.show_note(LocalizedText::new("轴正在停止", "the axes are stopping"))
+                plant.show_note(phrase!("轴正在停止", "the axes are stopping"))
             }
             ControlPhase::Held | ControlPhase::Stopped => {
-                plant.show_note(LocalizedText::new("已在暂停，按循环启动继续", "held already: cycle start goes on"));
+                plant.show_note(phrase!("已在暂停，按循环启动继续", "held already: cycle start goes on"));
             }
         }
     }
@@ -132,7 +134,7 @@ mod tests {
         let mut why = |plant: &mut Plant, act: fn(&mut Program, &mut Plant)| {
             act(&mut program, plant);
             assert!(matches!(plant.execution.phase, ControlPhase::Idle) && !program.is_open());
-            plant.outbox.refusal.take().map(|why| why.en).unwrap_or_default()
+            plant.outbox.refusal.take().map(|why| why.en().into_owned()).unwrap_or_default()
         };
         assert!(why(&mut plant, Program::feed_hold).contains("nothing to hold"));
         assert!(why(&mut plant, Program::cycle_start).contains("mode AUTO"));

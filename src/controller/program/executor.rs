@@ -10,7 +10,7 @@ use super::run_world::RunWorld;
 use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
 use crate::defs::alarm;
 use crate::defs::param;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::motion::Move;
 use crate::nc::{CoordinateChange, NextStatus, PreflightStatus};
 
@@ -18,6 +18,9 @@ use crate::nc::{CoordinateChange, NextStatus, PreflightStatus};
 const BLOCKS_PER_TICK: usize = 16;
 /// Maximum actions executed per tick.
 const ACTIONS_PER_TICK: usize = 64;
+
+const REFUSED_BLOCK: &Template =
+    &Template::new("{program} 第{line}行 {cause}", "{program} line {line} {cause}", &["program", "line", "cause"]);
 
 impl ProgramRun {
     /// One tick of the run; `suspended` is the run that the retract has suspended. True when the run is over.
@@ -196,7 +199,7 @@ impl ProgramRun {
         match proving.preflight.advance() {
             PreflightStatus::Busy => {
                 if !std::mem::replace(&mut proving.announced, true) {
-                    plant.show_note(LocalizedText::new("正在检查程序…", "looking through the program …"));
+                    plant.show_note(phrase!("正在检查程序…", "looking through the program …"));
                 }
                 return false;
             }
@@ -243,8 +246,6 @@ impl ProgramRun {
     /// Refuses a block: nothing of it is executed; its alarm is raised when all blocks before it are done.
     fn queue_refusal_alarm(&mut self, plant: &Plant, forbidden: &MoveRefusal) {
         let at = self.block.location;
-        let (title, line) = (plant.program_title(at.program), at.line);
-        let place = LocalizedText::new(format!("{title} 第{line}行"), format!("{title} line {line}"));
         let number = match forbidden {
             MoveRefusal::SoftLimit(..) => alarm::SOFT_LIMIT,
             MoveRefusal::NotHomed => alarm::NOT_HOMED,
@@ -255,7 +256,8 @@ impl ProgramRun {
             MoveRefusal::Unsupported(_) => alarm::M_CODE_NOT_AVAILABLE,
         };
         let cause = forbidden.text(&plant.params);
-        let said = LocalizedText::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
+        let place = [plant.program_title(at.program), at.line.into()];
+        let said = LocalizedText::phrase_of(REFUSED_BLOCK, place, [cause]);
         self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(number, said, at)));
     }
 

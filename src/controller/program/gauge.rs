@@ -10,7 +10,7 @@ use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::Plant;
 use crate::defs::alarm;
 use crate::defs::mcode::{Gauge, Request};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
 use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
 use crate::nc::GaugeMove;
 use crate::units::{Axis, MachinePos};
@@ -180,7 +180,7 @@ fn record_contact(plant: &mut Plant, axis: Axis, edge: f64, fine: bool, first: f
 /// Fails the cycle: the gauge arm retracts and the alarm ends the run.
 fn fail_gauge(plant: &mut Plant, number: u16, signal: u8) -> ActionStatus {
     plant.request(Request::Gauge(Gauge::Axial, false));
-    plant.raise(number, Some(LocalizedText::new(format!("量仪信号 {signal}"), format!("gauge signal {signal}"))));
+    plant.raise(number, Some(phrase!("量仪信号 {signal}", "gauge signal {signal}", signal)));
     ActionStatus::Wait
 }
 

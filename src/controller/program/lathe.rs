@@ -8,7 +8,8 @@ use crate::controller::plant::{ControlEvent, Plant};
 use crate::defs::alarm;
 use crate::defs::mcode::Request;
 use crate::defs::param;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
+use crate::defs::text_arg::Arg;
 use crate::machine::RequestResult;
 use crate::motion::{ThreadMover, ThreadPass};
 use crate::nc::ThreadMove;
@@ -24,16 +25,22 @@ impl ProgramRun {
             return ActionStatus::Wait;
         }
         if plant.machine.spindle_direction().is_none() || plant.spindles.encoder.rpm.abs() < 1.0 {
-            plant.raise(alarm::SPINDLE_NOT_TURNING, Some(thread_location(plant)));
+            let [title, place] = thread_location(plant);
+            plant.raise(alarm::SPINDLE_NOT_TURNING, Some(phrase!("{title} {place}", "{title} {place}", title, place)));
             return ActionStatus::Wait;
         }
         let (rpm, limit) = (plant.spindles.encoder.rpm.abs(), ThreadMove::max_spindle_rpm(thread.lead_mm));
         // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
-            let (at, lead_mm) = (thread_location(plant), thread.lead_mm);
-            let said = LocalizedText::new(
-                format!("{}：主轴 {rpm:.0} r/min，导程 {lead_mm:.3} mm 最高 {limit:.0} r/min", at.zh),
-                format!("{}: {rpm:.0} rpm, a lead of {lead_mm:.3} mm allows {limit:.0} rpm", at.en),
+            let [title, place] = thread_location(plant);
+            let said = phrase!(
+                "{title} {place}：主轴 {rpm:.0} r/min，导程 {lead_mm:.3} mm 最高 {limit:.0} r/min",
+                "{title} {place}: {rpm:.0} rpm, a lead of {lead_mm:.3} mm allows {limit:.0} rpm",
+                title,
+                place,
+                rpm,
+                lead_mm = thread.lead_mm,
+                limit
             );
             plant.raise(alarm::THREAD_SPEED, Some(said));
             return ActionStatus::Wait;
@@ -101,10 +108,10 @@ impl ProgramRun {
 }
 
 /// Program, line and column of the thread code, or of its block if the code is modal from an earlier block.
-fn thread_location(plant: &Plant) -> LocalizedText {
+fn thread_location(plant: &Plant) -> [Arg; 2] {
     let (program, line) = (plant.execution.current_block.program, plant.execution.current_block.line);
     let text = plant.work.programs.get(program).and_then(|program| program.source.line(line)).unwrap_or_default();
     let found = ["G33", "G32"].into_iter().find_map(|code| text.to_ascii_uppercase().find(code)).unwrap_or(0);
-    let (title, column) = (plant.program_title(program), text[..found].chars().count() + 1);
-    LocalizedText::new(format!("{title} 第{line}行 第{column}列"), format!("{title} line {line}, column {column}"))
+    let column = text[..found].chars().count() as u32 + 1;
+    [plant.program_title(program), Arg::Place(line, column)]
 }

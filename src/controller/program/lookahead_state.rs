@@ -83,7 +83,7 @@ impl LookaheadState {
             OpEffect::Variable(variable, value) => QueuedAction::SetVariable(variable, value),
             OpEffect::SystemVariable(number, value) => QueuedAction::SetSystemVariable(number, value),
             OpEffect::Message(message) => {
-                let said = |text: &str| LocalizedText::new(text, text);
+                let said = LocalizedText::of_program;
                 match message {
                     ProgramMessage::Alarm(number, text) => QueuedAction::Alarm(number as u16, said(text), at),
                     ProgramMessage::Show(text) => QueuedAction::Note(said(text)),

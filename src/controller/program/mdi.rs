@@ -12,7 +12,7 @@ use crate::controller::plant::system_variables::nc_settings;
 use crate::controller::plant::{ControlPhase, Plant};
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::edit::ModalView;
 use crate::machine::RequestResult;
 use crate::machine::panel_key::NOT_IN_RUN;
@@ -32,7 +32,7 @@ impl Program {
         let line = line.trim();
         if line.is_empty() {
             self.discard_mdi();
-            return Ok(LocalizedText::new("录入行已取消", "the MDI line is taken back"));
+            return Ok(phrase!("录入行已取消", "the MDI line is taken back"));
         }
         if plant.operator.mode != Mode::Mdi {
             return Err(NOT_MDI.into());
@@ -45,7 +45,7 @@ impl Program {
         }
         self.check_mdi(plant, line)?;
         self.mdi_ready = Arc::from(line);
-        Ok(LocalizedText::new("按循环启动执行", "press cycle start to execute it"))
+        Ok(phrase!("按循环启动执行", "press cycle start to execute it"))
     }
 
     /// Mode change or RESET: a line prepared earlier must not start.
@@ -73,13 +73,13 @@ impl Program {
             return plant.refuse(START_VOID);
         }
         if plant.operator.mode != Mode::Mdi {
-            return plant.refuse(LocalizedText::new("录入方式下才能执行", "MDI lines work in mode MDI"));
+            return plant.refuse(phrase!("录入方式下才能执行", "MDI lines work in mode MDI"));
         }
         if !matches!(plant.execution.phase, ControlPhase::Idle) {
             return plant.refuse(NOT_IN_RUN);
         }
         if line.chars().count() > MAX_MDI_CHARS {
-            return plant.refuse(LocalizedText::new("录入行太长", "the MDI line is too long"));
+            return plant.refuse(phrase!("录入行太长", "the MDI line is too long"));
         }
         if let Some(why) = self.retract_blocks_start(plant) {
             return plant.refuse(why);
@@ -108,7 +108,7 @@ impl Program {
         match run.interpreter.next(&mut world, &mut run.block) {
             Ok(NextStatus::Block) => run.queue_block(&plant.params).map_err(|forbidden| forbidden.text(&plant.params)),
             Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::End) => Ok(()),
-            Err(fault) => Err(LocalizedText::new(fault.cause(Lang::Zh), fault.cause(Lang::En))),
+            Err(fault) => Err(fault.cause_phrase()),
         }
     }
 

@@ -28,8 +28,9 @@ use run::{Origin, PendingPreflight, ProgramRun};
 
 use super::plant::system_variables::nc_settings;
 use super::plant::{ControlEvent, ControlPhase, Plant};
-use crate::defs::text::LocalizedText;
-use crate::defs::variable_name;
+use crate::defs::kind::Kind;
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
+use crate::defs::text_arg::Arg;
 use crate::nc::{self, ModalState, Source, VariableError, WorkOffsets};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -185,13 +186,7 @@ impl Program {
     pub fn set_variable(&mut self, plant: &mut Plant, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = plant.store_variable(number, value) {
-            let name = variable_name::variable_name_on(number, plant.kind);
-            let zh = match error {
-                VariableError::Unknown(_) => format!("{name} 不存在或不能修改"),
-                VariableError::Switch(_) => format!("{name} 只能输入 0 或 1"),
-                VariableError::NotFinite(_) => format!("{name} 的值不是数字"),
-            };
-            plant.refuse(LocalizedText::new(zh, error.to_string()));
+            plant.refuse(variable_refusal(error, plant.kind));
             return false;
         }
         // A run suspended by the retract has its own copy.
@@ -201,7 +196,7 @@ impl Program {
         if let Some(run) = &mut self.run
             && run.interpreter.update_variable(number, value).is_err()
         {
-            plant.refuse(LocalizedText::new("程序没有接受此值", "the running program did not take the value"));
+            plant.refuse(phrase!("程序没有接受此值", "the running program did not take the value"));
             return false;
         }
         true
@@ -235,4 +230,19 @@ impl Program {
             | Activity::Homing => None,
         }
     }
+}
+
+const UNKNOWN_VARIABLE: Text = Text::new("{name} 不存在或不能修改", "there is no common variable #{number}");
+const SWITCH_VARIABLE: Text = Text::new("{name} 只能输入 0 或 1", "variable #{number} takes 0 or 1 only");
+const NOT_A_NUMBER: Text = Text::new("{name} 的值不是数字", "the value for #{number} is not a number");
+
+/// Why a common variable was not set. English names it by its number, Chinese by its name on the machine.
+fn variable_refusal(error: VariableError, kind: Kind) -> LocalizedText {
+    const NAMES: &[&str] = &["name", "number"];
+    let (template, number) = match error {
+        VariableError::Unknown(number) => (&Template { text: UNKNOWN_VARIABLE, names: NAMES }, number),
+        VariableError::Switch(number) => (&Template { text: SWITCH_VARIABLE, names: NAMES }, number),
+        VariableError::NotFinite(number) => (&Template { text: NOT_A_NUMBER, names: NAMES }, number),
+    };
+    LocalizedText::phrase(template, [Arg::Variable(number, kind.dialect()), number.into()])
 }

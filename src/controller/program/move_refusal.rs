@@ -2,7 +2,7 @@
 
 use crate::controller::plant::displayed_per_mm;
 use crate::defs::param::Params;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::units::Axis;
 
 /// Why a move or operation is refused.
@@ -31,31 +31,31 @@ impl MoveRefusal {
             MoveRefusal::SoftLimit(axis, to, limit) => {
                 let factor = displayed_per_mm(params, axis);
                 let (to, limit) = (to * factor, limit * factor);
-                LocalizedText::new(
-                    format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
-                    format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
+                phrase!(
+                    "{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)",
+                    "{axis} target {to:.3} is beyond the limit {limit:.3} (machine)",
+                    axis,
+                    to,
+                    limit
                 )
             }
-            MoveRefusal::NotHomed => LocalizedText::new("先回零", "home the axes first"),
-            MoveRefusal::Oscillating(axis) => LocalizedText::new(
-                format!("{axis} 轴在振荡中，先用 G36 关闭"),
-                format!("{axis} oscillates: end it with G36 first"),
-            ),
-            MoveRefusal::NoStroke(axis) => LocalizedText::new(
-                format!("{axis} 轴没有振荡行程，或未回零"),
-                format!("{axis} has no stroke to oscillate, or is not homed"),
-            ),
+            MoveRefusal::NotHomed => phrase!("先回零", "home the axes first"),
+            MoveRefusal::Oscillating(axis) => {
+                phrase!("{axis} 轴在振荡中，先用 G36 关闭", "{axis} oscillates: end it with G36 first", axis)
+            }
+            MoveRefusal::NoStroke(axis) => {
+                phrase!("{axis} 轴没有振荡行程，或未回零", "{axis} has no stroke to oscillate, or is not homed", axis)
+            }
             MoveRefusal::WearOutOfRange(axis, sum) => {
                 let sum = sum * displayed_per_mm(params, axis);
-                LocalizedText::new(format!("{axis} 磨耗 {sum:.3}"), format!("wear of {axis} {sum:.3}"))
+                phrase!("{axis} 磨耗 {sum:.3}", "wear of {axis} {sum:.3}", axis, sum)
             }
             MoveRefusal::NoDressPoint(axis) => {
-                LocalizedText::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point"))
+                phrase!("{axis} 轴没有设置修整点", "{axis} has no dressing point", axis)
             }
-            MoveRefusal::Unsupported(code) => LocalizedText::new(
-                format!("M{code:02} 在本版本中还没有"),
-                format!("M{code:02} is not available in this version"),
-            ),
+            MoveRefusal::Unsupported(code) => {
+                phrase!("M{code:02} 在本版本中还没有", "M{code:02} is not available in this version", code)
+            }
         }
     }
 }

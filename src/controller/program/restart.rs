@@ -21,7 +21,7 @@ use crate::defs::kind::Dialect;
 use crate::defs::mcode::SwitchedUnit;
 use crate::defs::param;
 use crate::defs::system_variable;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
 use crate::motion::MoveShape;
@@ -78,7 +78,7 @@ impl StateBeforeBlock {
             },
             OpEffect::Oscillation(change) => self.oscillates = change != OscillationChange::Off,
             OpEffect::Message(ProgramMessage::Alarm(_, text)) => {
-                self.alarm.get_or_insert_with(|| LocalizedText::new(text, text));
+                self.alarm.get_or_insert_with(|| LocalizedText::of_program(text));
             }
             OpEffect::Speed(value, mode) => self.speed = Some((value, mode)),
             OpEffect::SpeedLimit(rpm) => self.rpm_limit = Some(rpm),
@@ -121,11 +121,11 @@ impl Program {
     /// At power-on: shows the program that was interrupted.
     pub fn announce_interrupted(&self, plant: &mut Plant) {
         if let Some((program, line)) = self.power_cut.interrupted {
-            plant.show_note(LocalizedText::new(
-                format!("O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）"),
-                format!(
-                    "O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)"
-                ),
+            plant.show_note(phrase!(
+                "O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）",
+                "O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)",
+                program,
+                line
             ));
         }
     }
@@ -140,9 +140,11 @@ impl Program {
             return plant.refuse(NO_PROGRAM);
         };
         if line == 0 || line as usize > program.source.line_count() {
-            return plant.refuse(LocalizedText::new(
-                format!("O{:04} 没有第 {line} 行", plant.execution.current_program),
-                format!("O{:04} has no line {line}", plant.execution.current_program),
+            return plant.refuse(phrase!(
+                "O{program:04} 没有第 {line} 行",
+                "O{program:04} has no line {line}",
+                program = plant.execution.current_program,
+                line
             ));
         }
         let source = Arc::clone(&program.source);
@@ -166,7 +168,7 @@ impl Program {
         run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
         let switched = StateBeforeBlock::default();
         self.restart = Some(Box::new(Restart { line, run, world, state: switched, ticks: 0, block_found: false }));
-        plant.show_note(LocalizedText::new(format!("正在查找第 {line} 行…"), format!("reading up to line {line} …")));
+        plant.show_note(phrase!("正在查找第 {line} 行…", "reading up to line {line} …", line));
     }
 
     fn restart_refused(&self, plant: &Plant) -> Option<Text> {
@@ -189,19 +191,21 @@ impl Program {
                 restart.block_found = true;
                 self.finish_search(plant, restart);
             }
-            Ok(NextStatus::End | NextStatus::Drain) => plant.refuse(LocalizedText::new(
-                format!("程序运行不到第 {line} 行，不能从该行开始"),
-                format!("the program does not come to line {line}: it cannot begin there"),
+            Ok(NextStatus::End | NextStatus::Drain) => plant.refuse(phrase!(
+                "程序运行不到第 {line} 行，不能从该行开始",
+                "the program does not come to line {line}: it cannot begin there",
+                line
             )),
             Ok(NextStatus::Busy) if restart.ticks < MAX_SEARCH_TICKS => {
                 restart.ticks += 1;
                 self.restart = Some(restart);
             }
-            Ok(NextStatus::Busy) => plant.refuse(LocalizedText::new(
-                format!("第 {line} 行之前有等待机床的循环，不能从该行开始"),
-                format!("a loop before line {line} waits for the machine: the program cannot begin there"),
+            Ok(NextStatus::Busy) => plant.refuse(phrase!(
+                "第 {line} 行之前有等待机床的循环，不能从该行开始",
+                "a loop before line {line} waits for the machine: the program cannot begin there",
+                line
             )),
-            Err(fault) => plant.refuse(LocalizedText::new(fault.text(Lang::Zh), fault.text(Lang::En))),
+            Err(fault) => plant.refuse(fault.phrase()),
         }
     }
 
@@ -212,11 +216,10 @@ impl Program {
         }
         if switched.position_unknown || switched.oscillates {
             let line = *line;
-            return plant.refuse(LocalizedText::new(
-                format!("第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始"),
-                format!(
-                    "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there"
-                ),
+            return plant.refuse(phrase!(
+                "第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始",
+                "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there",
+                line
             ));
         }
         let mut frames = plant.work.offsets.clone();
@@ -265,7 +268,7 @@ impl Program {
         let Some(restart) = self.restart.as_ref() else { return false };
         let [wheel, drive] = plant.running_spindles();
         if !restart.block_found {
-            plant.refuse(LocalizedText::new("正在查找起始段，请稍候", "the block is still being looked for"));
+            plant.refuse(phrase!("正在查找起始段，请稍候", "the block is still being looked for"));
         } else if restart.state.wheel
             && !wheel
             && !plant.operator.switches.dry_run

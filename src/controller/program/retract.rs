@@ -14,7 +14,7 @@ use crate::controller::axes::AxisOwner;
 use crate::controller::plant::{ControlEvent, ControlPhase, Plant, STILL_MOVING};
 use crate::defs::mcode::Request;
 use crate::defs::param;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::machine::RequestResult;
 use crate::nc::{self, BlockLocation, Library, Source};
 use crate::units::{Axis, MachinePos, Micros};
@@ -96,7 +96,7 @@ impl Program {
         match self.retract.stage {
             RetractStage::AtWork => {}
             RetractStage::Requested | RetractStage::Retracting(_) | RetractStage::Returning(_) => {
-                return plant.refuse(LocalizedText::new("一键回退正在执行", "the retract is under way"));
+                return plant.refuse(phrase!("一键回退正在执行", "the retract is under way"));
             }
             RetractStage::Retracted(from, at) => {
                 return match position_deviation(plant, at) {
@@ -135,19 +135,21 @@ impl Program {
     /// Suspends the open run and starts O9000 or O9001.
     fn begin_retract(&mut self, plant: &mut Plant, number: u32, stage: RetractStage) {
         if !plant.axes.all_homed() {
-            return plant.refuse(LocalizedText::new("先回零，才能一键回退", "home the axes before the retract"));
+            return plant.refuse(phrase!("先回零，才能一键回退", "home the axes before the retract"));
         }
         if plant.work.programs.find(number).is_none() {
-            return plant.refuse(LocalizedText::new(
-                format!("程序目录中没有 O{number:04}，不能一键回退"),
-                format!("the programs folder has no O{number:04}: no retract"),
+            return plant.refuse(phrase!(
+                "程序目录中没有 O{number:04}，不能一键回退",
+                "the programs folder has no O{number:04}: no retract",
+                number
             ));
         }
         let dialect = plant.kind.row().dialect;
         let Some(call) = nc::call_text(dialect, number) else {
-            return plant.refuse(LocalizedText::new(
-                format!("该机型的程序不能调用 O{number:04}，不能一键回退"),
-                format!("the programs of this kind cannot call O{number:04}: no retract"),
+            return plant.refuse(phrase!(
+                "该机型的程序不能调用 O{number:04}，不能一键回退",
+                "the programs of this kind cannot call O{number:04}: no retract",
+                number
             ));
         };
         let still =
@@ -216,10 +218,10 @@ impl Program {
     pub fn retract_blocks_start(&mut self, plant: &mut Plant) -> Option<LocalizedText> {
         match self.retract.stage {
             RetractStage::AtWork | RetractStage::Retracting(_) | RetractStage::Returning(_) => None,
-            RetractStage::Requested => Some(LocalizedText::new("一键回退正在执行", "the retract is under way")),
-            RetractStage::Retracted(..) => Some(LocalizedText::new(
+            RetractStage::Requested => Some(phrase!("一键回退正在执行", "the retract is under way")),
+            RetractStage::Retracted(..) => Some(phrase!(
                 "砂轮已回退，再按一键回退使其返回",
-                "the wheel is withdrawn: press 一键回退 again to bring it back",
+                "the wheel is withdrawn: press 一键回退 again to bring it back"
             )),
             RetractStage::OffPosition(from) if position_deviation(plant, from).is_some() => {
                 Some(off_position_text(plant, from))
@@ -253,17 +255,21 @@ fn no_manual_motion(plant: &Plant) -> bool {
 
 fn moved_away_text(plant: &Plant, axis: Axis, off: f64) -> LocalizedText {
     let off = off * plant.displayed_per_mm(axis);
-    LocalizedText::new(
-        format!("{axis} 离开了 O9000 退到的位置 {off:+.3}：先移回，再按一键回退；或复位"),
-        format!("{axis} is {off:+.3} off the place that O9000 left it at: bring it back there first, or press RESET"),
+    phrase!(
+        "{axis} 离开了 O9000 退到的位置 {off:+.3}：先移回，再按一键回退；或复位",
+        "{axis} is {off:+.3} off the place that O9000 left it at: bring it back there first, or press RESET",
+        axis,
+        off
     )
 }
 
 fn off_position_text(plant: &Plant, from: MachinePos) -> LocalizedText {
     let (axis, off) = position_deviation(plant, from).unwrap_or((plant.kind.row().wheel_axis, 0.0));
     let off = off * plant.displayed_per_mm(axis);
-    LocalizedText::new(
-        format!("O9001 没有回到原位：{axis} 差 {off:+.3}，用手轮移回后循环启动，或复位"),
-        format!("O9001 ended elsewhere: {axis} is {off:+.3} off. Bring it back by handwheel, or press RESET"),
+    phrase!(
+        "O9001 没有回到原位：{axis} 差 {off:+.3}，用手轮移回后循环启动，或复位",
+        "O9001 ended elsewhere: {axis} is {off:+.3} off. Bring it back by handwheel, or press RESET",
+        axis,
+        off
     )
 }

@@ -13,7 +13,6 @@ use super::lookahead_state::LookaheadState;
 use super::move_refusal::MoveRefusal;
 use super::queue::{QueueItem, QueuedAction};
 use crate::defs::param::Params;
-use crate::defs::text::{Lang, LocalizedText};
 use crate::nc::{self, Block, CommonVariables, Interpreter, Library, Source, WorkOffsets};
 use crate::units::{MachinePos, Micros};
 
@@ -110,8 +109,7 @@ impl ProgramRun {
     /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
     pub fn end_with_fault(&mut self, fault: &nc::ProgramFault) {
         self.read_ahead = ReadAheadStatus::Finished;
-        let said = LocalizedText::new(fault.text(Lang::Zh), fault.text(Lang::En));
-        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(fault.alarm(), said, fault.location)));
+        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(fault.alarm(), fault.phrase(), fault.location)));
     }
 
     /// Converts the block just read to queue items.

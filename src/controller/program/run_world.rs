@@ -10,7 +10,7 @@ use crate::defs::alarm;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::system_variable;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::phrase;
 use crate::link::edit::OffsetPart;
 use crate::machine::RequestResult;
 use crate::nc::{ExternalState, LiveValue};
@@ -92,8 +92,8 @@ impl ProgramRun {
         for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
             if let Some((index, axis)) = offset_and_axis(table, number) {
                 if !offset_in_range(if wear { OffsetPart::Wear } else { OffsetPart::Geometry }, value) {
-                    let said = format!("#{number} = {value}");
-                    plant.raise(alarm::OFFSET_RANGE, Some(LocalizedText::new(said.clone(), said)));
+                    let said = phrase!("#{number} = {value}", "#{number} = {value}", number, value);
+                    plant.raise(alarm::OFFSET_RANGE, Some(said));
                     return false;
                 }
                 let value = value / plant.displayed_per_mm(axis);
@@ -109,20 +109,19 @@ impl ProgramRun {
     /// Records a new wheel diameter, mm, written by a program. False: refused, with the alarm raised.
     pub fn record_dressing(&mut self, plant: &mut Plant, diameter_mm: f64) -> bool {
         if plant.is_dry_or_locked() {
-            plant.show_note(LocalizedText::new(
-                "锁定或空运行：修整不计入砂轮直径",
-                "locked or dry run: no dressing is booked",
-            ));
+            plant.show_note(phrase!("锁定或空运行：修整不计入砂轮直径", "locked or dry run: no dressing is booked"));
             return true;
         }
         let before = plant.params.get(param::WHEEL_DIAMETER);
         let refusal = if diameter_mm > before || diameter_mm < param::WHEEL_DIAMETER.min {
-            Some(LocalizedText::new(
-                format!("#5801={diameter_mm:.4}，现直径 {before:.4}"),
-                format!("#5801={diameter_mm:.4}, the wheel has {before:.4}"),
+            Some(phrase!(
+                "#5801={diameter_mm:.4}，现直径 {before:.4}",
+                "#5801={diameter_mm:.4}, the wheel has {before:.4}",
+                diameter_mm,
+                before
             ))
         } else if plant.work.offsets.tool_offset == 0 {
-            Some(LocalizedText::new("没有刀补生效", "no offset is in force"))
+            Some(phrase!("没有刀补生效", "no offset is in force"))
         } else {
             None
         };

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::defs::alarm::{self, Reaction, ResetRule};
 use crate::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use crate::defs::date::DateTime;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
@@ -14,7 +14,7 @@ use crate::units::Micros;
 pub const MAX_ALARMS: usize = 32;
 
 /// Maximum characters of an alarm text in the history.
-const MAX_TEXT_CHARS: usize = 200;
+const MAX_TEXT_CHARS: u16 = 200;
 
 /// The active alarms, oldest first, and the alarm history.
 #[derive(Clone, Debug, Default)]
@@ -79,13 +79,11 @@ impl AlarmList {
         }
         let (text, remedy) = match alarm::find(number) {
             Some(row) => (row.text.into(), row.remedy.into()),
-            None => (LocalizedText::new("程序报警", "program alarm"), LocalizedText::default()),
+            None => (phrase!("程序报警", "program alarm"), LocalizedText::default()),
         };
         let text = match detail {
-            Some(detail) if alarm::find(number).is_some() => {
-                LocalizedText::new(format!("{}：{}", text.zh, detail.zh), format!("{}: {}", text.en, detail.en))
-            }
-            Some(detail) if !detail.zh.trim().is_empty() => detail,
+            Some(detail) if alarm::find(number).is_some() => detail.after_alarm(number),
+            Some(detail) if !detail.is_blank() => detail,
             Some(_) | None => text,
         };
         let alarm = AlarmView { number, text, remedy, since: now, place };
@@ -96,10 +94,12 @@ impl AlarmList {
     /// Writes an alarm into the history. The history `Arc` is replaced only here and when an alarm is cleared.
     fn record(&mut self, alarm: &AlarmView) {
         let history = Arc::make_mut(&mut self.history);
+        let text = alarm.text.clone().cut(MAX_TEXT_CHARS);
         // Cleared and raised again in the same tick: the alarm was never gone.
         let again = self.last_cleared == Some(alarm.since);
         let same = |past: &&mut Arc<PastAlarm>| {
-            again && past.ended.is_some() && past.number == alarm.number && alarm.text.zh.starts_with(&past.text.zh)
+            let same_text = || text == past.text || alarm.text.zh().starts_with(&*past.text.zh());
+            again && past.ended.is_some() && past.number == alarm.number && same_text()
         };
         if let Some(past) = history.last_mut().filter(same) {
             Arc::make_mut(past).ended = None;
@@ -110,8 +110,6 @@ impl AlarmList {
             history.remove(0);
         }
         let count = history.last().map_or(1, |last| last.count + 1);
-        let cut = |text: &str| text.chars().take(MAX_TEXT_CHARS).collect::<String>();
-        let text = LocalizedText::new(cut(&alarm.text.zh), cut(&alarm.text.en));
         let (number, place) = (alarm.number, alarm.place);
         history.push(Arc::new(PastAlarm { count, number, text, place, came: self.date, ended: None }));
         self.changed.push(count);
@@ -269,6 +267,6 @@ mod tests {
         let mut alarms = AlarmList::default();
         alarms.raise(alarm::PAGE_FILES_INVALID, Some(LocalizedText::new("B0002.BMP", "B0002.BMP")), Micros::ZERO, None);
         assert!(!alarms.blocks_start());
-        assert!(alarms.present()[0].text.zh.ends_with("B0002.BMP"));
+        assert!(alarms.present()[0].text.zh().ends_with("B0002.BMP"));
     }
 }

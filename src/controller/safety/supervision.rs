@@ -5,9 +5,9 @@ use crate::controller::plant::Plant;
 use crate::defs::alarm;
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::machine::{Consequence, MachineFinding};
-use crate::units::Micros;
+use crate::units::{Axis, Micros, PerAxis};
 
 impl Plant {
     /// One tick of the machine logic.
@@ -33,18 +33,19 @@ impl Plant {
             (Input::LimitYPlus, Input::LimitYMinus),
             (Input::LimitZPlus, Input::LimitZMinus),
         ];
-        let faults: Vec<_> =
-            self.axes.present().filter(|axis| self.inputs.filtered.has(drives[*axis as usize])).collect();
-        if !faults.is_empty() {
+        let tripped = |axis: &Axis| self.inputs.filtered.has(drives[*axis as usize]);
+        let mut faults = PerAxis::from_fn(|axis| self.axes.is_present(axis) && tripped(&axis));
+        if faults.0.contains(&true) {
             // A crash trips all drives at once: report the moving axes.
-            let moving: Vec<_> = faults.iter().filter(|axis| self.is_moving(**axis)).collect();
-            let told = if moving.is_empty() { faults.iter().collect() } else { moving };
-            let names = told.into_iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
-            self.raise(alarm::DRIVE_FAULT, Some(LocalizedText::new(names.clone(), names)));
+            let moving = PerAxis::from_fn(|axis| faults[axis] && self.is_moving(axis));
+            if moving.0.contains(&true) {
+                faults = moving;
+            }
+            self.raise(alarm::DRIVE_FAULT, Some(axis_names(faults)));
             self.axes.clear_homed();
         }
         for axis in self.axes.present() {
-            let name = || Some(LocalizedText::new(axis.to_string(), axis.to_string()));
+            let name = || Some(phrase!("{axis}", "{axis}", axis));
             let (plus, minus) = limits[axis as usize];
             for (bit, switch) in [(0, plus), (1, minus)] {
                 let mask = 1 << (2 * axis as u8 + bit);
@@ -61,7 +62,7 @@ impl Plant {
         if self.outputs.drives_on
             && let Some(axis) = self.axes.first_following_error(&self.params)
         {
-            self.raise(alarm::FOLLOWING_ERROR, Some(LocalizedText::new(axis.to_string(), axis.to_string())));
+            self.raise(alarm::FOLLOWING_ERROR, Some(phrase!("{axis}", "{axis}", axis)));
             self.axes.clear_homed();
         }
     }
@@ -131,6 +132,17 @@ impl Plant {
     }
 }
 
+/// The letters of the axes that are set.
+fn axis_names(axes: PerAxis<bool>) -> LocalizedText {
+    let mut named = Axis::ALL.into_iter().filter(|axis| axes[*axis]);
+    match (named.next(), named.next(), named.next()) {
+        (Some(a), Some(b), Some(c)) => phrase!("{a} {b} {c}", "{a} {b} {c}", a, b, c),
+        (Some(a), Some(b), None) => phrase!("{a} {b}", "{a} {b}", a, b),
+        (Some(a), ..) => phrase!("{a}", "{a}", a),
+        (None, ..) => LocalizedText::default(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -138,7 +150,6 @@ mod tests {
     use crate::controller::plant::ControlPhase;
     use crate::defs::kind::Kind;
     use crate::io::InputImage;
-    use crate::units::{Axis, Micros};
 
     fn plant(bus_alive: bool) -> Plant {
         let image = InputImage { bus_alive, ..InputImage::default() };

@@ -10,19 +10,18 @@ use table::{factory_input_port, factory_output_port};
 
 use super::kind::Kind;
 use super::signal::{Input, Output, PORTS};
+use super::text::{LocalizedText, phrase};
 use crate::units::{Axis, Micros};
 
 /// Exclusive upper limit of parameter numbers.
 pub const PARAM_LIMIT: usize = 440;
 
 /// Why a value was refused.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParamError {
     /// No such parameter.
-    #[error("there is no parameter P{0}")]
     Unknown(u16),
     /// The value lies outside the range.
-    #[error("P{number} takes {min} to {max}, not {value}")]
     Range {
         /// P number.
         number: u16,
@@ -34,7 +33,6 @@ pub enum ParamError {
         value: f64,
     },
     /// The value is not a whole number (ports, counts and codes).
-    #[error("P{number} takes a whole number, not {value}")]
     NotWhole {
         /// P number.
         number: u16,
@@ -42,7 +40,6 @@ pub enum ParamError {
         value: f64,
     },
     /// A bit takes 0 or 1.
-    #[error("P{number}.{bit} takes 0 or 1, not {value}")]
     Bit {
         /// P number.
         number: u16,
@@ -54,17 +51,43 @@ pub enum ParamError {
 }
 
 impl ParamError {
-    /// The message in Chinese.
+    /// The message.
     #[must_use]
-    pub fn zh(self) -> String {
+    pub fn text(self) -> LocalizedText {
         match self {
-            Self::Unknown(number) => format!("没有参数 P{number}"),
-            Self::Range { number, min, max, value } => format!("P{number} 范围 {min} 到 {max}，不能为 {value}"),
-            Self::NotWhole { number, value } => format!("P{number} 应为整数，不能为 {value}"),
-            Self::Bit { number, bit, value } => format!("P{number}.{bit} 只能为 0 或 1，不能为 {value}"),
+            Self::Unknown(number) => phrase!("没有参数 P{number}", "there is no parameter P{number}", number),
+            Self::Range { number, min, max, value } => phrase!(
+                "P{number} 范围 {min} 到 {max}，不能为 {value}",
+                "P{number} takes {min} to {max}, not {value}",
+                number,
+                min,
+                max,
+                value
+            ),
+            Self::NotWhole { number, value } => phrase!(
+                "P{number} 应为整数，不能为 {value}",
+                "P{number} takes a whole number, not {value}",
+                number,
+                value
+            ),
+            Self::Bit { number, bit, value } => phrase!(
+                "P{number}.{bit} 只能为 0 或 1，不能为 {value}",
+                "P{number}.{bit} takes 0 or 1, not {value}",
+                number,
+                bit,
+                value
+            ),
         }
     }
 }
+
+impl std::fmt::Display for ParamError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.text().en())
+    }
+}
+
+impl std::error::Error for ParamError {}
 
 impl BitParam {
     /// Its factory value on a kind of machine.

@@ -124,9 +124,9 @@ struct Heading {
 impl HelpEntry {
     fn new(section: Section, topic: HelpTopic, heading: Heading, paragraphs: Vec<(Text, LocalizedText)>) -> Self {
         let Heading { id, code, name } = heading;
-        let mut search_text = format!("{id} {code} {} {}", name.zh, name.en);
+        let mut search_text = format!("{id} {code} {} {}", name.zh(), name.en());
         for (_, text) in &paragraphs {
-            search_text.push_str(&format!(" {} {}", text.zh, text.en));
+            search_text.push_str(&format!(" {} {}", text.zh(), text.en()));
         }
         let search_text = search_text.to_lowercase();
         Self { section, topic, id, code, name, paragraphs, search_text }
@@ -142,7 +142,7 @@ impl HelpEntry {
     #[must_use]
     pub fn rank(&self, search: &str) -> u8 {
         let search = search.trim().to_lowercase();
-        let (sign, name) = (self.code.to_lowercase(), format!("{} {}", self.name.zh, self.name.en).to_lowercase());
+        let (sign, name) = (self.code.to_lowercase(), format!("{} {}", self.name.zh(), self.name.en()).to_lowercase());
         let all_in = |text: &str| search.split_whitespace().all(|word| contains_word(text, word));
         match () {
             () if sign == search => 0,
@@ -209,7 +209,7 @@ fn param_entry(row: &ParamRow) -> HelpEntry {
         (PURPOSE, row.name.clone()),
         (Text::new("范围", "range"), row.range()),
         (Text::new("出厂值", "factory"), LocalizedText::new(factory.clone(), factory)),
-        (Text::new("级别", "level"), row.level.name().into()),
+        (Text::new("级别", "level"), (*row.level.name()).into()),
         (Text::new("位置", "where"), where_),
     ];
     let id = format!("param-{sign}");
@@ -302,7 +302,7 @@ fn alarms(all: &mut Vec<HelpEntry>) {
         |number: u16, sign: String, name: LocalizedText, texts: [LocalizedText; 2], acts: (Reaction, ResetRule)| {
             let [cause, remedy] = texts;
             let mut parts = Vec::with_capacity(4);
-            if !cause.zh.is_empty() {
+            if !cause.zh().is_empty() {
                 parts.push((CAUSE, cause));
             }
             parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED_BY, acts.1.name().into())]);

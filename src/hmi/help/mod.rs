@@ -288,7 +288,7 @@ impl Help {
         let ink = if is_present(view, entry.topic) { view.theme.alarm_text } else { view.theme.info };
         let sign = Rect::from_min_max(sign.min, sign.max - vec2(theme::GAP, 0.0).min(sign.size()));
         fit_text(painter, sign, Align2::LEFT_CENTER, &entry.code, theme::LABEL, ink);
-        paint_name(painter, words, entry.name.get(view.lang), theme::LABEL, view.theme.text);
+        paint_name(painter, words, &entry.name.get(view.lang), theme::LABEL, view.theme.text);
         if response.clicked() {
             self.cursor = row;
             self.scroll.user_scrolled = true;
@@ -341,7 +341,7 @@ fn lines_of(painter: &Painter, view: &View<'_>, entry: &HelpEntry, width: f32) -
         part(view.text("现在", "now"), &words, view.theme.hold);
     }
     for (caption, said) in &entry.paragraphs {
-        part(caption.get(view.lang), said.get(view.lang), view.theme.text);
+        part(caption.get(view.lang), &said.get(view.lang), view.theme.text);
     }
     lines
 }
@@ -367,7 +367,7 @@ fn live_text(view: &View<'_>, about: HelpTopic) -> Option<String> {
         HelpTopic::Key(key) => view.snapshot.key(key).blocked.map(|reason| reason.get(view.lang).to_owned()),
         HelpTopic::Alarm(number) => {
             let alarm = view.snapshot.alarms.iter().find(|alarm| alarm.number == number)?;
-            Some(alarm.text.get(view.lang).to_owned())
+            Some(alarm.text.get(view.lang).into_owned())
         }
         HelpTopic::Param(at) => view.snapshot.params.read(at).ok().map(|value| value.to_string()),
         HelpTopic::Page(_) | HelpTopic::SoftKey(_) | HelpTopic::Code => None,

@@ -79,8 +79,9 @@ impl PageUi for AlarmPage {
         let told = chosen.filter(|_| self.shows_history).and(self.selected_number(view));
         let below = told.and_then(|number| self.help_of(number)).map_or(0.0, |entry| {
             let parts = entry.paragraphs.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
+            let parts: Vec<_> = parts.collect();
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
-            detail(ui.painter(), view, place, parts.collect())
+            detail(ui.painter(), view, place, parts.iter().map(|(caption, said)| (*caption, said.as_ref())).collect())
         });
         let list = widget::round_to_lines(Rect::from_min_max(rest.min, rest.max - vec2(0.0, below)), line);
         if typed.scroll_pages != 0 {
@@ -270,7 +271,7 @@ fn present_row(painter: &Painter, view: &View<'_>, place: Rect, alarm: &AlarmVie
         theme::SECONDARY,
         view.theme.alarm_text,
     );
-    fit_text(painter, title, Align2::LEFT_CENTER, alarm.text.get(view.lang), theme::TITLE, view.theme.text);
+    fit_text(painter, title, Align2::LEFT_CENTER, &alarm.text.get(view.lang), theme::TITLE, view.theme.text);
     let mut word = view.time(alarm.since);
     if let Some(place) = location_text(view, alarm.place) {
         word = format!("{place} · {word}");
@@ -279,7 +280,7 @@ fn present_row(painter: &Painter, view: &View<'_>, place: Rect, alarm: &AlarmVie
     let cause = ALARMS.iter().find(|row| row.number == alarm.number).map_or("", |row| row.cause.get(view.lang));
     let parts = [
         (view.text("原因", "cause"), cause),
-        (view.text("处理", "remedy"), alarm.remedy.get(view.lang)),
+        (view.text("处理", "remedy"), &alarm.remedy.get(view.lang)),
         (view.text("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
     ];
     captioned_texts(painter, view, below, &parts);
@@ -291,7 +292,7 @@ fn past_row(painter: &Painter, view: &View<'_>, place: Rect, past: &PastAlarm, c
     let ink = if here { view.theme.alarm_text } else { view.theme.text };
     text_line(painter, number, Align2::LEFT_CENTER, &format!("{:03}", past.number), theme::SECONDARY, ink);
     let (top, below) = words.split_top_bottom_at_fraction(0.54);
-    fit_text(painter, top, Align2::LEFT_CENTER, past.text.get(view.lang), theme::LABEL, view.theme.text);
+    fit_text(painter, top, Align2::LEFT_CENTER, &past.text.get(view.lang), theme::LABEL, view.theme.text);
     let (times, where_) = below.split_left_right_at_fraction(0.7);
     let word = format!("{} → {}", format_date_time(past.came), end_text(view, past));
     fit_text(painter, times, Align2::LEFT_CENTER, &word, theme::LABEL, view.theme.muted);

@@ -38,7 +38,7 @@ pub fn picture(
         return;
     }
     let words = match fault {
-        Some(fault) => fault.full_message().get(view.lang).to_owned(),
+        Some(fault) => fault.full_message().get(view.lang).into_owned(),
         None => format!("{file}：{}", view.text("应为 200×400、24 位", "200×400, 24 bit")),
     };
     show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.text("没有图片", "no picture"), &words);

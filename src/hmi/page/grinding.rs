@@ -323,7 +323,7 @@ fn input_line(
     let words =
         format!("{} {}={}", view.text("数据输入:", "INPUT:"), variable_name(view, row.variable), entry.editor.text);
     let (colour, right) = match entry.refusal(view.lang) {
-        Some(reason) => (view.theme.alarm_text, (reason.to_owned(), view.theme.alarm_text)),
+        Some(reason) => (view.theme.alarm_text, (reason.into_owned(), view.theme.alarm_text)),
         None => {
             let range = variable_entry::range(row.variable).get(view.lang);
             let old = view.variable(row.variable);
@@ -376,7 +376,7 @@ fn text_fault(ui: &Ui, places: &GrindingLayout, view: &View<'_>, fault: &FileFau
     lines::title(ui, view, places.title, what);
     empty::show(ui, view, places.body, pictogram::NO_PAGE, &fault.file, "");
     let below = Rect::from_min_max(pos2(places.body.min.x + 8.0, places.body.center().y + 20.0), places.body.max);
-    paragraph(ui.painter(), below, fault.full_message().get(view.lang), theme::LABEL, view.theme.alarm_text);
+    paragraph(ui.painter(), below, &fault.full_message().get(view.lang), theme::LABEL, view.theme.alarm_text);
 }
 
 /// The program has no grinding page: shows what to do.

@@ -34,7 +34,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &Inp
     let words = format!("{} {}{}", view.text("数据输入:", "INPUT:"), told.label, typing.text);
     if let Some(reason) = typing.refusal(view.lang) {
         fit_text(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.alarm_text);
-        fit_text(painter, rest, Align2::RIGHT_CENTER, reason, theme::LABEL, view.theme.alarm_text);
+        fit_text(painter, rest, Align2::RIGHT_CENTER, &reason, theme::LABEL, view.theme.alarm_text);
         return;
     }
     fit_text(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.text);

@@ -231,7 +231,7 @@ impl MdiPage {
         let words = format!("{}_", self.typing.text);
         fit_text(painter, field.shrink2(vec2(theme::PAD, 0.0)), Align2::LEFT_CENTER, &words, theme::SECONDARY, ink);
         if let Some(reason) = refused {
-            fit_text(painter, told, Align2::LEFT_CENTER, reason, theme::LABEL, view.theme.alarm_text);
+            fit_text(painter, told, Align2::LEFT_CENTER, &reason, theme::LABEL, view.theme.alarm_text);
         }
     }
 }

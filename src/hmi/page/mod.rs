@@ -97,7 +97,7 @@ pub trait PageUi: Any + fmt::Debug + Send {
     /// The text that the page or the core refused, and the reason.
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
         let typing = self.typing()?;
-        Some((typing.text.clone(), typing.refusal(lang)?.to_owned()))
+        Some((typing.text.clone(), typing.refusal(lang)?.into_owned()))
     }
 
     /// Whether the numeric pad is shown.

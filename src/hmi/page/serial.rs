@@ -126,8 +126,9 @@ impl SerialPane {
         let top = FIELD_HEIGHT + theme::GAP + 52.0 + theme::GAP;
         self.field(ui, row(top, FIELD_HEIGHT), view);
         let below = Rect::from_min_max(row(top + FIELD_HEIGHT + theme::GAP, 0.0).min, rect.max);
-        let (words, ink) = match (&self.refused, media.ports.is_empty()) {
-            (Some(said), _) => (said.get(view.lang), view.theme.alarm_text),
+        let refused = self.refused.as_ref().map(|said| said.get(view.lang));
+        let (words, ink) = match (&refused, media.ports.is_empty()) {
+            (Some(said), _) => (said.as_ref(), view.theme.alarm_text),
             (None, true) => (view.text("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in."), view.theme.hold),
             (None, false) => (
                 view.text(

@@ -174,8 +174,8 @@ impl SimulatorPage {
             let station = view.snapshot.tool_station.unwrap_or_default();
             lines.push((view.text("刀位", "station").to_owned(), format!("T{station}")));
         }
-        lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang).to_owned(), format_length(*size))));
-        lines.extend(sim.events.iter().map(|event| (event.get(view.lang).to_owned(), String::new())));
+        lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang).into_owned(), format_length(*size))));
+        lines.extend(sim.events.iter().map(|event| (event.get(view.lang).into_owned(), String::new())));
         let rows = (inside.height() / 27.0).floor().max(1.0) as usize;
         for (index, (name, value)) in lines.iter().enumerate().take(rows * 2) {
             let corner = inside.min + vec2((index / rows) as f32 * inside.width() / 2.0, (index % rows) as f32 * 27.0);

@@ -82,7 +82,7 @@ impl PageUi for TransferPage {
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
         let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((String::new(), said.get(lang).to_owned()))
+        Some((String::new(), said.get(lang).into_owned()))
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
@@ -331,7 +331,7 @@ impl TransferPage {
         }
         if let Some((said, refused)) = &self.message {
             let ink = if *refused { view.theme.alarm_text } else { view.theme.run };
-            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, said.get(view.lang), theme::LABEL, ink);
+            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, &said.get(view.lang), theme::LABEL, ink);
         } else if self.set == TransferSet::Serial {
             let words = view.text("触摸选择要发送的程序", "touch to choose the programs to send");
             fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
@@ -395,7 +395,7 @@ impl TransferPage {
 /// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
 fn conversion_question(faults: &[LocalizedText]) -> Question {
     let list = |zh: bool| {
-        let lines = faults.iter().take(3).map(|said| if zh { said.zh.as_str() } else { said.en.as_str() });
+        let lines = faults.iter().take(3).map(|said| if zh { said.zh() } else { said.en() });
         let mut text = lines.collect::<Vec<_>>().join("\n");
         if faults.len() > 3 {
             text.push_str("\n…");

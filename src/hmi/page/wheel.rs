@@ -174,7 +174,7 @@ impl WheelPage {
         let keys = Rect::from_min_max(pos2(body.min.x, body.max.y - FIELD_HEIGHT), body.max);
         let note = Rect::from_min_max(pos2(body.min.x, line.max.y + 6.0), pos2(body.max.x, keys.min.y - 6.0));
         let (words, ink) = match (&self.refused, self.confirming) {
-            (Some(why), _) => (why.get(view.lang).to_owned(), view.theme.alarm_text),
+            (Some(why), _) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
             (None, true) => (confirm_text(view, values), view.theme.hold),
             (None, false) if exceeds_rating(view, values) => (
                 view.text(

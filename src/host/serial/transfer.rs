@@ -117,7 +117,7 @@ impl SerialTransfer<'_> {
                 true => (String::new(), String::new()),
                 false => (format!("；已保存 {}", before.join(" ")), format!("; stored before: {}", before.join(" "))),
             };
-            SerialError::NotStored(LocalizedText::new(format!("{}{zh}", said.zh), format!("{}{en}", said.en)))
+            SerialError::NotStored(LocalizedText::new(format!("{}{zh}", said.zh()), format!("{}{en}", said.en())))
         };
         let name = self.folder.write(&sheet.name, &sheet.text).map_err(|error| failed(error_text(&error)))?;
         let back = self.folder.read(&name).map_err(|error| failed(error_text(&error)))?;

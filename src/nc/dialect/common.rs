@@ -142,7 +142,7 @@ fn depends_on_start(stop: &ReadStop) -> bool {
 /// The value of a word that must be a whole number from `low` to `high`.
 pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> ReadResult<u32> {
     match whole_number(word.value) {
-        None => fail1(word.at as usize, E::NotWhole, name.to_string()),
+        None => fail1(word.at as usize, E::NotWhole, format_args!("{name}")),
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
         Some(_) => out_of_range(name, word, &format!("{low}–{high}")),
     }
@@ -150,5 +150,5 @@ pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> Re
 
 #[cold]
 pub(super) fn out_of_range<T>(name: impl Display, word: Word, range: &str) -> ReadResult<T> {
-    fail2(word.at as usize, E::OutOfRange, format!("{name}{}", word.value), range)
+    fail2(word.at as usize, E::OutOfRange, format_args!("{name}{}", word.value), range)
 }

@@ -113,7 +113,7 @@ impl Shop {
                 RunState::Stopped | RunState::Held | RunState::Waiting => return End::Stopped,
                 RunState::Alarm if self.rig.controller().is_at_rest() => {
                     let alarm = self.rig.snapshot().alarms[0].clone();
-                    return End::Alarm(alarm.number, alarm.text.zh.clone());
+                    return End::Alarm(alarm.number, alarm.text.zh().into_owned());
                 }
                 RunState::Running | RunState::Homing | RunState::Alarm => {}
             }

@@ -122,7 +122,7 @@ impl PageUi for DesignerPage {
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
         let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((self.document.rope.to_string(), said.get(lang).to_owned()))
+        Some((self.document.rope.to_string(), said.get(lang).into_owned()))
     }
 
     fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {

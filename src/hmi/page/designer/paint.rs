@@ -129,7 +129,7 @@ impl DesignerPage {
         let faults = &self.reading.faults;
         let of_file = self.file.as_ref().is_some_and(|file| file.has_invalid_bytes);
         let (words, ink) = if let Some((said, refused)) = &self.message {
-            (said.get(view.lang).to_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
+            (said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
         } else if of_file {
             let words = view.text("含有不是 GBK 或 UTF-8 的字节：只能查看", "bytes neither GBK nor UTF-8: shown only");
             (words.to_owned(), view.theme.hold)
@@ -176,7 +176,7 @@ impl DesignerPage {
         let picture = view.snapshot.screens.find(self.document.number).map(|files| &files.picture);
         let (now, ink) = match picture {
             Some(Ok(_)) => (view.text("符合格式", "of the format").to_owned(), view.theme.text),
-            Some(Err(fault)) => (fault.message.get(view.lang).to_owned(), view.theme.alarm_text),
+            Some(Err(fault)) => (fault.message.get(view.lang).into_owned(), view.theme.alarm_text),
             None => (view.text("没有", "missing").to_owned(), view.theme.hold),
         };
         let line = Rect::from_min_size(head.min, vec2(head.width(), 22.0));

@@ -391,9 +391,10 @@ impl LeadscrewTab {
     }
 
     fn hint(&self, ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis) {
-        let (words, ink) = match &self.message {
-            Some((said, true)) => (said.get(view.lang), view.theme.alarm_text),
-            Some((said, false)) => (said.get(view.lang), view.theme.run),
+        let said = self.message.as_ref().map(|(said, refused)| (said.get(view.lang), *refused));
+        let (words, ink) = match &said {
+            Some((said, true)) => (said.as_ref(), view.theme.alarm_text),
+            Some((said, false)) => (said.as_ref(), view.theme.run),
             None if !view.snapshot.axes[axis].homed => (
                 view.text(
                     "回零后生效。机床坐标，X 为半径。",

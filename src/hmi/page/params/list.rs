@@ -140,7 +140,7 @@ fn matches_search(row: &ParamRow, wanted: &str) -> bool {
         ParamType::Output(output) => output.id(),
         ParamType::Bit | ParamType::Number => "",
     };
-    row.name.zh.contains(wanted) || row.name.en.to_lowercase().contains(wanted) || id.contains(wanted)
+    row.name.zh().contains(wanted) || row.name.en().to_lowercase().contains(wanted) || id.contains(wanted)
 }
 
 #[cfg(test)]

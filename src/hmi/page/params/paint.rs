@@ -155,7 +155,7 @@ fn number_line(ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), row: usize
     text_line(painter, number, Align2::LEFT_CENTER, &known.address.to_string(), theme::TITLE, view.theme.text);
     let (words, right) = rest.split_left_right_at_x(rest.max.x - 268.0);
     let words = Rect::from_min_max(words.min, words.max - vec2(theme::GAP, 0.0));
-    fit_text(painter, words, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.text);
+    fit_text(painter, words, Align2::LEFT_CENTER, &name, theme::LABEL, view.theme.text);
     let (value, unit) = right.split_left_right_at_x(right.min.x + 130.0);
     let (text, ink) = shown_value(view, known.address, view.theme.text, chosen.then_some(drawn));
     fit_text(painter, value, Align2::RIGHT_CENTER, &text, theme::SECONDARY, ink);
@@ -298,7 +298,7 @@ fn bit_list(painter: &Painter, view: &View<'_>, rect: Rect, list: &ParamList, ro
         let (name, words) = place.split_left_right_at_x(place.min.x + 80.0);
         let bit = format!("BIT{} = {}", other.address.bit.unwrap_or(0), value_text(view, other.address));
         fit_text(painter, name, Align2::LEFT_CENTER, &bit, theme::LABEL, ink);
-        fit_text(painter, words, Align2::LEFT_CENTER, other.name.get(view.lang), theme::LABEL, ink);
+        fit_text(painter, words, Align2::LEFT_CENTER, &other.name.get(view.lang), theme::LABEL, ink);
     }
 }
 
@@ -318,7 +318,7 @@ pub fn input_line(
     let (left, right) = line.split_left_right_at_fraction(0.42);
     let words = format!("{} {}={text}", view.text("数据输入:", "INPUT:"), row.address);
     let (ink, told) = match refused {
-        Some(reason) => (view.theme.alarm_text, (reason.get(view.lang).to_owned(), view.theme.alarm_text)),
+        Some(reason) => (view.theme.alarm_text, (reason.get(view.lang).into_owned(), view.theme.alarm_text)),
         None => {
             let (range, old) = (row.range(), value_text(view, row.address));
             let range = range.get(view.lang);

@@ -107,7 +107,7 @@ impl PageUi for ProgramPage {
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
         let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((self.document.rope.to_string(), said.get(lang).to_owned()))
+        Some((self.document.rope.to_string(), said.get(lang).into_owned()))
     }
 
     fn accepts_text(&self) -> bool {
@@ -490,9 +490,9 @@ impl ProgramPage {
             };
             (format!("{what} {}_", self.prompt_text), view.theme.info)
         } else if let Some((said, refused)) = &self.message {
-            (said.get(view.lang).to_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
+            (said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
         } else if let Some(said) = self.fault_in_line(view, line) {
-            (said.get(view.lang).to_owned(), view.theme.alarm_text)
+            (said.get(view.lang).into_owned(), view.theme.alarm_text)
         } else if view.snapshot.program.has_invalid_bytes && !self.document.changed {
             let words = view.text(
                 "文件含有不是 GBK 或 UTF-8 的字节：只能查看，请在电脑上另存",

@@ -18,7 +18,7 @@ pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Rect {
     let place = Rect::from_min_max(below.min + vec2(0.0, theme::GAP), below.max);
     card(ui.painter(), place, view.theme.surface, view.theme.hold);
     let inside = place.shrink2(vec2(theme::PAD, 3.0));
-    text_rows(ui.painter(), inside, told.get(view.lang), theme::LABEL, view.theme.hold, 2);
+    text_rows(ui.painter(), inside, &told.get(view.lang), theme::LABEL, view.theme.hold, 2);
     list
 }
 

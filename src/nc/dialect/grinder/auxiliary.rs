@@ -28,8 +28,8 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
         return fail2(
             word.at as usize,
             E::OutOfRange,
-            format!("T{value:04}"),
-            format!("Txxyy xx 1–{count} yy 0–{count}"),
+            format_args!("T{value:04}"),
+            format_args!("Txxyy xx 1–{count} yy 0–{count}"),
         );
     }
     let modals = &mut *running.modals;
@@ -85,7 +85,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
     let mut flow = FlowAction::Next;
     for code in words.m() {
         if !mcode::is_known(code.number) {
-            return fail1(code.at as usize, E::UnknownM, format!("M{}", code.number));
+            return fail1(code.at as usize, E::UnknownM, format_args!("M{}", code.number));
         }
         if stands_alone(code.number)
             && let Some(other) = words.m().iter().find(|other| other.at != code.at)

@@ -29,7 +29,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes
         return fail1(m.at as usize, E::DoubleWord, "M");
     }
     if let Some(other) = words.g().iter().find(|other| other.at != code.at) {
-        return fail2(other.at as usize, E::NotTogether, name, format!("G{:02}", other.number));
+        return fail2(other.at as usize, E::NotTogether, name, format_args!("G{:02}", other.number));
     }
     if name == "G65" && is_macro_a_call(running) {
         words.mark_all_used();

@@ -68,12 +68,12 @@ fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f
         let (q, r) = (q()?, r()?);
         match (whole_number(q), whole_number(r)) {
             (Some(a), Some(b)) => Ok(act(a, b) as f64),
-            _ => fail2(at, E::FunctionDomain, format!("H{code}"), format!("{q}, {r}")),
+            _ => fail2(at, E::FunctionDomain, format_args!("H{code}"), format_args!("{q}, {r}")),
         }
     };
     let domain = |value: Option<f64>, of: f64| match value {
         Some(value) => Ok(value),
-        None => fail2(at, E::FunctionDomain, format!("H{code}"), of.to_string()),
+        None => fail2(at, E::FunctionDomain, format_args!("H{code}"), format_args!("{of}")),
     };
     let by = |value: f64| if value.abs() <= 0.0 { fail(at, E::DivisionByZero) } else { Ok(value) };
     let value = match code {
@@ -96,7 +96,7 @@ fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f
         32 => q()? * sin_degrees(r()? + 90.0),
         33 => q()? * sin_degrees(r()?) / by(sin_degrees(r()? + 90.0))?,
         34 => q()?.atan2(r()?).to_degrees(),
-        _ => return fail1(at, E::UnknownH, format!("H{code:02}")),
+        _ => return fail1(at, E::UnknownH, format_args!("H{code:02}")),
     };
     if value.is_finite() { Ok(value) } else { fail(at, E::Overflow) }
 }
@@ -104,7 +104,7 @@ fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f
 fn required_word(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadResult<Word> {
     match running.words.peek(letter) {
         Some(word) => Ok(word),
-        None => fail2(h.at as usize, E::MissingWord, format!("G65 H{:02}", h.value), char::from(letter)),
+        None => fail2(h.at as usize, E::MissingWord, format_args!("G65 H{:02}", h.value), char::from(letter)),
     }
 }
 
@@ -119,7 +119,7 @@ fn operand_value(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadRes
 /// The result variable `P#i`: its number is read again from the text, as the word holds its value.
 fn result_variable(running: &mut BlockContext<'_, '_>, h: Word) -> ReadResult<(u32, usize)> {
     let Some(word) = running.words.list().iter().find(|word| word.letter == b'P') else {
-        return fail2(h.at as usize, E::MissingWord, format!("G65 H{:02}", h.value), "P");
+        return fail2(h.at as usize, E::MissingWord, format_args!("G65 H{:02}", h.value), "P");
     };
     let at = word.at as usize;
     let mut cursor = Cursor::window(running.text, at + 1);

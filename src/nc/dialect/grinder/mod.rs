@@ -89,7 +89,7 @@ fn check_unexecuted(words: &BlockWords, mill: bool) -> ReadResult<()> {
         codes::look_up(*code, mill)?;
     }
     match words.m().iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
-        Some(code) => fail1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
+        Some(code) => fail1(code.at as usize, E::UnknownM, format_args!("M{}", code.number)),
         None => Ok(()),
     }
 }
@@ -170,7 +170,7 @@ fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &GrinderCodes, word: Wo
     if Axis::ALL.into_iter().any(|axis| axis_letters(axis).contains(&word.letter))
         && let Some(once) = plan.one_shot
     {
-        return fail1(word.at as usize, E::AxisUnused, format!("G{:02}", once.number));
+        return fail1(word.at as usize, E::AxisUnused, format_args!("G{:02}", once.number));
     }
     common::unknown_word(running.text, word)
 }

@@ -75,7 +75,7 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes
         return match running.words.peek(b'R') {
             // An arc by radius needs an end point.
             Some(radius) if arc && plan.motion.is_some() => {
-                fail1(radius.at as usize, E::ArcRadius, format!("R{}", radius.value))
+                fail1(radius.at as usize, E::ArcRadius, format_args!("R{}", radius.value))
             }
             Some(_) | None => Ok(()),
         };
@@ -117,7 +117,7 @@ fn arc_move(running: &mut BlockContext<'_, '_>, turn: i8) -> ReadResult<()> {
         ([a, b], None) => centre_by_offsets(running, from, target.to, [a, b])?,
         ([a, b], Some(radius)) => {
             let other = a.or(b).map_or('I', |word| char::from(word.letter));
-            return fail2(radius.at as usize, E::NotTogether, "R", other.to_string());
+            return fail2(radius.at as usize, E::NotTogether, "R", format_args!("{other}"));
         }
     };
     let MoveTarget { to, words, incremental } = target;
@@ -152,7 +152,7 @@ fn centre_by_offsets(
         return fail1(first_offset(running), E::ArcRadius, "0");
     }
     if off > running.settings.arc_tolerance_mm {
-        return fail1(first_offset(running), E::ArcEndOffCircle, format!("{off:.3}"));
+        return fail1(first_offset(running), E::ArcEndOffCircle, format_args!("{off:.3}"));
     }
     Ok(center)
 }
@@ -168,7 +168,7 @@ fn centre_from_r(
     let tolerance = running.settings.arc_tolerance_mm;
     match arc::centre_by_radius((from, to), running.modals.plane, turn, radius, tolerance) {
         Some(center) => Ok(center),
-        None => fail1(word.at as usize, E::ArcRadius, format!("R{}", word.value)),
+        None => fail1(word.at as usize, E::ArcRadius, format_args!("R{}", word.value)),
     }
 }
 
@@ -200,7 +200,7 @@ pub(super) fn dwell(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 pub(super) fn return_to_reference(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
     let MoveTarget { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
-        return fail2(code_offset(running, code), E::MissingWord, format!("G{code}"), "X / Z");
+        return fail2(code_offset(running, code), E::MissingWord, format_args!("G{code}"), "X / Z");
     }
     let number = match running.words.take(b'P').filter(|_| code == 30) {
         Some(word) => integer(word, 2, REFERENCE_POINTS as u32)? as u8,
@@ -260,7 +260,7 @@ pub(super) fn machine_move(running: &mut BlockContext<'_, '_>) -> ReadResult<()>
     let feed = match running.modals.motion {
         MotionMode::Rapid => None,
         MotionMode::Feed => Some(modal_feed(running)?),
-        motion => return fail2(at, E::NotTogether, "G53", format!("G{:02}", motion.g())),
+        motion => return fail2(at, E::NotTogether, "G53", format_args!("G{:02}", motion.g())),
     };
     running.ops.push(Op::MachineMove { to: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])), feed });
     Ok(())

@@ -51,7 +51,7 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> Re
         (first, _) => return fail2(at, E::MissingWord, name, if first.is_none() { "P" } else { "Q" }),
     };
     if let Some(code) = running.words.m().first() {
-        return fail2(code.at as usize, E::NotTogether, name, format!("M{:02}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name, format_args!("M{:02}", code.number));
     }
     let kept = running.modals.repetitive;
     let mut allowance = PerAxis::default();
@@ -98,7 +98,7 @@ fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> R
         if let Some(stray) = stray {
             return fail1(stray.at as usize, E::UnknownWord, char::from(stray.letter));
         }
-        let Some(word) = depth else { return fail2(at, E::MissingWord, format!("G{code}"), letter) };
+        let Some(word) = depth else { return fail2(at, E::MissingWord, format_args!("G{code}"), letter) };
         kept.depth = Some(positive_length(running, word)?);
         if let Some(word) = r {
             kept.escape = non_negative_length(running, word)?;
@@ -116,13 +116,13 @@ pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> R
     let MoveTarget { to, words, .. } = target(running, from)?;
     let relief = running.words.take(b'R');
     if words.is_empty() {
-        let Some(word) = relief else { return fail2(at, E::MissingWord, format!("G{code}"), "X / Z / R") };
+        let Some(word) = relief else { return fail2(at, E::MissingWord, format_args!("G{code}"), "X / Z / R") };
         running.modals.repetitive.peck_back = non_negative_length(running, word)?;
         return Ok(());
     }
     let axis_word = if peck == Axis::X { "X / U" } else { "Z / W" };
     if !words.contains(peck) {
-        return fail2(at, E::MissingWord, format!("G{code}"), axis_word);
+        return fail2(at, E::MissingWord, format_args!("G{code}"), axis_word);
     }
     let (p, q) = (running.words.take(b'P'), running.words.take(b'Q'));
     let (of_peck, of_step) = if code == 74 { (q, p) } else { (p, q) };
@@ -139,7 +139,7 @@ pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> R
     };
     if (to[step] - from[step]).abs() > MIN_LENGTH_MM && groove.step_width.is_none() {
         let letter = if code == 74 { "P" } else { "Q" };
-        return fail2(at, E::MissingWord, format!("G{code}"), letter);
+        return fail2(at, E::MissingWord, format_args!("G{code}"), letter);
     }
     groove.push_ops(running, at)
 }

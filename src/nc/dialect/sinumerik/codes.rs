@@ -62,7 +62,7 @@ fn look_up(code: Code) -> ReadResult<SinumerikGroup> {
         None => {
             let known: Vec<_> =
                 (0..100).filter(|code| group_of(*code).is_some()).map(|code| format!("G{code}")).collect();
-            fail2(code.at as usize, E::UnknownCode, format!("G{}", code.number), known.join(" "))
+            fail2(code.at as usize, E::UnknownCode, format_args!("G{}", code.number), known.join(" "))
         }
     }
 }

@@ -221,7 +221,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         };
         let number =
             whole_number(index).and_then(|index| u32::try_from(index).ok()).and_then(variable_name::variable_of_r);
-        number.map_or_else(|| fail1(at, E::BadRParameter, format!("R{index}")), Ok)
+        number.map_or_else(|| fail1(at, E::BadRParameter, format_args!("R{index}")), Ok)
     }
 
     /// `$AA_IW[X]`, `$AA_IM[X]`.
@@ -232,7 +232,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         let frame = match word.to_ascii_uppercase().as_slice() {
             b"AA_IW" => CoordinateFrame::Work,
             b"AA_IM" => CoordinateFrame::Machine,
-            word => return fail1(at, E::UnknownSystemVariable, format!("${}", String::from_utf8_lossy(word))),
+            word => return fail1(at, E::UnknownSystemVariable, format_args!("${}", String::from_utf8_lossy(word))),
         };
         self.cursor.at += word.len();
         skip_blanks(self.cursor);
@@ -290,7 +290,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         let argument = self.argument(shown, at)?;
         match act(argument) {
             Some(value) => self.check_finite(value, at),
-            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, shown, argument.to_string()),
+            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, shown, format_args!("{argument}")),
             None => Ok(0.0),
         }
     }

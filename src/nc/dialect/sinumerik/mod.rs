@@ -49,10 +49,10 @@ const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', CR_AD
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
     let name = || format!("L{}", call.value);
     if let Some(code) = words.g().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), format!("G{}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name(), format_args!("G{}", code.number));
     }
     if let Some(code) = words.m().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), format!("M{}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name(), format_args!("M{}", code.number));
     }
     match words.list().iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
         Some(word) => fail2(word.at as usize, E::NotTogether, name(), address_name(*word)),
@@ -182,7 +182,7 @@ fn check_m_code(code: Code) -> ReadResult<()> {
     }
     let known: Vec<_> =
         (0..100).filter(|number| *number == RETURN_M_CODE || exists(*number)).map(|n| format!("M{n}")).collect();
-    fail2(code.at as usize, E::UnknownCode, format!("M{}", code.number), known.join(" "))
+    fail2(code.at as usize, E::UnknownCode, format_args!("M{}", code.number), known.join(" "))
 }
 
 /// The value of a word that must be a whole number in a range.

@@ -73,7 +73,7 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &SinumerikCod
         return match running.words.peek(CR_ADDRESS) {
             // An arc by radius needs an end point.
             Some(word) if is_arc && plan.motion.is_some() => {
-                fail1(word.at as usize, E::ArcRadius, format!("CR={}", word.value))
+                fail1(word.at as usize, E::ArcRadius, format_args!("CR={}", word.value))
             }
             Some(_) | None => Ok(()),
         };
@@ -117,7 +117,7 @@ fn arc_move(running: &BlockContext<'_, '_>, turn: i8) -> ReadResult<Op> {
             let tolerance = running.settings.arc_tolerance_mm;
             match arc::centre_by_radius((from, to), plane, turn, word.value, tolerance) {
                 Some(center) => center,
-                None => return fail1(word.at as usize, E::ArcRadius, format!("CR={}", word.value)),
+                None => return fail1(word.at as usize, E::ArcRadius, format_args!("CR={}", word.value)),
             }
         }
         (Some(_), None) => {
@@ -130,7 +130,7 @@ fn arc_move(running: &BlockContext<'_, '_>, turn: i8) -> ReadResult<Op> {
                 return fail1(first_offset(running), E::ArcRadius, "0");
             }
             if miss > running.settings.arc_tolerance_mm {
-                return fail1(first_offset(running), E::ArcEndOffCircle, format!("{miss:.3}"));
+                return fail1(first_offset(running), E::ArcEndOffCircle, format_args!("{miss:.3}"));
             }
             center
         }

@@ -186,7 +186,7 @@ fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResul
         return fail1(at, E::BadCondition, what);
     };
     if matches!(cursor.peek(), b'=' | b'<' | b'>') {
-        return fail1(at, E::BadCondition, format!("{sign}{}", char::from(cursor.peek())));
+        return fail1(at, E::BadCondition, format_args!("{sign}{}", char::from(cursor.peek())));
     }
     let right = evaluate(cursor, scope)?;
     let equals = equal(left, right);
@@ -312,7 +312,7 @@ fn refuse_r_as_radius(cursor: &Cursor<'_>) -> ReadResult<()> {
         return Ok(());
     }
     let number = String::from_utf8_lossy(&rest[..length]).into_owned();
-    fail2(cursor.at, E::RadiusByCr, format!("R{number}"), format!("CR={number}"))
+    fail2(cursor.at, E::RadiusByCr, format_args!("R{number}"), format_args!("CR={number}"))
 }
 
 fn is_number(digits: &[u8]) -> bool {

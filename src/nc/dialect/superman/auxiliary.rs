@@ -28,7 +28,7 @@ pub(super) fn check_exists(code: Code) -> ReadResult<()> {
         return Ok(());
     }
     let known: Vec<_> = mcode::table(Dialect::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
-    fail2(code.at as usize, E::UnknownCode, format!("M{:02}", code.number), known.join(" "))
+    fail2(code.at as usize, E::UnknownCode, format_args!("M{:02}", code.number), known.join(" "))
 }
 
 /// Checks an M code of a block that is not executed, and its jump target.
@@ -38,10 +38,10 @@ pub(super) fn check_m_code(code: Code, words: &BlockWords, block: &UnexecutedBlo
         return Ok(());
     }
     let Some(word) = words.peek(b'L') else {
-        return fail2(code.at as usize, E::MissingWord, format!("M{:02}", code.number), "L");
+        return fail2(code.at as usize, E::MissingWord, format_args!("M{:02}", code.number), "L");
     };
     let n = integer(word, 0, MAX_BLOCK_NUMBER)?;
-    let named = |error| fail1(word.at as usize, error, format!("N{n:04}"));
+    let named = |error| fail1(word.at as usize, error, format_args!("N{n:04}"));
     match block.source.find_unique_block(n) {
         Ok(Some(line)) if line == block.line && code.number == 97 => named(E::JumpToItself),
         Ok(Some(line)) if code.number == 98 && block.source.main_end_line().is_some_and(|end| line < end) => {
@@ -134,7 +134,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Op
         let step = match code.number {
             0 => continue,
             2 => match running.flow.local_sub() {
-                Some(n) => return fail1(code.at as usize, E::EndInSub, format!("N{n:04}")),
+                Some(n) => return fail1(code.at as usize, E::EndInSub, format_args!("N{n:04}")),
                 None => FlowAction::End,
             },
             97 => target().map(|(n, at)| FlowAction::GotoUnique { n, at })?,

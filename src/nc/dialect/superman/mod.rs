@@ -38,7 +38,7 @@ const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39,
 fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     check_format(running.words, running.settings, (running.text, running.at))?;
     if let Some((short, full)) = short_block_number(running.text, running.at) {
-        running.scope.warn(running.at, E::BlockNumberShort, [short, full]);
+        running.scope.warn(running.at, E::BlockNumberShort, [short.into(), full.into()]);
     }
     let code = single_g_code(running.words)?;
     auxiliary::spindle_speed(running)?;
@@ -146,13 +146,13 @@ fn short_block_number(text: &[u8], at: usize) -> Option<(String, String)> {
 fn single_g_code(words: &BlockWords) -> ReadResult<Option<Code>> {
     if let Some(code) = words.g().iter().find(|code| !G_CODES.contains(&code.number)) {
         let known: Vec<_> = G_CODES.iter().map(|code| format!("G{code:02}")).collect();
-        return fail2(code.at as usize, E::UnknownCode, format!("G{:02}", code.number), known.join(" "));
+        return fail2(code.at as usize, E::UnknownCode, format_args!("G{:02}", code.number), known.join(" "));
     }
     match *words.g() {
         [] => Ok(None),
         [code] => Ok(Some(code)),
         [first, second, ..] if first.number == second.number => {
-            fail1(second.at as usize, E::DoubleWord, format!("G{:02}", second.number))
+            fail1(second.at as usize, E::DoubleWord, format_args!("G{:02}", second.number))
         }
         [first, second, ..] => {
             let names = [first, second].map(|code| format!("G{:02}", code.number));
@@ -240,5 +240,5 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 
 #[cold]
 fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
-    fail2(word.at as usize, E::OutOfRange, format!("{}{}", char::from(word.letter), word.value), range)
+    fail2(word.at as usize, E::OutOfRange, format_args!("{}{}", char::from(word.letter), word.value), range)
 }

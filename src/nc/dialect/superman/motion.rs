@@ -185,7 +185,7 @@ fn check_radius(at: usize, radius: f64) -> ReadResult<()> {
     if radius > MIN_RADIUS_MM {
         return Ok(());
     }
-    fail2(at, E::ArcTooSmall, format!("{radius:.3}"), MIN_RADIUS_MM.to_string())
+    fail2(at, E::ArcTooSmall, format_args!("{radius:.3}"), format_args!("{MIN_RADIUS_MM}"))
 }
 
 fn centre_by_offsets(
@@ -210,7 +210,7 @@ fn centre_by_offsets(
     let share = if reached > MIN_LENGTH_MM { (2.0 * end_x.abs() / reached).max(end_z.abs() / reached) } else { 2.0 };
     // Tolerates the rounding error of the sum.
     if off * share + MIN_LENGTH_MM >= MAX_END_ERROR_INCREMENTS * running.settings.superman.increment_mm {
-        return fail1(at, E::ArcEndOffCircle, format!("{off:.3}"));
+        return fail1(at, E::ArcEndOffCircle, format_args!("{off:.3}"));
     }
     Ok(center)
 }
@@ -224,7 +224,7 @@ fn centre_from_r(from: WorkPos, to: WorkPos, word: Word, turn: i8) -> ReadResult
     // The radius of a half circle may be too small by the rounding of the text.
     match arc::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
         Some(center) => Ok(center),
-        None => fail1(at, E::ArcRadius, format!("R{radius}")),
+        None => fail1(at, E::ArcRadius, format_args!("R{radius}")),
     }
 }
 
@@ -305,7 +305,7 @@ pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>, place: u
 fn refuse_coordinates(running: &BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.peek(letter));
     let code = running.words.g().iter().find(|code| code.at as usize == place).map_or(0, |code| code.number);
-    found.map_or(Ok(()), |word| fail1(word.at as usize, E::AxisUnused, format!("G{code:02}")))
+    found.map_or(Ok(()), |word| fail1(word.at as usize, E::AxisUnused, format_args!("G{code:02}")))
 }
 
 /// G26, G27, G29: moves to the tool-change point, X before Z.

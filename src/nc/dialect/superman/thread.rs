@@ -3,6 +3,7 @@
 use super::motion::coordinate;
 use super::out_of_range;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::text_arg::Arg;
 use crate::nc::dialect::BlockContext;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
@@ -73,7 +74,7 @@ fn turns_per_inch(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64>
     let fraction = match denominator {
         none if none < 1.0 => 0.0,
         denominator if denominator >= 2.0 => 1.0 / denominator,
-        _ => return fail1(word.at as usize, E::ThreadFraction, format!("F{}", word.value)),
+        _ => return fail1(word.at as usize, E::ThreadFraction, format_args!("F{}", word.value)),
     };
     let turns = number(&written[..whole]) + fraction;
     if word.value < 0.0 || !(TURNS_PER_INCH_RANGE.0..=TURNS_PER_INCH_RANGE.1).contains(&turns) {
@@ -99,14 +100,14 @@ fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64
     // The part's face is at Z 0, if the thread crosses it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
     if enters && z.abs() < needed {
-        let details = [format!("{:.3}", z.abs()), format!("{needed:.3}")];
+        let details = [format!("{:.3}", z.abs()), format!("{needed:.3}")].map(Arg::from);
         running.scope.warn(place, E::ThreadApproachShort, details);
     }
     if !running.modals.spindle_on {
-        running.scope.warn(place, E::ThreadSpindle, [String::new(), String::new()]);
+        running.scope.warn(place, E::ThreadSpindle, [Arg::None, Arg::None]);
     }
     let limit = ThreadMove::max_spindle_rpm(lead);
     if speed > limit {
-        running.scope.warn(place, E::SpindleTooFast, [format!("{speed}"), format!("{limit:.0}")]);
+        running.scope.warn(place, E::SpindleTooFast, [format!("{speed}").into(), format!("{limit:.0}").into()]);
     }
 }
