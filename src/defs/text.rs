@@ -53,6 +53,12 @@ impl LocalizedText {
         Self { zh: zh.into(), en: en.into() }
     }
 
+    /// The same text in both languages: a name, or the words of the operating system.
+    #[must_use]
+    pub fn same(text: &(impl ToString + ?Sized)) -> Self {
+        Self::new(text.to_string(), text.to_string())
+    }
+
     /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> &str {
