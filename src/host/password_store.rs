@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
-use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, StoredSettings, password};
+use crate::store::{RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
 
 /// The default passwords, valid until they are changed; the manual lists them.
 const fn default_password(guard: PasswordScope) -> &'static str {
@@ -44,45 +44,40 @@ impl PasswordStore {
 
     /// Executes a request and returns the answer; without a store a new password is kept in memory only.
     pub fn answer(&mut self, wish: &SettingsRequest, store: Option<&mut RetainedDatabase>) -> Command {
-        let answer = match wish {
+        let answer = self.execute(wish, store).unwrap_or_else(StorageAnswer::Failed);
+        Command::Page(PageCommand::StorageAnswered(answer))
+    }
+
+    fn execute(
+        &mut self,
+        wish: &SettingsRequest,
+        store: Option<&mut RetainedDatabase>,
+    ) -> Result<StorageAnswer, LocalizedText> {
+        match wish {
             SettingsRequest::CheckPassword(guard, secret) => {
-                StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret))
+                return Ok(StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret)));
             }
-            SettingsRequest::ChangePassword { scope: of, old, .. } if !self.matches(*of, old) => {
-                StorageAnswer::PasswordChanged(*of, false)
-            }
-            SettingsRequest::ChangePassword { scope: of, new, .. } => match self.set_password(*of, new, store) {
-                Ok(()) => StorageAnswer::PasswordChanged(*of, true),
-                Err(why) => StorageAnswer::Failed(why),
-            },
-            SettingsRequest::SaveKind(kind) => match self.update_settings(|settings| settings.kind = Some(*kind)) {
-                Ok(()) => StorageAnswer::KindSaved(*kind),
-                Err(why) => StorageAnswer::Failed(why),
-            },
-            SettingsRequest::SaveLightTheme(light) => {
-                match self.update_settings(|settings| settings.light = Some(*light)) {
-                    Ok(()) => StorageAnswer::LangSaved,
-                    Err(why) => StorageAnswer::Failed(why),
+            SettingsRequest::ChangePassword { scope, old, new } => {
+                let allowed = self.matches(*scope, old);
+                if allowed {
+                    self.set_password(*scope, new, store)?;
                 }
+                return Ok(StorageAnswer::PasswordChanged(*scope, allowed));
             }
+            SettingsRequest::SaveKind(kind) => {
+                self.update_settings(|settings| settings.kind = Some(*kind))?;
+                return Ok(StorageAnswer::KindSaved(*kind));
+            }
+            SettingsRequest::SaveLightTheme(light) => self.update_settings(|settings| settings.light = Some(*light))?,
             SettingsRequest::SaveBrightness(percent) => {
-                match self.update_settings(|settings| settings.brightness = Some(*percent)) {
-                    Ok(()) => StorageAnswer::LangSaved,
-                    Err(why) => StorageAnswer::Failed(why),
-                }
+                self.update_settings(|settings| settings.brightness = Some(*percent))?;
             }
             SettingsRequest::SaveSerialPort(port) => {
-                match self.update_settings(|settings| settings.serial = Some(port.clone())) {
-                    Ok(()) => StorageAnswer::LangSaved,
-                    Err(why) => StorageAnswer::Failed(why),
-                }
+                self.update_settings(|settings| settings.serial = Some(port.clone()))?;
             }
-            SettingsRequest::SaveLang(lang) => match self.update_settings(|settings| settings.lang = Some(*lang)) {
-                Ok(()) => StorageAnswer::LangSaved,
-                Err(why) => StorageAnswer::Failed(why),
-            },
-        };
-        Command::Page(PageCommand::StorageAnswered(answer))
+            SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
+        }
+        Ok(StorageAnswer::LangSaved)
     }
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
@@ -98,10 +93,10 @@ impl PasswordStore {
         new: &Secret,
         store: Option<&mut RetainedDatabase>,
     ) -> Result<(), LocalizedText> {
-        let hash = password::hash(new.reveal()).map_err(|error| error_text(&error))?;
+        let hash = password::hash(new.reveal()).map_err(error_text)?;
         if let Some(store) = store {
             let change = RetainedChange::Text { key: store_key(guard).to_owned(), value: Some(hash.clone()) };
-            store.commit(&[change]).map_err(|error: RetainedError| error_text(&error))?;
+            store.commit(&[change]).map_err(error_text)?;
         }
         self.hashes.insert(guard, hash);
         Ok(())
@@ -109,12 +104,12 @@ impl PasswordStore {
 
     fn update_settings(&self, change: impl FnOnce(&mut StoredSettings)) -> Result<(), LocalizedText> {
         let Some(folder) = &self.folder else { return Ok(()) };
-        let mut settings = StoredSettings::read(folder).map_err(|error| error_text(&error))?;
+        let mut settings = StoredSettings::read(folder).map_err(error_text)?;
         change(&mut settings);
-        settings.write(folder).map_err(|error| error_text(&error))
+        settings.write(folder).map_err(error_text)
     }
 }
 
-fn error_text(error: &dyn std::fmt::Display) -> LocalizedText {
-    LocalizedText::new(error.to_string(), error.to_string())
+fn error_text(error: impl std::fmt::Display) -> LocalizedText {
+    LocalizedText::same(&error)
 }

@@ -73,10 +73,7 @@ impl HostedSimulation {
             (LocalizedText::new(format!("高度 X{x:.0} Z{z:.0}"), format!("height X{x:.0} Z{z:.0}")), at.y)
         });
         let events = machine.events().iter().rev().take(MAX_EVENTS).rev();
-        let events = events.map(|event| {
-            let words = format!("{:.1} s {}", event.seconds, event.kind.id());
-            LocalizedText::new(words.clone(), words)
-        });
+        let events = events.map(|event| LocalizedText::same(&format!("{:.1} s {}", event.seconds, event.kind.id())));
         SimView {
             forced: self.forced.clone(),
             faults: self.faults.clone(),

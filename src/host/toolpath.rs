@@ -2,9 +2,8 @@
 //! Source: spec B6 (图形), H8.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::job_runner::line_fault;
+use super::job_answer::line_fault;
 use crate::controller::files::{BackgroundJob, DrawingStart};
 use crate::controller::{Programs, StoredProgram};
 use crate::defs::kind::Dialect;
@@ -27,12 +26,12 @@ const MAX_INTERFERENCES: usize = 20;
 const MAX_CHORDS: f64 = 180.0;
 const CHORD_TOLERANCE_MM: f64 = 0.002;
 
-/// Computes the toolpath of a program.
+/// Computes the toolpath of a program; `stopped` ends it early.
 pub fn compute_toolpath(
     program: &StoredProgram,
     job: &BackgroundJob,
     start: &DrawingStart,
-    cancelled: &AtomicBool,
+    stopped: &dyn Fn() -> bool,
     tell: &mut dyn FnMut(FileAnswer),
 ) -> Toolpath {
     let programs: Arc<Programs> = Arc::clone(&job.programs);
@@ -64,7 +63,7 @@ pub fn compute_toolpath(
             // The last tenth is left for the levels of detail.
             tell(FileAnswer::Progress(PROGRESS_TEXT, (furthest * 900 / lines) as u16));
         }
-        !cancelled.load(Ordering::Acquire) && pen.path.points.len() < MAX_POINTS
+        !stopped() && pen.path.points.len() < MAX_POINTS
     });
     let mut drawing = Toolpath {
         number: program.number,

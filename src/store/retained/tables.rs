@@ -75,11 +75,11 @@ pub(super) fn check_change(change: &RetainedChange) -> Result<(), RetainedError>
         }
         RetainedChange::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
     };
-    let what = || change_name(change);
+    let refused = |cause| Err(RetainedError::BadChange(change_name(change), cause));
     match (good_key, good_value) {
         (true, true) => Ok(()),
-        (false, _) => Err(RetainedError::BadChange { what: what(), cause: "its number or name is out of range" }),
-        (true, false) => Err(RetainedError::BadChange { what: what(), cause: "its value is not finite, or too long" }),
+        (false, _) => refused("its number or name is out of range"),
+        (true, false) => refused("its value is not finite, or too long"),
     }
 }
 
@@ -87,9 +87,8 @@ pub(super) fn check_change(change: &RetainedChange) -> Result<(), RetainedError>
 fn change_name(change: &RetainedChange) -> String {
     match change {
         RetainedChange::Variable { number, .. } => format!("#{number}"),
-        RetainedChange::Param { key, .. } | RetainedChange::Number { key, .. } | RetainedChange::Text { key, .. } => {
-            key.clone()
-        }
+        RetainedChange::Param { key, .. } | RetainedChange::Number { key, .. } => key.clone(),
+        RetainedChange::Text { key, .. } => key.clone(),
         RetainedChange::Offset { number, .. } => format!("offset {number}"),
         RetainedChange::WorkOffset { index, .. } => format!("frame {index}"),
         RetainedChange::Alarm(past) => format!("alarm record {}", past.slot()),
@@ -168,16 +167,13 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
             RetainedChange::Param { key, value } => set_number(&mut params, RowTable::Param, key, *value)?,
             RetainedChange::Number { key, value } => set_number(&mut numbers, RowTable::Number, key, *value)?,
             RetainedChange::Offset { number, offset } => {
+                let row = |values: &[f64; 6]| axes_checksum(RowTable::Offset, *number, values);
                 let values = offset_values(offset);
-                let old =
-                    offsets.insert(number, values)?.map(|old| axes_checksum(RowTable::Offset, *number, &old.value()));
-                sum_change(old, Some(axes_checksum(RowTable::Offset, *number, &values)))
+                sum_change(offsets.insert(number, values)?.map(|old| row(&old.value())), Some(row(&values)))
             }
             RetainedChange::WorkOffset { index, origin } => {
-                let old = frames
-                    .insert(index, origin.0)?
-                    .map(|old| axes_checksum(RowTable::WorkOffset, *index, &old.value()));
-                sum_change(old, Some(axes_checksum(RowTable::WorkOffset, *index, &origin.0)))
+                let row = |origin: &[f64; 3]| axes_checksum(RowTable::WorkOffset, *index, origin);
+                sum_change(frames.insert(index, origin.0)?.map(|old| row(&old.value())), Some(row(&origin.0)))
             }
             RetainedChange::Text { key, value } => {
                 let row = |text: &str| row_checksum(RowTable::Text, key.as_bytes(), text.as_bytes());
@@ -188,10 +184,9 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
                 sum_change(old, value.as_deref().map(row))
             }
             RetainedChange::Alarm(past) => {
+                let row = |text: &str| alarm_checksum(past.slot(), text);
                 let text = alarm_text(past).unwrap_or_default();
-                let old =
-                    alarms.insert(past.slot(), text.as_str())?.map(|old| alarm_checksum(past.slot(), old.value()));
-                sum_change(old, Some(alarm_checksum(past.slot(), &text)))
+                sum_change(alarms.insert(past.slot(), text.as_str())?.map(|old| row(old.value())), Some(row(&text)))
             }
         };
         moved = moved.wrapping_add(by);
@@ -205,11 +200,12 @@ fn set_number(
     key: &str,
     value: Option<f64>,
 ) -> Result<u64, StorageFault> {
+    let row = |value: f64| number_checksum(of, key, value);
     let old = match value {
-        Some(value) => table.insert(key, value)?.map(|old| number_checksum(of, key, old.value())),
-        None => table.remove(key)?.map(|old| number_checksum(of, key, old.value())),
+        Some(value) => table.insert(key, value)?.map(|old| row(old.value())),
+        None => table.remove(key)?.map(|old| row(old.value())),
     };
-    Ok(sum_change(old, value.map(|value| number_checksum(of, key, value))))
+    Ok(sum_change(old, value.map(row)))
 }
 
 /// Reads all data.
