@@ -19,6 +19,7 @@ use crate::defs::{param, variable_name};
 use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
 use crate::io::sim::PartFile;
+use crate::link::command::FileFault;
 use crate::nc::{
     BlockLocation, CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source,
     WorkOffsets, check_with,
@@ -60,14 +61,8 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let found = match file_kind(&name) {
             CheckedFileKind::Program => check_program(shared, call, path, bytes)?,
-            CheckedFileKind::PageText => {
-                let done = parse_page_text(&name, &bytes);
-                print_file(shared, path, done.map(drop).map_err(|fault| vec![file_error(shared, &fault)]))
-            }
-            CheckedFileKind::Picture => {
-                let done = parse_picture(&name, &bytes);
-                print_file(shared, path, done.map(drop).map_err(|fault| vec![file_error(shared, &fault)]))
-            }
+            CheckedFileKind::PageText => print_file(shared, path, parse_page_text(&name, &bytes).err()),
+            CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err()),
         };
         status = status.max(found);
     }
@@ -88,9 +83,10 @@ fn file_kind(name: &str) -> CheckedFileKind {
     }
 }
 
-fn file_error(shared: &SharedArgs, fault: &crate::link::command::FileFault) -> CheckError {
-    let (line, column) = fault.position.unwrap_or((0, 0));
-    CheckError { line, column, message: fault.message.get(shared.lang).to_owned() }
+/// An error with a message in both languages; line and column are 0 if there is no position.
+fn shared_error(shared: &SharedArgs, position: Option<(u32, u32)>, message: &LocalizedText) -> CheckError {
+    let (line, column) = position.unwrap_or_default();
+    CheckError { line, column, message: message.get(shared.lang).to_owned() }
 }
 
 fn program_error(shared: &SharedArgs, number: u32, fault: &ProgramFault) -> CheckError {
@@ -101,8 +97,8 @@ fn program_error(shared: &SharedArgs, number: u32, fault: &ProgramFault) -> Chec
 }
 
 /// Prints the result for a page text or picture; returns the exit status.
-fn print_file(shared: &SharedArgs, path: &Path, done: Result<(), Vec<CheckError>>) -> u8 {
-    let wrong = done.err().unwrap_or_default();
+fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>) -> u8 {
+    let wrong: Vec<_> = fault.iter().map(|fault| shared_error(shared, fault.position, &fault.message)).collect();
     let file = path.display().to_string();
     match shared.format {
         OutputFormat::Json => print_line(json!({"file": file, "errors": errors_json(&wrong)})),
@@ -140,13 +136,8 @@ struct CheckOutcome {
 fn check_program(shared: &SharedArgs, call: &CheckArgs, path: &Path, bytes: Vec<u8>) -> Result<u8, CallError> {
     let found = analyse_program(shared, call, path, bytes)?;
     let wrong = !found.checked.faults.is_empty() || !found.move_errors.is_empty();
-    let ran = match call.simulate && !wrong {
-        true => {
-            let run = RunArgs { program: path.display().to_string(), through_stops: true, parts: 1, trace: None };
-            Some(super::run::run_program(shared, &run)?)
-        }
-        false => None,
-    };
+    let run = RunArgs { program: path.display().to_string(), through_stops: true, parts: 1, trace: None };
+    let ran = (call.simulate && !wrong).then(|| super::run::run_program(shared, &run)).transpose()?;
     let met = ran.as_ref().map(|ran| run_errors(shared, &found.source, ran)).unwrap_or_default();
     print_program(shared, call, path, &found, ran.as_ref().map(|ran| (ran, met.as_slice())));
     let status = match &ran {
@@ -162,27 +153,20 @@ fn check_program(shared: &SharedArgs, call: &CheckArgs, path: &Path, bytes: Vec<
 
 /// Errors of the simulated run: its alarms, or the error that the program itself reported.
 fn run_errors(shared: &SharedArgs, source: &Source, ran: &RunResult) -> Vec<CheckError> {
-    let mut met: Vec<_> = ran
-        .alarms
-        .iter()
-        .map(|(place, said)| {
-            let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
-            CheckError { line, column: 1, message: said.get(shared.lang).to_owned() }
-        })
-        .collect();
+    let alarms = ran.alarms.iter().map(|(place, said)| {
+        let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
+        shared_error(shared, Some((line, 1)), said)
+    });
+    let mut met: Vec<_> = alarms.collect();
     if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
         let tells = |line: &u32| source.line(*line).is_some_and(|text| text.contains(&told.zh));
         let line = (1..=source.line_count() as u32).find(tells).unwrap_or(0);
         let column = source.line(line).and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
-        met.push(CheckError {
-            line,
-            column: column.map_or(1, |at| at as u32 + 1),
-            message: told.get(shared.lang).to_owned(),
-        });
+        met.push(shared_error(shared, Some((line, column.map_or(1, |at| at as u32 + 1))), told));
     } else if ran.has_own_error {
         let said =
             LocalizedText::new("程序以自己的错误结束 (R62)", "the program has ended in an error of its own (R62)");
-        met.push(CheckError { line: 0, column: 1, message: said.get(shared.lang).to_owned() });
+        met.push(shared_error(shared, Some((0, 1)), &said));
     }
     met
 }
@@ -278,11 +262,11 @@ fn print_op(shared: &SharedArgs, op: &Op, part: Option<&PartFile>, axes: PerAxis
     }
 }
 
-/// The part that a program is checked for: `--part`, otherwise the built-in part of its number.
+/// The part that a program is checked for: `--part`, otherwise the built-in part of its number for this kind of machine.
 fn checked_part(shared: &SharedArgs, number: u32) -> Result<Option<PartFile>, CallError> {
     match &shared.part {
         Some(path) => setup::read_part_file(path).map(Some),
-        None => PartFile::builtin(number).map_err(CallError::new),
+        None => Ok(PartFile::builtin(number).map_err(CallError::new)?.filter(|part| part.kind == shared.kind)),
     }
 }
 
@@ -313,7 +297,7 @@ fn soft_limit_check<'a>(
     let bar = if shared.part.is_some() { None } else { bar::bar_of_program(shared.kind, &retained.params, source) };
     let Some(part) = bar.as_ref().or(part) else { return Ok(None) };
     let mut frames = frames;
-    let machine = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
+    let machine = part.start_mm.axes();
     frames.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
     let world = world.clone().with_position(frames.work_from_machine(machine)).with_work_offsets(frames);
     Ok(Some(SoftLimitCheck::new(world, &retained.params, shown)))
@@ -348,9 +332,7 @@ fn move_error(
 /// Adds the origin to a change of the work offset: G54 as set up for the part, the others zero.
 fn with_work_offset(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<bool>) -> Value {
     if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
-        let zero = part
-            .filter(|_| *g == 54)
-            .map_or_else(PerAxis::default, |part| PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]));
+        let zero = part.filter(|_| *g == 54).map_or_else(PerAxis::default, |part| part.g54_mm.axes());
         for (axis, _) in axes.iter().filter(|(_, present)| **present) {
             object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
         }
@@ -366,14 +348,14 @@ fn program_number(path: &Path) -> u32 {
 
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
 fn world_at_start(world: OfflineMachine, mut frames: WorkOffsets, part: &PartFile) -> OfflineMachine {
-    frames.work[0] = PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]);
+    frames.work[0] = part.g54_mm.axes();
     for offset in &part.offsets {
-        if let Some(place) = usize::from(offset.number).checked_sub(1).and_then(|index| frames.geometry.get_mut(index))
-        {
+        let index = usize::from(offset.number).checked_sub(1);
+        if let Some(place) = index.and_then(|index| frames.geometry.get_mut(index)) {
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         }
     }
-    let at = frames.work_from_machine(PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]));
+    let at = frames.work_from_machine(part.start_mm.axes());
     world.with_position(at).with_work_offsets(frames)
 }
 
