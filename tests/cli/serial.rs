@@ -225,10 +225,11 @@ fn l9_xoff_holds_the_sender_and_xon_lets_it_go_on() {
         let held_at = heard.len();
         port.write_all(&[XON]).unwrap();
         heard.extend(hear(&mut port, &ended, |rest| rest.ends_with(b"\0\0\0\0")));
-        (held_at, heard)
+        // The end stays open: the sender looks at its line once more after the last byte was heard.
+        (held_at, heard, port)
     });
     let done = shop.ask(Direction::Export, &["O0001.NC"], None);
-    let (held_at, heard) = listener.join().unwrap();
+    let (held_at, heard, _port) = listener.join().unwrap();
     assert!(done.is_ok(), "{done:?}");
     let whole = [b"\0\0\0\0%\r\n", long().as_bytes(), b"%\r\n\0\0\0\0"].concat();
     assert!(held_at < whole.len(), "held at {held_at} of {}", whole.len());
