@@ -114,6 +114,9 @@ impl JobRunner {
 
     /// Runs a job. `tell` receives its answers; the last one completes it.
     pub fn run(&self, job: &BackgroundJob, tell: &mut dyn FnMut(FileAnswer)) -> ChangedFolders {
+        if self.ending.load(Ordering::Acquire) && ends_with_control(&job.request) {
+            return report_answer(Err(cancelled()), tell);
+        }
         if is_long(&job.request) {
             self.cancelled.store(false, Ordering::Release);
         }
@@ -197,8 +200,16 @@ fn file_date(job: &BackgroundJob) -> DateTime {
 }
 
 /// Whether a request is a long job that 取消 cancels.
-pub(super) const fn is_long(request: &FileRequest) -> bool {
+const fn is_long(request: &FileRequest) -> bool {
     matches!(request, FileRequest::Transfer(_) | FileRequest::ComputeToolpath(_))
+}
+
+/// Whether a request is a calculation or a transfer over the line, which end with the control.
+fn ends_with_control(request: &FileRequest) -> bool {
+    match request {
+        FileRequest::Transfer(ask) => ask.set == TransferSet::Serial,
+        other => matches!(other, FileRequest::ComputeToolpath(_)),
+    }
 }
 
 impl JobRunner {
@@ -230,9 +241,6 @@ impl JobRunner {
     }
 
     fn compute_toolpath(&self, number: u32, job: &BackgroundJob, tell: Tell<'_>) -> JobResult {
-        if self.is_stopped() {
-            return Err(cancelled());
-        }
         let missing = || refusal(format!("没有程序 O{number:04}"), format!("there is no O{number:04}"));
         let program = job.programs.get(number).ok_or_else(missing)?;
         let start = job.start.as_ref().ok_or_else(missing)?;

@@ -10,20 +10,12 @@ use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
 use crate::store::{RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
 
-/// The default passwords, valid until they are changed; the manual lists them.
-const fn default_password(guard: PasswordScope) -> &'static str {
+/// The key of the changed password in the store, and the default one, valid until it is changed; the manual lists them.
+const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
     match guard {
-        PasswordScope::Program => "187350", // K6.2
-        PasswordScope::User => "123456",
-        PasswordScope::Builder => "830830",
-    }
-}
-
-const fn store_key(guard: PasswordScope) -> &'static str {
-    match guard {
-        PasswordScope::Program => "password-program",
-        PasswordScope::User => "password-user",
-        PasswordScope::Builder => "password-builder",
+        PasswordScope::Program => ("password-program", "187350"), // K6.2
+        PasswordScope::User => ("password-user", "123456"),
+        PasswordScope::Builder => ("password-builder", "830830"),
     }
 }
 
@@ -38,7 +30,7 @@ impl PasswordStore {
     /// Takes the passwords from retained data; settings are stored in `folder`.
     #[must_use]
     pub fn new(loaded: &RetainedData, folder: PathBuf) -> Self {
-        let found = |guard: PasswordScope| loaded.texts.get(store_key(guard)).map(|hash| (guard, hash.clone()));
+        let found = |guard: PasswordScope| loaded.texts.get(password_row(guard).0).map(|hash| (guard, hash.clone()));
         Self { hashes: PasswordScope::ALL.into_iter().filter_map(found).collect(), folder: Some(folder) }
     }
 
@@ -83,7 +75,7 @@ impl PasswordStore {
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
         match self.hashes.get(&guard) {
             Some(hash) => password::verify(secret.reveal(), hash),
-            None => secret.reveal() == default_password(guard),
+            None => secret.reveal() == password_row(guard).1,
         }
     }
 
@@ -95,7 +87,7 @@ impl PasswordStore {
     ) -> Result<(), LocalizedText> {
         let hash = password::hash(new.reveal()).map_err(error_text)?;
         if let Some(store) = store {
-            let change = RetainedChange::Text { key: store_key(guard).to_owned(), value: Some(hash.clone()) };
+            let change = RetainedChange::Text { key: password_row(guard).0.to_owned(), value: Some(hash.clone()) };
             store.commit(&[change]).map_err(error_text)?;
         }
         self.hashes.insert(guard, hash);

@@ -426,17 +426,8 @@ fn jog_key(word: &str) -> Option<Key> {
 }
 
 fn state(word: &str) -> Option<RunState> {
-    [
-        RunState::Idle,
-        RunState::Running,
-        RunState::Held,
-        RunState::Stopped,
-        RunState::Waiting,
-        RunState::Homing,
-        RunState::Alarm,
-    ]
-    .into_iter()
-    .find(|state| state.id() == word)
+    use RunState::{Alarm, Held, Homing, Idle, Running, Stopped, Waiting};
+    [Idle, Running, Held, Stopped, Waiting, Homing, Alarm].into_iter().find(|state| state.id() == word)
 }
 
 fn comparison(word: &str) -> Option<WaitCondition> {

@@ -61,9 +61,8 @@ impl ThreadedStorage {
         // They arrive before the first tick.
         worker.read(ChangedFolders { programs: true, screens: true }, &mut |arrival| drop(tell.send(arrival)));
         let (jobs, threads) = JobQueues::start(&worker, &tell)?;
-        let own = jobs.clone();
-        let mut thread =
-            StorageThread { retained, worker, asked, tell, watch, jobs: own, waiting: None, clock_sent: None };
+        let (waiting, clock_sent, own) = (None, None, jobs.clone());
+        let mut thread = StorageThread { retained, worker, asked, tell, watch, jobs: own, waiting, clock_sent };
         let thread = Builder::new().name("kt830-disk".into()).spawn(move || {
             while thread.turn() {}
             drop(thread);
@@ -76,20 +75,15 @@ impl ThreadedStorage {
 impl Storage for ThreadedStorage {
     fn submit(&mut self, requests: &mut Vec<StorageRequest>) {
         let Some(questions) = self.questions.as_ref().filter(|_| !requests.is_empty()) else { return };
-        match questions.try_send(StorageQuestion::Requests(std::mem::take(requests))) {
-            Ok(()) => {}
-            Err(TrySendError::Full(question) | TrySendError::Disconnected(question)) => {
-                if let StorageQuestion::Requests(kept) = question {
-                    *requests = kept;
-                }
-            }
+        let sent = questions.try_send(StorageQuestion::Requests(std::mem::take(requests)));
+        if let Err(StorageQuestion::Requests(kept)) = sent.map_err(TrySendError::into_inner) {
+            *requests = kept;
         }
     }
 
     fn find_part(&mut self, query: PartQuery) -> bool {
-        self.questions
-            .as_ref()
-            .is_some_and(|questions| questions.try_send(StorageQuestion::Part(Box::new(query))).is_ok())
+        let question = StorageQuestion::Part(Box::new(query));
+        self.questions.as_ref().is_some_and(|questions| questions.try_send(question).is_ok())
     }
 
     fn poll(&mut self, arrivals: &mut Vec<Arrival>) {
