@@ -13,15 +13,14 @@ use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
 use crate::controller::{PARAM_VARIABLES, PowerOnState, Programs, nc_settings, reference_points};
-use crate::defs::kind::Dialect;
 use crate::defs::text::{LocalizedText, Text};
-use crate::defs::{param, variable_name};
+use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
 use crate::io::sim::PartFile;
+use crate::link::command::FileFault;
 use crate::nc::{
-    BlockLocation, CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source,
-    WorkOffsets, check_with,
+    BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source, WorkOffsets, check_with,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -59,15 +58,9 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
         })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let found = match file_kind(&name) {
-            CheckedFileKind::Program => check_program(shared, call, path, bytes)?,
-            CheckedFileKind::PageText => {
-                let done = parse_page_text(&name, &bytes);
-                print_file(shared, path, done.map(drop).map_err(|fault| vec![file_error(shared, &fault)]))
-            }
-            CheckedFileKind::Picture => {
-                let done = parse_picture(&name, &bytes);
-                print_file(shared, path, done.map(drop).map_err(|fault| vec![file_error(shared, &fault)]))
-            }
+            CheckedFileKind::Program => ProgramCheck::new(shared, call, path, bytes)?.execute()?,
+            CheckedFileKind::PageText => print_file(shared, path, parse_page_text(&name, &bytes).err()),
+            CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err()),
         };
         status = status.max(found);
     }
@@ -88,21 +81,15 @@ fn file_kind(name: &str) -> CheckedFileKind {
     }
 }
 
-fn file_error(shared: &SharedArgs, fault: &crate::link::command::FileFault) -> CheckError {
-    let (line, column) = fault.position.unwrap_or((0, 0));
-    CheckError { line, column, message: fault.message.get(shared.lang).into_owned() }
-}
-
-fn program_error(shared: &SharedArgs, number: u32, fault: &ProgramFault) -> CheckError {
-    // An error in a subprogram is reported with its program.
-    let sub = if fault.location.program == number { String::new() } else { format!("{}: ", fault.program_title()) };
-    let message = format!("{sub}{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
-    CheckError { line: fault.location.line, column: fault.column, message }
+/// An error with a message in both languages; line and column are 0 if there is no position.
+fn shared_error(shared: &SharedArgs, position: Option<(u32, u32)>, message: &LocalizedText) -> CheckError {
+    let (line, column) = position.unwrap_or_default();
+    CheckError { line, column, message: message.get(shared.lang).to_owned() }
 }
 
 /// Prints the result for a page text or picture; returns the exit status.
-fn print_file(shared: &SharedArgs, path: &Path, done: Result<(), Vec<CheckError>>) -> u8 {
-    let wrong = done.err().unwrap_or_default();
+fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>) -> u8 {
+    let wrong: Vec<_> = fault.iter().map(|fault| shared_error(shared, fault.position, &fault.message)).collect();
     let file = path.display().to_string();
     match shared.format {
         OutputFormat::Json => print_line(json!({"file": file, "errors": errors_json(&wrong)})),
@@ -128,258 +115,270 @@ fn print_errors(shared: &SharedArgs, file: &str, wrong: &[CheckError], verdict: 
     }
 }
 
+/// A program under check, with what it is checked against.
+struct ProgramCheck<'a> {
+    shared: &'a SharedArgs,
+    call: &'a CheckArgs,
+    path: &'a Path,
+    source: Arc<Source>,
+    /// The programs that it may call: those of the folder and the named ones beside its file.
+    library: Arc<dyn Library + Send + Sync>,
+    retained: PowerOnState,
+    settings: NcSettings,
+    part: Option<PartFile>,
+}
+
 /// Result of the check of a program.
 struct CheckOutcome {
     checked: CheckReport,
     /// Errors that are not in the text: beyond the finished size or a soft limit, or refused by an interlock.
     move_errors: Vec<CheckError>,
-    source: Arc<Source>,
-    settings: NcSettings,
 }
 
-fn check_program(shared: &SharedArgs, call: &CheckArgs, path: &Path, bytes: Vec<u8>) -> Result<u8, CallError> {
-    let found = analyse_program(shared, call, path, bytes)?;
-    let wrong = !found.checked.faults.is_empty() || !found.move_errors.is_empty();
-    let ran = match call.simulate && !wrong {
-        true => {
-            let run = RunArgs { program: path.display().to_string(), through_stops: true, parts: 1, trace: None };
-            Some(super::run::run_program(shared, &run)?)
-        }
-        false => None,
-    };
-    let met = ran.as_ref().map(|ran| run_errors(shared, &found.source, ran)).unwrap_or_default();
-    print_program(shared, call, path, &found, ran.as_ref().map(|ran| (ran, met.as_slice())));
-    let status = match &ran {
-        _ if wrong => USAGE_ERROR,
-        Some(ran) if ran.end != RunEnd::Finished || !met.is_empty() => FAILED,
-        Some(_) | None => SUCCESS,
-    };
-    if let Some(ran) = ran {
-        print_line(ran.report);
+impl<'a> ProgramCheck<'a> {
+    fn new(shared: &'a SharedArgs, call: &'a CheckArgs, path: &'a Path, bytes: Vec<u8>) -> Result<Self, CallError> {
+        let number = number_of_file(path);
+        let retained = setup::check_retained(shared)?;
+        let settings = nc_settings(shared.kind, &retained.params);
+        let folders = setup::folders(shared)?;
+        let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+        programs.replace(named_programs_beside(path, settings.dialect));
+        let source = program_from_bytes(number, &path.display().to_string(), bytes, settings.dialect).source;
+        let part = match &shared.part {
+            Some(path) => Some(setup::read_part_file(path)?),
+            // The part built in for the program's number, if it is for this kind of machine.
+            None => PartFile::builtin(number).map_err(CallError::new)?.filter(|part| part.kind == shared.kind),
+        };
+        Ok(Self { shared, call, path, source, library: Arc::new(programs), retained, settings, part })
     }
-    Ok(status)
-}
 
-/// Errors of the simulated run: its alarms, or the error that the program itself reported.
-fn run_errors(shared: &SharedArgs, source: &Source, ran: &RunResult) -> Vec<CheckError> {
-    let mut met: Vec<_> = ran
-        .alarms
-        .iter()
-        .map(|(place, said)| {
+    /// Checks the program, runs it if the call asks for it, and prints the result; returns the exit status.
+    fn execute(&self) -> Result<u8, CallError> {
+        let found = self.analyse();
+        let wrong = !found.checked.faults.is_empty() || !found.move_errors.is_empty();
+        let run = RunArgs { program: self.path.display().to_string(), through_stops: true, parts: 1, trace: None };
+        let ran = (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run)).transpose()?;
+        let met = ran.as_ref().map(|ran| self.run_errors(ran)).unwrap_or_default();
+        self.print(&found, ran.as_ref().map(|ran| (ran, met.as_slice())));
+        let status = match &ran {
+            _ if wrong => USAGE_ERROR,
+            Some(ran) if ran.end != RunEnd::Finished || !met.is_empty() => FAILED,
+            Some(_) | None => SUCCESS,
+        };
+        if let Some(ran) = ran {
+            print_line(ran.report);
+        }
+        Ok(status)
+    }
+
+    fn error(&self, line: u32, column: u32, message: &LocalizedText) -> CheckError {
+        shared_error(self.shared, Some((line, column)), message)
+    }
+
+    /// A fault of the text; one in a subprogram is reported with its program.
+    fn fault_error(&self, fault: &ProgramFault) -> CheckError {
+        let (lang, own) = (self.shared.lang, fault.location.program == self.source.number());
+        let sub = if own { String::new() } else { format!("{}: ", fault.program_title()) };
+        let message = format!("{sub}{} – {}", fault.cause(lang), fault.remedy(lang));
+        CheckError { line: fault.location.line, column: fault.column, message }
+    }
+
+    /// A block that the machine would refuse; one in a subprogram is reported with its program.
+    fn refusal_error(&self, foreseen: &PredictedRefusal) -> CheckError {
+        let program = foreseen.at.program;
+        let own = program == self.source.number();
+        let sub = if own { String::new() } else { format!("{}: ", program_number::name_of(program)) };
+        let message = format!("{sub}{}", foreseen.text.get(self.shared.lang));
+        CheckError { line: foreseen.at.line, column: 1, message }
+    }
+
+    /// A move beyond the finished size, at the block that caused it.
+    fn overshoot_error(&self, passed: &Overshoot) -> CheckError {
+        let (sub, line) = self.block_text(passed.at);
+        let name = passed.variable.map(|number| variable_name::variable_name_on(number, self.shared.kind));
+        let column = line.find(&name.unwrap_or_default()).map_or(1, |at| line[..at].chars().count() as u32 + 1);
+        let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));
+        let block = passed.at.n.map_or_else(String::new, |n| format!("N{n} "));
+        let message = format!("{program}{block}{}", passed.message.get(self.shared.lang));
+        CheckError { line: passed.at.line, column, message }
+    }
+
+    /// Errors of the simulated run: its alarms, or the error that the program itself reported.
+    fn run_errors(&self, ran: &RunResult) -> Vec<CheckError> {
+        let alarms = ran.alarms.iter().map(|(place, said)| {
             let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
-            CheckError { line, column: 1, message: said.get(shared.lang).into_owned() }
-        })
-        .collect();
-    if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
-        let tells = |line: &u32| source.line(*line).is_some_and(|text| text.contains(&*told.zh()));
-        let line = (1..=source.line_count() as u32).find(tells).unwrap_or(0);
-        let column = source.line(line).and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
-        met.push(CheckError {
-            line,
-            column: column.map_or(1, |at| at as u32 + 1),
-            message: told.get(shared.lang).into_owned(),
+            self.error(line, 1, said)
         });
-    } else if ran.has_own_error {
-        let said =
-            LocalizedText::new("程序以自己的错误结束 (R62)", "the program has ended in an error of its own (R62)");
-        met.push(CheckError { line: 0, column: 1, message: said.get(shared.lang).into_owned() });
-    }
-    met
-}
-
-fn analyse_program(
-    shared: &SharedArgs,
-    call: &CheckArgs,
-    path: &Path,
-    bytes: Vec<u8>,
-) -> Result<CheckOutcome, CallError> {
-    let number = program_number(path);
-    let retained = setup::check_retained(shared)?;
-    let settings = nc_settings(shared.kind, &retained.params);
-    let axes = settings.axes;
-    let library = program_library(shared, path, settings.dialect)?;
-    let mut memory = retained.variables.clone();
-    let mut world = offline_machine(&retained, &settings);
-    let source = program_from_bytes(number, &path.display().to_string(), bytes, settings.dialect).source;
-    let part = checked_part(shared, number)?;
-    let mut limits = soft_limit_check(shared, &world, &retained, (&source, part.as_ref()), &settings)?;
-    if let Some(part) = part.as_ref().filter(|_| !settings.start_is_work_zero) {
-        world = world_at_start(world, retained.work_offsets.clone(), part);
-        preset_variables(&mut memory, part, &shared.sets);
-    }
-    let finished = part.as_ref().and_then(|part| part.finished).filter(|_| call.simulate);
-    let mut rehearsal = finished.map(|finished| {
-        let width_mm = retained.params.get(param::WHEEL_WIDTH);
-        FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
-    });
-    let mut foresight = InterlockCheck::new(shared.kind, &retained.params);
-    // An endless loop is shown once, up to its repetition. A first run without output finds that position.
-    let repeated = match call.ops {
-        true => {
-            check_with(&source, &library, &settings, memory.clone(), &mut world.clone(), &mut |_| {}).repeated_blocks
+        let mut met: Vec<_> = alarms.collect();
+        if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
+            let tells = |line: &u32| self.source.line(*line).is_some_and(|text| text.contains(&told.zh));
+            let line = (1..=self.source.line_count() as u32).find(tells).unwrap_or(0);
+            let text = self.source.line(line);
+            let column = text.and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
+            met.push(self.error(line, column.map_or(1, |at| at as u32 + 1), told));
+        } else if ran.has_own_error {
+            let en = "the program has ended in an error of its own (R62)";
+            met.push(self.error(0, 1, &LocalizedText::new("程序以自己的错误结束 (R62)", en)));
         }
-        false => Vec::new(),
-    };
-    let mut shown = 0;
-    let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
-        if let Some(rehearsal) = &mut rehearsal {
-            rehearsal.check_block(block, &|at| block_text(&source, &library, at).1);
+        met
+    }
+
+    fn analyse(&self) -> CheckOutcome {
+        let Self { source, library, settings, retained, .. } = self;
+        let mut memory = retained.variables.clone();
+        let mut world = self.machine_at_zero();
+        let mut limits = self.soft_limit_check(&world);
+        if let Some(part) = self.part.as_ref().filter(|_| !settings.start_is_work_zero) {
+            world = world_at_start(world, retained.work_offsets.clone(), part);
+            for (number, value) in setup::part_variables(part, &self.shared.sets) {
+                let _ = memory.set(u32::from(number), Some(value)); // a part presets valid variables only
+            }
         }
-        if let Some(limits) = &mut limits {
-            limits.check_block(block);
+        let finished = self.part.as_ref().and_then(|part| part.finished).filter(|_| self.call.simulate);
+        let mut rehearsal = finished.map(|finished| {
+            let width_mm = retained.params.get(param::WHEEL_WIDTH);
+            FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
+        });
+        let mut foresight = InterlockCheck::new(self.shared.kind, &retained.params);
+        // An endless loop is shown once, up to its repetition. A first run without output finds that position.
+        let mut repeated = Vec::new();
+        if self.call.ops {
+            let first = check_with(source, library, settings, memory.clone(), &mut world.clone(), &mut |_| {});
+            repeated = first.repeated_blocks;
         }
-        foresight.check_block(block);
-        if call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
-            block.ops.iter().for_each(|op| print_op(shared, op, part.as_ref(), axes));
+        let mut shown = 0;
+        let checked = check_with(source, library, settings, memory, &mut world, &mut |block| {
+            if let Some(rehearsal) = &mut rehearsal {
+                rehearsal.check_block(block, &|at| self.block_text(at).1);
+            }
+            if let Some(limits) = &mut limits {
+                limits.check_block(block);
+            }
+            foresight.check_block(block);
+            if self.call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
+                block.ops.iter().for_each(|op| self.print_op(op));
+            }
+            shown += 1;
+        });
+        let passed = rehearsal.and_then(FinishedSizeCheck::into_overshoot).map(|passed| self.overshoot_error(&passed));
+        // An endless loop runs into the limits; only the endless loop is reported.
+        let limits = limits.filter(|_| checked.repeated_blocks.is_empty());
+        let beyond = limits.map(SoftLimitCheck::into_violations).unwrap_or_default();
+        let foreseen = foresight.refusals().into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
+        let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
+        move_errors.sort_by_key(|wrong| wrong.line);
+        CheckOutcome { checked, move_errors }
+    }
+
+    /// A machine with the retained data, at its zero.
+    fn machine_at_zero(&self) -> OfflineMachine {
+        let mut world = OfflineMachine::new(&self.settings)
+            .with_references(reference_points(&self.retained.params))
+            .with_work_offsets(self.retained.work_offsets.clone());
+        for (variable, row) in PARAM_VARIABLES {
+            world.set_system(variable.first, Some(self.retained.params.get(row)));
         }
-        shown += 1;
-    });
-    let passed = rehearsal
-        .and_then(FinishedSizeCheck::into_overshoot)
-        .map(|passed| move_error(shared, &source, &library, &passed));
-    // An endless loop runs into the limits; only the endless loop is reported.
-    let beyond =
-        limits.filter(|_| checked.repeated_blocks.is_empty()).map(SoftLimitCheck::into_violations).unwrap_or_default();
-    let foreseen = foresight.refusals().into_iter().chain(beyond);
-    let foreseen = foreseen.map(|foreseen| refusal_error(shared, source.number(), &foreseen));
-    let mut moves: Vec<_> = passed.into_iter().chain(foreseen).collect();
-    moves.sort_by_key(|wrong| wrong.line);
-    Ok(CheckOutcome { checked, move_errors: moves, source, settings })
-}
-
-/// The programs that a checked program may call: those of the folder and the named ones beside its file.
-fn program_library(
-    shared: &SharedArgs,
-    path: &Path,
-    dialect: Dialect,
-) -> Result<Arc<dyn Library + Send + Sync>, CallError> {
-    let folders = setup::folders(shared)?;
-    let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
-    programs.replace(named_programs_beside(path, dialect));
-    Ok(Arc::new(programs))
-}
-
-/// A machine with the retained data, at its zero.
-fn offline_machine(retained: &PowerOnState, settings: &NcSettings) -> OfflineMachine {
-    let mut world = OfflineMachine::new(settings)
-        .with_references(reference_points(&retained.params))
-        .with_work_offsets(retained.work_offsets.clone());
-    for (variable, row) in PARAM_VARIABLES {
-        world.set_system(variable.first, Some(retained.params.get(row)));
+        world
     }
-    world
-}
 
-/// Prints a canonical operation.
-fn print_op(shared: &SharedArgs, op: &Op, part: Option<&PartFile>, axes: PerAxis<bool>) {
-    match shared.format {
-        OutputFormat::Json => print_line(with_work_offset(op, op.json(axes), part, axes)),
-        OutputFormat::Text => print_line(op),
+    /// The soft limit check, if the part (or a lathe's bar) gives the start position in the machine.
+    fn soft_limit_check(&self, world: &OfflineMachine) -> Option<SoftLimitCheck<'_>> {
+        let (params, world) = (&self.retained.params, world.clone());
+        let shown = PerAxis::from_fn(|axis| if axis == Axis::X && self.settings.diameter { 2.0 } else { 1.0 });
+        let mut frames = self.retained.work_offsets.clone();
+        if !self.settings.start_is_work_zero {
+            let part = self.part.as_ref()?;
+            return Some(SoftLimitCheck::new(world_at_start(world, frames, part), params, shown));
+        }
+        // L3: the program starts at its own zero.
+        let given = self.shared.part.is_some();
+        let bar = if given { None } else { bar::bar_of_program(self.shared.kind, params, &self.source) };
+        let machine = bar.as_ref().or(self.part.as_ref())?.start_mm.axes();
+        frames.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
+        let world = world.with_position(frames.work_from_machine(machine)).with_work_offsets(frames);
+        Some(SoftLimitCheck::new(world, params, shown))
     }
-}
 
-/// The part that a program is checked for: `--part`, otherwise the built-in part of its number.
-fn checked_part(shared: &SharedArgs, number: u32) -> Result<Option<PartFile>, CallError> {
-    match &shared.part {
-        Some(path) => setup::read_part_file(path).map(Some),
-        None => PartFile::builtin(number).map_err(CallError::new),
+    /// The text of a block, and its subprogram.
+    fn block_text(&self, at: BlockLocation) -> (Option<Arc<Source>>, String) {
+        let sub = (at.program != self.source.number()).then(|| self.library.find(at.program)).flatten();
+        let line = sub.as_ref().unwrap_or(&self.source).line(at.line).unwrap_or_default();
+        (sub, line)
     }
-}
 
-/// The error of a block that the machine would refuse; one in a subprogram is reported with its program.
-fn refusal_error(shared: &SharedArgs, number: u32, foreseen: &PredictedRefusal) -> CheckError {
-    let program = foreseen.at.program;
-    let sub =
-        if program == number { String::new() } else { format!("{}: ", crate::defs::program_number::name_of(program)) };
-    CheckError { line: foreseen.at.line, column: 1, message: format!("{sub}{}", foreseen.text.get(shared.lang)) }
-}
-
-/// The soft limit check, if the part (or a lathe's bar) gives the start position in the machine.
-fn soft_limit_check<'a>(
-    shared: &SharedArgs,
-    world: &OfflineMachine,
-    retained: &'a PowerOnState,
-    (source, part): (&Arc<Source>, Option<&PartFile>),
-    settings: &NcSettings,
-) -> Result<Option<SoftLimitCheck<'a>>, CallError> {
-    let shown = PerAxis::from_fn(|axis| if axis == Axis::X && settings.diameter { 2.0 } else { 1.0 });
-    let frames = retained.work_offsets.clone();
-    if !settings.start_is_work_zero {
-        return Ok(
-            part.map(|part| SoftLimitCheck::new(world_at_start(world.clone(), frames, part), &retained.params, shown))
-        );
+    /// Prints a canonical operation. A change of the work offset gets its origin: G54 as set up for the part, the
+    /// others zero.
+    fn print_op(&self, op: &Op) {
+        if self.shared.format == OutputFormat::Text {
+            return print_line(op);
+        }
+        let axes = self.settings.axes;
+        let mut json = op.json(axes);
+        if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
+            let part = self.part.as_ref().filter(|_| *g == 54);
+            let zero = part.map_or_else(PerAxis::default, |part| part.g54_mm.axes());
+            for (axis, _) in axes.iter().filter(|(_, present)| **present) {
+                object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
+            }
+        }
+        print_line(json);
     }
-    // L3: the program starts at its own zero.
-    let bar = if shared.part.is_some() { None } else { bar::bar_of_program(shared.kind, &retained.params, source) };
-    let Some(part) = bar.as_ref().or(part) else { return Ok(None) };
-    let mut frames = frames;
-    let machine = part.start_mm.machine();
-    frames.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
-    let world = world.clone().with_position(frames.work_from_machine(machine)).with_work_offsets(frames);
-    Ok(Some(SoftLimitCheck::new(world, &retained.params, shown)))
-}
 
-/// The text of a block, and its subprogram.
-fn block_text(
-    source: &Source,
-    library: &Arc<dyn Library + Send + Sync>,
-    at: BlockLocation,
-) -> (Option<Arc<Source>>, String) {
-    let sub = (at.program != source.number()).then(|| library.find(at.program)).flatten();
-    let line = sub.as_deref().unwrap_or(source).line(at.line).unwrap_or_default();
-    (sub, line)
-}
-
-/// The error of a move that the rehearsal found, at the block that caused it.
-fn move_error(
-    shared: &SharedArgs,
-    source: &Source,
-    library: &Arc<dyn Library + Send + Sync>,
-    passed: &Overshoot,
-) -> CheckError {
-    let (sub, line) = block_text(source, library, passed.at);
-    let name = passed.variable.map(|number| variable_name::variable_name_on(number, shared.kind)).unwrap_or_default();
-    let column = line.find(&name).map_or(1, |at| line[..at].chars().count() as u32 + 1);
-    let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));
-    let block = passed.at.n.map_or_else(String::new, |n| format!("N{n} "));
-    CheckError { line: passed.at.line, column, message: format!("{program}{block}{}", passed.message.get(shared.lang)) }
-}
-
-/// Adds the origin to a change of the work offset: G54 as set up for the part, the others zero.
-fn with_work_offset(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<bool>) -> Value {
-    if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
-        let zero = part.filter(|_| *g == 54).map_or_else(PerAxis::default, |part| part.g54_mm.displacement());
-        for (axis, _) in axes.iter().filter(|(_, present)| **present) {
-            object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
+    fn print(&self, found: &CheckOutcome, ran: Option<(&RunResult, &[CheckError])>) {
+        let (shared, checked) = (self.shared, &found.checked);
+        let file = self.path.display().to_string();
+        let faults = checked.faults.iter().map(|fault| self.fault_error(fault));
+        let met = ran.map_or(&[][..], |(_, met)| met);
+        let wrong: Vec<_> = faults.chain(found.move_errors.iter().chain(met).cloned()).collect();
+        let warnings: Vec<_> = checked.warnings.iter().map(|fault| self.fault_error(fault)).collect();
+        let diameter = self.settings.diameter;
+        let shown = |axis: Axis, value: f64| if axis == Axis::X && diameter { value * 2.0 } else { value };
+        let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {
+            let present = Axis::ALL.into_iter().filter(|axis| self.settings.axes[*axis]);
+            present.map(|axis| (axis, shown(axis, low[axis]), shown(axis, high[axis]))).collect()
+        });
+        match shared.format {
+            OutputFormat::Json if self.call.ops && wrong.is_empty() => {}
+            OutputFormat::Json => {
+                let extents: serde_json::Map<String, Value> =
+                    extents.iter().map(|(axis, low, high)| (axis.to_string(), json!([low, high]))).collect();
+                let mut told = json!({"file": file, "errors": errors_json(&wrong), "warnings": errors_json(&warnings),
+                           "finished": checked.finished, "seconds": checked.seconds, "length": checked.length_mm,
+                           "extents": extents});
+                if let Some((ran, _)) = ran {
+                    told["simulated"] = json!(ran.end.report_word());
+                }
+                print_line(told);
+            }
+            OutputFormat::Text => {
+                for at in &warnings {
+                    eprintln!("{file}:{}:{}: {}{}", at.line, at.column, WARNING.get(shared.lang), at.message);
+                }
+                print_errors(shared, &file, &wrong, &verdict(checked, ran.map(|(ran, _)| ran)));
+                let ranges = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}"));
+                print_line(format!("{}  {}", summary(checked).get(shared.lang), ranges.collect::<Vec<_>>().join("  ")));
+            }
         }
     }
-    json
 }
 
 /// The program number of a file name; 0 for a name without one.
-fn program_number(path: &Path) -> u32 {
+fn number_of_file(path: &Path) -> u32 {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     crate::story::parse::program(&stem).unwrap_or(0)
 }
 
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
 fn world_at_start(world: OfflineMachine, mut frames: WorkOffsets, part: &PartFile) -> OfflineMachine {
-    frames.work[0] = part.g54_mm.displacement();
+    frames.work[0] = part.g54_mm.axes();
     for offset in &part.offsets {
-        if let Some(place) = usize::from(offset.number).checked_sub(1).and_then(|index| frames.geometry.get_mut(index))
-        {
+        let index = usize::from(offset.number).checked_sub(1);
+        if let Some(place) = index.and_then(|index| frames.geometry.get_mut(index)) {
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         }
     }
-    let at = frames.work_from_machine(part.start_mm.machine());
+    let at = frames.work_from_machine(part.start_mm.axes());
     world.with_position(at).with_work_offsets(frames)
-}
-
-/// Sets the part's variables that the call does not set.
-fn preset_variables(memory: &mut CommonVariables, part: &PartFile, sets: &[(u16, f64)]) {
-    for (number, value) in setup::part_variables(part, sets) {
-        let _ = memory.set(u32::from(number), Some(value)); // a part presets valid variables only
-    }
 }
 
 /// The verdict without errors: of the check, and of the run after it.
@@ -400,63 +399,16 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
     }
 }
 
-fn print_program(
-    shared: &SharedArgs,
-    call: &CheckArgs,
-    path: &Path,
-    found: &CheckOutcome,
-    ran: Option<(&RunResult, &[CheckError])>,
-) {
-    let CheckOutcome { checked, move_errors: moves, settings, .. } = found;
-    let number = program_number(path);
-    let file = path.display().to_string();
-    let faults = checked.faults.iter().map(|fault| program_error(shared, number, fault));
-    let met = ran.map_or(&[][..], |(_, met)| met);
-    let wrong: Vec<_> = faults.chain(moves.iter().chain(met).cloned()).collect();
-    let warnings: Vec<_> = checked.warnings.iter().map(|fault| program_error(shared, number, fault)).collect();
-    let shown = |axis: Axis, value: f64| if axis == Axis::X && settings.diameter { value * 2.0 } else { value };
-    let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {
-        let present = Axis::ALL.into_iter().filter(|axis| settings.axes[*axis]);
-        present.map(|axis| (axis, shown(axis, low[axis]), shown(axis, high[axis]))).collect()
-    });
-    match shared.format {
-        OutputFormat::Json if call.ops && wrong.is_empty() => {}
-        OutputFormat::Json => {
-            let extents: serde_json::Map<String, Value> =
-                extents.iter().map(|(axis, low, high)| (axis.to_string(), json!([low, high]))).collect();
-            let mut told = json!({"file": file, "errors": errors_json(&wrong), "warnings": errors_json(&warnings),
-                       "finished": checked.finished, "seconds": checked.seconds, "length": checked.length_mm,
-                       "extents": extents});
-            if let Some((ran, _)) = ran {
-                told["simulated"] = json!(ran.end.report_word());
-            }
-            print_line(told);
-        }
-        OutputFormat::Text => {
-            for at in &warnings {
-                let warning = WARNING.get(shared.lang);
-                eprintln!("{file}:{}:{}: {warning}{}", at.line, at.column, at.message);
-            }
-            print_errors(shared, &file, &wrong, &verdict(checked, ran.map(|(ran, _)| ran)));
-            let ranges: Vec<_> = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}")).collect();
-            print_line(format!("{}  {}", summary(checked).get(shared.lang), ranges.join("  ")));
-        }
-    }
-}
-
 /// Lines, path length and time; if the check did not reach the end, only up to that point.
 fn summary(checked: &CheckReport) -> LocalizedText {
-    let (lines, mm, s) = (checked.lines, checked.length_mm, checked.seconds);
-    if checked.finished {
-        return LocalizedText::new(
-            format!("{lines} 行  {mm:.3} mm  {s:.1} s"),
-            format!("{lines} lines  {mm:.3} mm  {s:.1} s"),
-        );
-    }
-    LocalizedText::new(
-        format!("{lines} 行  检查没有走到程序结束；到该循环开始重复为止 {mm:.3} mm  {s:.1} s"),
-        format!(
-            "{lines} lines  the check did not come to the program's end; until that loop repeats {mm:.3} mm  {s:.1} s"
+    let (lines, seconds) = (checked.lines, checked.seconds);
+    let (zh, en) = match checked.finished {
+        true => ("", ""),
+        false => (
+            "检查没有走到程序结束；到该循环开始重复为止 ",
+            "the check did not come to the program's end; until that loop repeats ",
         ),
-    )
+    };
+    let path = format!("{:.3} mm  {seconds:.1} s", checked.length_mm);
+    LocalizedText::new(format!("{lines} 行  {zh}{path}"), format!("{lines} lines  {en}{path}"))
 }

@@ -2,14 +2,13 @@
 //! without a display it plays as fast as possible and writes pictures.
 //! Source: spec tools.md T2.
 
-use std::path::Path;
-
 use super::args::{DemoArgs, SharedArgs};
 use super::play::{StoryFile, read_story};
+use super::run::size_lines;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::kind::Kind;
 use crate::host::headless::HeadlessHost;
-use crate::story::{Player, Statement, parse, play::state_report};
+use crate::story::{Statement, parse, play::state_report};
 
 /// Plays the story.
 ///
@@ -22,7 +21,7 @@ pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
             let of_kind = shared.requested_kind.and_then(|kind| kind.row().demo_story);
             let story = of_kind.or(Kind::default().row().demo_story).unwrap_or_default();
             let (kind, lines) = parse(story, shared.kind).map_err(CallError::new)?;
-            StoryFile { kind, lines }
+            StoryFile { kind, lines, folder: ".".into() }
         }
     };
     let shared = SharedArgs { kind: told.kind, ..shared.clone() };
@@ -36,11 +35,9 @@ pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
 fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8, CallError> {
     let mut host = setup::headless_host(shared)?;
     if let Some(folder) = &call.out {
-        std::fs::create_dir_all(folder)
-            .map_err(|error| CallError::new(format!("--out {}: {error}", folder.display())))?;
+        std::fs::create_dir_all(folder).map_err(CallError::at(format!("--out {}", folder.display())))?;
     }
-    let folder = call.story.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
-    let mut player = Player::new(&mut host, super::page_reader::page_reader(shared.lang), folder, false);
+    let mut player = told.player(&mut host, shared.lang, false);
     let mut visited = Vec::new();
     for line in &told.lines {
         let done = player.play(line);
@@ -68,13 +65,7 @@ fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8
         picture(shared, call, player.host(), 0)?;
     }
     drop(player);
-    let part = host.machine().measure();
-    for at in &part.diameters {
-        print_line(format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
-    }
-    for at in &part.faces {
-        print_line(format!("part face at X{:.3}  Z {:.4}", at.x, at.z));
-    }
+    size_lines(&host.machine().measure()).for_each(print_line);
     Ok(SUCCESS)
 }
 
@@ -89,7 +80,7 @@ fn picture(shared: &SharedArgs, call: &DemoArgs, host: &mut HeadlessHost, line: 
         };
         let path = folder.join(name);
         let painted = crate::hmi::screenshot(snapshot, shared.lang, (1_024, 768));
-        painted.save(&path).map_err(|error| CallError::new(format!("{}: {error}", path.display())))?;
+        painted.save(&path).map_err(CallError::at(path.display()))?;
     }
     #[cfg(not(feature = "hmi"))]
     let _ = (shared, call, host, line);

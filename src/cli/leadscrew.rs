@@ -1,22 +1,19 @@
 //! `kt830 screw`: imports, shows or clears a leadscrew compensation table in the retained data.
 //! Source: spec B7.
 
+use std::path::Path;
+
 use super::args::{LeadscrewArgs, SharedArgs};
-use super::{CallError, SUCCESS, print_line};
+use super::{CallError, SUCCESS, print_line, setup};
 use crate::controller::StorageRequest;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::text::Lang;
 use crate::host::retained_store::RetainedStore;
-use crate::store::DataDir;
 
-/// Reads a compensation table.
-///
-/// # Errors
-/// The file cannot be read, or a line is invalid.
-pub fn read_table(path: &std::path::Path, lang: Lang) -> Result<LeadscrewCompensation, CallError> {
-    let bytes =
-        std::fs::read(path).map_err(|error| CallError::new(format!("{}: {error}; check the path", path.display())))?;
-    let text = crate::store::decode(&bytes).map_err(|error| CallError::new(format!("{}: {error}", path.display())))?;
+fn read_table(path: &Path, lang: Lang) -> Result<LeadscrewCompensation, CallError> {
+    let name = path.display();
+    let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{name}: {error}; check the path")))?;
+    let text = crate::store::decode(&bytes).map_err(CallError::at(name))?;
     LeadscrewCompensation::parse(&text.text)
         .map_err(|fault| CallError::new(format!("{}:{}: {}", path.display(), fault.line, fault.message.get(lang))))
 }
@@ -30,7 +27,7 @@ pub fn screw(shared: &SharedArgs, call: &LeadscrewArgs) -> Result<u8, CallError>
         Some(path) => Some(read_table(path, shared.lang)?),
         None => call.clear.then(LeadscrewCompensation::default),
     };
-    let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+    let data = setup::data_dir(shared)?;
     let (mut keeper, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     let shown = match table {
         Some(table) => {

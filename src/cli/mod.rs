@@ -6,16 +6,17 @@ mod check;
 mod demo;
 mod finished_size_check;
 mod leadscrew;
-mod page_reader;
 mod play;
 mod run;
 mod setup;
 #[cfg(feature = "hmi")]
 mod shot;
 mod soft_limit_check;
+mod trace_file;
 #[cfg(feature = "hmi")]
 mod window;
 
+use std::fmt::Display;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -41,14 +42,16 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if fine { SUCCESS } else { USAGE_ERROR });
         }
     };
-    let shared = match setup::resolve_settings(args.shared, args.verb.is_none()) {
-        Ok(shared) => shared,
-        Err(error) => {
-            eprintln!("kt830: {error}");
-            return ExitCode::from(USAGE_ERROR);
-        }
-    };
-    let done = match &args.verb {
+    ExitCode::from(execute(args).unwrap_or_else(|error| {
+        eprintln!("kt830: {error}");
+        USAGE_ERROR
+    }))
+}
+
+/// Executes the command; returns the exit status.
+fn execute(args: Args) -> Result<u8, CallError> {
+    let shared = setup::resolve_settings(args.shared, args.verb.is_none())?;
+    match &args.verb {
         Some(CliCommand::Run(call)) => run::run(&shared, call),
         Some(CliCommand::Check(call)) => check::check(&shared, call),
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
@@ -62,13 +65,6 @@ pub fn main() -> ExitCode {
         Some(CliCommand::Shot(_)) | None => Err(CallError::new(
             "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",
         )),
-    };
-    match done {
-        Ok(status) => ExitCode::from(status),
-        Err(error) => {
-            eprintln!("kt830: {error}");
-            ExitCode::from(USAGE_ERROR)
-        }
     }
 }
 
@@ -78,13 +74,18 @@ pub fn main() -> ExitCode {
 pub struct CallError(String);
 
 impl CallError {
-    fn new(text: impl std::fmt::Display) -> Self {
+    fn new(text: impl Display) -> Self {
         Self(text.to_string())
+    }
+
+    /// For `map_err`: the error at a file or an argument.
+    fn at<E: Display>(place: impl Display) -> impl FnOnce(E) -> Self {
+        move |error| Self(format!("{place}: {error}"))
     }
 }
 
 /// Writes a line to standard output; a closed pipe is ignored.
-fn print_line(text: impl std::fmt::Display) {
+fn print_line(text: impl Display) {
     use std::io::Write;
     drop(writeln!(std::io::stdout().lock(), "{text}"));
 }

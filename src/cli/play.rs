@@ -1,13 +1,12 @@
 //! `kt830 play`: plays a story without a display and prints one result line per statement.
 //! Source: spec tools.md T5.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
 use super::args::{OutputFormat, PlayArgs, SharedArgs};
+use super::trace_file::TraceFile;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::kind::Kind;
 use crate::defs::sim_fault::{FAULTS, FaultRow};
@@ -15,7 +14,11 @@ use crate::defs::text::Lang;
 use crate::host::headless::HeadlessHost;
 use crate::host::storage::DirectStorage;
 use crate::io::trace;
+#[cfg(feature = "hmi")]
+use crate::link::snapshot::Snapshot;
 use crate::link::snapshot::Tone;
+#[cfg(feature = "hmi")]
+use crate::story::PageReader;
 use crate::story::{Player, Stage, Statement, StoryLine, parse, play::state_report};
 use crate::units::Micros;
 
@@ -25,6 +28,30 @@ pub struct StoryFile {
     pub kind: Kind,
     /// Its lines.
     pub lines: Vec<StoryLine>,
+    /// The folder of the files that it names.
+    pub folder: PathBuf,
+}
+
+impl StoryFile {
+    /// A player that reads pages in a language, if the build has the screen. `part_given` as in [`Player::new`].
+    pub fn player<'a, G: Stage>(&self, stage: &'a mut G, lang: Lang, part_given: bool) -> Player<'a, G> {
+        #[cfg(feature = "hmi")]
+        let reader: Option<Box<dyn PageReader>> = Some(Box::new(PaintedPageReader(lang)));
+        #[cfg(not(feature = "hmi"))]
+        let (reader, _) = (None, lang);
+        Player::new(stage, reader, &self.folder, part_given)
+    }
+}
+
+/// Reads the texts of a page by painting it.
+#[cfg(feature = "hmi")]
+struct PaintedPageReader(Lang);
+
+#[cfg(feature = "hmi")]
+impl PageReader for PaintedPageReader {
+    fn texts(&mut self, snapshot: &Snapshot) -> Vec<String> {
+        crate::hmi::page_text(snapshot, self.0)
+    }
 }
 
 /// Reads a story file.
@@ -32,17 +59,16 @@ pub struct StoryFile {
 /// # Errors
 /// The file cannot be read, or a line is invalid.
 pub fn read_story(path: &Path, kind: Kind) -> Result<StoryFile, CallError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| CallError::new(format!("story {}: {error}; check the path", path.display())))?;
+    let text = setup::read_text("story", path)?;
     let (kind, lines) = parse(&text, kind).map_err(|error| CallError::new(format!("{} {error}", path.display())))?;
-    Ok(StoryFile { kind, lines })
+    Ok(StoryFile { kind, lines, folder: path.parent().unwrap_or(Path::new(".")).to_owned() })
 }
 
 /// The stage of `kt830 play`: a headless host that stops at a time and writes a trace.
 struct TracedStage {
     host: HeadlessHost,
     until: Option<Micros>,
-    trace: Option<TickTraceFile>,
+    trace: Option<TraceFile>,
 }
 
 impl Stage for TracedStage {
@@ -67,35 +93,6 @@ impl Stage for TracedStage {
     }
 }
 
-/// The file of `--trace`: one row a tick.
-struct TickTraceFile {
-    file: BufWriter<File>,
-    path: String,
-    /// The first error; nothing is written after it.
-    error: Option<std::io::Error>,
-}
-
-impl TickTraceFile {
-    fn create(path: &Path) -> Result<Self, CallError> {
-        let path_text = path.display().to_string();
-        let file = File::create(path).map_err(|error| CallError::new(format!("--trace {path_text}: {error}")))?;
-        let mut trace = Self { file: BufWriter::new(file), path: path_text, error: None };
-        trace.write(trace::HEADER);
-        Ok(trace)
-    }
-
-    fn write(&mut self, row: impl std::fmt::Display) {
-        if self.error.is_none() {
-            self.error = writeln!(self.file, "{row}").err();
-        }
-    }
-
-    fn finish(mut self) -> Result<(), CallError> {
-        let written = self.error.take().map_or(Ok(()), Err).and_then(|()| self.file.flush());
-        written.map_err(|error| CallError::new(format!("--trace {}: {error}", self.path)))
-    }
-}
-
 /// Plays the story and prints the result of each line; with `--until` to that time, then the state.
 ///
 /// # Errors
@@ -107,16 +104,14 @@ pub fn play(shared: &SharedArgs, call: &PlayArgs) -> Result<u8, CallError> {
     if let Some(path) = &shared.part {
         host.mount_part(&setup::read_part_file(path)?);
     }
-    let folder = call.story.parent().unwrap_or(Path::new("."));
     for line in &story.lines {
         if let Statement::Part(file) = &line.statement {
-            setup::read_part_file(&folder.join(file))?;
+            setup::read_part_file(&story.folder.join(file))?;
         }
     }
-    let trace = call.trace.as_deref().map(TickTraceFile::create).transpose()?;
+    let trace = call.trace.as_deref().map(|path| TraceFile::create(path, trace::HEADER)).transpose()?;
     let mut stage = TracedStage { host, until: call.until, trace };
-    let mut player =
-        Player::new(&mut stage, super::page_reader::page_reader(shared.lang), folder, shared.part.is_some());
+    let mut player = story.player(&mut stage, shared.lang, shared.part.is_some());
     let status = play_lines(&shared, &story.lines, &mut player);
     drop(player);
     if status == SUCCESS && call.until.is_some() {
@@ -165,13 +160,9 @@ fn play_lines(shared: &SharedArgs, lines: &[StoryLine], player: &mut Player<'_, 
 fn state_json(host: &mut HeadlessHost, lang: Lang) -> Value {
     let seconds = host.now().as_secs_f64();
     let snapshot = host.snapshot();
-    let axes: Map<String, Value> = snapshot
-        .axes
-        .iter()
-        .filter(|(_, view)| view.present)
-        .map(|(axis, view)| {
-            (axis.to_string(), json!({"work": view.work, "machine": view.machine, "to_go": view.to_go}))
-        })
+    let present = snapshot.axes.iter().filter(|(_, view)| view.present);
+    let axes: Map<String, Value> = present
+        .map(|(axis, at)| (axis.to_string(), json!({"work": at.work, "machine": at.machine, "to_go": at.to_go})))
         .collect();
     let alarms = snapshot.alarms.iter().map(|alarm| json!({"number": alarm.number, "text": alarm.text.get(lang)}));
     json!({
@@ -188,6 +179,7 @@ fn state_json(host: &mut HeadlessHost, lang: Lang) -> Value {
     })
 }
 
+/// Prints the result of a line; `refused` is what the control said to it.
 fn print_outcome(
     format: OutputFormat,
     line: &StoryLine,

@@ -1,22 +1,20 @@
 //! `kt830 run`: runs a program to its end on a simulated machine that is homed and ready.
 //! Source: spec tools.md T3.
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
-
 use serde_json::{Map, Value, json};
 
 use super::args::{OutputFormat, RunArgs, SharedArgs};
+use super::trace_file::TraceFile;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::key::Key;
+use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
 use crate::io::sim::PartReport;
 use crate::link::command::Command;
-use crate::link::snapshot::{RunState, Snapshot, VARIABLE_COUNT};
-use crate::units::{Axis, Micros};
+use crate::link::snapshot::{AxisView, RunState, Snapshot, ThreadCut, VARIABLE_COUNT};
+use crate::units::{Micros, PerAxis};
 
 /// Ticks after cycle start until the state is evaluated.
 const START_TICKS: u32 = 5;
@@ -98,15 +96,12 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
     host.make_ready();
     setup::mount_part(&mut host, shared, number)?;
     host.step();
-    let mut trace = match &call.trace {
-        Some(path) => Some(TraceFile::create(path, &host)?),
-        None => None,
-    };
+    let mut trace = call.trace.as_deref().map(|path| TraceFile::create(path, trace_header(&host))).transpose()?;
     let before = host.snapshot().variables.clone();
     let started = host.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
-        let end = run_one_part(&mut host, call, trace.as_mut())?;
+        let end = run_one_part(&mut host, call, trace.as_mut());
         let seconds = host.now().since(started).as_secs_f64();
         for _ in 0..SETTLE_TICKS {
             host.step();
@@ -120,6 +115,9 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
             host.machine_mut().set_part(Some(&part));
         }
     };
+    if let Some(trace) = trace {
+        trace.finish()?;
+    }
     let why = stop_reason(&mut host, end);
     if let Some(why) = &why {
         eprintln!("kt830: stopped: {}", why.get(shared.lang));
@@ -147,11 +145,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
 }
 
 /// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
-fn run_one_part(
-    host: &mut HeadlessHost,
-    call: &RunArgs,
-    mut trace: Option<&mut TraceFile>,
-) -> Result<RunEnd, CallError> {
+fn run_one_part(host: &mut HeadlessHost, call: &RunArgs, mut trace: Option<&mut TraceFile>) -> RunEnd {
     let started = host.now();
     let mut moved = (started, host.controller().block_count());
     host.send(Command::Press(Key::CycleStart));
@@ -161,19 +155,19 @@ fn run_one_part(
             moved = (host.now(), host.controller().block_count());
         }
         if let Some(trace) = &mut trace {
-            trace.line(host)?;
+            trace.write(trace_line(host));
         }
         let young = host.now().since(started).0 < u64::from(START_TICKS) * host.tick_time().0;
         match host.controller().state() {
             RunState::Stopped if call.through_stops => host.send(Command::Press(Key::CycleStart)),
-            RunState::Stopped => return Ok(RunEnd::Pause),
-            RunState::Held => return Ok(RunEnd::Held),
-            RunState::Idle if !young => return Ok(RunEnd::Finished),
-            RunState::Alarm if host.controller().is_at_rest() => return Ok(RunEnd::Alarm),
+            RunState::Stopped => return RunEnd::Pause,
+            RunState::Held => return RunEnd::Held,
+            RunState::Idle if !young => return RunEnd::Finished,
+            RunState::Alarm if host.controller().is_at_rest() => return RunEnd::Alarm,
             // A headless run has no operator who gives the input.
-            RunState::Waiting => return Ok(RunEnd::Waiting),
-            RunState::Running if host.now().since(started) > MAX_RUN_TIME => return Ok(RunEnd::TimedOut),
-            RunState::Running if is_stalled(host, moved) => return Ok(RunEnd::Stalled),
+            RunState::Waiting => return RunEnd::Waiting,
+            RunState::Running if host.now().since(started) > MAX_RUN_TIME => return RunEnd::TimedOut,
+            RunState::Running if is_stalled(host, moved) => return RunEnd::Stalled,
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     }
@@ -224,22 +218,16 @@ struct RunReport {
 impl RunReport {
     fn json(&self, host: &mut HeadlessHost, lang: Lang) -> Value {
         let snapshot = host.snapshot().clone();
-        let alarms: Vec<Value> = snapshot
-            .alarms
-            .iter()
-            .map(|alarm| {
-                let (program, line) = alarm.place.unwrap_or_default();
-                let program = program_json(host, program);
-                json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
-            })
-            .collect();
-        let mut variables = Map::new();
-        for (number, value) in self.changed(&snapshot) {
-            variables.insert(variable_name::variable_name_on(number as u32, host.kind()), json!(value));
-        }
+        let alarms = snapshot.alarms.iter().map(|alarm| {
+            let (program, line) = alarm.place.unwrap_or_default();
+            let program = program_json(host, program);
+            json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
+        });
+        let variables: Map<String, Value> =
+            self.changed(&snapshot, host.kind()).map(|(name, value)| (name, json!(value))).collect();
         let mut told = json!({
             "end": self.end.report_word(),
-            "alarms": alarms,
+            "alarms": alarms.collect::<Vec<_>>(),
             "seconds": self.seconds,
             "blocks": self.blocks,
             "work": positions_json(&snapshot, |axis| axis.work),
@@ -263,21 +251,17 @@ impl RunReport {
         told
     }
 
-    /// The variables changed by the run, by number.
-    fn changed(&self, snapshot: &Snapshot) -> BTreeMap<usize, Option<f64>> {
+    /// Names and values of the variables changed by the run, by number.
+    fn changed(&self, snapshot: &Snapshot, kind: Kind) -> impl Iterator<Item = (String, Option<f64>)> {
         let pairs = self.variables_before.iter().zip(snapshot.variables.iter()).enumerate();
-        pairs.filter(|(_, (before, after))| before != after).map(|(number, (_, after))| (number, *after)).collect()
+        let changed = pairs.filter(|(_, (before, after))| before != after);
+        changed.map(move |(number, (_, after))| (variable_name::variable_name_on(number as u32, kind), *after))
     }
 
     fn text(&self, host: &mut HeadlessHost, lang: Lang) -> String {
         let snapshot = host.snapshot().clone();
-        let mut lines = vec![format!(
-            "{}  {:.3} s  {} blocks  {} parts",
-            self.end.report_word(),
-            self.seconds,
-            self.blocks,
-            snapshot.parts_counted
-        )];
+        let (end, seconds, blocks, parts) = (self.end.report_word(), self.seconds, self.blocks, snapshot.parts_counted);
+        let mut lines = vec![format!("{end}  {seconds:.3} s  {blocks} blocks  {parts} parts")];
         for alarm in &snapshot.alarms {
             lines.push(format!("alarm {:03}  {}  {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang)));
         }
@@ -290,44 +274,35 @@ impl RunReport {
         for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
             lines.push(format!("{axis}  work {:10.3}  machine {:10.3}", view.work, view.machine));
         }
-        for (number, value) in self.changed(&snapshot) {
-            lines.push(match value {
-                Some(value) => format!("{} = {value}", variable_name::variable_name_on(number as u32, host.kind())),
-                None => format!("{} = ", variable_name::variable_name_on(number as u32, host.kind())),
-            });
+        for (name, value) in self.changed(&snapshot, host.kind()) {
+            lines.push(format!("{name} = {}", value.map_or_else(String::new, |value| value.to_string())));
         }
         if self.batch.len() > 1 {
             lines.extend(self.batch.iter().enumerate().map(|(at, part)| part_line(at + 1, part)));
         }
         let part = host.machine().measure();
-        lines.extend(part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d)));
-        lines.extend(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)));
+        lines.extend(size_lines(&part));
         lines.extend(part.heights.iter().map(|at| format!("part height at X{:.3} Z{:.3}  {:.4}", at.x, at.z, at.y)));
-        for cut in host.controller().threads() {
-            lines.push(format!(
-                "thread line {} lead {:.4} over {:.3} mm: lead error {:.1} µm",
-                cut.line,
-                cut.lead_mm,
-                cut.length_mm,
-                cut.error_mm * 1_000.0
-            ));
-        }
-        for event in host.machine().events() {
-            lines.push(format!(
-                "event {} at {:.3} s: {} X{:.3} Z{:.3}",
-                event.kind.id(),
-                event.seconds,
-                event.place,
-                event.x,
-                event.z
-            ));
-        }
+        lines.extend(host.controller().threads().iter().map(|cut| {
+            let (line, lead, length, error) = (cut.line, cut.lead_mm, cut.length_mm, cut.error_mm * 1_000.0);
+            format!("thread line {line} lead {lead:.4} over {length:.3} mm: lead error {error:.1} µm")
+        }));
+        lines.extend(host.machine().events().iter().map(|event| {
+            let (kind, seconds, place) = (event.kind.id(), event.seconds, event.place);
+            format!("event {kind} at {seconds:.3} s: {place} X{:.3} Z{:.3}", event.x, event.z)
+        }));
         lines.push(match turns_part(host) {
             true => format!("tool {}", snapshot.tool_station.unwrap_or_default()),
             false => format!("wheel diameter {:.4}", host.machine().wheel().diameter_mm),
         });
         lines.join("\n")
     }
+}
+
+/// The measured diameters and faces of a part, one line each.
+pub fn size_lines(part: &PartReport) -> impl Iterator<Item = String> {
+    let diameters = part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
+    diameters.chain(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)))
 }
 
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).
@@ -343,69 +318,44 @@ fn program_json(host: &HeadlessHost, number: u32) -> Value {
 
 /// One line for a part of a batch: the range of each measurement.
 fn part_line(number: usize, part: &PartReport) -> String {
-    let range = |name: &str, values: Vec<f64>| {
+    let range = |(name, values): (&str, Vec<f64>)| {
         let least = values.iter().copied().min_by(f64::total_cmp)?;
         let greatest = values.iter().copied().max_by(f64::total_cmp)?;
         Some(format!("  {name} {least:.4} … {greatest:.4}"))
     };
-    let diameters = range("diameter", part.diameters.iter().map(|at| at.d).collect());
-    let faces = range("face", part.faces.iter().map(|at| at.z).collect());
-    let heights = range("height", part.heights.iter().map(|at| at.y).collect());
-    let told = [diameters, faces, heights].into_iter().flatten().collect::<String>();
+    let diameters = ("diameter", part.diameters.iter().map(|at| at.d).collect());
+    let faces = ("face", part.faces.iter().map(|at| at.z).collect());
+    let heights = ("height", part.heights.iter().map(|at| at.y).collect());
+    let told = [diameters, faces, heights].into_iter().filter_map(range).collect::<String>();
     format!("part {number}{told}")
 }
 
 /// The threads cut, with their lead errors.
 fn threads_json(host: &HeadlessHost) -> Vec<Value> {
-    let row = |cut: &crate::link::snapshot::ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
+    let row = |cut: &ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
     host.controller().threads().iter().map(row).collect()
 }
 
-fn positions_json(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {
-    let mut map = Map::new();
-    for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
-        map.insert(axis.to_string(), json!(of(view)));
-    }
-    Value::Object(map)
+fn positions_json(snapshot: &Snapshot, of: impl Fn(&AxisView) -> f64) -> Value {
+    let present = snapshot.axes.iter().filter(|(_, view)| view.present);
+    present.map(|(axis, view)| (axis.to_string(), json!(of(view)))).collect()
 }
 
-/// `--trace`: one line per tick.
-struct TraceFile {
-    file: BufWriter<File>,
-    path: String,
+/// The header of `--trace`.
+fn trace_header(host: &HeadlessHost) -> String {
+    let columns = |what: &str| {
+        host.controller().axes_present().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>().join(",")
+    };
+    format!("seconds,{},{},outputs,program,line", columns("set"), columns("actual"))
 }
 
-impl TraceFile {
-    fn create(path: &std::path::Path, host: &HeadlessHost) -> Result<Self, CallError> {
-        let name = path.display().to_string();
-        let file = File::create(path).map_err(|error| CallError::new(format!("--trace {name}: {error}")))?;
-        let mut trace = Self { file: BufWriter::new(file), path: name };
-        let axes: Vec<Axis> = host.controller().axes_present().collect();
-        let columns = |what: &str| axes.iter().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>().join(",");
-        trace.write(&format!("seconds,{},{},outputs,program,line", columns("set"), columns("actual")))?;
-        Ok(trace)
-    }
-
-    fn line(&mut self, host: &mut HeadlessHost) -> Result<(), CallError> {
-        let control = host.controller();
-        let (set, actual, place) = (control.set_point(), control.actual(), control.current_block());
-        let list = |of: crate::units::MachinePos| {
-            control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",")
-        };
-        let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
-        let line = format!(
-            "{:.3},{},{},{},{},{}",
-            host.now().as_secs_f64(),
-            list(set),
-            list(actual),
-            outputs.join(" "),
-            place.program,
-            place.line
-        );
-        self.write(&line)
-    }
-
-    fn write(&mut self, line: &str) -> Result<(), CallError> {
-        writeln!(self.file, "{line}").map_err(|error| CallError::new(format!("--trace {}: {error}", self.path)))
-    }
+/// The line of `--trace` for the last tick.
+fn trace_line(host: &HeadlessHost) -> String {
+    let control = host.controller();
+    let list =
+        |of: PerAxis<f64>| control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",");
+    let (set, actual, place) = (list(control.set_point()), list(control.actual()), control.current_block());
+    let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
+    let (seconds, outputs) = (host.now().as_secs_f64(), outputs.join(" "));
+    format!("{seconds:.3},{set},{actual},{outputs},{},{}", place.program, place.line)
 }

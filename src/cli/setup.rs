@@ -16,8 +16,8 @@ use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
 use crate::host::storage::{StorageWorker, ThreadedStorage};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::nc::CommonVariables;
 use crate::store::{DataDir, StoredSettings};
+use crate::story::parse;
 use crate::units::Micros;
 
 /// Program number of a file without a number in its name.
@@ -33,11 +33,9 @@ const SIM_VIEW_INTERVAL: Micros = Micros::from_millis(100);
 /// # Errors
 /// The data directory or the settings in it cannot be read.
 pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<SharedArgs, CallError> {
-    let stored = if shared.data.is_some() || opens_control {
-        let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-        StoredSettings::read(data.root()).map_err(CallError::new)?
-    } else {
-        StoredSettings::default()
+    let stored = match shared.data.is_some() || opens_control {
+        true => StoredSettings::read(data_dir(&shared)?.root()).map_err(CallError::new)?,
+        false => StoredSettings::default(),
     };
     shared.kind = shared.requested_kind.or(stored.kind).unwrap_or_default();
     shared.lang = shared.requested_lang.or(stored.lang).unwrap_or_default();
@@ -46,12 +44,20 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
     Ok(shared)
 }
 
+/// The data directory: from the call, otherwise the platform's.
+///
+/// # Errors
+/// The platform has none, or it cannot be created.
+pub fn data_dir(shared: &SharedArgs) -> Result<DataDir, CallError> {
+    DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)
+}
+
 /// The folders: from the call, otherwise in the current directory, otherwise in the data directory.
 ///
 /// # Errors
 /// A folder cannot be created.
 pub fn folders(shared: &SharedArgs) -> Result<Folders, CallError> {
-    let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+    let data = data_dir(shared)?;
     let (programs, screens) = (shared.programs.clone(), shared.screens.clone());
     Folders::resolve(programs, screens, &data, shared.kind).map_err(CallError::new)
 }
@@ -62,8 +68,9 @@ pub fn folders(shared: &SharedArgs) -> Result<Folders, CallError> {
 /// As [`apply_overrides`].
 pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
     let kept = shared.data.is_some().then(|| {
-        let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-        RetainedStore::open(data.root(), shared.kind).map(|(_, found)| found.retained).map_err(CallError::new)
+        RetainedStore::open(data_dir(shared)?.root(), shared.kind)
+            .map(|(_, found)| found.retained)
+            .map_err(CallError::new)
     });
     let retained = match kept {
         Some(Ok(retained)) => retained,
@@ -76,24 +83,19 @@ pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
     apply_overrides(shared, retained)
 }
 
-/// Applies `--param` and `--set_variable` to factory or retained data.
+/// Applies `--param` and `--set` to factory or retained data.
 ///
 /// # Errors
 /// A parameter or variable does not exist or does not take the value.
 pub fn apply_overrides(shared: &SharedArgs, mut retained: PowerOnState) -> Result<PowerOnState, CallError> {
     for (at, value) in &shared.params {
-        retained.params.write(*at, *value).map_err(|error| CallError::new(format!("--param {at}={value}: {error}")))?;
+        retained.params.write(*at, *value).map_err(CallError::at(format!("--param {at}={value}")))?;
     }
     for (number, value) in &shared.sets {
-        set_variable(&mut retained.variables, *number, *value)?;
+        let set = retained.variables.set(u32::from(*number), Some(*value));
+        set.map_err(CallError::at(format!("--set #{number}={value}")))?;
     }
     Ok(retained)
-}
-
-fn set_variable(variables: &mut CommonVariables, number: u16, value: f64) -> Result<(), CallError> {
-    variables
-        .set(u32::from(number), Some(value))
-        .map_err(|error| CallError::new(format!("--set #{number}={value}: {error}")))
 }
 
 /// What a control starts with: retained data, their store, and how it runs jobs.
@@ -127,7 +129,7 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
 
 /// The data directory, if the call names one.
 fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
-    shared.data.is_some().then(|| DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)).transpose()
+    shared.data.is_some().then(|| data_dir(shared)).transpose()
 }
 
 /// Connects a control with its simulated machine and its storage.
@@ -167,7 +169,7 @@ pub fn threaded_host(
     opens_control: bool,
 ) -> Result<Host<HostedSimulation, ThreadedStorage>, CallError> {
     let data = match opens_control {
-        true => Some(DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?),
+        true => Some(data_dir(shared)?),
         false => named_data(shared)?,
     };
     let parts = host_parts(shared, data)?;
@@ -202,9 +204,17 @@ pub fn part_variables(part: &PartFile, sets: &[(u16, f64)]) -> impl Iterator<Ite
 /// # Errors
 /// The file cannot be read.
 pub fn read_part_file(path: &Path) -> Result<PartFile, CallError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| CallError::new(format!("part file {}: {error}; check the path", path.display())))?;
-    PartFile::parse(&text).map_err(|error| CallError::new(format!("part file {}: {error}", path.display())))
+    let text = read_text("part file", path)?;
+    PartFile::parse(&text).map_err(CallError::at(format!("part file {}", path.display())))
+}
+
+/// Reads a text file; `what` names it in the error.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn read_text(what: &str, path: &Path) -> Result<String, CallError> {
+    let read = std::fs::read_to_string(path);
+    read.map_err(|error| CallError::new(format!("{what} {}: {error}; check the path", path.display())))
 }
 
 /// Finds the program of the call, a number or name in the folder or a file; adds a file to the host.
@@ -212,29 +222,21 @@ pub fn read_part_file(path: &Path) -> Result<PartFile, CallError> {
 /// # Errors
 /// There is no such program.
 pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
-    if let Some(number) = crate::story::parse::program(word)
-        && host.has_program(number)
-    {
-        return Ok(number);
-    }
-    if let Some(number) = host.find_program(word) {
+    let known = |number: &u32| host.has_program(*number);
+    if let Some(number) = parse::program(word).filter(known).or_else(|| host.find_program(word)) {
         return Ok(number);
     }
     let path = Path::new(word);
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let named = crate::story::parse::program(&stem);
-    if !path.is_file()
-        && let Some(number) = named
-        && host.has_program(number)
-    {
-        return Ok(number);
-    }
+    let named = parse::program(&stem);
     if !path.is_file() {
-        return Err(CallError::new(format!(
-            "there is no program {word}: neither in the programs folder nor as a file; `--programs DIR` names another folder"
-        )));
+        return named.filter(known).ok_or_else(|| {
+            CallError::new(format!(
+                "there is no program {word}: neither in the programs folder nor as a file; `--programs DIR` names another folder"
+            ))
+        });
     }
-    let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
+    let bytes = std::fs::read(path).map_err(CallError::at(word))?;
     // L1: every program of a lathe has a name of at least one letter.
     let by_name = host.kind().row().programs.by_name && !stem.is_empty();
     let named = if by_name { Some(crate::defs::program_number::from_name(&stem)) } else { named };

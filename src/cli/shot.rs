@@ -10,7 +10,7 @@ use crate::defs::program_number;
 use crate::hmi::Hmi;
 use crate::hmi::offscreen::OffscreenHmi;
 use crate::link::command::Command;
-use crate::story::{Player, play::state_report};
+use crate::story::play::state_report;
 
 /// Ticks until a page is complete.
 const SETTLE_TICKS: u32 = 5;
@@ -27,19 +27,11 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     host.send(Command::WallClock(call.clock));
     match &told {
         Some(told) => {
-            let path = call.story.as_deref().unwrap_or(Path::new("."));
-            let folder = path.parent().unwrap_or(Path::new("."));
-            let mut player =
-                Player::new(&mut host, super::page_reader::page_reader(shared.lang), folder, shared.part.is_some());
+            let mut player = told.player(&mut host, shared.lang, shared.part.is_some());
             for line in &told.lines {
                 if let Err(why) = player.play(line) {
-                    eprintln!(
-                        "{}:{}: {}: {why}\n{}",
-                        path.display(),
-                        line.number,
-                        line.text,
-                        state_report(player.host())
-                    );
+                    let (path, state) = (call.story.as_deref().unwrap_or(Path::new(".")), state_report(player.host()));
+                    eprintln!("{}:{}: {}: {why}\n{state}", path.display(), line.number, line.text);
                     return Ok(FAILED);
                 }
             }
@@ -53,9 +45,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
         }
     }
     host.send(Command::OpenPage(call.page));
-    for _ in 0..SETTLE_TICKS {
-        host.step();
-    }
+    (0..SETTLE_TICKS).for_each(|_| host.step());
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
     hmi.set_light(shared.light);
@@ -66,8 +56,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
         (0..SETTLE_TICKS).for_each(|_| host.step());
     }
     stage.frame(host.snapshot());
-    let picture = stage.picture();
     let out = &call.out;
-    picture.save(out).map_err(|error| CallError::new(format!("--out {}: {error}", out.display())))?;
+    stage.picture().save(out).map_err(CallError::at(format!("--out {}", out.display())))?;
     Ok(SUCCESS)
 }

@@ -353,17 +353,3 @@ program_errors! {
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn b8_program_alarms_keep_to_their_range_and_are_unique() {
-        for row in ProgramError::ALL {
-            assert!(matches!(row.number(), 1..=65 | 67..=99), "{}", row.id());
-            let same = |other: &&ProgramError| other.number() == row.number() || other.id() == row.id();
-            assert_eq!(ProgramError::ALL.iter().filter(same).count(), 1, "{}", row.id());
-        }
-    }
-}

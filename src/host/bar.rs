@@ -59,21 +59,7 @@ pub fn bar_of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Opti
     let chuck =
         BodyFile { what: Body::Chuck, z_from: -length - CHUCK_LENGTH_MM, z_to: -length, diameter: CHUCK_DIAMETER_MM };
     let bar = BarFile { diameter, z_from: -length, z_to: 0.0, cell: CELL_MM };
-    Some(PartFile {
-        name: "棒料".to_owned(),
-        kind,
-        g54_mm: FACE_MM,
-        start_mm,
-        offsets: Vec::new(),
-        variables: Default::default(),
-        tailstock_advanced: false,
-        tailstock: None,
-        bodies: vec![chuck],
-        blocks: Vec::new(),
-        gauge: None,
-        bar: Some(bar),
-        surfaces: Vec::new(),
-        head_deg: 0.0,
-        finished: None,
-    })
+    let name = "棒料".to_owned();
+    let parts = PartFile { name, kind, g54_mm: FACE_MM, start_mm, ..PartFile::default() };
+    Some(PartFile { bodies: vec![chuck], bar: Some(bar), ..parts })
 }

@@ -2,19 +2,20 @@
 //! Runs on the disk thread or before a headless run, never in the tick.
 //! Source: spec B1, K5.12, K7.3, K7.4.
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
 use chrono::{DateTime, Local};
-use image::ImageReader;
+use image::{ImageError, ImageFormat, ImageReader};
 use ropey::Rope;
 
 use super::shipped::{SHIPPED, Shipped};
 use crate::controller::{Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
-use crate::defs::{self, page_text};
+use crate::defs::{page_text, program_number};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
@@ -91,21 +92,21 @@ impl Folders {
             return Ok(self.read_named());
         }
         let folder = Folder::new(&self.programs);
-        let listing = folder.list(&PROGRAM)?;
-        let mut rows = Vec::new();
-        let mut directory = Vec::new();
-        for entry in &listing.entries {
-            if let Ok(read) = folder.read(&PROGRAM, entry.number) {
-                rows.push(program_from_bytes(u32::from(entry.number), &read.name, read.bytes, self.dialect));
-                directory.push(directory_row(entry));
+        let (mut rows, mut directory) = (Vec::new(), Vec::new());
+        let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
+            if let Ok(read) = read {
+                rows.push(program_from_bytes(row.number, &read.name, read.bytes, self.dialect));
+                directory.push(row);
             }
+        };
+        for FolderEntry { number: file, size, modified, comment, .. } in folder.list(&PROGRAM)?.entries {
+            let number = u32::from(file);
+            let (name, modified) = (program_number::name_of(number), time_text(modified));
+            add(folder.read(&PROGRAM, file), DirectoryRow { number, name, size, comment, modified });
         }
-        for entry in list_named_programs(&self.programs)? {
-            if let Ok(read) = folder.read_named(&PROGRAM, &entry.name) {
-                let number = defs::program_number::from_name(&entry.stem);
-                rows.push(program_from_bytes(number, &read.name, read.bytes, self.dialect));
-                directory.push(named_directory_row(number, &entry));
-            }
+        for NamedProgram { stem, name: file, size, modified, comment } in list_named_programs(&self.programs)? {
+            let (number, modified) = (program_number::from_name(&stem), time_text(modified));
+            add(folder.read_named(&PROGRAM, &file), DirectoryRow { number, name: stem, size, comment, modified });
         }
         Ok((Programs::new(rows), directory))
     }
@@ -113,13 +114,12 @@ impl Folders {
     /// Reads programs with names in alphabetical order (L1). Skips a file that cannot be read.
     fn read_named(&self) -> (Programs, Vec<DirectoryRow>) {
         let shelf = self.program_folder();
-        let names = shelf.list().unwrap_or_default();
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
-        for file in names {
+        for file in shelf.list().unwrap_or_default() {
             let Ok(FileContent { name, bytes }) = shelf.read(&file.name) else { continue };
             let size = bytes.len() as u64;
-            let stem = defs::program_number::stem(&name).to_ascii_uppercase();
-            let program = program_from_bytes(defs::program_number::from_name(&stem), &name, bytes, self.dialect);
+            let stem = program_number::stem(&name).to_ascii_uppercase();
+            let program = program_from_bytes(program_number::from_name(&stem), &name, bytes, self.dialect);
             let comment = program.source.comment_title().unwrap_or_default();
             let told = self.programs.join(&name).metadata().ok();
             let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
@@ -155,18 +155,13 @@ impl Folders {
 /// Creates a program from the bytes of its file.
 #[must_use]
 pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> StoredProgram {
-    let (text, mistaken) = match decode(&bytes) {
+    let (text, has_invalid_bytes) = match decode(&bytes) {
         Ok(decoded) => (Rope::from_str(&decoded.text), false),
         Err(_) => (Rope::from_str(&String::from_utf8_lossy(&bytes)), true),
     };
     let stamp = stamp(&bytes);
-    StoredProgram {
-        number,
-        source: Arc::new(Source::new(number, name, bytes, dialect)),
-        text,
-        stamp,
-        has_invalid_bytes: mistaken,
-    }
+    let source = Arc::new(Source::new(number, name, bytes, dialect));
+    StoredProgram { number, source, text, stamp, has_invalid_bytes }
 }
 
 /// The named programs in the folder of a named program. A call such as `L10` is searched there first.
@@ -181,22 +176,11 @@ pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram
         _ => Path::new("."),
     };
     let folder = Folder::new(path);
-    let named = list_named_programs(path).unwrap_or_default();
-    let read = |entry: NamedProgram| folder.read_named(&PROGRAM, &entry.name).ok().map(|read| (entry.stem, read));
-    let found = named.into_iter().filter_map(read);
-    found
-        .map(|(stem, read)| program_from_bytes(defs::program_number::from_name(&stem), &read.name, read.bytes, dialect))
-        .collect()
-}
-
-fn named_directory_row(number: u32, entry: &NamedProgram) -> DirectoryRow {
-    DirectoryRow {
-        number,
-        name: entry.stem.clone(),
-        size: entry.size,
-        comment: entry.comment.clone(),
-        modified: time_text(entry.modified),
-    }
+    let read = |entry: NamedProgram| {
+        let read = folder.read_named(&PROGRAM, &entry.name).ok()?;
+        Some(program_from_bytes(program_number::from_name(&entry.stem), &read.name, read.bytes, dialect))
+    };
+    list_named_programs(path).unwrap_or_default().into_iter().filter_map(read).collect()
 }
 
 fn time_text(modified: Option<SystemTime>) -> String {
@@ -221,23 +205,12 @@ fn install_shipped(shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-fn directory_row(entry: &FolderEntry) -> DirectoryRow {
-    let number = u32::from(entry.number);
-    DirectoryRow {
-        number,
-        name: defs::program_number::name_of(number),
-        size: entry.size,
-        comment: entry.comment.clone(),
-        modified: time_text(entry.modified),
-    }
-}
-
 fn file_fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault {
     FileFault { file: file.to_owned(), position: None, message: LocalizedText::new(zh, en) }
 }
 
 /// Reads a page file; a fault is shown with alarm 66.
-fn read_page_file(folder: &Folder, class: &FileClass, number: u16) -> Result<crate::store::FileContent, FileFault> {
+fn read_page_file(folder: &Folder, class: &FileClass, number: u16) -> Result<FileContent, FileFault> {
     folder.read(class, number).map_err(|error| match error {
         FolderError::Missing { name, .. } => {
             file_fault(&name, "文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder")
@@ -256,19 +229,13 @@ fn page_text(folder: &Folder, number: u16) -> Result<Arc<page_text::PageText>, F
 /// # Errors
 /// The first position that does not match the format.
 pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<page_text::PageText, FileFault> {
-    let decoded = decode(bytes).map_err(|error| FileFault {
-        file: name.to_owned(),
-        position: Some((error.line as u32, error.column as u32)),
-        message: LocalizedText::new(
-            "不是 GBK 或 UTF-8 编码，请用记事本另存",
-            "neither GBK nor UTF-8: save it again with an editor",
-        ),
+    let fault = |position, message| FileFault { file: name.to_owned(), position: Some(position), message };
+    let decoded = decode(bytes).map_err(|error| {
+        let en = "neither GBK nor UTF-8: save it again with an editor";
+        let message = LocalizedText::new("不是 GBK 或 UTF-8 编码，请用记事本另存", en);
+        fault((error.line as u32, error.column as u32), message)
     })?;
-    page_text::parse(&decoded.text).map_err(|wrong| FileFault {
-        file: name.to_owned(),
-        position: Some((wrong.line, wrong.column)),
-        message: wrong.message,
-    })
+    page_text::parse(&decoded.text).map_err(|wrong| fault((wrong.line, wrong.column), wrong.message))
 }
 
 fn picture(folder: &Folder, number: u16) -> Result<Arc<Picture>, FileFault> {
@@ -303,11 +270,8 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         ));
     }
     if number(COMPRESSION_OFFSET) != Some(0) {
-        return Err(file_fault(
-            name,
-            "图片是压缩的，请存为不压缩的 BMP",
-            "the picture is compressed, save it uncompressed",
-        ));
+        let en = "the picture is compressed, save it uncompressed";
+        return Err(file_fault(name, "图片是压缩的，请存为不压缩的 BMP", en));
     }
     if bytes.len() != PICTURE_BYTES {
         return Err(file_fault(
@@ -316,14 +280,11 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
             format!("the file has {} bytes, it has to have {PICTURE_BYTES}", bytes.len()),
         ));
     }
-    let decoded = ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Bmp)
-        .decode()
-        .map_err(|error| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    let damaged =
+        |error: ImageError| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}"));
+    let decoded = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Bmp).decode().map_err(damaged)?;
     let mut png = Vec::new();
-    decoded
-        .to_rgb8()
-        .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
-        .map_err(|error| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    decoded.to_rgb8().write_to(&mut Cursor::new(&mut png), ImageFormat::Png).map_err(damaged)?;
     png.shrink_to_fit();
     Ok(Picture(png))
 }

@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use super::job_runner::folder_refusal;
-use super::transfer::{no_usb_drive, save_file_as};
+use super::job_answer::{JobResult, no_usb_drive, refusal};
+use super::transfer::save_file_as;
 use crate::defs::date::DateTime;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::text::LocalizedText;
@@ -26,7 +26,7 @@ fn file_stem(axis: Axis) -> String {
 ///
 /// # Errors
 /// No USB drive, no such file, not a text, or an invalid line, which is named.
-pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> Result<FileAnswer, Refusal> {
+pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
     let stick = stick.ok_or_else(no_usb_drive)?;
     let stem = file_stem(axis);
     let ours = |name: &str| {
@@ -34,18 +34,13 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> Result<FileAnswer, Refusal>
         let rest = upper.strip_prefix(&stem).and_then(|rest| rest.strip_suffix(".CSV"));
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
     };
-    let files = stick.files().map_err(|fault| Refusal::Other(LocalizedText::new(fault.zh(), fault.to_string())))?;
     // The name without a date sorts after those with a date.
-    let file = files.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
-    let name = file.map(|file| file.name).ok_or_else(|| {
-        Refusal::Other(LocalizedText::new(
-            format!("U 盘上没有 {stem}.CSV"),
-            format!("there is no {stem}.CSV on the medium"),
-        ))
-    })?;
-    let wrong =
-        |zh: String, en: String| Refusal::Other(LocalizedText::new(format!("{name} {zh}"), format!("{name} {en}")));
-    let bytes = read_file(&stick.root().join(&name), FILE_LIMIT).map_err(|error| folder_refusal(&error))?;
+    let file =
+        stick.files()?.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
+    let missing = || refusal(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium"));
+    let name = file.map(|file| file.name).ok_or_else(missing)?;
+    let wrong = |zh: String, en: String| refusal(format!("{name} {zh}"), format!("{name} {en}"));
+    let bytes = read_file(&stick.root().join(&name), FILE_LIMIT)?;
     let text = decode(&bytes)
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = LeadscrewCompensation::parse(&text.text).map_err(|fault| {

@@ -8,6 +8,7 @@ pub mod clock;
 pub mod folders;
 pub mod headless;
 pub mod hosted_machine;
+mod job_answer;
 pub mod job_runner;
 mod leadscrew_files;
 pub mod link;
@@ -15,6 +16,7 @@ pub mod pace;
 mod page_file;
 pub mod part;
 pub mod password_store;
+mod program_file;
 pub mod retained_store;
 pub mod serial;
 mod shipped;
@@ -317,7 +319,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     }
 
     fn raise_damage(&mut self, what: &str) {
-        self.controller.report_alarm(alarm::RETAINED_DATA_DAMAGED, Some(LocalizedText::new(what, what)));
+        self.controller.report_alarm(alarm::RETAINED_DATA_DAMAGED, Some(LocalizedText::same(what)));
     }
 
     /// Raises the alarm for late ticks.
@@ -381,11 +383,6 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     #[must_use]
     pub const fn plant(&self) -> &P {
         &self.plant
-    }
-
-    /// The machine, to be changed.
-    pub const fn plant_mut(&mut self) -> &mut P {
-        &mut self.plant
     }
 
     /// Voltage of the second analog output, 0 to 10 V.

@@ -7,15 +7,16 @@ use std::collections::BTreeMap;
 use ropey::Rope;
 
 use super::folders::parse_picture;
-use super::job_runner::{encode, folder_refusal, refusal_of};
-use super::transfer::{FOREIGN_PICTURE, convert_picture, no_usb_drive};
+use super::job_answer::{JobResult, done, error_refusal, no_usb_drive, refusal, saved};
+use super::transfer::{FOREIGN_PICTURE, convert_picture};
 use crate::controller::files::BackgroundJob;
 use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
-use crate::defs::text::LocalizedText;
-use crate::link::files::{FileAnswer, Refusal};
+use crate::link::files::Refusal;
 use crate::link::page_file::{PageFile, PictureFile, PictureLocation};
 use crate::nc::program_uses::find_uses;
-use crate::store::{Encoding, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, UsbDrive, decode, stamp};
+use crate::store::{
+    Encoding, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, UsbDrive, decode, encode, stamp,
+};
 
 /// Page number minus file number.
 const PAGE_NUMBER_OFFSET: u32 = 1_000;
@@ -32,8 +33,8 @@ pub struct PageFileFolder {
 
 fn file_number(page: u32) -> Result<u16, Refusal> {
     let number = page.checked_sub(PAGE_NUMBER_OFFSET).and_then(|number| u16::try_from(number).ok());
-    let said = || LocalizedText::new(format!("{page} 没有页面"), format!("{page} has no page"));
-    number.filter(|number| (1..=9_999).contains(number)).ok_or_else(|| Refusal::Other(said()))
+    let missing = || refusal(format!("{page} 没有页面"), format!("{page} has no page"));
+    number.filter(|number| (1..=9_999).contains(number)).ok_or_else(missing)
 }
 
 /// An empty page text: a title and ten empty entries for each column.
@@ -63,7 +64,7 @@ impl PageFileFolder {
                 }
             }
             Err(FolderError::Missing { name, .. }) => (read.name, read.text) = (name, empty_page_text()),
-            Err(error) => return Err(folder_refusal(&error)),
+            Err(error) => return Err(error.into()),
         }
         read.pictures = self.pictures();
         Ok(read)
@@ -72,16 +73,12 @@ impl PageFileFolder {
     fn pictures(&self) -> Vec<PictureFile> {
         let of = |from: PictureLocation, folder: &UsbDrive| {
             let files = folder.files().unwrap_or_default().into_iter();
-            let kinds = FOREIGN_PICTURE.extensions;
             let is_picture = |name: &str| {
                 let kind = name.rsplit_once('.').map_or("", |(_, kind)| kind);
-                kinds.iter().any(|known| known.eq_ignore_ascii_case(kind))
+                FOREIGN_PICTURE.extensions.iter().any(|known| known.eq_ignore_ascii_case(kind))
             };
-            files.filter(move |file| is_picture(&file.name)).map(move |file| PictureFile {
-                location: from,
-                name: file.name,
-                size: file.size,
-            })
+            let pictures = files.filter(move |file| is_picture(&file.name));
+            pictures.map(move |file| PictureFile { location: from, name: file.name, size: file.size })
         };
         let screens = UsbDrive::at(self.screens.path().to_path_buf());
         let mut found: Vec<_> = self.usb_drive.iter().flat_map(|stick| of(PictureLocation::Medium, stick)).collect();
@@ -90,53 +87,43 @@ impl PageFileFolder {
     }
 
     /// Replaces the text unless the file was changed since it was read. Keeps the encoding; a new file is GBK (K7.4).
-    pub fn save(&self, page: u32, text: &Rope, base: u64, force: bool) -> Result<FileAnswer, Refusal> {
+    pub fn save(&self, page: u32, text: &Rope, base: u64, force: bool) -> JobResult {
         let file = file_number(page)?;
         let encoding = match self.screens.read(&PAGE_TEXT, file) {
             Ok(read) if !force && stamp(&read.bytes) != base => return Err(Refusal::Conflict),
             Ok(read) => decode(&read.bytes).map_or(Encoding::Gbk, |decoded| decoded.encoding),
             Err(FolderError::Missing { .. }) => Encoding::Gbk,
-            Err(error) => return Err(folder_refusal(&error)),
+            Err(error) => return Err(error.into()),
         };
         let (bytes, kept) = encode(text, encoding);
         if bytes.len() as u64 > PAGE_TEXT_LIMIT {
-            return Err(Refusal::Other(LocalizedText::new("文件太大", "the text is too long")));
+            return Err(refusal("文件太大", "the text is too long"));
         }
-        let name = self.screens.write(&PAGE_TEXT, file, &bytes).map_err(|error| folder_refusal(&error))?;
-        let said = if kept {
-            LocalizedText::new(format!("{name} 已保存"), format!("{name} saved"))
-        } else {
-            LocalizedText::new(
-                format!("{name} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
-                format!("{name} saved as UTF-8: it holds signs that GBK lacks"),
-            )
-        };
-        Ok(FileAnswer::Saved { message: said, number: page, stamp: stamp(&bytes) })
+        let name = self.screens.write(&PAGE_TEXT, file, &bytes)?;
+        Ok(saved(&name, page, &bytes, kept))
     }
 
     /// Copies a file to the picture of a page; converts it if necessary.
-    pub fn take_picture(&self, page: u32, from: PictureLocation, name: &str) -> Result<FileAnswer, Refusal> {
+    pub fn take_picture(&self, page: u32, from: PictureLocation, name: &str) -> JobResult {
         let file = file_number(page)?;
         let folder = match (from, &self.usb_drive) {
             (PictureLocation::Screens, _) => self.screens.clone(),
             (PictureLocation::Medium, Some(stick)) => Folder::new(stick.root()),
             (PictureLocation::Medium, None) => return Err(no_usb_drive()),
         };
-        let read = folder.read_named(&FOREIGN_PICTURE, name).map_err(|error| folder_refusal(&error))?;
+        let read = folder.read_named(&FOREIGN_PICTURE, name)?;
         let (bytes, fault) = match parse_picture(&read.name, &read.bytes) {
             Ok(_) => (read.bytes, None),
-            Err(fault) => {
-                (convert_picture(&read.bytes).map_err(|error| refusal_of(&error))?, Some(fault.full_message()))
-            }
+            Err(fault) => (convert_picture(&read.bytes).map_err(error_refusal)?, Some(fault.full_message())),
         };
-        let to = self.screens.write(&PICTURE, file, &bytes).map_err(|error| folder_refusal(&error))?;
-        Ok(FileAnswer::Done(match fault {
-            None => LocalizedText::new(format!("{to} 已换成 {name}"), format!("{to} is now {name}")),
-            Some(fault) => LocalizedText::new(
-                format!("{to} 已换成 {name}，已转换（{}）", fault.zh()),
-                format!("{to} is now {name}, converted ({})", fault.en()),
+        let to = self.screens.write(&PICTURE, file, &bytes)?;
+        Ok(match fault {
+            None => done(format!("{to} 已换成 {name}"), format!("{to} is now {name}")),
+            Some(fault) => done(
+                format!("{to} 已换成 {name}，已转换（{}）", fault.zh),
+                format!("{to} is now {name}, converted ({})", fault.en),
             ),
-        }))
+        })
     }
 }
 

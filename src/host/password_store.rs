@@ -8,22 +8,14 @@ use std::path::PathBuf;
 use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
-use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, StoredSettings, password};
+use crate::store::{RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
 
-/// The default passwords, valid until they are changed; the manual lists them.
-const fn default_password(guard: PasswordScope) -> &'static str {
+/// The key of the changed password in the store, and the default one, valid until it is changed; the manual lists them.
+const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
     match guard {
-        PasswordScope::Program => "187350", // K6.2
-        PasswordScope::User => "123456",
-        PasswordScope::Builder => "830830",
-    }
-}
-
-const fn store_key(guard: PasswordScope) -> &'static str {
-    match guard {
-        PasswordScope::Program => "password-program",
-        PasswordScope::User => "password-user",
-        PasswordScope::Builder => "password-builder",
+        PasswordScope::Program => ("password-program", "187350"), // K6.2
+        PasswordScope::User => ("password-user", "123456"),
+        PasswordScope::Builder => ("password-builder", "830830"),
     }
 }
 
@@ -38,57 +30,52 @@ impl PasswordStore {
     /// Takes the passwords from retained data; settings are stored in `folder`.
     #[must_use]
     pub fn new(loaded: &RetainedData, folder: PathBuf) -> Self {
-        let found = |guard: PasswordScope| loaded.texts.get(store_key(guard)).map(|hash| (guard, hash.clone()));
+        let found = |guard: PasswordScope| loaded.texts.get(password_row(guard).0).map(|hash| (guard, hash.clone()));
         Self { hashes: PasswordScope::ALL.into_iter().filter_map(found).collect(), folder: Some(folder) }
     }
 
     /// Executes a request and returns the answer; without a store a new password is kept in memory only.
     pub fn answer(&mut self, wish: &SettingsRequest, store: Option<&mut RetainedDatabase>) -> Command {
-        let answer = match wish {
+        let answer = self.execute(wish, store).unwrap_or_else(StorageAnswer::Failed);
+        Command::Page(PageCommand::StorageAnswered(answer))
+    }
+
+    fn execute(
+        &mut self,
+        wish: &SettingsRequest,
+        store: Option<&mut RetainedDatabase>,
+    ) -> Result<StorageAnswer, LocalizedText> {
+        match wish {
             SettingsRequest::CheckPassword(guard, secret) => {
-                StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret))
+                return Ok(StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret)));
             }
-            SettingsRequest::ChangePassword { scope: of, old, .. } if !self.matches(*of, old) => {
-                StorageAnswer::PasswordChanged(*of, false)
-            }
-            SettingsRequest::ChangePassword { scope: of, new, .. } => match self.set_password(*of, new, store) {
-                Ok(()) => StorageAnswer::PasswordChanged(*of, true),
-                Err(why) => StorageAnswer::Failed(why),
-            },
-            SettingsRequest::SaveKind(kind) => match self.update_settings(|settings| settings.kind = Some(*kind)) {
-                Ok(()) => StorageAnswer::KindSaved(*kind),
-                Err(why) => StorageAnswer::Failed(why),
-            },
-            SettingsRequest::SaveLightTheme(light) => {
-                match self.update_settings(|settings| settings.light = Some(*light)) {
-                    Ok(()) => StorageAnswer::LangSaved,
-                    Err(why) => StorageAnswer::Failed(why),
+            SettingsRequest::ChangePassword { scope, old, new } => {
+                let allowed = self.matches(*scope, old);
+                if allowed {
+                    self.set_password(*scope, new, store)?;
                 }
+                return Ok(StorageAnswer::PasswordChanged(*scope, allowed));
             }
+            SettingsRequest::SaveKind(kind) => {
+                self.update_settings(|settings| settings.kind = Some(*kind))?;
+                return Ok(StorageAnswer::KindSaved(*kind));
+            }
+            SettingsRequest::SaveLightTheme(light) => self.update_settings(|settings| settings.light = Some(*light))?,
             SettingsRequest::SaveBrightness(percent) => {
-                match self.update_settings(|settings| settings.brightness = Some(*percent)) {
-                    Ok(()) => StorageAnswer::LangSaved,
-                    Err(why) => StorageAnswer::Failed(why),
-                }
+                self.update_settings(|settings| settings.brightness = Some(*percent))?;
             }
             SettingsRequest::SaveSerialPort(port) => {
-                match self.update_settings(|settings| settings.serial = Some(port.clone())) {
-                    Ok(()) => StorageAnswer::LangSaved,
-                    Err(why) => StorageAnswer::Failed(why),
-                }
+                self.update_settings(|settings| settings.serial = Some(port.clone()))?;
             }
-            SettingsRequest::SaveLang(lang) => match self.update_settings(|settings| settings.lang = Some(*lang)) {
-                Ok(()) => StorageAnswer::LangSaved,
-                Err(why) => StorageAnswer::Failed(why),
-            },
-        };
-        Command::Page(PageCommand::StorageAnswered(answer))
+            SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
+        }
+        Ok(StorageAnswer::LangSaved)
     }
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
         match self.hashes.get(&guard) {
             Some(hash) => password::verify(secret.reveal(), hash),
-            None => secret.reveal() == default_password(guard),
+            None => secret.reveal() == password_row(guard).1,
         }
     }
 
@@ -98,10 +85,10 @@ impl PasswordStore {
         new: &Secret,
         store: Option<&mut RetainedDatabase>,
     ) -> Result<(), LocalizedText> {
-        let hash = password::hash(new.reveal()).map_err(|error| error_text(&error))?;
+        let hash = password::hash(new.reveal()).map_err(error_text)?;
         if let Some(store) = store {
-            let change = RetainedChange::Text { key: store_key(guard).to_owned(), value: Some(hash.clone()) };
-            store.commit(&[change]).map_err(|error: RetainedError| error_text(&error))?;
+            let change = RetainedChange::Text { key: password_row(guard).0.to_owned(), value: Some(hash.clone()) };
+            store.commit(&[change]).map_err(error_text)?;
         }
         self.hashes.insert(guard, hash);
         Ok(())
@@ -109,12 +96,12 @@ impl PasswordStore {
 
     fn update_settings(&self, change: impl FnOnce(&mut StoredSettings)) -> Result<(), LocalizedText> {
         let Some(folder) = &self.folder else { return Ok(()) };
-        let mut settings = StoredSettings::read(folder).map_err(|error| error_text(&error))?;
+        let mut settings = StoredSettings::read(folder).map_err(error_text)?;
         change(&mut settings);
-        settings.write(folder).map_err(|error| error_text(&error))
+        settings.write(folder).map_err(error_text)
     }
 }
 
-fn error_text(error: &dyn std::fmt::Display) -> LocalizedText {
-    LocalizedText::new(error.to_string(), error.to_string())
+fn error_text(error: impl std::fmt::Display) -> LocalizedText {
+    LocalizedText::same(&error)
 }

@@ -10,7 +10,7 @@ use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
 use crate::link::command::Command;
 use crate::link::page_command::SettingsRequest;
-use crate::store;
+use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset};
 use crate::units::{Axis, PerAxis};
 
 const CURRENT_PROGRAM: &str = "current-program";
@@ -35,10 +35,10 @@ pub struct StoreReport {
 
 /// The store of one control.
 pub struct RetainedStore {
-    database: store::RetainedDatabase,
+    database: RetainedDatabase,
     passwords: PasswordStore,
     /// Changes that the disk has refused; they are written before the next changes.
-    unsaved: Vec<store::RetainedChange>,
+    unsaved: Vec<RetainedChange>,
 }
 
 /// Maximum number of unsaved changes; the oldest are dropped first.
@@ -49,16 +49,14 @@ impl RetainedStore {
     ///
     /// # Errors
     /// Another control has it open, or the disk reports an error.
-    pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), store::RetainedError> {
-        let mut opened = store::RetainedDatabase::open(folder)?;
+    pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
+        let mut opened = RetainedDatabase::open(folder)?;
         let loaded = opened.database.load()?;
         let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
         let (retained, dropped) = retained_from_data(kind, &loaded);
-        let vault = PasswordStore::new(&loaded, folder.to_path_buf());
-        Ok((
-            Self { database: opened.database, passwords: vault, unsaved: Vec::new() },
-            StoreReport { retained, damaged, dropped },
-        ))
+        let passwords = PasswordStore::new(&loaded, folder.to_path_buf());
+        let store = Self { database: opened.database, passwords, unsaved: Vec::new() };
+        Ok((store, StoreReport { retained, damaged, dropped }))
     }
 
     /// Answers a request of a page.
@@ -71,12 +69,12 @@ impl RetainedStore {
     ///
     /// # Errors
     /// The disk reports an error.
-    pub fn commit(&mut self, effects: &[StorageRequest]) -> Result<u64, store::RetainedError> {
+    pub fn commit(&mut self, effects: &[StorageRequest]) -> Result<u64, RetainedError> {
         self.unsaved.extend(effects.iter().filter_map(to_change));
         let mut done = self.database.commit(&self.unsaved);
-        if let Err(store::RetainedError::BadChange { .. }) = done {
+        if let Err(RetainedError::BadChange(..)) = done {
             // An invalid change is dropped and reported; the others are still written.
-            self.unsaved.retain(store::RetainedDatabase::accepts);
+            self.unsaved.retain(RetainedDatabase::accepts);
             self.database.commit(&self.unsaved)?;
             self.unsaved.clear();
         }
@@ -89,36 +87,27 @@ impl RetainedStore {
 }
 
 /// The database change of an effect; `None` for jobs and page requests.
-fn to_change(effect: &StorageRequest) -> Option<store::RetainedChange> {
+fn to_change(effect: &StorageRequest) -> Option<RetainedChange> {
+    let number = |key: &str, value: f64| RetainedChange::Number { key: key.into(), value: Some(value) };
     Some(match effect {
-        StorageRequest::Variable(number, value) => {
-            store::RetainedChange::Variable { number: *number as u16, value: *value }
+        StorageRequest::Variable(number, value) => RetainedChange::Variable { number: *number as u16, value: *value },
+        StorageRequest::Param(at, value) => RetainedChange::Param { key: at.to_string(), value: Some(*value) },
+        StorageRequest::Offset { number, geometry, wear } => {
+            let offset = ToolOffset { geometry: *geometry, wear: *wear };
+            RetainedChange::Offset { number: *number as u8, offset }
         }
-        StorageRequest::Param(at, value) => store::RetainedChange::Param { key: at.to_string(), value: Some(*value) },
-        StorageRequest::Offset { number, geometry, wear } => store::RetainedChange::Offset {
-            number: *number as u8,
-            offset: store::ToolOffset { geometry: *geometry, wear: *wear },
-        },
         StorageRequest::WorkOffset(index, origin) => {
-            store::RetainedChange::WorkOffset { index: *index as u8, origin: *origin }
+            RetainedChange::WorkOffset { index: *index as u8, origin: *origin }
         }
-        StorageRequest::DressPoint(axis, at) => {
-            store::RetainedChange::Number { key: DRESS_POINTS[*axis as usize].into(), value: Some(*at) }
-        }
+        StorageRequest::DressPoint(axis, at) => number(DRESS_POINTS[*axis as usize], *at),
         StorageRequest::LeadscrewTable(axis, table) => {
-            store::RetainedChange::Text { key: SCREWS[*axis as usize].into(), value: Some(table.to_text()) }
+            RetainedChange::Text { key: SCREWS[*axis as usize].into(), value: Some(table.to_text()) }
         }
-        StorageRequest::CurrentProgram(number) => {
-            store::RetainedChange::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
-        }
-        StorageRequest::Alarm(past) => store::RetainedChange::Alarm(past.clone()),
-        StorageRequest::ClockOffset(seconds) => {
-            store::RetainedChange::Number { key: CLOCK_OFFSET.into(), value: Some(*seconds as f64) }
-        }
-        StorageRequest::PartCount(parts) => {
-            store::RetainedChange::Number { key: PARTS.into(), value: Some(f64::from(*parts)) }
-        }
-        StorageRequest::RunningAt(place) => store::RetainedChange::Number {
+        StorageRequest::CurrentProgram(program) => number(CURRENT_PROGRAM, f64::from(*program)),
+        StorageRequest::Alarm(past) => RetainedChange::Alarm(past.clone()),
+        StorageRequest::ClockOffset(seconds) => number(CLOCK_OFFSET, *seconds as f64),
+        StorageRequest::PartCount(parts) => number(PARTS, f64::from(*parts)),
+        StorageRequest::RunningAt(place) => RetainedChange::Number {
             key: RUNNING_AT.into(),
             // One number, so that program and line always belong together.
             value: place.map(|(program, line)| f64::from(program) * LINE_FACTOR + f64::from(line)),
@@ -157,7 +146,7 @@ pub fn apply_effect(retained: &mut PowerOnState, effect: &StorageRequest) {
     }
 }
 
-fn retained_from_data(kind: Kind, loaded: &store::RetainedData) -> (PowerOnState, Vec<String>) {
+fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<String>) {
     let mut retained = PowerOnState::factory(kind);
     let mut dropped = Vec::new();
     for (number, value) in &loaded.variables {

@@ -60,23 +60,15 @@ impl HostedSimulation {
         let machine = &self.machine;
         let wheel = machine.wheel();
         let report = machine.measure();
-        let diameters = report
-            .diameters
-            .iter()
-            .map(|at| (LocalizedText::new(format!("直径 Z{:.1}", at.z), format!("diameter Z{:.1}", at.z)), at.d));
-        let faces = report
-            .faces
-            .iter()
-            .map(|at| (LocalizedText::new(format!("端面 X{:.1}", at.x), format!("face X{:.1}", at.x)), at.z));
-        let heights = report.heights.iter().map(|at| {
-            let (x, z) = (at.x, at.z);
-            (LocalizedText::new(format!("高度 X{x:.0} Z{z:.0}"), format!("height X{x:.0} Z{z:.0}")), at.y)
-        });
+        let size = |(zh, en): (&str, &str), place: String, mm: f64| {
+            (LocalizedText::new(format!("{zh} {place}"), format!("{en} {place}")), mm)
+        };
+        let diameters = report.diameters.iter().map(|at| size(("直径", "diameter"), format!("Z{:.1}", at.z), at.d));
+        let faces = report.faces.iter().map(|at| size(("端面", "face"), format!("X{:.1}", at.x), at.z));
+        let heights =
+            report.heights.iter().map(|at| size(("高度", "height"), format!("X{:.0} Z{:.0}", at.x, at.z), at.y));
         let events = machine.events().iter().rev().take(MAX_EVENTS).rev();
-        let events = events.map(|event| {
-            let words = format!("{:.1} s {}", event.seconds, event.kind.id());
-            LocalizedText::new(words.clone(), words)
-        });
+        let events = events.map(|event| LocalizedText::same(&format!("{:.1} s {}", event.seconds, event.kind.id())));
         SimView {
             forced: self.forced.clone(),
             faults: self.faults.clone(),

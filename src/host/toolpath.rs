@@ -2,11 +2,10 @@
 //! Source: spec B6 (图形), H8.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::job_runner::line_fault;
+use super::job_answer::line_fault;
+use crate::controller::StoredProgram;
 use crate::controller::files::{BackgroundJob, DrawingStart};
-use crate::controller::{Programs, StoredProgram};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::SwitchedUnit;
 use crate::defs::text::{LocalizedText, Text};
@@ -27,30 +26,24 @@ const MAX_INTERFERENCES: usize = 20;
 const MAX_CHORDS: f64 = 180.0;
 const CHORD_TOLERANCE_MM: f64 = 0.002;
 
-/// Computes the toolpath of a program.
+/// Computes the toolpath of a program; `stopped` ends it early.
 pub fn compute_toolpath(
     program: &StoredProgram,
     job: &BackgroundJob,
     start: &DrawingStart,
-    cancelled: &AtomicBool,
+    stopped: &dyn Fn() -> bool,
     tell: &mut dyn FnMut(FileAnswer),
 ) -> Toolpath {
-    let programs: Arc<Programs> = Arc::clone(&job.programs);
-    let library: Arc<dyn Library + Send + Sync> = programs;
+    let library: Arc<dyn Library + Send + Sync> = job.programs.clone();
     let mut world = OfflineMachine::new(&job.settings)
         .with_references(start.reference_points)
         .with_block_skip(start.block_skip)
         .with_position(start.position)
         .with_work_offsets(start.work_offsets.clone());
     start.system_variables.iter().for_each(|(number, value)| world.set_system(*number, Some(*value)));
-    let rehearsal = interference_check(program, start);
-    let mut pen = ToolpathRecorder {
-        world: world.clone(),
-        dialect: job.settings.dialect,
-        path: RecordedPath::default(),
-        interference_check: rehearsal,
-        interferences: Vec::new(),
-    };
+    let (path, interference_check) = (RecordedPath::default(), interference_check(program, start));
+    let (dialect, interferences) = (job.settings.dialect, Vec::new());
+    let mut pen = ToolpathRecorder { world: world.clone(), dialect, path, interference_check, interferences };
     let (lines, mut blocks, mut furthest) = (program.source.line_count().max(1), 0_u64, 0);
     let memory = start.memory.clone();
     let checked = check_until(&program.source, &library, &job.settings, memory, &mut world, &mut |block| {
@@ -64,24 +57,20 @@ pub fn compute_toolpath(
             // The last tenth is left for the levels of detail.
             tell(FileAnswer::Progress(PROGRESS_TEXT, (furthest * 900 / lines) as u16));
         }
-        !cancelled.load(Ordering::Acquire) && pen.path.points.len() < MAX_POINTS
+        !stopped() && pen.path.points.len() < MAX_POINTS
     });
+    let own_faults = checked.faults.iter().filter(|fault| fault.location.program == program.number);
     let mut drawing = Toolpath {
         number: program.number,
         stamp: program.stamp,
-        levels: Vec::new(),
         extents: checked.extents,
         length_mm: checked.length_mm,
         duration_s: checked.seconds,
         lines: checked.lines,
         crashes: pen.interferences.iter().map(|met| met.at).collect(),
-        faults: checked
-            .faults
-            .iter()
-            .filter(|fault| fault.location.program == program.number)
-            .map(line_fault)
-            .collect(),
+        faults: own_faults.map(line_fault).collect(),
         finished: checked.finished,
+        ..Toolpath::default()
     };
     drawing.faults.extend(pen.interferences.iter().map(Interference::line_fault));
     drawing.faults.sort_by_key(|fault| fault.line);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::folders::Folders;
-use super::job_runner::{folder_refusal, refusal_of};
+use super::job_answer::{JobResult, Tell, cancelled, check_read_back, done, error_refusal, no_usb_drive, refusal};
 use super::value_set;
 use crate::controller::files::TransferValues;
 use crate::defs::date::DateTime;
@@ -14,8 +14,8 @@ use crate::defs::text::{LocalizedText, Text};
 use crate::link::files::{FileAnswer, Refusal, RestoredValues};
 use crate::link::media::{Direction, MediaFile, MediaView, Screenshot, TransferRequest, TransferSet};
 use crate::store::{
-    CommentSource, FileClass, FileContent, Folder, FolderError, IoFault, PAGE_TEXT, PICTURE, PROGRAM, ProgramFolder,
-    UsbDrive, Values, read_file, stamp, write_atomic,
+    CommentSource, FileClass, FileContent, Folder, FolderEntry, FolderError, ListedFile, PAGE_TEXT, PICTURE, PROGRAM,
+    ProgramFolder, UsbDrive, Values, read_file, stamp, write_atomic,
 };
 
 /// Names of the value files on a USB drive.
@@ -68,19 +68,14 @@ fn set_of(name: &str, programs: &ProgramFolder) -> Option<TransferSet> {
 pub fn media_view(folders: &Folders, stick: Option<&UsbDrive>) -> MediaView {
     let shelf = folders.program_folder();
     let present = stick.filter(|stick| stick.is_present());
+    let file = |name, size, set| MediaFile { name, size, set };
     let there = present.and_then(|stick| stick.files().ok()).unwrap_or_default().into_iter();
-    let there =
-        there.filter_map(|file| Some(MediaFile { set: set_of(&file.name, &shelf)?, name: file.name, size: file.size }));
+    let there = there.filter_map(|found| set_of(&found.name, &shelf).map(|set| file(found.name, found.size, set)));
     let programs = shelf.list().unwrap_or_default().into_iter();
-    let mut here: Vec<MediaFile> =
-        programs.map(|file| MediaFile { name: file.name, size: file.size, set: TransferSet::Programs }).collect();
+    let mut here: Vec<_> = programs.map(|found| file(found.name, found.size, TransferSet::Programs)).collect();
     for class in [PAGE_TEXT, PICTURE] {
         let entries = Folder::new(&folders.screens).list(&class).map(|listing| listing.entries).unwrap_or_default();
-        here.extend(entries.into_iter().map(|entry| MediaFile {
-            name: entry.name,
-            size: entry.size,
-            set: TransferSet::Screens,
-        }));
+        here.extend(entries.into_iter().map(|found| file(found.name, found.size, TransferSet::Screens)));
     }
     MediaView {
         medium_folder: present.map(|stick| stick.root().display().to_string()),
@@ -93,19 +88,6 @@ pub fn media_view(folders: &Folders, stick: Option<&UsbDrive>) -> MediaView {
 
 fn is_archive(name: &str) -> bool {
     name.starts_with(ARCHIVE_NAME.0) && name.ends_with(ARCHIVE_NAME.1)
-}
-
-pub(super) fn no_usb_drive() -> Refusal {
-    Refusal::Other(LocalizedText::new("没有 U 盘或已拔出", "no USB medium, or it was pulled out"))
-}
-
-/// The refusal for a disk error, in both languages.
-fn io_refusal(fault: &IoFault) -> Refusal {
-    Refusal::Other(LocalizedText::new(fault.zh(), fault.to_string()))
-}
-
-fn refusal(zh: impl Into<String>, en: impl Into<String>) -> Refusal {
-    Refusal::Other(LocalizedText::new(zh, en))
 }
 
 /// One transfer.
@@ -127,11 +109,11 @@ impl UsbTransfer<'_> {
     ///
     /// # Errors
     /// Why it failed or was not completed.
-    pub fn run(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+    pub fn run(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> JobResult {
         if !self.usb_drive.is_present() {
             return Err(no_usb_drive());
         }
-        let done = match (ask.set, ask.direction) {
+        let result = match (ask.set, ask.direction) {
             (TransferSet::Programs | TransferSet::Screens, _) => self.copy_files(ask, tell),
             (TransferSet::Params | TransferSet::Variables, Direction::Export) => self.write_values(ask),
             (TransferSet::Params | TransferSet::Variables, Direction::Import) => self.read_values(ask.set),
@@ -141,55 +123,49 @@ impl UsbTransfer<'_> {
             (TransferSet::Serial, _) => Err(no_usb_drive()),
         };
         // If the USB drive was removed, that is the cause, whatever the system reports.
-        done.map_err(|refusal| if self.usb_drive.is_present() { refusal } else { no_usb_drive() })
+        result.map_err(|refusal| if self.usb_drive.is_present() { refusal } else { no_usb_drive() })
     }
 
     /// The files to copy, sorted by name.
     fn pending_files(&self, ask: &TransferRequest) -> Result<Vec<PendingFile>, Refusal> {
         let wanted = |name: &str| ask.names.is_empty() || ask.names.iter().any(|wanted| wanted == name);
+        let import = ask.direction == Direction::Import;
         let mut waiting = Vec::new();
         if ask.set == TransferSet::Programs {
-            let (here, there) =
-                (self.folders.program_folder(), ProgramFolder::new(self.usb_drive.root(), self.folders.by_name));
-            let (from, to) = if ask.direction == Direction::Export { (here, there) } else { (there, here) };
-            for file in
-                from.list().map_err(|error| folder_refusal(&error))?.into_iter().filter(|file| wanted(&file.name))
-            {
-                waiting.push(PendingFile {
-                    route: FileRoute::Program(from.clone(), to.clone()),
-                    name: file.name,
-                    size: file.size,
-                });
+            let stick = ProgramFolder::new(self.usb_drive.root(), self.folders.by_name);
+            let (from, to) = in_direction(import, self.folders.program_folder(), stick);
+            for ListedFile { name, size } in from.list()?.into_iter().filter(|file| wanted(&file.name)) {
+                let place = |folder: &ProgramFolder| FilePlace::Program(folder.clone(), name.clone());
+                waiting.push(PendingFile { from: place(&from), to: place(&to), foreign: false, size, name });
             }
             return Ok(waiting);
         }
-        let (own, stick) = (Folder::new(&self.folders.screens), Folder::new(self.usb_drive.root()));
+        let (from, to) = in_direction(import, Folder::new(&self.folders.screens), Folder::new(self.usb_drive.root()));
         for class in [PAGE_TEXT, PICTURE] {
-            let (from, to) = match ask.direction {
-                Direction::Export => (own.clone(), stick.clone()),
-                Direction::Import => (stick.clone(), own.clone()),
-            };
             // Incoming pictures can have other formats.
-            let foreign = ask.direction == Direction::Import && class.letter == PICTURE.letter;
+            let foreign = import && class.letter == PICTURE.letter;
             let read_as = if foreign { FOREIGN_PICTURE } else { class };
-            let entries = from.list(&read_as).map_err(|error| folder_refusal(&error))?.entries;
-            for entry in entries.into_iter().filter(|entry| wanted(&entry.name)) {
-                let way = FileRoute::Page {
-                    class,
-                    read_as,
-                    number: entry.number,
-                    from: from.clone(),
-                    to: to.clone(),
-                    foreign,
-                };
-                waiting.push(PendingFile { route: way, name: entry.name, size: entry.size });
+            for FolderEntry { name, size, number, .. } in from.list(&read_as)?.entries {
+                if wanted(&name) {
+                    let (from, to) =
+                        (FilePlace::Page(from.clone(), read_as, number), FilePlace::Page(to.clone(), class, number));
+                    waiting.push(PendingFile { from, to, foreign, size, name });
+                }
             }
         }
         Ok(waiting)
     }
 
+    /// A file of the control by its name.
+    fn own_file(&self, set: TransferSet, name: &str) -> FilePlace {
+        match parse_page_file(name).filter(|_| set == TransferSet::Screens) {
+            Some((class, number)) => FilePlace::Page(Folder::new(&self.folders.screens), *class, number),
+            None => FilePlace::Program(self.folders.program_folder(), name.to_owned()),
+        }
+    }
+
     /// Copies programs or page files one by one.
-    fn copy_files(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+    fn copy_files(&self, ask: &TransferRequest, tell: Tell<'_>) -> JobResult {
         let waiting = self.pending_files(ask)?;
         if waiting.is_empty() {
             return Err(refusal("没有可复制的文件", "there is nothing to copy"));
@@ -198,7 +174,7 @@ impl UsbTransfer<'_> {
         for file in &waiting {
             let (new, fault) = file.read_source()?;
             foreign.extend(fault);
-            if let Ok(old) = file.read_target()
+            if let Ok(old) = file.to.read()
                 && stamp(&old.bytes) != stamp(&new)
             {
                 clashing.push(file.name.clone());
@@ -211,7 +187,7 @@ impl UsbTransfer<'_> {
             return Err(Refusal::Overwrite(clashing));
         }
         let all: u64 = waiting.iter().map(|file| file.size).sum::<u64>().max(1);
-        let (mut done, mut copied, mut skipped) = (0, 0, 0);
+        let (mut copied_bytes, mut copied, mut skipped) = (0, 0, 0);
         for file in &waiting {
             if self.cancelled.load(Ordering::Acquire) {
                 return Err(refusal(
@@ -219,8 +195,8 @@ impl UsbTransfer<'_> {
                     format!("cancelled after {copied} files"),
                 ));
             }
-            tell(FileAnswer::Progress(COPYING, (done * 1_000 / all) as u16));
-            done += file.size;
+            tell(FileAnswer::Progress(COPYING, (copied_bytes * 1_000 / all) as u16));
+            copied_bytes += file.size;
             if ask.overwrite == Some(false) && clashing.contains(&file.name) {
                 skipped += 1;
                 continue;
@@ -228,57 +204,38 @@ impl UsbTransfer<'_> {
             file.copy()?;
             copied += 1;
         }
-        Ok(FileAnswer::Done(LocalizedText::new(
-            format!(
-                "已复制 {copied} 个文件{}",
-                if skipped > 0 { format!("，跳过 {skipped} 个") } else { String::new() }
-            ),
-            format!(
-                "{copied} files copied{}",
-                if skipped > 0 { format!(", {skipped} skipped") } else { String::new() }
-            ),
-        )))
+        let (skipped_zh, skipped_en) = match skipped {
+            0 => Default::default(),
+            _ => (format!("，跳过 {skipped} 个"), format!(", {skipped} skipped")),
+        };
+        Ok(done(format!("已复制 {copied} 个文件{skipped_zh}"), format!("{copied} files copied{skipped_en}")))
     }
 
-    fn write_values(&self, ask: &TransferRequest) -> Result<FileAnswer, Refusal> {
+    fn write_values(&self, ask: &TransferRequest) -> JobResult {
         let holdings = self.holdings.ok_or_else(no_usb_drive)?;
         let all = value_set::from_holdings(holdings);
-        let (name, part) = if ask.set == TransferSet::Params {
-            (PARAM_FILE, Values { kind: all.kind, params: all.params, ..Values::default() })
-        } else {
-            (VARIABLE_FILE, Values { variables: all.variables, ..Values::default() })
-        };
+        let (name, part) = part_of(all, ask.set);
         let path = self.usb_drive.root().join(name);
         if ask.overwrite.is_none() && path.exists() && Values::read(&path).ok().as_ref() != Some(&part) {
             return Err(Refusal::Overwrite(vec![name.to_owned()]));
         }
         if ask.overwrite == Some(false) && path.exists() {
-            return Ok(FileAnswer::Done(LocalizedText::new("未改动", "nothing was changed")));
+            return Ok(done("未改动", "nothing was changed"));
         }
-        part.write(&path).map_err(|error| refusal_of(&error))?;
-        let back = Values::read(&path).map_err(|error| refusal_of(&error))?;
-        if back != part {
-            return Err(refusal(
-                format!("{name} 校验不符，请换 U 盘"),
-                format!("{name} does not read back: take another medium"),
-            ));
-        }
-        Ok(FileAnswer::Done(LocalizedText::new(format!("已写出 {name}"), format!("{name} written"))))
+        part.write(&path).map_err(error_refusal)?;
+        let back = Values::read(&path).map_err(error_refusal)?;
+        check_read_back(name, back == part)?;
+        Ok(done(format!("已写出 {name}"), format!("{name} written")))
     }
 
-    fn read_values(&self, set: TransferSet) -> Result<FileAnswer, Refusal> {
-        let name = if set == TransferSet::Params { PARAM_FILE } else { VARIABLE_FILE };
+    fn read_values(&self, set: TransferSet) -> JobResult {
+        let (name, _) = part_of(Values::default(), set);
         let path = self.usb_drive.root().join(name);
         if std::fs::symlink_metadata(&path).is_ok_and(|told| told.len() > VALUES_LIMIT) {
             return Err(refusal(format!("{name} 太大"), format!("{name} is too large")));
         }
-        let found = Values::read(&path).map_err(|error| refusal_of(&error))?;
-        let part = match set {
-            TransferSet::Params => Values { kind: found.kind, params: found.params, ..Values::default() },
-            _ => Values { variables: found.variables, ..Values::default() },
-        };
-        let restored = self.check_values(&part)?;
-        Ok(FileAnswer::Restored(Box::new(restored)))
+        let (_, part) = part_of(Values::read(&path).map_err(error_refusal)?, set);
+        Ok(FileAnswer::Restored(Box::new(self.check_values(&part)?)))
     }
 
     fn check_values(&self, part: &Values) -> Result<RestoredValues, Refusal> {
@@ -287,47 +244,39 @@ impl UsbTransfer<'_> {
     }
 
     /// Writes everything into one archive, followed by a list of checksums.
-    fn backup(&self, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+    fn backup(&self, tell: Tell<'_>) -> JobResult {
         let holdings = self.holdings.ok_or_else(no_usb_drive)?;
         let name = format!("{}{}{}", ARCHIVE_NAME.0, self.date.compact(), ARCHIVE_NAME.1);
         let mut archive = tar::Builder::new(Vec::new());
         let mut sums = String::new();
-        let text = value_set::from_holdings(holdings).to_text().map_err(|error| refusal_of(&error))?;
+        let text = value_set::from_holdings(holdings).to_text().map_err(error_refusal)?;
         append_file((&mut archive, &mut sums), "values.ron", text.as_bytes())?;
         let view = media_view(self.folders, None);
         let all = view.control_files.iter().map(|file| file.size).sum::<u64>().max(1);
-        let mut done = 0;
+        let mut copied = 0;
         for file in &view.control_files {
             if self.cancelled.load(Ordering::Acquire) {
-                return Err(refusal("已取消", "cancelled"));
+                return Err(cancelled());
             }
-            tell(FileAnswer::Progress(COPYING, (done * 900 / all) as u16));
-            let (place, read) = match parse_page_file(&file.name).filter(|_| file.set == TransferSet::Screens) {
-                Some((class, number)) => (SCREEN_PREFIX, Folder::new(&self.folders.screens).read(class, number)),
-                None => (PROGRAM_PREFIX, self.folders.program_folder().read(&file.name)),
-            };
-            let read = read.map_err(|error| folder_refusal(&error))?;
-            append_file((&mut archive, &mut sums), &format!("{place}{}", read.name), &read.bytes)?;
-            done += file.size;
+            tell(FileAnswer::Progress(COPYING, (copied * 900 / all) as u16));
+            let prefix = if file.set == TransferSet::Screens { SCREEN_PREFIX } else { PROGRAM_PREFIX };
+            let read = self.own_file(file.set, &file.name).read()?;
+            append_file((&mut archive, &mut sums), &format!("{prefix}{}", read.name), &read.bytes)?;
+            copied += file.size;
         }
         let list = sums.clone();
         append_file((&mut archive, &mut sums), "checksums.txt", list.as_bytes())?;
-        let bytes = archive.into_inner().map_err(|error| refusal_of(&error))?;
+        let bytes = archive.into_inner().map_err(error_refusal)?;
         let path = self.usb_drive.root().join(&name);
-        write_atomic(&path, &bytes).map_err(|fault| io_refusal(&fault))?;
-        let back = read_file(&path, ARCHIVE_LIMIT).map_err(|error| folder_refusal(&error))?;
-        if stamp(&back) != stamp(&bytes) {
-            return Err(refusal(
-                format!("{name} 校验不符，请换 U 盘"),
-                format!("{name} does not read back: take another medium"),
-            ));
-        }
-        Ok(FileAnswer::Done(LocalizedText::new(format!("已备份到 {name}"), format!("backup written: {name}"))))
+        write_atomic(&path, &bytes)?;
+        let back = read_file(&path, ARCHIVE_LIMIT)?;
+        check_read_back(&name, stamp(&back) == stamp(&bytes))?;
+        Ok(done(format!("已备份到 {name}"), format!("backup written: {name}")))
     }
 
     /// Restores everything from an archive. The whole archive is checked before the first file is written.
-    fn restore(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
-        let files = self.usb_drive.files().map_err(|fault| folder_refusal(&fault.into()))?;
+    fn restore(&self, ask: &TransferRequest, tell: Tell<'_>) -> JobResult {
+        let files = self.usb_drive.files().map_err(FolderError::from)?;
         let chosen = files
             .iter()
             .rev()
@@ -337,21 +286,45 @@ impl UsbTransfer<'_> {
         if ask.overwrite.is_none() {
             return Err(Refusal::Overwrite(vec![name.clone()]));
         }
-        let bytes =
-            read_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT).map_err(|error| folder_refusal(&error))?;
+        let bytes = read_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT)?;
         let shelf = self.folders.program_folder();
         let (values, contents) = unpack_archive(name, &bytes, &shelf)?;
         let restored = self.check_values(&values)?;
         let all = contents.len().max(1);
         for (index, (set, name, bytes)) in contents.iter().enumerate() {
             tell(FileAnswer::Progress(COPYING, (index * 1_000 / all) as u16));
-            let written = match parse_page_file(name).filter(|_| *set == TransferSet::Screens) {
-                Some((class, number)) => Folder::new(&self.folders.screens).write(class, number, bytes),
-                None => shelf.write(name, bytes),
-            };
-            written.map_err(|error| folder_refusal(&error))?;
+            self.own_file(*set, name).write(bytes)?;
         }
         Ok(FileAnswer::Restored(Box::new(restored)))
+    }
+}
+
+/// Source and target of a transfer.
+fn in_direction<T>(import: bool, own: T, stick: T) -> (T, T) {
+    if import { (stick, own) } else { (own, stick) }
+}
+
+/// A file on the control or on the USB drive.
+enum FilePlace {
+    /// A program by name.
+    Program(ProgramFolder, String),
+    /// A page file by number.
+    Page(Folder, FileClass, u16),
+}
+
+impl FilePlace {
+    fn read(&self) -> Result<FileContent, FolderError> {
+        match self {
+            Self::Program(folder, name) => folder.read(name),
+            Self::Page(folder, class, number) => folder.read(class, *number),
+        }
+    }
+
+    fn write(&self, bytes: &[u8]) -> Result<String, FolderError> {
+        match self {
+            Self::Program(folder, name) => folder.write(name, bytes),
+            Self::Page(folder, class, number) => folder.write(class, *number, bytes),
+        }
     }
 }
 
@@ -359,34 +332,17 @@ impl UsbTransfer<'_> {
 struct PendingFile {
     name: String,
     size: u64,
-    route: FileRoute,
-}
-
-/// Source and target of a file.
-enum FileRoute {
-    /// A program by name.
-    Program(ProgramFolder, ProgramFolder),
-    /// A page file by number.
-    Page {
-        class: FileClass,
-        read_as: FileClass,
-        number: u16,
-        from: Folder,
-        to: Folder,
-        /// Incoming: a file with another format than a page picture is converted.
-        foreign: bool,
-    },
+    from: FilePlace,
+    to: FilePlace,
+    /// Incoming: a file with another format than a page picture is converted.
+    foreign: bool,
 }
 
 impl PendingFile {
     /// The bytes to write. For a converted picture also the reason for the conversion.
     fn read_source(&self) -> Result<(Vec<u8>, Option<LocalizedText>), Refusal> {
-        let (read, foreign) = match &self.route {
-            FileRoute::Program(from, _) => (from.read(&self.name), false),
-            FileRoute::Page { read_as, number, from, foreign, .. } => (from.read(read_as, *number), *foreign),
-        };
-        let read = read.map_err(|error| folder_refusal(&error))?;
-        if !foreign {
+        let read = self.from.read()?;
+        if !self.foreign {
             return Ok((read.bytes, None));
         }
         match super::folders::parse_picture(&read.name, &read.bytes) {
@@ -398,26 +354,11 @@ impl PendingFile {
         }
     }
 
-    /// The file to be overwritten.
-    fn read_target(&self) -> Result<FileContent, FolderError> {
-        match &self.route {
-            FileRoute::Program(_, to) => to.read(&self.name),
-            FileRoute::Page { class, number, to, .. } => to.read(class, *number),
-        }
-    }
-
     /// Writes the file, reads it back and compares.
     fn copy(&self) -> Result<(), Refusal> {
         let (bytes, _) = self.read_source()?;
-        let name = match &self.route {
-            FileRoute::Program(_, to) => to.write(&self.name, &bytes),
-            FileRoute::Page { class, number, to, .. } => to.write(class, *number, &bytes),
-        };
-        let name = name.map_err(|error| folder_refusal(&error))?;
-        if stamp(&self.read_target().map_err(|error| folder_refusal(&error))?.bytes) == stamp(&bytes) {
-            return Ok(());
-        }
-        Err(refusal(format!("{name} 校验不符，请换 U 盘"), format!("{name} does not read back: take another medium")))
+        let name = self.to.write(&bytes)?;
+        check_read_back(&name, stamp(&self.to.read()?.bytes) == stamp(&bytes))
     }
 }
 
@@ -441,6 +382,14 @@ pub fn convert_picture(bytes: &[u8]) -> Result<Vec<u8>, image::ImageError> {
     Ok(bmp.into_inner())
 }
 
+/// The values of a value file, and its name.
+fn part_of(all: Values, set: TransferSet) -> (&'static str, Values) {
+    match set {
+        TransferSet::Params => (PARAM_FILE, Values { kind: all.kind, params: all.params, ..Values::default() }),
+        _ => (VARIABLE_FILE, Values { variables: all.variables, ..Values::default() }),
+    }
+}
+
 /// Adds a file to an archive and to its list of checksums.
 fn append_file(into: (&mut tar::Builder<Vec<u8>>, &mut String), name: &str, bytes: &[u8]) -> Result<(), Refusal> {
     let (archive, sums) = into;
@@ -449,7 +398,7 @@ fn append_file(into: (&mut tar::Builder<Vec<u8>>, &mut String), name: &str, byte
     header.set_mode(0o644);
     header.set_cksum();
     sums.push_str(&format!("{:016x} {name}\n", stamp(bytes)));
-    archive.append_data(&mut header, name, bytes).map_err(|error| refusal_of(&error))
+    archive.append_data(&mut header, name, bytes).map_err(error_refusal)
 }
 
 type ArchiveContents = Vec<(TransferSet, String, Vec<u8>)>;
@@ -524,13 +473,13 @@ pub fn save_screenshot(
     }
     let mut bytes = Vec::new();
     let (width, height, colour) = (picture.width, picture.height, image::ExtendedColorType::Rgb8);
-    let done = if picture.as_bmp {
+    let encoded = if picture.as_bmp {
         image::codecs::bmp::BmpEncoder::new(&mut bytes).encode(&picture.rgb, width, height, colour)
     } else {
         let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
         image::ImageEncoder::write_image(encoder, &picture.rgb, width, height, colour)
     };
-    done.map_err(|error| refusal_of(&error))?;
+    encoded.map_err(error_refusal)?;
     save_file(&bytes, (date, if picture.as_bmp { "BMP" } else { "PNG" }), folder, stick)
 }
 
@@ -564,8 +513,8 @@ pub(super) fn save_file_as(
     let free =
         |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };
     let name = (0..100).map(free).find(|name| !folder.join(name).exists()).unwrap_or_else(|| free(100));
-    std::fs::create_dir_all(folder).map_err(|error| refusal_of(&error))?;
-    write_atomic(&folder.join(&name), bytes).map_err(|fault| io_refusal(&fault))?;
+    std::fs::create_dir_all(folder).map_err(error_refusal)?;
+    write_atomic(&folder.join(&name), bytes)?;
     let place = folder.join(&name);
     Ok(LocalizedText::new(format!("已保存：{}", place.display()), format!("saved: {}", place.display())))
 }

@@ -1,12 +1,11 @@
 //! Converts the values of a control to a file, and checks the values of a file for this control.
 //! Source: spec K7.8.
 
-use super::job_runner::refusal_of;
+use super::job_answer::{error_refusal, refusal};
 use crate::controller::files::TransferValues;
 use crate::defs::kind::Kind;
 use crate::defs::param::{ParamAddress, Params};
 use crate::defs::param_row;
-use crate::defs::text::LocalizedText;
 use crate::link::files::{Refusal, RestoredValues};
 use crate::nc::CommonVariables;
 use crate::nc::work_offsets::{TOOL_OFFSET_COUNT, WORK_OFFSET_COUNT};
@@ -39,46 +38,36 @@ pub fn from_holdings(holdings: &TransferValues) -> Values {
 pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refusal> {
     if let Some(other) = values.kind.filter(|other| *other != kind) {
         let (from, to) = (other.name(), kind.name());
-        return Err(Refusal::Other(LocalizedText::new(
+        return Err(refusal(
             format!("文件属于 {}，本机是 {}", from.zh, to.zh),
             format!("the file belongs to {}, this is {}", from.en, to.en),
-        )));
+        ));
     }
     let mut restored = RestoredValues::default();
     let (mut params, mut memory) = (Params::factory(kind), CommonVariables::default());
     for (key, value) in &values.params {
-        let unknown =
-            || Refusal::Other(LocalizedText::new(format!("{key} 不是参数"), format!("{key} is no parameter")));
+        let unknown = || refusal(format!("{key} 不是参数"), format!("{key} is no parameter"));
         let at = ParamAddress::parse(key).ok_or_else(unknown)?;
         params.write(at, *value).map_err(|error| {
-            Refusal::Other(LocalizedText::new(
-                format!("{key} = {value}：{}", error.text().zh()),
-                format!("{key} = {value}: {error}"),
-            ))
+            refusal(format!("{key} = {value}：{}", error.zh()), format!("{key} = {value}: {error}"))
         })?;
         restored.params.push((at, *value));
     }
     for (number, value) in &values.variables {
-        memory.set(u32::from(*number), Some(*value)).map_err(|error| refusal_of(&error))?;
+        memory.set(u32::from(*number), Some(*value)).map_err(error_refusal)?;
         restored.variables.push((*number, *value));
     }
     let finite = |place: &PerAxis<f64>| place.0.iter().all(|value| value.is_finite() && value.abs() < 100_000.0);
     for (number, (geometry, wear)) in &values.offsets {
         if !(1..=TOOL_OFFSET_COUNT).contains(&usize::from(*number)) || !finite(geometry) || !finite(wear) {
-            return Err(Refusal::Other(LocalizedText::new(
-                format!("刀补 {number} 的值不对"),
-                format!("offset {number} is wrong"),
-            )));
+            return Err(refusal(format!("刀补 {number} 的值不对"), format!("offset {number} is wrong")));
         }
         restored.offsets.push((usize::from(*number), *geometry, *wear));
     }
     for (index, origin) in &values.frames {
         if usize::from(*index) >= WORK_OFFSET_COUNT || !finite(origin) {
             let g = 54 + u32::from(*index);
-            return Err(Refusal::Other(LocalizedText::new(
-                format!("坐标系 G{g} 的值不对"),
-                format!("frame G{g} is wrong"),
-            )));
+            return Err(refusal(format!("坐标系 G{g} 的值不对"), format!("frame G{g} is wrong")));
         }
         restored.work_offsets.push((usize::from(*index), *origin));
     }

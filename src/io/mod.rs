@@ -3,8 +3,7 @@
 //! A [`Backend`] is the simulated machine or a field bus; the control does not know which.
 //! Source: spec P1–P8, style "time and hardware are arguments".
 
-pub mod injector;
-mod random;
+pub mod random;
 pub mod sim;
 pub mod trace;
 

@@ -10,7 +10,12 @@ use std::path::Path;
 use super::io_fault::IoFault;
 
 /// Prefix and suffix of temporary files; listings skip them.
-pub(super) const TEMPORARY_NAME: (&str, &str) = (".kt830-", ".part");
+const TEMPORARY_NAME: (&str, &str) = (".kt830-", ".part");
+
+/// Whether a file is a replacement that was not completed.
+pub(super) fn is_temporary(name: &str) -> bool {
+    name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1)
+}
 
 /// Why a file was not read.
 #[derive(Debug, thiserror::Error)]
@@ -73,13 +78,14 @@ fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) ->
     write(file.as_file_mut()).map_err(IoFault::at(path, "write"))?;
     file.as_file().sync_all().map_err(IoFault::at(path, "write"))?;
     file.persist(path).map_err(|refused| IoFault::at(path, "replace")(refused.error))?;
-    flush_folder(folder).map_err(IoFault::at(folder, "flush"))
+    flush_folder(folder)
 }
 
 /// Makes renames and deletions in a folder durable.
-pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
+pub(super) fn flush_folder(folder: &Path) -> Result<(), IoFault> {
     // On other systems a folder cannot be opened as a file, and the rename itself is journalled.
-    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+    let flushed = if cfg!(unix) { File::open(folder).and_then(|opened| opened.sync_all()) } else { Ok(()) };
+    flushed.map_err(IoFault::at(folder, "flush"))
 }
 
 /// The folder of a file.

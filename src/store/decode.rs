@@ -1,8 +1,9 @@
-//! Decodes text files: UTF-8, or GBK as written by the customers' computers (B1, K7.4).
+//! Decodes and encodes text files: UTF-8, or GBK as written by the customers' computers (B1, K7.4).
 //!
 //! Full-width `；＃％（）：` are ordinary characters here; the parser decides where they are allowed.
 
 use encoding_rs::{DecoderResult, GBK};
+use ropey::Rope;
 
 /// The encoding of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +70,19 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     decode_gbk(body)
         .map(|text| Decoded { text, encoding: Encoding::Gbk })
         .map_err(|gbk_end| error_at(body, gbk_end.max(utf8_end)))
+}
+
+/// Encodes a text. Returns false when UTF-8 replaced GBK because of a character that GBK lacks.
+#[must_use]
+pub fn encode(text: &Rope, encoding: Encoding) -> (Vec<u8>, bool) {
+    if encoding == Encoding::Gbk {
+        let whole = String::from(text);
+        let (bytes, _, lacking) = GBK.encode(&whole);
+        if !lacking {
+            return (bytes.into_owned(), true);
+        }
+    }
+    (text.bytes().collect(), encoding == Encoding::Utf8)
 }
 
 /// Whether valid UTF-8 is a coincidence: the GBK bytes of 砂 are also ɰ in UTF-8. Chinese characters (three bytes in

@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::atomic_file::{self, ReadError, TEMPORARY_NAME};
+use super::atomic_file::{self, ReadError, is_temporary};
 use super::file_class::{FileClass, LARGEST_NUMBER};
 use super::io_fault::IoFault;
 use super::listing::{self, FolderEntry, FolderListing};
@@ -32,17 +32,11 @@ pub enum FolderError {
         like: String,
     },
     /// The number is too large for a file name.
-    #[error("{number} is not a file number; 0 to {LARGEST_NUMBER} are")]
-    BadNumber {
-        /// The number given.
-        number: u16,
-    },
+    #[error("{0} is not a file number; 0 to {LARGEST_NUMBER} are")]
+    BadNumber(u16),
     /// A link, folder or device has that name.
-    #[error("{}: a link, folder or device; put the file itself there", .path.display())]
-    NotRegular {
-        /// The path.
-        path: PathBuf,
-    },
+    #[error("{}: a link, folder or device; put the file itself there", .0.display())]
+    NotRegular(PathBuf),
     /// Larger than its class allows.
     #[error("{}: {size} bytes, more than the {limit} allowed; split it", .path.display())]
     TooLarge {
@@ -54,17 +48,11 @@ pub enum FolderError {
         limit: u64,
     },
     /// It changed while it was read.
-    #[error("{}: still being written; wait until it is copied and try again", .path.display())]
-    BeingWritten {
-        /// The path.
-        path: PathBuf,
-    },
+    #[error("{}: still being written; wait until it is copied and try again", .0.display())]
+    BeingWritten(PathBuf),
     /// The target exists already.
-    #[error("{}: there already; delete it first or choose another number", .path.display())]
-    Exists {
-        /// The path.
-        path: PathBuf,
-    },
+    #[error("{}: there already; delete it first or choose another number", .0.display())]
+    Exists(PathBuf),
     /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
@@ -74,43 +62,28 @@ impl FolderError {
     /// The message for the screen; it names the file without its folder.
     #[must_use]
     pub fn message(&self) -> LocalizedText {
-        let two = |zh: String, en: String| LocalizedText::new(zh, en);
+        let name = match self {
+            Self::Missing { name, .. } | Self::BadName { name, .. } => name.clone(),
+            Self::BadNumber(number) => number.to_string(),
+            Self::NotRegular(path) | Self::BeingWritten(path) | Self::Exists(path) => file_name(path),
+            Self::TooLarge { path, .. } => file_name(path),
+            Self::Io(fault) => return LocalizedText::new(fault.zh(), fault.en()),
+        };
+        let of = |zh: &str, en: &str| LocalizedText::new(format!("{name} {zh}"), format!("{name} {en}"));
         match self {
-            Self::Missing { name, .. } => two(format!("{name} 不存在"), format!("{name} is not there")),
-            Self::Exists { path } => {
-                let name = file_name(path);
-                two(format!("{name} 已存在，请换一个号"), format!("{name} is there already: choose another number"))
+            Self::Exists(_) => of("已存在，请换一个号", "is there already: choose another number"),
+            Self::TooLarge { size, limit, .. } => {
+                of(&format!("太大：{size} 字节，最多 {limit}"), &format!("is too large: {size} bytes, {limit} at most"))
             }
-            Self::TooLarge { path, size, limit } => {
-                let name = file_name(path);
-                two(
-                    format!("{name} 太大：{size} 字节，最多 {limit}"),
-                    format!("{name} is too large: {size} bytes, {limit} at most"),
-                )
+            Self::NotRegular(_) => {
+                of("是链接或目录，请换成文件本身", "is a link or a folder: put the file itself there")
             }
-            Self::NotRegular { path } => {
-                let name = file_name(path);
-                two(
-                    format!("{name} 是链接或目录，请换成文件本身"),
-                    format!("{name} is a link or a folder: put the file itself there"),
-                )
+            Self::BeingWritten(_) => of("正在被写入，请稍后再试", "is still being written: wait and try again"),
+            Self::BadName { like, .. } => {
+                of(&format!("不是有效的文件名，应像 {like}"), &format!("is not a file name: one like {like} is"))
             }
-            Self::BeingWritten { path } => {
-                let name = file_name(path);
-                two(
-                    format!("{name} 正在被写入，请稍后再试"),
-                    format!("{name} is still being written: wait and try again"),
-                )
-            }
-            Self::BadName { name, like } => two(
-                format!("{name} 不是有效的文件名，应像 {like}"),
-                format!("{name} is not a file name: one like {like} is"),
-            ),
-            Self::BadNumber { number } => two(
-                format!("{number} 不是有效的程序号，应为 1-9999"),
-                format!("{number} is not a program number: 1 to 9999 are"),
-            ),
-            Self::Io(fault) => two(fault.zh(), fault.en()),
+            Self::BadNumber(_) => of("不是有效的程序号，应为 1-9999", "is not a program number: 1 to 9999 are"),
+            Self::Missing { .. } | Self::Io(_) => of("不存在", "is not there"),
         }
     }
 }
@@ -185,16 +158,10 @@ impl Folder {
     /// As [`Folder::write`]; also for a name with a separator or `..`.
     pub fn write_named(&self, class: &FileClass, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
         let path = self.path.join(check_plain_name(class, name)?);
-        match fs::symlink_metadata(&path) {
-            Ok(told) if !told.is_file() => return Err(FolderError::NotRegular { path }),
-            Ok(_) | Err(_) => {}
+        if fs::symlink_metadata(&path).is_ok_and(|told| !told.is_file()) {
+            return Err(FolderError::NotRegular(path));
         }
-        let size = bytes.len() as u64;
-        if size > class.limit {
-            return Err(FolderError::TooLarge { path, size, limit: class.limit });
-        }
-        atomic_file::replace(&path, bytes)?;
-        Ok(file_name(&path))
+        replace(path, class, bytes)
     }
 
     /// Writes or replaces the file with a number. After a power cut it is the old or the new file. Returns its name.
@@ -207,12 +174,7 @@ impl Folder {
             Err(FolderError::Missing { .. }) => self.new_path(class, number)?,
             Err(other) => return Err(other),
         };
-        let size = bytes.len() as u64;
-        if size > class.limit {
-            return Err(FolderError::TooLarge { path, size, limit: class.limit });
-        }
-        atomic_file::replace(&path, bytes)?;
-        Ok(file_name(&path))
+        replace(path, class, bytes)
     }
 
     /// Deletes a file by its exact name.
@@ -222,8 +184,7 @@ impl Folder {
     pub fn delete_named(&self, class: &FileClass, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(check_plain_name(class, name)?);
         read_regular_file(&path, class.limit)?;
-        fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
-        Ok(atomic_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
+        self.remove(&path)
     }
 
     /// Copies a file to a free number and returns the new name.
@@ -231,7 +192,7 @@ impl Folder {
     /// # Errors
     /// As for reading and writing; [`FolderError::Exists`] when the number is in use.
     pub fn copy(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
-        self.refuse_taken(class, to)?;
+        self.check_free(class, to)?;
         let read = self.read(class, from)?;
         self.write(class, to, &read.bytes)
     }
@@ -241,10 +202,10 @@ impl Folder {
     /// # Errors
     /// It is missing, the number is in use, or a disk error.
     pub fn rename(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
-        self.refuse_taken(class, to)?;
+        self.check_free(class, to)?;
         let (old, new) = (self.existing(class, from)?, self.new_path(class, to)?);
         fs::rename(&old, &new).map_err(IoFault::at(&old, "rename"))?;
-        atomic_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?;
+        atomic_file::flush_folder(&self.path)?;
         Ok(file_name(&new))
     }
 
@@ -254,8 +215,7 @@ impl Folder {
     /// It is missing, or a disk error.
     pub fn delete(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
         let path = self.existing(class, number)?;
-        fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
-        Ok(atomic_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
+        self.remove(&path)
     }
 
     /// Deletes temporary files left by a power cut; call once at start. Returns their number.
@@ -266,9 +226,7 @@ impl Folder {
         let mut removed = 0;
         for entry in fs::read_dir(&self.path).map_err(IoFault::at(&self.path, "list"))? {
             let entry = entry.map_err(IoFault::at(&self.path, "list"))?;
-            let name = entry.file_name();
-            let name = name.to_string_lossy();
-            if name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1) {
+            if is_temporary(&entry.file_name().to_string_lossy()) {
                 fs::remove_file(entry.path()).map_err(IoFault::at(&entry.path(), "delete"))?;
                 removed += 1;
             }
@@ -284,22 +242,31 @@ impl Folder {
         }
         let same = |name: &str| class.parse(name).is_some_and(|(other, _)| other == number);
         match ignored.into_iter().find(|ignored| same(&ignored.name)) {
-            Some(odd) => Err(FolderError::NotRegular { path: self.path.join(odd.name) }),
+            Some(odd) => Err(FolderError::NotRegular(self.path.join(odd.name))),
             None => Err(self.missing(class, number)),
         }
+    }
+
+    fn remove(&self, path: &Path) -> Result<(), FolderError> {
+        fs::remove_file(path).map_err(IoFault::at(path, "delete"))?;
+        Ok(atomic_file::flush_folder(&self.path)?)
     }
 
     /// The path of a new file.
     fn new_path(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
         if number > LARGEST_NUMBER {
-            return Err(FolderError::BadNumber { number });
+            return Err(FolderError::BadNumber(number));
         }
         Ok(self.path.join(class.file_name(number)))
     }
 
-    fn refuse_taken(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
+    /// Checks that no file has this number.
+    ///
+    /// # Errors
+    /// The number is taken, or the folder cannot be listed.
+    pub fn check_free(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
         match self.existing(class, number) {
-            Ok(path) => Err(FolderError::Exists { path }),
+            Ok(path) => Err(FolderError::Exists(path)),
             Err(FolderError::Missing { .. }) => Ok(()),
             Err(other) => Err(other),
         }
@@ -308,6 +275,16 @@ impl Folder {
     fn missing(&self, class: &FileClass, number: u16) -> FolderError {
         FolderError::Missing { name: class.file_name(number), folder: self.path.clone() }
     }
+}
+
+/// Writes a file of at most the size of its class; returns its name.
+fn replace(path: PathBuf, class: &FileClass, bytes: &[u8]) -> Result<String, FolderError> {
+    let (size, limit) = (bytes.len() as u64, class.limit);
+    if size > limit {
+        return Err(FolderError::TooLarge { path, size, limit });
+    }
+    atomic_file::replace(&path, bytes)?;
+    Ok(file_name(&path))
 }
 
 /// Checks that a name cannot lead out of the folder on any operating system.
@@ -323,9 +300,9 @@ pub(super) fn read_regular_file(path: &Path, limit: u64) -> Result<Vec<u8>, Fold
             FolderError::Missing { name: file_name(path), folder: atomic_file::folder_of(path).to_path_buf() }
         }
         ReadError::Io(fault) => FolderError::Io(fault),
-        ReadError::NotRegular => FolderError::NotRegular { path: here() },
+        ReadError::NotRegular => FolderError::NotRegular(here()),
         ReadError::TooLarge { size, limit } => FolderError::TooLarge { path: here(), size, limit },
-        ReadError::BeingWritten => FolderError::BeingWritten { path: here() },
+        ReadError::BeingWritten => FolderError::BeingWritten(here()),
     })
 }
 

@@ -119,10 +119,7 @@ impl FolderWatch {
     }
 
     fn is_lost(&self) -> bool {
-        match &self.mode {
-            WatchMode::Notifications { pending, .. } => pending.lost.load(Ordering::Acquire),
-            WatchMode::Polling { .. } => false,
-        }
+        matches!(&self.mode, WatchMode::Notifications { pending, .. } if pending.lost.load(Ordering::Acquire))
     }
 }
 
@@ -178,18 +175,15 @@ fn is_change(kind: &EventKind) -> bool {
 
 /// Starts polling; existing files are not a change.
 fn start_polling(folders: &[PathBuf; 2], cause: String) -> WatchMode {
-    let seen = [folder_fingerprint(&folders[0]), folder_fingerprint(&folders[1])];
+    let seen = folders.each_ref().map(|folder| folder_fingerprint(folder));
     WatchMode::Polling { cause, seen, told: [true; 2], next: None }
 }
 
 /// Lists both folders and marks those that have changed.
 fn mark_changed_folders(folders: &[PathBuf; 2], seen: &mut [u64; 2], told: &mut [bool; 2]) {
     for ((folder, seen), told) in folders.iter().zip(seen).zip(told) {
-        let present = folder_fingerprint(folder);
-        if *seen != present {
-            *seen = present;
-            *told = false;
-        }
+        let before = std::mem::replace(seen, folder_fingerprint(folder));
+        *told &= before == *seen;
     }
 }
 

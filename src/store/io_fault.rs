@@ -3,9 +3,11 @@
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use crate::defs::text::Text;
+
 /// A failed operation on a file or folder.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: cannot {action}: {cause}; {}", .path.display(), remedy(.cause.kind()))]
+#[error("{}: cannot {action}: {cause}; {}", .path.display(), remedy(.cause.kind()).en)]
 pub struct IoFault {
     /// The file or folder.
     pub path: PathBuf,
@@ -30,22 +32,13 @@ impl IoFault {
     /// The message with the file name only, in English.
     #[must_use]
     pub fn en(&self) -> String {
-        format!("{}: {} ({})", self.name(), remedy(self.cause.kind()), self.cause)
+        format!("{}: {} ({})", self.name(), remedy(self.cause.kind()).en, self.cause)
     }
 
     /// The message in Chinese; the text of the operating system is not translated.
     #[must_use]
     pub fn zh(&self) -> String {
-        let name = self.name();
-        let remedy = match self.cause.kind() {
-            ErrorKind::NotFound => "找不到，请检查 U 盘是否插好",
-            ErrorKind::PermissionDenied => "没有权限",
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "磁盘已满，请清理后再试",
-            ErrorKind::ReadOnlyFilesystem => "磁盘写保护，请解除或更换",
-            ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "同名的文件或目录挡住了，请移开",
-            _ => "请检查磁盘后再试",
-        };
-        format!("{name}：{remedy} ({})", self.cause)
+        format!("{}：{} ({})", self.name(), remedy(self.cause.kind()).zh, self.cause)
     }
 
     /// Whether the disk is full.
@@ -62,13 +55,18 @@ impl IoFault {
 }
 
 /// The remedy for a kind of error.
-fn remedy(kind: ErrorKind) -> &'static str {
-    match kind {
-        ErrorKind::NotFound => "check the path, and that the stick is plugged in",
-        ErrorKind::PermissionDenied => "give the user of the control access to it",
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "make room on the disk",
-        ErrorKind::ReadOnlyFilesystem => "the disk is write-protected: unlock it, or replace a failing disk",
-        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "move away the file that stands in its place",
-        _ => "check the disk and try again",
-    }
+fn remedy(kind: ErrorKind) -> Text {
+    let (zh, en) = match kind {
+        ErrorKind::NotFound => ("找不到，请检查 U 盘是否插好", "check the path, and that the stick is plugged in"),
+        ErrorKind::PermissionDenied => ("没有权限", "give the user of the control access to it"),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => ("磁盘已满，请清理后再试", "make room on the disk"),
+        ErrorKind::ReadOnlyFilesystem => {
+            ("磁盘写保护，请解除或更换", "the disk is write-protected: unlock it, or replace a failing disk")
+        }
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            ("同名的文件或目录挡住了，请移开", "move away the file that stands in its place")
+        }
+        _ => ("请检查磁盘后再试", "check the disk and try again"),
+    };
+    Text::new(zh, en)
 }

@@ -8,7 +8,7 @@ use std::time::SystemTime;
 
 use encoding_rs::GBK;
 
-use super::atomic_file::TEMPORARY_NAME;
+use super::atomic_file::is_temporary;
 use super::file_class::{CommentSource, FileClass};
 use super::io_fault::IoFault;
 
@@ -17,7 +17,7 @@ pub const LISTING_LIMIT: usize = 20_000;
 /// Bytes of a file that are searched for its comment line.
 const HEAD_LIMIT: u64 = 2048;
 /// Maximum length of a comment line, characters.
-pub(super) const COMMENT_LIMIT: usize = 80;
+const COMMENT_LIMIT: usize = 80;
 
 /// A file of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,24 +74,20 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Ca
             ignored.extend(misnamed_file(class, name));
             continue;
         };
-        let metadata = match entry.metadata() {
-            Ok(metadata) => metadata,
-            // Deleted since the folder was opened.
-            Err(_) => continue,
-        };
+        // It may have been deleted since the folder was opened.
+        let Ok(metadata) = entry.metadata() else { continue };
         if !metadata.is_file() {
             ignored.push(IgnoredFile { name, reason: "a link, folder or device: only plain files count".to_owned() });
             continue;
         }
         let candidate = Candidate { name, rank, metadata };
-        match found.remove(&number) {
-            None => drop(found.insert(number, candidate)),
-            Some(rival) => {
-                let (winner, loser) = rank_candidates(rival, candidate);
-                ignored.push(IgnoredFile { name: loser.name, reason: format!("{} counts instead", winner.name) });
-                found.insert(number, winner);
-            }
-        }
+        let Some(rival) = found.remove(&number) else {
+            found.insert(number, candidate);
+            continue;
+        };
+        let (winner, loser) = rank_candidates(rival, candidate);
+        ignored.push(IgnoredFile { name: loser.name, reason: format!("{} counts instead", winner.name) });
+        found.insert(number, winner);
     }
     ignored.sort_by(|a, b| a.name.cmp(&b.name));
     Ok((found, ignored))
@@ -107,8 +103,7 @@ fn misnamed_file(class: &FileClass, name: String) -> Option<IgnoredFile> {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension)?;
     let known = class.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension));
     let lettered = name.chars().next().is_some_and(|first| first.eq_ignore_ascii_case(&class.letter));
-    let unfinished = name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1);
-    (known && lettered && !unfinished)
+    (known && lettered && !is_temporary(&name))
         .then(|| IgnoredFile { reason: format!("rename it like {}", class.file_name(1001)), name })
 }
 
@@ -126,14 +121,13 @@ pub(super) fn folder_entry(folder: &Path, class: &FileClass, number: u16, found:
         // An unreadable file has no comment; reading it later reports the error.
         CommentSource::FirstComment | CommentSource::Title => read_head(&folder.join(&found.name)).unwrap_or_default(),
     };
-    let comment = class.comment_in(&head).chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();
-    FolderEntry {
-        number,
-        name: found.name,
-        size: found.metadata.len(),
-        modified: found.metadata.modified().ok(),
-        comment,
-    }
+    let (size, modified) = (found.metadata.len(), found.metadata.modified().ok());
+    FolderEntry { number, name: found.name, size, modified, comment: shown_comment(&class.comment_in(&head)) }
+}
+
+/// A comment as the directory shows it.
+pub(super) fn shown_comment(comment: &str) -> String {
+    comment.chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect()
 }
 
 /// The start of a file as text; invalid bytes show as `�`.
@@ -141,11 +135,7 @@ pub(super) fn read_head(path: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     File::open(path).ok()?.take(HEAD_LIMIT).read_to_end(&mut bytes).ok()?;
     // An incomplete character at the end does not make the file GBK.
-    let is_utf8 = match std::str::from_utf8(&bytes) {
-        Ok(_) => true,
-        Err(wrong) => wrong.error_len().is_none(),
-    };
-    if is_utf8 {
+    if std::str::from_utf8(&bytes).err().is_none_or(|wrong| wrong.error_len().is_none()) {
         return Some(String::from_utf8_lossy(&bytes).trim_start_matches('\u{FEFF}').to_owned());
     }
     let (text, _) = GBK.decode_without_bom_handling(&bytes);

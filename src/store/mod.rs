@@ -31,7 +31,7 @@ mod values;
 
 pub use checksum::checksum as stamp;
 pub use data_dir::{DataDir, DataDirError};
-pub use decode::{DecodeError, Decoded, Encoding, decode};
+pub use decode::{DecodeError, Decoded, Encoding, decode, encode};
 pub use file_class::{
     CommentSource, FileClass, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT,
 };

@@ -6,7 +6,7 @@ use std::time::SystemTime;
 
 use super::file_class::first_comment;
 use super::io_fault::IoFault;
-use super::listing::{COMMENT_LIMIT, LISTING_LIMIT, read_head};
+use super::listing::{LISTING_LIMIT, read_head, shown_comment};
 
 /// Extensions of main programs and subprograms.
 const EXTENSIONS: [&str; 2] = ["MPF", "SPF"];
@@ -32,10 +32,9 @@ pub struct NamedProgram {
 #[must_use]
 pub fn program_stem(name: &str) -> Option<String> {
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let known = |extension: &str| EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(extension));
     let stem = match name.rsplit_once('.') {
-        Some((stem, extension)) => {
-            EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(extension)).then_some(stem)?
-        }
+        Some((stem, extension)) => known(extension).then_some(stem)?,
         None => name.strip_prefix(['L', 'l']).filter(|rest| digits(rest)).map(|_| name)?,
     };
     let whole = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
@@ -55,25 +54,10 @@ pub fn list_named_programs(folder: &Path) -> Result<Vec<NamedProgram>, IoFault> 
         let Some(stem) = program_stem(&name) else { continue };
         // Deleted since the folder was opened, or not a regular file.
         let Some(metadata) = entry.metadata().ok().filter(fs::Metadata::is_file) else { continue };
-        let comment = first_comment(&read_head(&entry.path()).unwrap_or_default());
-        let comment = comment.chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();
+        let comment = shown_comment(&first_comment(&read_head(&entry.path()).unwrap_or_default()));
         found.push(NamedProgram { stem, name, size: metadata.len(), modified: metadata.modified().ok(), comment });
     }
     found.sort_by(|a, b| (&a.stem, &a.name).cmp(&(&b.stem, &b.name)));
     found.dedup_by(|later, first| later.stem == first.stem);
     Ok(found)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn s1_names_of_programs_are_told_from_other_files() {
-        assert_eq!(program_stem("vgrind.mpf").as_deref(), Some("VGRIND"));
-        assert_eq!((program_stem("L10.SPF").as_deref(), program_stem("l10").as_deref()), (Some("L10"), Some("L10")));
-        for other in ["O1001.NC", "L10.TXT", "LIES", "L", "README", ".MPF", "a b.MPF", "程序.MPF"] {
-            assert_eq!(program_stem(other), None, "{other}");
-        }
-    }
 }

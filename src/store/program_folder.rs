@@ -18,7 +18,7 @@ pub const STEM_LIMIT: usize = 32;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramFolder {
     folder: Folder,
-    /// `PROGRESS_TEXT.NC` is a program, and `O1001.NC` has no special meaning.
+    /// `NAME.NC` is a program, and `O1001.NC` has no special meaning.
     by_name: bool,
 }
 

@@ -1,10 +1,9 @@
 //! RON files that people read, edit and copy: settings, backups of parameters and variables, part files.
 //!
-//! The last line is a comment with the checksum of the text before it. The previous version is kept as `PROGRESS_TEXT.bak`.
+//! The last line is a comment with the checksum of the text before it. The previous version is kept as `NAME.bak`.
 //! A file edited by hand is accepted with a warning for [`ChecksumPolicy::Person`] and refused for [`ChecksumPolicy::Strict`].
 //! An unreadable file is never replaced silently by defaults: the previous version is read, with a warning.
 
-use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -62,11 +61,8 @@ pub struct LoadedFile<T> {
 #[derive(Debug, thiserror::Error)]
 pub enum RonError {
     /// Neither the file nor its previous version exists.
-    #[error("{}: not there; it is made when it is first saved", .path.display())]
-    Missing {
-        /// The file.
-        path: PathBuf,
-    },
+    #[error("{}: not there; it is made when it is first saved", .0.display())]
+    Missing(PathBuf),
     /// The text is not RON, or not of this type.
     #[error("{} line {line}, column {column}: {cause}; correct it there or restore a backup", .path.display())]
     Text {
@@ -80,29 +76,14 @@ pub enum RonError {
         cause: String,
     },
     /// A missing or wrong checksum in a file that only the control writes.
-    #[error("{}: {cause}; restore a backup", .path.display())]
-    Checksum {
-        /// The file.
-        path: PathBuf,
-        /// Missing or wrong.
-        cause: &'static str,
-    },
+    #[error("{}: {}; restore a backup", .0.display(), .1)]
+    Checksum(PathBuf, &'static str),
     /// A link, folder or device, too large, or still being written.
-    #[error("{}: {cause}; put a plain RON file there", .path.display())]
-    NotReadable {
-        /// The file.
-        path: PathBuf,
-        /// Which of them.
-        cause: String,
-    },
+    #[error("{}: {}; put a plain RON file there", .0.display(), .1)]
+    NotReadable(PathBuf, String),
     /// A value that RON cannot express: a bug of the caller.
-    #[error("{}: the value cannot be written as RON: {cause}", .path.display())]
-    Value {
-        /// The file.
-        path: PathBuf,
-        /// The error of the RON library.
-        cause: String,
-    },
+    #[error("{}: the value cannot be written as RON: {}", .0.display(), .1)]
+    Value(PathBuf, String),
     /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
@@ -113,22 +94,16 @@ pub enum RonError {
 /// # Errors
 /// The error of the file itself, if the previous version is invalid, too.
 pub fn read<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<LoadedFile<T>, RonError> {
-    let first = match read_one(path, care) {
-        Ok(found) => return Ok(found),
-        Err(first) => first,
-    };
-    let backup = with_suffix(path, "bak");
-    match read_one(&backup, care) {
-        Ok(LoadedFile { value, mut warnings }) => {
-            warnings.insert(0, RonWarning::FromBackup { backup, cause: first.to_string() });
-            Ok(LoadedFile { value, warnings })
-        }
-        Err(_) => Err(first),
-    }
+    read_one(path, care).or_else(|first| {
+        let backup = with_suffix(path, "bak");
+        let Ok(LoadedFile { value, mut warnings }) = read_one(&backup, care) else { return Err(first) };
+        warnings.insert(0, RonWarning::FromBackup { backup, cause: first.to_string() });
+        Ok(LoadedFile { value, warnings })
+    })
 }
 
-/// Writes a file: after a power cut it is the old or the new one. A valid old file becomes `PROGRESS_TEXT.bak`; an invalid one
-/// is renamed to `PROGRESS_TEXT.damaged`, so that it never replaces a valid previous version.
+/// Writes a file: after a power cut it is the old or the new one. A valid old file becomes `NAME.bak`; an invalid one
+/// is renamed to `NAME.damaged`, so that it never replaces a valid previous version.
 ///
 /// # Errors
 /// A disk error; the old file stays. [`RonError::Value`] if the value could not be read back.
@@ -136,11 +111,9 @@ pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy,
     let text = to_text(path, value)?;
     match read_one::<T>(path, care) {
         Ok(_) => copy_beside(path, "bak")?,
-        Err(RonError::Missing { .. }) => {}
+        Err(RonError::Missing(_)) => {}
         Err(RonError::Io(fault)) => return Err(RonError::Io(fault)),
-        Err(
-            RonError::Text { .. } | RonError::Checksum { .. } | RonError::NotReadable { .. } | RonError::Value { .. },
-        ) => {
+        Err(RonError::Text { .. } | RonError::Checksum(..) | RonError::NotReadable(..) | RonError::Value(..)) => {
             let aside = with_suffix(path, "damaged");
             fs::rename(path, &aside).map_err(IoFault::at(path, "put aside"))?;
         }
@@ -148,7 +121,7 @@ pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy,
     Ok(atomic_file::replace(path, text.as_bytes())?)
 }
 
-/// Copies a file to `PROGRESS_TEXT.extension`. A copy, because USB drives have no links and the file must stay.
+/// Copies a file to `NAME.extension`. A copy, because USB drives have no links and the file must stay.
 fn copy_beside(path: &Path, extension: &str) -> Result<(), RonError> {
     let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
     Ok(atomic_file::replace(&with_suffix(path, extension), &bytes)?)
@@ -156,7 +129,7 @@ fn copy_beside(path: &Path, extension: &str) -> Result<(), RonError> {
 
 /// The text of a value with its checksum line.
 fn to_text<T: Serialize + DeserializeOwned>(path: &Path, value: &T) -> Result<String, RonError> {
-    let refused = |cause: String| RonError::Value { path: path.to_path_buf(), cause };
+    let refused = |cause: String| RonError::Value(path.to_path_buf(), cause);
     let pretty = PrettyConfig::new().new_line("\n");
     let mut text = ron::ser::to_string_pretty(value, pretty).map_err(|wrong| refused(wrong.to_string()))?;
     text.push('\n');
@@ -197,7 +170,7 @@ fn next_token(text: &str, line: usize, column: usize) -> (usize, usize) {
 
 /// Checks the checksum line.
 fn check_checksum(path: &Path, care: ChecksumPolicy, text: &str) -> Result<Vec<RonWarning>, RonError> {
-    let refused = |cause| RonError::Checksum { path: path.to_path_buf(), cause };
+    let refused = |cause| RonError::Checksum(path.to_path_buf(), cause);
     let stated = text.rfind(CHECKSUM_MARK).and_then(|at| {
         let digits = text[at + CHECKSUM_MARK.len()..].trim_end();
         u64::from_str_radix(digits, 16).ok().map(|sum| (at, sum))
@@ -214,10 +187,10 @@ fn check_checksum(path: &Path, care: ChecksumPolicy, text: &str) -> Result<Vec<R
 fn read_error(path: &Path, refused: ReadError) -> RonError {
     let path = path.to_path_buf();
     match refused {
-        ReadError::Io(fault) if fault.is_missing() => RonError::Missing { path },
+        ReadError::Io(fault) if fault.is_missing() => RonError::Missing(path),
         ReadError::Io(fault) => RonError::Io(fault),
         other @ (ReadError::NotRegular | ReadError::TooLarge { .. } | ReadError::BeingWritten) => {
-            RonError::NotReadable { path, cause: other.to_string() }
+            RonError::NotReadable(path, other.to_string())
         }
     }
 }
@@ -229,10 +202,9 @@ fn utf8_error(path: &Path, bytes: &[u8], valid: usize) -> RonError {
     RonError::Text { path: path.to_path_buf(), line, column: last.chars().count() + 1, cause }
 }
 
-/// `PROGRESS_TEXT.extension`; the own extension of the file stays.
+/// `NAME.extension`; the own extension of the file stays.
 fn with_suffix(path: &Path, extension: &str) -> PathBuf {
-    let mut name = OsString::from(path.as_os_str());
-    name.push(".");
-    name.push(extension);
-    PathBuf::from(name)
+    let mut name = path.as_os_str().to_owned();
+    name.push(format!(".{extension}"));
+    name.into()
 }

@@ -321,19 +321,24 @@ impl<'a, G: Stage> Player<'a, G> {
         Ok(())
     }
 
-    fn part(&mut self, file: &str) -> Result<(), String> {
+    /// Path and text of a file named in the story.
+    fn read(&self, file: &str) -> Result<(String, String), String> {
         let path = self.folder.join(file);
-        let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let part = PartFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        let place = path.display().to_string();
+        std::fs::read_to_string(path).map_err(|error| format!("{place}: {error}")).map(|text| (place.clone(), text))
+    }
+
+    fn part(&mut self, file: &str) -> Result<(), String> {
+        let (place, text) = self.read(file)?;
+        let part = PartFile::parse(&text).map_err(|error| format!("{place}: {error}"))?;
         self.stage.host().set_part_rule(PartRule::Keep);
         self.stage.host().mount_part(&part);
         self.wait_for_setting()
     }
 
     fn screw(&mut self, axis: Axis, file: &str) -> Result<(), String> {
-        let path = self.folder.join(file);
-        let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let table = LeadscrewCompensation::parse(&text).map_err(|fault| format!("{} {fault}", path.display()))?;
+        let (place, text) = self.read(file)?;
+        let table = LeadscrewCompensation::parse(&text).map_err(|fault| format!("{place} {fault}"))?;
         self.set(Command::SetLeadscrew(axis, table))
     }
 
@@ -357,11 +362,8 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {
-        let end = self.stage.host().now() + Micros::from_secs_f64(seconds);
         self.press_and_hold(key);
-        while self.stage.host().now() < end && !self.stage.is_interrupted() {
-            self.step();
-        }
+        self.wait(Micros::from_secs_f64(seconds));
         self.release(key)
     }
 

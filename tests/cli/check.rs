@@ -242,3 +242,17 @@ fn s1_an_endless_loop_of_a_subprogram_keeps_what_came_before() {
     // 50 mm of slide at 600 mm/min.
     assert!((told["length"].as_f64().unwrap() - 50.0).abs() < 1e-9, "{told}");
 }
+
+/// The part built in for O1001 belongs to GC: on GS its work zero would be the place of another machine.
+#[test]
+fn t4_the_built_in_part_of_another_kind_does_not_count() {
+    let zero = |kind: &str| {
+        let text = "O1001\nG54\nG00 X1\nM30\n";
+        let out = said(&check(kind, "O1001.NC", text, &["--ops", "--format", "json"]));
+        let frame: Value = serde_json::from_str(out.lines().next().unwrap()).unwrap();
+        assert_eq!(frame["op"], "frame", "{out}");
+        frame["z"].as_f64().unwrap()
+    };
+    assert!((zero("gc") + 400.0).abs() < 1e-9);
+    assert!(zero("gs").abs() < 1e-9);
+}

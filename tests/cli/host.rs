@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use kt830::controller::PowerOnState;
+use kt830::controller::files::BackgroundJob;
+use kt830::controller::{PowerOnState, nc_settings};
 use kt830::defs::alarm;
 use kt830::defs::date::DateTime;
 use kt830::defs::kind::Kind;
@@ -25,7 +26,7 @@ use kt830::host::storage::{DirectStorage, RetainedWorker, StorageWorker, Threade
 use kt830::host::thread::{HostThread, run_until_stopped, start};
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
-use kt830::link::files::{FileRequest, Refusal, Requester, Ticket};
+use kt830::link::files::{FileAnswer, FileRequest, Refusal, Requester, Ticket};
 use kt830::link::media::{Direction, TransferRequest, TransferSet};
 use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::link::simulation::{SimCommand, SimView};
@@ -340,6 +341,34 @@ fn a_serial_transfer_that_waits_is_cancelled_and_delays_no_value() {
     bench.until("the end", |snapshot| !snapshot.files.answers.is_empty() && snapshot.files.busy.is_none());
     let last = bench.link.newest().files.answers.last().unwrap().result.clone();
     assert!(matches!(&last, Err(Refusal::Other(said)) if said.zh().contains("已取消")), "{last:?}");
+}
+
+/// The control closes down between taking a job from its queue and beginning it: a cancel that the job resets when it
+/// begins would be lost, and the end would wait for the whole calculation.
+#[test]
+fn what_only_calculates_is_not_begun_after_the_end_and_what_writes_is_completed() {
+    let files = files();
+    let runner = JobRunner::new(folders(&files));
+    runner.end();
+    let settings = nc_settings(Kind::Gc, &PowerOnState::factory(Kind::Gc).params);
+    let mut answers = Vec::new();
+    for request in [FileRequest::ComputeToolpath(1_001), FileRequest::New(4_711)] {
+        let job = BackgroundJob {
+            ticket: Ticket::without_reply(Requester::Transfer),
+            request,
+            settings: settings.clone(),
+            programs: Arc::default(),
+            transfer_values: None,
+            start: None,
+            date: None,
+        };
+        runner.run(&job, &mut |answer| answers.push(answer));
+    }
+    let [FileAnswer::Refused(Refusal::Other(said)), FileAnswer::Done(_)] = answers.as_slice() else {
+        panic!("{answers:?}");
+    };
+    assert_eq!(said.zh, "已取消");
+    assert!(files.path().join("programs/O4711.NC").is_file());
 }
 
 #[test]

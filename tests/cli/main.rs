@@ -9,12 +9,15 @@ mod stories;
 
 mod check;
 mod cli;
+mod defs;
 mod docs;
 mod host;
+mod pace;
 mod requirements;
 #[cfg(unix)]
 mod serial;
+mod serial_format;
 mod store_files;
 mod store_retained;
-mod structure;
+mod story_lines;
 mod tidy;

@@ -2,10 +2,10 @@
 //! Source: spec L9.
 
 use std::fs;
-use std::io::{ErrorKind, Read, Write};
+use std::io::{Read, Write};
 use std::path::PathBuf;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -33,6 +33,8 @@ struct Shop {
     _kept: fs::File,
     line: SerialLine,
     cancelled: AtomicBool,
+    /// The control has ended its transfer: what the other side has not heard by now never comes.
+    ended: Arc<AtomicBool>,
     held: Mutex<Vec<SerialProgram>>,
     named: bool,
 }
@@ -58,6 +60,7 @@ impl Shop {
             _kept: kept,
             line,
             cancelled: AtomicBool::new(false),
+            ended: Arc::default(),
             held: Mutex::default(),
             named: false,
         }
@@ -75,16 +78,24 @@ impl Shop {
         let shelf = ProgramFolder::new(self.folder.path(), self.named);
         let names = names.iter().map(|name| (*name).to_owned()).collect();
         let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite, convert: None };
-        let (cancelled, held) = (&self.cancelled, &self.held);
-        SerialTransfer { folder: &shelf, by_name: self.named, port: &self.line, cancelled, received: held }
-            .run(&ask, &mut |_| {})
+        let (stopped, received) = (&|| self.cancelled.load(Ordering::Acquire), &self.held);
+        let transfer = SerialTransfer { folder: &shelf, by_name: self.named, port: &self.line, stopped, received };
+        let done = transfer.run(&ask, &mut |_| {});
+        self.ended.store(true, Ordering::Release);
+        done
+    }
+
+    /// The other side's end of the line, before the control begins a transfer.
+    fn take_other(&mut self) -> (TTYPort, Arc<AtomicBool>) {
+        self.ended.store(false, Ordering::Release);
+        (self.other.take().unwrap(), Arc::clone(&self.ended))
     }
 
     /// The other side hears XON, then sends these bytes.
     fn sender(&mut self, bytes: &[u8]) -> JoinHandle<TTYPort> {
-        let (mut port, bytes) = (self.other.take().unwrap(), bytes.to_vec());
+        let ((mut port, ended), bytes) = (self.take_other(), bytes.to_vec());
         thread::spawn(move || {
-            assert!(hear(&mut port, |heard| heard.contains(&XON)).contains(&XON));
+            assert!(hear(&mut port, &ended, |heard| heard.contains(&XON)).contains(&XON));
             port.write_all(&bytes).unwrap();
             port
         })
@@ -100,9 +111,9 @@ impl Shop {
 
     /// Sends a program while the other side listens to its end; what it heard.
     fn send(&mut self, names: &[&str]) -> (Result<FileAnswer, Refusal>, Vec<u8>) {
-        let mut port = self.other.take().unwrap();
+        let (mut port, ended) = self.take_other();
         let listener = thread::spawn(move || {
-            let heard = hear(&mut port, |heard| heard.ends_with(b"%\r\n\0\0\0\0"));
+            let heard = hear(&mut port, &ended, |heard| heard.ends_with(b"%\r\n\0\0\0\0"));
             (port, heard)
         });
         let done = self.ask(Direction::Export, names, None);
@@ -112,21 +123,26 @@ impl Shop {
     }
 }
 
-/// Reads until what was heard is enough; silence for three seconds before the first byte, or 300 ms after it, ends it too.
-fn hear(port: &mut TTYPort, enough: impl Fn(&[u8]) -> bool) -> Vec<u8> {
-    let (mut heard, mut buffer, mut silent) = (Vec::new(), [0; 8_192], 0);
-    while !enough(&heard) && silent < if heard.is_empty() { 10 } else { 1 } {
-        match port.read(&mut buffer) {
-            Ok(count) => {
-                heard.extend_from_slice(&buffer[..count]);
-                silent = 0;
-            }
-            Err(error) if error.kind() == ErrorKind::TimedOut => silent += 1,
-            // Nobody has the other end open yet.
-            Err(_) => silent += 1,
+/// Reads until what was heard is enough, or until the control's transfer has ended and nothing is left to read. However
+/// long the control takes on a busy computer, silence alone ends nothing.
+fn hear(port: &mut TTYPort, ended: &AtomicBool, enough: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+    let mut heard = Vec::new();
+    while !enough(&heard) {
+        // Asked before the read: what was sent before the end is still read.
+        let last = ended.load(Ordering::Acquire);
+        if !hear_some(port, &mut heard) && last {
+            break;
         }
     }
     heard
+}
+
+/// Reads what comes within the port's timeout; false for silence, or if nobody has the other end open yet.
+fn hear_some(port: &mut TTYPort, heard: &mut Vec<u8>) -> bool {
+    let mut buffer = [0; 8_192];
+    let count = port.read(&mut buffer).unwrap_or_default();
+    heard.extend_from_slice(&buffer[..count]);
+    count > 0
 }
 
 fn number(done: &Result<FileAnswer, Refusal>) -> Option<u16> {
@@ -200,19 +216,20 @@ fn l9_xoff_holds_the_sender_and_xon_lets_it_go_on() {
     let mut shop = Shop::new();
     shop.line.silence_timeout = Duration::from_secs(20);
     fs::write(shop.path("O0001.NC"), long()).unwrap();
-    let mut port = shop.other.take().unwrap();
+    let (mut port, ended) = shop.take_other();
     let listener = thread::spawn(move || {
-        let mut heard = hear(&mut port, |heard| heard.len() > 1_000);
+        let mut heard = hear(&mut port, &ended, |heard| heard.len() > 1_000);
         port.write_all(&[XOFF]).unwrap();
         // What was on its way still comes; then there is silence although we listen.
-        heard.extend(hear(&mut port, |_| false));
+        while hear_some(&mut port, &mut heard) {}
         let held_at = heard.len();
         port.write_all(&[XON]).unwrap();
-        heard.extend(hear(&mut port, |rest| rest.ends_with(b"\0\0\0\0")));
-        (held_at, heard)
+        heard.extend(hear(&mut port, &ended, |rest| rest.ends_with(b"\0\0\0\0")));
+        // The end stays open: the sender looks at its line once more after the last byte was heard.
+        (held_at, heard, port)
     });
     let done = shop.ask(Direction::Export, &["O0001.NC"], None);
-    let (held_at, heard) = listener.join().unwrap();
+    let (held_at, heard, _port) = listener.join().unwrap();
     assert!(done.is_ok(), "{done:?}");
     let whole = [b"\0\0\0\0%\r\n", long().as_bytes(), b"%\r\n\0\0\0\0"].concat();
     assert!(held_at < whole.len(), "held at {held_at} of {}", whole.len());
@@ -223,11 +240,11 @@ fn l9_xoff_holds_the_sender_and_xon_lets_it_go_on() {
 fn l9_a_receiver_that_holds_for_ever_is_an_alarm() {
     let mut shop = Shop::new();
     fs::write(shop.path("O0001.NC"), long()).unwrap();
-    let mut port = shop.other.take().unwrap();
+    let (mut port, ended) = shop.take_other();
     let listener = thread::spawn(move || {
-        hear(&mut port, |heard| heard.len() > 1_000);
+        let mut heard = hear(&mut port, &ended, |heard| heard.len() > 1_000);
         port.write_all(&[XOFF]).unwrap();
-        hear(&mut port, |_| false);
+        while hear_some(&mut port, &mut heard) {}
         port
     });
     let done = shop.ask(Direction::Export, &["O0001.NC"], None);
@@ -241,6 +258,8 @@ fn l9_nothing_and_half_a_program_are_alarms_and_nothing_is_stored() {
     shop.line.start_timeout = Duration::from_millis(300);
     let done = shop.receive(b"", &[]);
     assert_eq!(done, Err(SerialError::NoData(None).into()));
+    // The half program does begin, however long the other side takes on a busy computer.
+    shop.line.start_timeout = Duration::from_secs(20);
     let done = shop.receive(b"%\nO1234\nG00 X1\nG0", &[]);
     assert_eq!(done, Err(SerialError::NoData(Some(4)).into()));
     assert!(!shop.path("O1234.NC").exists());
@@ -273,8 +292,8 @@ fn l9_garbled_data_parity_and_length_are_alarms_of_their_own() {
 fn l9_a_port_that_is_not_there_and_one_that_goes_are_alarms() {
     let mut shop = Shop::new();
     // The other end goes while it is waited for: the adapter was pulled out.
-    let mut port = shop.other.take().unwrap();
-    let gone = thread::spawn(move || hear(&mut port, |heard| heard.contains(&XON)));
+    let (mut port, ended) = shop.take_other();
+    let gone = thread::spawn(move || hear(&mut port, &ended, |heard| heard.contains(&XON)));
     let done = shop.ask(Direction::Import, &[], None);
     assert_eq!(number(&done), Some(alarm::SERIAL_DISCONNECTED), "{done:?}");
     gone.join().unwrap();
@@ -285,10 +304,10 @@ fn l9_a_port_that_is_not_there_and_one_that_goes_are_alarms() {
 #[test]
 fn h8_a_reception_is_cancelled() {
     let mut shop = Shop::new();
-    let (mut port, shop) = (shop.other.take().unwrap(), shop);
+    let ((mut port, ended), shop) = (shop.take_other(), shop);
     thread::scope(|scope| {
         scope.spawn(|| {
-            assert!(hear(&mut port, |heard| heard.contains(&XON)).contains(&XON));
+            assert!(hear(&mut port, &ended, |heard| heard.contains(&XON)).contains(&XON));
             shop.cancelled.store(true, Ordering::Release);
         });
         assert_eq!(shop.ask(Direction::Import, &[], None), Err(SerialError::Cancelled.into()));
@@ -344,6 +363,7 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
     rig.set_serial_port(shop.line.port.clone());
     let sender = shop.sender(b"%\r\nO1234 (NEW)\r\nM30\r\n%\r\n");
     request(&mut rig, Direction::Import, &[]);
+    shop.ended.store(true, Ordering::Release);
     drop(sender.join().unwrap());
     assert!(rig.has_program(1_234), "{:?}", refusal(&mut rig));
     assert!(rig.snapshot().alarms.is_empty(), "a new transmission takes the old alarm away");

@@ -5,11 +5,12 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use kt830::defs::kind::Dialect;
+use kt830::defs::kind::{Dialect, Kind};
+use kt830::defs::text::Lang;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
     DataDir, Encoding, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL, PROGRAM,
-    decode,
+    StoredSettings, decode, password, program_stem, stamp,
 };
 use serde::{Deserialize, Serialize};
 
@@ -362,4 +363,51 @@ fn k7_3_a_page_file_that_cannot_be_read_is_told_by_its_name_in_both_languages() 
         assert!(!said(number).zh().contains(" is ") && !said(number).zh().contains('/'), "{}", said(number).zh());
         assert!(!said(number).en().contains('/'), "{}", said(number).en());
     }
+}
+
+#[test]
+fn the_value_never_changes() {
+    assert_eq!(stamp(b""), 0xefd0_1f60_ba99_2926);
+    assert_ne!(stamp(b"#500=1"), stamp(b"#500=2"));
+}
+
+#[test]
+fn s1_names_of_programs_are_told_from_other_files() {
+    assert_eq!(program_stem("vgrind.mpf").as_deref(), Some("VGRIND"));
+    assert_eq!((program_stem("L10.SPF").as_deref(), program_stem("l10").as_deref()), (Some("L10"), Some("L10")));
+    for other in ["O1001.NC", "L10.TXT", "LIES", "L", "README", ".MPF", "a b.MPF", "程序.MPF"] {
+        assert_eq!(program_stem(other), None, "{other}");
+    }
+}
+
+#[test]
+fn b6_passwords_are_kept_hashed_with_a_salt() {
+    let (one, other) = (password::hash("187350").expect("a salt"), password::hash("187350").expect("a salt"));
+    assert!(one.starts_with("$argon2id$") && one != other && !one.contains("187350"));
+    assert!(password::verify("187350", &one) && password::verify("187350", &other));
+    assert!(!password::verify("187351", &one) && !password::verify("", &one) && !password::verify("187350", "187350"));
+}
+
+#[test]
+fn k1_the_kind_and_the_language_are_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    assert_eq!(StoredSettings::read(folder.path()).expect("no file"), StoredSettings::default());
+    let chosen =
+        StoredSettings { kind: Some(Kind::Ga), lang: Some(Lang::En), light: Some(true), ..StoredSettings::default() };
+    chosen.write(folder.path()).expect("written");
+    assert_eq!(StoredSettings::read(folder.path()).expect("a file"), chosen);
+    std::fs::write(folder.path().join("settings.ron"), "(kind: Some(Gs))").expect("written");
+    let by_hand = StoredSettings::read(folder.path()).expect("edited by hand");
+    assert_eq!(by_hand, StoredSettings { kind: Some(Kind::Gs), ..StoredSettings::default() });
+}
+
+#[test]
+fn names_are_told_without_regard_to_case_and_nothing_else_passes() {
+    assert_eq!(PROGRAM.parse("o1001.nc"), Some((1001, 0)));
+    assert_eq!(PAGE_TEXT.parse("c0001.NC"), Some((1, 1)));
+    for other in ["O101.NC", "O10010.NC", "O1001.TXT", "O1001", "O+001.NC", "../O1001.NC", "O１００１.NC", "", "."]
+    {
+        assert_eq!(PROGRAM.parse(other), None, "{other}");
+    }
+    assert_eq!(PROGRAM.file_name(7), "O0007.NC");
 }

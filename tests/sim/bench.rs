@@ -96,7 +96,7 @@ fn rig(machine: MachineFile, part: Option<&PartFile>, params: Params) -> Rig {
         seen: InputImage::default(),
         out: OutputImage::default(),
         params,
-        g54: part.map_or(PerAxis([0.0; 3]), |part| PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z])),
+        g54: part.map_or(PerAxis([0.0; 3]), |part| part.g54_mm.axes()),
     };
     rig.step();
     rig

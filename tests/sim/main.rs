@@ -7,7 +7,11 @@ mod stories;
 
 mod bench;
 mod grinding;
+mod injector;
 mod kinds;
 mod machine;
+mod machine_file;
+mod part_file;
 mod story;
 mod table;
+mod trace;

@@ -1,6 +1,6 @@
 //! Program transfer over RS232: 8 data bits, no parity, one stop bit, XON/XOFF; port and baud rate are configurable.
 //!
-//! [`sheet`] defines the format, [`line`] sends and receives bytes, [`courier`] connects the line and the folder.
+//! [`format`] defines the format, [`port`] sends and receives bytes, [`transfer`] connects the line and the folder.
 //! Source: spec L9, K7.8, B8 (300–399).
 
 pub mod format;

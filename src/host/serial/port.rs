@@ -3,7 +3,6 @@
 //! Source: spec L9.
 
 use std::io::ErrorKind;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
@@ -58,8 +57,7 @@ impl SerialLine {
             .flow_control(FlowControl::Software)
             .timeout(POLL_TIMEOUT);
         port.open().map_err(|error| {
-            let words = format!("{} {} bit/s: {error}", self.port, self.baud);
-            SerialError::Port(LocalizedText::new(words.clone(), words))
+            SerialError::Port(LocalizedText::same(&format!("{} {} bit/s: {error}", self.port, self.baud)))
         })
     }
 
@@ -67,14 +65,14 @@ impl SerialLine {
     ///
     /// # Errors
     /// The port cannot be opened or has disappeared, the other side accepts no data, or the operator has cancelled.
-    pub fn send(&self, bytes: &[u8], cancelled: &AtomicBool, tell: &mut dyn FnMut(u64)) -> Result<(), SerialError> {
+    pub fn send(&self, bytes: &[u8], stopped: &dyn Fn() -> bool, tell: &mut dyn FnMut(u64)) -> Result<(), SerialError> {
         if bytes.len() > self.limit {
             return Err(SerialError::TooLong(self.limit));
         }
         let mut port = self.open()?;
         let (mut sent, mut moved) = (0, Instant::now());
         while sent < bytes.len() {
-            if cancelled.load(Ordering::Acquire) {
+            if stopped() {
                 drop(port.clear(ClearBuffer::Output));
                 return Err(SerialError::Cancelled);
             }
@@ -92,11 +90,11 @@ impl SerialLine {
                 return Err(SerialError::NotAccepted);
             }
         }
-        self.drain(port.as_mut(), cancelled)
+        self.drain(port.as_mut(), stopped)
     }
 
     /// Waits until the system's output buffer is empty, before the port is closed.
-    fn drain(&self, port: &mut dyn SerialPort, cancelled: &AtomicBool) -> Result<(), SerialError> {
+    fn drain(&self, port: &mut dyn SerialPort, stopped: &dyn Fn() -> bool) -> Result<(), SerialError> {
         let (mut left, mut moved) = (u32::MAX, Instant::now());
         loop {
             let now = port.bytes_to_write().map_err(|error| disconnected(&error))?;
@@ -106,8 +104,7 @@ impl SerialLine {
             if now < left {
                 (left, moved) = (now, Instant::now());
             }
-            let trouble =
-                if cancelled.load(Ordering::Acquire) { SerialError::Cancelled } else { SerialError::NotAccepted };
+            let trouble = if stopped() { SerialError::Cancelled } else { SerialError::NotAccepted };
             if trouble == SerialError::Cancelled || moved.elapsed() > self.silence_timeout {
                 drop(port.clear(ClearBuffer::Output));
                 return Err(trouble);
@@ -120,12 +117,12 @@ impl SerialLine {
     ///
     /// # Errors
     /// A fault of the port, the line or the data; or the operator has cancelled.
-    pub fn receive(&self, cancelled: &AtomicBool, tell: &mut dyn FnMut(u64)) -> Result<SerialReader, SerialError> {
+    pub fn receive(&self, stopped: &dyn Fn() -> bool, tell: &mut dyn FnMut(u64)) -> Result<SerialReader, SerialError> {
         let mut port = self.open()?;
         drop(port.clear(ClearBuffer::Input));
         send_byte(port.as_mut(), XON)?;
         let mut reader = SerialReader::new(self.limit);
-        let read = self.read(port.as_mut(), &mut reader, cancelled, tell);
+        let read = self.read(port.as_mut(), &mut reader, stopped, tell);
         // The read error has priority over an error of XOFF.
         let told = send_byte(port.as_mut(), XOFF);
         read.and(told).map(|()| reader)
@@ -135,13 +132,13 @@ impl SerialLine {
         &self,
         port: &mut dyn SerialPort,
         reader: &mut SerialReader,
-        cancelled: &AtomicBool,
+        stopped: &dyn Fn() -> bool,
         tell: &mut dyn FnMut(u64),
     ) -> Result<(), SerialError> {
         let mut buffer = [0; 4_096];
         let mut heard = Instant::now();
         loop {
-            if cancelled.load(Ordering::Acquire) {
+            if stopped() {
                 return Err(SerialError::Cancelled);
             }
             match port.read(&mut buffer) {
@@ -181,7 +178,7 @@ fn ignore_timeout(error: &std::io::Error) -> Result<(), SerialError> {
 }
 
 fn disconnected(error: &dyn std::fmt::Display) -> SerialError {
-    SerialError::Disconnected(LocalizedText::new(error.to_string(), error.to_string()))
+    SerialError::Disconnected(LocalizedText::same(&error))
 }
 
 /// The names of the serial ports of this computer, sorted.

@@ -2,13 +2,13 @@
 //! the operator is asked; stored files are read back.
 //! Source: spec L9, K7.8.
 
-use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::SerialError;
 use super::format::{SerialProgram, encode_transmission};
 use super::port::SerialLine;
 use crate::defs::text::{LocalizedText, Text};
+use crate::host::job_answer::{JobResult, Tell, done, refusal};
 use crate::link::files::{FileAnswer, Refusal};
 use crate::link::media::{Direction, TransferRequest};
 use crate::store::{FolderError, ProgramFolder, stamp};
@@ -24,8 +24,8 @@ pub struct SerialTransfer<'a> {
     pub by_name: bool,
     /// The line.
     pub port: &'a SerialLine,
-    /// Cancels the transfer.
-    pub cancelled: &'a AtomicBool,
+    /// Whether the transfer is to stop.
+    pub stopped: &'a dyn Fn() -> bool,
     /// Received programs that wait for the answer whether to overwrite.
     pub received: &'a Mutex<Vec<SerialProgram>>,
 }
@@ -35,45 +35,39 @@ impl SerialTransfer<'_> {
     ///
     /// # Errors
     /// Why nothing, or not everything, was transferred.
-    pub fn run(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+    pub fn run(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> JobResult {
         match ask.direction {
             Direction::Export => self.send(&ask.names, tell),
             Direction::Import => self.receive(ask, tell),
         }
     }
 
-    fn send(&self, names: &[String], tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
-        let refused = |error: &FolderError| Refusal::from(SerialError::NotStored(error_text(error)));
+    fn send(&self, names: &[String], tell: Tell<'_>) -> JobResult {
         if names.is_empty() {
-            return Err(Refusal::Other(LocalizedText::new(
-                "请先选择要发送的程序",
-                "choose the programs to send first",
-            )));
+            return Err(refusal("请先选择要发送的程序", "choose the programs to send first"));
         }
         let mut sheets = Vec::new();
         for name in names {
-            let read = self.folder.read(name).map_err(|error| refused(&error))?;
+            let read = self.folder.read(name).map_err(|error| SerialError::NotStored(error.message()))?;
             sheets.push(SerialProgram { name: read.name, text: read.bytes });
         }
         let bytes = encode_transmission(&sheets, self.port.leader, self.by_name)?;
         let all = bytes.len().max(1) as u64;
-        self.port.send(&bytes, self.cancelled, &mut |sent| {
+        self.port.send(&bytes, self.stopped, &mut |sent| {
             tell(FileAnswer::Progress(SENDING, (sent * 1_000 / all) as u16));
         })?;
         let (count, kilobytes) = (sheets.len(), bytes.len().div_ceil(1_024));
-        Ok(FileAnswer::Done(LocalizedText::new(
-            format!("已发送 {count} 个程序，{kilobytes} kB"),
-            format!("{count} programs sent, {kilobytes} kB"),
-        )))
+        let zh = format!("已发送 {count} 个程序，{kilobytes} kB");
+        Ok(done(zh, format!("{count} programs sent, {kilobytes} kB")))
     }
 
-    fn receive(&self, ask: &TransferRequest, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+    fn receive(&self, ask: &TransferRequest, tell: Tell<'_>) -> JobResult {
         let sheets = match ask.overwrite {
             None => self.receive_programs(ask, tell)?,
-            Some(_) => std::mem::take(&mut *self.received.lock().unwrap_or_else(std::sync::PoisonError::into_inner)),
+            Some(_) => std::mem::take(&mut *self.waiting()),
         };
         if sheets.is_empty() {
-            return Err(Refusal::Other(LocalizedText::new("请重新接收", "receive it once more")));
+            return Err(refusal("请重新接收", "receive it once more"));
         }
         let clashes = |sheet: &SerialProgram| match self.folder.read(&sheet.name) {
             Ok(old) => stamp(&old.bytes) != stamp(&sheet.text),
@@ -85,7 +79,7 @@ impl SerialTransfer<'_> {
         let clashing: Vec<String> =
             sheets.iter().filter(|sheet| clashes(sheet)).map(|sheet| sheet.name.clone()).collect();
         if ask.overwrite.is_none() && !clashing.is_empty() {
-            *self.received.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = sheets;
+            *self.waiting() = sheets;
             return Err(Refusal::Overwrite(clashing));
         }
         let mut stored = Vec::new();
@@ -93,20 +87,20 @@ impl SerialTransfer<'_> {
             stored.push(self.store(sheet, &stored)?);
         }
         let names = stored.join(" ");
-        Ok(FileAnswer::Done(match stored.is_empty() {
-            true => LocalizedText::new("未改动", "nothing was changed"),
-            false => LocalizedText::new(format!("已接收并保存 {names}"), format!("received and stored: {names}")),
-        }))
+        Ok(match stored.is_empty() {
+            true => done("未改动", "nothing was changed"),
+            false => done(format!("已接收并保存 {names}"), format!("received and stored: {names}")),
+        })
     }
 
-    fn receive_programs(
-        &self,
-        ask: &TransferRequest,
-        tell: &mut dyn FnMut(FileAnswer),
-    ) -> Result<Vec<SerialProgram>, SerialError> {
+    /// Received programs that wait for an answer.
+    fn waiting(&self) -> MutexGuard<'_, Vec<SerialProgram>> {
+        self.received.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn receive_programs(&self, ask: &TransferRequest, tell: Tell<'_>) -> Result<Vec<SerialProgram>, SerialError> {
         tell(FileAnswer::BytesReceived(RECEIVING, 0));
-        let reader =
-            self.port.receive(self.cancelled, &mut |bytes| tell(FileAnswer::BytesReceived(RECEIVING, bytes)))?;
+        let reader = self.port.receive(self.stopped, &mut |bytes| tell(FileAnswer::BytesReceived(RECEIVING, bytes)))?;
         reader.into_programs(ask.names.first().map(String::as_str), self.folder, self.by_name)
     }
 
@@ -119,15 +113,11 @@ impl SerialTransfer<'_> {
             };
             SerialError::NotStored(LocalizedText::new(format!("{}{zh}", said.zh()), format!("{}{en}", said.en())))
         };
-        let name = self.folder.write(&sheet.name, &sheet.text).map_err(|error| failed(error_text(&error)))?;
-        let back = self.folder.read(&name).map_err(|error| failed(error_text(&error)))?;
+        let name = self.folder.write(&sheet.name, &sheet.text).map_err(|error| failed(error.message()))?;
+        let back = self.folder.read(&name).map_err(|error| failed(error.message()))?;
         if stamp(&back.bytes) == stamp(&sheet.text) {
             return Ok(name);
         }
         Err(failed(LocalizedText::new(format!("{name} 校验不符"), format!("{name} does not read back"))))
     }
-}
-
-fn error_text(error: &FolderError) -> LocalizedText {
-    crate::host::job_runner::folder_refusal(error).message()
 }

@@ -2,8 +2,6 @@
 //! long job nor a transfer of minutes delays retained data. Detects files copied into the folders and sends the time.
 //! Source: notes "reliability", K7.3 ("copied in by the operator at any time"), L9.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -14,7 +12,8 @@ use crate::controller::StorageRequest;
 use crate::controller::files::BackgroundJob;
 use crate::defs::text::LocalizedText;
 use crate::host::clock;
-use crate::host::job_runner::{ChangedFolders, JobRunner};
+use crate::host::job_answer::ChangedFolders;
+use crate::host::job_runner::JobRunner;
 use crate::host::part::PartQuery;
 use crate::link::command::Command;
 use crate::link::files::{FileAnswer, FileRequest, Refusal};
@@ -62,9 +61,8 @@ impl ThreadedStorage {
         // They arrive before the first tick.
         worker.read(ChangedFolders { programs: true, screens: true }, &mut |arrival| drop(tell.send(arrival)));
         let (jobs, threads) = JobQueues::start(&worker, &tell)?;
-        let own = jobs.clone();
-        let mut thread =
-            StorageThread { retained, worker, asked, tell, watch, jobs: own, waiting: None, clock_sent: None };
+        let (waiting, clock_sent, own) = (None, None, jobs.clone());
+        let mut thread = StorageThread { retained, worker, asked, tell, watch, jobs: own, waiting, clock_sent };
         let thread = Builder::new().name("kt830-disk".into()).spawn(move || {
             while thread.turn() {}
             drop(thread);
@@ -77,20 +75,15 @@ impl ThreadedStorage {
 impl Storage for ThreadedStorage {
     fn submit(&mut self, requests: &mut Vec<StorageRequest>) {
         let Some(questions) = self.questions.as_ref().filter(|_| !requests.is_empty()) else { return };
-        match questions.try_send(StorageQuestion::Requests(std::mem::take(requests))) {
-            Ok(()) => {}
-            Err(TrySendError::Full(question) | TrySendError::Disconnected(question)) => {
-                if let StorageQuestion::Requests(kept) = question {
-                    *requests = kept;
-                }
-            }
+        let sent = questions.try_send(StorageQuestion::Requests(std::mem::take(requests)));
+        if let Err(StorageQuestion::Requests(kept)) = sent.map_err(TrySendError::into_inner) {
+            *requests = kept;
         }
     }
 
     fn find_part(&mut self, query: PartQuery) -> bool {
-        self.questions
-            .as_ref()
-            .is_some_and(|questions| questions.try_send(StorageQuestion::Part(Box::new(query))).is_ok())
+        let question = StorageQuestion::Part(Box::new(query));
+        self.questions.as_ref().is_some_and(|questions| questions.try_send(question).is_ok())
     }
 
     fn poll(&mut self, arrivals: &mut Vec<Arrival>) {
@@ -119,11 +112,7 @@ impl Drop for ThreadedStorage {
 struct JobQueues {
     office: Option<Sender<BackgroundJob>>,
     line: Option<Sender<BackgroundJob>>,
-    office_runner: JobRunner,
-    line_runner: JobRunner,
-    /// The job in progress only calculates: it is cancelled at the end.
-    calculating: Arc<AtomicBool>,
-    ending: Arc<AtomicBool>,
+    runners: [JobRunner; 2],
 }
 
 impl JobQueues {
@@ -132,40 +121,23 @@ impl JobQueues {
         let line_worker = StorageWorker { jobs: worker.jobs.clone().with_own_cancel(), ..worker.clone() };
         let (office, office_jobs) = bounded(JOB_QUEUE);
         let (line, line_jobs) = bounded(JOB_QUEUE);
-        let queues = Self {
-            office: Some(office),
-            line: Some(line),
-            office_runner: worker.jobs.clone(),
-            line_runner: line_worker.jobs.clone(),
-            calculating: Arc::default(),
-            ending: Arc::default(),
-        };
+        let runners = [worker.jobs.clone(), line_worker.jobs.clone()];
         let threads = vec![
-            queues.spawn("kt830-jobs", worker.clone(), office_jobs, tell.clone())?,
-            queues.spawn("kt830-line", line_worker, line_jobs, tell.clone())?,
+            Self::spawn("kt830-jobs", worker.clone(), office_jobs, tell.clone())?,
+            Self::spawn("kt830-line", line_worker, line_jobs, tell.clone())?,
         ];
-        Ok((queues, threads))
+        Ok((Self { office: Some(office), line: Some(line), runners }, threads))
     }
 
     fn spawn(
-        &self,
         name: &str,
         worker: StorageWorker,
         jobs: Receiver<BackgroundJob>,
         tell: Sender<Arrival>,
     ) -> std::io::Result<JoinHandle<()>> {
-        let (calculating, ending) = (Arc::clone(&self.calculating), Arc::clone(&self.ending));
         Builder::new().name(name.into()).spawn(move || {
             for job in jobs {
-                let calculates = matches!(job.request, FileRequest::ComputeToolpath(_));
-                if ending.load(Ordering::Acquire) && (calculates || is_serial(&job)) {
-                    continue;
-                }
-                calculating.fetch_or(calculates, Ordering::AcqRel);
                 worker.run(&job, &mut |arrival| drop(tell.send(arrival)));
-                if calculates {
-                    calculating.store(false, Ordering::Release);
-                }
             }
         })
     }
@@ -173,8 +145,7 @@ impl JobQueues {
     /// Queues a job without waiting. A full queue is answered with a busy message, except for requests that pages repeat.
     fn queue(&self, job: Box<BackgroundJob>) -> Option<Arrival> {
         if job.request == FileRequest::Cancel {
-            self.office_runner.cancel();
-            self.line_runner.cancel();
+            self.runners.iter().for_each(JobRunner::cancel);
             return None;
         }
         let asked_again = matches!(job.request, FileRequest::CheckLines { .. } | FileRequest::ListMedia);
@@ -189,12 +160,8 @@ impl JobQueues {
 
     /// Closes the queues. A job that writes is completed; a calculation or a transfer over the line is cancelled.
     fn end(&mut self) {
-        self.ending.store(true, Ordering::Release);
+        self.runners.iter().for_each(JobRunner::end);
         (self.office, self.line) = (None, None);
-        self.line_runner.cancel();
-        if self.calculating.load(Ordering::Acquire) {
-            self.office_runner.cancel();
-        }
     }
 }
 

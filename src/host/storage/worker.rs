@@ -8,7 +8,8 @@ use crate::controller::StorageRequest;
 use crate::controller::StoredProgram;
 use crate::controller::files::BackgroundJob;
 use crate::defs::text::LocalizedText;
-use crate::host::job_runner::{ChangedFolders, JobRunner};
+use crate::host::job_answer::ChangedFolders;
+use crate::host::job_runner::JobRunner;
 use crate::host::password_store::PasswordStore;
 use crate::host::retained_store::RetainedStore;
 use crate::link::command::Command;
@@ -44,7 +45,7 @@ impl RetainedWorker {
         }
         tell(Arrival::Command(match store.commit(requests) {
             Ok(generation) => Command::Stored(generation),
-            Err(error) => Command::DiskFailed(LocalizedText::new(error.to_string(), error.to_string())),
+            Err(error) => Command::DiskFailed(LocalizedText::same(&error)),
         }));
     }
 

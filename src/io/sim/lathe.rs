@@ -164,11 +164,6 @@ impl SimLathe {
         self.bar.as_ref()?.diameter_at(z)
     }
 
-    /// First Z, cell size and the radius of each cell from the chuck to the face, mm. For the drawing.
-    pub(super) fn profile(&self) -> Option<(f64, f64, &[f64])> {
-        self.bar.as_ref().map(|bar| (bar.z_from, bar.cell, bar.radius.as_slice()))
-    }
-
     /// Bar, chuck and tool for the drawing; `None` without a bar.
     pub(super) fn scene(&self) -> Option<LatheScene<'_>> {
         let bar = self.bar.as_ref()?;

@@ -134,12 +134,6 @@ impl SimulatedMachine {
         self.lathe.as_ref()?.scene()
     }
 
-    /// First Z, cell size and the radius of each cell of a lathe's bar, mm.
-    #[must_use]
-    pub fn bar_profile(&self) -> Option<(f64, f64, &[f64])> {
-        self.lathe.as_ref().and_then(SimLathe::profile)
-    }
-
     /// Speed of a lathe's main spindle, rpm, forward positive.
     #[must_use]
     pub fn main_spindle_rpm(&self) -> f64 {
@@ -163,11 +157,5 @@ impl SimulatedMachine {
     #[must_use]
     pub fn events(&self) -> &[SimEvent] {
         self.log.events()
-    }
-
-    /// Number of further events that were not stored.
-    #[must_use]
-    pub const fn events_lost(&self) -> u64 {
-        self.log.dropped()
     }
 }

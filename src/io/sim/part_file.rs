@@ -12,37 +12,30 @@ use super::file_error::{SimFileError, require_positive};
 use crate::defs::kind::GrindingForm;
 use crate::defs::kind::Kind;
 use crate::defs::program_number;
-use crate::units::{MachinePos, PerAxis};
+use crate::units::PerAxis;
+
+macro_rules! parts {
+    ($($program:literal = $file:literal;)*) => {
+        &[$(($program, include_str!(concat!("../../../assets/parts/", $file, ".ron"))),)*]
+    };
+}
 
 /// Built-in parts of numbered programs.
-const BUILTIN: &[(&str, &str)] = &[
-    ("O1001", include_str!("../../../assets/parts/O1001.ron")),
-    ("O1002", include_str!("../../../assets/parts/O1002.ron")),
-    ("O1003", include_str!("../../../assets/parts/O1003.ron")),
-    ("O1004", include_str!("../../../assets/parts/O1004.ron")),
-    ("O1005", include_str!("../../../assets/parts/O1005.ron")),
-    ("O1006", include_str!("../../../assets/parts/O1006.ron")),
-    ("O1007", include_str!("../../../assets/parts/O1007.ron")),
-    ("O1008", include_str!("../../../assets/parts/O1008.ron")),
-    ("O1009", include_str!("../../../assets/parts/O1009.ron")),
-    ("O1010", include_str!("../../../assets/parts/O1010.ron")),
-    ("O1011", include_str!("../../../assets/parts/O1011.ron")),
-    ("O1012", include_str!("../../../assets/parts/O1012.ron")),
-    ("O1013", include_str!("../../../assets/parts/O1013.ron")),
-    ("O1014", include_str!("../../../assets/parts/O1014.ron")),
-    ("VGRIND", include_str!("../../../assets/parts/VGRIND.ron")),
-    ("VBORE", include_str!("../../../assets/parts/VBORE.ron")),
-    ("PRINTED", include_str!("../../../assets/parts/VGRIND.ron")),
-];
+#[rustfmt::skip]
+const BUILTIN: &[(&str, &str)] = parts! {
+    "O1001" = "O1001"; "O1002" = "O1002"; "O1003" = "O1003"; "O1004" = "O1004"; "O1005" = "O1005"; "O1006" = "O1006";
+    "O1007" = "O1007"; "O1008" = "O1008"; "O1009" = "O1009"; "O1010" = "O1010"; "O1011" = "O1011"; "O1012" = "O1012";
+    "O1013" = "O1013"; "O1014" = "O1014"; "VGRIND" = "VGRIND"; "VBORE" = "VBORE"; "PRINTED" = "VGRIND";
+};
 
 /// Built-in parts of named programs.
-const NAMED: &[(&str, &str)] = &[("SHAFT", include_str!("../../../assets/parts/SHAFT.ron"))];
+const NAMED: &[(&str, &str)] = parts! { "SHAFT" = "SHAFT"; };
 
 /// Greatest number of cells of one surface.
 const CELL_LIMIT: f64 = 100_000.0;
 
 /// A part in the machine.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartFile {
     /// Display name.
@@ -138,15 +131,9 @@ pub struct SlidePosition {
 }
 
 impl SlidePosition {
-    /// The position in machine coordinates.
+    /// The position by axis.
     #[must_use]
-    pub const fn machine(self) -> MachinePos {
-        MachinePos::new([self.x, self.y, self.z])
-    }
-
-    /// The displacement of a work zero from the machine zero.
-    #[must_use]
-    pub const fn displacement(self) -> PerAxis<f64> {
+    pub const fn axes(self) -> PerAxis<f64> {
         PerAxis([self.x, self.y, self.z])
     }
 }
@@ -485,48 +472,5 @@ impl SurfaceFile {
             }
             Self::Diameter { .. } | Self::Cone { .. } | Self::Plane { .. } | Self::Disc { .. } => Ok(()),
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn text_of(program: u32) -> &'static str {
-        BUILTIN.iter().find(|(name, _)| *name == format!("O{program}")).unwrap().1
-    }
-
-    #[test]
-    fn p4_the_parts_built_in_can_be_read() {
-        for (program, _) in BUILTIN {
-            let part = PartFile::builtin(program_number::from_name(program)).unwrap().unwrap();
-            assert!(!part.surfaces.is_empty(), "{program}");
-        }
-        for (name, _) in NAMED {
-            assert!(PartFile::builtin_named(name).unwrap().unwrap().bar.is_some(), "{name}");
-        }
-        assert_eq!(PartFile::builtin(1020), Ok(None));
-    }
-
-    #[test]
-    fn p4_a_surface_that_the_kind_of_machine_cannot_grind_is_refused() {
-        let part = text_of(1007).replacen("kind: Gs", "kind: Ga", 1);
-        let said = PartFile::parse(&part).unwrap_err().to_string();
-        assert_eq!(said, "surface 1: the part's kind of machine cannot grind it");
-    }
-
-    #[test]
-    fn p4_a_plane_has_no_more_cells_than_are_allowed() {
-        let part = text_of(1007).replacen("cell: 1.0", "cell: 0.01", 1);
-        let said = PartFile::parse(&part).unwrap_err().to_string();
-        // 200 · 60 mm at 0.01 mm.
-        assert!(said.starts_with("surface 1: cells is 120000000"), "{said}");
-    }
-
-    #[test]
-    fn p4_a_part_without_length_is_refused_with_its_surface() {
-        let part = text_of(1002).replacen("z_to: 48.0", "z_to: 30.0", 1);
-        let said = PartFile::parse(&part).unwrap_err().to_string();
-        assert!(said.starts_with("surface 1: cells is 0"), "{said}");
     }
 }

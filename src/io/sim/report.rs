@@ -71,7 +71,6 @@ pub struct SimEvent {
 #[derive(Clone, Debug)]
 pub(super) struct EventLog {
     events: Vec<SimEvent>,
-    dropped: u64,
     /// Present positions of the slides.
     slide_mm: MachinePos,
     /// Crashes whose contact has not ended.
@@ -91,12 +90,7 @@ struct ActiveCrash {
 impl EventLog {
     /// An empty log with its memory allocated.
     pub(super) fn new() -> Self {
-        Self {
-            events: Vec::with_capacity(EVENT_LIMIT),
-            dropped: 0,
-            slide_mm: MachinePos::default(),
-            active_crashes: Vec::new(),
-        }
+        Self { events: Vec::with_capacity(EVENT_LIMIT), slide_mm: PerAxis::default(), active_crashes: Vec::new() }
     }
 
     /// Takes over the slide positions and ends the crashes that the slides have left.
@@ -114,7 +108,7 @@ impl EventLog {
         self.active_crashes.clear();
     }
 
-    /// Logs an event; beyond the limit it is only counted. False if it is the same crash, already logged.
+    /// Logs an event; beyond the limit it is not kept. False if it is the same crash, already logged.
     pub(super) fn push(&mut self, event: SimEvent) -> bool {
         if event.kind == EventKind::Crash {
             let slide_mm = self.slide_mm;
@@ -131,17 +125,11 @@ impl EventLog {
     fn store(&mut self, event: SimEvent) {
         if self.events.len() < EVENT_LIMIT {
             self.events.push(event);
-        } else {
-            self.dropped += 1;
         }
     }
 
     pub(super) fn events(&self) -> &[SimEvent] {
         &self.events
-    }
-
-    pub(super) const fn dropped(&self) -> u64 {
-        self.dropped
     }
 }
 

@@ -136,12 +136,9 @@ pub struct OpenedDatabase {
 /// Why the retained data cannot be opened, read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RetainedError {
-    /// Another process uses the data.
-    #[error("{}: another kt830 is running on this data; close it, or start with another --data FOLDER", .path.display())]
-    AlreadyRunning {
-        /// The data directory.
-        path: PathBuf,
-    },
+    /// Another process uses the data directory.
+    #[error("{}: another kt830 is running on this data; close it, or start with another --data FOLDER", .0.display())]
+    AlreadyRunning(PathBuf),
     /// Written by a newer control. This is not damage; the file stays unchanged.
     #[error("{}: format {found}, this control knows {known}; start the newer control, or move the file away", .path.display())]
     Newer {
@@ -152,28 +149,15 @@ pub enum RetainedError {
         /// The newest supported format.
         known: u64,
     },
-    /// Too many damaged files.
-    #[error("{}: {MAX_DAMAGED_FILES} damaged files are kept here; the disk is failing, replace it and clear them away", .path.display())]
-    TooManyDamaged {
-        /// The data directory.
-        path: PathBuf,
-    },
-    /// An invalid change: a bug of the caller. No change of the commit was stored.
-    #[error("{what} cannot be kept: {cause}")]
-    BadChange {
-        /// The change.
-        what: String,
-        /// What is wrong with it.
-        cause: &'static str,
-    },
-    /// Database error. The commit may have succeeded or not; it is safe to commit the same changes again.
-    #[error("{}: {fault}; make room on the disk or replace it, then try again", .path.display())]
-    Storage {
-        /// The file.
-        path: PathBuf,
-        /// The error of the database.
-        fault: StorageFault,
-    },
+    /// Too many damaged files in the data directory.
+    #[error("{}: {MAX_DAMAGED_FILES} damaged files are kept here; the disk is failing, replace it and clear them away", .0.display())]
+    TooManyDamaged(PathBuf),
+    /// An invalid change and what is wrong with it: a bug of the caller. No change of the commit was stored.
+    #[error("{0} cannot be kept: {1}")]
+    BadChange(String, &'static str),
+    /// Database error in the file. The commit may have succeeded or not; it is safe to commit the same changes again.
+    #[error("{}: {}; make room on the disk or replace it, then try again", .0.display(), .1)]
+    Storage(PathBuf, StorageFault),
     /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
@@ -207,7 +191,7 @@ impl RetainedDatabase {
         }
         let database = open_database(&path)?;
         if !fresh {
-            tables::upgrade(&database).map_err(|fault| RetainedError::Storage { path: path.clone(), fault })?;
+            tables::upgrade(&database).map_err(|fault| RetainedError::Storage(path.clone(), fault))?;
         }
         Ok(OpenedDatabase { database: Self { path, database: Some(database), _lock: lock }, damaged, fresh })
     }
@@ -245,11 +229,8 @@ impl RetainedDatabase {
     }
 
     fn with_database<T>(&mut self, act: impl FnOnce(&Database) -> Result<T, StorageFault>) -> Result<T, RetainedError> {
-        let database = match self.database.take() {
-            Some(database) => database,
-            None => open_database(&self.path)?,
-        };
-        let done = act(&database).map_err(|fault| RetainedError::Storage { path: self.path.clone(), fault })?;
+        let database = self.database.take().map_or_else(|| open_database(&self.path), Ok)?;
+        let done = act(&database).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
         // Only after success: redb must be opened again after a failed write.
         self.database = Some(database);
         Ok(done)
@@ -263,7 +244,7 @@ fn lock(folder: &Path) -> Result<File, RetainedError> {
     let file = file.map_err(IoFault::at(&path, "open"))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(RetainedError::AlreadyRunning { path: folder.to_path_buf() }),
+        Err(TryLockError::WouldBlock) => Err(RetainedError::AlreadyRunning(folder.to_path_buf())),
         Err(TryLockError::Error(cause)) => Err(IoFault::at(&path, "lock")(cause).into()),
     }
 }
@@ -276,21 +257,20 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
             continue;
         }
         fs::rename(path, &kept).map_err(IoFault::at(path, "put aside"))?;
-        atomic_file::flush_folder(folder).map_err(IoFault::at(folder, "flush"))?;
+        atomic_file::flush_folder(folder)?;
         return Ok(kept);
     }
-    Err(RetainedError::TooManyDamaged { path: folder.to_path_buf() })
+    Err(RetainedError::TooManyDamaged(folder.to_path_buf()))
 }
 
 /// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
 fn create_database(folder: &Path, path: &Path) -> Result<(), RetainedError> {
     let fresh = folder.join(NEW_DATABASE_FILE);
-    match fs::remove_file(&fresh) {
-        Ok(()) => {}
-        Err(missing) if missing.kind() == std::io::ErrorKind::NotFound => {}
-        Err(cause) => return Err(IoFault::at(&fresh, "delete")(cause).into()),
+    match fs::remove_file(&fresh).map_err(IoFault::at(&fresh, "delete")) {
+        Err(fault) if !fault.is_missing() => return Err(fault.into()),
+        Ok(()) | Err(_) => {}
     }
-    let refused = |fault| RetainedError::Storage { path: fresh.clone(), fault };
+    let refused = |fault| RetainedError::Storage(fresh.clone(), fault);
     let database = builder().create(&fresh).map_err(|wrong| refused(wrong.into()))?;
     tables::create_tables(&database).map_err(refused)?;
     drop(database);
@@ -298,13 +278,13 @@ fn create_database(folder: &Path, path: &Path) -> Result<(), RetainedError> {
     let file = File::open(&fresh).map_err(IoFault::at(&fresh, "open"))?;
     file.sync_all().map_err(IoFault::at(&fresh, "flush"))?;
     fs::rename(&fresh, path).map_err(IoFault::at(&fresh, "rename"))?;
-    Ok(atomic_file::flush_folder(folder).map_err(IoFault::at(folder, "flush"))?)
+    Ok(atomic_file::flush_folder(folder)?)
 }
 
 fn open_database(path: &Path) -> Result<Database, RetainedError> {
     builder().open(path).map_err(|wrong| match wrong {
-        DatabaseError::DatabaseAlreadyOpen => RetainedError::AlreadyRunning { path: path.to_path_buf() },
-        other => RetainedError::Storage { path: path.to_path_buf(), fault: other.into() },
+        DatabaseError::DatabaseAlreadyOpen => RetainedError::AlreadyRunning(path.to_path_buf()),
+        other => RetainedError::Storage(path.to_path_buf(), other.into()),
     })
 }
 

@@ -3,7 +3,7 @@
 //! Every row has a checksum over table, key and value. The `meta` table holds their sum and is updated with each
 //! change: the cost of a commit depends on its changes only, and opening detects lost or altered rows.
 
-use redb::{Database, ReadableDatabase, ReadableTable, Table, TableDefinition, TableError, WriteTransaction};
+use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError, WriteTransaction};
 
 use super::{Generation, RetainedChange, RetainedData, RetainedError, ToolOffset};
 use crate::defs::alarm_history::{MAX_ALARM_HISTORY, PastAlarm};
@@ -75,11 +75,11 @@ pub(super) fn check_change(change: &RetainedChange) -> Result<(), RetainedError>
         }
         RetainedChange::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
     };
-    let what = || change_name(change);
+    let refused = |cause| Err(RetainedError::BadChange(change_name(change), cause));
     match (good_key, good_value) {
         (true, true) => Ok(()),
-        (false, _) => Err(RetainedError::BadChange { what: what(), cause: "its number or name is out of range" }),
-        (true, false) => Err(RetainedError::BadChange { what: what(), cause: "its value is not finite, or too long" }),
+        (false, _) => refused("its number or name is out of range"),
+        (true, false) => refused("its value is not finite, or too long"),
     }
 }
 
@@ -87,9 +87,8 @@ pub(super) fn check_change(change: &RetainedChange) -> Result<(), RetainedError>
 fn change_name(change: &RetainedChange) -> String {
     match change {
         RetainedChange::Variable { number, .. } => format!("#{number}"),
-        RetainedChange::Param { key, .. } | RetainedChange::Number { key, .. } | RetainedChange::Text { key, .. } => {
-            key.clone()
-        }
+        RetainedChange::Param { key, .. } | RetainedChange::Number { key, .. } => key.clone(),
+        RetainedChange::Text { key, .. } => key.clone(),
         RetainedChange::Offset { number, .. } => format!("offset {number}"),
         RetainedChange::WorkOffset { index, .. } => format!("frame {index}"),
         RetainedChange::Alarm(past) => format!("alarm record {}", past.slot()),
@@ -145,6 +144,19 @@ pub(super) fn commit_changes(database: &Database, changes: &[RetainedChange]) ->
     Ok(generation)
 }
 
+/// Sets a row, or removes it for `None`; gives the change of the checksum sum. `$sum` is the checksum of a row's value.
+macro_rules! set_row {
+    ($table:ident, $key:expr, $value:expr, $sum:expr) => {{
+        let (value, sum) = ($value, $sum);
+        let old = match value {
+            Some(value) => $table.insert($key, value)?,
+            None => $table.remove($key)?,
+        };
+        let old = old.map_or(0, |old| sum(old.value()));
+        value.map_or(0, sum).wrapping_sub(old)
+    }};
+}
+
 /// Changes the rows; returns the change of their checksum sum.
 fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Result<u64, StorageFault> {
     let mut variables = transaction.open_table(VARIABLES)?;
@@ -158,58 +170,34 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
     for change in changes {
         let by = match change {
             RetainedChange::Variable { number, value } => {
-                let row = |value: f64| variable_checksum(*number, value);
-                let old = match value {
-                    Some(value) => variables.insert(number, value)?.map(|old| row(old.value())),
-                    None => variables.remove(number)?.map(|old| row(old.value())),
-                };
-                sum_change(old, value.map(row))
+                set_row!(variables, *number, *value, |value: f64| variable_checksum(*number, value))
             }
-            RetainedChange::Param { key, value } => set_number(&mut params, RowTable::Param, key, *value)?,
-            RetainedChange::Number { key, value } => set_number(&mut numbers, RowTable::Number, key, *value)?,
+            RetainedChange::Param { key, value } => {
+                set_row!(params, key.as_str(), *value, |value: f64| number_checksum(RowTable::Param, key, value))
+            }
+            RetainedChange::Number { key, value } => {
+                set_row!(numbers, key.as_str(), *value, |value: f64| number_checksum(RowTable::Number, key, value))
+            }
             RetainedChange::Offset { number, offset } => {
-                let values = offset_values(offset);
-                let old =
-                    offsets.insert(number, values)?.map(|old| axes_checksum(RowTable::Offset, *number, &old.value()));
-                sum_change(old, Some(axes_checksum(RowTable::Offset, *number, &values)))
+                let row = |values: [f64; 6]| axes_checksum(RowTable::Offset, *number, &values);
+                set_row!(offsets, *number, Some(offset_values(offset)), row)
             }
             RetainedChange::WorkOffset { index, origin } => {
-                let old = frames
-                    .insert(index, origin.0)?
-                    .map(|old| axes_checksum(RowTable::WorkOffset, *index, &old.value()));
-                sum_change(old, Some(axes_checksum(RowTable::WorkOffset, *index, &origin.0)))
+                let row = |origin: [f64; 3]| axes_checksum(RowTable::WorkOffset, *index, &origin);
+                set_row!(frames, *index, Some(origin.0), row)
             }
             RetainedChange::Text { key, value } => {
                 let row = |text: &str| row_checksum(RowTable::Text, key.as_bytes(), text.as_bytes());
-                let old = match value {
-                    Some(text) => texts.insert(key.as_str(), text.as_str())?.map(|old| row(old.value())),
-                    None => texts.remove(key.as_str())?.map(|old| row(old.value())),
-                };
-                sum_change(old, value.as_deref().map(row))
+                set_row!(texts, key.as_str(), value.as_deref(), row)
             }
             RetainedChange::Alarm(past) => {
                 let text = alarm_text(past).unwrap_or_default();
-                let old =
-                    alarms.insert(past.slot(), text.as_str())?.map(|old| alarm_checksum(past.slot(), old.value()));
-                sum_change(old, Some(alarm_checksum(past.slot(), &text)))
+                set_row!(alarms, past.slot(), Some(text.as_str()), |text: &str| alarm_checksum(past.slot(), text))
             }
         };
         moved = moved.wrapping_add(by);
     }
     Ok(moved)
-}
-
-fn set_number(
-    table: &mut Table<'_, &'static str, f64>,
-    of: RowTable,
-    key: &str,
-    value: Option<f64>,
-) -> Result<u64, StorageFault> {
-    let old = match value {
-        Some(value) => table.insert(key, value)?.map(|old| number_checksum(of, key, old.value())),
-        None => table.remove(key)?.map(|old| number_checksum(of, key, old.value())),
-    };
-    Ok(sum_change(old, value.map(|value| number_checksum(of, key, value))))
 }
 
 /// Reads all data.
@@ -310,11 +298,6 @@ fn number_checksum(of: RowTable, key: &str, value: f64) -> u64 {
 fn axes_checksum(of: RowTable, number: u8, values: &[f64]) -> u64 {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     row_checksum(of, &[number], &bytes)
-}
-
-/// Change of the sum when a row is replaced, added or removed.
-fn sum_change(old: Option<u64>, new: Option<u64>) -> u64 {
-    new.unwrap_or(0).wrapping_sub(old.unwrap_or(0))
 }
 
 fn offset_values(offset: &ToolOffset) -> [f64; 6] {

@@ -1,0 +1,24 @@
+//! Tests of `kt830::defs::kind`.
+
+use kt830::defs::equipment::Equipment;
+use kt830::defs::kind::Kind;
+
+#[test]
+fn k1_the_wheel_axis_homes_first_and_carries_the_wheel() {
+    for kind in Kind::ALL {
+        let row = kind.row();
+        assert_eq!(row.home_order.first(), Some(&row.wheel_axis), "{kind:?}");
+        assert_eq!(row.ui.wheel_pose.is_some(), row.has(Equipment::Wheel), "{kind:?}");
+        assert!(row.ui.wheel_pose.is_none_or(|pose| pose.body == row.wheel_axis), "{kind:?}");
+        assert_eq!(row.ui.grinding_forms.is_empty(), row.is_lathe(), "{kind:?}");
+    }
+}
+
+#[test]
+fn k1_the_story_of_a_kind_names_the_kind() {
+    for kind in Kind::ALL {
+        let line = format!("kind {}", kind.id());
+        let told = kind.row().demo_story;
+        assert!(told.is_none_or(|story| story.lines().any(|found| found.trim() == line)), "{kind:?}");
+    }
+}

@@ -1,0 +1,22 @@
+//! The tables of `kt830::defs`.
+
+mod alarm;
+mod availability;
+mod date;
+mod gcode;
+mod key;
+mod kind;
+mod leadscrew;
+mod mcode;
+mod page_text;
+mod param;
+mod param_row;
+mod port_conflict;
+mod program_error;
+mod program_number;
+mod r_parameter_name;
+mod signal;
+mod soft_key;
+mod system_variable;
+mod turning_tool;
+mod variable_name;

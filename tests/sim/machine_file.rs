@@ -1,0 +1,66 @@
+//! Machine files: the figures of the built-in ones, and those refused.
+
+use kt830::defs::kind::Kind;
+use kt830::io::sim::{MachineFile, SimFileError};
+
+#[test]
+fn p1_the_built_in_machine_has_the_figures_of_the_specification() {
+    let gc = MachineFile::builtin(Kind::Gc).unwrap();
+    assert_eq!(gc.kind, Kind::Gc);
+    assert!(gc.y.is_none());
+    let figures = [
+        (2.0 / gc.x.following_rad_s, 0.020),
+        (gc.x.resolution_mm, 0.001),
+        (gc.bounce_s, 0.005),
+        (gc.wheel.run_up_s, 8.0),
+        (gc.wheel.coast_down_s, 60.0),
+        (gc.wheel.grinding_ratio, 40.0),
+        (gc.hydraulics.pressure_mpa, 3.0),
+        (gc.hydraulics.switch_on_mpa, 2.5),
+        (gc.hydraulics.switch_off_mpa, 2.2),
+        (gc.cutting.sharp_s, 0.8),
+        (gc.cutting.dull_s, 2.0),
+    ];
+    for (is, wanted) in figures {
+        assert!((is - wanted).abs() < 1e-12, "{is} {wanted}");
+    }
+    assert!(gc.x.accel_mm_s2 > 800.0 && gc.x.jerk_mm_s3 > 20_000.0);
+}
+
+#[test]
+fn p3_p7_every_kind_has_the_figures_of_the_specification() {
+    for file in Kind::ALL.map(|kind| MachineFile::builtin(kind).unwrap()) {
+        let (w, h, g) = (&file.wheel, &file.hydraulics, &file.gauges);
+        assert_eq!((w.run_up_s, w.coast_down_s, w.grinding_ratio), (8.0, 60.0, 40.0));
+        assert_eq!((h.gauge_arm_s, h.oscillation_mm_s), (1.0, 200.0));
+        assert_eq!((g.stages_um, g.noise_um, g.delay_s), ([100.0, 20.0, 5.0, 0.0], 0.5, 0.01));
+        if let Some(quill) = &h.tailstock {
+            assert_eq!((quill.travel_mm, quill.travel_s), (30.0, 1.0));
+        }
+        if let Some(magnet) = &file.magnet {
+            assert_eq!((magnet.magnetise_s, magnet.demagnetise_s), (1.0, 6.0));
+        }
+    }
+}
+
+#[test]
+fn p1_a_layout_without_its_axis_is_refused() {
+    let wrong = Kind::Gc.row().machine_file.replacen("infeed: X", "infeed: Y", 1);
+    let said = MachineFile::parse(&wrong).unwrap_err().to_string();
+    assert_eq!(said, "layout: axis Y: the machine has no such axis");
+    let twice = Kind::Gc.row().machine_file.replacen("infeed: X", "infeed: Z", 1);
+    let said = MachineFile::parse(&twice).unwrap_err().to_string();
+    assert_eq!(said, "layout: infeed, across and stroke are three different axes");
+}
+
+#[test]
+fn p1_a_wrong_machine_file_is_refused_with_its_place() {
+    let unknown = Kind::Gc.row().machine_file.replacen("bounce_s", "bounce", 1);
+    assert!(matches!(MachineFile::parse(&unknown), Err(SimFileError::Syntax(_))));
+    let zero = Kind::Gc.row().machine_file.replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
+    let said = MachineFile::parse(&zero).unwrap_err().to_string();
+    assert_eq!(said, "wheel.grinding_ratio is 0: must be above zero");
+    for kind in Kind::ALL {
+        assert_eq!(MachineFile::builtin(kind).map(|file| file.kind), Ok(kind));
+    }
+}
