@@ -84,7 +84,7 @@ fn file_kind(name: &str) -> CheckedFileKind {
 /// An error with a message in both languages; line and column are 0 if there is no position.
 fn shared_error(shared: &SharedArgs, position: Option<(u32, u32)>, message: &LocalizedText) -> CheckError {
     let (line, column) = position.unwrap_or_default();
-    CheckError { line, column, message: message.get(shared.lang).to_owned() }
+    CheckError { line, column, message: message.get(shared.lang).into_owned() }
 }
 
 /// Prints the result for a page text or picture; returns the exit status.
@@ -211,7 +211,7 @@ impl<'a> ProgramCheck<'a> {
         });
         let mut met: Vec<_> = alarms.collect();
         if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
-            let tells = |line: &u32| self.source.line(*line).is_some_and(|text| text.contains(&told.zh));
+            let tells = |line: &u32| self.source.line(*line).is_some_and(|text| text.contains(&*told.zh()));
             let line = (1..=self.source.line_count() as u32).find(tells).unwrap_or(0);
             let text = self.source.line(line);
             let column = text.and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
@@ -293,7 +293,7 @@ impl<'a> ProgramCheck<'a> {
         // L3: the program starts at its own zero.
         let given = self.shared.part.is_some();
         let bar = if given { None } else { bar::bar_of_program(self.shared.kind, params, &self.source) };
-        let machine = bar.as_ref().or(self.part.as_ref())?.start_mm.axes();
+        let machine = bar.as_ref().or(self.part.as_ref())?.start_mm.machine();
         frames.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
         let world = world.with_position(frames.work_from_machine(machine)).with_work_offsets(frames);
         Some(SoftLimitCheck::new(world, params, shown))
@@ -316,7 +316,7 @@ impl<'a> ProgramCheck<'a> {
         let mut json = op.json(axes);
         if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
             let part = self.part.as_ref().filter(|_| *g == 54);
-            let zero = part.map_or_else(PerAxis::default, |part| part.g54_mm.axes());
+            let zero = part.map_or_else(PerAxis::default, |part| part.g54_mm.displacement());
             for (axis, _) in axes.iter().filter(|(_, present)| **present) {
                 object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
             }
@@ -370,14 +370,14 @@ fn number_of_file(path: &Path) -> u32 {
 
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
 fn world_at_start(world: OfflineMachine, mut frames: WorkOffsets, part: &PartFile) -> OfflineMachine {
-    frames.work[0] = part.g54_mm.axes();
+    frames.work[0] = part.g54_mm.displacement();
     for offset in &part.offsets {
         let index = usize::from(offset.number).checked_sub(1);
         if let Some(place) = index.and_then(|index| frames.geometry.get_mut(index)) {
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         }
     }
-    let at = frames.work_from_machine(part.start_mm.axes());
+    let at = frames.work_from_machine(part.start_mm.machine());
     world.with_position(at).with_work_offsets(frames)
 }
 

@@ -14,7 +14,7 @@ use crate::host::headless::HeadlessHost;
 use crate::io::sim::PartReport;
 use crate::link::command::Command;
 use crate::link::snapshot::{AxisView, RunState, Snapshot, ThreadCut, VARIABLE_COUNT};
-use crate::units::{Micros, PerAxis};
+use crate::units::{MachinePos, Micros};
 
 /// Ticks after cycle start until the state is evaluated.
 const START_TICKS: u32 = 5;
@@ -353,7 +353,7 @@ fn trace_header(host: &HeadlessHost) -> String {
 fn trace_line(host: &HeadlessHost) -> String {
     let control = host.controller();
     let list =
-        |of: PerAxis<f64>| control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",");
+        |of: MachinePos| control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",");
     let (set, actual, place) = (list(control.set_point()), list(control.actual()), control.current_block());
     let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
     let (seconds, outputs) = (host.now().as_secs_f64(), outputs.join(" "));

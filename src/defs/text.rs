@@ -86,12 +86,72 @@ impl Template {
         Self { text: Text::new(zh, en), names }
     }
 
-    /// The same text in both languages: a name, or the words of the operating system.
-    #[must_use]
-    pub fn same(text: &(impl ToString + ?Sized)) -> Self {
-        Self::new(text.to_string(), text.to_string())
+    /// Puts the template into words, with its arguments.
+    fn write(&self, out: &mut String, lang: Lang, args: &[Arg]) -> fmt::Result {
+        let mut rest = self.text.get(lang);
+        while let Some((before, after)) = rest.split_once('{') {
+            out.push_str(before);
+            let (inside, tail) = after.split_once('}').unwrap_or((after, ""));
+            let (name, form) = inside.split_once(':').unwrap_or((inside, ""));
+            match self.names.iter().position(|known| *known == name).and_then(|index| args.get(index)) {
+                Some(Arg::Phrase(template, first)) => {
+                    template.write(out, lang, args.get(usize::from(*first)..).unwrap_or_default())?;
+                }
+                Some(arg) => arg.write(out, lang, NumberForm::parse(form))?,
+                None => write!(out, "{{{inside}}}")?,
+            }
+            rest = tail;
+        }
+        out.write_str(rest)
     }
+}
 
+/// A text of a program.
+const OF_PROGRAM: &Template = &Template::new("{text}", "{text}", &["text"]);
+
+/// Whether a text has a placeholder for each name, and no other.
+const fn uses_exactly(text: &str, names: &[&str]) -> bool {
+    let (bytes, mut at, mut used) = (text.as_bytes(), 0, 0_u32);
+    while at < bytes.len() {
+        if bytes[at] == b'{' {
+            let (start, mut index) = (at + 1, 0);
+            while index < names.len() && !is_placeholder(bytes, start, names[index].as_bytes()) {
+                index += 1;
+            }
+            if index == names.len() {
+                return false;
+            }
+            used |= 1 << index;
+        }
+        at += 1;
+    }
+    used == (1 << names.len()) - 1
+}
+
+/// Whether the placeholder that begins at `start` has this name.
+const fn is_placeholder(text: &[u8], start: usize, name: &[u8]) -> bool {
+    if start + name.len() >= text.len() {
+        return false;
+    }
+    let mut index = 0;
+    while index < name.len() {
+        if text[start + index] != name[index] {
+            return false;
+        }
+        index += 1;
+    }
+    matches!(text[start + name.len()], b':' | b'}')
+}
+
+/// A text in both languages that was put into words.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "LocalizedText")]
+pub struct Words {
+    zh: String,
+    en: String,
+}
+
+impl Words {
     /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> &str {
@@ -183,6 +243,12 @@ impl LocalizedText {
     #[must_use]
     pub fn cut(self, max_chars: u16) -> Self {
         Self { max_chars, ..self }
+    }
+
+    /// The same text in both languages: a name, or the words of the operating system.
+    #[must_use]
+    pub fn same(text: &(impl ToString + ?Sized)) -> Self {
+        Self::new(text.to_string(), text.to_string())
     }
 
     /// The text in a language.

@@ -120,8 +120,8 @@ impl PageFileFolder {
         Ok(match fault {
             None => done(format!("{to} 已换成 {name}"), format!("{to} is now {name}")),
             Some(fault) => done(
-                format!("{to} 已换成 {name}，已转换（{}）", fault.zh),
-                format!("{to} is now {name}, converted ({})", fault.en),
+                format!("{to} 已换成 {name}，已转换（{}）", fault.zh()),
+                format!("{to} is now {name}, converted ({})", fault.en()),
             ),
         })
     }

@@ -67,7 +67,7 @@ pub fn stock_command(part: &PartFile) -> Command {
 /// The commands that set a part up in the control: work offset G54, tool geometry, stock, and values for the variables
 /// that have none. `present` reads a variable.
 pub fn part_setup_commands(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Command> {
-    let mut commands = vec![Command::SetWorkOffset(0, part.g54_mm.axes())];
+    let mut commands = vec![Command::SetWorkOffset(0, part.g54_mm.displacement())];
     for offset in &part.offsets {
         let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         commands.push(Command::SetGeometry(usize::from(offset.number), geometry));

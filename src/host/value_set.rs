@@ -49,7 +49,7 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
         let unknown = || refusal(format!("{key} 不是参数"), format!("{key} is no parameter"));
         let at = ParamAddress::parse(key).ok_or_else(unknown)?;
         params.write(at, *value).map_err(|error| {
-            refusal(format!("{key} = {value}：{}", error.zh()), format!("{key} = {value}: {error}"))
+            refusal(format!("{key} = {value}：{}", error.text().zh()), format!("{key} = {value}: {error}"))
         })?;
         restored.params.push((at, *value));
     }

@@ -367,7 +367,7 @@ fn what_only_calculates_is_not_begun_after_the_end_and_what_writes_is_completed(
     let [FileAnswer::Refused(Refusal::Other(said)), FileAnswer::Done(_)] = answers.as_slice() else {
         panic!("{answers:?}");
     };
-    assert_eq!(said.zh, "已取消");
+    assert_eq!(said.zh(), "已取消");
     assert!(files.path().join("programs/O4711.NC").is_file());
 }
 

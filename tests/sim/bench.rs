@@ -96,7 +96,7 @@ fn rig(machine: MachineFile, part: Option<&PartFile>, params: Params) -> Rig {
         seen: InputImage::default(),
         out: OutputImage::default(),
         params,
-        g54: part.map_or(PerAxis([0.0; 3]), |part| part.g54_mm.axes()),
+        g54: part.map_or(PerAxis([0.0; 3]), |part| part.g54_mm.displacement()),
     };
     rig.step();
     rig

@@ -7,7 +7,7 @@ use kt830::defs::param::Params;
 use kt830::defs::signal::Terminals;
 use kt830::io::trace::{HEADER, TraceRow};
 use kt830::io::{Backend, InputImage, OutputImage};
-use kt830::units::{Micros, PerAxis};
+use kt830::units::{EncoderPos, Micros};
 
 /// Number of columns of a row.
 const COLUMNS: usize = 15;
@@ -77,14 +77,14 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
         now: Micros(c.next(|text| text.parse().ok())?),
         inputs: InputImage {
             terminals: c.terminals()?,
-            encoder_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+            encoder_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             spindle_turns: c.float()?,
             handwheel_detents: c.next(|text| text.parse().ok())?,
             bus_alive: c.flag()?,
         },
         outputs: OutputImage {
             terminals: c.terminals()?,
-            set_point_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+            set_point_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             drives_on: c.flag()?,
             wheel_volts: c.float()?,
             analog_2_volts: c.float()?,
@@ -198,7 +198,7 @@ struct Ramp(f64);
 impl Backend for Ramp {
     fn read(&mut self, _now: Micros) -> InputImage {
         self.0 += 0.1;
-        InputImage { encoder_mm: PerAxis([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
+        InputImage { encoder_mm: EncoderPos::new([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
     }
     fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
     fn rewire(&mut self, _params: &Params) {}
@@ -206,7 +206,7 @@ impl Backend for Ramp {
 
 /// Outputs computed from the inputs.
 fn answer(inputs: InputImage) -> OutputImage {
-    let set_point_mm = inputs.encoder_mm.map(|mm| mm / 3.0);
+    let set_point_mm = EncoderPos::from_fn(|axis| inputs.encoder_mm[axis] / 3.0);
     OutputImage { set_point_mm, terminals: Terminals(0x8000_0000_0000_0001), ..OutputImage::default() }
 }
 

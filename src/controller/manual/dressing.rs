@@ -160,7 +160,7 @@ mod tests {
         assert!(plant.outbox.refusal.take().is_some_and(|why| why.en().contains("not homed")));
         manual.set_dress_point(&mut plant);
         assert!(plant.outbox.refusal.take().is_some(), "no question is open");
-        let params = std::sync::Arc::clone(&plant.params);
+        let params = plant.params.clone();
         plant.axes.finish_homing(Axis::X, &params);
         manual.ask_dress_point(&mut plant, CoordinateView::All, Axis::X);
         assert!(plant.outbox.refusal.take().is_some(), "another view");

@@ -153,7 +153,7 @@ impl Grinding {
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
             self.obstacles.extend(part.tailstock.as_ref().map(Obstacle::of_tailstock));
         }
-        let zero = self.machine.layout.wheel_at(self.work_zero.axes());
+        let zero = self.machine.layout.wheel_at(self.work_zero.machine());
         self.obstacles.extend(self.machine.plate.as_ref().map(|plate| Obstacle::of_plate(plate, &zero)));
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
         let obstacles = self.obstacles.iter().map(Obstacle::top_mm);

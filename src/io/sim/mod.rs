@@ -179,7 +179,7 @@ impl SimulatedMachine {
             turning.set_part(part);
         }
         if let Some(part) = part {
-            self.start_mm = part.start_mm.axes();
+            self.start_mm = part.start_mm.machine();
             self.tailstock_at_start = part.tailstock_advanced;
             self.hydraulics.place_tailstock(part.tailstock_advanced);
         }

@@ -12,7 +12,7 @@ use super::file_error::{SimFileError, require_positive};
 use crate::defs::kind::GrindingForm;
 use crate::defs::kind::Kind;
 use crate::defs::program_number;
-use crate::units::PerAxis;
+use crate::units::{MachinePos, PerAxis};
 
 macro_rules! parts {
     ($($program:literal = $file:literal;)*) => {
@@ -131,9 +131,15 @@ pub struct SlidePosition {
 }
 
 impl SlidePosition {
-    /// The position by axis.
+    /// The position in machine coordinates.
     #[must_use]
-    pub const fn axes(self) -> PerAxis<f64> {
+    pub const fn machine(self) -> MachinePos {
+        MachinePos::new([self.x, self.y, self.z])
+    }
+
+    /// The displacement of a work zero from the machine zero.
+    #[must_use]
+    pub const fn displacement(self) -> PerAxis<f64> {
         PerAxis([self.x, self.y, self.z])
     }
 }

@@ -90,7 +90,7 @@ struct ActiveCrash {
 impl EventLog {
     /// An empty log with its memory allocated.
     pub(super) fn new() -> Self {
-        Self { events: Vec::with_capacity(EVENT_LIMIT), slide_mm: PerAxis::default(), active_crashes: Vec::new() }
+        Self { events: Vec::with_capacity(EVENT_LIMIT), slide_mm: MachinePos::default(), active_crashes: Vec::new() }
     }
 
     /// Takes over the slide positions and ends the crashes that the slides have left.

@@ -27,9 +27,9 @@ fn k7_4_full_width_punctuation_is_named_with_its_place() {
     let fault = parse(&SAMPLE.replacen("位置 #501;", "位置 #501；", 1)).unwrap_err();
     // "卡尺 X 轴终点位置 #501；": 2+1+1+1+5+1+4 = 15 characters before it.
     assert_eq!((fault.line, fault.column), (4, 16));
-    assert!(fault.message.zh.contains("全角") && fault.message.en.contains("full-width"));
+    assert!(fault.message.zh().contains("全角") && fault.message.en().contains("full-width"));
     assert_eq!(parse(&SAMPLE.replacen('#', "＃", 1)).unwrap_err().line, 3);
-    assert!(parse(&SAMPLE.replace('%', "％")).unwrap_err().message.zh.contains("全角"));
+    assert!(parse(&SAMPLE.replace('%', "％")).unwrap_err().message.zh().contains("全角"));
 }
 
 #[test]
@@ -62,5 +62,5 @@ fn k7_4_what_is_not_of_the_format_is_refused() {
     let long = format!("标题;{}%", "\n;".repeat(21));
     assert_eq!(parse(&long).unwrap_err().line, 22);
     assert_eq!(parse(&long.replacen("\n;", "", 1)).unwrap().rows().count(), 0);
-    assert_eq!(parse("标题;\n;;;;;;;;;;").unwrap_err().message.en, "the % at the end of the file is missing");
+    assert_eq!(parse("标题;\n;;;;;;;;;;").unwrap_err().message.en(), "the % at the end of the file is missing");
 }

@@ -16,7 +16,7 @@ fn l2_the_range_shown_is_the_range_that_a_write_keeps() {
         }
     }
     let rapid = rows(Kind::Lathe).into_iter().find(|row| row.address == param::RAPID_X.address());
-    assert_eq!(rapid.map(|row| row.range().en), Some("1000 … 3000 mm/min".to_owned()));
+    assert_eq!(rapid.map(|row| row.range().en().into_owned()), Some("1000 … 3000 mm/min".to_owned()));
 }
 
 #[test]
