@@ -20,8 +20,8 @@ use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
 use crate::io::sim::PartFile;
 use crate::nc::{
-    BlockLocation, CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source,
-    WorkOffsets, check_with,
+    BlockLocation, CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault,
+    Source, WorkOffsets,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -216,12 +216,14 @@ fn analyse_program(
     // An endless loop is shown once, up to its repetition. A first run without output finds that position.
     let repeated = match call.ops {
         true => {
-            check_with(&source, &library, &settings, memory.clone(), &mut world.clone(), &mut |_| {}).repeated_blocks
+            ProgramCheck::new(&source, &library, &settings, memory.clone())
+                .run(&mut world.clone(), &mut |_| {})
+                .repeated_blocks
         }
         false => Vec::new(),
     };
     let mut shown = 0;
-    let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
+    let checked = ProgramCheck::new(&source, &library, &settings, memory).run(&mut world, &mut |block| {
         if let Some(rehearsal) = &mut rehearsal {
             rehearsal.check_block(block, &|at| block_text(&source, &library, at).1);
         }

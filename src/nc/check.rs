@@ -47,36 +47,8 @@ pub struct CheckReport {
 /// Checks a program from a cold start.
 #[must_use]
 pub fn check(source: &Arc<Source>, library: &Arc<dyn Library + Send + Sync>, settings: &NcSettings) -> CheckReport {
-    check_with(source, library, settings, CommonVariables::default(), &mut OfflineMachine::new(settings), &mut |_| {})
-}
-
-/// Checks a program with the given variables and world; passes every block to `sink`.
-pub fn check_with(
-    source: &Arc<Source>,
-    library: &Arc<dyn Library + Send + Sync>,
-    settings: &NcSettings,
-    memory: CommonVariables,
-    world: &mut OfflineMachine,
-    sink: &mut dyn FnMut(&Block),
-) -> CheckReport {
-    check_until(source, library, settings, memory, world, &mut |block| {
-        sink(block);
-        true
-    })
-}
-
-/// As [`check_with`], until `sink` returns false; the check is then not finished.
-pub fn check_until(
-    source: &Arc<Source>,
-    library: &Arc<dyn Library + Send + Sync>,
-    settings: &NcSettings,
-    memory: CommonVariables,
-    world: &mut OfflineMachine,
-    sink: &mut dyn FnMut(&Block) -> bool,
-) -> CheckReport {
-    let mut checking = ProgramCheck::new(source, library, settings, memory);
-    while checking.advance(world, sink, u32::MAX) {}
-    checking.into_report(world)
+    let mut world = OfflineMachine::new(settings);
+    ProgramCheck::new(source, library, settings, CommonVariables::default()).run(&mut world, &mut |_| {})
 }
 
 /// Checks only the syntax of some lines, without the rest of the program: jump targets are not checked.
@@ -183,6 +155,20 @@ impl ProgramCheck {
     pub const fn with_standstill_limit(mut self, blocks: u32) -> Self {
         (self.standstill_limit, self.max_left_loops) = (blocks, 0);
         self
+    }
+
+    /// Runs to the end; passes every block to `sink`.
+    pub fn run(self, world: &mut OfflineMachine, sink: &mut dyn FnMut(&Block)) -> CheckReport {
+        self.run_until(world, &mut |block| {
+            sink(block);
+            true
+        })
+    }
+
+    /// As [`Self::run`], until `sink` returns false; the check is then not finished.
+    pub fn run_until(mut self, world: &mut OfflineMachine, sink: &mut dyn FnMut(&Block) -> bool) -> CheckReport {
+        while self.advance(world, sink, u32::MAX) {}
+        self.into_report(world)
     }
 
     /// The mistakes so far, in the order found.

@@ -2,15 +2,13 @@
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
 use super::fault::{ReadResult, fail, fail1, fail2};
-use super::functions::FUNCTIONS;
+use super::functions::{FUNCTIONS, equal, whole_number};
 use super::lexer::Cursor;
 use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
 /// Deepest nesting of brackets, signs and indices.
 const MAX_DEPTH: usize = 32;
-/// Largest whole number of the bit functions: 2^53.
-const MAX_WHOLE_NUMBER: f64 = 9_007_199_254_740_992.0;
 
 /// A value; `None` is null.
 pub(crate) type Value = Option<f64>;
@@ -34,23 +32,6 @@ pub(crate) trait Scope {
     fn axis_position(&mut self, axis: Axis, frame: CoordinateFrame, at: usize) -> ReadResult<Value>;
     /// Reports that null was used as 0.
     fn null_used(&mut self, at: usize);
-}
-
-/// EQ as specified: within 1e-9 of the larger. DECISION: 1e-12 always counts as equal, so that 0.1+0.2-0.3 EQ 0.
-#[must_use]
-pub(crate) fn equal(a: f64, b: f64) -> bool {
-    (a - b).abs() <= (1e-9 * a.abs().max(b.abs())).max(1e-12)
-}
-
-/// The whole number that the value equals within 1e-9 (relative, absolute below 1), if any.
-#[must_use]
-#[inline]
-pub(crate) fn whole_number(value: f64) -> Option<i64> {
-    // A cast truncates towards zero and saturates. NaN fails the comparison.
-    let near = (value + 0.5_f64.copysign(value)) as i64;
-    let limit = MAX_WHOLE_NUMBER as i64;
-    let off = (value - near as f64).abs();
-    (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
 }
 
 /// Evaluates the expression at the cursor, comparisons included.
@@ -371,26 +352,5 @@ fn comparison_holds(compare: Comparison, left: Value, right: Value) -> bool {
         Comparison::Ge => a > b || equals,
         Comparison::Lt => a < b && !equals,
         Comparison::Le => a < b || equals,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn b3_eq_is_within_a_billionth_of_the_larger() {
-        assert!(equal(0.1 + 0.2, 0.3) && equal(0.1 + 0.2 - 0.3, 0.0) && equal(1e6, 1e6 + 5e-4));
-        assert!(!equal(1e6, 1e6 + 5e-3) && !equal(0.001, 0.001_000_01) && !equal(0.0, 1e-9));
-    }
-
-    #[test]
-    fn b3_whole_numbers_are_recognised_through_rounding() {
-        for (value, found) in [(2.0, Some(2)), (-2.0, Some(-2)), (2.0 - 1e-12, Some(2)), (-0.0, Some(0)), (2.5, None)] {
-            assert_eq!(whole_number(value), found, "{value}");
-        }
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.5, -0.5, 1e-3] {
-            assert_eq!(whole_number(value), None, "{value}");
-        }
     }
 }

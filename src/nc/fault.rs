@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::source::Source;
 use crate::defs::gcode::GCode;
 use crate::defs::program_error::ProgramError;
 use crate::defs::text::Lang;
@@ -132,24 +131,6 @@ pub(crate) fn fail2<T>(
     second: impl Into<String>,
 ) -> ReadResult<T> {
     Err(Box::new(ReadStop::Error(ErrorAt { at, error, details: [detail.into(), second.into()] })))
-}
-
-/// Determines line and column of a mistake.
-pub(crate) fn locate_error(source: &Source, n: Option<u32>, mut wrong: ErrorAt) -> ProgramFault {
-    if wrong.error == ProgramError::NonAsciiCharacter
-        && wrong.details[1].is_empty()
-        && let Some((character, instead)) = source.foreign_character(wrong.at)
-    {
-        if character == char::REPLACEMENT_CHARACTER {
-            wrong.error = ProgramError::BadEncoding;
-            wrong.details =
-                [source.bytes().get(wrong.at).map(|byte| format!("0x{byte:02X}")).unwrap_or_default(), instead];
-        } else {
-            wrong.details = [character.to_string(), instead];
-        }
-    }
-    let (place, column) = source.locate(wrong.at, n);
-    ProgramFault::new(source.title(), place, column, wrong)
 }
 
 #[cfg(test)]

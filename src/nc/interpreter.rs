@@ -7,7 +7,7 @@ use super::contour::ContourCycle;
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
 use super::external_state::ExternalState;
-use super::fault::{BlockLocation, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2, locate_error};
+use super::fault::{BlockLocation, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
 use super::flow::{Call, Callee, Flow};
 use super::lexer::Cursor;
 use super::modal::ModalState;
@@ -215,7 +215,7 @@ impl Interpreter {
     }
 
     pub(super) fn locate(&self, wrong: ErrorAt) -> ProgramFault {
-        locate_error(&self.flow.source, self.block_words.block_number, wrong)
+        self.flow.source.fault(self.block_words.block_number, wrong)
     }
 
     /// Reads one block, with the contour if it is a cycle.
@@ -340,7 +340,7 @@ impl Interpreter {
             | BlockContent::Goto { at, .. }
             | BlockContent::While { at, .. }
             | BlockContent::EndLoop { at, .. }
-                if !dialect::rules(self.settings.dialect).has_macros() =>
+                if !dialect::rules(self.settings.dialect).has_macros =>
             {
                 return fail(at, E::NoMacros);
             }
@@ -442,7 +442,7 @@ impl Interpreter {
         self.advance_past_block(cursor);
         if let (Some(modal), Some(source)) = (modal, source) {
             let callee = Callee::Macro(modal.arguments.clone());
-            let limit = dialect::rules(self.settings.dialect).call_limit(&callee);
+            let limit = (dialect::rules(self.settings.dialect).call_limit)(&callee);
             self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
         }
         Ok(())
@@ -484,13 +484,13 @@ impl Interpreter {
                 let source = self.find_program(call.program, call.at)?;
                 self.condition_changed = true;
                 self.advance_past_block(cursor);
-                let limit = dialect::rules(self.settings.dialect).call_limit(&call.callee);
+                let limit = (dialect::rules(self.settings.dialect).call_limit)(&call.callee);
                 self.flow.call(source, call, false, limit)?;
             }
             FlowAction::Return { target, at } => {
                 self.second_half = false;
                 self.condition_changed = true;
-                if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros() {
+                if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros {
                     return fail(at, E::ReturnWithoutCall);
                 }
                 self.flow.return_to(target, at)?;
@@ -541,7 +541,7 @@ impl Interpreter {
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
-                let Some(number) = super::expression::whole_number(value).filter(|number| (0..=999).contains(number))
+                let Some(number) = super::functions::whole_number(value).filter(|number| (0..=999).contains(number))
                 else {
                     return fail2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
                 };

@@ -35,7 +35,7 @@ mod unexecuted_lines;
 mod words;
 pub mod work_offsets;
 
-pub use check::{CheckReport, ProgramCheck, check, check_syntax, check_until, check_with};
+pub use check::{CheckReport, ProgramCheck, check, check_syntax};
 pub use common_variables::{CommonVariables, VariableError};
 pub use dialect::{call_text, new_program_text};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine};

@@ -1,8 +1,7 @@
 //! The modal state. Source: spec B2, B3 (#4001…).
 
-use super::dialect::{self, ModalCodes, RepetitiveCycleState};
 use super::op::{Feed, PathMode, SpeedMode};
-use super::settings::{Dialect, NcSettings, SpeedUnit};
+use super::settings::{NcSettings, SpeedUnit};
 use crate::units::Plane;
 
 /// The active function of group 01.
@@ -66,6 +65,34 @@ pub(crate) struct CycleWords {
     pub x: Option<f64>,
     pub z: Option<f64>,
     pub taper: f64,
+}
+
+/// The stored settings of the repetitive cycles G71–G75, radius mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RepetitiveCycleState {
+    /// G71, G72: depth of a stroke and retract at 45°.
+    pub depth: Option<f64>,
+    pub escape: f64,
+    /// G73: stock to remove in X and Z, and the number of passes.
+    pub shift: Option<(f64, f64)>,
+    pub passes: Option<u32>,
+    /// G74, G75: retract of a peck.
+    pub peck_back: f64,
+}
+
+/// The G codes of modal states in a dialect.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ModalCodes {
+    /// G90 and G91 are modal.
+    pub distance_is_modal: bool,
+    /// Feed per minute and per revolution.
+    pub per_minute: u8,
+    pub per_rev: u8,
+    /// Inches and millimetres.
+    pub inch: u8,
+    pub metric: u8,
+    /// Exact stop.
+    pub exact_stop: u8,
 }
 
 /// The modal state. It is copied into every block, so that the pages show the state of the executed block.
@@ -159,19 +186,16 @@ impl ModalState {
         self.feed.map(if self.per_rev { Feed::PerRev } else { Feed::PerMinute })
     }
 
-    /// The active G codes in display order.
-    #[must_use]
-    pub fn g_codes(&self, system: Dialect) -> [u8; 8] {
-        let ModalCodes { distance_is_modal: modal_distance, per_minute, per_rev, inch, metric, exact_stop: exact } =
-            dialect::rules(system).modal_codes();
+    /// The active G codes in display order, by the codes of a dialect.
+    pub(crate) fn codes_shown(&self, codes: &ModalCodes) -> [u8; 8] {
         [
             self.motion.g(),
             self.plane.g(),
-            if modal_distance && self.incremental { 91 } else { 90 },
-            if self.per_rev { per_rev } else { per_minute },
-            if self.inch { inch } else { metric },
+            if codes.distance_is_modal && self.incremental { 91 } else { 90 },
+            if self.per_rev { codes.per_rev } else { codes.per_minute },
+            if self.inch { codes.inch } else { codes.metric },
             self.work_offset,
-            if self.path_mode == PathMode::ExactStop { exact } else { 64 },
+            if self.path_mode == PathMode::ExactStop { codes.exact_stop } else { 64 },
             if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
         ]
     }

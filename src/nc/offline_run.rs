@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::common_variables::CommonVariables;
 use super::external_state::{ExternalState, OfflineMachine};
-use super::fault::{ErrorAt, ProgramFault, ReadStop, locate_error};
+use super::fault::{ErrorAt, ProgramFault, ReadStop};
 use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
 use super::op::Op;
 use super::source::Source;
@@ -99,14 +99,14 @@ impl Interpreter {
         let mut remarks = Vec::new();
         for (source, at, variable) in self.null_uses.iter_mut().flat_map(|nulls| nulls.drain(..)) {
             let details = [format!("#{variable}"), String::new()];
-            remarks.push(locate_error(&source, None, ErrorAt { at, error: E::NullUsed, details }));
+            remarks.push(source.fault(None, ErrorAt { at, error: E::NullUsed, details }));
         }
         for wrong in self.warnings.iter_mut().flat_map(|notes| notes.drain(..)) {
-            remarks.push(locate_error(&source, None, wrong));
+            remarks.push(source.fault(None, wrong));
         }
         if self.flow.mid_line {
             let wrong = ErrorAt { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };
-            remarks.push(locate_error(&source, None, wrong));
+            remarks.push(source.fault(None, wrong));
         }
         remarks
     }

@@ -49,6 +49,12 @@ impl AxisSet {
         Self(self.0 | other.0)
     }
 
+    /// The axes that are in both sets.
+    #[must_use]
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
     /// Whether the set is empty.
     #[must_use]
     #[inline]

@@ -63,7 +63,7 @@ impl ProgramPreflight {
         settings: &NcSettings,
         world: OfflineMachine,
     ) -> Option<Self> {
-        Some(Self(match dialect::rules(settings.dialect).preflight_scope() {
+        Some(Self(match dialect::rules(settings.dialect).preflight_scope {
             PreflightScope::FullRun => {
                 let checking = ProgramCheck::new(source, library, settings, CommonVariables::default())
                     .with_standstill_limit(STANDSTILL_BLOCKS);

@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use encoding_rs::GB18030;
 
-use super::dialect::index::index;
-use super::fault::{BlockLocation, ReadResult, fail1, fail2};
+use super::fault::{BlockLocation, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
 use crate::defs::program_error::ProgramError as E;
@@ -44,18 +43,19 @@ pub struct Source {
 }
 
 impl Source {
-    /// Indexes a program's text in its dialect: GBK or UTF-8, line ends CR, LF or CR LF.
-    ///
-    /// # Panics
-    /// If the text has 4 GiB or more; the caller limits file sizes.
-    #[must_use]
-    pub fn new(number: u32, name: impl Into<String>, bytes: impl Into<Arc<[u8]>>, dialect: Dialect) -> Self {
-        let bytes = bytes.into();
+    /// A text with the index that `index` makes of its lines. `Source::new` takes the index of the dialect.
+    pub(crate) fn indexed(
+        number: u32,
+        name: String,
+        bytes: Arc<[u8]>,
+        dialect: Dialect,
+        index: fn(&TextLines<'_>) -> SourceIndex,
+    ) -> Self {
         assert!(bytes.len() < u32::MAX as usize, "program of {} bytes", bytes.len());
         let lines = line_starts(&bytes);
         let utf8 = std::str::from_utf8(&bytes).is_ok();
-        let index = index(dialect, &TextLines { text: &bytes, starts: &lines });
-        Self { number, name: name.into(), bytes, utf8, line_offsets: lines, dialect, index }
+        let index = index(&TextLines { text: &bytes, starts: &lines });
+        Self { number, name, bytes, utf8, line_offsets: lines, dialect, index }
     }
 
     /// The O number.
@@ -217,6 +217,24 @@ impl Source {
         let start = self.line_start(line as u32 - 1);
         let column = self.decode(&self.bytes[start.min(at)..at]).chars().count() + 1;
         (BlockLocation { program: self.number, line: line as u32, n }, column as u32)
+    }
+
+    /// The mistake with its line and column; `n` is the number of its block.
+    pub(crate) fn fault(&self, n: Option<u32>, mut wrong: ErrorAt) -> ProgramFault {
+        if wrong.error == E::NonAsciiCharacter
+            && wrong.details[1].is_empty()
+            && let Some((character, instead)) = self.foreign_character(wrong.at)
+        {
+            let byte = self.bytes.get(wrong.at).map(|byte| format!("0x{byte:02X}"));
+            wrong.details = if character == char::REPLACEMENT_CHARACTER {
+                wrong.error = E::BadEncoding;
+                [byte.unwrap_or_default(), instead]
+            } else {
+                [character.to_string(), instead]
+            };
+        }
+        let (place, column) = self.locate(wrong.at, n);
+        ProgramFault::new(self.title(), place, column, wrong)
     }
 
     /// Whether only `%`, blanks and comments precede a byte.

@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number, whole_number};
+use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number};
 use super::fault::{ReadResult, fail, fail1};
+use super::functions::whole_number;
 use super::lexer::Cursor;
 use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;

@@ -2,7 +2,7 @@
 //! Source: spec B1, T4, L1, L4, L7.
 
 use super::dialect::{self, UnexecutedBlock};
-use super::fault::{ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, locate_error};
+use super::fault::{ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
 use super::lexer::Cursor;
 use super::settings::NcSettings;
 use super::source::{Library, Source};
@@ -83,7 +83,7 @@ impl UnexecutedLines {
                 Ok(true) => self.text_end = Some(line),
                 Err(stop) => {
                     if let ReadStop::Error(wrong) = *stop {
-                        tell(locate_error(source, self.words.block_number, wrong));
+                        tell(source.fault(self.words.block_number, wrong));
                     }
                 }
             }
@@ -98,14 +98,16 @@ pub(crate) fn check_whole_text<'a>(
     settings: &NcSettings,
 ) -> impl Iterator<Item = ProgramFault> + use<'a> {
     let told = |at: usize, error: E, detail: String| {
-        locate_error(source, None, ErrorAt { at, error, details: [detail, String::new()] })
+        source.fault(None, ErrorAt { at, error, details: [detail, String::new()] })
     };
     let rules = dialect::rules(settings.dialect);
     let empty = rules
-        .required_end_code(settings)
-        .filter(|_| source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block))
+        .required_end_code
+        .filter(|_| {
+            settings.needs_block_numbers && source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block)
+        })
         .map(|end| told(0, E::EmptyProgram, end.to_owned()));
-    let labels = rules.has_labels().then(|| source.repeated_labels()).into_iter().flatten();
+    let labels = rules.has_labels.then(|| source.repeated_labels()).into_iter().flatten();
     let labels = labels.map(move |(line, label)| {
         let text = source.bytes().get(source.line_start(line)..).unwrap_or_default();
         let upper = text.get(..text.len().min(LABEL_SEARCH_BYTES)).unwrap_or_default().to_ascii_uppercase();
@@ -143,8 +145,8 @@ fn read_line(
         match content? {
             BlockContent::Words => {
                 let rules = dialect::rules(settings.dialect);
-                rules.check_unexecuted(words, &UnexecutedBlock { source, settings, at, line })?;
-                calls.extend(rules.called_program(words));
+                (rules.check_unexecuted)(words, &UnexecutedBlock { source, settings, at, line })?;
+                calls.extend((rules.called_program)(words));
             }
             BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,
             BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {

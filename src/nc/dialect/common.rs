@@ -1,66 +1,18 @@
-//! Shared by the dialects: targets, unique addresses, feed and modes, blocks that change the work position, whole
-//! numbers and ranges. Source: spec B1, B2, S1.
+//! Shared by the dialects: unique addresses, the feed, blocks that change the work position, whole numbers and ranges.
+//! Source: spec B1, B2, S1.
 
 use std::fmt::Display;
 
-use super::{BlockContext, FlowAction};
+use super::rules::{BlockContext, FlowAction};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::expression::whole_number;
 use crate::nc::fault::{ReadResult, ReadStop, fail1, fail2};
-use crate::nc::op::{AxisSet, Op};
-use crate::nc::words::{BlockWords, Word};
-use crate::units::{Axis, PerAxis};
+use crate::nc::functions::whole_number;
+use crate::nc::words::Word;
 
 /// Greatest coordinate, feed or speed that can be programmed.
 pub(super) const MAX_VALUE: f64 = 99_999.999;
 /// Least feed: three decimals.
 const MIN_FEED: f64 = 0.001;
-
-/// The end of a move.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MoveTarget {
-    pub to: PerAxis<f64>,
-    pub words: AxisSet,
-    pub incremental: AxisSet,
-}
-
-impl MoveTarget {
-    /// No axis moves yet.
-    pub const fn from(position: PerAxis<f64>) -> Self {
-        Self { to: position, words: AxisSet::NONE, incremental: AxisSet::NONE }
-    }
-
-    /// Adds an axis: its coordinate, or the distance from its position.
-    #[inline]
-    pub fn add(&mut self, axis: Axis, value: f64, incremental: bool) {
-        self.words.insert(axis);
-        if incremental {
-            self.incremental.insert(axis);
-        }
-        self.to[axis] = if incremental { self.to[axis] + value } else { value };
-    }
-}
-
-/// Refuses M codes that exclude each other in one block. `width` is the number of digits of a code's name.
-pub(super) fn check_exclusive_m_codes(words: &BlockWords, groups: &[&[u32]], width: usize) -> ReadResult<()> {
-    for group in groups {
-        let mut found = words.m().iter().filter(|code| group.contains(&code.number));
-        if let (Some(first), Some(second)) = (found.next(), found.next())
-            && first.number != second.number
-        {
-            let [a, b] = [first, second].map(|code| format!("M{:0width$}", code.number));
-            return fail2(second.at as usize, E::DoubleGroup, a, b);
-        }
-    }
-    Ok(())
-}
-
-/// The byte of the first axis word, else of the first code.
-pub(super) fn first_offset(running: &BlockContext<'_, '_>, is_axis_word: impl Fn(u8) -> bool) -> usize {
-    let words = running.words;
-    let axis = words.list().iter().find(|word| is_axis_word(word.letter));
-    axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
-}
 
 /// Reports an unknown word, as written up to the next letter or blank.
 #[cold]
@@ -70,15 +22,6 @@ pub(super) fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
     let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
     fail1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
-}
-
-/// The modes that a block sets.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ModeChanges {
-    /// Exact stop or continuous.
-    pub path: bool,
-    /// The work offset.
-    pub frame: bool,
 }
 
 /// Refuses an address that occurs twice in the block.
@@ -103,20 +46,6 @@ pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResul
     }
     running.modals.feed = Some(word.value * mm);
     Ok(())
-}
-
-/// Adds the operations for path mode and work offset; not again in the second half of a block.
-#[inline]
-pub(super) fn push_modes(running: &mut BlockContext<'_, '_>, modes: ModeChanges) {
-    if running.second_half {
-        return;
-    }
-    if modes.path {
-        running.ops.push(Op::SetPathMode(running.modals.path_mode));
-    }
-    if modes.frame {
-        running.ops.push(Op::SelectWorkOffset { g: running.modals.work_offset });
-    }
 }
 
 /// Splits a block that changes the work position before it moves. The rest is tried first: a mistake refuses the whole

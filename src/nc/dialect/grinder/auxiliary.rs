@@ -1,10 +1,10 @@
 //! S, T and M. Source: spec B2, B4, K3.4, K3.14, K3.15, K5.11.
 
-use super::codes::GrinderCodes;
 use super::{MAX_VALUE, integer, out_of_range};
 use crate::defs::mcode;
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction};
+use crate::nc::dialect::codes::{self, BlockCodes};
+use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{Call, Callee};
@@ -49,7 +49,7 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 }
 
 /// S, unless an M code uses it.
-pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
+pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     // K3.4: M63 S drives the second analog output; G50 S is a limit.
     if plan.is_one_shot(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
         return Ok(());
@@ -87,12 +87,8 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
         if !mcode::is_known(code.number) {
             return fail1(code.at as usize, E::UnknownM, format!("M{}", code.number));
         }
-        if stands_alone(code.number)
-            && let Some(other) = words.m().iter().find(|other| other.at != code.at)
-        {
-            let names = [code, other].map(|code| format!("M{:02}", code.number));
-            let [first, second] = names;
-            return fail2(code.at as usize, E::NotTogether, first, second);
+        if stands_alone(code.number) {
+            codes::check_stands_alone(words, *code, 2)?;
         }
         running.modals.m_code = Some(code.number as u8);
         match code.number {

@@ -1,10 +1,10 @@
 //! G65 and G66 with their arguments. Source: spec B3.
 
 use super::auxiliary::MAX_REPEATS;
-use super::codes::GrinderCodes;
 use super::{integer, macro_a};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction};
+use crate::nc::dialect::codes::BlockCodes;
+use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, Callee, Locals, ModalCall};
 use crate::nc::words::{ValueKind, Word};
@@ -13,13 +13,11 @@ use crate::nc::words::{ValueKind, Word};
 const MAX_IJK_SETS: usize = 10;
 
 /// G65 and G66 calls, and G65 with H (calculation).
-pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<FlowAction> {
+pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     let words = running.words;
     let (code, name) = match (plan.one_shot, plan.modal_call) {
         (Some(once), Some(call)) => {
-            let names = [once, call].map(|code| format!("G{:02}", code.number));
-            let [first, second] = names;
-            return fail2(call.at as usize, E::NotTogether, first, second);
+            return fail2(call.at as usize, E::NotTogether, once.name('G', 2), call.name('G', 2));
         }
         (Some(once), None) => (once, "G65"),
         (None, Some(call)) => (call, "G66"),
@@ -29,7 +27,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes
         return fail1(m.at as usize, E::DoubleWord, "M");
     }
     if let Some(other) = words.g().iter().find(|other| other.at != code.at) {
-        return fail2(other.at as usize, E::NotTogether, name, format!("G{:02}", other.number));
+        return fail2(other.at as usize, E::NotTogether, name, other.name('G', 2));
     }
     if name == "G65" && is_macro_a_call(running) {
         words.mark_all_used();

@@ -1,10 +1,11 @@
 //! The canned cycles of GC: G90 along Z, G94 along X. Each has four moves and returns to the starting point.
 //! Source: spec B2, K1.
 
+use super::coordinates::{modal_feed, target};
 use super::length_mm;
-use super::motion::{MoveTarget, modal_feed, target};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::BlockContext;
+use crate::nc::dialect::motion::MoveTarget;
+use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{ReadResult, fail2};
 use crate::nc::op::{AxisSet, Op};
 use crate::units::{Axis, PerAxis};
@@ -20,8 +21,7 @@ pub(super) fn face(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 }
 
 fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     let mut kept = running.modals.cycle;
     if words.contains(Axis::X) {
         kept.x = Some(to[Axis::X]);
@@ -46,11 +46,7 @@ fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) ->
     let end = with(with(from, Axis::X, x), Axis::Z, z);
     let start = with(from, infeed, end[infeed] + kept.taper);
     let out = with(end, infeed, from[infeed]);
-    let by = |axes: AxisSet| {
-        let mut set = AxisSet::NONE;
-        axes.iter().filter(|axis| incremental.contains(*axis)).for_each(|axis| set.insert(axis));
-        set
-    };
+    let by = |axes: AxisSet| axes.intersection(incremental);
     let (one, other) = (AxisSet::of(infeed), AxisSet::of(stroke));
     running.ops.push(Op::Rapid { to: start, feed: None, words: one, incremental: by(one) });
     running.ops.push(Op::Feed { to: end, feed, words: one.with(other), incremental: by(one.with(other)) });

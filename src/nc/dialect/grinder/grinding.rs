@@ -1,8 +1,9 @@
 //! The grinding functions: G10 wear, G27 dressing point, G35/G36 oscillation, G78 gauge positioning. Source: spec K4.
 
+use super::coordinates::axis_value;
 use super::{MAX_VALUE, axis_letters, integer, length_mm, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::BlockContext;
+use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, GaugeMove, Op};
 use crate::nc::words::{ValueKind, Word};
@@ -22,7 +23,7 @@ pub(super) fn add_wear(running: &mut BlockContext<'_, '_>, at: usize) -> ReadRes
         let [_, incremental] = axis_letters(axis);
         let Some(word) = words.take(incremental) else { continue };
         named = true;
-        by[axis] = coordinate(running, axis, word)?;
+        by[axis] = axis_value(running, axis, word)?;
     }
     if !named {
         return fail2(at, E::MissingWord, "G10", "U / W");
@@ -68,7 +69,7 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> R
         let (first, other) = (axis.letter().to_string(), other.letter().to_string());
         return fail2(second.at as usize, E::NotTogether, first, other);
     }
-    let to = coordinate(running, axis, word)?;
+    let to = axis_value(running, axis, word)?;
     // K4.3: values below the minimum are raised to it, with a message, when the oscillation starts.
     let bounded = |word: Word| {
         let name = char::from(word.letter);
@@ -91,7 +92,7 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
         (Some(_), Some(word)) => return fail2(word.at as usize, E::NotTogether, "Z", "Y"),
         (None, None) => return missing("Z"),
     };
-    let to = coordinate(running, axis, word)?;
+    let to = axis_value(running, axis, word)?;
     let Some(fast) = words.take(b'F') else { return missing("F") };
     let Some(fine) = words.take(b'J') else { return missing("J") };
     let Some(first) = words.take(b'P') else { return missing("P") };
@@ -118,15 +119,6 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
         retract_mm,
     }));
     Ok(())
-}
-
-/// A coordinate or distance of an axis, radius mm.
-fn coordinate(running: &BlockContext<'_, '_>, axis: Axis, word: Word) -> ReadResult<f64> {
-    if !running.settings.axes[axis] {
-        return fail1(word.at as usize, E::NoAxis, axis.letter());
-    }
-    let value = length_mm(running, word)?;
-    Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
 }
 
 /// A feed word, mm/min.

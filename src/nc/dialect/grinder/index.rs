@@ -6,7 +6,7 @@ use crate::nc::source_index::{
 use crate::nc::statement;
 
 /// Indexes a text.
-pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
+pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
     let (mut index, mut open) = (SourceIndex::default(), OpenLoops::default());
     let divided = lines.text.contains(&b';');
     for (_, start, line) in lines.iter() {

@@ -2,10 +2,10 @@
 
 use super::integer;
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction};
-use crate::nc::expression::{self, equal, whole_number};
+use crate::nc::dialect::rules::{BlockContext, FlowAction};
+use crate::nc::expression;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
-use crate::nc::functions::{from_bcd, sin_degrees, square_root, to_bcd};
+use crate::nc::functions::{equal, from_bcd, sin_degrees, square_root, to_bcd, whole_number};
 use crate::nc::lexer::Cursor;
 use crate::nc::op::Op;
 use crate::nc::words::Word;

@@ -3,11 +3,12 @@
 //! A first block stores modal settings (`G71 U2 R1`); a second block executes the cycle
 //! (`G71 P10 Q50 U0.4 W0.1 F80`). Source: spec B2, K1.
 
-use super::motion::{MoveTarget, code_offset, modal_feed, target};
+use super::coordinates::{axis_value, code_offset, modal_feed, target};
 use super::{MAX_VALUE, integer, length_mm, out_of_range};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::contour::{ContourCycle, CycleKind};
-use crate::nc::dialect::BlockContext;
+use crate::nc::dialect::motion::MoveTarget;
+use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{ValueKind, Word};
@@ -21,19 +22,6 @@ const MAX_PECKS: usize = 5_000;
 const INCREMENT_MM: f64 = 0.001;
 /// Shorter distances count as zero, mm.
 const MIN_LENGTH_MM: f64 = 1e-7;
-
-/// The stored settings of the cycles, radius mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct RepetitiveCycleState {
-    /// G71, G72: depth of a stroke and retract at 45°.
-    depth: Option<f64>,
-    escape: f64,
-    /// G73: stock to remove in X and Z, and the number of passes.
-    shift: Option<(f64, f64)>,
-    passes: Option<u32>,
-    /// G74, G75: retract of a peck.
-    peck_back: f64,
-}
 
 /// Whether a code is a contour cycle.
 pub(super) const fn is_contour_cycle(code: u32) -> bool {
@@ -58,7 +46,7 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> Re
     if code != 70 {
         let given = [(b'U', Axis::X), (b'W', Axis::Z)].map(|(letter, axis)| (running.words.take(letter), axis));
         for (word, axis) in given {
-            allowance[axis] = word.map_or(Ok(0.0), |word| super::motion::axis_value(running, axis, word))?;
+            allowance[axis] = word.map_or(Ok(0.0), |word| axis_value(running, axis, word))?;
         }
     }
     let form = match code {
@@ -112,8 +100,7 @@ fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> R
 pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
     let at = code_offset(running, code);
     let (peck, step) = if code == 74 { (Axis::Z, Axis::X) } else { (Axis::X, Axis::Z) };
-    let from = running.scope.position();
-    let MoveTarget { to, words, .. } = target(running, from)?;
+    let MoveTarget { from, to, words, .. } = target(running)?;
     let relief = running.words.take(b'R');
     if words.is_empty() {
         let Some(word) = relief else { return fail2(at, E::MissingWord, format!("G{code}"), "X / Z / R") };

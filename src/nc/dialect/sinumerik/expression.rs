@@ -2,12 +2,12 @@
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
 use super::index::identifier;
-use super::read::unexpected;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable_name;
-use crate::nc::expression::{CoordinateFrame, Scope, whole_number};
+use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::functions::FUNCTIONS;
+use crate::nc::functions::whole_number;
 use crate::nc::lexer::Cursor;
 use crate::nc::words::Assignment;
 use crate::units::Axis;
@@ -42,6 +42,23 @@ pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
 pub(super) fn skip_blanks(cursor: &mut Cursor<'_>) {
     while matches!(cursor.peek(), b' ' | b'\t') && !cursor.is_at_end() {
         cursor.at += 1;
+    }
+}
+
+/// Skips a keyword if it is next and no further letter or digit follows; returns whether it was.
+pub(super) fn accept_keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
+    let found = identifier(&cursor.text[cursor.at.min(cursor.text.len())..]);
+    let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
+    cursor.at += if found { word.len() } else { 0 };
+    found
+}
+
+/// The error for an unexpected byte. Round brackets are not comments here.
+#[cold]
+pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
+    match cursor.peek() {
+        b'(' | b')' => fail(cursor.at, E::UnbalancedRound),
+        _ => cursor.unexpected(),
     }
 }
 
@@ -96,8 +113,8 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             let act: fn(f64, f64) -> f64 = match self.cursor.peek() {
                 b'*' => |a, b| a * b,
                 b'/' => |a, b| a / b,
-                _ if self.accept_keyword("DIV") => |a, b| (a / b).trunc(),
-                _ if self.accept_keyword("MOD") => |a, b| a % b,
+                _ if accept_keyword(self.cursor, "DIV") => |a, b| (a / b).trunc(),
+                _ if accept_keyword(self.cursor, "MOD") => |a, b| a % b,
                 _ => return Ok(left),
             };
             let divides = self.cursor.text.get(at) != Some(&b'*');
@@ -254,24 +271,16 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         Ok(self.scope.axis_position(axis, frame, place)?.unwrap_or(0.0))
     }
 
-    /// Skips a word if it is next and no further letter or digit follows; returns whether it was.
-    fn accept_keyword(&mut self, word: &str) -> bool {
-        let found = identifier(&self.cursor.text[self.cursor.at.min(self.cursor.text.len())..]);
-        let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
-        self.cursor.at += if found { word.len() } else { 0 };
-        found
-    }
-
     fn function(&mut self) -> ReadResult<f64> {
         let at = self.cursor.at;
-        if self.accept_keyword("POT") {
+        if accept_keyword(self.cursor, "POT") {
             let value = self.argument("POT", at)?;
             return self.check_finite(value * value, at);
         }
-        if self.accept_keyword("ATAN2") {
+        if accept_keyword(self.cursor, "ATAN2") {
             return self.arc_tangent(at);
         }
-        let found = FUNCTION_NAMES.into_iter().find(|(name, _)| self.accept_keyword(name));
+        let found = FUNCTION_NAMES.into_iter().find(|(name, _)| accept_keyword(self.cursor, name));
         let act = found.and_then(|(_, name)| FUNCTIONS.into_iter().find(|(other, _)| *other == name));
         let (Some((shown, _)), Some((_, act))) = (found, act) else {
             let word = identifier(&self.cursor.text[at..]).unwrap_or(&self.cursor.text[at..=at]);

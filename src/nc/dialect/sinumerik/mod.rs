@@ -7,24 +7,73 @@
 
 mod codes;
 mod expression;
-pub(super) mod index;
+mod index;
 mod motion;
 mod read;
-mod rules;
 
-pub(super) use self::rules::SinumerikRules;
-
-use self::codes::SinumerikCodes;
+use super::codes::{self as shared_codes, BlockCodes};
 use super::common::{self, MAX_VALUE};
-use super::{BlockContext, FlowAction};
+use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number::{self, L_MAX};
+use crate::nc::expression::Scope;
 use crate::nc::fault::{ReadResult, fail1, fail2};
-use crate::nc::flow::{Call, Callee};
+use crate::nc::flow::{Call, CallLimit, Callee};
+use crate::nc::functions::whole_number;
+use crate::nc::lexer::Cursor;
+use crate::nc::modal::ModalCodes;
 use crate::nc::op::Op;
+use crate::nc::settings::NcSettings;
+use crate::nc::statement::{BlockContent, ReadOptions};
 use crate::nc::words::{BlockWords, Code, ValueKind, Word};
+
+/// The vertical lathe-grinder.
+pub(super) struct Sinumerik;
+
+impl DialectRules for Sinumerik {
+    const ROW: DialectRow = DialectRow {
+        settings: || NcSettings { exact_stop: true, ..NcSettings::two_axes(Dialect::Sinumerik) },
+        modal_codes: ModalCodes {
+            distance_is_modal: true,
+            per_minute: 94,
+            per_rev: 95,
+            inch: 70,
+            metric: 71,
+            exact_stop: 60,
+        },
+        index: index::index,
+        check_unexecuted: |words, block| check_unexecuted(words, block.source.bytes()),
+        called_program,
+        call_in_text: |_| None,
+        call_text: |program| program_number::is_l_number(program).then(|| program_number::name_of(program)),
+        new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
+        call_limit: |_| CallLimit { depth: L_DEPTH, name: "L" },
+        preflight_scope: PreflightScope::TextOnly,
+        required_end_code: None,
+        has_labels: true,
+        has_macros: true,
+    };
+
+    #[inline]
+    fn read_block<S: Scope>(
+        cursor: &mut Cursor<'_>,
+        scope: &mut S,
+        words: &mut BlockWords,
+        head: ReadOptions,
+    ) -> ReadResult<BlockContent> {
+        read::read_block(cursor, scope, words, head)
+    }
+
+    #[inline]
+    fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+        execute(running)
+    }
+}
+
+/// Deepest nesting of L calls: eight levels with the main program (DECISION).
+const L_DEPTH: usize = 7;
 
 /// Checks a block that is not executed: known codes, unique and known addresses, a call in a block of its own.
 fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
@@ -49,10 +98,10 @@ const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', CR_AD
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
     let name = || format!("L{}", call.value);
     if let Some(code) = words.g().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), format!("G{}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name(), code.name('G', 0));
     }
     if let Some(code) = words.m().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), format!("M{}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name(), code.name('M', 0));
     }
     match words.list().iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
         Some(word) => fail2(word.at as usize, E::NotTogether, name(), address_name(*word)),
@@ -64,7 +113,7 @@ fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
 fn called_program(words: &BlockWords) -> Option<(u32, usize)> {
     let call = words.peek(b'L')?;
     let never = words.peek(b'P').is_some_and(|word| word.kind != ValueKind::Integer || word.value <= 0.0);
-    let number = crate::nc::expression::whole_number(call.value).and_then(|number| u32::try_from(number).ok())?;
+    let number = whole_number(call.value).and_then(|number| u32::try_from(number).ok())?;
     (!never && number <= L_MAX).then(|| (program_number::from_l(number), call.at as usize))
 }
 
@@ -90,8 +139,8 @@ fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
 }
 
 /// Executes what follows the modes and the work offset.
-fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) -> ReadResult<FlowAction> {
-    if plan.dwell.is_none()
+fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
+    if plan.one_shot.is_none()
         && let Some(word) = running.words.take(b'S')
     {
         let value = checked_value(word, 0.0)?;
@@ -99,7 +148,7 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) 
         running.ops.push(Op::S { value, mode: running.modals.speed_mode });
     }
     let flow = execute_m_codes(running, false)?;
-    match plan.dwell {
+    match plan.one_shot {
         Some(code) => motion::dwell(running, code)?,
         None => motion::modal_move(running, plan)?,
     }
@@ -111,16 +160,16 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) 
 }
 
 /// Sets feed, path mode and work offset. The F of a dwell is a time.
-fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) -> ReadResult<()> {
-    if plan.dwell.is_none() {
+fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
+    if plan.one_shot.is_none() {
         common::set_feed(running, 1.0)?;
     }
-    common::push_modes(running, common::ModeChanges { path: plan.path_mode, frame: plan.work_offset });
+    plan.push_modes(running);
     Ok(())
 }
 
 /// `L10 P3`: calls a subprogram P times, not at all if P is 0. It must be in a block of its own.
-fn subprogram(running: &BlockContext<'_, '_>, plan: &SinumerikCodes, call: Word) -> ReadResult<FlowAction> {
+fn subprogram(running: &BlockContext<'_, '_>, plan: &BlockCodes, call: Word) -> ReadResult<FlowAction> {
     let words = running.words;
     let times = words.take(b'P').map_or(Ok(1), |word| integer(word, 0, MAX_REPEATS))?;
     let program = program_number::from_l(integer(call, 0, L_MAX)?);
@@ -145,10 +194,8 @@ fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResul
     codes::check_exclusive_m_codes(words)?;
     for code in words.m() {
         check_m_code(*code)?;
-        if let (2 | RETURN_M_CODE | 30, Some(other)) = (code.number, words.m().iter().find(|other| other.at != code.at))
-        {
-            let [first, second] = [code, other].map(|code| format!("M{}", code.number));
-            return fail2(code.at as usize, E::NotTogether, first, second);
+        if matches!(code.number, 2 | RETURN_M_CODE | 30) {
+            shared_codes::check_stands_alone(words, *code, 0)?;
         }
         flow = match code.number {
             // Every end of a subprogram except M30 returns to its caller.
@@ -182,7 +229,7 @@ fn check_m_code(code: Code) -> ReadResult<()> {
     }
     let known: Vec<_> =
         (0..100).filter(|number| *number == RETURN_M_CODE || exists(*number)).map(|n| format!("M{n}")).collect();
-    fail2(code.at as usize, E::UnknownCode, format!("M{}", code.number), known.join(" "))
+    fail2(code.at as usize, E::UnknownCode, code.name('M', 0), known.join(" "))
 }
 
 /// The value of a word that must be a whole number in a range.

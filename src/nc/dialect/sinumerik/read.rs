@@ -2,12 +2,15 @@
 
 use std::ops::Range;
 
-use super::expression::{evaluate, evaluate_with, function_names, parameter_number, skip_blanks};
+use super::expression::{
+    accept_keyword, evaluate, evaluate_with, function_names, parameter_number, skip_blanks, unexpected,
+};
 use super::index::identifier;
 use super::{CR_ADDRESS, RETURN_M_CODE};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::expression::{CoordinateFrame, Scope, equal};
+use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::functions::equal;
 use crate::nc::lexer::Cursor;
 use crate::nc::statement::{BlockContent, ReadOptions};
 use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
@@ -50,15 +53,6 @@ pub(in crate::nc::dialect) fn read_block<S: Scope>(
         _ => return unexpected(cursor),
     }
     Ok(content)
-}
-
-/// The error for an unexpected byte. Round brackets are not comments here.
-#[cold]
-pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
-    match cursor.peek() {
-        b'(' | b')' => fail(cursor.at, E::UnbalancedRound),
-        _ => cursor.unexpected(),
-    }
 }
 
 /// `N40`, with or without blanks; none if the block has no number.
@@ -108,14 +102,6 @@ fn skip_label(cursor: &mut Cursor<'_>) -> ReadResult<()> {
     skip_blanks(&mut ahead);
     *cursor = ahead;
     Ok(())
-}
-
-/// Skips a keyword if it is next and no further letter or digit follows; returns whether it was.
-fn accept_keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
-    let found = identifier(&cursor.text[cursor.at.min(cursor.text.len())..]);
-    let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
-    cursor.at += if found { word.len() } else { 0 };
-    found
 }
 
 fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords) -> ReadResult<BlockContent> {

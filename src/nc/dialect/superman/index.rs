@@ -4,7 +4,7 @@
 use crate::nc::source_index::{CountedLoop, SourceIndex, TextLines, block_head, leading_number, starts_with_word};
 
 /// Indexes a text.
-pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
+pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
     let (mut index, mut open) = (SourceIndex::default(), Vec::new());
     for (line, start, text) in lines.iter() {
         let (n, rest) = block_head(text, true);

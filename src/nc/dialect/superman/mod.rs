@@ -4,19 +4,80 @@
 //! Source: spec superman-lathe.md L1–L8, seed 001.
 
 mod auxiliary;
-pub(super) mod index;
+mod index;
 mod motion;
-mod rules;
 mod thread;
 
-pub(super) use self::rules::SuperManRules;
 use super::common::unknown_word;
-use super::{BlockContext, FlowAction, UnexecutedBlock};
+use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
+use crate::defs::kind::Dialect;
 use crate::defs::program_error::ProgramError as E;
+use crate::nc::expression::Scope;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
-use crate::nc::modal::MotionMode;
+use crate::nc::flow::{COUNTED_DEPTH, CallLimit};
+use crate::nc::functions::whole_number;
+use crate::nc::lexer::Cursor;
+use crate::nc::modal::{ModalCodes, MotionMode};
 use crate::nc::settings::NcSettings;
+use crate::nc::statement::{self, BlockContent, ReadOptions};
 use crate::nc::words::{BlockWords, Code, ValueKind, Word};
+
+/// The 超人 lathe.
+pub(super) struct SuperMan;
+
+impl DialectRules for SuperMan {
+    const ROW: DialectRow = DialectRow {
+        settings: || NcSettings {
+            exact_stop: true,
+            start_is_work_zero: true,
+            needs_block_numbers: true,
+            tool_count: STATIONS,
+            ..NcSettings::two_axes(Dialect::SuperMan)
+        },
+        modal_codes: ModalCodes {
+            distance_is_modal: false,
+            per_minute: 98,
+            per_rev: 99,
+            inch: 20,
+            metric: 21,
+            exact_stop: 61,
+        },
+        index: index::index,
+        check_unexecuted,
+        called_program: |_| None,
+        call_in_text: |_| None,
+        // L7: M98 calls a block of the same text.
+        call_text: |_| None,
+        new_program_text: |_| "N0010M02\r\n".to_owned(),
+        // No program calls another; calls in the same text have their own limit.
+        call_limit: |_| CallLimit { depth: COUNTED_DEPTH, name: "M98" },
+        preflight_scope: PreflightScope::FullRun,
+        required_end_code: Some("M02"),
+        has_labels: false,
+        has_macros: false,
+    };
+
+    #[inline]
+    fn read_block<S: Scope>(
+        cursor: &mut Cursor<'_>,
+        scope: &mut S,
+        words: &mut BlockWords,
+        head: ReadOptions,
+    ) -> ReadResult<BlockContent> {
+        let content = statement::read_block(cursor, scope, words, head)?;
+        // L1: a line is one block. Text after `;` is always a comment.
+        cursor.skip_rest_of_line();
+        Ok(content)
+    }
+
+    #[inline]
+    fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+        execute(running)
+    }
+}
+
+/// Number of stations of the tool turret.
+const STATIONS: u32 = 4;
 
 /// Greatest coordinate that can be programmed, mm.
 const MAX_COORDINATE_MM: f64 = 9_999.99;
@@ -51,8 +112,8 @@ fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     }
     match (flow, step) {
         (Some((m, _)), Some(_)) => {
-            let (first, second) = (code_name(code), format!("M{:02}", m.number));
-            fail2(m.at as usize, E::NotTogether, first, second)
+            let named = code.map_or_else(String::new, |code| code.name('G', 2));
+            fail2(m.at as usize, E::NotTogether, named, m.name('M', 2))
         }
         (Some((_, flow)), None) => Ok(flow),
         (None, Some(step)) => Ok(step),
@@ -146,25 +207,16 @@ fn short_block_number(text: &[u8], at: usize) -> Option<(String, String)> {
 fn single_g_code(words: &BlockWords) -> ReadResult<Option<Code>> {
     if let Some(code) = words.g().iter().find(|code| !G_CODES.contains(&code.number)) {
         let known: Vec<_> = G_CODES.iter().map(|code| format!("G{code:02}")).collect();
-        return fail2(code.at as usize, E::UnknownCode, format!("G{:02}", code.number), known.join(" "));
+        return fail2(code.at as usize, E::UnknownCode, code.name('G', 2), known.join(" "));
     }
     match *words.g() {
         [] => Ok(None),
         [code] => Ok(Some(code)),
         [first, second, ..] if first.number == second.number => {
-            fail1(second.at as usize, E::DoubleWord, format!("G{:02}", second.number))
+            fail1(second.at as usize, E::DoubleWord, second.name('G', 2))
         }
-        [first, second, ..] => {
-            let names = [first, second].map(|code| format!("G{:02}", code.number));
-            let [first, other] = names;
-            fail2(second.at as usize, E::NotTogether, first, other)
-        }
+        [first, second, ..] => fail2(second.at as usize, E::NotTogether, first.name('G', 2), second.name('G', 2)),
     }
-}
-
-/// The name of a code, or an empty text.
-fn code_name(code: Option<Code>) -> String {
-    code.map_or_else(String::new, |code| format!("G{:02}", code.number))
 }
 
 /// Executes the G function of the block, else the modal one if there are coordinates.
@@ -232,7 +284,7 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
     if word.kind != ValueKind::Integer {
         return fail1(word.at as usize, E::NotWhole, name);
     }
-    match crate::nc::expression::whole_number(word.value) {
+    match whole_number(word.value) {
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
         Some(_) | None => out_of_range(word, &format!("{low}–{high}")),
     }

@@ -2,8 +2,8 @@
 
 use super::{MAX_COORDINATE_MM, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::common::MoveTarget;
-use crate::nc::dialect::{BlockContext, arc};
+use crate::nc::dialect::motion::{self, MoveTarget, NO_LETTER};
+use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{AxisSet, Feed, Op};
@@ -32,28 +32,21 @@ const AXIS_ADDRESSES: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
 pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
     for (absolute, distance) in AXIS_ADDRESSES {
         if let (Some(first), Some(second)) = (words.peek(absolute), words.peek(distance)) {
-            let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
-            let [a, b] = [first, second].map(|word| char::from(word.letter).to_string());
-            return fail2(second.at as usize, E::AbsoluteAndIncremental, a, b);
+            return motion::refuse_both(first, second);
         }
     }
     Ok(())
 }
 
 /// The end of the move by the axis words of the block.
-pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<MoveTarget> {
-    let mut target = MoveTarget::from(from);
+pub(super) fn target(running: &BlockContext<'_, '_>) -> ReadResult<MoveTarget> {
     check_one_word_per_axis(running.words)?;
-    for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(AXIS_ADDRESSES) {
-        let (word, by) = match (running.words.take(absolute), running.words.take(distance)) {
-            (None, None) => continue,
-            (Some(word), _) => (word, false),
-            (None, Some(word)) => (word, true),
-        };
-        let value = coordinate(axis, word)?;
-        target.add(axis, value, by);
-    }
-    Ok(target)
+    let letters = |axis| match axis {
+        Axis::X => [b'X', b'U'],
+        Axis::Y => [NO_LETTER; 2],
+        Axis::Z => [b'Z', b'W'],
+    };
+    MoveTarget::read(running, letters, coordinate, f64::INFINITY)
 }
 
 /// The value of an axis word, radius mm.
@@ -114,8 +107,8 @@ fn record_infeed(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, to: Per
 
 /// G00: both axes move in a fixed speed ratio, then one axis completes its distance.
 pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let target = target(running)?;
+    let MoveTarget { from, to, incremental, .. } = target;
     record_infeed(running, from, to);
     let (x, z) = (to[Axis::X] - from[Axis::X], to[Axis::Z] - from[Axis::Z]);
     let ratio = running.settings.superman.rapid_z_per_x;
@@ -125,33 +118,27 @@ pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> Re
     corner[Axis::X] += both.copysign(x);
     corner[Axis::Z] += (both * ratio).copysign(z);
     if both <= MIN_LENGTH_MM || over_x.max(over_z) <= MIN_LENGTH_MM {
-        push_rapid(running, from, MoveTarget { to, words, incremental }, feed);
+        push_rapid(running, target, feed);
         return Ok(());
     }
-    push_rapid(running, from, MoveTarget { to: corner, words, incremental }, feed);
+    push_rapid(running, MoveTarget { to: corner, ..target }, feed);
     // The axis that is in position is not named again.
     let left = AxisSet::of(if over_x > over_z { Axis::X } else { Axis::Z });
-    push_rapid(running, corner, MoveTarget { to, words: left, incremental: intersection(incremental, left) }, feed);
+    let rest = MoveTarget { from: corner, to, words: left, incremental: incremental.intersection(left) };
+    push_rapid(running, rest, feed);
     Ok(())
 }
 
-fn intersection(set: AxisSet, of: AxisSet) -> AxisSet {
-    let mut both = AxisSet::NONE;
-    set.iter().filter(|axis| of.contains(*axis)).for_each(|axis| both.insert(axis));
-    both
-}
-
 /// Adds a rapid; with F, at that feed.
-fn push_rapid(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, target: MoveTarget, feed: Option<f64>) {
-    let MoveTarget { to, words, incremental } = target;
+fn push_rapid(running: &mut BlockContext<'_, '_>, target: MoveTarget, feed: Option<f64>) {
+    let MoveTarget { from, to, words, incremental } = target;
     let feed = feed.map(|feed| feed_along(feed, from, to));
     running.ops.push(Op::Rapid { to, feed, words, incremental });
 }
 
 /// G01.
 pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     record_infeed(running, from, to);
     let feed = feed_along(line_feed(running), from, to);
     running.ops.push(Op::Feed { to, feed, words, incremental });
@@ -160,9 +147,8 @@ pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 
 /// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R (negative: major arc).
 pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opposite: i8) -> ReadResult<()> {
-    let from = running.scope.position();
     let turn = if running.settings.superman.arcs_reversed { iso_opposite } else { -iso_opposite };
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     let offsets = [running.words.take(b'I'), running.words.take(b'K')];
     let center = match (offsets, running.words.take(b'R')) {
         ([None, None], None) => return fail2(place, E::ArcWithoutCentre, "R", "I K"),
@@ -222,7 +208,7 @@ fn centre_from_r(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> 
     }
     check_radius(at, radius.abs())?;
     // The radius of a half circle may be too small by the rounding of the text.
-    match arc::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
+    match motion::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
         Some(center) => Ok(center),
         None => fail1(at, E::ArcRadius, format!("R{radius}")),
     }
@@ -230,8 +216,7 @@ fn centre_from_r(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> 
 
 /// G23: from A to B (X at rapid), C (Z at F), D (X at F) and back to A (Z at rapid).
 pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     let kept = running.modals.cycle;
     let x = if words.contains(Axis::X) { Some(to[Axis::X]) } else { kept.x };
     let z = if words.contains(Axis::Z) { Some(to[Axis::Z]) } else { kept.z };
@@ -255,7 +240,7 @@ pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> Rea
     let corner_c = with(corner_b, Axis::Z, z);
     let corner_d = with(corner_c, Axis::X, from[Axis::X]);
     let (on_x, on_z) = (AxisSet::of(Axis::X), AxisSet::of(Axis::Z));
-    let (by_x, by_z) = (intersection(incremental, on_x), intersection(incremental, on_z));
+    let (by_x, by_z) = (incremental.intersection(on_x), incremental.intersection(on_z));
     running.ops.push(Op::Rapid { to: corner_b, feed: None, words: on_x, incremental: by_x });
     let along_z = feed_along(feed, corner_b, corner_c);
     running.ops.push(Op::Feed { to: corner_c, feed: along_z, words: on_z, incremental: by_z });
@@ -295,8 +280,7 @@ pub(super) fn check_preset_words(words: &BlockWords, place: usize) -> ReadResult
 /// G92: assigns work coordinates X Z to the present position; nothing moves.
 pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     check_preset_words(running.words, place)?;
-    let from = running.scope.position();
-    let MoveTarget { to, .. } = target(running, from)?;
+    let MoveTarget { to, .. } = target(running)?;
     running.ops.push(Op::SetCoordinateSystem { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
     Ok(())
 }
