@@ -1,10 +1,9 @@
 //! Expressions, evaluated while they are read, without a syntax tree. Null is `None` and counts as 0 in arithmetic.
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
-use super::fault::{ReadResult, fail, fail1, fail2};
-use super::functions::{FUNCTIONS, equal, whole_number};
+use super::fault::{E, ReadResult, fail, fail1, fail2};
+use super::functions::{Comparison, FUNCTIONS, whole_number};
 use super::lexer::Cursor;
-use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
 /// Deepest nesting of brackets, signs and indices.
@@ -55,16 +54,6 @@ struct ExpressionParser<'r, 'a, S> {
     depth: usize,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Comparison {
-    Eq,
-    Ne,
-    Gt,
-    Ge,
-    Lt,
-    Le,
-}
-
 #[derive(Clone, Copy)]
 enum Operator {
     Add,
@@ -113,40 +102,27 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         WORDS.into_iter().find(|(word, _)| self.cursor.accept_keyword(word)).map(|(_, compare)| compare)
     }
 
-    fn sum(&mut self) -> ReadResult<Value> {
-        let mut left = self.product()?;
+    /// Operators of one precedence, from the left: `TIGHT` are `* / MOD AND`, the others `+ − OR XOR`.
+    fn chain<const TIGHT: bool>(&mut self) -> ReadResult<Value> {
+        let mut left = self.operand_of::<TIGHT>()?;
         loop {
             self.cursor.skip_blanks()?;
             let at = self.cursor.at;
-            let operator = match self.cursor.peek() {
-                b'+' => Operator::Add,
-                b'-' => Operator::Subtract,
-                b'O' | b'o' if self.cursor.accept_keyword("OR") => Operator::Or,
-                b'X' | b'x' if self.cursor.accept_keyword("XOR") => Operator::Xor,
-                _ => return Ok(left),
-            };
-            self.cursor.at += usize::from(self.cursor.at == at);
-            let right = self.product()?;
-            left = self.apply(operator, left, right, at)?;
-        }
-    }
-
-    fn product(&mut self) -> ReadResult<Value> {
-        let mut left = self.sign()?;
-        loop {
-            self.cursor.skip_blanks()?;
-            let at = self.cursor.at;
-            let operator = match self.cursor.peek() {
-                b'*' => Operator::Multiply,
-                b'/' => Operator::Divide,
-                b'M' | b'm' if self.cursor.accept_keyword("MOD") => Operator::Modulo,
-                b'A' | b'a' if self.cursor.accept_keyword("AND") => Operator::And,
+            let operator = match (TIGHT, self.cursor.peek()) {
+                (false, b'+') => Operator::Add,
+                (false, b'-') => Operator::Subtract,
+                (false, b'O' | b'o') if self.cursor.accept_keyword("OR") => Operator::Or,
+                (false, b'X' | b'x') if self.cursor.accept_keyword("XOR") => Operator::Xor,
+                (true, b'*') => Operator::Multiply,
+                (true, b'/') => Operator::Divide,
+                (true, b'M' | b'm') if self.cursor.accept_keyword("MOD") => Operator::Modulo,
+                (true, b'A' | b'a') if self.cursor.accept_keyword("AND") => Operator::And,
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
             self.cursor.skip_blanks()?;
             let literal = self.cursor.at_number();
-            let right = self.sign()?;
+            let right = self.operand_of::<TIGHT>()?;
             let zero = right.is_some_and(|right| right.abs() <= 0.0);
             if literal && zero && S::HAS_VALUES && matches!(operator, Operator::Divide | Operator::Modulo) {
                 // The detail shows the check that no null variable is the cause.
@@ -154,6 +130,14 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             }
             left = self.apply(operator, left, right, at)?;
         }
+    }
+
+    fn operand_of<const TIGHT: bool>(&mut self) -> ReadResult<Value> {
+        if TIGHT { self.sign() } else { self.chain::<true>() }
+    }
+
+    fn sum(&mut self) -> ReadResult<Value> {
+        self.chain::<false>()
     }
 
     /// A sign has lower precedence than `**`: `-2**2` is −4.
@@ -338,19 +322,9 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
 
 fn comparison_holds(compare: Comparison, left: Value, right: Value) -> bool {
     // DECISION: for EQ and NE null equals only null, as in the KT-820 family; in order comparisons it is 0.
-    let equals = match (left, right) {
-        (Some(a), Some(b)) => equal(a, b),
-        (None, None) => true,
-        (Some(_), None) | (None, Some(_)) if matches!(compare, Comparison::Eq | Comparison::Ne) => false,
-        (a, b) => equal(a.unwrap_or(0.0), b.unwrap_or(0.0)),
-    };
-    let (a, b) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
-    match compare {
-        Comparison::Eq => equals,
-        Comparison::Ne => !equals,
-        Comparison::Gt => a > b && !equals,
-        Comparison::Ge => a > b || equals,
-        Comparison::Lt => a < b && !equals,
-        Comparison::Le => a < b || equals,
+    match (left, right, compare) {
+        (Some(_), None, Comparison::Eq) | (None, Some(_), Comparison::Eq) => false,
+        (Some(_), None, Comparison::Ne) | (None, Some(_), Comparison::Ne) => true,
+        _ => compare.holds(left.unwrap_or(0.0), right.unwrap_or(0.0)),
     }
 }

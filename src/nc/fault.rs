@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::defs::gcode::GCode;
-use crate::defs::program_error::ProgramError;
+pub(crate) use crate::defs::program_error::ProgramError as E;
 use crate::defs::text::Lang;
 
 /// The location of a block.
@@ -25,7 +25,7 @@ pub struct ProgramFault {
     /// The column, from 1, counted in characters.
     pub column: u32,
     /// The row of the error table.
-    pub error: ProgramError,
+    pub error: E,
     details: [String; 2],
     /// The displayed name of the program.
     program_title: Box<str>,
@@ -58,7 +58,7 @@ impl ProgramFault {
         let text = self.error.text().get(lang);
         match (self.error, self.details[0].get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
             // The function's name comes from the G-code table, in the chosen language.
-            (ProgramError::UnavailableG | ProgramError::WrongKindG, Some(row)) => {
+            (E::UnavailableG | E::WrongKindG, Some(row)) => {
                 fill_template(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
             }
             _ => fill_template(text, &self.details),
@@ -97,7 +97,7 @@ fn fill_template(template: &str, details: &[String; 2]) -> String {
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorAt {
     pub at: usize,
-    pub error: ProgramError,
+    pub error: E,
     pub details: [String; 2],
 }
 
@@ -114,22 +114,17 @@ pub(crate) enum ReadStop {
 pub(crate) type ReadResult<T> = Result<T, Box<ReadStop>>;
 
 #[cold]
-pub(crate) fn fail<T>(at: usize, error: ProgramError) -> ReadResult<T> {
+pub(crate) fn fail<T>(at: usize, error: E) -> ReadResult<T> {
     fail2(at, error, "", "")
 }
 
 #[cold]
-pub(crate) fn fail1<T>(at: usize, error: ProgramError, detail: impl Into<String>) -> ReadResult<T> {
+pub(crate) fn fail1<T>(at: usize, error: E, detail: impl Into<String>) -> ReadResult<T> {
     fail2(at, error, detail, "")
 }
 
 #[cold]
-pub(crate) fn fail2<T>(
-    at: usize,
-    error: ProgramError,
-    detail: impl Into<String>,
-    second: impl Into<String>,
-) -> ReadResult<T> {
+pub(crate) fn fail2<T>(at: usize, error: E, detail: impl Into<String>, second: impl Into<String>) -> ReadResult<T> {
     Err(Box::new(ReadStop::Error(ErrorAt { at, error, details: [detail.into(), second.into()] })))
 }
 
@@ -139,7 +134,7 @@ mod tests {
 
     #[test]
     fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
-        let wrong = ErrorAt { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), String::new()] };
+        let wrong = ErrorAt { at: 0, error: E::UnknownWord, details: ["Q9".into(), String::new()] };
         let fault = ProgramFault::new("O1001", BlockLocation { program: 1001, line: 7, n: None }, 12, wrong);
         assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
         assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));

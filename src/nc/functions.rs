@@ -47,6 +47,32 @@ pub(crate) fn whole_number(value: f64) -> Option<i64> {
     (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
 }
 
+/// A comparison of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Comparison {
+    Eq,
+    Ne,
+    Gt,
+    Lt,
+    Ge,
+    Le,
+}
+
+impl Comparison {
+    /// Whether it is true of two numbers; they are equal as in [`equal`].
+    pub fn holds(self, a: f64, b: f64) -> bool {
+        let equals = equal(a, b);
+        match self {
+            Self::Eq => equals,
+            Self::Ne => !equals,
+            Self::Gt => a > b && !equals,
+            Self::Lt => a < b && !equals,
+            Self::Ge => a > b || equals,
+            Self::Le => a < b || equals,
+        }
+    }
+}
+
 pub(crate) fn square_root(value: f64) -> Option<f64> {
     (value >= 0.0).then(|| value.sqrt())
 }

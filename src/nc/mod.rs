@@ -49,5 +49,5 @@ pub use op_effect::{
 };
 pub use preflight::{PreflightStatus, ProgramPreflight};
 pub use settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
-pub use source::{EmptyLibrary, Library, Source};
+pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
 pub use work_offsets::WorkOffsets;

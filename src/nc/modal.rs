@@ -4,45 +4,35 @@ use super::op::{Feed, PathMode, SpeedMode};
 use super::settings::{NcSettings, SpeedUnit};
 use crate::units::Plane;
 
-/// The active function of group 01.
+/// The active function of group 01, by its G code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MotionMode {
     /// G00.
     #[default]
-    Rapid,
+    Rapid = 0,
     /// G01.
-    Feed,
+    Feed = 1,
     /// G02.
-    ArcClockwise,
+    ArcClockwise = 2,
     /// G03.
-    ArcCounterClockwise,
+    ArcCounterClockwise = 3,
     /// G90 on GC: turning cycle along Z.
-    LongitudinalCycle,
+    LongitudinalCycle = 90,
     /// G94 on GC: facing cycle along X.
-    FaceCycle,
+    FaceCycle = 94,
     /// G23 of the 超人 lathe: rectangle cycle.
-    RectangleCycle,
+    RectangleCycle = 23,
     /// G32 of the 超人 lathe: thread, F in turns per inch.
-    InchThread,
+    InchThread = 32,
     /// G33 of the 超人 lathe: thread, F is the lead in mm.
-    MetricThread,
+    MetricThread = 33,
 }
 
 impl MotionMode {
     /// The G code.
     #[must_use]
     pub const fn g(self) -> u8 {
-        match self {
-            Self::Rapid => 0,
-            Self::Feed => 1,
-            Self::ArcClockwise => 2,
-            Self::ArcCounterClockwise => 3,
-            Self::LongitudinalCycle => 90,
-            Self::FaceCycle => 94,
-            Self::RectangleCycle => 23,
-            Self::InchThread => 32,
-            Self::MetricThread => 33,
-        }
+        self as u8
     }
 
     #[inline]
@@ -54,6 +44,9 @@ impl MotionMode {
             3 => Some(Self::ArcCounterClockwise),
             90 => Some(Self::LongitudinalCycle),
             94 => Some(Self::FaceCycle),
+            23 => Some(Self::RectangleCycle),
+            32 => Some(Self::InchThread),
+            33 => Some(Self::MetricThread),
             _ => None,
         }
     }
@@ -93,6 +86,12 @@ pub(crate) struct ModalCodes {
     pub metric: u8,
     /// Exact stop.
     pub exact_stop: u8,
+}
+
+impl ModalCodes {
+    /// The codes of lathe system A.
+    pub const SYSTEM_A: Self =
+        Self { distance_is_modal: false, per_minute: 98, per_rev: 99, inch: 20, metric: 21, exact_stop: 61 };
 }
 
 /// The modal state. It is copied into every block, so that the pages show the state of the executed block.

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use super::common_variables::CommonVariables;
 use super::expression::{CoordinateFrame, Scope, Value};
 use super::external_state::{ExternalState, LiveValue};
-use super::fault::{ErrorAt, ReadResult, ReadStop, fail1};
+use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail1};
 use super::flow::Locals;
 use super::modal::ModalState;
 use super::settings::NcSettings;
 use super::source::Source;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::system_variable;
 use crate::units::{Axis, MM_PER_INCH, PerAxis};
 

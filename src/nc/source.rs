@@ -5,10 +5,9 @@ use std::sync::Arc;
 
 use encoding_rs::GB18030;
 
-use super::fault::{BlockLocation, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
+use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
 
 /// The UTF-8 byte order mark that some editors write.
@@ -19,6 +18,9 @@ pub trait Library {
     /// The program with an O number.
     fn find(&self, number: u32) -> Option<Arc<Source>>;
 }
+
+/// A library that a program and its subprograms share.
+pub type SharedLibrary = Arc<dyn Library + Send + Sync>;
 
 /// A library without programs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -178,9 +180,11 @@ impl Source {
     /// The line (from 0) of the only block with number `n`: none if it is missing, an error if there are several.
     pub(crate) fn find_unique_block(&self, n: u32) -> Result<Option<u32>, ()> {
         let first = self.index.block_numbers.partition_point(|label| *label < (n, 0));
-        let is = |index: usize| self.index.block_numbers.get(index).filter(|label| label.0 == n).map(|label| label.1);
-        let is = |index: usize| is(index).map(|at| self.line_of(at as usize));
-        if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
+        match &self.index.block_numbers[first..] {
+            [(a, _), (b, _), ..] if *a == n && *b == n => Err(()),
+            [(a, at), ..] if *a == n => Ok(Some(self.line_of(*at as usize))),
+            _ => Ok(None),
+        }
     }
 
     /// The line (from 0) that ends the main program: the first with an M02 (L7).

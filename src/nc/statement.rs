@@ -3,11 +3,10 @@
 use std::ops::Range;
 
 use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number};
-use super::fault::{ReadResult, fail, fail1};
+use super::fault::{E, ReadResult, fail, fail1};
 use super::functions::whole_number;
 use super::lexer::Cursor;
 use super::words::BlockWords;
-use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
 /// Deepest nesting of `IF … THEN IF …` in one block.

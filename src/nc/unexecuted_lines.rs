@@ -2,37 +2,17 @@
 //! Source: spec B1, T4, L1, L4, L7.
 
 use super::dialect::{self, UnexecutedBlock};
-use super::fault::{ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
+use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
 use super::lexer::Cursor;
 use super::settings::NcSettings;
 use super::source::{Library, Source};
 use super::statement::{self, BlockContent, ReadOptions, SyntaxOnlyScope};
 use super::words::BlockWords;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
-
-/// The lines read so far, one bit per line.
-pub(crate) struct VisitedLines(Vec<u64>);
-
-impl VisitedLines {
-    pub fn new(lines: usize) -> Self {
-        Self(vec![0; lines / 64 + 1])
-    }
-
-    /// Marks a line; returns whether it was unmarked.
-    #[inline]
-    pub fn mark(&mut self, line: u32) -> bool {
-        let Some(word) = self.0.get_mut(line as usize / 64) else { return false };
-        let bit = 1 << (line % 64);
-        let new = *word & bit == 0;
-        *word |= bit;
-        new
-    }
-}
 
 /// Reads the unmarked lines of a program and marks them.
 pub(crate) struct UnexecutedLines {
-    pub visited: VisitedLines,
+    visited: Vec<bool>,
     /// The line (from 0) whose `%` ends the text.
     pub text_end: Option<u32>,
     /// The programs that the lines call, and the bytes of the calls.
@@ -44,12 +24,18 @@ pub(crate) struct UnexecutedLines {
 impl UnexecutedLines {
     pub fn new(lines: usize) -> Self {
         Self {
-            visited: VisitedLines::new(lines),
+            visited: vec![false; lines + 1],
             text_end: None,
             calls: Vec::new(),
             line: 0,
             words: BlockWords::default(),
         }
+    }
+
+    /// Marks a line; returns whether it was unmarked.
+    #[inline]
+    pub fn mark(&mut self, line: u32) -> bool {
+        self.visited.get_mut(line as usize).is_some_and(|visited| !std::mem::replace(visited, true))
     }
 
     /// Reads at most `most` lines and passes their mistakes to `tell`; `false` when all are read. With a `library`,
@@ -67,7 +53,7 @@ impl UnexecutedLines {
                 return false;
             }
             self.line += 1;
-            if !self.visited.mark(line) {
+            if !self.mark(line) {
                 continue;
             }
             let calls = self.calls.len();

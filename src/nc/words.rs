@@ -1,12 +1,12 @@
 //! The words of one block in order, each with its byte position. Source: spec B1, B3 (null words are skipped).
 
 use std::cell::Cell;
+use std::ops::Deref;
 
 use super::expression::{Scope, Value, primary};
-use super::fault::{ReadResult, fail, fail1, fail2};
+use super::fault::{E, ReadResult, fail, fail1, fail2};
 use super::functions::whole_number;
 use super::lexer::Cursor;
-use crate::defs::program_error::ProgramError as E;
 
 /// Most words of a block, without G and M.
 pub(crate) const MAX_WORDS: usize = 48;
@@ -64,7 +64,7 @@ pub(crate) struct Assignment {
 
 /// A list with room for `N` items.
 #[derive(Clone, Debug)]
-struct ShortList<T, const N: usize> {
+pub(crate) struct ShortList<T, const N: usize> {
     items: [T; N],
     count: usize,
 }
@@ -75,12 +75,16 @@ impl<T: Copy + Default, const N: usize> Default for ShortList<T, N> {
     }
 }
 
-impl<T, const N: usize> ShortList<T, N> {
+impl<T, const N: usize> Deref for ShortList<T, N> {
+    type Target = [T];
+
     #[inline]
-    fn items(&self) -> &[T] {
+    fn deref(&self) -> &[T] {
         &self.items[..self.count]
     }
+}
 
+impl<T, const N: usize> ShortList<T, N> {
     /// Adds an item; `false` if there is no room.
     #[inline]
     fn push(&mut self, item: T) -> bool {
@@ -94,14 +98,18 @@ impl<T, const N: usize> ShortList<T, N> {
 /// The words of one block.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BlockWords {
-    list: ShortList<Word, MAX_WORDS>,
+    /// All words except G, M and N, in order.
+    pub list: ShortList<Word, MAX_WORDS>,
     first: [u8; 26],
     mask: u32,
     nulls: u32,
     used: Cell<u32>,
-    g: ShortList<Code, MAX_G_CODES>,
-    m: ShortList<Code, MAX_M_CODES>,
-    assignments: ShortList<Assignment, MAX_ASSIGNMENTS>,
+    /// The G codes in order.
+    pub g: ShortList<Code, MAX_G_CODES>,
+    /// The M codes in order.
+    pub m: ShortList<Code, MAX_M_CODES>,
+    /// The variables that the block sets, in order.
+    pub assignments: ShortList<Assignment, MAX_ASSIGNMENTS>,
     /// The block number.
     pub block_number: Option<u32>,
     /// Position of the first word whose address is repeated.
@@ -134,11 +142,6 @@ impl BlockWords {
         (self.block_number, self.duplicate, self.address_only) = (None, None, None);
     }
 
-    /// All words except G, M and N, in order.
-    pub fn list(&self) -> &[Word] {
-        self.list.items()
-    }
-
     /// Whether a word was skipped because its variable is null.
     #[inline]
     pub fn has_null(&self) -> bool {
@@ -147,27 +150,9 @@ impl BlockWords {
         self.nulls & !result != 0
     }
 
-    /// The G codes in order.
-    #[inline]
-    pub fn g(&self) -> &[Code] {
-        self.g.items()
-    }
-
-    /// The M codes in order.
-    #[inline]
-    pub fn m(&self) -> &[Code] {
-        self.m.items()
-    }
-
-    /// The variables that the block sets, in order.
-    #[inline]
-    pub fn assignments(&self) -> &[Assignment] {
-        self.assignments.items()
-    }
-
     /// Whether the block has neither words nor codes.
     pub fn is_empty(&self) -> bool {
-        self.list().is_empty() && self.g().is_empty() && self.m().is_empty() && self.assignments().is_empty()
+        self.list.is_empty() && self.g.is_empty() && self.m.is_empty() && self.assignments.is_empty()
     }
 
     /// Adds a variable that the block sets.
@@ -202,7 +187,7 @@ impl BlockWords {
 
     /// Whether all letters without a value are among `letters`.
     pub fn address_only_among(&self, letters: &[u8]) -> bool {
-        self.list().iter().all(|word| word.kind != ValueKind::AddressOnly || letters.contains(&word.letter))
+        self.list.iter().all(|word| word.kind != ValueKind::AddressOnly || letters.contains(&word.letter))
     }
 
     /// Whether any letter of a mask has a value.
@@ -236,7 +221,7 @@ impl BlockWords {
         if left == 0 {
             return None;
         }
-        self.list().iter().copied().find(|word| word.kind != ValueKind::Null && left & letter_bit(word.letter) != 0)
+        self.list.iter().copied().find(|word| word.kind != ValueKind::Null && left & letter_bit(word.letter) != 0)
     }
 
     #[inline]

@@ -2,8 +2,7 @@
 
 use super::rules::BlockContext;
 use crate::defs::gcode::GCodeGroup;
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{ReadResult, fail2};
+use crate::nc::fault::{E, ReadResult, fail2};
 use crate::nc::modal::{CycleWords, MotionMode};
 use crate::nc::op::{Op, PathMode, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
@@ -99,9 +98,21 @@ impl BlockCodes {
     }
 }
 
+/// Refuses a code that the dialect does not have; the error lists the codes that it has.
+#[cold]
+pub(super) fn refuse_unknown<T>(
+    code: Code,
+    letter: char,
+    width: usize,
+    known: impl Iterator<Item = u32>,
+) -> ReadResult<T> {
+    let known: Vec<_> = known.map(|number| Code { number, at: 0 }.name(letter, width)).collect();
+    fail2(code.at as usize, E::UnknownCode, code.name(letter, width), known.join(" "))
+}
+
 /// Refuses another M code beside `code`. `width` is the number of digits of a code's name.
 pub(super) fn check_stands_alone(words: &BlockWords, code: Code, width: usize) -> ReadResult<()> {
-    match words.m().iter().find(|other| other.at != code.at) {
+    match words.m.iter().find(|other| other.at != code.at) {
         Some(other) => fail2(code.at as usize, E::NotTogether, code.name('M', width), other.name('M', width)),
         None => Ok(()),
     }
@@ -110,7 +121,7 @@ pub(super) fn check_stands_alone(words: &BlockWords, code: Code, width: usize) -
 /// Refuses M codes that exclude each other in one block. `width` is the number of digits of a code's name.
 pub(super) fn check_exclusive_m_codes(words: &BlockWords, groups: &[&[u32]], width: usize) -> ReadResult<()> {
     for group in groups {
-        let mut found = words.m().iter().filter(|code| group.contains(&code.number));
+        let mut found = words.m.iter().filter(|code| group.contains(&code.number));
         if let (Some(first), Some(second)) = (found.next(), found.next())
             && first.number != second.number
         {

@@ -4,8 +4,7 @@
 use std::fmt::Display;
 
 use super::rules::{BlockContext, FlowAction};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{ReadResult, ReadStop, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, ReadStop, fail1, fail2};
 use crate::nc::functions::whole_number;
 use crate::nc::words::Word;
 
@@ -27,14 +26,14 @@ pub(super) fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
 /// Refuses an address that occurs twice in the block.
 pub(super) fn refuse_duplicate_address(running: &BlockContext<'_, '_>) -> ReadResult<()> {
     match running.words.duplicate {
-        Some(at) => fail1(at as usize, E::DoubleWord, letter_at(running, at)),
+        Some(at) => fail1(at as usize, E::DoubleWord, letter_at(running.text, at)),
         None => Ok(()),
     }
 }
 
-/// The letter at a byte of the text, in upper case.
-pub(super) fn letter_at(running: &BlockContext<'_, '_>, at: u32) -> char {
-    char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase()
+/// The letter at a byte of a text, in upper case.
+pub(super) fn letter_at(text: &[u8], at: u32) -> char {
+    text.get(at as usize).map_or('?', |byte| char::from(byte.to_ascii_uppercase()))
 }
 
 /// Makes F the modal feed; `mm` is millimetres per programmed unit.
@@ -42,7 +41,7 @@ pub(super) fn letter_at(running: &BlockContext<'_, '_>, at: u32) -> char {
 pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
     let Some(word) = running.words.take(b'F') else { return Ok(()) };
     if !(MIN_FEED..=MAX_VALUE).contains(&word.value) {
-        return out_of_range("F", word, "0.001–99999.999");
+        return out_of_range(word, "0.001–99999.999");
     }
     running.modals.feed = Some(word.value * mm);
     Ok(())
@@ -73,11 +72,17 @@ pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> Re
     match whole_number(word.value) {
         None => fail1(word.at as usize, E::NotWhole, name.to_string()),
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
-        Some(_) => out_of_range(name, word, &format!("{low}–{high}")),
+        Some(_) => out_of_range_as(name, word, &format!("{low}–{high}")),
     }
 }
 
 #[cold]
-pub(super) fn out_of_range<T>(name: impl Display, word: Word, range: &str) -> ReadResult<T> {
+pub(super) fn out_of_range_as<T>(name: impl Display, word: Word, range: &str) -> ReadResult<T> {
     fail2(word.at as usize, E::OutOfRange, format!("{name}{}", word.value), range)
+}
+
+/// Refuses a word, named by its letter.
+#[cold]
+pub(super) fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
+    out_of_range_as(char::from(word.letter), word, range)
 }

@@ -51,8 +51,8 @@ macro_rules! dialects {
 }
 
 dialects! {
-    LatheA => grinder::LatheA;
-    Mill => grinder::Mill;
+    LatheA => grinder::Grinder<false>;
+    Mill => grinder::Grinder<true>;
     Sinumerik => sinumerik::Sinumerik;
     SuperMan => superman::SuperMan;
 }

@@ -4,8 +4,7 @@
 use super::codes::BlockCodes;
 use super::common::out_of_range;
 use super::rules::BlockContext;
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{Word, letter_mask};
@@ -70,7 +69,7 @@ impl MoveTarget {
             }
             target.to[axis] = if incremental { target.to[axis] + value } else { value };
             if target.to[axis].abs() > most {
-                return out_of_range(char::from(word.letter), word, &format!("±{most}"));
+                return out_of_range(word, &format!("±{most}"));
             }
         }
         Ok(target)
@@ -102,8 +101,8 @@ pub(super) fn radius_mm(
 /// The byte of the first axis word, else of the first code.
 pub(super) fn first_offset(running: &BlockContext<'_, '_>, syntax: &MoveSyntax) -> usize {
     let words = running.words;
-    let axis = words.list().iter().find(|word| syntax.axis_words & letter_mask(&[word.letter]) != 0);
-    axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
+    let axis = words.list.iter().find(|word| syntax.axis_words & letter_mask(&[word.letter]) != 0);
+    axis.map_or_else(|| words.g.first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
 }
 
 /// The active feed.

@@ -2,11 +2,10 @@
 
 use super::{MAX_VALUE, integer, out_of_range};
 use crate::defs::mcode;
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::codes::{self, BlockCodes};
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression::Scope;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
 use crate::nc::words::{Code, Word};
@@ -51,7 +50,7 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 /// S, unless an M code uses it.
 pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     // K3.4: M63 S drives the second analog output; G50 S is a limit.
-    if plan.is_one_shot(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
+    if plan.is_one_shot(50) || running.words.m.iter().any(|code| takes_s(code.number)) {
         return Ok(());
     }
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
@@ -62,7 +61,7 @@ pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &BlockCode
 }
 
 fn speed_value(word: Word) -> ReadResult<f64> {
-    if (0.0..=MAX_VALUE).contains(&word.value) { Ok(word.value) } else { out_of_range("S", word, "0–99999.999") }
+    if (0.0..=MAX_VALUE).contains(&word.value) { Ok(word.value) } else { out_of_range(word, "0–99999.999") }
 }
 
 const fn takes_s(code: u32) -> bool {
@@ -83,7 +82,7 @@ const fn acts_after_motion(code: u32) -> bool {
 pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     let words = running.words;
     let mut flow = FlowAction::Next;
-    for code in words.m() {
+    for code in words.m.iter() {
         if !mcode::is_known(code.number) {
             return fail1(code.at as usize, E::UnknownM, format!("M{}", code.number));
         }
@@ -92,7 +91,12 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
         }
         running.modals.m_code = Some(code.number as u8);
         match code.number {
-            1 if words.has(b'L') => flow = jump_by_m01(running, *code)?,
+            // `M01 L n` continues at block n.
+            1 => {
+                if let Some(word) = words.take(b'L') {
+                    flow = FlowAction::Goto { n: integer(word, 0, MAX_BLOCK_NUMBER)?, at: word.at as usize };
+                }
+            }
             2 | 30 => flow = FlowAction::End,
             91 | 92 => flow = input_jump(running, *code)?,
             98 => flow = subprogram(running, *code)?,
@@ -110,7 +114,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
 /// Adds the M codes that act after the motion.
 pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let words = running.words;
-    for code in words.m() {
+    for code in words.m.iter() {
         let jumps = code.number == 1 && words.has(b'L');
         if acts_after_motion(code.number) && !jumps {
             push_m_code(running, *code)?;
@@ -132,21 +136,13 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()>
             // B4: a pulse of L milliseconds.
             let Some(millis) = words.take(b'L') else { return fail2(code.at as usize, E::MissingWord, name(), "L") };
             if !(0.0..=MAX_VALUE).contains(&millis.value) {
-                return out_of_range("L", millis, "0–99999.999");
+                return out_of_range(millis, "0–99999.999");
             }
             l = Some(millis.value);
         }
     }
     running.ops.push(Op::M { code: number as u8, s, p, l });
     Ok(())
-}
-
-/// `M01 L n`: continues at block n.
-fn jump_by_m01(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
-    match running.words.take(b'L') {
-        Some(word) => Ok(FlowAction::Goto { n: integer(word, 0, MAX_BLOCK_NUMBER)?, at: word.at as usize }),
-        None => fail2(code.at as usize, E::MissingWord, "M01", "L"),
-    }
 }
 
 /// `M91 P<in> L<block>` jumps if the input is active (low), `M92` if not; without L: P is the block.

@@ -1,10 +1,9 @@
 //! The G codes of a block. Each is looked up in the table; none is ignored. Source: spec B2, K1.
 
 use crate::defs::gcode::{Availability, GCode, GCodeGroup};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::words::{BlockWords, Code};
 
 /// Reads the G codes.
@@ -14,7 +13,7 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
     let mut taken = 0_u16;
     let mut absolute = None;
     let words = running.words;
-    for code in words.g() {
+    for code in words.g.iter() {
         let row = look_up(*code, mill)?;
         // K1: on GC `G90` with another motion code means absolute, which is always active there.
         if code.number == 90 && !mill {
@@ -59,7 +58,7 @@ pub(super) fn look_up(code: Code, mill: bool) -> ReadResult<&'static GCode> {
 #[cold]
 fn refuse_group<T>(words: &BlockWords, code: Code, group: GCodeGroup, mill: bool) -> ReadResult<T> {
     let same = |before: &&Code| GCode::find(before.number).is_some_and(|row| row.group_on(mill) == group);
-    let before = words.g().iter().filter(|before| mill || before.number != 90).find(same);
+    let before = words.g.iter().filter(|before| mill || before.number != 90).find(same);
     refuse_duplicate(code, before.copied().unwrap_or(code))
 }
 

@@ -38,5 +38,5 @@ pub(super) fn modal_feed(running: &BlockContext<'_, '_>) -> ReadResult<Feed> {
 
 /// The byte of a G code of the block.
 pub(super) fn code_offset(running: &BlockContext<'_, '_>, number: u32) -> usize {
-    running.words.g().iter().find(|code| code.number == number).map_or(running.at, |code| code.at as usize)
+    running.words.g.iter().find(|code| code.number == number).map_or(running.at, |code| code.at as usize)
 }

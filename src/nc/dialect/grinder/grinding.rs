@@ -2,9 +2,8 @@
 
 use super::coordinates::axis_value;
 use super::{MAX_VALUE, axis_letters, integer, length_mm, out_of_range};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, GaugeMove, Op};
 use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis};
@@ -72,8 +71,7 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> R
     let to = axis_value(running, axis, word)?;
     // K4.3: values below the minimum are raised to it, with a message, when the oscillation starts.
     let bounded = |word: Word| {
-        let name = char::from(word.letter);
-        if word.value <= MAX_VALUE { Ok(word.value) } else { out_of_range(name, word, "≤99999.999") }
+        if word.value <= MAX_VALUE { Ok(word.value) } else { out_of_range(word, "≤99999.999") }
     };
     let ramp_ms = words.take(b'D').map(bounded).transpose()?;
     let strokes_min = words.take(b'Q').map(bounded).transpose()?;
@@ -102,7 +100,7 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
     let retract = words.take(b'L').map(|word| length_mm(running, word).map(|mm| (word, mm))).transpose()?;
     let retract_mm = match retract {
         Some((word, mm)) if mm < 0.0 || second.is_none() && mm <= 0.0 => {
-            return out_of_range("L", word, "> 0");
+            return out_of_range(word, "> 0");
         }
         Some((_, mm)) => mm,
         // A single contact is approached twice, so a retract is required.
@@ -125,7 +123,7 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
 fn feed_word(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let unit = if running.modals.inch { crate::units::MM_PER_INCH } else { 1.0 };
     if word.value <= 0.0 || word.value > MAX_VALUE {
-        return out_of_range(char::from(word.letter), word, "0–99999.999");
+        return out_of_range(word, "0–99999.999");
     }
     Ok(word.value * unit)
 }

@@ -7,19 +7,17 @@ mod auxiliary;
 mod calls;
 mod codes;
 mod coordinates;
-mod cycle;
+mod cycles;
 mod grinding;
 mod index;
 mod macro_a;
 mod motion;
-mod repetitive;
 
 use super::codes::BlockCodes;
 use super::common::{self, MAX_VALUE, out_of_range};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{ReadResult, fail1};
+use crate::nc::fault::{E, ReadResult, fail1};
 use crate::nc::flow::{CallLimit, Callee};
 use crate::nc::modal::ModalCodes;
 use crate::nc::op::Op;
@@ -27,22 +25,16 @@ use crate::nc::settings::NcSettings;
 use crate::nc::words::{BlockWords, ValueKind, Word, letter_mask};
 use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
-/// GC: lathe system A.
-pub(super) struct LatheA;
-/// GS and GA: modal G90 and G91.
-pub(super) struct Mill;
+/// GC: lathe system A. With `MILL`, GS and GA: modal G90 and G91, three axes in radius.
+pub(super) struct Grinder<const MILL: bool>;
 
-impl DialectRules for LatheA {
+impl<const MILL: bool> DialectRules for Grinder<MILL> {
     const ROW: DialectRow = DialectRow {
-        settings: || NcSettings::two_axes(Dialect::LatheA),
-        modal_codes: ModalCodes {
-            distance_is_modal: false,
-            per_minute: 98,
-            per_rev: 99,
-            inch: 20,
-            metric: 21,
-            exact_stop: 61,
+        settings: || match MILL {
+            false => NcSettings::two_axes(Dialect::LatheA),
+            true => NcSettings { diameter: false, axes: PerAxis([true; 3]), ..NcSettings::two_axes(Dialect::Mill) },
         },
+        modal_codes: ModalCodes { distance_is_modal: MILL, ..ModalCodes::SYSTEM_A },
         index: index::index,
         check_unexecuted,
         called_program: |_| None,
@@ -61,20 +53,28 @@ impl DialectRules for LatheA {
 
     #[inline]
     fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-        execute(running)
-    }
-}
-
-impl DialectRules for Mill {
-    const ROW: DialectRow = DialectRow {
-        settings: || NcSettings { diameter: false, axes: PerAxis([true; 3]), ..NcSettings::two_axes(Dialect::Mill) },
-        modal_codes: ModalCodes { distance_is_modal: true, ..LatheA::ROW.modal_codes },
-        ..LatheA::ROW
-    };
-
-    #[inline]
-    fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-        execute(running)
+        let plan = codes::read_g_codes(running)?;
+        if let Some(at) = running.words.address_only
+            && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
+        {
+            return missing_number(running, at);
+        }
+        // Its words are arguments.
+        if plan.is_one_shot(65) || plan.modal_call.is_some_and(|call| call.number == 66) {
+            return calls::macro_call(running, &plan);
+        }
+        common::refuse_duplicate_address(running)?;
+        running.words.take(b'O');
+        apply_modes(running, &plan)?;
+        running.words.take(b'T');
+        if running.second_half {
+            return execute_remainder(running, &plan);
+        }
+        auxiliary::tool_call(running)?;
+        if !changes_coordinates(running, &plan) {
+            return execute_remainder(running, &plan);
+        }
+        common::split_block(running, |running| execute_remainder(running, &plan))
     }
 }
 
@@ -96,39 +96,13 @@ fn call_in_text(code: &str) -> Option<u32> {
 /// The letters X Y Z U V W.
 const AXIS_WORDS: u32 = letter_mask(b"XYZUVW");
 
-/// Executes a block of words.
-fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-    let plan = codes::read_g_codes(running)?;
-    if let Some(at) = running.words.address_only
-        && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
-    {
-        return missing_number(running, at);
-    }
-    // Its words are arguments.
-    if plan.is_one_shot(65) || plan.modal_call.is_some_and(|call| call.number == 66) {
-        return calls::macro_call(running, &plan);
-    }
-    common::refuse_duplicate_address(running)?;
-    running.words.take(b'O');
-    apply_modes(running, &plan)?;
-    running.words.take(b'T');
-    if running.second_half {
-        return execute_remainder(running, &plan);
-    }
-    auxiliary::tool_call(running)?;
-    if !changes_coordinates(running, &plan) {
-        return execute_remainder(running, &plan);
-    }
-    common::split_block(running, |running| execute_remainder(running, &plan))
-}
-
 /// Executes what follows the modes, the work offset and the tool.
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     auxiliary::spindle_speed(running, plan)?;
     let mut flow = auxiliary::before_motion(running)?;
     match plan.one_shot.map(|once| once.number) {
-        Some(code) if repetitive::is_contour_cycle(code) => {
-            if let Some(cycle) = repetitive::contour_cycle(running, code)? {
+        Some(code) if cycles::is_contour_cycle(code) => {
+            if let Some(cycle) = cycles::contour_cycle(running, code)? {
                 flow = FlowAction::Contour(cycle);
             }
         }
@@ -149,10 +123,10 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> R
 
 /// Checks the codes of a block that is not executed.
 fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
-    for code in words.g() {
+    for code in words.g.iter() {
         codes::look_up(*code, block.settings.is_mill())?;
     }
-    match words.m().iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
+    match words.m.iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
         Some(code) => fail1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
         None => Ok(()),
     }
@@ -180,7 +154,7 @@ fn changes_coordinates(running: &BlockContext<'_, '_>, plan: &BlockCodes) -> boo
 fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     match plan.one_shot.map(|once| once.number) {
         // M35 has used the axis words.
-        None if running.words.m().iter().any(|code| code.number == 35) => Ok(()),
+        None if running.words.m.iter().any(|code| code.number == 35) => Ok(()),
         None => motion::modal_move(running, plan),
         Some(4) => motion::dwell(running),
         Some(10) => grinding::add_wear(running, coordinates::code_offset(running, 10)),
@@ -190,7 +164,7 @@ fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &BlockCode
             running.ops.push(Op::OscillationOff);
             Ok(())
         }
-        Some(code @ (74 | 75)) => repetitive::grooving_cycle(running, code),
+        Some(code @ (74 | 75)) => cycles::grooving_cycle(running, code),
         Some(78) => grinding::gauge_move(running, coordinates::code_offset(running, 78)),
         Some(code @ (28 | 30)) => motion::return_to_reference(running, code),
         Some(31) => motion::skip(running),
@@ -213,7 +187,7 @@ fn length_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
         value *= MM_PER_INCH;
     }
     if value.abs() > MAX_VALUE {
-        return out_of_range(char::from(word.letter), word, "±99999.999");
+        return out_of_range(word, "±99999.999");
     }
     Ok(value)
 }
@@ -225,7 +199,7 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 
 #[cold]
 fn missing_number<T>(running: &BlockContext<'_, '_>, at: u32) -> ReadResult<T> {
-    fail1(at as usize, E::MissingNumber, common::letter_at(running, at))
+    fail1(at as usize, E::MissingNumber, common::letter_at(running.text, at))
 }
 
 /// Reports an unknown word, or an axis word that the one-shot function does not use.

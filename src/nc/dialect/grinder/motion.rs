@@ -1,12 +1,11 @@
 //! Lines, arcs, dwell, skip, G50 and moves to reference points. Source: spec B2, K1, K5.10, K5.11.
 
 use super::coordinates::{SYNTAX, code_offset, modal_feed, target};
-use super::{MAX_VALUE, cycle, integer, out_of_range};
-use crate::defs::program_error::ProgramError as E;
+use super::{MAX_VALUE, cycles, integer, out_of_range};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::motion::{self, MoveTarget};
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Op, REFERENCE_POINTS};
 use crate::nc::words::ValueKind;
@@ -21,8 +20,8 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
         return Ok(());
     }
     match running.modals.motion {
-        MotionMode::LongitudinalCycle => cycle::longitudinal(running),
-        MotionMode::FaceCycle => cycle::face(running),
+        MotionMode::LongitudinalCycle => cycles::longitudinal(running),
+        MotionMode::FaceCycle => cycles::face(running),
         // Functions of another dialect; no code of this one selects them.
         _ => Ok(()),
     }
@@ -44,7 +43,7 @@ pub(super) fn dwell(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     };
     let s = word.value * scale;
     if !(0.0..=MAX_VALUE).contains(&s) {
-        return out_of_range(char::from(word.letter), word, "0–99999.999 s");
+        return out_of_range(word, "0–99999.999 s");
     }
     running.ops.push(Op::Dwell { s });
     Ok(())
@@ -84,7 +83,7 @@ pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>) -> ReadR
     let limit = running.words.take(b'S');
     if let Some(word) = limit {
         if !(0.0..=MAX_VALUE).contains(&word.value) {
-            return out_of_range("S", word, "0–99999.999");
+            return out_of_range(word, "0–99999.999");
         }
         running.ops.push(Op::SpeedLimit { rpm: word.value });
     }

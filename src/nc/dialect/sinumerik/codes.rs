@@ -1,10 +1,9 @@
 //! The G codes of a block. Each is looked up; none is ignored. Source: spec S1.
 
 use crate::defs::gcode::GCodeGroup;
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::codes::{self, BlockCodes};
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail2};
+use crate::nc::fault::{E, ReadResult, fail2};
 use crate::nc::words::{BlockWords, Code};
 
 /// The group of a code. G94 to G97 are one group on this control; here G96 and G97 do not change the unit of F.
@@ -27,19 +26,15 @@ fn look_up(code: Code) -> ReadResult<GCodeGroup> {
         // Other dialects select the unit of F by these codes.
         None if code.number == 98 => fail2(code.at as usize, E::UnknownCode, "G98", "G94 (mm/min) G95 (mm/r)"),
         None if code.number == 99 => fail2(code.at as usize, E::UnknownCode, "G99", "G95 (mm/r) G94 (mm/min)"),
-        None => {
-            let known: Vec<_> =
-                (0..100).filter(|code| group_of(*code).is_some()).map(|code| format!("G{code}")).collect();
-            fail2(code.at as usize, E::UnknownCode, code.name('G', 0), known.join(" "))
-        }
+        None => codes::refuse_unknown(code, 'G', 0, (0..100).filter(|code| group_of(*code).is_some())),
     }
 }
 
 /// The group of a code; refuses it if the block already contains a code of the group.
 fn exclusive_group(words: &BlockWords, index: usize) -> ReadResult<GCodeGroup> {
-    let code = words.g()[index];
+    let code = words.g[index];
     let group = look_up(code)?;
-    match words.g()[..index].iter().find(|before| self::group_of(before.number) == Some(group)) {
+    match words.g[..index].iter().find(|before| self::group_of(before.number) == Some(group)) {
         Some(before) => fail2(code.at as usize, E::DoubleGroup, before.name('G', 0), code.name('G', 0)),
         None => Ok(group),
     }
@@ -47,8 +42,8 @@ fn exclusive_group(words: &BlockWords, index: usize) -> ReadResult<GCodeGroup> {
 
 /// Checks the codes of a block that is not executed.
 pub(super) fn check_codes(words: &BlockWords) -> ReadResult<()> {
-    (0..words.g().len()).try_for_each(|index| exclusive_group(words, index).map(drop))?;
-    words.m().iter().try_for_each(|code| super::check_m_code(*code))?;
+    (0..words.g.len()).try_for_each(|index| exclusive_group(words, index).map(drop))?;
+    words.m.iter().try_for_each(|code| super::check_m_code(*code))?;
     check_exclusive_m_codes(words)
 }
 
@@ -64,7 +59,7 @@ pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
 pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<BlockCodes> {
     let mut plan = BlockCodes::default();
     let words = running.words;
-    for (index, code) in words.g().iter().enumerate() {
+    for (index, code) in words.g.iter().enumerate() {
         let group = exclusive_group(words, index)?;
         plan.apply(running, if matches!(code.number, 96 | 97) { GCodeGroup::SpindleSpeedMode } else { group }, *code);
     }

@@ -2,10 +2,9 @@
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
 use super::index::identifier;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable_name;
 use crate::nc::expression::{CoordinateFrame, Scope};
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::functions::FUNCTIONS;
 use crate::nc::functions::whole_number;
 use crate::nc::lexer::Cursor;

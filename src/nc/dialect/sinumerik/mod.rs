@@ -16,10 +16,9 @@ use super::common::{self, MAX_VALUE};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number::{self, L_MAX};
 use crate::nc::expression::Scope;
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, CallLimit, Callee};
 use crate::nc::functions::whole_number;
 use crate::nc::lexer::Cursor;
@@ -68,7 +67,16 @@ impl DialectRules for Sinumerik {
 
     #[inline]
     fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-        execute(running)
+        let plan = codes::read_g_codes(running)?;
+        common::refuse_duplicate_address(running)?;
+        if let Some(call) = running.words.take(b'L') {
+            return subprogram(running, &plan, call);
+        }
+        apply_modes(running, &plan)?;
+        if running.second_half || !(plan.work_offset && motion::names_axes(running)) {
+            return execute_remainder(running, &plan);
+        }
+        common::split_block(running, |running| execute_remainder(running, &plan))
     }
 }
 
@@ -79,13 +87,12 @@ const L_DEPTH: usize = 7;
 fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
     codes::check_codes(words)?;
     if let Some(at) = words.duplicate {
-        let letter = text.get(at as usize).map_or('?', |byte| char::from(byte.to_ascii_uppercase()));
-        return fail1(at as usize, E::DoubleWord, letter);
+        return fail1(at as usize, E::DoubleWord, common::letter_at(text, at));
     }
     if let Some(call) = words.peek(b'L') {
         return check_call_alone(words, call);
     }
-    match words.list().iter().find(|word| !ADDRESSES.contains(&word.letter)) {
+    match words.list.iter().find(|word| !ADDRESSES.contains(&word.letter)) {
         Some(word) => unknown_word(text, *word),
         None => Ok(()),
     }
@@ -97,13 +104,11 @@ const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', CR_AD
 /// Refuses a call that is not in a block of its own.
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
     let name = || format!("L{}", call.value);
-    if let Some(code) = words.g().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), code.name('G', 0));
+    let (g, m) = (words.g.first().map(|code| (code, 'G')), words.m.first().map(|code| (code, 'M')));
+    if let Some((code, letter)) = g.or(m) {
+        return fail2(code.at as usize, E::NotTogether, name(), code.name(letter, 0));
     }
-    if let Some(code) = words.m().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), code.name('M', 0));
-    }
-    match words.list().iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
+    match words.list.iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
         Some(word) => fail2(word.at as usize, E::NotTogether, name(), address_name(*word)),
         None => Ok(()),
     }
@@ -123,20 +128,6 @@ const MAX_REPEATS: u32 = 9_999;
 const CR_ADDRESS: u8 = b'R';
 /// The internal M code of `RET`.
 const RETURN_M_CODE: u32 = 17;
-
-/// Executes a block of words.
-fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-    let plan = codes::read_g_codes(running)?;
-    common::refuse_duplicate_address(running)?;
-    if let Some(call) = running.words.take(b'L') {
-        return subprogram(running, &plan, call);
-    }
-    apply_modes(running, &plan)?;
-    if running.second_half || !(plan.work_offset && motion::names_axes(running)) {
-        return execute_remainder(running, &plan);
-    }
-    common::split_block(running, |running| execute_remainder(running, &plan))
-}
 
 /// Executes what follows the modes and the work offset.
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
@@ -192,7 +183,7 @@ fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResul
     let words = running.words;
     let mut flow = FlowAction::Next;
     codes::check_exclusive_m_codes(words)?;
-    for code in words.m() {
+    for code in words.m.iter() {
         check_m_code(*code)?;
         if matches!(code.number, 2 | RETURN_M_CODE | 30) {
             shared_codes::check_stands_alone(words, *code, 0)?;
@@ -227,9 +218,8 @@ fn check_m_code(code: Code) -> ReadResult<()> {
     if code.number == RETURN_M_CODE || exists(code.number) {
         return Ok(());
     }
-    let known: Vec<_> =
-        (0..100).filter(|number| *number == RETURN_M_CODE || exists(*number)).map(|n| format!("M{n}")).collect();
-    fail2(code.at as usize, E::UnknownCode, code.name('M', 0), known.join(" "))
+    let known = (0..100).filter(|number| *number == RETURN_M_CODE || exists(*number));
+    shared_codes::refuse_unknown(code, 'M', 0, known)
 }
 
 /// The value of a word that must be a whole number in a range.
@@ -249,7 +239,7 @@ fn address_name(word: Word) -> String {
 
 #[cold]
 fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
-    common::out_of_range(address_name(word), word, range)
+    common::out_of_range_as(address_name(word), word, range)
 }
 
 /// Reports an unknown word, as written up to the next blank.

@@ -2,12 +2,11 @@
 //! Source: spec S1.
 
 use super::{CR_ADDRESS, checked_value, out_of_range};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::common::MAX_VALUE;
 use crate::nc::dialect::motion::{self, MoveSyntax, MoveTarget, NO_LETTER, radius_mm};
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{Code, Word, letter_mask};
 use crate::units::Axis;

@@ -7,10 +7,9 @@ use super::expression::{
 };
 use super::index::identifier;
 use super::{CR_ADDRESS, RETURN_M_CODE};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::expression::{CoordinateFrame, Scope};
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
-use crate::nc::functions::equal;
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::functions::Comparison;
 use crate::nc::lexer::Cursor;
 use crate::nc::statement::{BlockContent, ReadOptions};
 use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
@@ -163,27 +162,25 @@ fn read_jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> ReadResult<
 }
 
 fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<bool> {
-    const SIGNS: [&str; 6] = ["==", "<>", ">=", "<=", ">", "<"];
+    const SIGNS: [(&str, Comparison); 6] = [
+        ("==", Comparison::Eq),
+        ("<>", Comparison::Ne),
+        (">=", Comparison::Ge),
+        ("<=", Comparison::Le),
+        (">", Comparison::Gt),
+        ("<", Comparison::Lt),
+    ];
     let left = evaluate(cursor, scope)?;
     skip_blanks(cursor);
     let at = cursor.at;
-    let Some(sign) = SIGNS.into_iter().find(|sign| cursor.accept_keyword(sign)) else {
+    let Some((sign, compare)) = SIGNS.into_iter().find(|(sign, _)| cursor.accept_keyword(sign)) else {
         let what = if cursor.peek() == b'=' { "=" } else { IF_SYNTAX };
         return fail1(at, E::BadCondition, what);
     };
     if matches!(cursor.peek(), b'=' | b'<' | b'>') {
         return fail1(at, E::BadCondition, format!("{sign}{}", char::from(cursor.peek())));
     }
-    let right = evaluate(cursor, scope)?;
-    let equals = equal(left, right);
-    Ok(match sign {
-        "==" => equals,
-        "<>" => !equals,
-        ">=" => left > right || equals,
-        "<=" => left < right || equals,
-        ">" => left > right && !equals,
-        _ => left < right && !equals,
-    })
+    Ok(compare.holds(left, evaluate(cursor, scope)?))
 }
 
 /// `MSG("…")`, `MSG(“…”)` or `MSG()`.
@@ -261,10 +258,10 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         return Ok(false);
     }
     if letter == b'R' {
-        if words.g().iter().any(|code| matches!(code.number, 2 | 3)) {
+        if words.g.iter().any(|code| matches!(code.number, 2 | 3)) {
             refuse_r_as_radius(cursor)?;
         }
-        let variable = parameter_number(cursor, scope, words.assignments())?;
+        let variable = parameter_number(cursor, scope, &words.assignments)?;
         let value = value_after_equals(cursor, scope, words, at)?;
         words.push_assignment(Assignment { variable, value, at: start })?;
         return Ok(true);
@@ -276,7 +273,7 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         b'=' if fixed => return fail1(at, E::DigitsOnly, char::from(letter)),
         b'=' => {
             cursor.at += 1;
-            (evaluate_with(cursor, scope, words.assignments())?, ValueKind::Decimal)
+            (evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal)
         }
         b'0'..=b'9' | b'.' | b'+' | b'-' => read_number(cursor, at, letter)?,
         0x80.. => return cursor.unexpected(),
@@ -337,5 +334,5 @@ fn value_after_equals<S: Scope>(
     if !cursor.accept(b'=') {
         return fail1(cursor.at, E::EqualsMissing, upper_text(&cursor.text[at..end]));
     }
-    evaluate_with(cursor, scope, words.assignments())
+    evaluate_with(cursor, scope, &words.assignments)
 }

@@ -3,10 +3,9 @@
 use super::{MAX_BLOCK_NUMBER, integer, out_of_range};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, MCode};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::codes;
 use crate::nc::dialect::rules::{BlockContext, FlowAction, UnexecutedBlock};
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
 use crate::units::{Axis, PerAxis};
@@ -28,8 +27,7 @@ pub(super) fn check_exists(code: Code) -> ReadResult<()> {
     if m_code_row(code).is_some() {
         return Ok(());
     }
-    let known: Vec<_> = mcode::table(Dialect::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
-    fail2(code.at as usize, E::UnknownCode, code.name('M', 2), known.join(" "))
+    codes::refuse_unknown(code, 'M', 2, mcode::table(Dialect::SuperMan).iter().map(|row| u32::from(row.code)))
 }
 
 /// Checks an M code of a block that is not executed, and its jump target.
@@ -107,9 +105,9 @@ const EXCLUSIVE_M_CODES: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
 
 /// Checks M codes that must be alone or exclude each other; M02, jumps, calls and returns must not have F.
 pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
-    for code in words.m().iter().filter(|code| stands_alone(code.number)) {
+    for code in words.m.iter().filter(|code| stands_alone(code.number)) {
         codes::check_stands_alone(words, *code, 2)?;
-        if let Some(feed) = words.peek(b'F').filter(|_| code.number != 0 && words.g().is_empty()) {
+        if let Some(feed) = words.peek(b'F').filter(|_| code.number != 0 && words.g.is_empty()) {
             return fail2(feed.at as usize, E::NotTogether, code.name('M', 2), "F");
         }
     }
@@ -121,7 +119,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Op
     let words = running.words;
     let mut flow = None;
     check_exclusive_m_codes(words)?;
-    for code in words.m() {
+    for code in words.m.iter() {
         let name = code.name('M', 2);
         check_exists(*code)?;
         running.modals.m_code = Some(code.number as u8);
@@ -153,7 +151,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Op
 
 /// Adds the M codes that act after the motion.
 pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) {
-    for code in running.words.m().iter().filter(|code| matches!(code.number, 0 | 2)) {
+    for code in running.words.m.iter().filter(|code| matches!(code.number, 0 | 2)) {
         running.ops.push(Op::M { code: code.number as u8, s: None, p: None, l: None });
     }
 }

@@ -8,12 +8,12 @@ mod index;
 mod motion;
 mod thread;
 
-use super::common::unknown_word;
+use super::codes;
+use super::common::{letter_at, out_of_range, unknown_word};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::expression::Scope;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{COUNTED_DEPTH, CallLimit};
 use crate::nc::functions::whole_number;
 use crate::nc::lexer::Cursor;
@@ -34,14 +34,7 @@ impl DialectRules for SuperMan {
             tool_count: STATIONS,
             ..NcSettings::two_axes(Dialect::SuperMan)
         },
-        modal_codes: ModalCodes {
-            distance_is_modal: false,
-            per_minute: 98,
-            per_rev: 99,
-            inch: 20,
-            metric: 21,
-            exact_stop: 61,
-        },
+        modal_codes: ModalCodes::SYSTEM_A,
         index: index::index,
         check_unexecuted,
         called_program: |_| None,
@@ -72,7 +65,28 @@ impl DialectRules for SuperMan {
 
     #[inline]
     fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-        execute(running)
+        check_format(running.words, running.settings, (running.text, running.at))?;
+        if let Some((short, full)) = short_block_number(running.text, running.at) {
+            running.scope.warn(running.at, E::BlockNumberShort, [short, full]);
+        }
+        let code = single_g_code(running.words)?;
+        auxiliary::spindle_speed(running)?;
+        auxiliary::tool_call(running)?;
+        let flow = auxiliary::before_motion(running)?;
+        let step = execute_g_code(running, code)?;
+        auxiliary::after_motion(running);
+        if let Some(unused) = running.words.unused() {
+            return unknown_word(running.text, unused);
+        }
+        match (flow, step) {
+            (Some((m, _)), Some(_)) => {
+                let named = code.map_or_else(String::new, |code| code.name('G', 2));
+                fail2(m.at as usize, E::NotTogether, named, m.name('M', 2))
+            }
+            (Some((_, flow)), None) => Ok(flow),
+            (None, Some(step)) => Ok(step),
+            (None, None) => Ok(FlowAction::Next),
+        }
     }
 }
 
@@ -95,41 +109,15 @@ const fn letter_bit(letter: u8) -> u32 {
 /// All G codes; others are refused.
 const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39, 80, 92];
 
-/// Executes a block of words.
-fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-    check_format(running.words, running.settings, (running.text, running.at))?;
-    if let Some((short, full)) = short_block_number(running.text, running.at) {
-        running.scope.warn(running.at, E::BlockNumberShort, [short, full]);
-    }
-    let code = single_g_code(running.words)?;
-    auxiliary::spindle_speed(running)?;
-    auxiliary::tool_call(running)?;
-    let flow = auxiliary::before_motion(running)?;
-    let step = execute_g_code(running, code)?;
-    auxiliary::after_motion(running);
-    if let Some(unused) = running.words.unused() {
-        return unknown_word(running.text, unused);
-    }
-    match (flow, step) {
-        (Some((m, _)), Some(_)) => {
-            let named = code.map_or_else(String::new, |code| code.name('G', 2));
-            fail2(m.at as usize, E::NotTogether, named, m.name('M', 2))
-        }
-        (Some((_, flow)), None) => Ok(flow),
-        (None, Some(step)) => Ok(step),
-        (None, None) => Ok(FlowAction::Next),
-    }
-}
-
 /// Checks format and codes of a block that is not executed.
 fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
     let text: &[u8] = block.source.bytes();
     check_format(words, block.settings, (text, block.at))?;
     let code = single_g_code(words)?;
-    words.m().iter().try_for_each(|code| auxiliary::check_m_code(*code, words, block))?;
+    words.m.iter().try_for_each(|code| auxiliary::check_m_code(*code, words, block))?;
     auxiliary::check_exclusive_m_codes(words)?;
     motion::check_one_word_per_axis(words)?;
-    if let Some(word) = words.list().iter().find(|word| !ADDRESSES.contains(&word.letter)) {
+    if let Some(word) = words.list.iter().find(|word| !ADDRESSES.contains(&word.letter)) {
         return unknown_word(text, *word);
     }
     let Some(code) = code else { return Ok(()) };
@@ -161,28 +149,32 @@ fn check_format(words: &BlockWords, settings: &NcSettings, (text, at): (&[u8], u
         let place = line[..end].iter().position(|byte| matches!(byte, b'N' | b'n')).unwrap_or(0);
         return fail(at + place, E::BlockNumberNotFirst);
     }
-    let letter = |place: u32| char::from(text.get(place as usize).copied().unwrap_or(b'?')).to_ascii_uppercase();
     if let Some(place) = words.address_only {
-        return fail1(place as usize, E::MissingNumber, letter(place));
+        return fail1(place as usize, E::MissingNumber, letter_at(text, place));
     }
     if let Some(place) = words.duplicate {
-        return fail1(place as usize, E::DoubleWord, letter(place));
+        return fail1(place as usize, E::DoubleWord, letter_at(text, place));
     }
-    let digits = line.iter().skip(first + 1).take_while(|byte| byte.is_ascii_digit()).count();
+    let digits = number_digits(line, first).len();
     // D: the manual prints N016 once; a number of three digits is accepted with a warning.
     let as_printed = digits == BLOCK_NUMBER_DIGITS || digits + 1 == BLOCK_NUMBER_DIGITS;
     match words.block_number {
         None if settings.needs_block_numbers => fail(at + first, E::BlockNumberMissing),
         Some(n) if n > MAX_BLOCK_NUMBER || settings.needs_block_numbers && !as_printed => {
-            fail2(at + first, E::BlockNumberDigits, written_number(line, first, digits), expected_number(n))
+            fail2(at + first, E::BlockNumberDigits, written_number(line, first), expected_number(n))
         }
         None | Some(_) => Ok(()),
     }
 }
 
-fn written_number(line: &[u8], first: usize, digits: usize) -> String {
-    let digits = line.get(first + 1..first + 1 + digits).unwrap_or_default();
-    format!("N{}", String::from_utf8_lossy(digits))
+/// The digits after the N at byte `first`.
+fn number_digits(line: &[u8], first: usize) -> &[u8] {
+    let rest = line.get(first + 1..).unwrap_or_default();
+    &rest[..rest.iter().take_while(|byte| byte.is_ascii_digit()).count()]
+}
+
+fn written_number(line: &[u8], first: usize) -> String {
+    format!("N{}", String::from_utf8_lossy(number_digits(line, first)))
 }
 
 /// The correct form of a block number.
@@ -194,10 +186,9 @@ fn expected_number(n: u32) -> String {
 fn short_block_number(text: &[u8], at: usize) -> Option<(String, String)> {
     let line = text.get(at..)?;
     let first = line.iter().position(|byte| !matches!(byte, b' ' | b'\t'))?;
-    let digits = line.iter().skip(first + 1).take_while(|byte| byte.is_ascii_digit()).count();
-    let short = matches!(line.get(first), Some(b'N' | b'n')) && digits + 1 == BLOCK_NUMBER_DIGITS;
-    short.then(|| {
-        let written = written_number(line, first, digits);
+    let short = number_digits(line, first).len() + 1 == BLOCK_NUMBER_DIGITS;
+    (short && matches!(line.get(first), Some(b'N' | b'n'))).then(|| {
+        let written = written_number(line, first);
         let full = format!("N0{}", &written[1..]);
         (written, full)
     })
@@ -205,11 +196,10 @@ fn short_block_number(text: &[u8], at: usize) -> Option<(String, String)> {
 
 /// The only G code of a block.
 fn single_g_code(words: &BlockWords) -> ReadResult<Option<Code>> {
-    if let Some(code) = words.g().iter().find(|code| !G_CODES.contains(&code.number)) {
-        let known: Vec<_> = G_CODES.iter().map(|code| format!("G{code:02}")).collect();
-        return fail2(code.at as usize, E::UnknownCode, code.name('G', 2), known.join(" "));
+    if let Some(code) = words.g.iter().find(|code| !G_CODES.contains(&code.number)) {
+        return codes::refuse_unknown(*code, 'G', 2, G_CODES.iter().copied());
     }
-    match *words.g() {
+    match words.g[..] {
         [] => Ok(None),
         [code] => Ok(Some(code)),
         [first, second, ..] if first.number == second.number => {
@@ -226,24 +216,12 @@ fn execute_g_code(running: &mut BlockContext<'_, '_>, code: Option<Code>) -> Rea
         match code.number {
             4 => motion::dwell(running, place)?,
             22 => return auxiliary::begin_loop(running, place).map(Some),
-            26 => motion::return_to_tool_change(running, place, true, true)?,
-            27 => motion::return_to_tool_change(running, place, true, false)?,
-            29 => motion::return_to_tool_change(running, place, false, true)?,
-            36 => motion::home(running, place, true, true)?,
-            37 => motion::home(running, place, true, false)?,
-            39 => motion::home(running, place, false, true)?,
+            26 | 27 | 29 => motion::return_to_tool_change(running, code)?,
+            36 | 37 | 39 => motion::home(running, code)?,
             80 => return Ok(Some(FlowAction::EndCountedLoop { at: place })),
             92 => motion::set_coordinate_system(running, place)?,
             number => {
-                running.modals.motion = match number {
-                    0 => MotionMode::Rapid,
-                    1 => MotionMode::Feed,
-                    2 => MotionMode::ArcClockwise,
-                    3 => MotionMode::ArcCounterClockwise,
-                    23 => MotionMode::RectangleCycle,
-                    32 => MotionMode::InchThread,
-                    _ => MotionMode::MetricThread,
-                };
+                running.modals.motion = MotionMode::from_g(number).unwrap_or_default();
                 modal_move(running, place, true)?;
             }
         }
@@ -288,9 +266,4 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
         Some(_) | None => out_of_range(word, &format!("{low}–{high}")),
     }
-}
-
-#[cold]
-fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
-    fail2(word.at as usize, E::OutOfRange, format!("{}{}", char::from(word.letter), word.value), range)
 }

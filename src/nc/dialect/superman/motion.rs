@@ -1,13 +1,12 @@
 //! Rapids, lines, arcs, the rectangle cycle, dwell, G92 and moves to fixed points. Source: spec L2–L4, L6.
 
 use super::{MAX_COORDINATE_MM, out_of_range};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::motion::{self, MoveTarget, NO_LETTER};
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{AxisSet, Feed, Op};
-use crate::nc::words::{BlockWords, Word};
+use crate::nc::words::{BlockWords, Code, Word};
 use crate::units::{Axis, PerAxis, Plane};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
@@ -285,23 +284,22 @@ pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>, place: u
     Ok(())
 }
 
-/// Refuses coordinates.
-fn refuse_coordinates(running: &BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
-    let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.peek(letter));
-    let code = running.words.g().iter().find(|code| code.at as usize == place).map_or(0, |code| code.number);
-    found.map_or(Ok(()), |word| fail1(word.at as usize, E::AxisUnused, format!("G{code:02}")))
+/// The axes that a code moves to a fixed point, X before Z; it takes no coordinates.
+fn fixed_point_axes(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<AxisSet> {
+    match [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.peek(letter)) {
+        Some(word) => fail1(word.at as usize, E::AxisUnused, code.name('G', 2)),
+        None => Ok(match code.number {
+            26 | 36 => AxisSet::XZ,
+            27 | 37 => AxisSet::of(Axis::X),
+            _ => AxisSet::of(Axis::Z),
+        }),
+    }
 }
 
-/// G26, G27, G29: moves to the tool-change point, X before Z.
-pub(super) fn return_to_tool_change(
-    running: &mut BlockContext<'_, '_>,
-    place: usize,
-    x: bool,
-    z: bool,
-) -> ReadResult<()> {
-    refuse_coordinates(running, place)?;
+/// G26, G27, G29: moves to the tool-change point.
+pub(super) fn return_to_tool_change(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let (mut at, start) = (running.scope.position(), running.scope.world.program_start());
-    for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
+    for axis in fixed_point_axes(running, code)?.iter() {
         at[axis] = start[axis];
         running.ops.push(Op::Rapid { to: at, feed: None, words: AxisSet::of(axis), incremental: AxisSet::NONE });
     }
@@ -309,14 +307,10 @@ pub(super) fn return_to_tool_change(
 }
 
 /// G36, G37, G39: homes by the switch; the coordinate there is the parameter's.
-pub(super) fn home(running: &mut BlockContext<'_, '_>, place: usize, x: bool, z: bool) -> ReadResult<()> {
-    refuse_coordinates(running, place)?;
-    let (mut axes, mut values) = (AxisSet::NONE, PerAxis::default());
-    for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
-        axes.insert(axis);
-        values[axis] = Some(running.settings.superman.origin[axis]);
-    }
+pub(super) fn home(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+    let (axes, origin) = (fixed_point_axes(running, code)?, running.settings.superman.origin);
     running.ops.push(Op::HomeSwitch { axes });
+    let values = PerAxis::from_fn(|axis| axes.contains(axis).then_some(origin[axis]));
     running.ops.push(Op::SetCoordinateSystem { values });
     Ok(())
 }

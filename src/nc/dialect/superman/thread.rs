@@ -2,9 +2,8 @@
 
 use super::motion::coordinate;
 use super::out_of_range;
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Op, ThreadMove};
 use crate::nc::words::Word;
