@@ -213,17 +213,14 @@ fn analyse_program(
         FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
     });
     let mut foresight = InterlockCheck::new(shared.kind, &retained.params);
+    let checking = || ProgramCheck::new(&source, &library, &settings, memory.clone());
     // An endless loop is shown once, up to its repetition. A first run without output finds that position.
     let repeated = match call.ops {
-        true => {
-            ProgramCheck::new(&source, &library, &settings, memory.clone())
-                .run(&mut world.clone(), &mut |_| {})
-                .repeated_blocks
-        }
+        true => checking().run(&mut world.clone(), &mut |_| {}).repeated_blocks,
         false => Vec::new(),
     };
     let mut shown = 0;
-    let checked = ProgramCheck::new(&source, &library, &settings, memory).run(&mut world, &mut |block| {
+    let checked = checking().run(&mut world, &mut |block| {
         if let Some(rehearsal) = &mut rehearsal {
             rehearsal.check_block(block, &|at| block_text(&source, &library, at).1);
         }

@@ -2,7 +2,7 @@
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
 use super::fault::{E, ReadResult, fail, fail1, fail2};
-use super::functions::{Comparison, FUNCTIONS, whole_number};
+use super::functions::{Comparison, FUNCTIONS, whole_number, whole_u32};
 use super::lexer::Cursor;
 use crate::units::Axis;
 
@@ -46,6 +46,46 @@ pub(crate) fn primary<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadR
 /// The number of the variable whose `#` is at the cursor.
 pub(crate) fn variable_number<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<u32> {
     ExpressionParser { cursor, scope, depth: 0 }.variable_number()
+}
+
+/// A result that a number can hold.
+#[inline]
+pub(crate) fn finite<S: Scope>(value: f64, at: usize) -> ReadResult<f64> {
+    if value.is_finite() || !S::HAS_VALUES { Ok(value) } else { fail(at, E::Overflow) }
+}
+
+/// The result of a function; `None`: the argument is outside its domain.
+pub(crate) fn function_value<S: Scope>(value: Option<f64>, name: &str, argument: f64, at: usize) -> ReadResult<f64> {
+    match value {
+        Some(value) => finite::<S>(value, at),
+        None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument.to_string()),
+        None => Ok(0.0),
+    }
+}
+
+/// Enters a bracket or an index.
+pub(crate) fn enter(depth: &mut usize, at: usize) -> ReadResult<()> {
+    *depth += 1;
+    if *depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
+}
+
+/// Skips signs and blanks; returns whether the signs make a value negative.
+#[inline]
+pub(crate) fn signs(
+    cursor: &mut Cursor<'_>,
+    skip_blanks: impl Fn(&mut Cursor<'_>) -> ReadResult<()>,
+) -> ReadResult<bool> {
+    let mut negative = false;
+    for _ in 0..MAX_DEPTH {
+        skip_blanks(cursor)?;
+        match cursor.peek() {
+            b'-' => negative = !negative,
+            b'+' => {}
+            _ => return Ok(negative),
+        }
+        cursor.at += 1;
+    }
+    fail(cursor.at, E::TooComplex)
 }
 
 struct ExpressionParser<'r, 'a, S> {
@@ -120,8 +160,10 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
-            self.cursor.skip_blanks()?;
-            let literal = self.cursor.at_number();
+            let literal = TIGHT && {
+                self.cursor.skip_blanks()?;
+                self.cursor.at_number()
+            };
             let right = self.operand_of::<TIGHT>()?;
             let zero = right.is_some_and(|right| right.abs() <= 0.0);
             if literal && zero && S::HAS_VALUES && matches!(operator, Operator::Divide | Operator::Modulo) {
@@ -142,23 +184,9 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
 
     /// A sign has lower precedence than `**`: `-2**2` is −4.
     fn sign(&mut self) -> ReadResult<Value> {
-        let negative = self.signs()?;
+        let negative = signs(self.cursor, |cursor| cursor.skip_blanks())?;
         let value = self.power()?;
         Ok(if negative { value.map(|value| -value) } else { value })
-    }
-
-    fn signs(&mut self) -> ReadResult<bool> {
-        let mut negative = false;
-        for _ in 0..MAX_DEPTH {
-            self.cursor.skip_blanks()?;
-            match self.cursor.peek() {
-                b'-' => negative = !negative,
-                b'+' => {}
-                _ => return Ok(negative),
-            }
-            self.cursor.at += 1;
-        }
-        fail(self.cursor.at, E::TooComplex)
     }
 
     fn power(&mut self) -> ReadResult<Value> {
@@ -170,7 +198,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
                 return Ok(left);
             }
             self.cursor.at += 2;
-            let negative = self.signs()?;
+            let negative = signs(self.cursor, |cursor| cursor.skip_blanks())?;
             let right = self.factor()?;
             let (base, exponent) = (self.operand(left, at), self.operand(right, at));
             let exponent = if negative { -exponent } else { exponent };
@@ -178,7 +206,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             if power.is_nan() && S::HAS_VALUES {
                 return fail2(at, E::FunctionDomain, "**", format!("{base}, {exponent}"));
             }
-            left = self.check_finite(power, at)?;
+            left = Some(finite::<S>(power, at)?);
         }
     }
 
@@ -201,7 +229,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         if !self.cursor.accept(b'[') {
             return self.cursor.unexpected();
         }
-        self.enter_bracket(open)?;
+        enter(&mut self.depth, open)?;
         let value = self.comparison()?;
         self.depth -= 1;
         self.cursor.skip_blanks()?;
@@ -212,11 +240,6 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             return fail(open, E::UnbalancedBracket);
         }
         self.cursor.unexpected()
-    }
-
-    fn enter_bracket(&mut self, at: usize) -> ReadResult<()> {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
     }
 
     fn variable_number(&mut self) -> ReadResult<u32> {
@@ -233,7 +256,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             }
             b'[' => self.bracket()?,
             b'#' => {
-                self.enter_bracket(at)?;
+                enter(&mut self.depth, at)?;
                 let inner = self.factor()?;
                 self.depth -= 1;
                 inner
@@ -245,10 +268,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             return Ok(0);
         }
         let value = self.operand(value, at);
-        match whole_number(value).map(u32::try_from) {
-            Some(Ok(number)) => Ok(number),
-            Some(Err(_)) | None => fail1(at, E::BadVariable, format!("#{value}")),
-        }
+        whole_u32(value).map_or_else(|| fail1(at, E::BadVariable, format!("#{value}")), Ok)
     }
 
     fn operand(&mut self, value: Value, at: usize) -> f64 {
@@ -256,10 +276,6 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             self.scope.null_used(at);
             0.0
         })
-    }
-
-    fn check_finite(&self, value: f64, at: usize) -> ReadResult<Value> {
-        if value.is_finite() || !S::HAS_VALUES { Ok(Some(value)) } else { fail(at, E::Overflow) }
     }
 
     fn apply(&mut self, operator: Operator, left: Value, right: Value, at: usize) -> ReadResult<Value> {
@@ -277,7 +293,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             Operator::Or => self.bitwise(a, b, at, |a, b| a | b)?,
             Operator::Xor => self.bitwise(a, b, at, |a, b| a ^ b)?,
         };
-        self.check_finite(value, at)
+        finite::<S>(value, at).map(Some)
     }
 
     fn bitwise(&self, a: f64, b: f64, at: usize, act: fn(i64, i64) -> i64) -> ReadResult<f64> {
@@ -305,11 +321,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         } else {
             act(argument)
         };
-        match value {
-            Some(value) => self.check_finite(value, at),
-            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument.to_string()),
-            None => Ok(Some(0.0)),
-        }
+        function_value::<S>(value, name, argument, at).map(Some)
     }
 
     /// Whether `[` follows the slash, as in `ATAN[a]/[b]`; `ATAN[a]/2` is a division.

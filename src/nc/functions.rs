@@ -47,6 +47,13 @@ pub(crate) fn whole_number(value: f64) -> Option<i64> {
     (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
 }
 
+/// The same for whole numbers from 0 to `u32::MAX`.
+#[must_use]
+#[inline]
+pub(crate) fn whole_u32(value: f64) -> Option<u32> {
+    whole_number(value).and_then(|value| u32::try_from(value).ok())
+}
+
 /// A comparison of two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Comparison {

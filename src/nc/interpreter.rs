@@ -15,7 +15,7 @@ use super::op::Op;
 use super::scope::{LiveScope, NullUse};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
-use super::statement::{self, BlockContent, ReadOptions};
+use super::statement::{self, BlockContent, BlockReader};
 use super::words::BlockWords;
 use crate::defs::program_number;
 use crate::defs::system_variable::{self as system_variable, VariableAccess};
@@ -226,7 +226,7 @@ impl Interpreter {
         if cursor.is_at_end() {
             return self.end_of_text(at);
         }
-        let head = ReadOptions { mid_line: self.flow.place.mid_line, block_skip: world.block_skip() };
+        let (words, mid_line, block_skip) = (&mut self.block_words, self.flow.place.mid_line, world.block_skip());
         // A refused block must not change the modal state.
         let before = self.modals;
         let mut scope = LiveScope {
@@ -243,7 +243,8 @@ impl Interpreter {
             source: &source,
             world,
         };
-        let read = dialect::read_block(self.settings.dialect, &mut cursor, &mut scope, &mut self.block_words, head);
+        let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
+        let read = dialect::read_block(self.settings.dialect, reader);
         if cursor.is_truncated(text) {
             return fail(at, E::BlockTooLong);
         }
@@ -408,13 +409,10 @@ impl Interpreter {
             }
             elsewhere => self.change_flow(elsewhere, cursor)?,
         }
-        let over = self.ended && block.ops.is_empty();
-        Ok(if over {
-            StepStatus::End
-        } else if block.ops.is_empty() {
-            StepStatus::Empty
-        } else {
-            StepStatus::Block
+        Ok(match (block.ops.is_empty(), self.ended) {
+            (false, _) => StepStatus::Block,
+            (true, true) => StepStatus::End,
+            (true, false) => StepStatus::Empty,
         })
     }
 

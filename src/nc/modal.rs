@@ -185,20 +185,6 @@ impl ModalState {
         self.feed.map(if self.per_rev { Feed::PerRev } else { Feed::PerMinute })
     }
 
-    /// The active G codes in display order, by the codes of a dialect.
-    pub(crate) fn codes_shown(&self, codes: &ModalCodes) -> [u8; 8] {
-        [
-            self.motion.g(),
-            self.plane.g(),
-            if codes.distance_is_modal && self.incremental { 91 } else { 90 },
-            if self.per_rev { codes.per_rev } else { codes.per_minute },
-            if self.inch { codes.inch } else { codes.metric },
-            self.work_offset,
-            if self.path_mode == PathMode::ExactStop { codes.exact_stop } else { 64 },
-            if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
-        ]
-    }
-
     /// #4001…#4130: a modal value; `None` for an undefined number.
     pub(crate) fn variable(&self, number: u32, mill: bool) -> Option<Option<f64>> {
         let code = |code: u8| Some(Some(f64::from(code)));

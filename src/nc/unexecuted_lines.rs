@@ -6,7 +6,7 @@ use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
 use super::lexer::Cursor;
 use super::settings::NcSettings;
 use super::source::{Library, Source};
-use super::statement::{self, BlockContent, ReadOptions, SyntaxOnlyScope};
+use super::statement::{self, BlockContent, BlockReader, SyntaxOnlyScope};
 use super::words::BlockWords;
 use crate::defs::program_number;
 
@@ -120,11 +120,12 @@ fn read_line(
 ) -> ReadResult<bool> {
     let text = source.bytes();
     let mut cursor = Cursor::window(text, source.line_start(line));
-    let mut head = ReadOptions { mid_line: false, block_skip: false };
-    let mut text_end = false;
+    let (mut mid_line, mut text_end) = (false, false);
     loop {
         let at = cursor.at;
-        let content = dialect::read_block(settings.dialect, &mut cursor, &mut SyntaxOnlyScope, words, head);
+        let (scope, block_skip) = (&mut SyntaxOnlyScope, false);
+        let reader = BlockReader { cursor: &mut cursor, scope, words: &mut *words, mid_line, block_skip };
+        let content = dialect::read_block(settings.dialect, reader);
         if cursor.is_truncated(text) {
             return fail(at, E::BlockTooLong);
         }
@@ -144,6 +145,6 @@ fn read_line(
         if !statement::line_continues(&cursor) || cursor.at <= at {
             return Ok(text_end);
         }
-        head.mid_line = true;
+        mid_line = true;
     }
 }

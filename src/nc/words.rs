@@ -5,7 +5,7 @@ use std::ops::Deref;
 
 use super::expression::{Scope, Value, primary};
 use super::fault::{E, ReadResult, fail, fail1, fail2};
-use super::functions::whole_number;
+use super::functions::whole_u32;
 use super::lexer::Cursor;
 
 /// Most words of a block, without G and M.
@@ -290,13 +290,10 @@ fn push_code<const N: usize>(
         None if kind == ValueKind::AddressOnly => return fail1(at as usize, E::MissingNumber, name),
         // A G or M word from a null variable is skipped like any other word.
         None => return Ok(()),
-        Some(value) => match whole_number(value).map(u32::try_from) {
-            Some(Ok(number)) => number,
-            Some(Err(_)) | None => {
-                let error = if letter == b'G' { E::UnknownG } else { E::UnknownM };
-                return fail1(at as usize, error, format!("{name}{value}"));
-            }
-        },
+        Some(value) => whole_u32(value).map_or_else(
+            || fail1(at as usize, if letter == b'G' { E::UnknownG } else { E::UnknownM }, format!("{name}{value}")),
+            Ok,
+        )?,
     };
     match codes.push(Code { number, at }) {
         true => Ok(()),

@@ -98,6 +98,11 @@ impl BlockCodes {
     }
 }
 
+/// M codes that act after the motion of their block: stops, ends, and what switches off.
+pub(super) const fn acts_after_motion(code: u32) -> bool {
+    matches!(code, 0 | 1 | 2 | 5 | 9 | 30 | 31 | 33 | 65)
+}
+
 /// Refuses a code that the dialect does not have; the error lists the codes that it has.
 #[cold]
 pub(super) fn refuse_unknown<T>(

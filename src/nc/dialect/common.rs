@@ -6,6 +6,7 @@ use std::fmt::Display;
 use super::rules::{BlockContext, FlowAction};
 use crate::nc::fault::{E, ReadResult, ReadStop, fail1, fail2};
 use crate::nc::functions::whole_number;
+use crate::nc::op::Op;
 use crate::nc::words::Word;
 
 /// Greatest coordinate, feed or speed that can be programmed.
@@ -40,10 +41,16 @@ pub(super) fn letter_at(text: &[u8], at: u32) -> char {
 #[inline]
 pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
     let Some(word) = running.words.take(b'F') else { return Ok(()) };
-    if !(MIN_FEED..=MAX_VALUE).contains(&word.value) {
-        return out_of_range(word, "0.001–99999.999");
-    }
-    running.modals.feed = Some(word.value * mm);
+    running.modals.feed = Some(in_range(word, (MIN_FEED, MAX_VALUE), "")? * mm);
+    Ok(())
+}
+
+/// Makes S the modal speed.
+pub(super) fn set_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    let Some(word) = running.words.take(b'S') else { return Ok(()) };
+    let value = in_range(word, (0.0, MAX_VALUE), "")?;
+    running.modals.speed = Some(value);
+    running.ops.push(Op::S { value, mode: running.modals.speed_mode });
     Ok(())
 }
 
@@ -73,6 +80,16 @@ pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> Re
         None => fail1(word.at as usize, E::NotWhole, name.to_string()),
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
         Some(_) => out_of_range_as(name, word, &format!("{low}–{high}")),
+    }
+}
+
+/// The value of a word that must be in a range; `unit` follows the range in the error.
+#[inline]
+pub(super) fn in_range(word: Word, (low, high): (f64, f64), unit: &str) -> ReadResult<f64> {
+    if (low..=high).contains(&word.value) {
+        Ok(word.value)
+    } else {
+        out_of_range(word, &format!("{low}–{high}{unit}"))
     }
 }
 

@@ -16,12 +16,11 @@ use std::sync::Arc;
 use self::rules::DialectRules;
 use super::expression::Scope;
 use super::fault::ReadResult;
-use super::lexer::Cursor;
 use super::modal::ModalState;
+use super::op::{PathMode, SpeedMode};
 use super::settings::{Dialect, NcSettings};
 use super::source::Source;
-use super::statement::{BlockContent, ReadOptions};
-use super::words::BlockWords;
+use super::statement::{BlockContent, BlockReader};
 
 macro_rules! dialects {
     ($($dialect:ident => $rules:ty;)*) => {
@@ -35,12 +34,9 @@ macro_rules! dialects {
         #[inline]
         pub(crate) fn read_block<S: Scope>(
             dialect: Dialect,
-            cursor: &mut Cursor<'_>,
-            scope: &mut S,
-            words: &mut BlockWords,
-            head: ReadOptions,
+            reader: BlockReader<'_, '_, S>,
         ) -> ReadResult<BlockContent> {
-            match dialect { $(Dialect::$dialect => <$rules>::read_block(cursor, scope, words, head),)* }
+            match dialect { $(Dialect::$dialect => <$rules>::read_block(reader),)* }
         }
 
         /// Executes a block of words in the machine's dialect.
@@ -72,7 +68,17 @@ impl ModalState {
     /// The active G codes in display order.
     #[must_use]
     pub fn g_codes(&self, dialect: Dialect) -> [u8; 8] {
-        self.codes_shown(&rules(dialect).modal_codes)
+        let codes = &rules(dialect).modal_codes;
+        [
+            self.motion.g(),
+            self.plane.g(),
+            if codes.distance_is_modal && self.incremental { 91 } else { 90 },
+            if self.per_rev { codes.per_rev } else { codes.per_minute },
+            if self.inch { codes.inch } else { codes.metric },
+            self.work_offset,
+            if self.path_mode == PathMode::ExactStop { codes.exact_stop } else { 64 },
+            if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
+        ]
     }
 }
 

@@ -4,14 +4,13 @@ use crate::nc::contour::ContourCycle;
 use crate::nc::expression::{Scope, Value};
 use crate::nc::fault::ReadResult;
 use crate::nc::flow::{Call, CallLimit, Callee, Flow, ModalCall};
-use crate::nc::lexer::Cursor;
 use crate::nc::modal::{ModalCodes, ModalState};
 use crate::nc::op::Op;
 use crate::nc::scope::LiveScope;
 use crate::nc::settings::NcSettings;
 use crate::nc::source::Source;
 use crate::nc::source_index::{SourceIndex, TextLines};
-use crate::nc::statement::{self, BlockContent, ReadOptions};
+use crate::nc::statement::{self, BlockContent, BlockReader};
 use crate::nc::words::BlockWords;
 
 /// What a dialect needs to execute a block of words.
@@ -119,13 +118,8 @@ pub(crate) trait DialectRules {
 
     /// Reads one block. Afterwards the cursor is at the line end, or after a `;` that another block follows.
     #[inline]
-    fn read_block<S: Scope>(
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent> {
-        statement::read_block(cursor, scope, words, head)
+    fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+        statement::read_block(reader)
     }
 
     /// Executes a block of words.

@@ -3,6 +3,7 @@
 use super::coordinates::{SYNTAX, code_offset, modal_feed, target};
 use super::{MAX_VALUE, cycles, integer, out_of_range};
 use crate::nc::dialect::codes::BlockCodes;
+use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::motion::{self, MoveTarget};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail2};
@@ -82,10 +83,7 @@ pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>) -> ReadR
     let MoveTarget { to, words, .. } = target(running)?;
     let limit = running.words.take(b'S');
     if let Some(word) = limit {
-        if !(0.0..=MAX_VALUE).contains(&word.value) {
-            return out_of_range(word, "0–99999.999");
-        }
-        running.ops.push(Op::SpeedLimit { rpm: word.value });
+        running.ops.push(Op::SpeedLimit { rpm: in_range(word, (0.0, MAX_VALUE), "")? });
     }
     if words.is_empty() {
         return if limit.is_some() { Ok(()) } else { fail2(at, E::MissingWord, "G50", "X / Z / S") };

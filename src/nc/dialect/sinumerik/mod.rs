@@ -12,7 +12,7 @@ mod motion;
 mod read;
 
 use super::codes::{self as shared_codes, BlockCodes};
-use super::common::{self, MAX_VALUE};
+use super::common;
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode;
@@ -20,12 +20,11 @@ use crate::defs::program_number::{self, L_MAX};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, CallLimit, Callee};
-use crate::nc::functions::whole_number;
-use crate::nc::lexer::Cursor;
+use crate::nc::functions::whole_u32;
 use crate::nc::modal::ModalCodes;
 use crate::nc::op::Op;
 use crate::nc::settings::NcSettings;
-use crate::nc::statement::{BlockContent, ReadOptions};
+use crate::nc::statement::{BlockContent, BlockReader};
 use crate::nc::words::{BlockWords, Code, ValueKind, Word};
 
 /// The vertical lathe-grinder.
@@ -56,13 +55,8 @@ impl DialectRules for Sinumerik {
     };
 
     #[inline]
-    fn read_block<S: Scope>(
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent> {
-        read::read_block(cursor, scope, words, head)
+    fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+        read::read_block(reader)
     }
 
     #[inline]
@@ -118,7 +112,7 @@ fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
 fn called_program(words: &BlockWords) -> Option<(u32, usize)> {
     let call = words.peek(b'L')?;
     let never = words.peek(b'P').is_some_and(|word| word.kind != ValueKind::Integer || word.value <= 0.0);
-    let number = whole_number(call.value).and_then(|number| u32::try_from(number).ok())?;
+    let number = whole_u32(call.value)?;
     (!never && number <= L_MAX).then(|| (program_number::from_l(number), call.at as usize))
 }
 
@@ -131,12 +125,8 @@ const RETURN_M_CODE: u32 = 17;
 
 /// Executes what follows the modes and the work offset.
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
-    if plan.one_shot.is_none()
-        && let Some(word) = running.words.take(b'S')
-    {
-        let value = checked_value(word, 0.0)?;
-        running.modals.speed = Some(value);
-        running.ops.push(Op::S { value, mode: running.modals.speed_mode });
+    if plan.one_shot.is_none() {
+        common::set_speed(running)?;
     }
     let flow = execute_m_codes(running, false)?;
     match plan.one_shot {
@@ -173,11 +163,6 @@ fn subprogram(running: &BlockContext<'_, '_>, plan: &BlockCodes, call: Word) -> 
     })
 }
 
-/// Codes that act after the motion of the block.
-const fn acts_after_motion(code: u32) -> bool {
-    matches!(code, 0 | 1 | 2 | 5 | 9 | RETURN_M_CODE | 30 | 31 | 33 | 65)
-}
-
 /// Checks the M codes, adds those that act before (or after) the motion, and returns how the program continues.
 fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResult<FlowAction> {
     let words = running.words;
@@ -194,7 +179,7 @@ fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResul
             2 | RETURN_M_CODE | 30 => FlowAction::End,
             _ => flow,
         };
-        if after == acts_after_motion(code.number) {
+        if after == (code.number == RETURN_M_CODE || shared_codes::acts_after_motion(code.number)) {
             push_m_code(running, *code);
         }
     }
@@ -225,11 +210,6 @@ fn check_m_code(code: Code) -> ReadResult<()> {
 /// The value of a word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
     common::integer(address_name(word), word, low, high)
-}
-
-/// The value of a word, checked from `low` to the greatest programmable value.
-fn checked_value(word: Word, low: f64) -> ReadResult<f64> {
-    if (low..=MAX_VALUE).contains(&word.value) { Ok(word.value) } else { out_of_range(word, "0–99999.999") }
 }
 
 /// The address of a word as written.

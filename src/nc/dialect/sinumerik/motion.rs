@@ -1,9 +1,9 @@
 //! Lines, arcs and dwell. X is a diameter, also under G91. I and K are distances from the start; I is a radius.
 //! Source: spec S1.
 
-use super::{CR_ADDRESS, checked_value, out_of_range};
+use super::{CR_ADDRESS, out_of_range};
 use crate::nc::dialect::codes::BlockCodes;
-use crate::nc::dialect::common::MAX_VALUE;
+use crate::nc::dialect::common::{MAX_VALUE, in_range};
 use crate::nc::dialect::motion::{self, MoveSyntax, MoveTarget, NO_LETTER, radius_mm};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
@@ -53,9 +53,11 @@ pub(super) fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResul
     let s = match (running.words.take(b'F'), running.words.take(b'S')) {
         (Some(_), Some(turns)) => return fail2(turns.at as usize, E::NotTogether, "F", "S"),
         (None, None) => return fail2(code.at as usize, E::MissingWord, "G4", "F / S"),
-        (Some(seconds), None) => checked_value(seconds, 0.0)?,
+        (Some(seconds), None) => in_range(seconds, (0.0, MAX_VALUE), "")?,
         (None, Some(turns)) => match (running.modals.speed, running.modals.speed_mode) {
-            (Some(rpm), SpeedMode::Rpm) if rpm > 0.0 => checked_value(turns, 0.0)? * SECONDS_PER_MINUTE / rpm,
+            (Some(rpm), SpeedMode::Rpm) if rpm > 0.0 => {
+                in_range(turns, (0.0, MAX_VALUE), "")? * SECONDS_PER_MINUTE / rpm
+            }
             // Under constant surface speed the rpm depends on the wheel diameter.
             (Some(_) | None, _) => {
                 let written = format!("G4 S{}", turns.value);

@@ -11,7 +11,7 @@ use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::functions::Comparison;
 use crate::nc::lexer::Cursor;
-use crate::nc::statement::{BlockContent, ReadOptions};
+use crate::nc::statement::{BlockContent, BlockReader};
 use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
 use crate::units::Axis;
 
@@ -22,16 +22,12 @@ const QUOTES: [(&[u8], &[u8]); 3] =
     [(b"\"", b"\""), (&[0xe2, 0x80, 0x9c], &[0xe2, 0x80, 0x9d]), (&[0xa1, 0xb0], &[0xa1, 0xb1])];
 
 /// Reads one line. Afterwards the cursor is at its end.
-pub(in crate::nc::dialect) fn read_block<S: Scope>(
-    cursor: &mut Cursor<'_>,
-    scope: &mut S,
-    words: &mut BlockWords,
-    head: ReadOptions,
-) -> ReadResult<BlockContent> {
+pub(super) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+    let BlockReader { cursor, scope, words, block_skip, .. } = reader;
     words.clear();
     skip_blanks(cursor);
     // `%_N_NAME_MPF` is the header of a file from serial transfer.
-    if cursor.peek() == b'%' || cursor.accept(b'/') && head.block_skip {
+    if cursor.peek() == b'%' || cursor.accept(b'/') && block_skip {
         cursor.skip_rest_of_line();
         return Ok(BlockContent::Empty);
     }

@@ -4,6 +4,7 @@ use super::{MAX_BLOCK_NUMBER, integer, out_of_range};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, MCode};
 use crate::nc::dialect::codes;
+use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::rules::{BlockContext, FlowAction, UnexecutedBlock};
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
@@ -67,11 +68,9 @@ pub(super) fn check_loop(code: Code, words: &BlockWords, block: &UnexecutedBlock
 pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
     let most = running.settings.superman.max_rpm.min(SPEED_RANGE_RPM.1);
-    if !(SPEED_RANGE_RPM.0..=most).contains(&word.value) {
-        return out_of_range(word, &format!("{}–{most} r/min (P64)", SPEED_RANGE_RPM.0));
-    }
-    running.modals.speed = Some(word.value);
-    running.ops.push(Op::S { value: word.value, mode: SpeedMode::Rpm });
+    let value = in_range(word, (SPEED_RANGE_RPM.0, most), " r/min (P64)")?;
+    running.modals.speed = Some(value);
+    running.ops.push(Op::S { value, mode: SpeedMode::Rpm });
     Ok(())
 }
 

@@ -16,11 +16,10 @@ use crate::nc::expression::Scope;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{COUNTED_DEPTH, CallLimit};
 use crate::nc::functions::whole_number;
-use crate::nc::lexer::Cursor;
 use crate::nc::modal::{ModalCodes, MotionMode};
 use crate::nc::settings::NcSettings;
-use crate::nc::statement::{self, BlockContent, ReadOptions};
-use crate::nc::words::{BlockWords, Code, ValueKind, Word};
+use crate::nc::statement::{self, BlockContent, BlockReader};
+use crate::nc::words::{BlockWords, Code, ValueKind, Word, letter_mask};
 
 /// The 超人 lathe.
 pub(super) struct SuperMan;
@@ -51,15 +50,10 @@ impl DialectRules for SuperMan {
     };
 
     #[inline]
-    fn read_block<S: Scope>(
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent> {
-        let content = statement::read_block(cursor, scope, words, head)?;
+    fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+        let content = statement::read_block(BlockReader { cursor: &mut *reader.cursor, ..reader })?;
         // L1: a line is one block. Text after `;` is always a comment.
-        cursor.skip_rest_of_line();
+        reader.cursor.skip_rest_of_line();
         Ok(content)
     }
 
@@ -100,11 +94,7 @@ const MAX_BLOCK_NUMBER: u32 = 9_999;
 const BLOCK_NUMBER_DIGITS: usize = 4;
 
 /// Mask of the address letters X Z U W.
-const AXIS_WORDS: u32 = letter_bit(b'X') | letter_bit(b'Z') | letter_bit(b'U') | letter_bit(b'W');
-
-const fn letter_bit(letter: u8) -> u32 {
-    1 << (letter - b'A')
-}
+const AXIS_WORDS: u32 = letter_mask(b"XZUW");
 
 /// All G codes; others are refused.
 const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39, 80, 92];
@@ -121,11 +111,10 @@ fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResu
         return unknown_word(text, *word);
     }
     let Some(code) = code else { return Ok(()) };
-    let feed = |motion| words.peek(b'F').map_or(Ok(()), |word| motion::check_feed(word, motion));
     match code.number {
-        1 => feed(MotionMode::Feed),
-        2 => feed(MotionMode::ArcClockwise),
-        3 => feed(MotionMode::ArcCounterClockwise),
+        number @ 1..=3 => words
+            .peek(b'F')
+            .map_or(Ok(()), |word| motion::check_feed(word, MotionMode::from_g(number).unwrap_or_default())),
         4 => words.peek(b'F').map_or(Ok(()), motion::check_dwell),
         22 => auxiliary::check_loop(code, words, block),
         92 => motion::check_preset_words(words, code.at as usize),
@@ -232,9 +221,8 @@ fn execute_g_code(running: &mut BlockContext<'_, '_>, code: Option<Code>) -> Rea
 
 /// Executes the modal function with the words of the block; `named`: its G code is in the block.
 fn modal_move(running: &mut BlockContext<'_, '_>, place: usize, named: bool) -> ReadResult<()> {
-    let arc = letter_bit(b'I') | letter_bit(b'K') | letter_bit(b'R');
     let by_arc = matches!(running.modals.motion, MotionMode::ArcClockwise | MotionMode::ArcCounterClockwise)
-        && running.words.has_any(arc);
+        && running.words.has_any(letter_mask(b"IKR"));
     let moves = running.words.has_any(AXIS_WORDS) || by_arc;
     let threads = matches!(running.modals.motion, MotionMode::InchThread | MotionMode::MetricThread);
     if threads {

@@ -1,6 +1,7 @@
 //! Rapids, lines, arcs, the rectangle cycle, dwell, G92 and moves to fixed points. Source: spec L2–L4, L6.
 
 use super::{MAX_COORDINATE_MM, out_of_range};
+use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::motion::{self, MoveTarget, NO_LETTER};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
@@ -66,11 +67,7 @@ const fn feed_range(motion: MotionMode) -> (f64, f64) {
 
 /// Checks a feed against the range of a motion (L2).
 pub(super) fn check_feed(word: Word, motion: MotionMode) -> ReadResult<()> {
-    let (low, high) = feed_range(motion);
-    if (low..=high).contains(&word.value) {
-        return Ok(());
-    }
-    out_of_range(word, &format!("{low}–{high} mm/min"))
+    in_range(word, feed_range(motion), " mm/min").map(drop)
 }
 
 /// F of the block, checked against the range of the active function. The F of G00 is not modal.
@@ -251,10 +248,7 @@ pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> Rea
 
 /// Checks the range of G04 (L2).
 pub(super) fn check_dwell(word: Word) -> ReadResult<()> {
-    if (DWELL_RANGE_S.0..=DWELL_RANGE_S.1).contains(&word.value) {
-        return Ok(());
-    }
-    out_of_range(word, &format!("{}–{} s", DWELL_RANGE_S.0, DWELL_RANGE_S.1))
+    in_range(word, DWELL_RANGE_S, " s").map(drop)
 }
 
 /// G04 F, seconds.
