@@ -20,7 +20,8 @@ use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture
 use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
 use crate::nc::{
-    BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source, WorkOffsets, check_with,
+    BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault, Source,
+    WorkOffsets,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -58,7 +59,7 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
         })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let found = match file_kind(&name) {
-            CheckedFileKind::Program => ProgramCheck::new(shared, call, path, bytes)?.execute()?,
+            CheckedFileKind::Program => FileCheck::new(shared, call, path, bytes)?.execute()?,
             CheckedFileKind::PageText => print_file(shared, path, parse_page_text(&name, &bytes).err()),
             CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err()),
         };
@@ -116,7 +117,7 @@ fn print_errors(shared: &SharedArgs, file: &str, wrong: &[CheckError], verdict: 
 }
 
 /// A program under check, with what it is checked against.
-struct ProgramCheck<'a> {
+struct FileCheck<'a> {
     shared: &'a SharedArgs,
     call: &'a CheckArgs,
     path: &'a Path,
@@ -135,7 +136,7 @@ struct CheckOutcome {
     move_errors: Vec<CheckError>,
 }
 
-impl<'a> ProgramCheck<'a> {
+impl<'a> FileCheck<'a> {
     fn new(shared: &'a SharedArgs, call: &'a CheckArgs, path: &'a Path, bytes: Vec<u8>) -> Result<Self, CallError> {
         let number = number_of_file(path);
         let retained = setup::check_retained(shared)?;
@@ -241,13 +242,13 @@ impl<'a> ProgramCheck<'a> {
         });
         let mut foresight = InterlockCheck::new(self.shared.kind, &retained.params);
         // An endless loop is shown once, up to its repetition. A first run without output finds that position.
-        let mut repeated = Vec::new();
-        if self.call.ops {
-            let first = check_with(source, library, settings, memory.clone(), &mut world.clone(), &mut |_| {});
-            repeated = first.repeated_blocks;
-        }
+        let checking = || ProgramCheck::new(source, library, settings, memory.clone());
+        let repeated = match self.call.ops {
+            true => checking().run(&mut world.clone(), &mut |_| {}).repeated_blocks,
+            false => Vec::new(),
+        };
         let mut shown = 0;
-        let checked = check_with(source, library, settings, memory, &mut world, &mut |block| {
+        let checked = checking().run(&mut world, &mut |block| {
             if let Some(rehearsal) = &mut rehearsal {
                 rehearsal.check_block(block, &|at| self.block_text(at).1);
             }

@@ -8,7 +8,7 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::io::sim::{BarFile, Body, BodyFile, PartFile, SlidePosition};
 use crate::nc::{
-    CommonVariables, CoordinateChange, EmptyLibrary, Library, OfflineMachine, OpEffect, Source, check_with,
+    CommonVariables, CoordinateChange, EmptyLibrary, Library, OfflineMachine, OpEffect, ProgramCheck, Source,
 };
 use crate::units::Axis;
 
@@ -38,7 +38,7 @@ pub fn bar_of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Opti
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let (mut start, mut moved) = (None, false);
     let mut world = OfflineMachine::new(&settings);
-    check_with(source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
+    ProgramCheck::new(source, &library, &settings, CommonVariables::default()).run(&mut world, &mut |block| {
         for op in &block.ops {
             let effect = op.effect();
             if let (OpEffect::Coordinates(CoordinateChange::Set(values)), false, None) = (effect, moved, start) {

@@ -13,7 +13,7 @@ use crate::io::sim::{InterferenceCheck, MachineFile};
 use crate::link::files::FileAnswer;
 use crate::link::line_fault::LineFault;
 use crate::link::toolpath::{MAX_POINTS, MoveKind, PathPoint, Toolpath};
-use crate::nc::{CoordinateChange, ExternalState, Library, MotionSegment, OfflineMachine, Op, OpEffect, check_until};
+use crate::nc::{CoordinateChange, ExternalState, Library, MotionSegment, OfflineMachine, Op, OpEffect, ProgramCheck};
 use crate::units::WorkPos;
 
 /// Text shown with the progress.
@@ -45,8 +45,8 @@ pub fn compute_toolpath(
     let (dialect, interferences) = (job.settings.dialect, Vec::new());
     let mut pen = ToolpathRecorder { world: world.clone(), dialect, path, interference_check, interferences };
     let (lines, mut blocks, mut furthest) = (program.source.line_count().max(1), 0_u64, 0);
-    let memory = start.memory.clone();
-    let checked = check_until(&program.source, &library, &job.settings, memory, &mut world, &mut |block| {
+    let checking = ProgramCheck::new(&program.source, &library, &job.settings, start.memory.clone());
+    let checked = checking.run_until(&mut world, &mut |block| {
         let line = if block.location.program == program.number { block.location.line } else { 0 };
         block.ops.iter().for_each(|op| pen.record(op, line));
         blocks += 1;

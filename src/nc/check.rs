@@ -6,12 +6,11 @@ use std::sync::Arc;
 
 use super::common_variables::CommonVariables;
 use super::external_state::{OfflineMachine, RunTotals};
-use super::fault::{BlockLocation, ErrorAt, ProgramFault};
+use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
 use super::interpreter::{Block, Interpreter};
 use super::settings::NcSettings;
-use super::source::{Library, Source};
+use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
-use crate::defs::program_error::ProgramError as E;
 use crate::units::WorkPos;
 
 /// Most mistakes, and most warnings, that are collected.
@@ -46,37 +45,9 @@ pub struct CheckReport {
 
 /// Checks a program from a cold start.
 #[must_use]
-pub fn check(source: &Arc<Source>, library: &Arc<dyn Library + Send + Sync>, settings: &NcSettings) -> CheckReport {
-    check_with(source, library, settings, CommonVariables::default(), &mut OfflineMachine::new(settings), &mut |_| {})
-}
-
-/// Checks a program with the given variables and world; passes every block to `sink`.
-pub fn check_with(
-    source: &Arc<Source>,
-    library: &Arc<dyn Library + Send + Sync>,
-    settings: &NcSettings,
-    memory: CommonVariables,
-    world: &mut OfflineMachine,
-    sink: &mut dyn FnMut(&Block),
-) -> CheckReport {
-    check_until(source, library, settings, memory, world, &mut |block| {
-        sink(block);
-        true
-    })
-}
-
-/// As [`check_with`], until `sink` returns false; the check is then not finished.
-pub fn check_until(
-    source: &Arc<Source>,
-    library: &Arc<dyn Library + Send + Sync>,
-    settings: &NcSettings,
-    memory: CommonVariables,
-    world: &mut OfflineMachine,
-    sink: &mut dyn FnMut(&Block) -> bool,
-) -> CheckReport {
-    let mut checking = ProgramCheck::new(source, library, settings, memory);
-    while checking.advance(world, sink, u32::MAX) {}
-    checking.into_report(world)
+pub fn check(source: &Arc<Source>, library: &SharedLibrary, settings: &NcSettings) -> CheckReport {
+    let mut world = OfflineMachine::new(settings);
+    ProgramCheck::new(source, library, settings, CommonVariables::default()).run(&mut world, &mut |_| {})
 }
 
 /// Checks only the syntax of some lines, without the rest of the program: jump targets are not checked.
@@ -97,7 +68,7 @@ pub fn check_syntax(source: &Arc<Source>, settings: &NcSettings) -> Vec<ProgramF
 }
 
 /// The state of a run when it began to repeat lines; restored if the repetition turns out to be endless.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct LoopCheckpoint {
     /// No new line was reached since.
     repeating: bool,
@@ -140,17 +111,11 @@ pub struct ProgramCheck {
 impl ProgramCheck {
     /// Starts at the head of a program.
     #[must_use]
-    pub fn new(
-        source: &Arc<Source>,
-        library: &Arc<dyn Library + Send + Sync>,
-        settings: &NcSettings,
-        memory: CommonVariables,
-    ) -> Self {
+    pub fn new(source: &Arc<Source>, library: &SharedLibrary, settings: &NcSettings, memory: CommonVariables) -> Self {
         let mut interpreter =
             Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory.clone());
         interpreter.null_uses = Some(Vec::new());
         interpreter.warnings = Some(Vec::new());
-        let come = RunTotals::default();
         Self {
             source: Arc::clone(source),
             settings: settings.clone(),
@@ -160,15 +125,7 @@ impl ProgramCheck {
             unread: UnexecutedLines::new(source.line_count()),
             run_over: false,
             reported: HashSet::new(),
-            checkpoint: LoopCheckpoint {
-                repeating: false,
-                totals: come,
-                variables: memory,
-                shown_blocks: 0,
-                faults: 0,
-                line: 0,
-                jump_back_line: None,
-            },
+            checkpoint: LoopCheckpoint { variables: memory, ..LoopCheckpoint::default() },
             standstill: 0,
             standstill_limit: STANDSTILL_LIMIT,
             left_loops: 0,
@@ -183,6 +140,20 @@ impl ProgramCheck {
     pub const fn with_standstill_limit(mut self, blocks: u32) -> Self {
         (self.standstill_limit, self.max_left_loops) = (blocks, 0);
         self
+    }
+
+    /// Runs to the end; passes every block to `sink`.
+    pub fn run(self, world: &mut OfflineMachine, sink: &mut dyn FnMut(&Block)) -> CheckReport {
+        self.run_until(world, &mut |block| {
+            sink(block);
+            true
+        })
+    }
+
+    /// As [`Self::run`], until `sink` returns false; the check is then not finished.
+    pub fn run_until(mut self, world: &mut OfflineMachine, sink: &mut dyn FnMut(&Block) -> bool) -> CheckReport {
+        while self.advance(world, sink, u32::MAX) {}
+        self.into_report(world)
     }
 
     /// The mistakes so far, in the order found.
@@ -217,21 +188,22 @@ impl ProgramCheck {
             return more;
         }
         for _ in 0..most {
-            if self.interpreter.has_ended() {
+            if self.interpreter.ended {
                 return self.finish_run(true);
             }
             let main = self.mark_line(world);
             if self.standstill > self.standstill_limit {
                 self.report_endless_loop(world);
-                if self.left_loops > self.max_left_loops || !self.interpreter.leave_loop() {
+                if self.left_loops > self.max_left_loops || !self.interpreter.flow.leave_loops() {
                     return self.finish_run(false);
                 }
                 self.standstill = 0;
                 continue;
             }
-            match self.interpreter.read_one(world, &mut self.block) {
+            let read = self.interpreter.read_one(world, &mut self.block);
+            self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
+            match read {
                 Ok(more) => {
-                    self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
                     if !self.block.ops.is_empty() {
                         self.shown_blocks += 1;
                         self.block.ops.iter().for_each(|op| world.apply(op));
@@ -242,12 +214,11 @@ impl ProgramCheck {
                     if let (false, Some(line)) = (more, main) {
                         self.unread.text_end = Some(line);
                     }
-                    if !more || self.interpreter.has_restarted() {
+                    if !more || self.interpreter.flow.restarted {
                         return self.finish_run(true);
                     }
                 }
                 Err(fault) => {
-                    self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
                     let error = fault.error;
                     self.classify(fault);
                     self.interpreter.skip_faulty_block(error);
@@ -263,9 +234,9 @@ impl ProgramCheck {
     /// Marks the line that is read next; returns its number (from 0) if it belongs to the main program.
     #[inline]
     fn mark_line(&mut self, world: &OfflineMachine) -> Option<u32> {
-        let (source, line) = self.interpreter.next_line();
-        let main = Arc::ptr_eq(source, &self.source);
-        let new = main && self.unread.visited.mark(line);
+        let line = self.interpreter.flow.place.line;
+        let main = Arc::ptr_eq(&self.interpreter.flow.source, &self.source);
+        let new = main && self.unread.mark(line);
         self.standstill = if new { 0 } else { self.standstill + 1 };
         let progress = &mut self.checkpoint;
         if new {
@@ -288,21 +259,17 @@ impl ProgramCheck {
     /// Reports an endless loop at the line that jumps back. Its repetitions do not count: path length, variables and
     /// position are restored to the start of the repetition.
     fn report_endless_loop(&mut self, world: &mut OfflineMachine) {
-        let (place, title) = match self.checkpoint.jump_back_line {
-            Some(line) => {
-                (BlockLocation { program: self.source.number(), line: line + 1, n: None }, self.source.title_arg())
-            }
-            None => (self.interpreter.next_location(), self.interpreter.next_line().0.title_arg()),
+        let flow = &self.interpreter.flow;
+        let (source, line) = match self.checkpoint.jump_back_line {
+            Some(line) => (&self.source, line),
+            None => (&flow.source, flow.place.line),
         };
-        self.add_warning(ProgramFault::new(
-            title,
-            place,
-            1,
-            ErrorAt { at: 0, error: E::EndlessLoop, details: Default::default() },
-        ));
+        let place = BlockLocation { program: source.number(), line: line + 1, n: None };
+        let wrong = ErrorAt { at: 0, error: E::EndlessLoop, details: Default::default() };
+        self.add_warning(ProgramFault::new(source.title(), place, 1, wrong));
         let LoopCheckpoint { totals: come, variables: memory, shown_blocks: shown, faults, .. } = &self.checkpoint;
         world.restore_totals(*come);
-        self.interpreter.restore_variables(memory.clone());
+        self.interpreter.common_variables = memory.clone();
         if *shown < self.shown_blocks {
             self.report.repeated_blocks.push(*shown..self.shown_blocks);
         }

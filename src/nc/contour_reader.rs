@@ -2,10 +2,9 @@
 
 use super::contour::{ContourCycle, CycleKind, contour_move, expand};
 use super::external_state::{ExternalState, LiveValue};
-use super::fault::{ReadResult, fail, fail1};
+use super::fault::{E, ReadResult, fail, fail1};
 use super::interpreter::{Block, Interpreter, PendingCycle, StepStatus};
 use super::op::Op;
-use crate::defs::program_error::ProgramError as E;
 use crate::units::WorkPos;
 
 /// Most blocks of a contour.
@@ -43,7 +42,7 @@ impl Interpreter {
         let (flow, modals, last_n, n) =
             (self.flow.clone(), self.modals, self.last_block_number, self.block_words.block_number);
         let read = self.read_contour(cycle, world, start);
-        let end_line = self.flow.line;
+        let end_line = self.flow.place.line;
         self.flow = flow;
         (self.modals, self.last_block_number, self.block_words.block_number, self.second_half) =
             (modals, last_n, n, false);
@@ -51,13 +50,13 @@ impl Interpreter {
             Ok(ops) => ops,
             Err(stop) => {
                 // The flow goes back to the block: it is read again, or its mistake is reported.
-                (self.flow.at, self.flow.line, self.flow.mid_line) = *begin;
+                self.flow.place = *begin;
                 return Err(stop);
             }
         };
         block.ops.extend(ops);
         block.modals = self.modals;
-        if !matches!(cycle.kind, CycleKind::Finish) && end_line > self.flow.line {
+        if !matches!(cycle.kind, CycleKind::Finish) && end_line > self.flow.place.line {
             self.flow.go_to_line(end_line);
         }
         Ok(StepStatus::Block)
@@ -70,15 +69,15 @@ impl Interpreter {
         world: &mut dyn ExternalState,
         start: WorkPos,
     ) -> ReadResult<Vec<Op>> {
-        if self.flow.source.find_block(cycle.last_block, self.flow.at).is_none() {
-            return fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block));
+        if self.flow.source.find_block(cycle.last_block, self.flow.place.at).is_none() {
+            return fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block));
         }
         self.flow.go_to_block(cycle.first_block, cycle.at)?;
         let mut ahead = ContourReadState { inner: world, position: start };
         let (mut inner, mut ops) = (Block::new(&self.settings), Vec::new());
         for _ in 0..MAX_CONTOUR_BLOCKS {
             inner.clear();
-            let at = self.flow.at;
+            let at = self.flow.place.at;
             match self.read_block(&mut ahead, &mut inner)? {
                 StepStatus::End => break,
                 StepStatus::Empty | StepStatus::Block => {}

@@ -1,16 +1,13 @@
 //! Expressions, evaluated while they are read, without a syntax tree. Null is `None` and counts as 0 in arithmetic.
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
-use super::fault::{ReadResult, fail, fail1, fail2};
-use super::functions::FUNCTIONS;
+use super::fault::{E, ReadResult, fail, fail1, fail2};
+use super::functions::{Comparison, FUNCTIONS, whole_number, whole_u32};
 use super::lexer::Cursor;
-use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
 /// Deepest nesting of brackets, signs and indices.
 const MAX_DEPTH: usize = 32;
-/// Largest whole number of the bit functions: 2^53.
-const MAX_WHOLE_NUMBER: f64 = 9_007_199_254_740_992.0;
 
 /// A value; `None` is null.
 pub(crate) type Value = Option<f64>;
@@ -36,23 +33,6 @@ pub(crate) trait Scope {
     fn null_used(&mut self, at: usize);
 }
 
-/// EQ as specified: within 1e-9 of the larger. DECISION: 1e-12 always counts as equal, so that 0.1+0.2-0.3 EQ 0.
-#[must_use]
-pub(crate) fn equal(a: f64, b: f64) -> bool {
-    (a - b).abs() <= (1e-9 * a.abs().max(b.abs())).max(1e-12)
-}
-
-/// The whole number that the value equals within 1e-9 (relative, absolute below 1), if any.
-#[must_use]
-#[inline]
-pub(crate) fn whole_number(value: f64) -> Option<i64> {
-    // A cast truncates towards zero and saturates. NaN fails the comparison.
-    let near = (value + 0.5_f64.copysign(value)) as i64;
-    let limit = MAX_WHOLE_NUMBER as i64;
-    let off = (value - near as f64).abs();
-    (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
-}
-
 /// Evaluates the expression at the cursor, comparisons included.
 pub(crate) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<Value> {
     ExpressionParser { cursor, scope, depth: 0 }.comparison()
@@ -68,20 +48,50 @@ pub(crate) fn variable_number<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) 
     ExpressionParser { cursor, scope, depth: 0 }.variable_number()
 }
 
+/// A result that a number can hold.
+#[inline]
+pub(crate) fn finite<S: Scope>(value: f64, at: usize) -> ReadResult<f64> {
+    if value.is_finite() || !S::HAS_VALUES { Ok(value) } else { fail(at, E::Overflow) }
+}
+
+/// The result of a function; `None`: the argument is outside its domain.
+pub(crate) fn function_value<S: Scope>(value: Option<f64>, name: &str, argument: f64, at: usize) -> ReadResult<f64> {
+    match value {
+        Some(value) => finite::<S>(value, at),
+        None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument.to_string()),
+        None => Ok(0.0),
+    }
+}
+
+/// Enters a bracket or an index.
+pub(crate) fn enter(depth: &mut usize, at: usize) -> ReadResult<()> {
+    *depth += 1;
+    if *depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
+}
+
+/// Skips signs and blanks; returns whether the signs make a value negative.
+#[inline]
+pub(crate) fn signs(
+    cursor: &mut Cursor<'_>,
+    skip_blanks: impl Fn(&mut Cursor<'_>) -> ReadResult<()>,
+) -> ReadResult<bool> {
+    let mut negative = false;
+    for _ in 0..MAX_DEPTH {
+        skip_blanks(cursor)?;
+        match cursor.peek() {
+            b'-' => negative = !negative,
+            b'+' => {}
+            _ => return Ok(negative),
+        }
+        cursor.at += 1;
+    }
+    fail(cursor.at, E::TooComplex)
+}
+
 struct ExpressionParser<'r, 'a, S> {
     cursor: &'r mut Cursor<'a>,
     scope: &'r mut S,
     depth: usize,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Comparison {
-    Eq,
-    Ne,
-    Gt,
-    Ge,
-    Lt,
-    Le,
 }
 
 #[derive(Clone, Copy)]
@@ -132,40 +142,29 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         WORDS.into_iter().find(|(word, _)| self.cursor.accept_keyword(word)).map(|(_, compare)| compare)
     }
 
-    fn sum(&mut self) -> ReadResult<Value> {
-        let mut left = self.product()?;
+    /// Operators of one precedence, from the left: `TIGHT` are `* / MOD AND`, the others `+ − OR XOR`.
+    fn chain<const TIGHT: bool>(&mut self) -> ReadResult<Value> {
+        let mut left = self.operand_of::<TIGHT>()?;
         loop {
             self.cursor.skip_blanks()?;
             let at = self.cursor.at;
-            let operator = match self.cursor.peek() {
-                b'+' => Operator::Add,
-                b'-' => Operator::Subtract,
-                b'O' | b'o' if self.cursor.accept_keyword("OR") => Operator::Or,
-                b'X' | b'x' if self.cursor.accept_keyword("XOR") => Operator::Xor,
+            let operator = match (TIGHT, self.cursor.peek()) {
+                (false, b'+') => Operator::Add,
+                (false, b'-') => Operator::Subtract,
+                (false, b'O' | b'o') if self.cursor.accept_keyword("OR") => Operator::Or,
+                (false, b'X' | b'x') if self.cursor.accept_keyword("XOR") => Operator::Xor,
+                (true, b'*') => Operator::Multiply,
+                (true, b'/') => Operator::Divide,
+                (true, b'M' | b'm') if self.cursor.accept_keyword("MOD") => Operator::Modulo,
+                (true, b'A' | b'a') if self.cursor.accept_keyword("AND") => Operator::And,
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
-            let right = self.product()?;
-            left = self.apply(operator, left, right, at)?;
-        }
-    }
-
-    fn product(&mut self) -> ReadResult<Value> {
-        let mut left = self.sign()?;
-        loop {
-            self.cursor.skip_blanks()?;
-            let at = self.cursor.at;
-            let operator = match self.cursor.peek() {
-                b'*' => Operator::Multiply,
-                b'/' => Operator::Divide,
-                b'M' | b'm' if self.cursor.accept_keyword("MOD") => Operator::Modulo,
-                b'A' | b'a' if self.cursor.accept_keyword("AND") => Operator::And,
-                _ => return Ok(left),
+            let literal = TIGHT && {
+                self.cursor.skip_blanks()?;
+                self.cursor.at_number()
             };
-            self.cursor.at += usize::from(self.cursor.at == at);
-            self.cursor.skip_blanks()?;
-            let literal = self.cursor.at_number();
-            let right = self.sign()?;
+            let right = self.operand_of::<TIGHT>()?;
             let zero = right.is_some_and(|right| right.abs() <= 0.0);
             if literal && zero && S::HAS_VALUES && matches!(operator, Operator::Divide | Operator::Modulo) {
                 // The detail shows the check that no null variable is the cause.
@@ -175,25 +174,19 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         }
     }
 
-    /// A sign has lower precedence than `**`: `-2**2` is −4.
-    fn sign(&mut self) -> ReadResult<Value> {
-        let negative = self.signs()?;
-        let value = self.power()?;
-        Ok(if negative { value.map(|value| -value) } else { value })
+    fn operand_of<const TIGHT: bool>(&mut self) -> ReadResult<Value> {
+        if TIGHT { self.sign() } else { self.chain::<true>() }
     }
 
-    fn signs(&mut self) -> ReadResult<bool> {
-        let mut negative = false;
-        for _ in 0..MAX_DEPTH {
-            self.cursor.skip_blanks()?;
-            match self.cursor.peek() {
-                b'-' => negative = !negative,
-                b'+' => {}
-                _ => return Ok(negative),
-            }
-            self.cursor.at += 1;
-        }
-        fail(self.cursor.at, E::TooComplex)
+    fn sum(&mut self) -> ReadResult<Value> {
+        self.chain::<false>()
+    }
+
+    /// A sign has lower precedence than `**`: `-2**2` is −4.
+    fn sign(&mut self) -> ReadResult<Value> {
+        let negative = signs(self.cursor, |cursor| cursor.skip_blanks())?;
+        let value = self.power()?;
+        Ok(if negative { value.map(|value| -value) } else { value })
     }
 
     fn power(&mut self) -> ReadResult<Value> {
@@ -205,7 +198,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
                 return Ok(left);
             }
             self.cursor.at += 2;
-            let negative = self.signs()?;
+            let negative = signs(self.cursor, |cursor| cursor.skip_blanks())?;
             let right = self.factor()?;
             let (base, exponent) = (self.operand(left, at), self.operand(right, at));
             let exponent = if negative { -exponent } else { exponent };
@@ -213,7 +206,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             if power.is_nan() && S::HAS_VALUES {
                 return fail2(at, E::FunctionDomain, "**", format_args!("{base}, {exponent}"));
             }
-            left = self.check_finite(power, at)?;
+            left = Some(finite::<S>(power, at)?);
         }
     }
 
@@ -236,7 +229,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         if !self.cursor.accept(b'[') {
             return self.cursor.unexpected();
         }
-        self.enter_bracket(open)?;
+        enter(&mut self.depth, open)?;
         let value = self.comparison()?;
         self.depth -= 1;
         self.cursor.skip_blanks()?;
@@ -247,11 +240,6 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             return fail(open, E::UnbalancedBracket);
         }
         self.cursor.unexpected()
-    }
-
-    fn enter_bracket(&mut self, at: usize) -> ReadResult<()> {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
     }
 
     fn variable_number(&mut self) -> ReadResult<u32> {
@@ -268,7 +256,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             }
             b'[' => self.bracket()?,
             b'#' => {
-                self.enter_bracket(at)?;
+                enter(&mut self.depth, at)?;
                 let inner = self.factor()?;
                 self.depth -= 1;
                 inner
@@ -280,10 +268,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             return Ok(0);
         }
         let value = self.operand(value, at);
-        match whole_number(value).map(u32::try_from) {
-            Some(Ok(number)) => Ok(number),
-            Some(Err(_)) | None => fail1(at, E::BadVariable, format_args!("#{value}")),
-        }
+        whole_u32(value).map_or_else(|| fail1(at, E::BadVariable, format!("#{value}")), Ok)
     }
 
     fn operand(&mut self, value: Value, at: usize) -> f64 {
@@ -291,10 +276,6 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             self.scope.null_used(at);
             0.0
         })
-    }
-
-    fn check_finite(&self, value: f64, at: usize) -> ReadResult<Value> {
-        if value.is_finite() || !S::HAS_VALUES { Ok(Some(value)) } else { fail(at, E::Overflow) }
     }
 
     fn apply(&mut self, operator: Operator, left: Value, right: Value, at: usize) -> ReadResult<Value> {
@@ -312,7 +293,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             Operator::Or => self.bitwise(a, b, at, |a, b| a | b)?,
             Operator::Xor => self.bitwise(a, b, at, |a, b| a ^ b)?,
         };
-        self.check_finite(value, at)
+        finite::<S>(value, at).map(Some)
     }
 
     fn bitwise(&self, a: f64, b: f64, at: usize, act: fn(i64, i64) -> i64) -> ReadResult<f64> {
@@ -340,11 +321,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         } else {
             act(argument)
         };
-        match value {
-            Some(value) => self.check_finite(value, at),
-            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, format_args!("{argument}")),
-            None => Ok(Some(0.0)),
-        }
+        function_value::<S>(value, name, argument, at).map(Some)
     }
 
     /// Whether `[` follows the slash, as in `ATAN[a]/[b]`; `ATAN[a]/2` is a division.
@@ -357,40 +334,9 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
 
 fn comparison_holds(compare: Comparison, left: Value, right: Value) -> bool {
     // DECISION: for EQ and NE null equals only null, as in the KT-820 family; in order comparisons it is 0.
-    let equals = match (left, right) {
-        (Some(a), Some(b)) => equal(a, b),
-        (None, None) => true,
-        (Some(_), None) | (None, Some(_)) if matches!(compare, Comparison::Eq | Comparison::Ne) => false,
-        (a, b) => equal(a.unwrap_or(0.0), b.unwrap_or(0.0)),
-    };
-    let (a, b) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
-    match compare {
-        Comparison::Eq => equals,
-        Comparison::Ne => !equals,
-        Comparison::Gt => a > b && !equals,
-        Comparison::Ge => a > b || equals,
-        Comparison::Lt => a < b && !equals,
-        Comparison::Le => a < b || equals,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn b3_eq_is_within_a_billionth_of_the_larger() {
-        assert!(equal(0.1 + 0.2, 0.3) && equal(0.1 + 0.2 - 0.3, 0.0) && equal(1e6, 1e6 + 5e-4));
-        assert!(!equal(1e6, 1e6 + 5e-3) && !equal(0.001, 0.001_000_01) && !equal(0.0, 1e-9));
-    }
-
-    #[test]
-    fn b3_whole_numbers_are_recognised_through_rounding() {
-        for (value, found) in [(2.0, Some(2)), (-2.0, Some(-2)), (2.0 - 1e-12, Some(2)), (-0.0, Some(0)), (2.5, None)] {
-            assert_eq!(whole_number(value), found, "{value}");
-        }
-        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.5, -0.5, 1e-3] {
-            assert_eq!(whole_number(value), None, "{value}");
-        }
+    match (left, right, compare) {
+        (Some(_), None, Comparison::Eq) | (None, Some(_), Comparison::Eq) => false,
+        (Some(_), None, Comparison::Ne) | (None, Some(_), Comparison::Ne) => true,
+        _ => compare.holds(left.unwrap_or(0.0), right.unwrap_or(0.0)),
     }
 }

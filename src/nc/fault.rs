@@ -2,9 +2,8 @@
 
 use std::fmt;
 
-use super::source::Source;
 use crate::defs::gcode::GCode;
-use crate::defs::program_error::ProgramError;
+pub(crate) use crate::defs::program_error::ProgramError as E;
 use crate::defs::text::{Lang, LocalizedText, Template};
 use crate::defs::text_arg::Arg;
 
@@ -27,7 +26,7 @@ pub struct ProgramFault {
     /// The column, from 1, counted in characters.
     pub column: u32,
     /// The row of the error table.
-    pub error: ProgramError,
+    pub error: E,
     details: [Arg; 2],
     /// The displayed name of the program.
     program_title: Arg,
@@ -98,7 +97,7 @@ impl ProgramFault {
     fn cause_details(&self) -> [Arg; 2] {
         let [first, second] = self.details.clone();
         match (self.error, first.as_name().get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
-            (ProgramError::UnavailableG | ProgramError::WrongKindG, Some(row)) => [first, Arg::Text(&row.text)],
+            (E::UnavailableG | E::WrongKindG, Some(row)) => [first, Arg::Text(&row.text)],
             _ => [first, second],
         }
     }
@@ -114,7 +113,7 @@ impl fmt::Display for ProgramFault {
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorAt {
     pub at: usize,
-    pub error: ProgramError,
+    pub error: E,
     pub details: [Arg; 2],
 }
 
@@ -123,49 +122,26 @@ pub(crate) struct ErrorAt {
 pub(crate) enum ReadStop {
     /// A live value is needed: all motion must be done first.
     Drain,
-    /// The text has a mistake.
-    Error(ErrorAt),
+    /// The text has a mistake; boxed to keep the success path small.
+    Error(Box<ErrorAt>),
 }
 
-/// The error is boxed to keep the success path small.
-pub(crate) type ReadResult<T> = Result<T, Box<ReadStop>>;
+/// The result of reading a part of a block.
+pub(crate) type ReadResult<T> = Result<T, ReadStop>;
 
 #[cold]
-pub(crate) fn fail<T>(at: usize, error: ProgramError) -> ReadResult<T> {
+pub(crate) fn fail<T>(at: usize, error: E) -> ReadResult<T> {
     fail2(at, error, Arg::None, Arg::None)
 }
 
 #[cold]
-pub(crate) fn fail1<T>(at: usize, error: ProgramError, detail: impl Into<Arg>) -> ReadResult<T> {
+pub(crate) fn fail1<T>(at: usize, error: E, detail: impl Into<Arg>) -> ReadResult<T> {
     fail2(at, error, detail, Arg::None)
 }
 
 #[cold]
-pub(crate) fn fail2<T>(
-    at: usize,
-    error: ProgramError,
-    detail: impl Into<Arg>,
-    second: impl Into<Arg>,
-) -> ReadResult<T> {
-    Err(Box::new(ReadStop::Error(ErrorAt { at, error, details: [detail.into(), second.into()] })))
-}
-
-/// Determines line and column of a mistake.
-pub(crate) fn locate_error(source: &Source, n: Option<u32>, mut wrong: ErrorAt) -> ProgramFault {
-    if wrong.error == ProgramError::NonAsciiCharacter
-        && wrong.details[1].is_empty()
-        && let Some((character, instead)) = source.foreign_character(wrong.at)
-    {
-        if character == char::REPLACEMENT_CHARACTER {
-            wrong.error = ProgramError::BadEncoding;
-            let byte = source.bytes().get(wrong.at);
-            wrong.details = [byte.map_or(Arg::None, |byte| format!("0x{byte:02X}").into()), instead.into()];
-        } else {
-            wrong.details = [character.into(), instead.into()];
-        }
-    }
-    let (place, column) = source.locate(wrong.at, n);
-    ProgramFault::new(source.title_arg(), place, column, wrong)
+pub(crate) fn fail2<T>(at: usize, error: E, detail: impl Into<Arg>, second: impl Into<Arg>) -> ReadResult<T> {
+    Err(ReadStop::Error(Box::new(ErrorAt { at, error, details: [detail.into(), second.into()] })))
 }
 
 #[cfg(test)]
@@ -174,7 +150,7 @@ mod tests {
 
     #[test]
     fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
-        let wrong = ErrorAt { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), Arg::None] };
+        let wrong = ErrorAt { at: 0, error: E::UnknownWord, details: ["Q9".into(), Arg::None] };
         let fault = ProgramFault::new("O1001", BlockLocation { program: 1001, line: 7, n: None }, 12, wrong);
         assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
         assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));

@@ -1,13 +1,11 @@
 //! The position in the program: jumps, loops, calls and returns. Source: spec B3.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::expression::Value;
-use super::fault::{ReadResult, fail1, fail2};
+use super::fault::{E, ReadResult, fail1, fail2};
 use super::source::Source;
 use super::source_index::{LOOP_DEPTH, LoopEnd};
-use crate::defs::program_error::ProgramError as E;
 
 /// Deepest nesting of counted loops (G22) and of subprograms in the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
@@ -61,13 +59,22 @@ struct OpenCountedLoop {
     repeats_left: u32,
 }
 
+/// A place in a text.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Place {
+    /// The next byte to read.
+    pub at: usize,
+    /// Its line, from 0.
+    pub line: u32,
+    /// A block of this line was already read.
+    pub mid_line: bool,
+}
+
 /// A call frame: the position to return to, and the state of the caller.
 #[derive(Clone, Debug)]
 struct CallFrame {
     source: Arc<Source>,
-    at: usize,
-    line: u32,
-    mid_line: bool,
+    place: Place,
     loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
     repeats_left: u32,
@@ -83,12 +90,7 @@ struct CallFrame {
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
     pub source: Arc<Source>,
-    /// The next byte to read.
-    pub at: usize,
-    /// Its line, from 0.
-    pub line: u32,
-    /// A block of this line was already read.
-    pub mid_line: bool,
+    pub place: Place,
     /// M99 restarted the main program.
     pub restarted: bool,
     /// The active G66 call.
@@ -105,10 +107,8 @@ pub(crate) struct Flow {
 impl Flow {
     pub fn new(source: Arc<Source>) -> Self {
         Self {
-            at: source.line_start(0),
+            place: Place { at: source.line_start(0), ..Place::default() },
             source,
-            line: 0,
-            mid_line: false,
             restarted: false,
             modal_call: None,
             loops: [OpenLoop::default(); LOOP_DEPTH],
@@ -147,41 +147,28 @@ impl Flow {
 
     /// Enters the counted loop of a faulty G22 for one pass, so that a check can read on.
     pub fn enter_faulty_loop(&mut self) {
-        if let Some(found) = self.source.counted_loop_at(self.line)
+        if let Some(found) = self.source.counted_loop_at(self.place.line)
             && let Some(end_line) = found.end_line
         {
             self.counted_loops.push(OpenCountedLoop { line: found.line, end_line, repeats_left: 0 });
         }
     }
 
-    /// Saves the position of the next block.
-    pub const fn save_position(&self) -> (usize, u32, bool) {
-        (self.at, self.line, self.mid_line)
-    }
-
-    /// Restores a saved position.
-    pub const fn restore_position(&mut self, place: (usize, u32, bool)) {
-        (self.at, self.line, self.mid_line) = place;
-    }
-
     /// Goes to a line (from 0).
     pub fn go_to_line(&mut self, line: u32) {
-        self.line = line;
-        self.at = self.source.line_start(line);
-        self.mid_line = false;
+        self.place = Place { at: self.source.line_start(line), line, mid_line: false };
     }
 
     /// Goes to the block that begins at a byte.
     pub fn go_to(&mut self, at: usize) {
-        self.line = self.source.line_of(at);
-        self.at = at;
-        self.mid_line = at != self.source.line_start(self.line);
+        let line = self.source.line_of(at);
+        self.place = Place { at, line, mid_line: at != self.source.line_start(line) };
     }
 
     /// GOTO: goes to the next block with the number, else to the first. Leaves loops that do not contain it.
     pub fn go_to_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
-        let Some(target) = self.source.find_block(n, self.at) else {
-            return fail1(at, E::MissingTarget, format_args!("N{n}"));
+        let Some(target) = self.source.find_block(n, self.place.at) else {
+            return fail1(at, E::MissingTarget, format!("N{n}"));
         };
         let stays = |open: &OpenLoop| open.while_at < target && target <= open.end.at as usize;
         self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
@@ -189,14 +176,9 @@ impl Flow {
         Ok(())
     }
 
-    /// The line of a label, searched in one direction from the current line. `label` is its byte range.
-    pub fn label_line(&self, label: Range<usize>, forward: bool) -> ReadResult<u32> {
-        self.source.find_label(label, self.line, forward)
-    }
-
     /// WHILE in the current block: enters the loop, or goes past its END.
     pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> ReadResult<()> {
-        let found = self.source.while_loop_at(self.at).filter(|found| found.number == number);
+        let found = self.source.while_loop_at(self.place.at).filter(|found| found.number == number);
         let Some((while_at, end)) = found.and_then(|found| Some((found.while_at as usize, found.end?))) else {
             return fail1(at, E::LoopMismatch, format_args!("WHILE … DO{number}"));
         };
@@ -219,7 +201,7 @@ impl Flow {
     /// END: goes back to its WHILE.
     pub fn end_loop(&mut self, number: u8, at: usize) -> ReadResult<()> {
         match self.depth.checked_sub(1).map(|top| self.loops[top]) {
-            Some(top) if top.number == number && top.end.at as usize == self.at => {
+            Some(top) if top.number == number && top.end.at as usize == self.place.at => {
                 self.go_to(top.while_at);
                 Ok(())
             }
@@ -258,35 +240,42 @@ impl Flow {
         if let Callee::Macro(arguments) = &call.callee {
             self.locals.push(**arguments);
         }
+        let frame = CallFrame { repeats_left: call.times - 1, ..self.frame(call.callee) };
         // Moves of a G66 macro do not call it again.
-        let restored = self.modal_call.clone();
-        if modal {
-            self.modal_call = None;
-        }
-        self.call_stack.push(CallFrame {
-            source: std::mem::replace(&mut self.source, source),
-            at: self.at,
-            line: self.line,
-            mid_line: self.mid_line,
+        let modal_call = if modal { self.modal_call.take() } else { None };
+        self.enter(source, CallFrame { modal_call, ..frame }, 0);
+        Ok(())
+    }
+
+    /// A frame that returns to the present place.
+    fn frame(&self, callee: Callee) -> CallFrame {
+        CallFrame {
+            source: Arc::clone(&self.source),
+            place: self.place,
             loops: self.loops,
             depth: self.depth,
-            repeats_left: call.times - 1,
-            callee: call.callee,
-            modal_call: if modal { restored } else { None },
+            repeats_left: 0,
+            callee,
+            modal_call: None,
             counted_base: self.counted_base,
             local_entry: None,
-        });
+        }
+    }
+
+    /// Enters a call at a line of its text.
+    fn enter(&mut self, source: Arc<Source>, frame: CallFrame, line: u32) {
+        self.call_stack.push(frame);
+        self.source = source;
         self.depth = 0;
         self.counted_base = self.counted_loops.len();
-        self.go_to_line(0);
-        Ok(())
+        self.go_to_line(line);
     }
 
     /// Goes to the only block with a number. Leaves counted loops that do not contain it.
     pub fn go_to_unique_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
         let line = self.find_unique_block(n, at)?;
-        if line == self.line {
-            return fail1(at, E::JumpToItself, format_args!("N{n:04}"));
+        if line == self.place.line {
+            return fail1(at, E::JumpToItself, format!("N{n:04}"));
         }
         let stays = |open: &OpenCountedLoop| open.line < line && line <= open.end_line;
         let kept = self.counted_loops[self.counted_base..].iter().take_while(|open| stays(open)).count();
@@ -308,35 +297,20 @@ impl Flow {
         let line = self.find_unique_block(n, at)?;
         // L7: subprograms follow the main program, which M02 ends.
         let within = self.source.main_end_line().is_some_and(|end| line < end);
-        if within || self.is_main() && line <= self.line.saturating_sub(1) {
-            return fail1(at, E::SubBeforeMain, format_args!("N{n:04}"));
+        if within || self.is_main() && line <= self.place.line.saturating_sub(1) {
+            return fail1(at, E::SubBeforeMain, format!("N{n:04}"));
         }
         if self.call_stack.len() >= COUNTED_DEPTH {
             return fail2(at, E::TooDeep, "M98", format_args!("{COUNTED_DEPTH}"));
         }
-        let (source, depth) = (Arc::clone(&self.source), self.depth);
-        self.call_stack.push(CallFrame {
-            source,
-            at: self.at,
-            line: self.line,
-            mid_line: self.mid_line,
-            loops: self.loops,
-            depth,
-            repeats_left: 0,
-            callee: Callee::Sub,
-            modal_call: None,
-            counted_base: self.counted_base,
-            local_entry: Some(n),
-        });
-        self.depth = 0;
-        self.counted_base = self.counted_loops.len();
-        self.go_to_line(line);
+        let frame = CallFrame { local_entry: Some(n), ..self.frame(Callee::Sub) };
+        self.enter(Arc::clone(&self.source), frame, line);
         Ok(())
     }
 
     /// G22 in the current line: enters the loop, or goes past its G80. True: the loop was entered.
     pub fn begin_counted_loop(&mut self, times: u32, at: usize) -> ReadResult<bool> {
-        let found = self.source.counted_loop_at(self.line);
+        let found = self.source.counted_loop_at(self.place.line);
         let Some((line, end_line)) = found.and_then(|found| Some((found.line, found.end_line?))) else {
             return fail2(at, E::LoopUnpaired, "G22", "G80");
         };
@@ -353,7 +327,7 @@ impl Flow {
 
     /// G80 in the current line: goes back to the line after its G22, or leaves the loop. True: the loop is over.
     pub fn end_counted_loop(&mut self, at: usize) -> ReadResult<bool> {
-        let line = self.line;
+        let line = self.place.line;
         let open = &mut self.counted_loops[self.counted_base..];
         match open.last_mut() {
             Some(top) if top.end_line == line && top.repeats_left > 0 => {
@@ -387,7 +361,7 @@ impl Flow {
             };
         };
         if let Some(n) = target
-            && level.source.find_block(n, level.at).is_none()
+            && level.source.find_block(n, level.place.at).is_none()
         {
             return fail1(at, E::MissingTarget, format_args!("{} N{n}", level.source.title()));
         }
@@ -409,7 +383,7 @@ impl Flow {
         self.counted_loops.truncate(self.counted_base);
         self.counted_base = level.counted_base;
         self.source = level.source;
-        (self.at, self.line, self.mid_line) = (level.at, level.line, level.mid_line);
+        self.place = level.place;
         (self.loops, self.depth) = (level.loops, level.depth);
         if level.modal_call.is_some() {
             self.modal_call = level.modal_call;

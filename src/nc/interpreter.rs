@@ -7,17 +7,16 @@ use super::contour::ContourCycle;
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
 use super::external_state::ExternalState;
-use super::fault::{BlockLocation, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2, locate_error};
-use super::flow::{Call, Callee, Flow};
+use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
+use super::flow::{Call, Callee, Flow, Place};
 use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::op::Op;
 use super::scope::{LiveScope, NullUse};
 use super::settings::NcSettings;
-use super::source::{Library, Source};
-use super::statement::{self, BlockContent, ReadOptions};
+use super::source::{SharedLibrary, Source};
+use super::statement::{self, BlockContent, BlockReader};
 use super::words::BlockWords;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
 use crate::defs::system_variable::{self as system_variable, VariableAccess};
 
@@ -76,7 +75,7 @@ pub enum NextStatus {
 /// Reads a program ahead of its execution.
 pub struct Interpreter {
     pub(super) flow: Flow,
-    pub(super) library: Arc<dyn Library + Send + Sync>,
+    pub(super) library: SharedLibrary,
     pub(super) settings: NcSettings,
     pub(super) common_variables: CommonVariables,
     pub(super) modals: ModalState,
@@ -98,7 +97,7 @@ pub struct Interpreter {
 /// A cycle whose contour is not read yet, and the start of its own block.
 pub(super) struct PendingCycle {
     pub cycle: Box<ContourCycle>,
-    pub block_start: (usize, u32, bool),
+    pub block_start: Place,
 }
 
 /// The result of reading one block.
@@ -111,12 +110,7 @@ pub(super) enum StepStatus {
 impl Interpreter {
     /// Starts at the head of a program, with its own copy of the common variables.
     #[must_use]
-    pub fn new(
-        source: Arc<Source>,
-        library: Arc<dyn Library + Send + Sync>,
-        settings: NcSettings,
-        memory: CommonVariables,
-    ) -> Self {
+    pub fn new(source: Arc<Source>, library: SharedLibrary, settings: NcSettings, memory: CommonVariables) -> Self {
         let modals = ModalState::new(&settings);
         Self {
             flow: Flow::new(source),
@@ -160,12 +154,6 @@ impl Interpreter {
         self.flow.locals()
     }
 
-    /// The location of the line that is read next.
-    #[must_use]
-    pub fn next_location(&self) -> BlockLocation {
-        BlockLocation { program: self.flow.source.number(), line: self.flow.line + 1, n: None }
-    }
-
     /// Takes over a common variable that the operator changed while the program runs.
     ///
     /// # Errors
@@ -186,11 +174,11 @@ impl Interpreter {
         // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it twice within a tick gives the same result.
         let mut idle = false;
         for _ in 0..MAX_BLOCKS_PER_CALL {
-            let from = self.flow.at;
+            let from = self.flow.place.at;
             match self.step(world, block) {
                 Ok(StepStatus::Empty) => {
                     idle &= !std::mem::take(&mut self.condition_changed);
-                    if self.flow.at <= from {
+                    if self.flow.place.at <= from {
                         if idle {
                             return Ok(NextStatus::Busy);
                         }
@@ -202,12 +190,13 @@ impl Interpreter {
                     self.ended = true;
                     return Ok(NextStatus::End);
                 }
-                Err(stop) => {
+                Err(ReadStop::Drain) => {
                     block.clear();
-                    return match *stop {
-                        ReadStop::Drain => Ok(NextStatus::Drain),
-                        ReadStop::Error(wrong) => Err(self.locate(wrong)),
-                    };
+                    return Ok(NextStatus::Drain);
+                }
+                Err(ReadStop::Error(wrong)) => {
+                    block.clear();
+                    return Err(self.locate(*wrong));
                 }
             }
         }
@@ -215,7 +204,7 @@ impl Interpreter {
     }
 
     pub(super) fn locate(&self, wrong: ErrorAt) -> ProgramFault {
-        locate_error(&self.flow.source, self.block_words.block_number, wrong)
+        self.flow.source.fault(self.block_words.block_number, wrong)
     }
 
     /// Reads one block, with the contour if it is a cycle.
@@ -233,12 +222,12 @@ impl Interpreter {
             return Ok(StepStatus::End);
         }
         let source = Arc::clone(&self.flow.source);
-        let (text, at, line) = (source.bytes(), self.flow.at, self.flow.line + 1);
+        let (text, at, line) = (source.bytes(), self.flow.place.at, self.flow.place.line + 1);
         let mut cursor = Cursor::window(text, at);
         if cursor.is_at_end() {
             return self.end_of_text(at);
         }
-        let head = ReadOptions { mid_line: self.flow.mid_line, block_skip: world.block_skip() };
+        let (words, mid_line, block_skip) = (&mut self.block_words, self.flow.place.mid_line, world.block_skip());
         // A refused block must not change the modal state.
         let before = self.modals;
         let mut scope = LiveScope {
@@ -255,7 +244,8 @@ impl Interpreter {
             source: &source,
             world,
         };
-        let read = dialect::read_block(self.settings.dialect, &mut cursor, &mut scope, &mut self.block_words, head);
+        let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
+        let read = dialect::read_block(self.settings.dialect, reader);
         if cursor.is_truncated(text) {
             return fail(at, E::BlockTooLong);
         }
@@ -304,15 +294,12 @@ impl Interpreter {
     fn advance_past_block(&mut self, cursor: &Cursor<'_>) {
         self.second_half = false;
         if statement::line_continues(cursor) {
-            self.flow.at = cursor.at;
-            self.flow.mid_line = true;
+            (self.flow.place.at, self.flow.place.mid_line) = (cursor.at, true);
             return;
         }
         let mut cursor = *cursor;
         cursor.skip_line_end();
-        self.flow.at = cursor.at;
-        self.flow.line += 1;
-        self.flow.mid_line = false;
+        self.flow.place = Place { at: cursor.at, line: self.flow.place.line + 1, mid_line: false };
     }
 
     fn end_of_text(&mut self, at: usize) -> ReadResult<StepStatus> {
@@ -340,7 +327,7 @@ impl Interpreter {
             | BlockContent::Goto { at, .. }
             | BlockContent::While { at, .. }
             | BlockContent::EndLoop { at, .. }
-                if !dialect::rules(self.settings.dialect).has_macros() =>
+                if !dialect::rules(self.settings.dialect).has_macros =>
             {
                 return fail(at, E::NoMacros);
             }
@@ -353,7 +340,7 @@ impl Interpreter {
             }
             BlockContent::Goto { n, at } => self.flow.go_to_block(n, at)?,
             BlockContent::Jump { label, forward, holds } => {
-                let line = self.flow.label_line(label, forward)?;
+                let line = self.flow.source.find_label(label, self.flow.place.line, forward)?;
                 if holds { self.flow.go_to_line(line) } else { self.advance_past_block(cursor) }
             }
             BlockContent::DisplayMessage { text: said } => {
@@ -403,13 +390,13 @@ impl Interpreter {
             }
             FlowAction::SetModalCall(modal) => {
                 if let Some(modal) = &modal {
-                    self.find_program(modal.program, self.flow.at)?;
+                    self.find_program(modal.program, self.flow.place.at)?;
                 }
                 self.flow.modal_call = modal.map(Arc::from);
                 self.advance_past_block(cursor);
             }
             FlowAction::Contour(cycle) => {
-                let begin = (self.flow.at, self.flow.line, self.flow.mid_line);
+                let begin = self.flow.place;
                 self.advance_past_block(cursor);
                 self.pending_cycle = Some(PendingCycle { cycle, block_start: begin });
             }
@@ -423,13 +410,10 @@ impl Interpreter {
             }
             elsewhere => self.change_flow(elsewhere, cursor)?,
         }
-        let over = self.ended && block.ops.is_empty();
-        Ok(if over {
-            StepStatus::End
-        } else if block.ops.is_empty() {
-            StepStatus::Empty
-        } else {
-            StepStatus::Block
+        Ok(match (block.ops.is_empty(), self.ended) {
+            (false, _) => StepStatus::Block,
+            (true, true) => StepStatus::End,
+            (true, false) => StepStatus::Empty,
         })
     }
 
@@ -437,12 +421,12 @@ impl Interpreter {
     #[inline]
     fn call_modal_macro(&mut self, moves: bool, cursor: &Cursor<'_>) -> ReadResult<()> {
         let modal = self.flow.modal_call.clone().filter(|_| moves);
-        let at = self.flow.at;
+        let at = self.flow.place.at;
         let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
         self.advance_past_block(cursor);
         if let (Some(modal), Some(source)) = (modal, source) {
             let callee = Callee::Macro(modal.arguments.clone());
-            let limit = dialect::rules(self.settings.dialect).call_limit(&callee);
+            let limit = (dialect::rules(self.settings.dialect).call_limit)(&callee);
             self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
         }
         Ok(())
@@ -450,6 +434,7 @@ impl Interpreter {
 
     /// Executes jumps, loops, calls and returns.
     fn change_flow(&mut self, step: FlowAction, cursor: &Cursor<'_>) -> ReadResult<()> {
+        self.condition_changed |= !matches!(step, FlowAction::Goto { .. } | FlowAction::GotoUnique { .. });
         match step {
             FlowAction::Goto { n, at } => {
                 self.flow.go_to_block(n, at)?;
@@ -460,47 +445,38 @@ impl Interpreter {
                 self.second_half = false;
             }
             FlowAction::CallLocal { n, at } => {
-                self.condition_changed = true;
-                let stood = self.flow.save_position();
+                let stood = self.flow.place;
                 self.advance_past_block(cursor);
                 if let Err(stop) = self.flow.call_local(n, at) {
-                    self.flow.restore_position(stood);
+                    self.flow.place = stood;
                     return Err(stop);
                 }
             }
             FlowAction::BeginCountedLoop { times, at } => {
-                self.condition_changed = true;
                 if self.flow.begin_counted_loop(times, at)? {
                     self.advance_past_block(cursor);
                 }
             }
             FlowAction::EndCountedLoop { at } => {
-                self.condition_changed = true;
                 if self.flow.end_counted_loop(at)? {
                     self.advance_past_block(cursor);
                 }
             }
             FlowAction::Call(call) => {
                 let source = self.find_program(call.program, call.at)?;
-                self.condition_changed = true;
                 self.advance_past_block(cursor);
-                let limit = dialect::rules(self.settings.dialect).call_limit(&call.callee);
+                let limit = (dialect::rules(self.settings.dialect).call_limit)(&call.callee);
                 self.flow.call(source, call, false, limit)?;
             }
             FlowAction::Return { target, at } => {
                 self.second_half = false;
-                self.condition_changed = true;
-                if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros() {
+                if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros {
                     return fail(at, E::ReturnWithoutCall);
                 }
                 self.flow.return_to(target, at)?;
             }
-            FlowAction::Next
-            | FlowAction::SecondHalf
-            | FlowAction::SetModalCall(_)
-            | FlowAction::Contour(_)
-            | FlowAction::Assign { .. }
-            | FlowAction::End => {}
+            FlowAction::Next | FlowAction::SecondHalf | FlowAction::SetModalCall(_) => {}
+            FlowAction::Contour(_) | FlowAction::Assign { .. } | FlowAction::End => {}
         }
         Ok(())
     }
@@ -508,8 +484,8 @@ impl Interpreter {
     /// Sets the variables that the block assigns, before its other operations.
     #[inline]
     fn set_variables(&mut self, block: &mut Block) -> ReadResult<()> {
-        for index in 0..self.block_words.assignments().len() {
-            let Some(set) = self.block_words.assignments().get(index).copied() else { break };
+        for index in 0..self.block_words.assignments.len() {
+            let Some(set) = self.block_words.assignments.get(index).copied() else { break };
             self.assign(set.variable, Some(set.value), set.at as usize, None, block)?;
             // `assign` appends the operation; it belongs before the others.
             block.ops[index..].rotate_right(1);
@@ -541,7 +517,7 @@ impl Interpreter {
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
-                let Some(number) = super::expression::whole_number(value).filter(|number| (0..=999).contains(number))
+                let Some(number) = super::functions::whole_number(value).filter(|number| (0..=999).contains(number))
                 else {
                     return fail2(at, E::OutOfRange, format_args!("#{variable}={value}"), "0–999");
                 };

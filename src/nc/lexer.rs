@@ -1,7 +1,7 @@
 //! The lexer that all dialects share: reads numbers, signs and keywords from bytes.
 //! Numbers are read as an integer mantissa and a scale, so that `0.1` is the nearest `f64` to 0.1. Source: spec B1.
 
-use nom::bytes::complete::{tag_no_case, take_till, take_while};
+use nom::bytes::complete::tag_no_case;
 use nom::{IResult, Parser};
 
 use super::fault::{ReadResult, fail, fail1};
@@ -74,10 +74,6 @@ impl<'a> Cursor<'a> {
         self.text.get(self.at..).unwrap_or_default()
     }
 
-    fn advance_to(&mut self, rest: &[u8]) {
-        self.at = self.text.len() - rest.len();
-    }
-
     /// Skips `byte` if it is next; returns whether it was.
     #[inline]
     pub fn accept(&mut self, byte: u8) -> bool {
@@ -89,13 +85,8 @@ impl<'a> Cursor<'a> {
     /// Skips a keyword if it is next, in upper or lower case; returns whether it was.
     pub fn accept_keyword(&mut self, word: &str) -> bool {
         let found: IResult<&[u8], &[u8]> = tag_no_case(word.as_bytes()).parse(self.rest());
-        match found {
-            Ok((rest, _)) => {
-                self.advance_to(rest);
-                true
-            }
-            Err(_) => false,
-        }
+        self.at += found.as_ref().map_or(0, |(_, read)| read.len());
+        found.is_ok()
     }
 
     /// Skips spaces and `( )` comments.
@@ -113,18 +104,16 @@ impl<'a> Cursor<'a> {
     #[cold]
     fn skip_comment(&mut self) -> ReadResult<()> {
         let open = self.at;
-        let found: IResult<&[u8], &[u8]> = take_till(|byte| matches!(byte, b')' | b'\r' | b'\n')).parse(self.rest());
-        if let Ok((rest, _)) = found {
-            self.advance_to(rest);
+        while !(self.peek() == b')' || self.at_line_end()) {
+            self.at += 1;
         }
         if self.accept(b')') { Ok(()) } else { fail(open, ProgramError::UnbalancedComment) }
     }
 
     /// Skips to the line end, which stays unread.
     pub fn skip_rest_of_line(&mut self) {
-        let found: IResult<&[u8], &[u8]> = take_while(|byte| !matches!(byte, b'\r' | b'\n')).parse(self.rest());
-        if let Ok((rest, _)) = found {
-            self.advance_to(rest);
+        while !self.at_line_end() {
+            self.at += 1;
         }
     }
 

@@ -35,7 +35,7 @@ mod unexecuted_lines;
 mod words;
 pub mod work_offsets;
 
-pub use check::{CheckReport, ProgramCheck, check, check_syntax, check_until, check_with};
+pub use check::{CheckReport, ProgramCheck, check, check_syntax};
 pub use common_variables::{CommonVariables, VariableError};
 pub use dialect::{call_text, new_program_text};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine};
@@ -49,5 +49,5 @@ pub use op_effect::{
 };
 pub use preflight::{PreflightStatus, ProgramPreflight};
 pub use settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
-pub use source::{EmptyLibrary, Library, Source};
+pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
 pub use work_offsets::WorkOffsets;

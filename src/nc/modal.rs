@@ -1,49 +1,38 @@
 //! The modal state. Source: spec B2, B3 (#4001…).
 
-use super::dialect::{self, ModalCodes, RepetitiveCycleState};
 use super::op::{Feed, PathMode, SpeedMode};
-use super::settings::{Dialect, NcSettings, SpeedUnit};
+use super::settings::{NcSettings, SpeedUnit};
 use crate::units::Plane;
 
-/// The active function of group 01.
+/// The active function of group 01, by its G code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MotionMode {
     /// G00.
     #[default]
-    Rapid,
+    Rapid = 0,
     /// G01.
-    Feed,
+    Feed = 1,
     /// G02.
-    ArcClockwise,
+    ArcClockwise = 2,
     /// G03.
-    ArcCounterClockwise,
+    ArcCounterClockwise = 3,
     /// G90 on GC: turning cycle along Z.
-    LongitudinalCycle,
+    LongitudinalCycle = 90,
     /// G94 on GC: facing cycle along X.
-    FaceCycle,
+    FaceCycle = 94,
     /// G23 of the 超人 lathe: rectangle cycle.
-    RectangleCycle,
+    RectangleCycle = 23,
     /// G32 of the 超人 lathe: thread, F in turns per inch.
-    InchThread,
+    InchThread = 32,
     /// G33 of the 超人 lathe: thread, F is the lead in mm.
-    MetricThread,
+    MetricThread = 33,
 }
 
 impl MotionMode {
     /// The G code.
     #[must_use]
     pub const fn g(self) -> u8 {
-        match self {
-            Self::Rapid => 0,
-            Self::Feed => 1,
-            Self::ArcClockwise => 2,
-            Self::ArcCounterClockwise => 3,
-            Self::LongitudinalCycle => 90,
-            Self::FaceCycle => 94,
-            Self::RectangleCycle => 23,
-            Self::InchThread => 32,
-            Self::MetricThread => 33,
-        }
+        self as u8
     }
 
     #[inline]
@@ -55,6 +44,9 @@ impl MotionMode {
             3 => Some(Self::ArcCounterClockwise),
             90 => Some(Self::LongitudinalCycle),
             94 => Some(Self::FaceCycle),
+            23 => Some(Self::RectangleCycle),
+            32 => Some(Self::InchThread),
+            33 => Some(Self::MetricThread),
             _ => None,
         }
     }
@@ -66,6 +58,40 @@ pub(crate) struct CycleWords {
     pub x: Option<f64>,
     pub z: Option<f64>,
     pub taper: f64,
+}
+
+/// The stored settings of the repetitive cycles G71–G75, radius mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RepetitiveCycleState {
+    /// G71, G72: depth of a stroke and retract at 45°.
+    pub depth: Option<f64>,
+    pub escape: f64,
+    /// G73: stock to remove in X and Z, and the number of passes.
+    pub shift: Option<(f64, f64)>,
+    pub passes: Option<u32>,
+    /// G74, G75: retract of a peck.
+    pub peck_back: f64,
+}
+
+/// The G codes of modal states in a dialect.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ModalCodes {
+    /// G90 and G91 are modal.
+    pub distance_is_modal: bool,
+    /// Feed per minute and per revolution.
+    pub per_minute: u8,
+    pub per_rev: u8,
+    /// Inches and millimetres.
+    pub inch: u8,
+    pub metric: u8,
+    /// Exact stop.
+    pub exact_stop: u8,
+}
+
+impl ModalCodes {
+    /// The codes of lathe system A.
+    pub const SYSTEM_A: Self =
+        Self { distance_is_modal: false, per_minute: 98, per_rev: 99, inch: 20, metric: 21, exact_stop: 61 };
 }
 
 /// The modal state. It is copied into every block, so that the pages show the state of the executed block.
@@ -157,23 +183,6 @@ impl ModalState {
     #[inline]
     pub fn feed(&self) -> Option<Feed> {
         self.feed.map(if self.per_rev { Feed::PerRev } else { Feed::PerMinute })
-    }
-
-    /// The active G codes in display order.
-    #[must_use]
-    pub fn g_codes(&self, system: Dialect) -> [u8; 8] {
-        let ModalCodes { distance_is_modal: modal_distance, per_minute, per_rev, inch, metric, exact_stop: exact } =
-            dialect::rules(system).modal_codes();
-        [
-            self.motion.g(),
-            self.plane.g(),
-            if modal_distance && self.incremental { 91 } else { 90 },
-            if self.per_rev { per_rev } else { per_minute },
-            if self.inch { inch } else { metric },
-            self.work_offset,
-            if self.path_mode == PathMode::ExactStop { exact } else { 64 },
-            if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
-        ]
     }
 
     /// #4001…#4130: a modal value; `None` for an undefined number.

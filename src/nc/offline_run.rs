@@ -2,13 +2,10 @@
 
 use std::sync::Arc;
 
-use super::common_variables::CommonVariables;
 use super::external_state::{ExternalState, OfflineMachine};
-use super::fault::{ErrorAt, ProgramFault, ReadStop, locate_error};
+use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
 use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
 use super::op::Op;
-use super::source::Source;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::text_arg::Arg;
 
 /// Most blocks that one call of `advance_to` reads.
@@ -29,7 +26,7 @@ impl Interpreter {
     ) -> Result<NextStatus, ProgramFault> {
         let mut block = Block::new(&self.settings);
         for _ in 0..ADVANCE_PER_CALL {
-            let there = self.flow.line + 1 == line && !self.flow.mid_line && !self.second_half;
+            let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
             if there && self.flow.is_main() && !self.ended {
                 return Ok(NextStatus::Block);
             }
@@ -49,7 +46,7 @@ impl Interpreter {
         self.second_half = false;
         // The F word of the faulty block is kept, so that later blocks do not report a missing feed.
         if self.modals.feed.is_none() {
-            let word = self.block_words.list().iter().find(|word| word.letter == b'F');
+            let word = self.block_words.list.iter().find(|word| word.letter == b'F');
             self.modals.feed = word.map(|word| word.value).filter(|feed| *feed > 0.0);
         }
         if matches!(error, E::SubWithoutReturn | E::EndInSub) {
@@ -57,33 +54,13 @@ impl Interpreter {
             return;
         }
         self.flow.enter_faulty_loop();
-        self.flow.go_to_line(self.flow.line + 1);
-    }
-
-    /// Leaves the outermost open loop; for a check of an endless loop.
-    pub(crate) fn leave_loop(&mut self) -> bool {
-        self.flow.leave_loops()
-    }
-
-    /// Restores the common variables; for a check that continues from an earlier state.
-    pub(crate) fn restore_variables(&mut self, memory: CommonVariables) {
-        self.common_variables = memory;
-    }
-
-    /// Whether M99 restarted the main program.
-    pub(crate) const fn has_restarted(&self) -> bool {
-        self.flow.restarted
-    }
-
-    /// Whether M02 or M30 was read.
-    pub(crate) const fn has_ended(&self) -> bool {
-        self.ended
+        self.flow.go_to_line(self.flow.place.line + 1);
     }
 
     /// Whether the last block has warnings.
     #[inline]
     pub(crate) fn has_warnings(&self) -> bool {
-        self.flow.mid_line
+        self.flow.place.mid_line
             || self.warnings.as_ref().is_some_and(|notes| !notes.is_empty())
             || self.null_uses.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
@@ -99,23 +76,17 @@ impl Interpreter {
         let source = Arc::clone(&self.flow.source);
         let mut remarks = Vec::new();
         for (source, at, variable) in self.null_uses.iter_mut().flat_map(|nulls| nulls.drain(..)) {
-            let details = [format!("#{variable}").into(), Arg::None];
-            remarks.push(locate_error(&source, None, ErrorAt { at, error: E::NullUsed, details }));
+            let details = [Arg::from(format!("#{variable}")), Arg::None];
+            remarks.push(source.fault(None, ErrorAt { at, error: E::NullUsed, details }));
         }
         for wrong in self.warnings.iter_mut().flat_map(|notes| notes.drain(..)) {
-            remarks.push(locate_error(&source, None, wrong));
+            remarks.push(source.fault(None, wrong));
         }
-        if self.flow.mid_line {
-            let wrong = ErrorAt { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };
-            remarks.push(locate_error(&source, None, wrong));
+        if self.flow.place.mid_line {
+            let wrong = ErrorAt { at: self.flow.place.at, error: E::BlockAfterSemicolon, details: Default::default() };
+            remarks.push(source.fault(None, wrong));
         }
         remarks
-    }
-
-    /// The running program and the line (from 0) that is read next.
-    #[inline]
-    pub(crate) fn next_line(&self) -> (&Arc<Source>, u32) {
-        (&self.flow.source, self.flow.line)
     }
 
     /// Reads one block, with or without operations; `true` while there is more.
@@ -125,10 +96,8 @@ impl Interpreter {
         match self.step(world, block) {
             Ok(StepStatus::Empty | StepStatus::Block) => Ok(true),
             Ok(StepStatus::End) => Ok(false),
-            Err(stop) => match *stop {
-                ReadStop::Drain => Ok(true),
-                ReadStop::Error(wrong) => Err(self.locate(wrong)),
-            },
+            Err(ReadStop::Drain) => Ok(true),
+            Err(ReadStop::Error(wrong)) => Err(self.locate(*wrong)),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Canonical operations: what a program does, independent of its dialect and notation.
 //! Lengths are radius millimetres in active work coordinates. Feeds are true slide travel. Source: spec T4, K1.
 
+use crate::defs::mcode::{self, MCodeAction};
 use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
 /// A set of axes.
@@ -47,6 +48,12 @@ impl AxisSet {
     #[inline]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+
+    /// The axes that are in both sets.
+    #[must_use]
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 
     /// Whether the set is empty.
@@ -203,12 +210,17 @@ pub enum Op {
 impl Op {
     /// Whether look-ahead stops: no further block is read until this operation is done.
     #[must_use]
-    pub const fn stops_look_ahead(&self) -> bool {
+    pub fn stops_look_ahead(&self) -> bool {
         match self {
             Self::Skip { .. } | Self::ReturnToReference { .. } | Self::SetSystemVariable { .. } => true,
             Self::Gauge(_) | Self::OscillationOn { .. } | Self::OscillationOff => true,
             Self::Alarm { .. } | Self::StopWithMessage { .. } => true,
-            Self::M { code, .. } => matches!(code, 0 | 1 | 2 | 30 | 80..=89),
+            Self::M { code, .. } => mcode::find(u16::from(*code)).is_some_and(|row| match row.action {
+                MCodeAction::ProgramStop | MCodeAction::OptionalStop | MCodeAction::ProgramEnd => true,
+                MCodeAction::AwaitInput(_) => true,
+                MCodeAction::CountWorkpiece | MCodeAction::Request(_) | MCodeAction::ProgramFlow => false,
+                MCodeAction::Port(_) | MCodeAction::Pulse => false,
+            }),
             Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::SetPathMode(_) => {
                 false
             }

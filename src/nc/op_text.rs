@@ -117,7 +117,7 @@ impl OpMotion<'_> {
                 by.skip_signal.iter().for_each(|signal| put("signal", json!(signal)));
             }
             Self::Machine { to, feed } => {
-                put_some_points(put, to);
+                put_some_points(put, "", to);
                 feed.iter().for_each(|feed| put_feed(put, *feed));
             }
             Self::Reference { number, via, words, .. } => {
@@ -152,7 +152,7 @@ impl CoordinateChange {
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match *self {
             Self::Select(g) => put("g", json!(g)),
-            Self::Set(values) => put_some_points(put, values),
+            Self::Set(values) => put_some_points(put, "", values),
             Self::Tool { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
             Self::AddWear { number, by } => {
                 put("offset", json!(number));
@@ -194,14 +194,10 @@ fn put_some<const N: usize>(put: &mut dyn FnMut(&str, Value), fields: [(&str, Op
 }
 
 fn put_points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: impl Index<Axis, Output = f64>) {
-    put_prefixed_points(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
+    put_some_points(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
 }
 
-fn put_some_points(put: &mut dyn FnMut(&str, Value), to: PerAxis<Option<f64>>) {
-    put_prefixed_points(put, "", to);
-}
-
-fn put_prefixed_points(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
+fn put_some_points(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
     for (axis, value) in to.iter() {
         if let Some(value) = value {
             put(&format!("{prefix}{}", axis_key(axis)), json!(value));

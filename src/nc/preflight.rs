@@ -13,7 +13,7 @@ use super::dialect::{self, PreflightScope};
 use super::external_state::OfflineMachine;
 use super::fault::ProgramFault;
 use super::settings::NcSettings;
-use super::source::{Library, Source};
+use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
 
 /// Blocks or lines per call.
@@ -34,7 +34,7 @@ enum PreflightMethod {
 /// Syntax check of a program's text and the texts that it calls.
 struct TextPreflight {
     settings: NcSettings,
-    library: Arc<dyn Library + Send + Sync>,
+    library: SharedLibrary,
     source: Arc<Source>,
     unread: UnexecutedLines,
     pending_programs: Vec<u32>,
@@ -59,11 +59,11 @@ impl ProgramPreflight {
     #[must_use]
     pub fn new(
         source: &Arc<Source>,
-        library: &Arc<dyn Library + Send + Sync>,
+        library: &SharedLibrary,
         settings: &NcSettings,
         world: OfflineMachine,
     ) -> Option<Self> {
-        Some(Self(match dialect::rules(settings.dialect).preflight_scope() {
+        Some(Self(match dialect::rules(settings.dialect).preflight_scope {
             PreflightScope::FullRun => {
                 let checking = ProgramCheck::new(source, library, settings, CommonVariables::default())
                     .with_standstill_limit(STANDSTILL_BLOCKS);

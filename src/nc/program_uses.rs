@@ -85,7 +85,7 @@ fn scan_line(found: &mut ProgramUses, code: &str, comment: &str, place: (u32, u3
         }
         at += 1;
     }
-    found.calls.extend(dialect::rules(system).call_in_text(code));
+    found.calls.extend((dialect::rules(system).call_in_text)(code));
 }
 
 #[cfg(test)]

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use super::common_variables::CommonVariables;
 use super::expression::{CoordinateFrame, Scope, Value};
 use super::external_state::{ExternalState, LiveValue};
-use super::fault::{ErrorAt, ReadResult, ReadStop, fail1};
+use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail1};
 use super::flow::Locals;
 use super::modal::ModalState;
 use super::settings::NcSettings;
 use super::source::Source;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::system_variable;
 use crate::defs::text_arg::Arg;
 use crate::units::{Axis, MM_PER_INCH, WorkPos};
@@ -104,7 +103,7 @@ impl LiveScope<'_> {
                     Ok(Some(length / MM_PER_INCH))
                 }
                 LiveValue::Value(value) => Ok(value),
-                LiveValue::Drain => Err(Box::new(ReadStop::Drain)),
+                LiveValue::Drain => Err(ReadStop::Drain),
                 LiveValue::Unknown => fail1(at, E::BadVariable, format_args!("#{number}")),
             },
             _ => self.common_variables.get(number).or_else(|_| fail1(at, E::BadVariable, format_args!("#{number}"))),

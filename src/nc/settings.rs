@@ -89,6 +89,28 @@ pub struct NcSettings {
 }
 
 impl NcSettings {
+    /// Settings that a dialect changes: those of a lathe with two axes, X a diameter.
+    pub(crate) fn two_axes(dialect: Dialect) -> Self {
+        Self {
+            dialect,
+            diameter: true,
+            axes: PerAxis([true, false, true]),
+            least_increment_mm: None,
+            inch: false,
+            tolerance_mm: 0.01,
+            arc_tolerance_mm: 0.01,
+            speed_unit: SpeedUnit::Rpm,
+            jump_input: 0,
+            tool_count: 16,
+            exact_stop: false,
+            start_is_work_zero: false,
+            needs_block_numbers: false,
+            superman: SuperManSettings::default(),
+            oscillation_by_cylinder: false,
+            rapid_mm_min: PerAxis([6_000.0; 3]),
+        }
+    }
+
     #[inline]
     pub(crate) fn is_mill(&self) -> bool {
         self.dialect.is_mill()

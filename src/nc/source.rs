@@ -5,11 +5,9 @@ use std::sync::Arc;
 
 use encoding_rs::GB18030;
 
-use super::dialect::index::index;
-use super::fault::{BlockLocation, ReadResult, fail1, fail2};
+use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
 use crate::defs::text_arg::Arg;
 
@@ -21,6 +19,9 @@ pub trait Library {
     /// The program with an O number.
     fn find(&self, number: u32) -> Option<Arc<Source>>;
 }
+
+/// A library that a program and its subprograms share.
+pub type SharedLibrary = Arc<dyn Library + Send + Sync>;
 
 /// A library without programs.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,18 +47,18 @@ pub struct Source {
 }
 
 impl Source {
-    /// Indexes a program's text in its dialect: GBK or UTF-8, line ends CR, LF or CR LF.
-    ///
-    /// # Panics
-    /// If the text has 4 GiB or more; the caller limits file sizes.
-    #[must_use]
-    pub fn new(number: u32, name: impl Into<String>, bytes: impl Into<Arc<[u8]>>, dialect: Dialect) -> Self {
-        let bytes = bytes.into();
+    /// A text with the index that `index` makes of its lines. `Source::new` takes the index of the dialect.
+    pub(crate) fn indexed(
+        number: u32,
+        name: String,
+        bytes: Arc<[u8]>,
+        dialect: Dialect,
+        index: fn(&TextLines<'_>) -> SourceIndex,
+    ) -> Self {
         assert!(bytes.len() < u32::MAX as usize, "program of {} bytes", bytes.len());
         let lines = line_starts(&bytes);
         let utf8 = std::str::from_utf8(&bytes).is_ok();
-        let index = index(dialect, &TextLines { text: &bytes, starts: &lines });
-        let name = name.into();
+        let index = index(&TextLines { text: &bytes, starts: &lines });
         let named = program_number::is_named(number);
         let title = if named { program_number::stem(&name).into() } else { Arg::Program(number) };
         Self { number, name, title, bytes, utf8, line_offsets: lines, dialect, index }
@@ -185,9 +186,11 @@ impl Source {
     /// The line (from 0) of the only block with number `n`: none if it is missing, an error if there are several.
     pub(crate) fn find_unique_block(&self, n: u32) -> Result<Option<u32>, ()> {
         let first = self.index.block_numbers.partition_point(|label| *label < (n, 0));
-        let is = |index: usize| self.index.block_numbers.get(index).filter(|label| label.0 == n).map(|label| label.1);
-        let is = |index: usize| is(index).map(|at| self.line_of(at as usize));
-        if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
+        match &self.index.block_numbers[first..] {
+            [(a, _), (b, _), ..] if *a == n && *b == n => Err(()),
+            [(a, at), ..] if *a == n => Ok(Some(self.line_of(*at as usize))),
+            _ => Ok(None),
+        }
     }
 
     /// The line (from 0) that ends the main program: the first with an M02 (L7).
@@ -224,6 +227,24 @@ impl Source {
         let start = self.line_start(line as u32 - 1);
         let column = self.decode(&self.bytes[start.min(at)..at]).chars().count() + 1;
         (BlockLocation { program: self.number, line: line as u32, n }, column as u32)
+    }
+
+    /// The mistake with its line and column; `n` is the number of its block.
+    pub(crate) fn fault(&self, n: Option<u32>, mut wrong: ErrorAt) -> ProgramFault {
+        if wrong.error == E::NonAsciiCharacter
+            && wrong.details[1].is_empty()
+            && let Some((character, instead)) = self.foreign_character(wrong.at)
+        {
+            wrong.details = if character == char::REPLACEMENT_CHARACTER {
+                wrong.error = E::BadEncoding;
+                let byte = self.bytes.get(wrong.at);
+                [byte.map_or(Arg::None, |byte| format!("0x{byte:02X}").into()), instead.into()]
+            } else {
+                [character.into(), instead.into()]
+            };
+        }
+        let (place, column) = self.locate(wrong.at, n);
+        ProgramFault::new(self.title_arg(), place, column, wrong)
     }
 
     /// Whether only `%`, blanks and comments precede a byte.

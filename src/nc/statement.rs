@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number, whole_number};
-use super::fault::{ReadResult, fail, fail1};
+use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number};
+use super::fault::{E, ReadResult, fail, fail1};
+use super::functions::{whole_number, whole_u32};
 use super::lexer::Cursor;
 use super::words::BlockWords;
-use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
 /// Deepest nesting of `IF … THEN IF …` in one block.
@@ -35,9 +35,11 @@ pub(crate) enum BlockContent {
     DisplayMessage { text: Range<usize> },
 }
 
-/// Context for reading a block.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ReadOptions {
+/// What the reading of a block needs: its begin, the variables, the words to fill.
+pub(crate) struct BlockReader<'r, 'a, S> {
+    pub cursor: &'r mut Cursor<'a>,
+    pub scope: &'r mut S,
+    pub words: &'r mut BlockWords,
     /// A block of the same line was already read, up to a `;`.
     pub mid_line: bool,
     /// The 跳段 (block skip) switch.
@@ -46,12 +48,8 @@ pub(crate) struct ReadOptions {
 
 /// Reads one block. Afterwards the cursor is at the line end, or after a `;` that another block follows.
 #[inline]
-pub(crate) fn read_block<S: Scope>(
-    cursor: &mut Cursor<'_>,
-    scope: &mut S,
-    words: &mut BlockWords,
-    head: ReadOptions,
-) -> ReadResult<BlockContent> {
+pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+    let BlockReader { cursor, scope, words, mid_line, block_skip } = reader;
     words.clear();
     let content = loop {
         cursor.skip_blanks()?;
@@ -60,12 +58,12 @@ pub(crate) fn read_block<S: Scope>(
             b'/' if cursor.peek_at(1) == b'/' => break BlockContent::Empty,
             b'/' => {
                 cursor.at += 1;
-                if head.block_skip {
+                if block_skip {
                     cursor.skip_rest_of_line();
                     return Ok(BlockContent::Empty);
                 }
             }
-            b';' if !head.mid_line => {
+            b';' if !mid_line => {
                 cursor.skip_rest_of_line();
                 return Ok(BlockContent::Empty);
             }
@@ -135,10 +133,8 @@ fn read_body<S: Scope>(
             if target.is_none() && !S::HAS_VALUES {
                 return Ok(BlockContent::Goto { n: 0, at });
             }
-            match whole_number(target.unwrap_or(0.0)).map(u32::try_from) {
-                Some(Ok(n)) => Ok(BlockContent::Goto { n, at }),
-                Some(Err(_)) | None => fail1(at, E::NotWhole, "GOTO"),
-            }
+            let n = whole_u32(target.unwrap_or(0.0)).map_or_else(|| fail1(at, E::NotWhole, "GOTO"), Ok)?;
+            Ok(BlockContent::Goto { n, at })
         }
         byte if byte.is_ascii_alphabetic() => {
             words.read(cursor, scope)?;
@@ -195,23 +191,12 @@ fn read_if<S: Scope>(
         words.block_number = n;
         content
     };
-    match content {
-        BlockContent::Empty
-        | BlockContent::While { .. }
-        | BlockContent::EndLoop { .. }
-        | BlockContent::TextEnd { .. }
-        | BlockContent::Jump { .. }
-        | BlockContent::DisplayMessage { .. }
-            if depth == 0 || holds =>
-        {
-            if matches!(content, BlockContent::Empty) && at < cursor.at {
-                return Ok(BlockContent::Empty);
-            }
-            fail1(at, E::BadStatement, "IF […] THEN")
-        }
-        content if holds => Ok(content),
-        _ => Ok(BlockContent::Empty),
+    let acts = matches!(content, BlockContent::Words | BlockContent::Assign { .. } | BlockContent::Goto { .. });
+    let only_comment = matches!(content, BlockContent::Empty) && at < cursor.at;
+    if !(acts || only_comment) && (depth == 0 || holds) {
+        return fail1(at, E::BadStatement, "IF […] THEN");
     }
+    Ok(if holds { content } else { BlockContent::Empty })
 }
 
 fn read_assignment<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<BlockContent> {

@@ -2,38 +2,18 @@
 //! Source: spec B1, T4, L1, L4, L7.
 
 use super::dialect::{self, UnexecutedBlock};
-use super::fault::{ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, locate_error};
+use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
 use super::lexer::Cursor;
 use super::settings::NcSettings;
 use super::source::{Library, Source};
-use super::statement::{self, BlockContent, ReadOptions, SyntaxOnlyScope};
+use super::statement::{self, BlockContent, BlockReader, SyntaxOnlyScope};
 use super::words::BlockWords;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number;
 use crate::defs::text_arg::Arg;
 
-/// The lines read so far, one bit per line.
-pub(crate) struct VisitedLines(Vec<u64>);
-
-impl VisitedLines {
-    pub fn new(lines: usize) -> Self {
-        Self(vec![0; lines / 64 + 1])
-    }
-
-    /// Marks a line; returns whether it was unmarked.
-    #[inline]
-    pub fn mark(&mut self, line: u32) -> bool {
-        let Some(word) = self.0.get_mut(line as usize / 64) else { return false };
-        let bit = 1 << (line % 64);
-        let new = *word & bit == 0;
-        *word |= bit;
-        new
-    }
-}
-
 /// Reads the unmarked lines of a program and marks them.
 pub(crate) struct UnexecutedLines {
-    pub visited: VisitedLines,
+    visited: Vec<bool>,
     /// The line (from 0) whose `%` ends the text.
     pub text_end: Option<u32>,
     /// The programs that the lines call, and the bytes of the calls.
@@ -45,12 +25,18 @@ pub(crate) struct UnexecutedLines {
 impl UnexecutedLines {
     pub fn new(lines: usize) -> Self {
         Self {
-            visited: VisitedLines::new(lines),
+            visited: vec![false; lines + 1],
             text_end: None,
             calls: Vec::new(),
             line: 0,
             words: BlockWords::default(),
         }
+    }
+
+    /// Marks a line; returns whether it was unmarked.
+    #[inline]
+    pub fn mark(&mut self, line: u32) -> bool {
+        self.visited.get_mut(line as usize).is_some_and(|visited| !std::mem::replace(visited, true))
     }
 
     /// Reads at most `most` lines and passes their mistakes to `tell`; `false` when all are read. With a `library`,
@@ -68,7 +54,7 @@ impl UnexecutedLines {
                 return false;
             }
             self.line += 1;
-            if !self.visited.mark(line) {
+            if !self.mark(line) {
                 continue;
             }
             let calls = self.calls.len();
@@ -82,11 +68,8 @@ impl UnexecutedLines {
             match read {
                 Ok(false) => {}
                 Ok(true) => self.text_end = Some(line),
-                Err(stop) => {
-                    if let ReadStop::Error(wrong) = *stop {
-                        tell(locate_error(source, self.words.block_number, wrong));
-                    }
-                }
+                Err(ReadStop::Drain) => {}
+                Err(ReadStop::Error(wrong)) => tell(source.fault(self.words.block_number, *wrong)),
             }
         }
         true
@@ -98,15 +81,16 @@ pub(crate) fn check_whole_text<'a>(
     source: &'a Source,
     settings: &NcSettings,
 ) -> impl Iterator<Item = ProgramFault> + use<'a> {
-    let told = |at: usize, error: E, detail: Arg| {
-        locate_error(source, None, ErrorAt { at, error, details: [detail, Arg::None] })
-    };
+    let told =
+        |at: usize, error: E, detail: Arg| source.fault(None, ErrorAt { at, error, details: [detail, Arg::None] });
     let rules = dialect::rules(settings.dialect);
     let empty = rules
-        .required_end_code(settings)
-        .filter(|_| source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block))
+        .required_end_code
+        .filter(|_| {
+            settings.needs_block_numbers && source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block)
+        })
         .map(|end| told(0, E::EmptyProgram, end.into()));
-    let labels = rules.has_labels().then(|| source.repeated_labels()).into_iter().flatten();
+    let labels = rules.has_labels.then(|| source.repeated_labels()).into_iter().flatten();
     let labels = labels.map(move |(line, label)| {
         let text = source.bytes().get(source.line_start(line)..).unwrap_or_default();
         let upper = text.get(..text.len().min(LABEL_SEARCH_BYTES)).unwrap_or_default().to_ascii_uppercase();
@@ -133,19 +117,20 @@ fn read_line(
 ) -> ReadResult<bool> {
     let text = source.bytes();
     let mut cursor = Cursor::window(text, source.line_start(line));
-    let mut head = ReadOptions { mid_line: false, block_skip: false };
-    let mut text_end = false;
+    let (mut mid_line, mut text_end) = (false, false);
     loop {
         let at = cursor.at;
-        let content = dialect::read_block(settings.dialect, &mut cursor, &mut SyntaxOnlyScope, words, head);
+        let (scope, block_skip) = (&mut SyntaxOnlyScope, false);
+        let reader = BlockReader { cursor: &mut cursor, scope, words: &mut *words, mid_line, block_skip };
+        let content = dialect::read_block(settings.dialect, reader);
         if cursor.is_truncated(text) {
             return fail(at, E::BlockTooLong);
         }
         match content? {
             BlockContent::Words => {
                 let rules = dialect::rules(settings.dialect);
-                rules.check_unexecuted(words, &UnexecutedBlock { source, settings, at, line })?;
-                calls.extend(rules.called_program(words));
+                (rules.check_unexecuted)(words, &UnexecutedBlock { source, settings, at, line })?;
+                calls.extend((rules.called_program)(words));
             }
             BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,
             BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
@@ -157,6 +142,6 @@ fn read_line(
         if !statement::line_continues(&cursor) || cursor.at <= at {
             return Ok(text_end);
         }
-        head.mid_line = true;
+        mid_line = true;
     }
 }

@@ -1,11 +1,12 @@
 //! The words of one block in order, each with its byte position. Source: spec B1, B3 (null words are skipped).
 
 use std::cell::Cell;
+use std::ops::Deref;
 
-use super::expression::{Scope, Value, primary, whole_number};
-use super::fault::{ReadResult, fail, fail1, fail2};
+use super::expression::{Scope, Value, primary};
+use super::fault::{E, ReadResult, fail, fail1, fail2};
+use super::functions::whole_u32;
 use super::lexer::Cursor;
-use crate::defs::program_error::ProgramError as E;
 
 /// Most words of a block, without G and M.
 pub(crate) const MAX_WORDS: usize = 48;
@@ -46,6 +47,13 @@ pub(crate) struct Code {
     pub at: u32,
 }
 
+impl Code {
+    /// The code as a program writes it, with at least `width` digits.
+    pub fn name(self, letter: char, width: usize) -> String {
+        format!("{letter}{:0width$}", self.number)
+    }
+}
+
 /// A variable that the block sets, and its byte position.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Assignment {
@@ -54,21 +62,54 @@ pub(crate) struct Assignment {
     pub at: u32,
 }
 
-/// The words of one block.
+/// A list with room for `N` items.
 #[derive(Clone, Debug)]
-pub(crate) struct BlockWords {
-    list: [Word; MAX_WORDS],
+pub(crate) struct ShortList<T, const N: usize> {
+    items: [T; N],
     count: usize,
+}
+
+impl<T: Copy + Default, const N: usize> Default for ShortList<T, N> {
+    fn default() -> Self {
+        Self { items: [T::default(); N], count: 0 }
+    }
+}
+
+impl<T, const N: usize> Deref for ShortList<T, N> {
+    type Target = [T];
+
+    #[inline]
+    fn deref(&self) -> &[T] {
+        &self.items[..self.count]
+    }
+}
+
+impl<T, const N: usize> ShortList<T, N> {
+    /// Adds an item; `false` if there is no room.
+    #[inline]
+    fn push(&mut self, item: T) -> bool {
+        let Some(place) = self.items.get_mut(self.count) else { return false };
+        *place = item;
+        self.count += 1;
+        true
+    }
+}
+
+/// The words of one block.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct BlockWords {
+    /// All words except G, M and N, in order.
+    pub list: ShortList<Word, MAX_WORDS>,
     first: [u8; 26],
     mask: u32,
     nulls: u32,
     used: Cell<u32>,
-    g: [Code; MAX_G_CODES],
-    g_count: usize,
-    m: [Code; MAX_M_CODES],
-    m_count: usize,
-    assignments: [Assignment; MAX_ASSIGNMENTS],
-    assignment_count: usize,
+    /// The G codes in order.
+    pub g: ShortList<Code, MAX_G_CODES>,
+    /// The M codes in order.
+    pub m: ShortList<Code, MAX_M_CODES>,
+    /// The variables that the block sets, in order.
+    pub assignments: ShortList<Assignment, MAX_ASSIGNMENTS>,
     /// The block number.
     pub block_number: Option<u32>,
     /// Position of the first word whose address is repeated.
@@ -77,51 +118,28 @@ pub(crate) struct BlockWords {
     pub address_only: Option<u32>,
 }
 
-impl Default for BlockWords {
-    fn default() -> Self {
-        Self {
-            list: [Word::default(); MAX_WORDS],
-            count: 0,
-            first: [0; 26],
-            mask: 0,
-            nulls: 0,
-            used: Cell::new(0),
-            g: [Code::default(); MAX_G_CODES],
-            g_count: 0,
-            m: [Code::default(); MAX_M_CODES],
-            m_count: 0,
-            assignments: [Assignment::default(); MAX_ASSIGNMENTS],
-            assignment_count: 0,
-            block_number: None,
-            duplicate: None,
-            address_only: None,
-        }
-    }
-}
-
 const fn letter_bit(letter: u8) -> u32 {
     1 << (letter.wrapping_sub(b'A') & 31)
+}
+
+/// The mask of some letters.
+pub(crate) const fn letter_mask(letters: &[u8]) -> u32 {
+    let (mut mask, mut index) = (0, 0);
+    while index < letters.len() {
+        mask |= letter_bit(letters[index]);
+        index += 1;
+    }
+    mask
 }
 
 impl BlockWords {
     /// Removes all words.
     #[inline]
     pub fn clear(&mut self) {
-        self.count = 0;
-        self.mask = 0;
-        self.nulls = 0;
+        (self.list.count, self.g.count, self.m.count, self.assignments.count) = (0, 0, 0, 0);
+        (self.mask, self.nulls) = (0, 0);
         self.used.set(0);
-        self.g_count = 0;
-        self.m_count = 0;
-        self.assignment_count = 0;
-        self.block_number = None;
-        self.duplicate = None;
-        self.address_only = None;
-    }
-
-    /// All words except G, M and N, in order.
-    pub fn list(&self) -> &[Word] {
-        &self.list[..self.count]
+        (self.block_number, self.duplicate, self.address_only) = (None, None, None);
     }
 
     /// Whether a word was skipped because its variable is null.
@@ -132,46 +150,32 @@ impl BlockWords {
         self.nulls & !result != 0
     }
 
-    /// The G codes in order.
-    #[inline]
-    pub fn g(&self) -> &[Code] {
-        &self.g[..self.g_count]
-    }
-
-    /// The M codes in order.
-    #[inline]
-    pub fn m(&self) -> &[Code] {
-        &self.m[..self.m_count]
-    }
-
-    /// The variables that the block sets, in order.
-    #[inline]
-    pub fn assignments(&self) -> &[Assignment] {
-        &self.assignments[..self.assignment_count]
-    }
-
     /// Whether the block has neither words nor codes.
     pub fn is_empty(&self) -> bool {
-        self.count == 0 && self.g_count == 0 && self.m_count == 0 && self.assignment_count == 0
+        self.list.is_empty() && self.g.is_empty() && self.m.is_empty() && self.assignments.is_empty()
     }
 
     /// Adds a variable that the block sets.
     pub fn push_assignment(&mut self, set: Assignment) -> ReadResult<()> {
-        let Some(place) = self.assignments.get_mut(self.assignment_count) else {
-            return fail2(set.at as usize, E::TooManyCodes, "R", format_args!("{MAX_ASSIGNMENTS}"));
-        };
-        *place = set;
-        self.assignment_count += 1;
-        Ok(())
+        match self.assignments.push(set) {
+            true => Ok(()),
+            false => fail2(set.at as usize, E::TooManyCodes, "R", MAX_ASSIGNMENTS.to_string()),
+        }
     }
 
     /// Adds a word: G and M codes to their lists, others to the words.
     pub fn add(&mut self, word: Word) -> ReadResult<()> {
-        let value = Some(word.value);
-        match word.letter {
-            b'G' => push_code(&mut self.g, &mut self.g_count, b'G', value, word.kind, word.at),
-            b'M' => push_code(&mut self.m, &mut self.m_count, b'M', value, word.kind, word.at),
-            _ => self.push(word),
+        self.add_value(word.letter, Some(word.value), word.kind, word.at)
+    }
+
+    #[inline]
+    fn add_value(&mut self, letter: u8, value: Value, kind: ValueKind, at: u32) -> ReadResult<()> {
+        match (letter, value) {
+            (b'G', _) => push_code(&mut self.g, letter, value, kind, at),
+            (b'M', _) => push_code(&mut self.m, letter, value, kind, at),
+            (_, Some(value)) => self.push(Word { value, at, letter, kind }),
+            (_, None) if kind == ValueKind::AddressOnly => self.push(Word { value: 0.0, at, letter, kind }),
+            (_, None) => self.push(Word { value: 0.0, at, letter, kind: ValueKind::Null }),
         }
     }
 
@@ -183,7 +187,7 @@ impl BlockWords {
 
     /// Whether all letters without a value are among `letters`.
     pub fn address_only_among(&self, letters: &[u8]) -> bool {
-        self.list().iter().all(|word| word.kind != ValueKind::AddressOnly || letters.contains(&word.letter))
+        self.list.iter().all(|word| word.kind != ValueKind::AddressOnly || letters.contains(&word.letter))
     }
 
     /// Whether any letter of a mask has a value.
@@ -195,7 +199,7 @@ impl BlockWords {
     /// The word of a letter, not marked as used.
     #[inline]
     pub fn peek(&self, letter: u8) -> Option<Word> {
-        self.has(letter).then(|| self.list[usize::from(self.first[usize::from(letter - b'A')])])
+        self.has(letter).then(|| self.list.items[usize::from(self.first[usize::from(letter - b'A')])])
     }
 
     /// The word of a letter, marked as used.
@@ -217,27 +221,28 @@ impl BlockWords {
         if left == 0 {
             return None;
         }
-        self.list().iter().copied().find(|word| word.kind != ValueKind::Null && left & letter_bit(word.letter) != 0)
+        self.list.iter().copied().find(|word| word.kind != ValueKind::Null && left & letter_bit(word.letter) != 0)
     }
 
     #[inline]
     fn push(&mut self, word: Word) -> ReadResult<()> {
-        let Some(place) = self.list.get_mut(self.count) else { return fail(word.at as usize, E::BlockTooLong) };
-        *place = word;
+        let index = self.list.count as u8;
+        if !self.list.push(word) {
+            return fail(word.at as usize, E::BlockTooLong);
+        }
         if word.kind == ValueKind::Null {
             self.nulls |= letter_bit(word.letter);
         } else {
             if self.mask & letter_bit(word.letter) != 0 {
                 self.duplicate = self.duplicate.or(Some(word.at));
             } else {
-                self.first[usize::from(word.letter - b'A')] = self.count as u8;
+                self.first[usize::from(word.letter - b'A')] = index;
                 self.mask |= letter_bit(word.letter);
             }
             if word.kind == ValueKind::AddressOnly {
                 self.address_only = self.address_only.or(Some(word.at));
             }
         }
-        self.count += 1;
         Ok(())
     }
 
@@ -254,17 +259,8 @@ impl BlockWords {
             cursor.at += 1;
             let (value, kind) = word_value(cursor, scope)?;
             match letter {
-                b'G' => push_code(&mut self.g, &mut self.g_count, letter, value, kind, at)?,
-                b'M' => push_code(&mut self.m, &mut self.m_count, letter, value, kind, at)?,
                 b'N' => self.read_block_number(value, kind, at)?,
-                _ => {
-                    let (value, kind) = match value {
-                        Some(value) => (value, kind),
-                        None if kind == ValueKind::AddressOnly => (0.0, kind),
-                        None => (0.0, ValueKind::Null),
-                    };
-                    self.push(Word { value, at, letter, kind })?;
-                }
+                _ => self.add_value(letter, value, kind, at)?,
             }
         }
     }
@@ -282,9 +278,8 @@ impl BlockWords {
 }
 
 #[inline]
-fn push_code<const COUNT: usize>(
-    codes: &mut [Code; COUNT],
-    count: &mut usize,
+fn push_code<const N: usize>(
+    codes: &mut ShortList<Code, N>,
     letter: u8,
     value: Value,
     kind: ValueKind,
@@ -295,20 +290,15 @@ fn push_code<const COUNT: usize>(
         None if kind == ValueKind::AddressOnly => return fail1(at as usize, E::MissingNumber, name),
         // A G or M word from a null variable is skipped like any other word.
         None => return Ok(()),
-        Some(value) => match whole_number(value).map(u32::try_from) {
-            Some(Ok(number)) => number,
-            Some(Err(_)) | None => {
-                let error = if letter == b'G' { E::UnknownG } else { E::UnknownM };
-                return fail1(at as usize, error, format_args!("{name}{value}"));
-            }
-        },
+        Some(value) => whole_u32(value).map_or_else(
+            || fail1(at as usize, if letter == b'G' { E::UnknownG } else { E::UnknownM }, format!("{name}{value}")),
+            Ok,
+        )?,
     };
-    let Some(place) = codes.get_mut(*count) else {
-        return fail2(at as usize, E::TooManyCodes, name, format_args!("{COUNT}"));
-    };
-    *place = Code { number, at };
-    *count += 1;
-    Ok(())
+    match codes.push(Code { number, at }) {
+        true => Ok(()),
+        false => fail2(at as usize, E::TooManyCodes, name, N.to_string()),
+    }
 }
 
 /// The value after a letter: a number, `#…` or `[…]`, each with or without a sign.
@@ -317,18 +307,10 @@ fn word_value<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<(V
     if !cursor.at_number() {
         cursor.skip_blanks()?;
     }
-    let mut negative = false;
-    match cursor.peek() {
-        b'-' => {
-            negative = true;
-            cursor.at += 1;
-            cursor.skip_blanks()?;
-        }
-        b'+' => {
-            cursor.at += 1;
-            cursor.skip_blanks()?;
-        }
-        _ => {}
+    let negative = cursor.peek() == b'-';
+    if negative || cursor.peek() == b'+' {
+        cursor.at += 1;
+        cursor.skip_blanks()?;
     }
     match cursor.peek() {
         b'0'..=b'9' | b'.' => {

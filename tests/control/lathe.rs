@@ -12,7 +12,7 @@ use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::HeadlessHost;
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
-use kt830::nc::{CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, Source, check, check_with};
+use kt830::nc::{CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, ProgramCheck, Source, check};
 use kt830::units::{Axis, PerAxis};
 
 fn folders() -> Folders {
@@ -468,7 +468,8 @@ fn l9_a_million_blocks_are_checked_and_loops_do_not_grow() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let settings = NcSettings::superman();
     let mut world = OfflineMachine::new(&settings);
-    let checked = check_with(&source, &library, &settings, CommonVariables::default(), &mut world, &mut |_| {});
+    let checked =
+        ProgramCheck::new(&source, &library, &settings, CommonVariables::default()).run(&mut world, &mut |_| {});
     assert!(checked.faults.is_empty() && checked.finished);
     // 500 000 lines, 500 · 500 · 2 in the loops, M02.
     assert_eq!(checked.blocks, 1_000_001);

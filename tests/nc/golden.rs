@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use kt830::defs::kind::Dialect;
 use kt830::defs::text::Lang;
-use kt830::nc::{CheckReport, CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, Source, check_with};
+use kt830::nc::{
+    CheckReport, CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, ProgramCheck, Source,
+};
 
 /// Programs of one folder, by number.
 struct Folder(HashMap<u32, Arc<Source>>);
@@ -48,7 +50,8 @@ fn run_as(path: &Path, settings: Option<NcSettings>) -> (String, CheckReport) {
     let source = Arc::new(Source::new(1001, path.file_name().unwrap().to_string_lossy(), bytes, settings.dialect));
     let mut world = OfflineMachine::new(&settings);
     let mut ops = String::new();
-    let checked = check_with(&source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
+    let checking = ProgramCheck::new(&source, &library, &settings, CommonVariables::default());
+    let checked = checking.run(&mut world, &mut |block| {
         for op in &block.ops {
             ops.push_str(&format!("{}:{} {op}\n", block.location.program, block.location.line));
         }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use kt830::defs::kind::Dialect;
 use kt830::defs::program_number;
 use kt830::defs::text::Lang;
-use kt830::nc::{CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Source, check_with};
+use kt830::nc::{CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, ProgramCheck, Source};
 
 /// Subprograms of one folder, by number.
 struct Folder(HashMap<u32, Arc<Source>>);
@@ -39,7 +39,8 @@ fn run(source: &Arc<Source>) -> (String, CheckReport) {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(subs));
     let mut world = OfflineMachine::new(&settings);
     let mut ops = String::new();
-    let checked = check_with(source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
+    let checking = ProgramCheck::new(source, &library, &settings, CommonVariables::default());
+    let checked = checking.run(&mut world, &mut |block| {
         let name = if block.location.program == source.number() {
             source.title()
         } else {

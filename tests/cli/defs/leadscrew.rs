@@ -43,7 +43,7 @@ fn b7_a_wrong_table_is_refused_with_its_line() {
         ("0,0,inf", 1, "inf is out of range -2…2 mm"),
     ] {
         let fault = LeadscrewCompensation::parse(text).unwrap_err();
-        assert_eq!((fault.line, fault.message.en()), (line, said), "{text}");
+        assert_eq!((fault.line, &*fault.message.en()), (line, said), "{text}");
     }
     let long: String = (0..=MAX_POINTS).map(|at| format!("{at},0.01\n")).collect();
     assert_eq!(LeadscrewCompensation::parse(&long).unwrap_err().line, 101);

@@ -1,15 +1,15 @@
 //! S, T and M. Source: spec B2, B4, K3.4, K3.14, K3.15, K5.11.
 
-use super::codes::GrinderCodes;
-use super::{MAX_VALUE, integer, out_of_range};
+use super::{MAX_VALUE, integer};
 use crate::defs::mcode;
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction};
+use crate::nc::dialect::codes::{self, BlockCodes};
+use crate::nc::dialect::common::{in_range, set_speed};
+use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression::Scope;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
-use crate::nc::words::{Code, Word};
+use crate::nc::words::Code;
 
 /// Highest block number and packed P of M98.
 const MAX_BLOCK_NUMBER: u32 = 99_999_999;
@@ -49,20 +49,12 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 }
 
 /// S, unless an M code uses it.
-pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
+pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     // K3.4: M63 S drives the second analog output; G50 S is a limit.
-    if plan.is_one_shot(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
+    if plan.is_one_shot(50) || running.words.m.iter().any(|code| takes_s(code.number)) {
         return Ok(());
     }
-    let Some(word) = running.words.take(b'S') else { return Ok(()) };
-    let value = speed_value(word)?;
-    running.modals.speed = Some(value);
-    running.ops.push(Op::S { value, mode: running.modals.speed_mode });
-    Ok(())
-}
-
-fn speed_value(word: Word) -> ReadResult<f64> {
-    if (0.0..=MAX_VALUE).contains(&word.value) { Ok(word.value) } else { out_of_range("S", word, "0–99999.999") }
+    set_speed(running)
 }
 
 const fn takes_s(code: u32) -> bool {
@@ -74,29 +66,25 @@ const fn stands_alone(code: u32) -> bool {
     matches!(code, 0 | 1 | 2 | 20..=22 | 30 | 91 | 92 | 98 | 99)
 }
 
-/// Codes that act after the motion of the block.
-const fn acts_after_motion(code: u32) -> bool {
-    matches!(code, 0 | 1 | 2 | 5 | 9 | 30 | 31 | 33 | 65)
-}
-
 /// Checks the M codes, adds those that act before the motion, and returns how the program continues.
 pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     let words = running.words;
     let mut flow = FlowAction::Next;
-    for code in words.m() {
+    for code in words.m.iter() {
         if !mcode::is_known(code.number) {
             return fail1(code.at as usize, E::UnknownM, format_args!("M{}", code.number));
         }
-        if stands_alone(code.number)
-            && let Some(other) = words.m().iter().find(|other| other.at != code.at)
-        {
-            let names = [code, other].map(|code| format!("M{:02}", code.number));
-            let [first, second] = names;
-            return fail2(code.at as usize, E::NotTogether, first, second);
+        if stands_alone(code.number) {
+            codes::check_stands_alone(words, *code, 2)?;
         }
         running.modals.m_code = Some(code.number as u8);
         match code.number {
-            1 if words.has(b'L') => flow = jump_by_m01(running, *code)?,
+            // `M01 L n` continues at block n.
+            1 => {
+                if let Some(word) = words.take(b'L') {
+                    flow = FlowAction::Goto { n: integer(word, 0, MAX_BLOCK_NUMBER)?, at: word.at as usize };
+                }
+            }
             2 | 30 => flow = FlowAction::End,
             91 | 92 => flow = input_jump(running, *code)?,
             98 => flow = subprogram(running, *code)?,
@@ -104,7 +92,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
             // K4.3: M35 and M36 are misprints of G35 and G36 in the customer's text.
             35 => super::grinding::oscillation_on(running, code.at as usize)?,
             36 => running.ops.push(Op::OscillationOff),
-            number if !acts_after_motion(number) => push_m_code(running, *code)?,
+            number if !codes::acts_after_motion(number) => push_m_code(running, *code)?,
             _ => {}
         }
     }
@@ -114,9 +102,9 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
 /// Adds the M codes that act after the motion.
 pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let words = running.words;
-    for code in words.m() {
+    for code in words.m.iter() {
         let jumps = code.number == 1 && words.has(b'L');
-        if acts_after_motion(code.number) && !jumps {
+        if codes::acts_after_motion(code.number) && !jumps {
             push_m_code(running, *code)?;
         }
     }
@@ -126,7 +114,11 @@ pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<()>
 fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
     let number = code.number;
-    let s = if takes_s(number) { words.take(b'S').map(speed_value).transpose()? } else { None };
+    let s = if takes_s(number) {
+        words.take(b'S').map(|word| in_range(word, (0.0, MAX_VALUE), "")).transpose()?
+    } else {
+        None
+    };
     let (mut p, mut l) = (None, None);
     if (20..=22).contains(&number) {
         let name = || format!("M{number}");
@@ -135,22 +127,11 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()>
         if number == 20 {
             // B4: a pulse of L milliseconds.
             let Some(millis) = words.take(b'L') else { return fail2(code.at as usize, E::MissingWord, name(), "L") };
-            if !(0.0..=MAX_VALUE).contains(&millis.value) {
-                return out_of_range("L", millis, "0–99999.999");
-            }
-            l = Some(millis.value);
+            l = Some(in_range(millis, (0.0, MAX_VALUE), "")?);
         }
     }
     running.ops.push(Op::M { code: number as u8, s, p, l });
     Ok(())
-}
-
-/// `M01 L n`: continues at block n.
-fn jump_by_m01(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
-    match running.words.take(b'L') {
-        Some(word) => Ok(FlowAction::Goto { n: integer(word, 0, MAX_BLOCK_NUMBER)?, at: word.at as usize }),
-        None => fail2(code.at as usize, E::MissingWord, "M01", "L"),
-    }
 }
 
 /// `M91 P<in> L<block>` jumps if the input is active (low), `M92` if not; without L: P is the block.

@@ -1,11 +1,10 @@
 //! G65 and G66 with their arguments. Source: spec B3.
 
 use super::auxiliary::MAX_REPEATS;
-use super::codes::GrinderCodes;
 use super::{integer, macro_a};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction};
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::dialect::codes::BlockCodes;
+use crate::nc::dialect::rules::{BlockContext, FlowAction};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, Callee, Locals, ModalCall};
 use crate::nc::words::{ValueKind, Word};
 
@@ -13,23 +12,21 @@ use crate::nc::words::{ValueKind, Word};
 const MAX_IJK_SETS: usize = 10;
 
 /// G65 and G66 calls, and G65 with H (calculation).
-pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<FlowAction> {
+pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     let words = running.words;
     let (code, name) = match (plan.one_shot, plan.modal_call) {
         (Some(once), Some(call)) => {
-            let names = [once, call].map(|code| format!("G{:02}", code.number));
-            let [first, second] = names;
-            return fail2(call.at as usize, E::NotTogether, first, second);
+            return fail2(call.at as usize, E::NotTogether, once.name('G', 2), call.name('G', 2));
         }
         (Some(once), None) => (once, "G65"),
         (None, Some(call)) => (call, "G66"),
         (None, None) => return Ok(FlowAction::Next),
     };
-    if let Some(m) = words.m().get(1) {
+    if let Some(m) = words.m.get(1) {
         return fail1(m.at as usize, E::DoubleWord, "M");
     }
-    if let Some(other) = words.g().iter().find(|other| other.at != code.at) {
-        return fail2(other.at as usize, E::NotTogether, name, format_args!("G{:02}", other.number));
+    if let Some(other) = words.g.iter().find(|other| other.at != code.at) {
+        return fail2(other.at as usize, E::NotTogether, name, other.name('G', 2));
     }
     if name == "G65" && is_macro_a_call(running) {
         words.mark_all_used();
@@ -38,8 +35,8 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes
     let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name, "P") };
     let program = integer(p, 1, 9_999)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
-    let mut arguments = Box::new(arguments(words.list())?);
-    if let Some(m) = words.m().first() {
+    let mut arguments = Box::new(arguments(&words.list)?);
+    if let Some(m) = words.m.first() {
         arguments[12] = Some(f64::from(m.number));
     }
     words.mark_all_used();
@@ -54,10 +51,10 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes
 /// and is a plain number, and H is no jump or alarm, which use a plain number.
 fn is_macro_a_call(running: &BlockContext<'_, '_>) -> bool {
     let words = running.words;
-    let find = |letter| words.list().iter().find(|word| word.letter == letter);
+    let find = |letter| words.list.iter().find(|word| word.letter == letter);
     let Some(h) = find(b'H') else { return false };
     let own = |word: &Word| matches!(word.letter, b'H' | b'P' | b'Q' | b'R' | b'O');
-    if !(words.m().is_empty() && words.list().iter().all(own)) {
+    if !(words.m.is_empty() && words.list.iter().all(own)) {
         return false;
     }
     let takes_number = (80.0..=86.0).contains(&h.value) || (99.0..100.0).contains(&h.value);
@@ -115,31 +112,11 @@ fn arguments(words: &[Word]) -> ReadResult<Locals> {
     Ok(locals)
 }
 
-const fn argument_variable(letter: u8) -> Option<usize> {
-    Some(match letter {
-        b'A' => 1,
-        b'B' => 2,
-        b'C' => 3,
-        b'I' => 4,
-        b'J' => 5,
-        b'K' => 6,
-        b'D' => 7,
-        b'E' => 8,
-        b'F' => 9,
-        b'H' => 11,
-        b'M' => 13,
-        b'Q' => 17,
-        b'R' => 18,
-        b'S' => 19,
-        b'T' => 20,
-        b'U' => 21,
-        b'V' => 22,
-        b'W' => 23,
-        b'X' => 24,
-        b'Y' => 25,
-        b'Z' => 26,
-        _ => return None,
-    })
+/// The letters of the arguments #1 to #26; a point where there is none.
+const ARGUMENT_LETTERS: &[u8; 26] = b"ABCIJKDEF.H.M...QRSTUVWXYZ";
+
+fn argument_variable(letter: u8) -> Option<usize> {
+    ARGUMENT_LETTERS.iter().position(|argument| *argument == letter).map(|index| index + 1)
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The grinding functions: G10 wear, G27 dressing point, G35/G36 oscillation, G78 gauge positioning. Source: spec K4.
 
+use super::coordinates::axis_value;
 use super::{MAX_VALUE, axis_letters, integer, length_mm, out_of_range};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::BlockContext;
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::dialect::rules::BlockContext;
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, GaugeMove, Op};
 use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis};
@@ -22,7 +22,7 @@ pub(super) fn add_wear(running: &mut BlockContext<'_, '_>, at: usize) -> ReadRes
         let [_, incremental] = axis_letters(axis);
         let Some(word) = words.take(incremental) else { continue };
         named = true;
-        by[axis] = coordinate(running, axis, word)?;
+        by[axis] = axis_value(running, axis, word)?;
     }
     if !named {
         return fail2(at, E::MissingWord, "G10", "U / W");
@@ -68,11 +68,10 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> R
         let (first, other) = (axis.letter().to_string(), other.letter().to_string());
         return fail2(second.at as usize, E::NotTogether, first, other);
     }
-    let to = coordinate(running, axis, word)?;
+    let to = axis_value(running, axis, word)?;
     // K4.3: values below the minimum are raised to it, with a message, when the oscillation starts.
     let bounded = |word: Word| {
-        let name = char::from(word.letter);
-        if word.value <= MAX_VALUE { Ok(word.value) } else { out_of_range(name, word, "≤99999.999") }
+        if word.value <= MAX_VALUE { Ok(word.value) } else { out_of_range(word, "≤99999.999") }
     };
     let ramp_ms = words.take(b'D').map(bounded).transpose()?;
     let strokes_min = words.take(b'Q').map(bounded).transpose()?;
@@ -91,7 +90,7 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
         (Some(_), Some(word)) => return fail2(word.at as usize, E::NotTogether, "Z", "Y"),
         (None, None) => return missing("Z"),
     };
-    let to = coordinate(running, axis, word)?;
+    let to = axis_value(running, axis, word)?;
     let Some(fast) = words.take(b'F') else { return missing("F") };
     let Some(fine) = words.take(b'J') else { return missing("J") };
     let Some(first) = words.take(b'P') else { return missing("P") };
@@ -101,7 +100,7 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
     let retract = words.take(b'L').map(|word| length_mm(running, word).map(|mm| (word, mm))).transpose()?;
     let retract_mm = match retract {
         Some((word, mm)) if mm < 0.0 || second.is_none() && mm <= 0.0 => {
-            return out_of_range("L", word, "> 0");
+            return out_of_range(word, "> 0");
         }
         Some((_, mm)) => mm,
         // A single contact is approached twice, so a retract is required.
@@ -120,20 +119,11 @@ pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadR
     Ok(())
 }
 
-/// A coordinate or distance of an axis, radius mm.
-fn coordinate(running: &BlockContext<'_, '_>, axis: Axis, word: Word) -> ReadResult<f64> {
-    if !running.settings.axes[axis] {
-        return fail1(word.at as usize, E::NoAxis, axis.letter());
-    }
-    let value = length_mm(running, word)?;
-    Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
-}
-
 /// A feed word, mm/min.
 fn feed_word(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let unit = if running.modals.inch { crate::units::MM_PER_INCH } else { 1.0 };
     if word.value <= 0.0 || word.value > MAX_VALUE {
-        return out_of_range(char::from(word.letter), word, "0–99999.999");
+        return out_of_range(word, "0–99999.999");
     }
     Ok(word.value * unit)
 }

@@ -6,15 +6,13 @@ use crate::nc::source_index::{
 use crate::nc::statement;
 
 /// Indexes a text.
-pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
+pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
     let (mut index, mut open) = (SourceIndex::default(), OpenLoops::default());
     let divided = lines.text.contains(&b';');
     for (_, start, line) in lines.iter() {
         let (n, rest) = block_head(line, true);
         open.closed = None;
-        if let Some(n) = n {
-            index.block_numbers.push((n, start as u32));
-        }
+        index.block_numbers.extend(n.map(|n| (n, start as u32)));
         let end = start + line.len();
         if matches!(rest.first(), Some(b'W' | b'w' | b'E' | b'e')) {
             open.visit_block(&mut index.while_loops, rest, start, end);
@@ -39,9 +37,7 @@ fn index_rest_of_line(index: &mut SourceIndex, text: &[u8], start: usize, open: 
             end.after = next as u32;
         }
         let (n, rest) = block_head(&text[next..], true);
-        if let Some(n) = n {
-            index.inner_block_numbers.push((n, next as u32));
-        }
+        index.inner_block_numbers.extend(n.map(|n| (n, next as u32)));
         open.visit_block(&mut index.while_loops, rest, next, text.len());
         at = next;
     }

@@ -1,11 +1,10 @@
 //! Macro A: calculation by `G65 Hm P#i Q#j R#k`. Source: spec B3.
 
 use super::integer;
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction};
-use crate::nc::expression::{self, equal, whole_number};
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
-use crate::nc::functions::{from_bcd, sin_degrees, square_root, to_bcd};
+use crate::nc::dialect::rules::{BlockContext, FlowAction};
+use crate::nc::expression;
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::functions::{Comparison, from_bcd, sin_degrees, square_root, to_bcd, whole_number};
 use crate::nc::lexer::Cursor;
 use crate::nc::op::Op;
 use crate::nc::words::Word;
@@ -21,7 +20,7 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowActi
     }
     let Some(h) = words.take(b'H') else { return Ok(FlowAction::Next) };
     let code = integer(h, 0, 99)?;
-    let extra = words.list().iter().find(|word| !matches!(word.letter, b'H' | b'P' | b'Q' | b'R' | b'O'));
+    let extra = words.list.iter().find(|word| !matches!(word.letter, b'H' | b'P' | b'Q' | b'R' | b'O'));
     if let Some(extra) = extra {
         return fail1(extra.at as usize, E::UnknownWord, char::from(extra.letter));
     }
@@ -41,21 +40,16 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowActi
     }
 }
 
+/// The conditions of H81 to H86. H80 jumps always.
+const COMPARISONS: [Comparison; 6] =
+    [Comparison::Eq, Comparison::Ne, Comparison::Gt, Comparison::Lt, Comparison::Ge, Comparison::Le];
+
 fn conditional_jump(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<FlowAction> {
     let p = required_word(running, h, b'P')?;
     let n = integer(p, 0, MAX_BLOCK_NUMBER)?;
-    let jumps = if code == 80 {
-        true
-    } else {
-        let (q, r) = (operand_value(running, h, b'Q')?, operand_value(running, h, b'R')?);
-        match code {
-            81 => equal(q, r),
-            82 => !equal(q, r),
-            83 => q > r && !equal(q, r),
-            84 => q < r && !equal(q, r),
-            85 => q > r || equal(q, r),
-            _ => q < r || equal(q, r),
-        }
+    let jumps = match COMPARISONS.get((code as usize).wrapping_sub(81)) {
+        Some(compare) => compare.holds(operand_value(running, h, b'Q')?, operand_value(running, h, b'R')?),
+        None => true,
     };
     Ok(if jumps { FlowAction::Goto { n, at: p.at as usize } } else { FlowAction::Next })
 }
@@ -90,7 +84,7 @@ fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f
         23 => q()? % by(r()?)?,
         24 => domain(from_bcd(q()?), q()?)?,
         25 => domain(to_bcd(q()?), q()?)?,
-        26 => result_value(running, h)? * q()? / by(r()?)?,
+        26 => operand_value(running, h, b'P')? * q()? / by(r()?)?,
         27 => q()?.hypot(r()?),
         31 => q()? * sin_degrees(r()?),
         32 => q()? * sin_degrees(r()? + 90.0),
@@ -101,39 +95,32 @@ fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f
     if value.is_finite() { Ok(value) } else { fail(at, E::Overflow) }
 }
 
-fn required_word(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadResult<Word> {
-    match running.words.peek(letter) {
-        Some(word) => Ok(word),
-        None => fail2(h.at as usize, E::MissingWord, format_args!("G65 H{:02}", h.value), char::from(letter)),
-    }
+fn missing_word<T>(h: Word, letter: u8) -> ReadResult<T> {
+    fail2(h.at as usize, E::MissingWord, format!("G65 H{:02}", h.value), char::from(letter))
 }
 
-/// The value of Q or R; null counts as 0.
+fn required_word(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadResult<Word> {
+    running.words.peek(letter).map_or_else(|| missing_word(h, letter), Ok)
+}
+
+/// The word of a letter, also from a null variable: its value is then 0.
+fn null_or_word(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadResult<Word> {
+    let found = running.words.list.iter().find(|word| word.letter == letter);
+    found.copied().map_or_else(|| missing_word(h, letter), Ok)
+}
+
+/// The value of Q, R or (for H26) P; null counts as 0.
 fn operand_value(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadResult<f64> {
-    match running.words.list().iter().find(|word| word.letter == letter) {
-        Some(word) => Ok(word.value),
-        None => required_word(running, h, letter).map(|word| word.value),
-    }
+    null_or_word(running, h, letter).map(|word| word.value)
 }
 
 /// The result variable `P#i`: its number is read again from the text, as the word holds its value.
 fn result_variable(running: &mut BlockContext<'_, '_>, h: Word) -> ReadResult<(u32, usize)> {
-    let Some(word) = running.words.list().iter().find(|word| word.letter == b'P') else {
-        return fail2(h.at as usize, E::MissingWord, format_args!("G65 H{:02}", h.value), "P");
-    };
-    let at = word.at as usize;
+    let at = null_or_word(running, h, b'P')?.at as usize;
     let mut cursor = Cursor::window(running.text, at + 1);
     cursor.skip_blanks()?;
     if cursor.peek() != b'#' {
         return fail1(at, E::BadStatement, "P#i");
     }
     Ok((expression::variable_number(&mut cursor, running.scope)?, at))
-}
-
-/// The present value of P, for H26.
-fn result_value(running: &BlockContext<'_, '_>, h: Word) -> ReadResult<f64> {
-    match running.words.list().iter().find(|word| word.letter == b'P') {
-        Some(word) => Ok(word.value),
-        None => required_word(running, h, b'P').map(|word| word.value),
-    }
 }

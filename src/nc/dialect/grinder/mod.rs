@@ -6,65 +6,103 @@
 mod auxiliary;
 mod calls;
 mod codes;
-mod cycle;
+mod coordinates;
+mod cycles;
 mod grinding;
-pub(super) mod index;
+mod index;
 mod macro_a;
 mod motion;
-mod repetitive;
-mod rules;
 
-use self::codes::GrinderCodes;
-pub(crate) use self::repetitive::RepetitiveCycleState;
-pub(super) use self::rules::GrinderRules;
+use super::codes::BlockCodes;
 use super::common::{self, MAX_VALUE, out_of_range};
-use super::{BlockContext, FlowAction};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{ReadResult, fail1};
-use crate::nc::op::{Op, PathMode};
-use crate::nc::words::{BlockWords, ValueKind, Word};
-use crate::units::{Axis, MM_PER_INCH};
+use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
+use crate::defs::kind::Dialect;
+use crate::nc::fault::{E, ReadResult, fail1};
+use crate::nc::flow::{CallLimit, Callee};
+use crate::nc::modal::ModalCodes;
+use crate::nc::op::Op;
+use crate::nc::settings::NcSettings;
+use crate::nc::words::{BlockWords, ValueKind, Word, letter_mask};
+use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
-/// The letters X Y Z U V W.
-const AXIS_WORDS: u32 = 1 << (b'X' - b'A')
-    | 1 << (b'Y' - b'A')
-    | 1 << (b'Z' - b'A')
-    | 1 << (b'U' - b'A')
-    | 1 << (b'V' - b'A')
-    | 1 << (b'W' - b'A');
+/// GC: lathe system A. With `MILL`, GS and GA: modal G90 and G91, three axes in radius.
+pub(super) struct Grinder<const MILL: bool>;
 
-/// Executes a block of words.
-fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-    let plan = codes::read_g_codes(running)?;
-    if let Some(at) = running.words.address_only
-        && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
-    {
-        return missing_number(running, at);
+impl<const MILL: bool> DialectRules for Grinder<MILL> {
+    const ROW: DialectRow = DialectRow {
+        settings: || match MILL {
+            false => NcSettings::two_axes(Dialect::LatheA),
+            true => NcSettings { diameter: false, axes: PerAxis([true; 3]), ..NcSettings::two_axes(Dialect::Mill) },
+        },
+        modal_codes: ModalCodes { distance_is_modal: MILL, ..ModalCodes::SYSTEM_A },
+        index: index::index,
+        check_unexecuted,
+        called_program: |_| None,
+        call_in_text,
+        call_text: |program| Some(format!("M98 P{program}")),
+        new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
+        call_limit: |callee| match callee {
+            Callee::Macro(_) => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },
+            Callee::Sub => CallLimit { depth: SUB_DEPTH, name: "M98" },
+        },
+        preflight_scope: PreflightScope::Unsupported,
+        required_end_code: None,
+        has_labels: false,
+        has_macros: true,
+    };
+
+    #[inline]
+    fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+        let plan = codes::read_g_codes(running)?;
+        if let Some(at) = running.words.address_only
+            && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
+        {
+            return missing_number(running, at);
+        }
+        // Its words are arguments.
+        if plan.is_one_shot(65) || plan.modal_call.is_some_and(|call| call.number == 66) {
+            return calls::macro_call(running, &plan);
+        }
+        common::refuse_duplicate_address(running)?;
+        running.words.take(b'O');
+        apply_modes(running, &plan)?;
+        running.words.take(b'T');
+        if running.second_half {
+            return execute_remainder(running, &plan);
+        }
+        auxiliary::tool_call(running)?;
+        if !changes_coordinates(running, &plan) {
+            return execute_remainder(running, &plan);
+        }
+        common::split_block(running, |running| execute_remainder(running, &plan))
     }
-    if plan.is_macro_call() {
-        return calls::macro_call(running, &plan);
-    }
-    common::refuse_duplicate_address(running)?;
-    running.words.take(b'O');
-    apply_modes(running, &plan)?;
-    running.words.take(b'T');
-    if running.second_half {
-        return execute_remainder(running, &plan);
-    }
-    auxiliary::tool_call(running)?;
-    if !changes_coordinates(running, &plan) {
-        return execute_remainder(running, &plan);
-    }
-    common::split_block(running, |running| execute_remainder(running, &plan))
 }
 
+/// Deepest nesting of M98, and of G65 and G66.
+const SUB_DEPTH: usize = 4;
+const MACRO_DEPTH: usize = 4;
+
+/// The program that a line calls.
+fn call_in_text(code: &str) -> Option<u32> {
+    let calls = ["M98", "G65", "G66"].iter().any(|word| code.contains(word));
+    let calculates = code.contains("G65") && code.contains('H');
+    let behind = code.split('P').nth(1).filter(|_| calls && !calculates)?;
+    let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
+    let number = behind[..digits].parse::<u32>().unwrap_or(0);
+    // B3: P may hold a repeat count before the four digits of the number.
+    (1..=8).contains(&digits).then_some(number % 10_000)
+}
+
+/// The letters X Y Z U V W.
+const AXIS_WORDS: u32 = letter_mask(b"XYZUVW");
+
 /// Executes what follows the modes, the work offset and the tool.
-fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<FlowAction> {
+fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     auxiliary::spindle_speed(running, plan)?;
     let mut flow = auxiliary::before_motion(running)?;
     match plan.one_shot.map(|once| once.number) {
-        Some(code) if repetitive::is_contour_cycle(code) => {
-            if let Some(cycle) = repetitive::contour_cycle(running, code)? {
+        Some(code) if cycles::is_contour_cycle(code) => {
+            if let Some(cycle) = cycles::contour_cycle(running, code)? {
                 flow = FlowAction::Contour(cycle);
             }
         }
@@ -84,50 +122,50 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) ->
 }
 
 /// Checks the codes of a block that is not executed.
-fn check_unexecuted(words: &BlockWords, mill: bool) -> ReadResult<()> {
-    for code in words.g() {
-        codes::look_up(*code, mill)?;
+fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
+    for code in words.g.iter() {
+        codes::look_up(*code, block.settings.is_mill())?;
     }
-    match words.m().iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
-        Some(code) => fail1(code.at as usize, E::UnknownM, format_args!("M{}", code.number)),
+    match words.m.iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
+        Some(code) => fail1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
         None => Ok(()),
     }
 }
 
 /// Sets feed, path mode and work offset.
 #[inline]
-fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
+fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     // The F of G27 and G78 is not modal.
     if !(plan.is_one_shot(27) || plan.is_one_shot(78)) {
         let mm = if running.modals.inch { MM_PER_INCH } else { 1.0 };
         common::set_feed(running, mm)?;
     }
-    common::push_modes(running, common::ModeChanges { path: plan.path_mode, frame: plan.work_offset });
+    plan.push_modes(running);
     Ok(())
 }
 
 /// Whether the block changes its work offset or tool offset and also moves.
 #[inline]
-fn changes_coordinates(running: &BlockContext<'_, '_>, plan: &GrinderCodes) -> bool {
+fn changes_coordinates(running: &BlockContext<'_, '_>, plan: &BlockCodes) -> bool {
     let moves = running.words.has_any(AXIS_WORDS) && !plan.is_one_shot(4);
     moves && !plan.is_one_shot(10) && (plan.work_offset || running.words.has(b'T'))
 }
 
-fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
+fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     match plan.one_shot.map(|once| once.number) {
         // M35 has used the axis words.
-        None if running.words.m().iter().any(|code| code.number == 35) => Ok(()),
+        None if running.words.m.iter().any(|code| code.number == 35) => Ok(()),
         None => motion::modal_move(running, plan),
         Some(4) => motion::dwell(running),
-        Some(10) => grinding::add_wear(running, motion::code_offset(running, 10)),
+        Some(10) => grinding::add_wear(running, coordinates::code_offset(running, 10)),
         Some(27) => grinding::dress_return(running),
-        Some(35) => grinding::oscillation_on(running, motion::code_offset(running, 35)),
+        Some(35) => grinding::oscillation_on(running, coordinates::code_offset(running, 35)),
         Some(36) => {
             running.ops.push(Op::OscillationOff);
             Ok(())
         }
-        Some(code @ (74 | 75)) => repetitive::grooving_cycle(running, code),
-        Some(78) => grinding::gauge_move(running, motion::code_offset(running, 78)),
+        Some(code @ (74 | 75)) => cycles::grooving_cycle(running, code),
+        Some(78) => grinding::gauge_move(running, coordinates::code_offset(running, 78)),
         Some(code @ (28 | 30)) => motion::return_to_reference(running, code),
         Some(31) => motion::skip(running),
         Some(50) => motion::set_coordinate_system(running),
@@ -149,7 +187,7 @@ fn length_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
         value *= MM_PER_INCH;
     }
     if value.abs() > MAX_VALUE {
-        return out_of_range(char::from(word.letter), word, "±99999.999");
+        return out_of_range(word, "±99999.999");
     }
     Ok(value)
 }
@@ -161,16 +199,16 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 
 #[cold]
 fn missing_number<T>(running: &BlockContext<'_, '_>, at: u32) -> ReadResult<T> {
-    fail1(at as usize, E::MissingNumber, common::letter_at(running, at))
+    fail1(at as usize, E::MissingNumber, common::letter_at(running.text, at))
 }
 
 /// Reports an unknown word, or an axis word that the one-shot function does not use.
 #[cold]
-fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &GrinderCodes, word: Word) -> ReadResult<T> {
-    if Axis::ALL.into_iter().any(|axis| axis_letters(axis).contains(&word.letter))
+fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &BlockCodes, word: Word) -> ReadResult<T> {
+    if AXIS_WORDS & letter_mask(&[word.letter]) != 0
         && let Some(once) = plan.one_shot
     {
-        return fail1(word.at as usize, E::AxisUnused, format_args!("G{:02}", once.number));
+        return fail1(word.at as usize, E::AxisUnused, once.name('G', 2));
     }
     common::unknown_word(running.text, word)
 }
@@ -183,8 +221,4 @@ const fn axis_letters(axis: Axis) -> [u8; 2] {
         Axis::Y => [b'Y', b'V'],
         Axis::Z => [b'Z', b'W'],
     }
-}
-
-const fn continuous_path(tolerance_mm: f64) -> PathMode {
-    PathMode::Continuous { tolerance_mm }
 }

@@ -2,18 +2,13 @@
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
 use super::index::identifier;
-use super::read::unexpected;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable_name;
-use crate::nc::expression::{CoordinateFrame, Scope, whole_number};
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
-use crate::nc::functions::FUNCTIONS;
+use crate::nc::expression::{CoordinateFrame, Scope, enter, finite, function_value, signs};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::functions::{FUNCTIONS, whole_u32};
 use crate::nc::lexer::Cursor;
 use crate::nc::words::Assignment;
 use crate::units::Axis;
-
-/// Deepest nesting of brackets and signs.
-const MAX_DEPTH: usize = 32;
 
 /// SINUMERIK function names, and the same functions in `FUNCTIONS`.
 const FUNCTION_NAMES: [(&str, &str); 11] = [
@@ -45,6 +40,23 @@ pub(super) fn skip_blanks(cursor: &mut Cursor<'_>) {
     }
 }
 
+/// Skips a keyword if it is next and no further letter or digit follows; returns whether it was.
+pub(super) fn accept_keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
+    let found = identifier(&cursor.text[cursor.at.min(cursor.text.len())..]);
+    let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
+    cursor.at += if found { word.len() } else { 0 };
+    found
+}
+
+/// The error for an unexpected byte. Round brackets are not comments here.
+#[cold]
+pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
+    match cursor.peek() {
+        b'(' | b')' => fail(cursor.at, E::UnbalancedRound),
+        _ => cursor.unexpected(),
+    }
+}
+
 /// Evaluates the expression at the cursor.
 pub(super) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<f64> {
     evaluate_with(cursor, scope, &[])
@@ -73,60 +85,45 @@ struct SinumerikExpressionParser<'r, 'a, S> {
 
 impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
     fn sum(&mut self) -> ReadResult<f64> {
-        let mut left = self.product()?;
-        loop {
-            skip_blanks(self.cursor);
-            let at = self.cursor.at;
-            let minus = match self.cursor.peek() {
-                b'+' => false,
-                b'-' => true,
-                _ => return Ok(left),
-            };
-            self.cursor.at += 1;
-            let right = self.product()?;
-            left = self.check_finite(if minus { left - right } else { left + right }, at)?;
-        }
+        self.chain::<false>()
     }
 
-    fn product(&mut self) -> ReadResult<f64> {
-        let mut left = self.sign()?;
+    /// Operators of one precedence, from the left: `TIGHT` are `* / DIV MOD`, the others `+ −`.
+    fn chain<const TIGHT: bool>(&mut self) -> ReadResult<f64> {
+        let mut left = self.operand::<TIGHT>()?;
         loop {
             skip_blanks(self.cursor);
             let at = self.cursor.at;
-            let act: fn(f64, f64) -> f64 = match self.cursor.peek() {
-                b'*' => |a, b| a * b,
-                b'/' => |a, b| a / b,
-                _ if self.accept_keyword("DIV") => |a, b| (a / b).trunc(),
-                _ if self.accept_keyword("MOD") => |a, b| a % b,
+            let act: fn(f64, f64) -> f64 = match (TIGHT, self.cursor.peek()) {
+                (false, b'+') => |a, b| a + b,
+                (false, b'-') => |a, b| a - b,
+                (true, b'*') => |a, b| a * b,
+                (true, b'/') => |a, b| a / b,
+                (true, _) if accept_keyword(self.cursor, "DIV") => |a, b| (a / b).trunc(),
+                (true, _) if accept_keyword(self.cursor, "MOD") => |a, b| a % b,
                 _ => return Ok(left),
             };
-            let divides = self.cursor.text.get(at) != Some(&b'*');
+            let divides = TIGHT && self.cursor.text.get(at) != Some(&b'*');
             self.cursor.at += usize::from(self.cursor.at == at);
-            let right = self.sign()?;
+            let right = self.operand::<TIGHT>()?;
             left = match (divides && right.abs() <= 0.0, S::HAS_VALUES) {
                 (true, true) => return fail(at, E::DivisionByZero),
                 (true, false) => 0.0,
-                (false, _) => self.check_finite(act(left, right), at)?,
+                (false, _) => finite::<S>(act(left, right), at)?,
             };
         }
     }
 
-    fn sign(&mut self) -> ReadResult<f64> {
-        skip_blanks(self.cursor);
-        let mut negative = false;
-        for _ in 0..MAX_DEPTH {
-            match self.cursor.peek() {
-                b'-' => negative = !negative,
-                b'+' => {}
-                _ => {
-                    let value = self.factor()?;
-                    return Ok(if negative { -value } else { value });
-                }
-            }
-            self.cursor.at += 1;
-            skip_blanks(self.cursor);
+    fn operand<const TIGHT: bool>(&mut self) -> ReadResult<f64> {
+        if !TIGHT {
+            return self.chain::<true>();
         }
-        fail(self.cursor.at, E::TooComplex)
+        let negative = signs(self.cursor, |cursor| {
+            skip_blanks(cursor);
+            Ok(())
+        })?;
+        let value = self.factor()?;
+        Ok(if negative { -value } else { value })
     }
 
     fn factor(&mut self) -> ReadResult<f64> {
@@ -158,7 +155,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         if !self.cursor.accept(b'(') {
             return fail(open, E::UnbalancedRound);
         }
-        self.enter_bracket(open)?;
+        enter(&mut self.depth, open)?;
         let value = self.sum()?;
         self.depth -= 1;
         self.close(open)?;
@@ -186,11 +183,6 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         }
     }
 
-    fn enter_bracket(&mut self, at: usize) -> ReadResult<()> {
-        self.depth += 1;
-        if self.depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
-    }
-
     fn parameter_number(&mut self) -> ReadResult<u32> {
         let at = self.cursor.at;
         self.cursor.at += 1;
@@ -204,7 +196,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             }
             b'[' => {
                 self.cursor.at += 1;
-                self.enter_bracket(at)?;
+                enter(&mut self.depth, at)?;
                 let value = self.sum()?;
                 self.depth -= 1;
                 skip_blanks(self.cursor);
@@ -219,9 +211,8 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             }
             _ => return fail1(at, E::MissingNumber, "R"),
         };
-        let number =
-            whole_number(index).and_then(|index| u32::try_from(index).ok()).and_then(variable_name::variable_of_r);
-        number.map_or_else(|| fail1(at, E::BadRParameter, format_args!("R{index}")), Ok)
+        let number = whole_u32(index).and_then(variable_name::variable_of_r);
+        number.map_or_else(|| fail1(at, E::BadRParameter, format!("R{index}")), Ok)
     }
 
     /// `$AA_IW[X]`, `$AA_IM[X]`.
@@ -254,24 +245,16 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         Ok(self.scope.axis_position(axis, frame, place)?.unwrap_or(0.0))
     }
 
-    /// Skips a word if it is next and no further letter or digit follows; returns whether it was.
-    fn accept_keyword(&mut self, word: &str) -> bool {
-        let found = identifier(&self.cursor.text[self.cursor.at.min(self.cursor.text.len())..]);
-        let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
-        self.cursor.at += if found { word.len() } else { 0 };
-        found
-    }
-
     fn function(&mut self) -> ReadResult<f64> {
         let at = self.cursor.at;
-        if self.accept_keyword("POT") {
+        if accept_keyword(self.cursor, "POT") {
             let value = self.argument("POT", at)?;
-            return self.check_finite(value * value, at);
+            return finite::<S>(value * value, at);
         }
-        if self.accept_keyword("ATAN2") {
+        if accept_keyword(self.cursor, "ATAN2") {
             return self.arc_tangent(at);
         }
-        let found = FUNCTION_NAMES.into_iter().find(|(name, _)| self.accept_keyword(name));
+        let found = FUNCTION_NAMES.into_iter().find(|(name, _)| accept_keyword(self.cursor, name));
         let act = found.and_then(|(_, name)| FUNCTIONS.into_iter().find(|(other, _)| *other == name));
         let (Some((shown, _)), Some((_, act))) = (found, act) else {
             let word = identifier(&self.cursor.text[at..]).unwrap_or(&self.cursor.text[at..=at]);
@@ -288,11 +271,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             };
         };
         let argument = self.argument(shown, at)?;
-        match act(argument) {
-            Some(value) => self.check_finite(value, at),
-            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, shown, format_args!("{argument}")),
-            None => Ok(0.0),
-        }
+        function_value::<S>(act(argument), shown, argument, at)
     }
 
     /// `ATAN2(y, x)`, degrees from the first axis.
@@ -302,7 +281,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         if !self.cursor.accept(b'(') {
             return fail2(at, E::MissingWord, "ATAN2", "(y, x)");
         }
-        self.enter_bracket(open)?;
+        enter(&mut self.depth, open)?;
         let y = self.sum()?;
         skip_blanks(self.cursor);
         if !self.cursor.accept(b',') {
@@ -316,9 +295,5 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         self.depth -= 1;
         self.close(open)?;
         Ok(y.atan2(x).to_degrees())
-    }
-
-    fn check_finite(&self, value: f64, at: usize) -> ReadResult<f64> {
-        if value.is_finite() || !S::HAS_VALUES { Ok(value) } else { fail(at, E::Overflow) }
     }
 }

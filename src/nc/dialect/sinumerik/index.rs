@@ -3,7 +3,7 @@
 use crate::nc::source_index::{SourceIndex, TextLines, block_head};
 
 /// Indexes a text.
-pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
+pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
     let mut index = SourceIndex::default();
     for (line, _, text) in lines.iter() {
         if let Some(name) = leading_label(block_head(text, false).1) {

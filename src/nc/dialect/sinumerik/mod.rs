@@ -7,36 +7,86 @@
 
 mod codes;
 mod expression;
-pub(super) mod index;
+mod index;
 mod motion;
 mod read;
-mod rules;
 
-pub(super) use self::rules::SinumerikRules;
-
-use self::codes::SinumerikCodes;
-use super::common::{self, MAX_VALUE};
-use super::{BlockContext, FlowAction};
+use super::codes::{self as shared_codes, BlockCodes};
+use super::common;
+use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::program_number::{self, L_MAX};
-use crate::nc::fault::{ReadResult, fail1, fail2};
-use crate::nc::flow::{Call, Callee};
+use crate::nc::expression::Scope;
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
+use crate::nc::flow::{Call, CallLimit, Callee};
+use crate::nc::functions::whole_u32;
+use crate::nc::modal::ModalCodes;
 use crate::nc::op::Op;
+use crate::nc::settings::NcSettings;
+use crate::nc::statement::{BlockContent, BlockReader};
 use crate::nc::words::{BlockWords, Code, ValueKind, Word};
+
+/// The vertical lathe-grinder.
+pub(super) struct Sinumerik;
+
+impl DialectRules for Sinumerik {
+    const ROW: DialectRow = DialectRow {
+        settings: || NcSettings { exact_stop: true, ..NcSettings::two_axes(Dialect::Sinumerik) },
+        modal_codes: ModalCodes {
+            distance_is_modal: true,
+            per_minute: 94,
+            per_rev: 95,
+            inch: 70,
+            metric: 71,
+            exact_stop: 60,
+        },
+        index: index::index,
+        check_unexecuted: |words, block| check_unexecuted(words, block.source.bytes()),
+        called_program,
+        call_in_text: |_| None,
+        call_text: |program| program_number::is_l_number(program).then(|| program_number::name_of(program)),
+        new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
+        call_limit: |_| CallLimit { depth: L_DEPTH, name: "L" },
+        preflight_scope: PreflightScope::TextOnly,
+        required_end_code: None,
+        has_labels: true,
+        has_macros: true,
+    };
+
+    #[inline]
+    fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+        read::read_block(reader)
+    }
+
+    #[inline]
+    fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+        let plan = codes::read_g_codes(running)?;
+        common::refuse_duplicate_address(running)?;
+        if let Some(call) = running.words.take(b'L') {
+            return subprogram(running, &plan, call);
+        }
+        apply_modes(running, &plan)?;
+        if running.second_half || !(plan.work_offset && motion::names_axes(running)) {
+            return execute_remainder(running, &plan);
+        }
+        common::split_block(running, |running| execute_remainder(running, &plan))
+    }
+}
+
+/// Deepest nesting of L calls: eight levels with the main program (DECISION).
+const L_DEPTH: usize = 7;
 
 /// Checks a block that is not executed: known codes, unique and known addresses, a call in a block of its own.
 fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
     codes::check_codes(words)?;
     if let Some(at) = words.duplicate {
-        let letter = text.get(at as usize).map_or('?', |byte| char::from(byte.to_ascii_uppercase()));
-        return fail1(at as usize, E::DoubleWord, letter);
+        return fail1(at as usize, E::DoubleWord, common::letter_at(text, at));
     }
     if let Some(call) = words.peek(b'L') {
         return check_call_alone(words, call);
     }
-    match words.list().iter().find(|word| !ADDRESSES.contains(&word.letter)) {
+    match words.list.iter().find(|word| !ADDRESSES.contains(&word.letter)) {
         Some(word) => unknown_word(text, *word),
         None => Ok(()),
     }
@@ -48,13 +98,11 @@ const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', CR_AD
 /// Refuses a call that is not in a block of its own.
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
     let name = || format!("L{}", call.value);
-    if let Some(code) = words.g().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), format_args!("G{}", code.number));
+    let (g, m) = (words.g.first().map(|code| (code, 'G')), words.m.first().map(|code| (code, 'M')));
+    if let Some((code, letter)) = g.or(m) {
+        return fail2(code.at as usize, E::NotTogether, name(), code.name(letter, 0));
     }
-    if let Some(code) = words.m().first() {
-        return fail2(code.at as usize, E::NotTogether, name(), format_args!("M{}", code.number));
-    }
-    match words.list().iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
+    match words.list.iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
         Some(word) => fail2(word.at as usize, E::NotTogether, name(), address_name(*word)),
         None => Ok(()),
     }
@@ -64,7 +112,7 @@ fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
 fn called_program(words: &BlockWords) -> Option<(u32, usize)> {
     let call = words.peek(b'L')?;
     let never = words.peek(b'P').is_some_and(|word| word.kind != ValueKind::Integer || word.value <= 0.0);
-    let number = crate::nc::expression::whole_number(call.value).and_then(|number| u32::try_from(number).ok())?;
+    let number = whole_u32(call.value)?;
     (!never && number <= L_MAX).then(|| (program_number::from_l(number), call.at as usize))
 }
 
@@ -75,31 +123,13 @@ const CR_ADDRESS: u8 = b'R';
 /// The internal M code of `RET`.
 const RETURN_M_CODE: u32 = 17;
 
-/// Executes a block of words.
-fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
-    let plan = codes::read_g_codes(running)?;
-    common::refuse_duplicate_address(running)?;
-    if let Some(call) = running.words.take(b'L') {
-        return subprogram(running, &plan, call);
-    }
-    apply_modes(running, &plan)?;
-    if running.second_half || !(plan.work_offset && motion::names_axes(running)) {
-        return execute_remainder(running, &plan);
-    }
-    common::split_block(running, |running| execute_remainder(running, &plan))
-}
-
 /// Executes what follows the modes and the work offset.
-fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) -> ReadResult<FlowAction> {
-    if plan.dwell.is_none()
-        && let Some(word) = running.words.take(b'S')
-    {
-        let value = checked_value(word, 0.0)?;
-        running.modals.speed = Some(value);
-        running.ops.push(Op::S { value, mode: running.modals.speed_mode });
+fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
+    if plan.one_shot.is_none() {
+        common::set_speed(running)?;
     }
     let flow = execute_m_codes(running, false)?;
-    match plan.dwell {
+    match plan.one_shot {
         Some(code) => motion::dwell(running, code)?,
         None => motion::modal_move(running, plan)?,
     }
@@ -111,16 +141,16 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) 
 }
 
 /// Sets feed, path mode and work offset. The F of a dwell is a time.
-fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &SinumerikCodes) -> ReadResult<()> {
-    if plan.dwell.is_none() {
+fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
+    if plan.one_shot.is_none() {
         common::set_feed(running, 1.0)?;
     }
-    common::push_modes(running, common::ModeChanges { path: plan.path_mode, frame: plan.work_offset });
+    plan.push_modes(running);
     Ok(())
 }
 
 /// `L10 P3`: calls a subprogram P times, not at all if P is 0. It must be in a block of its own.
-fn subprogram(running: &BlockContext<'_, '_>, plan: &SinumerikCodes, call: Word) -> ReadResult<FlowAction> {
+fn subprogram(running: &BlockContext<'_, '_>, plan: &BlockCodes, call: Word) -> ReadResult<FlowAction> {
     let words = running.words;
     let times = words.take(b'P').map_or(Ok(1), |word| integer(word, 0, MAX_REPEATS))?;
     let program = program_number::from_l(integer(call, 0, L_MAX)?);
@@ -133,22 +163,15 @@ fn subprogram(running: &BlockContext<'_, '_>, plan: &SinumerikCodes, call: Word)
     })
 }
 
-/// Codes that act after the motion of the block.
-const fn acts_after_motion(code: u32) -> bool {
-    matches!(code, 0 | 1 | 2 | 5 | 9 | RETURN_M_CODE | 30 | 31 | 33 | 65)
-}
-
 /// Checks the M codes, adds those that act before (or after) the motion, and returns how the program continues.
 fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResult<FlowAction> {
     let words = running.words;
     let mut flow = FlowAction::Next;
     codes::check_exclusive_m_codes(words)?;
-    for code in words.m() {
+    for code in words.m.iter() {
         check_m_code(*code)?;
-        if let (2 | RETURN_M_CODE | 30, Some(other)) = (code.number, words.m().iter().find(|other| other.at != code.at))
-        {
-            let [first, second] = [code, other].map(|code| format!("M{}", code.number));
-            return fail2(code.at as usize, E::NotTogether, first, second);
+        if matches!(code.number, 2 | RETURN_M_CODE | 30) {
+            shared_codes::check_stands_alone(words, *code, 0)?;
         }
         flow = match code.number {
             // Every end of a subprogram except M30 returns to its caller.
@@ -156,7 +179,7 @@ fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResul
             2 | RETURN_M_CODE | 30 => FlowAction::End,
             _ => flow,
         };
-        if after == acts_after_motion(code.number) {
+        if after == (code.number == RETURN_M_CODE || shared_codes::acts_after_motion(code.number)) {
             push_m_code(running, *code);
         }
     }
@@ -180,19 +203,13 @@ fn check_m_code(code: Code) -> ReadResult<()> {
     if code.number == RETURN_M_CODE || exists(code.number) {
         return Ok(());
     }
-    let known: Vec<_> =
-        (0..100).filter(|number| *number == RETURN_M_CODE || exists(*number)).map(|n| format!("M{n}")).collect();
-    fail2(code.at as usize, E::UnknownCode, format_args!("M{}", code.number), known.join(" "))
+    let known = (0..100).filter(|number| *number == RETURN_M_CODE || exists(*number));
+    shared_codes::refuse_unknown(code, 'M', 0, known)
 }
 
 /// The value of a word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
     common::integer(address_name(word), word, low, high)
-}
-
-/// The value of a word, checked from `low` to the greatest programmable value.
-fn checked_value(word: Word, low: f64) -> ReadResult<f64> {
-    if (low..=MAX_VALUE).contains(&word.value) { Ok(word.value) } else { out_of_range(word, "0–99999.999") }
 }
 
 /// The address of a word as written.
@@ -202,7 +219,7 @@ fn address_name(word: Word) -> String {
 
 #[cold]
 fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
-    common::out_of_range(address_name(word), word, range)
+    common::out_of_range_as(address_name(word), word, range)
 }
 
 /// Reports an unknown word, as written up to the next blank.

@@ -2,14 +2,16 @@
 
 use std::ops::Range;
 
-use super::expression::{evaluate, evaluate_with, function_names, parameter_number, skip_blanks};
+use super::expression::{
+    accept_keyword, evaluate, evaluate_with, function_names, parameter_number, skip_blanks, unexpected,
+};
 use super::index::identifier;
 use super::{CR_ADDRESS, RETURN_M_CODE};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::expression::{CoordinateFrame, Scope, equal};
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::expression::{CoordinateFrame, Scope};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::functions::Comparison;
 use crate::nc::lexer::Cursor;
-use crate::nc::statement::{BlockContent, ReadOptions};
+use crate::nc::statement::{BlockContent, BlockReader};
 use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
 use crate::units::Axis;
 
@@ -20,16 +22,12 @@ const QUOTES: [(&[u8], &[u8]); 3] =
     [(b"\"", b"\""), (&[0xe2, 0x80, 0x9c], &[0xe2, 0x80, 0x9d]), (&[0xa1, 0xb0], &[0xa1, 0xb1])];
 
 /// Reads one line. Afterwards the cursor is at its end.
-pub(in crate::nc::dialect) fn read_block<S: Scope>(
-    cursor: &mut Cursor<'_>,
-    scope: &mut S,
-    words: &mut BlockWords,
-    head: ReadOptions,
-) -> ReadResult<BlockContent> {
+pub(super) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
+    let BlockReader { cursor, scope, words, block_skip, .. } = reader;
     words.clear();
     skip_blanks(cursor);
     // `%_N_NAME_MPF` is the header of a file from serial transfer.
-    if cursor.peek() == b'%' || cursor.accept(b'/') && head.block_skip {
+    if cursor.peek() == b'%' || cursor.accept(b'/') && block_skip {
         cursor.skip_rest_of_line();
         return Ok(BlockContent::Empty);
     }
@@ -50,15 +48,6 @@ pub(in crate::nc::dialect) fn read_block<S: Scope>(
         _ => return unexpected(cursor),
     }
     Ok(content)
-}
-
-/// The error for an unexpected byte. Round brackets are not comments here.
-#[cold]
-pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
-    match cursor.peek() {
-        b'(' | b')' => fail(cursor.at, E::UnbalancedRound),
-        _ => cursor.unexpected(),
-    }
 }
 
 /// `N40`, with or without blanks; none if the block has no number.
@@ -108,14 +97,6 @@ fn skip_label(cursor: &mut Cursor<'_>) -> ReadResult<()> {
     skip_blanks(&mut ahead);
     *cursor = ahead;
     Ok(())
-}
-
-/// Skips a keyword if it is next and no further letter or digit follows; returns whether it was.
-fn accept_keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
-    let found = identifier(&cursor.text[cursor.at.min(cursor.text.len())..]);
-    let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
-    cursor.at += if found { word.len() } else { 0 };
-    found
 }
 
 fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords) -> ReadResult<BlockContent> {
@@ -177,27 +158,25 @@ fn read_jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> ReadResult<
 }
 
 fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<bool> {
-    const SIGNS: [&str; 6] = ["==", "<>", ">=", "<=", ">", "<"];
+    const SIGNS: [(&str, Comparison); 6] = [
+        ("==", Comparison::Eq),
+        ("<>", Comparison::Ne),
+        (">=", Comparison::Ge),
+        ("<=", Comparison::Le),
+        (">", Comparison::Gt),
+        ("<", Comparison::Lt),
+    ];
     let left = evaluate(cursor, scope)?;
     skip_blanks(cursor);
     let at = cursor.at;
-    let Some(sign) = SIGNS.into_iter().find(|sign| cursor.accept_keyword(sign)) else {
+    let Some((sign, compare)) = SIGNS.into_iter().find(|(sign, _)| cursor.accept_keyword(sign)) else {
         let what = if cursor.peek() == b'=' { "=" } else { IF_SYNTAX };
         return fail1(at, E::BadCondition, what);
     };
     if matches!(cursor.peek(), b'=' | b'<' | b'>') {
         return fail1(at, E::BadCondition, format_args!("{sign}{}", char::from(cursor.peek())));
     }
-    let right = evaluate(cursor, scope)?;
-    let equals = equal(left, right);
-    Ok(match sign {
-        "==" => equals,
-        "<>" => !equals,
-        ">=" => left > right || equals,
-        "<=" => left < right || equals,
-        ">" => left > right && !equals,
-        _ => left < right && !equals,
-    })
+    Ok(compare.holds(left, evaluate(cursor, scope)?))
 }
 
 /// `MSG("…")`, `MSG(“…”)` or `MSG()`.
@@ -275,10 +254,10 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         return Ok(false);
     }
     if letter == b'R' {
-        if words.g().iter().any(|code| matches!(code.number, 2 | 3)) {
+        if words.g.iter().any(|code| matches!(code.number, 2 | 3)) {
             refuse_r_as_radius(cursor)?;
         }
-        let variable = parameter_number(cursor, scope, words.assignments())?;
+        let variable = parameter_number(cursor, scope, &words.assignments)?;
         let value = value_after_equals(cursor, scope, words, at)?;
         words.push_assignment(Assignment { variable, value, at: start })?;
         return Ok(true);
@@ -290,7 +269,7 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         b'=' if fixed => return fail1(at, E::DigitsOnly, char::from(letter)),
         b'=' => {
             cursor.at += 1;
-            (evaluate_with(cursor, scope, words.assignments())?, ValueKind::Decimal)
+            (evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal)
         }
         b'0'..=b'9' | b'.' | b'+' | b'-' => read_number(cursor, at, letter)?,
         0x80.. => return cursor.unexpected(),
@@ -351,5 +330,5 @@ fn value_after_equals<S: Scope>(
     if !cursor.accept(b'=') {
         return fail1(cursor.at, E::EqualsMissing, upper_text(&cursor.text[at..end]));
     }
-    evaluate_with(cursor, scope, words.assignments())
+    evaluate_with(cursor, scope, &words.assignments)
 }

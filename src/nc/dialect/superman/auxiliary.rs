@@ -3,9 +3,10 @@
 use super::{MAX_BLOCK_NUMBER, integer, out_of_range};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, MCode};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{BlockContext, FlowAction, UnexecutedBlock, common};
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::dialect::codes;
+use crate::nc::dialect::common::in_range;
+use crate::nc::dialect::rules::{BlockContext, FlowAction, UnexecutedBlock};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
 use crate::units::{Axis, PerAxis};
@@ -27,8 +28,7 @@ pub(super) fn check_exists(code: Code) -> ReadResult<()> {
     if m_code_row(code).is_some() {
         return Ok(());
     }
-    let known: Vec<_> = mcode::table(Dialect::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
-    fail2(code.at as usize, E::UnknownCode, format_args!("M{:02}", code.number), known.join(" "))
+    codes::refuse_unknown(code, 'M', 2, mcode::table(Dialect::SuperMan).iter().map(|row| u32::from(row.code)))
 }
 
 /// Checks an M code of a block that is not executed, and its jump target.
@@ -38,7 +38,7 @@ pub(super) fn check_m_code(code: Code, words: &BlockWords, block: &UnexecutedBlo
         return Ok(());
     }
     let Some(word) = words.peek(b'L') else {
-        return fail2(code.at as usize, E::MissingWord, format_args!("M{:02}", code.number), "L");
+        return fail2(code.at as usize, E::MissingWord, code.name('M', 2), "L");
     };
     let n = integer(word, 0, MAX_BLOCK_NUMBER)?;
     let named = |error| fail1(word.at as usize, error, format_args!("N{n:04}"));
@@ -68,11 +68,9 @@ pub(super) fn check_loop(code: Code, words: &BlockWords, block: &UnexecutedBlock
 pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
     let most = running.settings.superman.max_rpm.min(SPEED_RANGE_RPM.1);
-    if !(SPEED_RANGE_RPM.0..=most).contains(&word.value) {
-        return out_of_range(word, &format!("{}–{most} r/min (P64)", SPEED_RANGE_RPM.0));
-    }
-    running.modals.speed = Some(word.value);
-    running.ops.push(Op::S { value: word.value, mode: SpeedMode::Rpm });
+    let value = in_range(word, (SPEED_RANGE_RPM.0, most), " r/min (P64)")?;
+    running.modals.speed = Some(value);
+    running.ops.push(Op::S { value, mode: SpeedMode::Rpm });
     Ok(())
 }
 
@@ -106,16 +104,13 @@ const EXCLUSIVE_M_CODES: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
 
 /// Checks M codes that must be alone or exclude each other; M02, jumps, calls and returns must not have F.
 pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
-    let name = |code: &Code| format!("M{:02}", code.number);
-    for code in words.m().iter().filter(|code| stands_alone(code.number)) {
-        if let Some(other) = words.m().iter().find(|other| other.at != code.at) {
-            return fail2(code.at as usize, E::NotTogether, name(code), name(other));
-        }
-        if let Some(feed) = words.peek(b'F').filter(|_| code.number != 0 && words.g().is_empty()) {
-            return fail2(feed.at as usize, E::NotTogether, name(code), "F");
+    for code in words.m.iter().filter(|code| stands_alone(code.number)) {
+        codes::check_stands_alone(words, *code, 2)?;
+        if let Some(feed) = words.peek(b'F').filter(|_| code.number != 0 && words.g.is_empty()) {
+            return fail2(feed.at as usize, E::NotTogether, code.name('M', 2), "F");
         }
     }
-    common::check_exclusive_m_codes(words, &EXCLUSIVE_M_CODES, 2)
+    codes::check_exclusive_m_codes(words, &EXCLUSIVE_M_CODES, 2)
 }
 
 /// Checks the M codes, adds those that act before the motion, and returns how the program continues.
@@ -123,8 +118,8 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Op
     let words = running.words;
     let mut flow = None;
     check_exclusive_m_codes(words)?;
-    for code in words.m() {
-        let name = format!("M{:02}", code.number);
+    for code in words.m.iter() {
+        let name = code.name('M', 2);
         check_exists(*code)?;
         running.modals.m_code = Some(code.number as u8);
         let target = || match words.take(b'L') {
@@ -155,7 +150,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Op
 
 /// Adds the M codes that act after the motion.
 pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) {
-    for code in running.words.m().iter().filter(|code| matches!(code.number, 0 | 2)) {
+    for code in running.words.m.iter().filter(|code| matches!(code.number, 0 | 2)) {
         running.ops.push(Op::M { code: code.number as u8, s: None, p: None, l: None });
     }
 }

@@ -4,13 +4,11 @@
 use crate::nc::source_index::{CountedLoop, SourceIndex, TextLines, block_head, leading_number, starts_with_word};
 
 /// Indexes a text.
-pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
+pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
     let (mut index, mut open) = (SourceIndex::default(), Vec::new());
     for (line, start, text) in lines.iter() {
         let (n, rest) = block_head(text, true);
-        if let Some(n) = n {
-            index.block_numbers.push((n, start as u32));
-        }
+        index.block_numbers.extend(n.map(|n| (n, start as u32)));
         if is_code(rest, b"G22") {
             open.push(index.counted_loops.len());
             index.counted_loops.push(CountedLoop { line, end_line: None });
@@ -19,9 +17,7 @@ pub(in crate::nc::dialect) fn index(lines: &TextLines<'_>) -> SourceIndex {
         {
             place.end_line = Some(line);
         }
-        if index.main_end_line.is_none() && has_code(text, b'M', 2) {
-            index.main_end_line = Some(line);
-        }
+        index.main_end_line = index.main_end_line.or_else(|| has_code(text, b'M', 2).then_some(line));
     }
     index.block_numbers.sort();
     index

@@ -1,13 +1,13 @@
 //! Rapids, lines, arcs, the rectangle cycle, dwell, G92 and moves to fixed points. Source: spec L2–L4, L6.
 
 use super::{MAX_COORDINATE_MM, out_of_range};
-use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::common::MoveTarget;
-use crate::nc::dialect::{BlockContext, arc};
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::dialect::common::in_range;
+use crate::nc::dialect::motion::{self, MoveTarget, NO_LETTER};
+use crate::nc::dialect::rules::BlockContext;
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{AxisSet, Feed, Op};
-use crate::nc::words::{BlockWords, Word};
+use crate::nc::words::{BlockWords, Code, Word};
 use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
@@ -32,28 +32,21 @@ const AXIS_ADDRESSES: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
 pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
     for (absolute, distance) in AXIS_ADDRESSES {
         if let (Some(first), Some(second)) = (words.peek(absolute), words.peek(distance)) {
-            let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
-            let [a, b] = [first, second].map(|word| char::from(word.letter).to_string());
-            return fail2(second.at as usize, E::AbsoluteAndIncremental, a, b);
+            return motion::refuse_both(first, second);
         }
     }
     Ok(())
 }
 
 /// The end of the move by the axis words of the block.
-pub(super) fn target(running: &BlockContext<'_, '_>, from: WorkPos) -> ReadResult<MoveTarget> {
-    let mut target = MoveTarget::from(from);
+pub(super) fn target(running: &BlockContext<'_, '_>) -> ReadResult<MoveTarget> {
     check_one_word_per_axis(running.words)?;
-    for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(AXIS_ADDRESSES) {
-        let (word, by) = match (running.words.take(absolute), running.words.take(distance)) {
-            (None, None) => continue,
-            (Some(word), _) => (word, false),
-            (None, Some(word)) => (word, true),
-        };
-        let value = coordinate(axis, word)?;
-        target.add(axis, value, by);
-    }
-    Ok(target)
+    let letters = |axis| match axis {
+        Axis::X => [b'X', b'U'],
+        Axis::Y => [NO_LETTER; 2],
+        Axis::Z => [b'Z', b'W'],
+    };
+    MoveTarget::read(running, letters, coordinate, f64::INFINITY)
 }
 
 /// The value of an axis word, radius mm.
@@ -74,11 +67,7 @@ const fn feed_range(motion: MotionMode) -> (f64, f64) {
 
 /// Checks a feed against the range of a motion (L2).
 pub(super) fn check_feed(word: Word, motion: MotionMode) -> ReadResult<()> {
-    let (low, high) = feed_range(motion);
-    if (low..=high).contains(&word.value) {
-        return Ok(());
-    }
-    out_of_range(word, &format!("{low}–{high} mm/min"))
+    in_range(word, feed_range(motion), " mm/min").map(drop)
 }
 
 /// F of the block, checked against the range of the active function. The F of G00 is not modal.
@@ -114,8 +103,8 @@ fn record_infeed(running: &mut BlockContext<'_, '_>, from: WorkPos, to: WorkPos)
 
 /// G00: both axes move in a fixed speed ratio, then one axis completes its distance.
 pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let target = target(running)?;
+    let MoveTarget { from, to, incremental, .. } = target;
     record_infeed(running, from, to);
     let (x, z) = (to[Axis::X] - from[Axis::X], to[Axis::Z] - from[Axis::Z]);
     let ratio = running.settings.superman.rapid_z_per_x;
@@ -125,33 +114,27 @@ pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> Re
     corner[Axis::X] += both.copysign(x);
     corner[Axis::Z] += (both * ratio).copysign(z);
     if both <= MIN_LENGTH_MM || over_x.max(over_z) <= MIN_LENGTH_MM {
-        push_rapid(running, from, MoveTarget { to, words, incremental }, feed);
+        push_rapid(running, target, feed);
         return Ok(());
     }
-    push_rapid(running, from, MoveTarget { to: corner, words, incremental }, feed);
+    push_rapid(running, MoveTarget { to: corner, ..target }, feed);
     // The axis that is in position is not named again.
     let left = AxisSet::of(if over_x > over_z { Axis::X } else { Axis::Z });
-    push_rapid(running, corner, MoveTarget { to, words: left, incremental: intersection(incremental, left) }, feed);
+    let rest = MoveTarget { from: corner, to, words: left, incremental: incremental.intersection(left) };
+    push_rapid(running, rest, feed);
     Ok(())
 }
 
-fn intersection(set: AxisSet, of: AxisSet) -> AxisSet {
-    let mut both = AxisSet::NONE;
-    set.iter().filter(|axis| of.contains(*axis)).for_each(|axis| both.insert(axis));
-    both
-}
-
 /// Adds a rapid; with F, at that feed.
-fn push_rapid(running: &mut BlockContext<'_, '_>, from: WorkPos, target: MoveTarget, feed: Option<f64>) {
-    let MoveTarget { to, words, incremental } = target;
+fn push_rapid(running: &mut BlockContext<'_, '_>, target: MoveTarget, feed: Option<f64>) {
+    let MoveTarget { from, to, words, incremental } = target;
     let feed = feed.map(|feed| feed_along(feed, from, to));
     running.ops.push(Op::Rapid { to, feed, words, incremental });
 }
 
 /// G01.
 pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     record_infeed(running, from, to);
     let feed = feed_along(line_feed(running), from, to);
     running.ops.push(Op::Feed { to, feed, words, incremental });
@@ -160,9 +143,8 @@ pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 
 /// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R (negative: major arc).
 pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opposite: i8) -> ReadResult<()> {
-    let from = running.scope.position();
     let turn = if running.settings.superman.arcs_reversed { iso_opposite } else { -iso_opposite };
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     let offsets = [running.words.take(b'I'), running.words.take(b'K')];
     let center = match (offsets, running.words.take(b'R')) {
         ([None, None], None) => return fail2(place, E::ArcWithoutCentre, "R", "I K"),
@@ -222,7 +204,7 @@ fn centre_from_r(from: WorkPos, to: WorkPos, word: Word, turn: i8) -> ReadResult
     }
     check_radius(at, radius.abs())?;
     // The radius of a half circle may be too small by the rounding of the text.
-    match arc::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
+    match motion::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
         Some(center) => Ok(center),
         None => fail1(at, E::ArcRadius, format_args!("R{radius}")),
     }
@@ -230,8 +212,7 @@ fn centre_from_r(from: WorkPos, to: WorkPos, word: Word, turn: i8) -> ReadResult
 
 /// G23: from A to B (X at rapid), C (Z at F), D (X at F) and back to A (Z at rapid).
 pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
-    let from = running.scope.position();
-    let MoveTarget { to, words, incremental } = target(running, from)?;
+    let MoveTarget { from, to, words, incremental } = target(running)?;
     let kept = running.modals.cycle;
     let x = if words.contains(Axis::X) { Some(to[Axis::X]) } else { kept.x };
     let z = if words.contains(Axis::Z) { Some(to[Axis::Z]) } else { kept.z };
@@ -255,7 +236,7 @@ pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> Rea
     let corner_c = with(corner_b, Axis::Z, z);
     let corner_d = with(corner_c, Axis::X, from[Axis::X]);
     let (on_x, on_z) = (AxisSet::of(Axis::X), AxisSet::of(Axis::Z));
-    let (by_x, by_z) = (intersection(incremental, on_x), intersection(incremental, on_z));
+    let (by_x, by_z) = (incremental.intersection(on_x), incremental.intersection(on_z));
     running.ops.push(Op::Rapid { to: corner_b, feed: None, words: on_x, incremental: by_x });
     let along_z = feed_along(feed, corner_b, corner_c);
     running.ops.push(Op::Feed { to: corner_c, feed: along_z, words: on_z, incremental: by_z });
@@ -267,10 +248,7 @@ pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> Rea
 
 /// Checks the range of G04 (L2).
 pub(super) fn check_dwell(word: Word) -> ReadResult<()> {
-    if (DWELL_RANGE_S.0..=DWELL_RANGE_S.1).contains(&word.value) {
-        return Ok(());
-    }
-    out_of_range(word, &format!("{}–{} s", DWELL_RANGE_S.0, DWELL_RANGE_S.1))
+    in_range(word, DWELL_RANGE_S, " s").map(drop)
 }
 
 /// G04 F, seconds.
@@ -295,29 +273,27 @@ pub(super) fn check_preset_words(words: &BlockWords, place: usize) -> ReadResult
 /// G92: assigns work coordinates X Z to the present position; nothing moves.
 pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     check_preset_words(running.words, place)?;
-    let from = running.scope.position();
-    let MoveTarget { to, .. } = target(running, from)?;
+    let MoveTarget { to, .. } = target(running)?;
     running.ops.push(Op::SetCoordinateSystem { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
     Ok(())
 }
 
-/// Refuses coordinates.
-fn refuse_coordinates(running: &BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
-    let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.peek(letter));
-    let code = running.words.g().iter().find(|code| code.at as usize == place).map_or(0, |code| code.number);
-    found.map_or(Ok(()), |word| fail1(word.at as usize, E::AxisUnused, format_args!("G{code:02}")))
+/// The axes that a code moves to a fixed point, X before Z; it takes no coordinates.
+fn fixed_point_axes(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<AxisSet> {
+    match [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.peek(letter)) {
+        Some(word) => fail1(word.at as usize, E::AxisUnused, code.name('G', 2)),
+        None => Ok(match code.number {
+            26 | 36 => AxisSet::XZ,
+            27 | 37 => AxisSet::of(Axis::X),
+            _ => AxisSet::of(Axis::Z),
+        }),
+    }
 }
 
-/// G26, G27, G29: moves to the tool-change point, X before Z.
-pub(super) fn return_to_tool_change(
-    running: &mut BlockContext<'_, '_>,
-    place: usize,
-    x: bool,
-    z: bool,
-) -> ReadResult<()> {
-    refuse_coordinates(running, place)?;
+/// G26, G27, G29: moves to the tool-change point.
+pub(super) fn return_to_tool_change(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let (mut at, start) = (running.scope.position(), running.scope.world.program_start());
-    for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
+    for axis in fixed_point_axes(running, code)?.iter() {
         at[axis] = start[axis];
         running.ops.push(Op::Rapid { to: at, feed: None, words: AxisSet::of(axis), incremental: AxisSet::NONE });
     }
@@ -325,14 +301,10 @@ pub(super) fn return_to_tool_change(
 }
 
 /// G36, G37, G39: homes by the switch; the coordinate there is the parameter's.
-pub(super) fn home(running: &mut BlockContext<'_, '_>, place: usize, x: bool, z: bool) -> ReadResult<()> {
-    refuse_coordinates(running, place)?;
-    let (mut axes, mut values) = (AxisSet::NONE, PerAxis::default());
-    for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
-        axes.insert(axis);
-        values[axis] = Some(running.settings.superman.origin[axis]);
-    }
+pub(super) fn home(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+    let (axes, origin) = (fixed_point_axes(running, code)?, running.settings.superman.origin);
     running.ops.push(Op::HomeSwitch { axes });
+    let values = PerAxis::from_fn(|axis| axes.contains(axis).then_some(origin[axis]));
     running.ops.push(Op::SetCoordinateSystem { values });
     Ok(())
 }

@@ -2,10 +2,10 @@
 
 use super::motion::coordinate;
 use super::out_of_range;
-use crate::defs::program_error::ProgramError as E;
 use crate::defs::text_arg::Arg;
-use crate::nc::dialect::BlockContext;
-use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::dialect::common::in_range;
+use crate::nc::dialect::rules::BlockContext;
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Op, ThreadMove};
 use crate::nc::words::Word;
@@ -30,8 +30,7 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadR
     let Some(length) = words.take(b'W') else { return fail2(place, E::MissingWord, code, "W") };
     let lead = match words.take(b'F') {
         Some(word) if code == "G32" => MM_PER_INCH / turns_per_inch(running, word)?,
-        Some(word) if (LEAD_RANGE_MM.0..=LEAD_RANGE_MM.1).contains(&word.value) => word.value,
-        Some(word) => return out_of_range(word, &format!("{}–{} mm", LEAD_RANGE_MM.0, LEAD_RANGE_MM.1)),
+        Some(word) => in_range(word, LEAD_RANGE_MM, " mm")?,
         None => match running.modals.thread_lead_mm {
             Some(lead) => lead,
             None => return fail2(place, E::MissingWord, code, "F"),
@@ -62,7 +61,6 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadR
 
 /// Turns per inch. The digits after the point are the denominator of a fraction: 33.2 is 33½.
 fn turns_per_inch(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
-    let refused = || out_of_range(word, "3–33.2 (33½)");
     let written = running.text.get(word.at as usize + 1..).unwrap_or_default();
     let digits = |bytes: &[u8]| -> usize { bytes.iter().take_while(|byte| byte.is_ascii_digit()).count() };
     let blanks = written.iter().take_while(|byte| matches!(byte, b' ' | b'\t' | b'+')).count();
@@ -78,10 +76,9 @@ fn turns_per_inch(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64>
     };
     let turns = number(&written[..whole]) + fraction;
     if word.value < 0.0 || !(TURNS_PER_INCH_RANGE.0..=TURNS_PER_INCH_RANGE.1).contains(&turns) {
-        refused()
-    } else {
-        Ok(turns)
+        return out_of_range(word, "3–33.2 (33½)");
     }
+    Ok(turns)
 }
 
 /// Run-up distance of Z to `speed` (mm/s) by acceleration and jerk, mm: half of `speed` times the run-up time.

@@ -1,14 +1,15 @@
-//! The repetitive cycles of GC: G70–G73 over a contour of the program, G74 and G75 peck grooving.
+//! The cycles of GC: G90 along Z and G94 along X in four moves, G70–G73 over a contour of the program, G74 and G75 peck
+//! grooving.
 //!
-//! A first block stores modal settings (`G71 U2 R1`); a second block executes the cycle
+//! A first block of G71 to G75 stores modal settings (`G71 U2 R1`); a second block executes the cycle
 //! (`G71 P10 Q50 U0.4 W0.1 F80`). Source: spec B2, K1.
 
-use super::motion::{MoveTarget, code_offset, modal_feed, target};
+use super::coordinates::{axis_value, code_offset, modal_feed, target};
 use super::{MAX_VALUE, integer, length_mm, out_of_range};
-use crate::defs::program_error::ProgramError as E;
 use crate::nc::contour::{ContourCycle, CycleKind};
-use crate::nc::dialect::BlockContext;
-use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::dialect::motion::MoveTarget;
+use crate::nc::dialect::rules::BlockContext;
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis, WorkPos};
@@ -22,17 +23,49 @@ const INCREMENT_MM: f64 = 0.001;
 /// Shorter distances count as zero, mm.
 const MIN_LENGTH_MM: f64 = 1e-7;
 
-/// The stored settings of the cycles, radius mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct RepetitiveCycleState {
-    /// G71, G72: depth of a stroke and retract at 45°.
-    depth: Option<f64>,
-    escape: f64,
-    /// G73: stock to remove in X and Z, and the number of passes.
-    shift: Option<(f64, f64)>,
-    passes: Option<u32>,
-    /// G74, G75: retract of a peck.
-    peck_back: f64,
+/// G90: X in at rapid, Z at feed (taper R: start radius minus end radius), X out at feed, Z back at rapid.
+pub(super) fn longitudinal(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    push_cycle(running, Axis::X, Axis::Z)
+}
+
+/// G94: Z in at rapid, X at feed (taper R in Z), Z out at feed, X back at rapid.
+pub(super) fn face(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    push_cycle(running, Axis::Z, Axis::X)
+}
+
+fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) -> ReadResult<()> {
+    let MoveTarget { from, to, words, incremental } = target(running)?;
+    let mut kept = running.modals.cycle;
+    if words.contains(Axis::X) {
+        kept.x = Some(to[Axis::X]);
+    }
+    if words.contains(Axis::Z) {
+        kept.z = Some(to[Axis::Z]);
+    }
+    if let Some(taper) = running.words.take(b'R') {
+        kept.taper = length_mm(running, taper)?;
+    }
+    let name = format_args!("G{:02}", running.modals.motion.g()).to_string();
+    let (Some(x), Some(z)) = (kept.x, kept.z) else {
+        return fail2(running.at, E::MissingWord, name, if kept.x.is_none() { "X / U" } else { "Z / W" });
+    };
+    let feed = modal_feed(running)?;
+    running.modals.cycle = kept;
+    let with = |base: WorkPos, axis: Axis, value: f64| {
+        let mut point = base;
+        point[axis] = value;
+        point
+    };
+    let end = with(with(from, Axis::X, x), Axis::Z, z);
+    let start = with(from, infeed, end[infeed] + kept.taper);
+    let out = with(end, infeed, from[infeed]);
+    let by = |axes: AxisSet| axes.intersection(incremental);
+    let (one, other) = (AxisSet::of(infeed), AxisSet::of(stroke));
+    running.ops.push(Op::Rapid { to: start, feed: None, words: one, incremental: by(one) });
+    running.ops.push(Op::Feed { to: end, feed, words: one.with(other), incremental: by(one.with(other)) });
+    running.ops.push(Op::Feed { to: out, feed, words: one, incremental: by(one) });
+    running.ops.push(Op::Rapid { to: from, feed: None, words: other, incremental: by(other) });
+    Ok(())
 }
 
 /// Whether a code is a contour cycle.
@@ -50,15 +83,15 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> Re
         (Some(first), Some(last)) => (integer(first, 1, 99_999_999)?, integer(last, 1, 99_999_999)?),
         (first, _) => return fail2(at, E::MissingWord, name, if first.is_none() { "P" } else { "Q" }),
     };
-    if let Some(code) = running.words.m().first() {
-        return fail2(code.at as usize, E::NotTogether, name, format_args!("M{:02}", code.number));
+    if let Some(code) = running.words.m.first() {
+        return fail2(code.at as usize, E::NotTogether, name, format!("M{:02}", code.number));
     }
     let kept = running.modals.repetitive;
     let mut allowance = PerAxis::default();
     if code != 70 {
         let given = [(b'U', Axis::X), (b'W', Axis::Z)].map(|(letter, axis)| (running.words.take(letter), axis));
         for (word, axis) in given {
-            allowance[axis] = word.map_or(Ok(0.0), |word| super::motion::axis_value(running, axis, word))?;
+            allowance[axis] = word.map_or(Ok(0.0), |word| axis_value(running, axis, word))?;
         }
     }
     let form = match code {
@@ -112,8 +145,7 @@ fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> R
 pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
     let at = code_offset(running, code);
     let (peck, step) = if code == 74 { (Axis::Z, Axis::X) } else { (Axis::X, Axis::Z) };
-    let from = running.scope.position();
-    let MoveTarget { to, words, .. } = target(running, from)?;
+    let MoveTarget { from, to, words, .. } = target(running)?;
     let relief = running.words.take(b'R');
     if words.is_empty() {
         let Some(word) = relief else { return fail2(at, E::MissingWord, format_args!("G{code}"), "X / Z / R") };
@@ -225,10 +257,10 @@ fn positive_length(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64
 }
 
 fn check_positive(word: Word, value: f64) -> ReadResult<f64> {
-    if value > 0.0 && value <= MAX_VALUE { Ok(value) } else { out_of_range(char::from(word.letter), word, ">0") }
+    if value > 0.0 && value <= MAX_VALUE { Ok(value) } else { out_of_range(word, ">0") }
 }
 
 fn non_negative_length(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let value = length_mm(running, word)?;
-    if value >= 0.0 { Ok(value) } else { out_of_range(char::from(word.letter), word, "≥0") }
+    if value >= 0.0 { Ok(value) } else { out_of_range(word, "≥0") }
 }

@@ -1,0 +1,239 @@
+//! Lines and arcs, as far as the dialects share them: axis words, the feed, the centre of an arc by radius or by
+//! distances from the start. Source: spec B2, S1.
+
+use super::codes::BlockCodes;
+use super::common::out_of_range;
+use super::rules::BlockContext;
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
+use crate::nc::modal::MotionMode;
+use crate::nc::op::{AxisSet, Feed, Op};
+use crate::nc::words::{Word, letter_mask};
+use crate::units::{Axis, Plane, WorkPos};
+
+/// Shorter chords and radii count as zero, mm.
+const MIN_LENGTH_MM: f64 = 1e-9;
+/// In place of the letter of a word that a dialect does not have.
+pub(super) const NO_LETTER: u8 = b'@';
+/// The distances from the start of an arc to its centre.
+const CENTRE_WORDS: u32 = letter_mask(b"IJK");
+
+/// How a dialect writes its moves.
+pub(super) struct MoveSyntax {
+    /// The letters of axis words, as a mask.
+    pub axis_words: u32,
+    /// The codes that select the unit of F.
+    pub feed_codes: &'static str,
+    /// Letter and name of an arc's radius, and what precedes its value.
+    pub radius: (u8, &'static str, &'static str),
+    /// The other words of an arc's centre; `refused` is one that no arc has.
+    pub centre: &'static str,
+    pub refused: u8,
+    /// A radius beside both distances is refused with the name of X's; else of the plane's first axis.
+    pub names_x: bool,
+    /// The length of a centre word, mm. B2: I is a radius, even if X is a diameter.
+    pub length_mm: fn(&BlockContext<'_, '_>, Word) -> ReadResult<f64>,
+}
+
+/// The end of a move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MoveTarget {
+    pub from: WorkPos,
+    pub to: WorkPos,
+    pub words: AxisSet,
+    pub incremental: AxisSet,
+}
+
+impl MoveTarget {
+    /// The end of the move by the axis words of the block: `letters` are those of an axis, absolute and incremental,
+    /// `value` is the radius mm of a word. No coordinate may be greater than `most`.
+    #[inline]
+    pub fn read(
+        running: &BlockContext<'_, '_>,
+        letters: impl Fn(Axis) -> [u8; 2],
+        value: impl Fn(Axis, Word) -> ReadResult<f64>,
+        most: f64,
+    ) -> ReadResult<Self> {
+        let from = running.scope.position();
+        let mut target = Self { from, to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+        for axis in Axis::ALL {
+            let (word, incremental) = match letters(axis).map(|letter| running.words.take(letter)) {
+                [None, None] => continue,
+                [Some(word), None] => (word, running.modals.incremental),
+                [None, Some(word)] => (word, true),
+                [Some(first), Some(second)] => return refuse_both(first, second),
+            };
+            let value = value(axis, word)?;
+            target.words.insert(axis);
+            if incremental {
+                target.incremental.insert(axis);
+            }
+            target.to[axis] = if incremental { target.to[axis] + value } else { value };
+            if target.to[axis].abs() > most {
+                return out_of_range(word, &format!("±{most}"));
+            }
+        }
+        Ok(target)
+    }
+}
+
+/// Refuses an absolute and an incremental word of the same axis.
+#[cold]
+pub(super) fn refuse_both<T>(one: Word, other: Word) -> ReadResult<T> {
+    let (first, second) = if one.at < other.at { (one, other) } else { (other, one) };
+    fail2(second.at as usize, E::AbsoluteAndIncremental, char::from(first.letter), char::from(second.letter))
+}
+
+/// The radius mm of a word of an axis that the machine must have.
+#[inline]
+pub(super) fn radius_mm(
+    running: &BlockContext<'_, '_>,
+    axis: Axis,
+    word: Word,
+    length_mm: impl Fn(&BlockContext<'_, '_>, Word) -> ReadResult<f64>,
+) -> ReadResult<f64> {
+    if !running.settings.axes[axis] {
+        return fail1(word.at as usize, E::NoAxis, axis.letter());
+    }
+    let value = length_mm(running, word)?;
+    Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
+}
+
+/// The byte of the first axis word, else of the first code.
+pub(super) fn first_offset(running: &BlockContext<'_, '_>, syntax: &MoveSyntax) -> usize {
+    let words = running.words;
+    let axis = words.list.iter().find(|word| syntax.axis_words & letter_mask(&[word.letter]) != 0);
+    axis.map_or_else(|| words.g.first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
+}
+
+/// The active feed.
+#[inline]
+pub(super) fn modal_feed(running: &BlockContext<'_, '_>, syntax: &MoveSyntax) -> ReadResult<Feed> {
+    match running.modals.feed() {
+        Some(feed) => Ok(feed),
+        None => fail1(first_offset(running, syntax), E::FeedMissing, syntax.feed_codes),
+    }
+}
+
+/// The move of G00 to G03; `false` if the block moves by another function of group 01.
+#[inline]
+pub(super) fn modal_move(
+    running: &mut BlockContext<'_, '_>,
+    plan: &BlockCodes,
+    syntax: &MoveSyntax,
+    target: impl Fn(&BlockContext<'_, '_>) -> ReadResult<MoveTarget>,
+) -> ReadResult<bool> {
+    let is_arc = matches!(running.modals.motion, MotionMode::ArcClockwise | MotionMode::ArcCounterClockwise);
+    if !(running.words.has_any(syntax.axis_words) || is_arc && running.words.has_any(CENTRE_WORDS)) {
+        let (letter, _, prefix) = syntax.radius;
+        return match running.words.peek(letter) {
+            // An arc by radius needs an end point.
+            Some(radius) if is_arc && plan.motion.is_some() => {
+                fail1(radius.at as usize, E::ArcRadius, format!("{prefix}{}", radius.value))
+            }
+            Some(_) | None => Ok(true),
+        };
+    }
+    let op = match running.modals.motion {
+        MotionMode::Rapid => {
+            let MoveTarget { to, words, incremental, .. } = target(running)?;
+            Op::Rapid { to, feed: None, words, incremental }
+        }
+        MotionMode::Feed => {
+            let MoveTarget { to, words, incremental, .. } = target(running)?;
+            Op::Feed { to, feed: modal_feed(running, syntax)?, words, incremental }
+        }
+        MotionMode::ArcClockwise => arc_move(running, syntax, target(running)?, -1)?,
+        MotionMode::ArcCounterClockwise => arc_move(running, syntax, target(running)?, 1)?,
+        _ => return Ok(false),
+    };
+    running.ops.push(op);
+    Ok(true)
+}
+
+fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTarget, turn: i8) -> ReadResult<Op> {
+    let MoveTarget { from, to, words, incremental } = target;
+    let plane = running.modals.plane;
+    let (first, second) = plane.axes();
+    if let Some(outside) = words.iter().find(|axis| *axis != first && *axis != second) {
+        return fail1(first_offset(running, syntax), E::AxisOutsidePlane, outside.letter());
+    }
+    if let Some(word) = running.words.peek(syntax.refused) {
+        return fail1(word.at as usize, E::AxisOutsidePlane, char::from(word.letter));
+    }
+    let feed = modal_feed(running, syntax)?;
+    let (letter, name, prefix) = syntax.radius;
+    let offsets = [first, second].map(|axis| running.words.take(centre_letter(axis)));
+    let center = match (offsets, running.words.take(letter)) {
+        ([None, None], None) => {
+            return fail2(first_offset(running, syntax), E::ArcWithoutCentre, prefix, syntax.centre);
+        }
+        ([None, None], Some(word)) => {
+            let radius = (syntax.length_mm)(running, word)?;
+            match centre_by_radius((from, to), plane, turn, radius, running.settings.arc_tolerance_mm) {
+                Some(center) => center,
+                None => return fail1(word.at as usize, E::ArcRadius, format!("{prefix}{}", word.value)),
+            }
+        }
+        ([one, other], None) => {
+            let mut center = from;
+            for (axis, word) in [(first, one), (second, other)] {
+                center[axis] += word.map_or(Ok(0.0), |word| (syntax.length_mm)(running, word))?;
+            }
+            let (radius, miss) = radius_and_end_error((from, to), center, plane);
+            if radius <= f64::EPSILON {
+                return fail1(first_offset(running, syntax), E::ArcRadius, "0");
+            }
+            if miss > running.settings.arc_tolerance_mm {
+                return fail1(first_offset(running, syntax), E::ArcEndOffCircle, format!("{miss:.3}"));
+            }
+            center
+        }
+        ([one, other], Some(radius)) => {
+            let given = if syntax.names_x && second == Axis::X { other.or(one) } else { one.or(other) };
+            let centre = given.map_or('I', |word| char::from(word.letter));
+            return fail2(radius.at as usize, E::NotTogether, name, centre);
+        }
+    };
+    Ok(Op::Arc { to, center, plane, turn, feed, words, incremental })
+}
+
+const fn centre_letter(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => b'I',
+        Axis::Y => b'J',
+        Axis::Z => b'K',
+    }
+}
+
+/// The centre of an arc by its radius; a negative radius is the major arc. `None` if no such arc reaches the end. The
+/// radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
+pub(super) fn centre_by_radius(
+    (from, to): (WorkPos, WorkPos),
+    plane: Plane,
+    turn: i8,
+    radius: f64,
+    tolerance_mm: f64,
+) -> Option<WorkPos> {
+    let (first, second) = plane.axes();
+    let (a, b) = (to[first] - from[first], to[second] - from[second]);
+    let chord = a.hypot(b);
+    let half = chord / 2.0;
+    if chord <= MIN_LENGTH_MM || radius.abs() <= f64::EPSILON || radius.abs() + tolerance_mm < half {
+        return None;
+    }
+    let height = (radius * radius - half * half).max(0.0).sqrt();
+    // The centre is to the left of the chord for a counter-clockwise minor arc. A negative R is the major arc.
+    let side = f64::from(turn) * radius.signum();
+    let mut center = from;
+    center[first] = (from[first] + to[first]) / 2.0 - side * height * b / chord;
+    center[second] = (from[second] + to[second]) / 2.0 + side * height * a / chord;
+    Some(center)
+}
+
+/// The radius of an arc around a centre, and the distance of its end from the circle, mm.
+fn radius_and_end_error((from, to): (WorkPos, WorkPos), center: WorkPos, plane: Plane) -> (f64, f64) {
+    let (first, second) = plane.axes();
+    let radius = |point: WorkPos| (point[first] - center[first]).hypot(point[second] - center[second]);
+    let (start, end) = (radius(from), radius(to));
+    (start, (start - end).abs())
+}
