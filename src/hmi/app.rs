@@ -5,11 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
-use super::help::Help;
 use super::key_press::KeyPresses;
 use super::keyboard::{self, KeyboardInput};
 use super::layout::Regions;
 use super::page::grinding::GrindingPage;
+use super::page::help::Help;
 use super::page::program::ProgramPage;
 use super::page::{PageSet, PageUi, TypedInput};
 use super::page_frame::FrameTouch;

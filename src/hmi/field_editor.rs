@@ -1,7 +1,7 @@
 //! A value being typed: its text, and its refusal by the page or by the core.
 //! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
 
-use super::variable_entry::EditKey;
+use super::edit_key::EditKey;
 use crate::defs::param::NumberParam;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::link::edit::EditAnswer;

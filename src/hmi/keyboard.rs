@@ -3,7 +3,7 @@
 
 use egui::{Event, Modifiers, Ui};
 
-use super::variable_entry::EditKey;
+use super::edit_key::EditKey;
 use crate::defs::key::Key;
 
 /// A physical key for a panel key.

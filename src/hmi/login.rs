@@ -5,8 +5,8 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::edit_key::EditKey;
 use super::theme;
-use super::variable_entry::EditKey;
 use super::view::{View, card, fit_text, focus_frame, paragraph, text_line};
 use super::widget::{self, ButtonState};
 use crate::defs::text::Text;

@@ -6,8 +6,8 @@
 
 pub mod app;
 pub mod core_fault;
+mod edit_key;
 pub mod field_editor;
-mod help;
 mod key_press;
 mod keyboard;
 mod keycap;
@@ -33,6 +33,6 @@ mod widget;
 pub mod window;
 
 pub use app::Hmi;
-pub use help::{HelpEntry, Section as HelpSection, entries as help_entries};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub use offscreen::{page_text, screenshot};
+pub use page::help::{HelpEntry, Section as HelpSection, entries as help_entries};

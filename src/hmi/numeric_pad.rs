@@ -4,9 +4,9 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
 
+use super::edit_key::EditKey;
 use super::keycap::{self, KeycapState};
 use super::theme;
-use super::variable_entry::EditKey;
 use super::view::{View, card, fit_text};
 use crate::defs::text::Text;
 

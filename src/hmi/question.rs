@@ -3,8 +3,8 @@
 
 use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
 
+use super::edit_key::EditKey;
 use super::theme;
-use super::variable_entry::EditKey;
 use super::view::{View, card, fit_text, paragraph};
 use super::widget::{ButtonState, KeyboardFocus};
 use crate::defs::text::{LocalizedText, Text};

@@ -1,6 +1,7 @@
 //! Input of a value for a macro variable: cursor, text, check, refusal.
 //! Source: spec H6, K7.5.
 
+use super::edit_key::EditKey;
 use super::field_editor::{CoreAnswer, FieldEditor};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::Command;
@@ -8,39 +9,6 @@ use crate::link::edit::EditAnswer;
 
 /// Largest value that can be typed.
 pub const MAX_VALUE: f64 = 99_999.999;
-
-/// One key of the numeric pad or of the keyboard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EditKey {
-    /// 0–9 or the decimal point.
-    Char(char),
-    /// Changes the sign.
-    Sign,
-    /// Deletes the last character.
-    Backspace,
-    /// Deletes the character behind the cursor; without a text cursor, the last one.
-    Delete,
-    /// Moves to the start of the line.
-    LineStart,
-    /// Moves to the end of the line.
-    LineEnd,
-    /// INPUT (输入): accepts the value.
-    Enter,
-    /// CANCEL (取消): discards the value.
-    Cancel,
-    /// Moves to the field above.
-    Up,
-    /// Moves to the field below.
-    Down,
-    /// Moves to the other column.
-    Left,
-    /// Moves to the other column.
-    Right,
-    /// Moves to the next field.
-    Next,
-    /// Moves to the previous field.
-    Previous,
-}
 
 /// Parses a value of a variable and checks its range.
 ///

@@ -4,10 +4,10 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Painter, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
+use super::edit_key::EditKey;
 use super::keycap::{self, KeycapState};
 use super::pictogram;
 use super::theme;
-use super::variable_entry::EditKey;
 use super::view::{View, fit_text, focus_frame};
 
 /// Height of a row of tabs or page keys, points.

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use egui::accesskit::Role;
 use egui::{Align2, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::help::{self, HelpEntry};
 use super::scroll::Scroll;
 use super::{PageContext, PageUi, TypedInput};
 use crate::defs::alarm::{self, ALARMS};
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::text::Lang;
-use crate::hmi::help::{self, HelpEntry};
-use crate::hmi::variable_entry::EditKey;
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::view::{View, card, fit_text, focus_frame, format_date_time, paragraph, text_line};
 use crate::hmi::widget::ButtonState;
 use crate::hmi::{theme, widget};

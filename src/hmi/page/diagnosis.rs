@@ -9,7 +9,7 @@ use super::{PageContext, PageUi, TypedInput};
 use crate::defs::key::{Key, KeyGroup};
 use crate::defs::port_conflict;
 use crate::defs::signal::{Input, Output};
-use crate::hmi::variable_entry::EditKey;
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::view::{View, card, fit_text, format_volts};
 use crate::hmi::{panel, theme, widget};
 use crate::link::internal_signal::InternalSignal;

@@ -9,6 +9,7 @@ pub mod dressing;
 pub mod empty;
 pub mod graphic;
 pub mod grinding;
+pub mod help;
 pub mod input_line;
 pub mod mdi;
 pub mod offset;
@@ -32,10 +33,9 @@ use std::sync::Arc;
 
 use egui::{Rect, TextureId, Ui};
 
+use super::edit_key::EditKey;
 use super::field_editor::FieldEditor;
-use super::help::Help;
 use super::login::Login;
-use super::variable_entry::EditKey;
 use super::view::View;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
@@ -152,7 +152,7 @@ page_rows! {
     Alarm => alarm::AlarmPage,
     Settings => settings::SettingsPage,
     Simulator => simulator::SimulatorPage,
-    Help => Help,
+    Help => help::Help,
 }
 
 /// State of all pages.

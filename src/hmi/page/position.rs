@@ -8,8 +8,8 @@ use super::program::listing;
 use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{
     View, card, fit_text, format_cycle_time, format_length, format_strokes, format_whole, text_line,
 };

@@ -4,7 +4,7 @@
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
-use super::paint::{Camera, GraphicScene};
+use super::camera::{Camera, GraphicScene};
 use crate::hmi::theme;
 use crate::hmi::view::{View, format_length, text_line};
 use crate::link::simulation::LatheWorkspaceView;

@@ -2,6 +2,7 @@
 //! time are shown before the first cycle start.
 //! Source: spec B6 (图形), H8, H9.
 
+mod camera;
 mod lathe;
 mod paint;
 
@@ -11,8 +12,8 @@ use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
 
 use super::{PageContext, PageUi, TypedInput, empty};
 use crate::defs::text::Text;
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::requests::{PendingRequests, RequestReason};
-use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, format_length, paragraph};
 use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
 use crate::hmi::{page_frame as lines, pictogram, theme};
@@ -22,7 +23,8 @@ use crate::link::snapshot::RunState;
 use crate::link::toolpath::{BoundingBox, Toolpath};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
-use paint::{Camera, Canvas};
+use camera::{Camera, GraphicScene};
+use paint::Canvas;
 
 /// Height of the keys below.
 const KEYS_HEIGHT: f32 = 46.0;
@@ -181,13 +183,8 @@ impl GraphicPage {
         }
         self.camera = Some(camera);
         let painter = ui.painter().with_clip_rect(inside);
-        let scene = paint::GraphicScene {
-            drawing,
-            plane,
-            camera,
-            actual_path: &self.actual_path,
-            measured_at: &self.measured_at,
-        };
+        let scene =
+            GraphicScene { drawing, plane, camera, actual_path: &self.actual_path, measured_at: &self.measured_at };
         self.canvas.paint(&painter, inside, view, &scene);
     }
 

@@ -5,12 +5,12 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
 use crate::hmi::keycap::{self, KeycapState};
 use crate::hmi::page::TypedInput;
 use crate::hmi::page::input_line::{self, InputPrompt};
 use crate::hmi::page::scroll::Scroll;
-use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, fit_text, focus_frame, format_length, text_line};
 use crate::hmi::{pictogram, theme, widget};
 use crate::link::Command;

@@ -8,6 +8,7 @@ use egui::{Align2, Color32, Id, Painter, Rect, Sense, Shape, Stroke, Ui, WidgetI
 use crate::defs::leadscrew::{LeadscrewCompensation, LeadscrewPoint, MAX_POINTS};
 use crate::defs::param::AccessLevel;
 use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
 use crate::hmi::login::Login;
 use crate::hmi::page::TypedInput;
@@ -16,7 +17,6 @@ use crate::hmi::page::scroll::Scroll;
 use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::requests::{PendingRequests, RequestReason};
 use crate::hmi::theme;
-use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, focus_frame, paragraph, text_line};
 use crate::hmi::widget::{self, ButtonState};
 use crate::link::Command;

@@ -8,9 +8,9 @@ use super::text_task::{TaskStep, TextTask};
 use super::{EditorQuestion, ProgramPage, Prompt};
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::edit_key::EditKey;
 use crate::hmi::login::Login;
 use crate::hmi::question::Question;
-use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::View;
 use crate::link::Command;
 

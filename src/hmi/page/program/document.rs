@@ -2,7 +2,7 @@
 //! held once, however many undo steps there are.
 //! Source: spec B6 (程序: edit, copy, undo).
 
-use crate::hmi::variable_entry::EditKey;
+use crate::hmi::edit_key::EditKey;
 use crate::link::files::Completion;
 use ropey::{Rope, RopeSlice};
 

@@ -10,16 +10,16 @@ use egui::{Align2, Color32, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2
 
 pub use entries::{HelpEntry, HelpTopic, Section, alarm_entry, entries};
 
-use super::letter_pad::{self, LetterKey};
-use super::page::scroll::Scroll;
-use super::page::{PageContext, PageUi, TypedInput};
-use super::search_field::{self, SearchField, SearchTouch};
-use super::theme;
-use super::variable_entry::EditKey;
-use super::view::{View, card, fit_text, focus_frame, layout_line, paragraph};
-use super::widget::{self, ButtonState, round_to_lines};
+use super::scroll::Scroll;
+use super::{PageContext, PageUi, TypedInput};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
+use crate::hmi::edit_key::EditKey;
+use crate::hmi::letter_pad::{self, LetterKey};
+use crate::hmi::search_field::{self, SearchField, SearchTouch};
+use crate::hmi::theme;
+use crate::hmi::view::{View, card, fit_text, focus_frame, layout_line, paragraph};
+use crate::hmi::widget::{self, ButtonState, round_to_lines};
 
 /// Height of a line of the list, points.
 const ROW: f32 = 46.0;
