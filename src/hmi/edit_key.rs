@@ -33,3 +33,19 @@ pub enum EditKey {
     /// Moves to the previous field.
     Previous,
 }
+
+impl EditKey {
+    /// The field that a cursor key selects from `here`, of `count` fields in rows of `columns`, around the ends; none
+    /// for a key that does not move the cursor.
+    pub const fn step(self, here: usize, count: usize, columns: usize) -> Option<usize> {
+        let forward = match self {
+            Self::Up => count.saturating_sub(columns),
+            Self::Down => columns,
+            Self::Left | Self::Previous => count - 1,
+            Self::Right | Self::Next => 1,
+            Self::Char(_) | Self::Sign | Self::Backspace | Self::Delete => return None,
+            Self::LineStart | Self::LineEnd | Self::Enter | Self::Cancel => return None,
+        };
+        Some((here + forward) % count)
+    }
+}

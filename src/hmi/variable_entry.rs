@@ -1,8 +1,7 @@
 //! Input of a value for a macro variable: cursor, text, check, refusal.
 //! Source: spec H6, K7.5.
 
-use super::edit_key::EditKey;
-use super::field_editor::{CoreAnswer, FieldEditor};
+use super::{CoreAnswer, EditKey, FieldEditor};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::Command;
 use crate::link::edit::EditAnswer;
@@ -82,18 +81,11 @@ impl VariableEntry {
         if self.editor.handle_key(edit) {
             return None;
         }
-        match edit {
-            EditKey::Enter => return self.enter(columns),
-            EditKey::Up | EditKey::Previous => self.go((self.cursor + count - 1) % count),
-            EditKey::Down | EditKey::Next => self.go((self.cursor + 1) % count),
-            EditKey::Left | EditKey::Right => self.go(other_column(self.cursor, columns.0.len(), count)),
-            EditKey::Char(_)
-            | EditKey::Sign
-            | EditKey::Backspace
-            | EditKey::Delete
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Cancel => {}
+        match (edit, edit.step(self.cursor, count, 1)) {
+            (EditKey::Enter, _) => return self.enter(columns),
+            (EditKey::Left | EditKey::Right, _) => self.go(other_column(self.cursor, columns.0.len(), count)),
+            (_, Some(row)) => self.go(row),
+            (_, None) => {}
         }
         None
     }
@@ -132,21 +124,12 @@ impl VariableEntry {
 }
 
 /// The row next to this one in the other column, or the last row of a shorter column.
-const fn other_column(row: usize, left: usize, count: usize) -> usize {
-    if row < left {
-        let beside = row + left;
-        if left >= count {
-            row
-        } else if beside < count {
-            beside
-        } else {
-            count - 1
-        }
-    } else if left == 0 {
-        row
-    } else {
-        let beside = row - left;
-        if beside < left { beside } else { left - 1 }
+fn other_column(row: usize, left: usize, count: usize) -> usize {
+    match row.checked_sub(left) {
+        None if left >= count => row,
+        None => (row + left).min(count - 1),
+        Some(_) if left == 0 => row,
+        Some(line) => line.min(left - 1),
     }
 }
 

@@ -5,14 +5,13 @@
 use std::sync::Arc;
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
-use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::camera::{Camera, GraphicScene};
-use super::{ViewPlane, index, lathe, machine_position, or_around_machine};
+use super::{ViewPlane, index, lathe, machine_position};
 use crate::defs::kind::WheelPose;
 use crate::defs::param;
-use crate::hmi::theme;
-use crate::hmi::view::{View, text_line};
+use crate::hmi::{View, theme};
 use crate::link::toolpath::{BoundingBox, CHUNK_POINTS, MoveKind, Toolpath};
 use crate::units::Axis;
 
@@ -49,16 +48,18 @@ pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[
     if drawing.is_none() {
         trail.iter().for_each(|at| take(*at, *at));
     }
-    or_around_machine(all, machine_position(view.snapshot))
+    // Without anything to show: a box of ±50 mm around the machine position.
+    let here = machine_position(view.snapshot);
+    all.unwrap_or(BoundingBox { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
 }
 
 impl Canvas {
     /// Paints everything into a clipped painter.
-    pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
-        grid_lines(painter, rect, view, scene.camera);
+    pub fn paint(&mut self, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+        grid_lines(rect, view, scene.camera);
         match lathe::work_area(view) {
-            Some(_) => lathe::paint(painter, rect, view, scene),
-            None => paint_stock(painter, rect, view, scene),
+            Some(_) => lathe::paint(rect, view, scene),
+            None => paint_stock(rect, view, scene),
         }
         if let Some(drawing) = scene.drawing {
             let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
@@ -69,13 +70,13 @@ impl Canvas {
                 self.mesh = Arc::new(path_mesh(drawing, scene, rect, view));
                 self.of = Some(wanted);
             }
-            painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
+            view.painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
         }
-        paint_actual_path(painter, rect, view, scene);
-        paint_wheel(painter, rect, view, scene);
-        grid_labels(painter, rect, view, scene);
-        paint_collisions(painter, rect, view, scene);
-        lathe::paint_measurements(painter, rect, view, scene.camera, scene.measured_at);
+        paint_actual_path(rect, view, scene);
+        paint_wheel(rect, view, scene);
+        grid_labels(rect, view, scene);
+        paint_collisions(rect, view, scene);
+        lathe::paint_measurements(rect, view, scene.camera, scene.measured_at);
     }
 }
 
@@ -106,21 +107,21 @@ fn grid(rect: Rect, camera: Camera) -> (f32, Vec<GridLine>) {
     (step, upright.chain(level).collect())
 }
 
-fn grid_lines(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera) {
+fn grid_lines(rect: Rect, view: &View<'_>, camera: Camera) {
     let (step, lines) = grid(rect, camera);
     for line in lines {
         let zero = line.value.abs() < step * 0.01;
         let stroke = Stroke::new(theme::HAIRLINE, if zero { view.theme.muted } else { view.theme.line });
         if line.vertical {
-            painter.vline(line.at.x, rect.y_range(), stroke);
+            view.painter.vline(line.at.x, rect.y_range(), stroke);
         } else {
-            painter.hline(rect.x_range(), line.at.y, stroke);
+            view.painter.hline(rect.x_range(), line.at.y, stroke);
         }
     }
 }
 
 /// Coordinates of the grid lines, above part and wheel.
-fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn grid_labels(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (step, lines) = grid(rect, scene.camera);
     let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
     let size = vec2(MIN_GRID_PX - 8.0, 16.0);
@@ -137,13 +138,12 @@ fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         };
         if room {
             let diameter = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
-            let words = format!("{:.*}", digits, line.value * diameter);
-            text_line(painter, place, Align2::LEFT_CENTER, &words, theme::SMALL, view.theme.muted);
+            view.line_left(place, &format!("{:.*}", digits, line.value * diameter), theme::SMALL, view.theme.muted);
         }
     }
 }
 
-fn paint_stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_stock(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = scene.plane;
     for stock in view.snapshot.stock.iter() {
         let at =
@@ -154,8 +154,8 @@ fn paint_stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         } else {
             (view.theme.line.gamma_multiply(0.5), view.theme.line)
         };
-        painter.rect_filled(place, 0.0, fill);
-        painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIRLINE, line), egui::StrokeKind::Inside);
+        view.painter.rect_filled(place, 0.0, fill);
+        view.painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIRLINE, line), egui::StrokeKind::Inside);
     }
 }
 
@@ -240,7 +240,7 @@ fn segment(mesh: &mut Mesh, from: Pos2, to: Pos2, width: f32, colour: Color32) {
 }
 
 /// Paints the actual path of the machine.
-fn paint_actual_path(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_actual_path(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let mut mesh = Mesh::default();
     let place = |at: &[f32; 3]| scene.camera.to_canvas(rect, at[right], at[up]);
@@ -249,26 +249,26 @@ fn paint_actual_path(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Gra
             segment(&mut mesh, from, to, 2.0, view.theme.run);
         }
     }
-    painter.add(Shape::mesh(mesh));
+    view.painter.add(Shape::mesh(mesh));
 }
 
 /// Marks each collision of the check run with a cross (L9).
-fn paint_collisions(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_collisions(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let Some(drawing) = scene.drawing else { return };
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let stroke = Stroke::new(theme::FRAME, view.theme.alarm);
     for at in &drawing.crashes {
         let here = scene.camera.to_canvas(rect, at[right], at[up]);
         if rect.contains(here) {
-            painter.circle_stroke(here, 9.0, stroke);
-            painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
-            painter.line_segment([here - vec2(6.0, -6.0), here + vec2(6.0, -6.0)], stroke);
+            view.painter.circle_stroke(here, 9.0, stroke);
+            view.painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
+            view.painter.line_segment([here - vec2(6.0, -6.0), here + vec2(6.0, -6.0)], stroke);
         }
     }
 }
 
 /// Paints the wheel at its present position. Its reference point is the lowest or foremost point on the minus side.
-fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_wheel(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let at = machine_position(view.snapshot);
     let (right, up) = scene.plane;
     let params = &view.snapshot.params;
@@ -278,8 +278,8 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
     let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.ui().wheel_pose else {
         // Without a bar a turning tool is shown as its tip.
         match lathe::work_area(view) {
-            Some(_) => lathe::paint_tool(painter, rect, view, scene.camera, at),
-            None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
+            Some(_) => lathe::paint_tool(rect, view, scene.camera, at),
+            None => drop(view.painter.circle_filled(here, 3.5, view.theme.hold)),
         }
         return;
     };
@@ -290,7 +290,7 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         let radius = diameter / 2.0 * scene.camera.scale;
         if radius < 4_000.0 {
             let centre = if up == body { here - vec2(0.0, radius) } else { here + vec2(radius, 0.0) };
-            painter.circle(centre, radius, fill, stroke);
+            view.painter.circle(centre, radius, fill, stroke);
         }
     } else {
         let mut near = at;
@@ -310,11 +310,11 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         let here = scene.camera.to_canvas(rect, near[index(right)], near[index(up)]);
         let place = Rect::from_two_pos(here, corner).intersect(rect.expand(8.0));
         if place.is_positive() {
-            painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
+            view.painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
         }
     }
     if rect.contains(here) {
-        painter.circle_filled(here, 3.5, view.theme.hold);
+        view.painter.circle_filled(here, 3.5, view.theme.hold);
     }
 }
 
