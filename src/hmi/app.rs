@@ -3,29 +3,27 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
+use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
 
-use super::help::Help;
 use super::key_press::KeyPresses;
-use super::keyboard::{self, KeyboardInput};
 use super::layout::Regions;
-use super::page::grinding::GrindingPage;
-use super::page::program::ProgramPage;
-use super::page::{PageSet, PageUi, TypedInput};
-use super::page_frame::FrameTouch;
+use super::page_frame::{self, FrameTouch};
 use super::panel::Panel;
-use super::panel::layout::{PanelLayout, panel_layout};
+use super::panel::layout::panel_layout;
 use super::soft_key_row::{self, SoftKeyPress};
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
-use super::view::{self, View};
-use super::{numeric_pad, page_frame};
+use super::{KeyboardInput, View, blink_phase, clock_time, file_command, keyboard, numeric_pad};
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::soft_key::{self, SoftKeyAction};
 use crate::defs::text::{Lang, Text};
+use crate::hmi::page::grinding::GrindingPage;
+use crate::hmi::page::help::Help;
+use crate::hmi::page::program::ProgramPage;
+use crate::hmi::page::{PageSet, PageUi};
 use crate::link::command::Picture;
-use crate::link::files::{FileRequest, Requester, Ticket};
+use crate::link::files::{FileRequest, Requester};
 use crate::link::media::Screenshot;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::{Command, Snapshot};
@@ -111,7 +109,7 @@ impl Hmi {
     /// The text typed on the open page that the page or the core refused, and the reason; for tests.
     #[must_use]
     pub fn refusal(&self, lang: Lang) -> Option<(String, String)> {
-        self.pages.refusal(self.page?, lang)
+        self.pages.page(self.page?).refusal(lang)
     }
 
     /// The text on the program page with unsaved changes; for tests.
@@ -128,38 +126,32 @@ impl Hmi {
     /// Draws one frame over the whole `ui` and returns the operator's commands.
     /// egui may run several passes per frame: collect the commands of all passes and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
-        let mut out = Vec::new();
+        let (ui, mut out) = (&*ui, Vec::new());
         self.record(snapshot);
-        self.follow_snapshot(ui, snapshot);
-        let (clock, blink) = (view::clock_time(snapshot), view::blink_phase(snapshot.now));
-        let theme = self.theme;
-        let (light, brightness) = (self.light, self.brightness);
-        let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
+        let (clock, theme) = (clock_time(snapshot), self.theme);
+        let view = self.view(ui, snapshot, &theme, &clock);
+        self.follow_snapshot(&view);
         let regions = Regions::new(ui.max_rect());
         let panel = panel_layout(snapshot.kind, regions.panel, regions.portrait);
-        let words = if self.help_open { self.help.accepts_text() } else { self.pages.accepts_text(snapshot.page) };
+        let words =
+            if self.help_open { self.help.accepts_text() } else { self.pages.page(snapshot.page).accepts_text() };
         let words = words && !snapshot.state.is_active();
-        let asked = keyboard::read(ui, snapshot.kind, words);
+        let mut asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.screenshot_commands(snapshot.params.bit(param::PRINT_AS_BMP)));
-        self.handle_physical_keys(ui, &view, &asked, &mut out);
-        let mut edits = asked.edits.clone();
-        self.draw_panel(ui, &panel, &view, &mut out);
+        self.handle_physical_keys(&view, &asked, &mut out);
+        if let Some(reason) = self.panel.ui(&panel, &view, &mut self.presses, &mut out) {
+            self.show_hint(ui, reason);
+        }
         if !self.help_open && self.pages.wants_pad(&view) {
             // Drawn after the panel to lie on top, before the page so that its touches count in this frame.
-            numeric_pad::ui(ui, &view, panel.pad, &mut edits);
+            numeric_pad::ui(&view, panel.pad, &mut asked.edits);
         }
-        let typed = TypedInput {
-            edits: &edits,
-            text: &asked.text,
-            ctrl_keys: &asked.ctrl_keys,
-            scroll_pages: asked.scroll_pages,
-        };
         if self.help_open {
-            self.help_open = !self.help.overlay(ui, &view, regions.content.shrink(theme::GAP), &typed);
+            self.help_open = !self.help.overlay(&view, regions.content.shrink(theme::GAP), &asked);
         } else {
-            self.draw_page(ui, regions.content, &view, &typed, &mut out);
+            self.draw_page(regions.content, &view, &asked, &mut out);
         }
-        self.draw_frame(ui, &regions, &view, &asked, &mut out);
+        self.draw_frame(&regions, &view, &asked, &mut out);
         if self.brightness < *BRIGHTNESS.end() {
             ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
         }
@@ -172,17 +164,22 @@ impl Hmi {
         out
     }
 
+    /// What the pages draw from in this frame.
+    fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, theme: &'a Theme, clock: &'a str) -> View<'a> {
+        let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
+        let Self { lang, light, brightness, .. } = *self;
+        View { ui, painter, snapshot, lang, theme, light, brightness, clock, blink }
+    }
+
     /// Reacts to a new page, program or picture in the snapshot.
-    fn follow_snapshot(&mut self, ui: &Ui, snapshot: &Snapshot) {
+    fn follow_snapshot(&mut self, view: &View<'_>) {
+        let (ui, snapshot) = (view.ui, view.snapshot);
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
             self.help_open = false;
-            let theme = self.theme;
-            let (light, brightness) = (self.light, self.brightness);
-            let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: "", blink: false };
-            self.pages.open(&view);
+            self.pages.open(view);
         }
-        match (self.pages.picture(snapshot), &self.picture) {
+        match (self.pages.page(snapshot.page).picture(snapshot), &self.picture) {
             (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
             (Some(wanted), _) => self.picture = load_picture(ui.ctx(), wanted),
             (None, _) => self.picture = None,
@@ -191,58 +188,37 @@ impl Hmi {
         self.hint = self.hint.filter(|(_, since)| now - since < HINT_SECONDS);
     }
 
-    fn texture(&self) -> Option<TextureId> {
-        self.picture.as_ref().map(|(_, texture)| texture.id())
-    }
-
-    fn draw_panel(&mut self, ui: &mut Ui, layout: &PanelLayout, view: &View<'_>, out: &mut Vec<Command>) {
-        let said = self.panel.ui(ui, layout, view, &mut self.presses, out);
-        if let Some(reason) = said.refused {
-            self.show_hint(ui, reason);
-        }
-    }
-
     fn show_hint(&mut self, ui: &Ui, reason: Text) {
         self.hint = Some((reason, ui.input(|input| input.time)));
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(HINT_SECONDS + 0.05));
     }
 
-    fn draw_page(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, out: &mut Vec<Command>) {
+    fn draw_page(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, out: &mut Vec<Command>) {
         if !typed.edits.is_empty() {
             self.hint = None;
         }
-        let texture = self.texture();
-        let commands = self.pages.ui(ui, rect, view, typed, texture);
+        let texture = self.picture.as_ref().map(|(_, texture)| texture.id());
+        let commands = self.pages.ui(rect, view, typed, texture);
         for command in &commands {
-            if let Command::Page(PageCommand::SetLang(lang)) = command {
-                self.lang = *lang;
-            }
-            if let Command::Page(PageCommand::SetLightTheme(light)) = command {
-                self.set_light(*light);
-            }
-            if let Command::Page(PageCommand::SetBrightness(percent)) = command {
-                self.set_brightness(*percent);
+            match command {
+                Command::Page(PageCommand::SetLang(lang)) => self.lang = *lang,
+                Command::Page(PageCommand::SetLightTheme(light)) => self.set_light(*light),
+                Command::Page(PageCommand::SetBrightness(percent)) => self.set_brightness(*percent),
+                _ => {}
             }
         }
         out.extend(commands);
     }
 
-    fn draw_frame(
-        &mut self,
-        ui: &Ui,
-        regions: &Regions,
-        view: &View<'_>,
-        asked: &KeyboardInput,
-        out: &mut Vec<Command>,
-    ) {
-        let header = page_frame::header(ui, view, regions.header);
+    fn draw_frame(&mut self, regions: &Regions, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
+        let header = page_frame::header(view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        match header.or(page_frame::message_line(ui, view, regions.message, hint)) {
+        match header.or(page_frame::message_line(view, regions.message, hint)) {
             Some(FrameTouch::Help) => self.toggle_help(view),
             Some(FrameTouch::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
             None => {}
         }
-        page_frame::status_line(ui, view, regions.status);
+        page_frame::status_line(view, regions.status);
         let (page, shown) = (view.snapshot.page, view.snapshot.coordinates);
         let chosen = |act: SoftKeyAction| match act {
             SoftKeyAction::Open(other) => other == page,
@@ -251,11 +227,11 @@ impl Hmi {
         };
         let rows = soft_key_row::row_count(view);
         let row = view.snapshot.soft_key_row % rows;
-        let touched = soft_key_row::ui(ui, view, regions.soft, row, chosen);
+        let touched = soft_key_row::ui(view, regions.soft, row, chosen);
         // The label shown counts, even if the core has changed the row since.
         let by_key = asked.soft_key.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
         match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {
-            Some(SoftKeyPress::Act(act)) => self.run_soft_key(ui, act, out),
+            Some(SoftKeyPress::Act(act)) => self.run_soft_key(view.ui, act, out),
             Some(SoftKeyPress::Next) => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
             None if asked.next_soft_row => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
             None => {}
@@ -266,7 +242,8 @@ impl Hmi {
     fn toggle_help(&mut self, view: &View<'_>) {
         self.help_open = !self.help_open && view.snapshot.page != Page::Help;
         if self.help_open {
-            self.help.open_at(view, view.snapshot.page, self.pages.help_alarm(view));
+            let page = view.snapshot.page;
+            self.help.open_at(view, page, self.pages.page(page).help_alarm(view));
         }
     }
 
@@ -300,20 +277,17 @@ impl Hmi {
             let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
             let (width, height) = (image.width() as u32, image.height() as u32);
             let print = Screenshot { width, height, rgb: rgb.into(), as_bmp: bmp };
-            Command::Page(PageCommand::File(
-                Ticket::without_reply(Requester::Screen),
-                FileRequest::SaveScreenshot(print),
-            ))
+            file_command(Requester::Screen, FileRequest::SaveScreenshot(print))
         };
         pictures.into_iter().map(print).collect()
     }
 
-    fn handle_physical_keys(&mut self, ui: &Ui, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
-        let now = ui.input(|input| input.time);
-        self.presses.track_keyboard(ui, out);
+    fn handle_physical_keys(&mut self, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
+        let now = view.ui.input(|input| input.time);
+        self.presses.track_keyboard(view.ui, out);
         for shortcut in &asked.keys {
             if let Some(reason) = super::panel::key_state(view, shortcut.key).blocked {
-                self.show_hint(ui, reason);
+                self.show_hint(view.ui, reason);
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }

@@ -104,8 +104,7 @@ pub fn paint_core_fault(ui: &Ui, theme: &Theme, fault: CoreFault) {
                 0 => (TITLE_HEIGHT, 1.5 * theme::SECONDARY, theme.alarm_text),
                 _ => (paragraph_height, theme::SECONDARY, theme.text),
             };
-            let rect = Rect::from_min_max(at, pos2(to, at.y + height));
-            paragraph(painter, rect, text.get(lang), size, colour);
+            paragraph(painter, Rect::from_min_max(at, pos2(to, at.y + height)), text.get(lang), size, colour);
             at.y += height;
         }
     }

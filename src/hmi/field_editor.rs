@@ -1,9 +1,9 @@
 //! A value being typed: its text, and its refusal by the page or by the core.
 //! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
 
-use std::borrow::Cow;
+use egui::{Color32, Rect};
 
-use super::variable_entry::EditKey;
+use super::{EditKey, View};
 use crate::defs::param::NumberParam;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::link::edit::EditAnswer;
@@ -70,9 +70,7 @@ impl FieldEditor {
             EditKey::Cancel if self.text.is_empty() => self.pad_open = false,
             EditKey::Cancel => self.text.clear(),
             EditKey::Enter | EditKey::Up | EditKey::Down | EditKey::Left | EditKey::Right => return false,
-            EditKey::LineStart | EditKey::LineEnd | EditKey::Next | EditKey::Previous => {
-                return false;
-            }
+            EditKey::LineStart | EditKey::LineEnd | EditKey::Next | EditKey::Previous => return false,
         }
         true
     }
@@ -93,8 +91,7 @@ impl FieldEditor {
 
     /// Marks the text of a field as sent to the core.
     pub fn send(&mut self, field: usize) {
-        let text = std::mem::take(&mut self.text);
-        self.send_text(field, text);
+        self.sent = Some((field, std::mem::take(&mut self.text)));
     }
 
     /// Marks a text that was typed before as sent to the core.
@@ -126,6 +123,21 @@ impl FieldEditor {
             }
             (Some(_), Some(_)) => CoreAnswer::Nothing,
         }
+    }
+
+    /// What the selected field shows and its colour: the text typed or refused, else its old value.
+    #[must_use]
+    pub fn shown(&self, view: &View<'_>, old: (String, Color32)) -> (String, Color32) {
+        match (self.text.is_empty(), &self.refused) {
+            (true, _) => old,
+            (false, Some(_)) => (self.text.clone(), view.theme.alarm_text),
+            (false, None) => (format!("{}_", self.text), view.theme.info),
+        }
+    }
+
+    /// Paints the frame of the selected field, red after a refusal.
+    pub fn frame(&self, view: &View<'_>, rect: Rect) {
+        view.frame(rect, if self.refused.is_some() { view.theme.alarm } else { view.theme.focus });
     }
 
     /// The reason of a refusal in a language.

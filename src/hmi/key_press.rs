@@ -21,7 +21,6 @@ pub enum KeyTrigger {
 }
 
 /// When a press of a key takes effect.
-#[must_use]
 pub const fn trigger_of(key: Key) -> KeyTrigger {
     match key {
         Key::EmergencyStop | Key::FeedHold | Key::Reset => KeyTrigger::OnPress,
@@ -137,7 +136,6 @@ impl KeyPresses {
     }
 
     /// Whether a physical key holds this panel key down.
-    #[must_use]
     pub fn is_down(&self, key: Key) -> bool {
         self.physical.iter().any(|(_, _, down)| down.key == key)
     }

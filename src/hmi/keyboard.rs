@@ -3,7 +3,7 @@
 
 use egui::{Event, Modifiers, Ui};
 
-use super::variable_entry::EditKey;
+use super::EditKey;
 use crate::defs::key::Key;
 
 /// A physical key for a panel key.
@@ -125,7 +125,6 @@ pub struct KeyboardInput {
 }
 
 /// Reads the keyboard of this frame. `words`: a page takes text and nothing runs, so the space bar types a space.
-#[must_use]
 pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> KeyboardInput {
     let mut asked = KeyboardInput::default();
     let events = ui.input(|input| input.events.clone());

@@ -2,7 +2,7 @@
 
 use egui::Rect;
 
-use super::theme;
+use super::{Area, theme};
 
 /// The regions of one display.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,12 +33,12 @@ impl Regions {
             let cut = display.max.y - theme::PANEL_PORTRAIT;
             display.split_top_bottom_at_y(cut)
         } else {
-            display.split_left_right_at_x(display.max.x - panel_width)
+            display.split_right(panel_width)
         };
-        let (header, rest) = screen.split_top_bottom_at_y(screen.min.y + theme::HEADER);
-        let (rest, soft) = rest.split_top_bottom_at_y(rest.max.y - theme::SOFT_KEYS);
-        let (rest, status) = rest.split_top_bottom_at_y(rest.max.y - theme::STATUS);
-        let (content, message) = rest.split_top_bottom_at_y(rest.max.y - theme::MESSAGE);
+        let (header, rest) = screen.split_top(theme::HEADER);
+        let (rest, soft) = rest.split_bottom(theme::SOFT_KEYS);
+        let (rest, status) = rest.split_bottom(theme::STATUS);
+        let (content, message) = rest.split_bottom(theme::MESSAGE);
         Self { header, content, message, status, soft, panel, portrait }
     }
 }

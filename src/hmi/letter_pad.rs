@@ -1,11 +1,9 @@
 //! The letter pads: touch input of search words and program blocks.
 //! Source: spec B6 (search by number or text, MDI), H6.
 
-use egui::{Id, Rect, Sense, Ui, vec2};
+use egui::{Id, Rect, Sense, vec2};
 
-use super::theme;
-use super::view::{View, card};
-use super::widget::{self, ButtonState};
+use super::{PageKey, View, theme, widget};
 use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 
@@ -53,7 +51,6 @@ pub const PAGE_TEXT_LAYOUT: LetterLayout = LetterLayout {
     enter_label: Text::new("换行", "ENTER"),
 };
 /// For a program block, with the most frequent codes of the kind.
-#[must_use]
 pub const fn block_layout(kind: Kind) -> LetterLayout {
     let face = kind.ui();
     let rows: &[&str] = if face.has_macros { MACRO_ROWS } else { PLAIN_ROWS };
@@ -67,7 +64,6 @@ const ROW: f32 = 46.0;
 
 impl LetterLayout {
     /// Height of the pad: one row of words and the rows of characters.
-    #[must_use]
     pub const fn height(&self) -> f32 {
         (self.rows.len() + 1) as f32 * ROW + 2.0 * theme::GAP
     }
@@ -87,53 +83,31 @@ pub enum LetterKey {
 }
 
 /// Draws the pad; returns the touched key.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, board: &LetterLayout) -> Option<LetterKey> {
-    ui.interact(rect, Id::unique("letters"), Sense::CLICK | Sense::DRAG);
-    card(ui.painter(), rect, view.theme.surface, view.theme.focus);
+pub fn ui(view: &View<'_>, rect: Rect, board: &LetterLayout) -> Option<LetterKey> {
+    view.ui.interact(rect, Id::unique("letters"), Sense::CLICK | Sense::DRAG);
+    view.filled_card(rect, view.theme.surface, view.theme.focus);
     let inside = rect.shrink(theme::GAP);
     let mut touched = None;
-    let cell = |column: f32, row: f32, columns: f32, wide: f32| {
-        let width = (inside.width() + 3.0) / columns;
-        let corner = inside.min + vec2(column * width, row * ROW);
-        Rect::from_min_size(corner, vec2(wide * width - 3.0, ROW - 2.0))
+    let mut key = |column: usize, row: usize, columns: usize, key: PageKey<'_>, meaning: LetterKey| {
+        let width = (inside.width() + 3.0) / columns as f32;
+        let corner = inside.min + vec2(column as f32 * width, row as f32 * ROW);
+        if widget::button(view, Rect::from_min_size(corner, vec2(width - 3.0, ROW - 2.0)), key) {
+            touched = Some(meaning);
+        }
     };
     for (index, word) in board.words.iter().enumerate() {
-        let name = format!("word-{}", word.en);
-        let place = cell(index as f32, 0.0, board.words.len() as f32, 1.0);
-        if widget::button(ui, view, place, &name, word.get(view.lang), ButtonState::default()) {
-            touched = Some(LetterKey::Word(word.get(view.lang)));
-        }
+        let (name, label) = (format!("word-{}", word.en), word.get(view.lang));
+        key(index, 0, board.words.len(), PageKey::new(&name, label), LetterKey::Word(label));
     }
     for (line, signs) in board.rows.iter().enumerate() {
         for (index, sign) in signs.chars().enumerate() {
-            let place = cell(index as f32, 1.0 + line as f32, 10.0, 1.0);
-            let mut label = [0; 4];
+            let (mut label, name) = ([0; 4], format!("letter-{sign}"));
             let label = if sign == ' ' { view.text("空格", "SPACE") } else { sign.encode_utf8(&mut label) };
-            if widget::button(ui, view, place, &format!("letter-{sign}"), label, ButtonState::default()) {
-                touched = Some(LetterKey::Char(sign));
-            }
+            key(index, 1 + line, 10, PageKey::new(&name, label), LetterKey::Char(sign));
         }
     }
-    let last = board.rows.len() as f32;
-    if widget::button(
-        ui,
-        view,
-        cell(8.0, last, 10.0, 1.0),
-        "letter-back",
-        view.text("退格", "DEL"),
-        ButtonState::default(),
-    ) {
-        touched = Some(LetterKey::Backspace);
-    }
-    if widget::button(
-        ui,
-        view,
-        cell(9.0, last, 10.0, 1.0),
-        "letter-done",
-        board.enter_label.get(view.lang),
-        ButtonState::default(),
-    ) {
-        touched = Some(LetterKey::Done);
-    }
+    let last = board.rows.len();
+    key(8, last, 10, PageKey::new("letter-back", view.text("退格", "DEL")), LetterKey::Backspace);
+    key(9, last, 10, PageKey::new("letter-done", board.enter_label.get(view.lang)), LetterKey::Done);
     touched
 }

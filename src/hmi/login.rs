@@ -3,12 +3,9 @@
 //! Source: spec B6, H6.
 
 use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Id, Rect, Sense, WidgetInfo, pos2, vec2};
 
-use super::theme;
-use super::variable_entry::EditKey;
-use super::view::{View, card, fit_text, focus_frame, paragraph, text_line};
-use super::widget::{self, ButtonState};
+use super::{Area, EditKey, PageKey, View, theme, widget};
 use crate::defs::text::Text;
 use crate::link::Command;
 use crate::link::page_command::{PASSWORD_LENGTH, PageCommand, PasswordScope, Secret};
@@ -64,7 +61,6 @@ impl Login {
     }
 
     /// Whether the dialog is open and takes the input.
-    #[must_use]
     pub const fn is_open(&self) -> bool {
         self.dialog.is_some()
     }
@@ -75,7 +71,7 @@ impl Login {
     }
 
     /// Draws the dialog over a page and handles its input.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey], out: &mut Vec<Command>) {
+    pub fn ui(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey], out: &mut Vec<Command>) {
         self.check_answer(view);
         let Some(talk) = self.dialog.as_mut() else { return };
         for edit in edits {
@@ -84,7 +80,7 @@ impl Login {
                 return;
             }
         }
-        if draw(ui, rect, view, talk) {
+        if draw(rect, view, talk) {
             self.dialog = None;
         }
     }
@@ -169,39 +165,25 @@ impl PasswordDialog {
 }
 
 /// Draws the dialog; true if CANCEL (取消) was touched.
-fn draw(ui: &Ui, rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> bool {
-    // The page beneath takes no touches while the dialog is open.
-    ui.interact(rect, Id::unique("login-veil"), Sense::CLICK | Sense::DRAG);
-    let painter = ui.painter();
-    painter.rect_filled(rect, 0.0, view.theme.background.gamma_multiply(0.86));
-    let place = Rect::from_center_size(rect.center(), vec2(440.0_f32.min(rect.width() - 24.0), 236.0));
-    card(painter, place, view.theme.surface, view.theme.focus);
+fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> bool {
+    let place = view.dialog(rect, "login-veil", vec2(440.0, 236.0), view.theme.focus);
     let inside = place.shrink2(vec2(20.0, theme::PAD));
-    let row = |top: f32, height: f32| {
-        Rect::from_min_size(pos2(inside.min.x, inside.min.y + top), vec2(inside.width(), height))
-    };
+    let row = |top: f32, height: f32| inside.band(top, height);
     let title = format!("{} · {}", talk.scope.name().get(view.lang), view.text("密码", "password"));
-    fit_text(painter, row(0.0, 30.0), Align2::LEFT_CENTER, &title, theme::SECONDARY, view.theme.text);
-    fit_text(
-        painter,
-        row(34.0, 26.0),
-        Align2::LEFT_CENTER,
-        talk.prompt().get(view.lang),
-        theme::LABEL,
-        view.theme.muted,
-    );
+    view.fit_left(row(0.0, 30.0), &title, theme::SECONDARY, view.theme.text);
+    view.fit_left(row(34.0, 26.0), talk.prompt().get(view.lang), theme::LABEL, view.theme.muted);
     let field = row(66.0, 52.0);
-    card(painter, field, view.theme.raised, view.theme.line);
-    focus_frame(painter, field, if talk.refused.is_some() { view.theme.alarm } else { view.theme.focus });
-    let response = ui.interact(field, Id::unique("password"), Sense::HOVER);
+    view.filled_card(field, view.theme.raised, view.theme.line);
+    view.frame(field, if talk.refused.is_some() { view.theme.alarm } else { view.theme.focus });
+    let response = view.ui.interact(field, Id::unique("password"), Sense::HOVER);
     response.widget_info(|| WidgetInfo::labeled(Role::PasswordInput, true, "密码 password"));
     let dots =
         if talk.sent { view.text("正在核对…", "checking…").to_owned() } else { "●".repeat(talk.text.len()) };
     let ink = if talk.sent { view.theme.muted } else { view.theme.text };
-    text_line(painter, field.shrink2(vec2(theme::PAD, 0.0)), Align2::LEFT_CENTER, &dots, theme::SECONDARY, ink);
+    view.line_left(field.trim_sides(theme::PAD), &dots, theme::SECONDARY, ink);
     if let Some(reason) = talk.refused {
-        paragraph(painter, row(126.0, 40.0), reason.get(view.lang), theme::LABEL, view.theme.alarm_text);
+        view.paragraph(row(126.0, 40.0), reason.get(view.lang), theme::LABEL, view.theme.alarm_text);
     }
     let cancel = Rect::from_min_size(pos2(inside.max.x - 120.0, inside.max.y - 48.0), vec2(120.0, 48.0));
-    widget::button(ui, view, cancel, "login-cancel", view.text("取消", "CANCEL"), ButtonState::default())
+    widget::button(view, cancel, PageKey::new("login-cancel", view.text("取消", "CANCEL")))
 }

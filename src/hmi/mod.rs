@@ -5,9 +5,10 @@
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;
+mod area;
 pub mod core_fault;
+mod edit_key;
 pub mod field_editor;
-mod help;
 mod key_press;
 mod keyboard;
 mod keycap;
@@ -33,6 +34,21 @@ mod widget;
 pub mod window;
 
 pub use app::Hmi;
-pub use help::{HelpEntry, Section as HelpSection, entries as help_entries};
+pub(crate) use area::Area;
+pub(crate) use edit_key::EditKey;
+pub(crate) use field_editor::{CoreAnswer, FieldEditor, param_range};
+pub(crate) use keyboard::KeyboardInput;
 pub use keyboard::{SHORTCUTS, Shortcut};
+pub(crate) use keycap::KeycapState;
+pub(crate) use letter_pad::LetterKey;
+pub(crate) use login::Login;
 pub use offscreen::{page_text, screenshot};
+pub use page::help::{HelpEntry, Section as HelpSection, entries as help_entries};
+pub(crate) use question::{Question, QuestionDialog};
+pub(crate) use requests::{PendingRequests, ProtectedRequests, RequestEvent, RequestReason, file_command};
+pub(crate) use search_field::{Search, SearchTouch};
+pub(crate) use view::{
+    View, blink_phase, clock_time, format_cycle_time, format_date_time, format_length, format_size, format_strokes,
+    format_volts, format_whole,
+};
+pub(crate) use widget::{KeyboardFocus, PageKey, round_to_lines};

@@ -1,13 +1,9 @@
 //! The numeric pad over the lower part of the panel while a value is typed.
 //! Source: spec H6. It never covers cycle start, feed hold, reset or the emergency stop.
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
+use egui::{Id, Rect, Sense, vec2};
 
-use super::keycap::{self, KeycapState};
-use super::theme;
-use super::variable_entry::EditKey;
-use super::view::{View, card, fit_text};
+use super::{EditKey, View, keycap, theme};
 use crate::defs::text::Text;
 
 /// One key: label, accessible name, column, row, height in rows, edit key.
@@ -36,24 +32,21 @@ const KEYS: [PadKey; 15] = [
 ];
 
 /// Draws the pad; appends the touched keys to `edits`.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, edits: &mut Vec<EditKey>) {
+pub fn ui(view: &View<'_>, rect: Rect, edits: &mut Vec<EditKey>) {
     // The whole area takes touches: nothing beneath can be pressed through a gap.
-    ui.interact(rect, Id::unique("pad"), Sense::CLICK | Sense::DRAG);
-    card(ui.painter(), rect.expand(2.0), view.theme.surface, view.theme.focus);
+    view.ui.interact(rect, Id::unique("pad"), Sense::CLICK | Sense::DRAG);
+    view.filled_card(rect.expand(2.0), view.theme.surface, view.theme.focus);
     let inside = rect.shrink(4.0);
     let unit = vec2((inside.width() - 9.0) / 4.0, (inside.height() - 9.0) / 4.0);
     for PadKey(label, name, column, row, rows, edit) in &KEYS {
         let corner = inside.min + vec2(f32::from(*column) * (unit.x + 3.0), f32::from(*row) * (unit.y + 3.0));
         let height = unit.y * f32::from(*rows) + 3.0 * f32::from(*rows - 1);
         let place = Rect::from_min_size(corner, vec2(unit.x, height));
-        let response = ui.interact(place, Id::unique(("pad", *name)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-        let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
-        keycap::paint_body(ui.painter(), view.theme, place, face);
+        let response = keycap::plain(view, place, ("pad", *name), name);
         let digit = matches!(edit, EditKey::Char(_) | EditKey::Sign);
         let size = if digit { theme::SECONDARY + 4.0 } else { theme::TITLE };
         let ink = if *edit == EditKey::Enter { view.theme.info } else { view.theme.text };
-        fit_text(ui.painter(), place.shrink(3.0), Align2::CENTER_CENTER, label.get(view.lang), size, ink);
+        view.fit_centre(place.shrink(3.0), label.get(view.lang), size, ink);
         if response.clicked() {
             edits.push(*edit);
         }

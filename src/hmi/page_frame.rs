@@ -1,12 +1,9 @@
 //! The areas around every page: header, message line, status line.
 //! Source: spec H1, H7.
 
-use egui::accesskit::Role;
-use egui::{Align2, Color32, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Rect, pos2, vec2};
 
-use super::keycap;
-use super::theme;
-use super::view::{View, chip, fit_text, format_whole, layout_line, text_line};
+use super::{Area, View, format_whole, keycap, theme};
 use crate::link::Snapshot;
 use crate::link::snapshot::{RunState, Tone};
 use crate::units::Micros;
@@ -24,57 +21,48 @@ pub enum FrameTouch {
 }
 
 /// Draws the header: kind · page, program and block, mode, state, alarms, clock, help.
-pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
-    let painter = ui.painter();
-    painter.rect_filled(rect, 0.0, view.theme.surface);
-    painter.hline(rect.x_range(), rect.max.y - 0.5, egui::Stroke::new(theme::HAIRLINE, view.theme.line));
+pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
+    view.painter.rect_filled(rect, 0.0, view.theme.surface);
+    view.hairline(rect, rect.max.y - 0.5);
     let row = rect.shrink2(vec2(theme::PAD, 9.0));
     let help =
         Rect::from_min_max(pos2(rect.max.x - theme::TOUCH_TARGET - 4.0, rect.min.y + 1.0), rect.max - vec2(4.0, 1.0));
-    let mut touched = help_key(ui, view, help).then_some(FrameTouch::Help);
+    let mut touched = help_key(view, help).then_some(FrameTouch::Help);
     let mut right = help.min.x - theme::GAP;
     let clock = Rect::from_min_max(pos2(right - 66.0, row.min.y), pos2(right, row.max.y));
-    text_line(painter, clock, Align2::RIGHT_CENTER, view.clock, theme::LABEL, view.theme.muted);
+    view.line_right(clock, view.clock, theme::LABEL, view.theme.muted);
     right = clock.min.x - theme::PAD;
-    let (left, chip_touched) = alarm_chip(ui, view, right, row);
+    let (left, chip_touched) = alarm_chip(view, right, row);
     touched = touched.or(chip_touched.then_some(FrameTouch::Alarm));
     right = left;
     let (fill, ink) = state_colours(view);
-    let state = chip(painter, right, row, view.snapshot.state.name().get(view.lang), fill, ink);
-    let mode = chip(painter, state.min.x - theme::GAP, row, mode_label(view), view.theme.raised, view.theme.text);
+    let state = view.chip(right, row, view.snapshot.state.name().get(view.lang), fill, ink);
+    let mode = view.snapshot.mode.key().label().get(view.lang);
+    let mode = view.chip(state.min.x - theme::GAP, row, mode, view.theme.raised, view.theme.text);
     right = mode.min.x - theme::PAD;
     let program = program_label(view);
     // A long program name takes space from the title.
-    let wanted = layout_line(painter, &program, theme::LABEL, view.theme.text, 180.0).size().x;
+    let wanted = view.layout_line(&program, theme::LABEL, view.theme.text, 180.0).size().x;
     let place = Rect::from_min_max(pos2(right - wanted.max(122.0), row.min.y), pos2(right, row.max.y));
-    fit_text(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
-    let title = Rect::from_min_max(row.min, pos2(place.min.x - theme::PAD, row.max.y));
+    view.fit_right(place, &program, theme::LABEL, view.theme.text);
+    let title = row.with_max_x(place.min.x - theme::PAD);
     let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
     let mut letters = kind.chars();
     let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
     let kind = first + letters.as_str();
     let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
-    fit_text(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
+    view.fit_left(title, &word, theme::TITLE, view.theme.text);
     touched
 }
 
 /// Draws the key `?`, which opens the help.
-fn help_key(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
-    let response = ui.interact(rect, Id::unique("header-help"), Sense::CLICK);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "? help"));
-    let face = keycap::KeycapState { pressed: response.is_pointer_button_down_on(), ..keycap::KeycapState::default() };
-    keycap::paint_body(ui.painter(), view.theme, rect, face);
-    text_line(ui.painter(), rect, Align2::CENTER_CENTER, "?", theme::SECONDARY, view.theme.text);
+fn help_key(view: &View<'_>, rect: Rect) -> bool {
+    let response = keycap::plain(view, rect, "header-help", "? help");
+    view.line_centre(rect, "?", theme::SECONDARY, view.theme.text);
     response.clicked()
 }
 
-/// The label of the mode, as on its key.
-fn mode_label<'a>(view: &View<'a>) -> &'a str {
-    view.snapshot.mode.key().label().get(view.lang)
-}
-
 /// `O1001 N0040`
-#[must_use]
 pub fn program_label(view: &View<'_>) -> String {
     let program = &view.snapshot.program;
     if program.number == 0 {
@@ -85,12 +73,11 @@ pub fn program_label(view: &View<'_>) -> String {
 
 /// Paints program and block in a narrow space. If a long name leaves no space for the block, only the name; the header
 /// shows both.
-pub fn paint_program_label(painter: &egui::Painter, view: &View<'_>, rect: Rect, size: f32) {
+pub fn paint_program_label(view: &View<'_>, rect: Rect, size: f32) {
     let word = program_label(view);
-    let whole = layout_line(painter, &word, theme::SMALL, view.theme.text, f32::INFINITY).size().x;
-    let name = view.snapshot.title(view.snapshot.program.number);
-    let word = if whole <= rect.width() { &word } else { &name };
-    fit_text(painter, rect, Align2::LEFT_CENTER, word, size, view.theme.text);
+    let whole = view.layout_line(&word, theme::SMALL, view.theme.text, f32::INFINITY).size().x;
+    let word = if whole <= rect.width() { word } else { view.snapshot.title(view.snapshot.program.number) };
+    view.fit_left(rect, &word, size, view.theme.text);
 }
 
 /// Only a state other than idle is coloured.
@@ -106,22 +93,19 @@ fn state_colours(view: &View<'_>) -> (Color32, Color32) {
 
 /// Draws number of the first alarm and count of alarms; the space stays empty without an alarm. Returns its left
 /// edge and whether it was touched; the touch area has the full height of the header.
-fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
+fn alarm_chip(view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
     let left = right - 92.0;
     let Some(first) = view.snapshot.alarms.first() else { return (left, false) };
     let word = match view.snapshot.alarms.len() {
         1 => format!("⚠ {:03}", first.number),
         count => format!("⚠ {:03} ×{count}", first.number),
     };
-    chip(ui.painter(), right, row, &word, view.theme.alarm, view.theme.on_accent);
+    view.chip(right, row, &word, view.theme.alarm, view.theme.on_accent);
     let place = Rect::from_min_max(pos2(left + 4.0, row.min.y - 8.0), pos2(right, row.max.y + 8.0));
-    let response = ui.interact(place, Id::unique("alarm-chip"), Sense::CLICK);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-chip"));
-    (left, response.clicked())
+    (left, view.touch(place, "alarm-chip", "报警 alarm-chip").clicked())
 }
 
 /// Whether the message is still shown.
-#[must_use]
 pub fn message_is_fresh(snapshot: &Snapshot) -> bool {
     snapshot.now.since(snapshot.message.since) < MESSAGE_DURATION && !snapshot.message.text.zh().is_empty()
 }
@@ -139,8 +123,7 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     if let Some(alarm) = view.snapshot.alarms.first() {
         let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
         let arrow = if remedy.is_empty() { "" } else { " → " };
-        let word = format!("{:03} {text}{arrow}{remedy}", alarm.number);
-        return Some((word, view.theme.alarm_text));
+        return Some((format!("{:03} {text}{arrow}{remedy}", alarm.number), view.theme.alarm_text));
     }
     if let Some(waiting) = &view.snapshot.waiting_for {
         return Some((waiting.get(lang).into_owned(), view.theme.hold));
@@ -150,28 +133,24 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
 
 /// Draws the message line: a refusal in amber for 5 s, else the first alarm with its remedy in red, else what the run
 /// waits for, else a note for 5 s. Returns [`FrameTouch::Alarm`] if it was touched while there is an alarm.
-pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) -> Option<FrameTouch> {
-    let painter = ui.painter();
-    painter.rect_filled(rect, 0.0, view.theme.surface);
-    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIRLINE, view.theme.line));
+pub fn message_line(view: &View<'_>, rect: Rect, hint: Option<&str>) -> Option<FrameTouch> {
+    view.painter.rect_filled(rect, 0.0, view.theme.surface);
+    view.hairline(rect, rect.min.y + 0.5);
     if let Some((words, colour)) = message(view, hint) {
         let mark = Rect::from_min_size(rect.min + vec2(0.0, 1.0), vec2(4.0, rect.height() - 1.0));
-        painter.rect_filled(mark, 0.0, colour);
-        fit_text(painter, rect.shrink2(vec2(theme::PAD, 2.0)), Align2::LEFT_CENTER, &words, theme::LABEL, colour);
+        view.painter.rect_filled(mark, 0.0, colour);
+        view.fit_left(rect.shrink2(vec2(theme::PAD, 2.0)), &words, theme::LABEL, colour);
     }
     if view.snapshot.alarms.is_empty() {
         return None;
     }
-    let response = ui.interact(rect, Id::unique("message"), Sense::CLICK);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-list"));
-    response.clicked().then_some(FrameTouch::Alarm)
+    view.touch(rect, "message", "报警 alarm-list").clicked().then_some(FrameTouch::Alarm)
 }
 
 /// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`
-pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
-    let painter = ui.painter();
-    painter.rect_filled(rect, 0.0, view.theme.background);
-    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIRLINE, view.theme.line));
+pub fn status_line(view: &View<'_>, rect: Rect) {
+    view.painter.rect_filled(rect, 0.0, view.theme.background);
+    view.hairline(rect, rect.min.y + 0.5);
     let snapshot = view.snapshot;
     let blocks =
         if snapshot.single_block { view.text("单段", "single block") } else { view.text("连续", "continuous") };
@@ -185,25 +164,24 @@ pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
         format!("{} {}", view.text("件数", "parts"), snapshot.parts_counted),
     ];
     // Fixed columns: nothing shifts when a value changes.
-    let row = rect.shrink2(vec2(theme::PAD, 0.0));
+    let row = rect.trim_sides(theme::PAD);
     let shares: [f32; 7] = [0.15, 0.13, 0.11, 0.13, 0.21, 0.13, 0.14];
     let mut left = row.min.x;
     for (word, share) in words.iter().zip(shares) {
         let place = Rect::from_min_size(pos2(left, row.min.y), vec2(row.width() * share, row.height()));
         if left > row.min.x {
-            painter.vline(
+            view.painter.vline(
                 left - theme::GAP,
                 rect.min.y + 8.0..=rect.max.y - 7.0,
                 egui::Stroke::new(theme::HAIRLINE, view.theme.line),
             );
         }
-        let cell = Rect::from_min_max(place.min, pos2(place.max.x - 2.0 * theme::GAP, place.max.y));
-        fit_text(painter, cell, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.text);
+        view.fit_left(place.with_max_x(place.max.x - 2.0 * theme::GAP), word, theme::LABEL, view.theme.text);
         left = place.max.x;
     }
 }
 
 /// Paints the title inside a page; here so that all titles look the same. Returns the area it covers.
-pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) -> Rect {
-    fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text)
+pub fn title(view: &View<'_>, rect: Rect, words: &str) -> Rect {
+    view.fit_left(rect, words, theme::SECONDARY, view.theme.text)
 }

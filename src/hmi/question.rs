@@ -1,12 +1,9 @@
 //! A modal question over a page: text and keys. The page beneath takes no touches until it is answered.
 //! Source: spec H8, B6 (delete and overwrite ask first).
 
-use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
+use egui::{Rect, pos2, vec2};
 
-use super::theme;
-use super::variable_entry::EditKey;
-use super::view::{View, card, fit_text, paragraph};
-use super::widget::{ButtonState, KeyboardFocus};
+use super::{Area, EditKey, KeyboardFocus, PageKey, View, theme};
 use crate::defs::text::{LocalizedText, Text};
 
 /// The open question of a page, with its subject; empty if none is open.
@@ -31,14 +28,13 @@ impl<A> QuestionDialog<A> {
     }
 
     /// Whether a question is open; it then takes all keyboard input of the page.
-    #[must_use]
     pub const fn is_open(&self) -> bool {
         self.0.is_some()
     }
 
     /// Draws the question. When answered, returns its subject and the index of the pressed key; `None` for CANCEL (取消).
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<(A, Option<usize>)> {
-        let key = self.0.as_mut()?.1.ui(ui, rect, view, edits)?;
+    pub fn ui(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<(A, Option<usize>)> {
+        let key = self.0.as_mut()?.1.ui(rect, view, edits)?;
         let (about, question) = self.0.take()?;
         Some((about, Some(key).filter(|key| key + 1 < question.keys.len())))
     }
@@ -58,13 +54,11 @@ pub struct Question {
 
 impl Question {
     /// A question with one action key and CANCEL (取消).
-    #[must_use]
     pub fn new(title: Text, body: LocalizedText, yes: (&'static str, Text)) -> Self {
         Self::with_keys(title, body, &[yes])
     }
 
     /// A question with several action keys and CANCEL (取消).
-    #[must_use]
     pub fn with_keys(title: Text, body: LocalizedText, keys: &[(&'static str, Text)]) -> Self {
         let mut keys = keys.to_vec();
         keys.push(("question-no", Text::new("取消", "CANCEL")));
@@ -75,19 +69,12 @@ impl Question {
     }
 
     /// Draws the question; returns the index of the pressed key, the last one is CANCEL (取消).
-    fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<usize> {
-        ui.interact(rect, Id::unique("question-veil"), Sense::CLICK | Sense::DRAG);
-        let painter = ui.painter();
-        painter.rect_filled(rect, 0.0, view.theme.background.gamma_multiply(0.86));
-        let size = vec2(520.0_f32.min(rect.width() - 24.0), 230.0_f32.min(rect.height() - 12.0));
-        let place = Rect::from_center_size(rect.center(), size);
-        card(painter, place, view.theme.surface, view.theme.hold);
-        let inside = place.shrink2(vec2(20.0, 14.0));
-        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        fit_text(painter, title, Align2::LEFT_CENTER, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
-        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - 56.0);
-        let body = Rect::from_min_max(body.min + vec2(0.0, 6.0), body.max);
-        paragraph(painter, body, &self.body.get(view.lang), theme::LABEL, view.theme.text);
+    fn ui(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<usize> {
+        let place = view.dialog(rect, "question-veil", vec2(520.0, 230.0), view.theme.hold);
+        let (title, rest) = place.shrink2(vec2(20.0, 14.0)).split_top(32.0);
+        view.fit_left(title, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
+        let (body, keys) = rest.split_bottom(56.0);
+        view.paragraph(body.trim_top(6.0), self.body.get(view.lang), theme::LABEL, view.theme.text);
         self.focus.begin_frame(edits);
         let last = self.keys.len() - 1;
         let width = ((keys.width() + theme::GAP) / self.keys.len() as f32).min(170.0);
@@ -96,7 +83,7 @@ impl Question {
         for (index, (name, label)) in self.keys.iter().enumerate() {
             let corner = pos2(left + index as f32 * width, keys.min.y + 4.0);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, 52.0));
-            if self.focus.button(ui, view, place, (name, label.get(view.lang)), ButtonState::default()) {
+            if self.focus.button(view, place, PageKey::new(name, label.get(view.lang))) {
                 chosen = Some(index);
             }
         }

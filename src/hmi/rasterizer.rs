@@ -64,14 +64,12 @@ impl Rasterizer {
     /// Paints tessellated shapes on a background colour.
     #[must_use]
     pub fn paint(&self, primitives: &[ClippedPrimitive], scale: f32, size: (u32, u32), ground: Color32) -> RgbaImage {
-        let fill = Rgba([ground.r(), ground.g(), ground.b(), 255]);
-        let mut picture = RgbaImage::from_pixel(size.0, size.1, fill);
+        let mut picture = RgbaImage::from_pixel(size.0, size.1, Rgba([ground.r(), ground.g(), ground.b(), 255]));
         for primitive in primitives {
             if let Primitive::Mesh(mesh) = &primitive.primitive
                 && let Some(texture) = self.textures.get(&mesh.texture_id)
             {
-                let clip = Clip::new(primitive.clip_rect, scale, size);
-                paint_mesh(&mut picture, mesh, texture, scale, &clip);
+                paint_mesh(&mut picture, mesh, texture, scale, &Clip::new(primitive.clip_rect, scale, size));
             }
         }
         picture

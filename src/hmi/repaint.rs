@@ -8,9 +8,7 @@ use std::sync::Arc;
 
 use super::app::Hmi;
 use super::page_frame::message_is_fresh;
-use super::view::{
-    blink_phase, clock_time, format_cycle_time, format_length, format_strokes, format_volts, format_whole,
-};
+use super::{blink_phase, clock_time, format_cycle_time, format_length, format_strokes, format_volts, format_whole};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::link::snapshot::{AxisView, ProgramView, VARIABLE_COUNT};

@@ -2,9 +2,7 @@
 //! list; answers to other pages or to older requests are ignored.
 //! Source: spec H8, K7.8.
 
-use super::login::Login;
-use super::question::Question;
-use super::view::View;
+use super::{Login, Question, View};
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::Command;
 use crate::link::files::{Completion, FileRequest, FilesView, Refusal, Requester, Ticket};
@@ -12,6 +10,11 @@ use crate::link::page_command::{PageCommand, PasswordScope};
 
 /// Maximum number of pending requests. An answer can be missing if the command queue was full.
 const MAX_PENDING: usize = 8;
+
+/// A request that is sent without waiting for an answer.
+pub const fn file_command(requester: Requester, request: FileRequest) -> Command {
+    Command::Page(PageCommand::File(Ticket::without_reply(requester), request))
+}
 
 /// The reason of a request, returned with its answer.
 pub trait RequestReason {
@@ -33,7 +36,7 @@ impl<W> Default for PendingRequests<W> {
 }
 
 impl<W: RequestReason> PendingRequests<W> {
-    /// Creates a request; [`Self::hear`] returns the reason with the answer.
+    /// Creates a request; [`Self::poll`] returns the reason with the answer.
     pub fn send(&mut self, why: W, request: FileRequest) -> Command {
         if self.waiting.len() >= MAX_PENDING {
             self.waiting.remove(0);
@@ -44,7 +47,6 @@ impl<W: RequestReason> PendingRequests<W> {
     }
 
     /// Whether an answer is pending.
-    #[must_use]
     pub const fn is_waiting(&self) -> bool {
         !self.waiting.is_empty()
     }
@@ -88,7 +90,7 @@ pub enum RequestEvent<W> {
 }
 
 impl<W: RequestReason> ProtectedRequests<W> {
-    /// Creates a request; [`Self::hear`] returns the reason with the answer.
+    /// Creates a request; [`Self::poll`] returns the reason with the answer.
     pub fn send(&mut self, why: W, request: FileRequest) -> Command {
         self.requests.send(why, request)
     }
@@ -115,7 +117,6 @@ impl<W: RequestReason> ProtectedRequests<W> {
 pub const OVERWRITE_KEY: usize = 0;
 
 /// The question for a text that was changed on the disk since it was opened: overwrite it, read the disk, or cancel.
-#[must_use]
 pub fn conflict_question() -> Question {
     let body = LocalizedText::new(
         "打开之后磁盘上的文件已被改动。读磁盘：放弃这里的改动；覆盖：别处的改动丢失；取消：两者都保留。",
@@ -124,6 +125,13 @@ pub fn conflict_question() -> Question {
     let keys =
         [("question-overwrite", Text::new("覆盖", "OVERWRITE")), ("question-read", Text::new("读磁盘", "READ DISK"))];
     Question::with_keys(Text::new("文件已被别处改动", "the file was changed elsewhere"), body, &keys)
+}
+
+/// Asks whether the changes of a text are discarded.
+pub fn discard_question(name: &str) -> Question {
+    let body = LocalizedText::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
+    let key = ("question-discard", Text::new("放弃", "DISCARD"));
+    Question::new(Text::new("放弃改动？", "discard the changes?"), body, key)
 }
 
 #[cfg(test)]

@@ -1,13 +1,10 @@
 //! The search field of pages with a search: text, and a cross that clears it.
 //! Source: spec B6 (search), H6.
 
+use egui::Rect;
 use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
 
-use super::keycap::{self, KeycapState};
-use super::theme;
-use super::view::{View, fit_text, focus_frame};
-use super::widget::{self, ButtonState};
+use super::{Area, LetterKey, PageKey, View, keycap, theme, widget};
 
 /// Between the field and its cross.
 const SPACE: f32 = 4.0;
@@ -21,49 +18,52 @@ pub enum SearchTouch {
     Clear,
 }
 
-/// What the field shows.
-#[derive(Clone, Copy, Debug)]
-pub struct SearchField<'a> {
-    /// Shown while the field is empty.
-    pub hint: &'a str,
+/// A search as it is typed.
+#[derive(Debug, Default)]
+pub struct Search {
     /// The typed text.
-    pub text: &'a str,
+    pub text: String,
     /// It takes the typed text now.
     pub open: bool,
 }
 
-/// Draws the field.
-pub fn field(ui: &Ui, view: &View<'_>, rect: Rect, shown: SearchField<'_>) -> Option<SearchTouch> {
-    let SearchField { hint, text: search, open } = shown;
-    let (rect, cross) = if search.is_empty() {
-        (rect, None)
-    } else {
-        let (field, cross) = rect.split_left_right_at_x(rect.max.x - theme::TOUCH_TARGET - SPACE);
-        (field, Some(Rect::from_min_max(cross.min + vec2(SPACE, 0.0), cross.max)))
+impl Search {
+    /// Handles a key of the letter pad; the text has `most` characters at most.
+    pub fn handle_letter(&mut self, letter: &LetterKey, most: usize) {
+        match letter {
+            LetterKey::Char(sign) if self.text.chars().count() < most => self.text.push(*sign),
+            LetterKey::Char(_) => {}
+            LetterKey::Word(word) => (*word).clone_into(&mut self.text),
+            LetterKey::Backspace => drop(self.text.pop()),
+            LetterKey::Done => self.open = false,
+        }
+    }
+
+    /// Draws the field, with a hint while it is empty, and handles its touches; returns what was touched.
+    pub fn field(&mut self, view: &View<'_>, rect: Rect, hint: &str) -> Option<SearchTouch> {
+        let (field, cross) = rect.split_right(theme::TOUCH_TARGET + SPACE);
+        let field = if self.text.is_empty() { rect } else { field };
+        if !self.text.is_empty() && widget::button(view, cross.trim_left(SPACE), PageKey::new("search-clear", "×")) {
+            self.text.clear();
+            return Some(SearchTouch::Clear);
+        }
+        let touched = draw(view, field, self, hint);
+        self.open ^= touched;
+        touched.then_some(SearchTouch::Field)
+    }
+}
+
+fn draw(view: &View<'_>, rect: Rect, search: &Search, hint: &str) -> bool {
+    let response = view.touch_as(Role::SearchInput, rect, "search", format!("{} search", view.text("查找", "find")));
+    keycap::plate(view, rect, &response);
+    if search.open {
+        view.frame(rect, view.theme.focus);
+    }
+    let inside = rect.trim_sides(theme::PAD);
+    match (search.text.as_str(), search.open) {
+        ("", false) => view.fit_left(inside, hint, theme::LABEL, view.theme.muted),
+        (text, false) => view.fit_left(inside, text, theme::TITLE, view.theme.info),
+        (text, true) => view.fit_left(inside, &format!("{text}_"), theme::TITLE, view.theme.info),
     };
-    if let Some(cross) = cross
-        && widget::button(ui, view, cross, "search-clear", "×", ButtonState::default())
-    {
-        return Some(SearchTouch::Clear);
-    }
-    let response = ui.interact(rect, Id::unique("search"), Sense::CLICK);
-    response
-        .widget_info(|| WidgetInfo::labeled(Role::SearchInput, true, format!("{} search", view.text("查找", "find"))));
-    let painter = ui.painter();
-    let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
-    keycap::paint_body(painter, view.theme, rect, face);
-    if open {
-        focus_frame(painter, rect, view.theme.focus);
-    }
-    let inside = rect.shrink2(vec2(theme::PAD, 0.0));
-    match (search, open) {
-        ("", false) => {
-            fit_text(painter, inside, Align2::LEFT_CENTER, hint, theme::LABEL, view.theme.muted);
-        }
-        (search, open) => {
-            let words = if open { format!("{search}_") } else { search.to_owned() };
-            fit_text(painter, inside, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.info);
-        }
-    }
-    response.clicked().then_some(SearchTouch::Field)
+    response.clicked()
 }

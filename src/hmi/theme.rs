@@ -145,12 +145,8 @@ pub const LIGHT: Theme = Theme {
     info: rgb(0x00567A),
     macros: rgb(0x6233A0),
     on_accent: rgb(0xFFFFFF),
-    stop_background: rgb(0xF5C518),
-    stop_text: rgb(0x0E1216),
-    paper: rgb(0x161C22),
-    paper_ink: rgb(0xE9EEF2),
-    paper_muted: rgb(0x6F7F8D),
-    paper_accent: rgb(0x53C3F3),
+    // The emergency stop and the pictures look the same in both themes.
+    ..DARK
 };
 
 impl Theme {

@@ -1,48 +1,13 @@
 //! Input of a value for a macro variable: cursor, text, check, refusal.
 //! Source: spec H6, K7.5.
 
-use std::borrow::Cow;
-
-use super::field_editor::{CoreAnswer, FieldEditor};
+use super::{CoreAnswer, EditKey, FieldEditor};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::Command;
 use crate::link::edit::EditAnswer;
 
 /// Largest value that can be typed.
 pub const MAX_VALUE: f64 = 99_999.999;
-
-/// One key of the numeric pad or of the keyboard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EditKey {
-    /// 0–9 or the decimal point.
-    Char(char),
-    /// Changes the sign.
-    Sign,
-    /// Deletes the last character.
-    Backspace,
-    /// Deletes the character behind the cursor; without a text cursor, the last one.
-    Delete,
-    /// Moves to the start of the line.
-    LineStart,
-    /// Moves to the end of the line.
-    LineEnd,
-    /// INPUT (输入): accepts the value.
-    Enter,
-    /// CANCEL (取消): discards the value.
-    Cancel,
-    /// Moves to the field above.
-    Up,
-    /// Moves to the field below.
-    Down,
-    /// Moves to the other column.
-    Left,
-    /// Moves to the other column.
-    Right,
-    /// Moves to the next field.
-    Next,
-    /// Moves to the previous field.
-    Previous,
-}
 
 /// Parses a value of a variable and checks its range.
 ///
@@ -116,18 +81,11 @@ impl VariableEntry {
         if self.editor.handle_key(edit) {
             return None;
         }
-        match edit {
-            EditKey::Enter => return self.enter(columns),
-            EditKey::Up | EditKey::Previous => self.go((self.cursor + count - 1) % count),
-            EditKey::Down | EditKey::Next => self.go((self.cursor + 1) % count),
-            EditKey::Left | EditKey::Right => self.go(other_column(self.cursor, columns.0.len(), count)),
-            EditKey::Char(_)
-            | EditKey::Sign
-            | EditKey::Backspace
-            | EditKey::Delete
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Cancel => {}
+        match (edit, edit.step(self.cursor, count, 1)) {
+            (EditKey::Enter, _) => return self.enter(columns),
+            (EditKey::Left | EditKey::Right, _) => self.go(other_column(self.cursor, columns.0.len(), count)),
+            (_, Some(row)) => self.go(row),
+            (_, None) => {}
         }
         None
     }
@@ -166,21 +124,12 @@ impl VariableEntry {
 }
 
 /// The row next to this one in the other column, or the last row of a shorter column.
-const fn other_column(row: usize, left: usize, count: usize) -> usize {
-    if row < left {
-        let beside = row + left;
-        if left >= count {
-            row
-        } else if beside < count {
-            beside
-        } else {
-            count - 1
-        }
-    } else if left == 0 {
-        row
-    } else {
-        let beside = row - left;
-        if beside < left { beside } else { left - 1 }
+fn other_column(row: usize, left: usize, count: usize) -> usize {
+    match row.checked_sub(left) {
+        None if left >= count => row,
+        None => (row + left).min(count - 1),
+        Some(_) if left == 0 => row,
+        Some(line) => line.min(left - 1),
     }
 }
 

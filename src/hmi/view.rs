@@ -1,22 +1,33 @@
 //! The context that a page draws from, and the drawing functions for text and lines.
 
+use std::fmt::Debug;
+use std::hash::Hash;
 use std::sync::Arc;
 
+use egui::accesskit::Role;
 use egui::text::LayoutJob;
-use egui::{Align2, Color32, CornerRadius, Galley, Painter, Pos2, Rect, Stroke, StrokeKind};
+use egui::{
+    Align2, Color32, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
+};
 
+use super::Area;
 use super::theme::{self, Theme};
 use crate::defs::date::DateTime;
 use crate::defs::text::{Lang, Text};
+use crate::defs::variable_name;
 use crate::link::Snapshot;
 use crate::units::Micros;
 
 /// How far the font draws its glyphs below the middle of the line, as a share of the line height.
 const FONT_SAG: f32 = 0.045;
 
-/// Everything that a page can read. A page changes only its own cursor and edit text.
-#[derive(Clone, Copy)]
+/// Everything that a page can read, and where it draws. A page changes only its own cursor and edit text.
+#[derive(Clone)]
 pub struct View<'a> {
+    /// Input and layout of the frame.
+    pub ui: &'a Ui,
+    /// Painter of the frame, clipped to the part that is drawn.
+    pub painter: Painter,
     /// The newest state of the machine.
     pub snapshot: &'a Snapshot,
     /// Language.
@@ -39,14 +50,40 @@ impl View<'_> {
     pub const fn text(&self, zh: &'static str, en: &'static str) -> &'static str {
         Text::new(zh, en).get(self.lang)
     }
-}
 
-impl View<'_> {
     /// Value of a macro variable as executed; a null variable is a dash.
     #[must_use]
     pub fn variable(&self, variable: u16) -> String {
         let value = self.snapshot.variables.get(usize::from(variable)).copied().flatten();
         value.map_or_else(|| "—".to_owned(), format_length)
+    }
+
+    /// Name of a macro variable on this kind of machine.
+    #[must_use]
+    pub fn variable_name(&self, variable: u16) -> String {
+        variable_name::variable_name_on(u32::from(variable), self.snapshot.kind)
+    }
+
+    /// The range of a value and its old value, for the input line.
+    #[must_use]
+    pub fn range_and_old(&self, range: &str, old: &str) -> String {
+        format!("{} {range} · {} {old}", self.text("范围", "range"), self.text("原值", "was"))
+    }
+
+    /// Unit of the positions; X may be a diameter.
+    #[must_use]
+    pub const fn position_unit(&self) -> &'static str {
+        if self.snapshot.x_as_diameter { self.text("mm · X 直径", "mm · X diameter") } else { "mm" }
+    }
+
+    /// Program and line in the language of the screen: `O1001 第7行`.
+    #[must_use]
+    pub fn program_line(&self, place: Option<(u32, u32)>) -> Option<String> {
+        let (program, line) = place.map(|(program, line)| (self.snapshot.title(program), line))?;
+        Some(match self.lang {
+            Lang::Zh => format!("{program} 第{line}行"),
+            Lang::En => format!("{program} line {line}"),
+        })
     }
 
     /// Time of day at a controller time, with the date if it is not today; without a clock, the time since power-on.
@@ -78,53 +115,158 @@ pub fn format_date_time(date: DateTime) -> String {
     if date.parts()[0] > 1_970 { date.to_string() } else { format!("+{}", date.time()) }
 }
 
-/// Lays out one line of text, truncated with … at a width.
-#[must_use]
-pub fn layout_line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
-    let mut job = LayoutJob::simple_singleline(text.to_owned(), theme::font(size), colour);
-    job.wrap.max_width = width.max(1.0);
-    job.wrap.max_rows = 1;
-    job.wrap.break_anywhere = true;
-    painter.layout_job(job)
-}
-
-/// Paints one line of text in a rectangle, truncated with … if it is too long.
-pub fn text_line(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
-    let galley = layout_line(painter, text, size, colour, rect.width());
-    paint_galley(painter, rect, align, galley, colour)
-}
-
-/// Paints one line of text in a rectangle; shrinks the font to 13 points before truncating.
-pub fn fit_text(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
-    let mut size = size;
-    let mut galley = layout_line(painter, text, size, colour, rect.width());
-    while galley.elided && size > theme::SMALL {
-        size = (size - 1.0).max(theme::SMALL);
-        galley = layout_line(painter, text, size, colour, rect.width());
+impl View<'_> {
+    /// The same view with its painting and its touches clipped to a rectangle, for the rows of a list.
+    #[must_use]
+    pub fn clipped(&self, rect: Rect) -> Self {
+        Self { painter: self.painter.with_clip_rect(rect), ..self.clone() }
     }
-    paint_galley(painter, rect, align, galley, colour)
+
+    /// A place that is touched, as a key: only the part inside the clip rectangle counts. `name` is its accessible name.
+    pub fn touch(&self, rect: Rect, id: impl Hash + Debug, name: impl ToString) -> Response {
+        self.touch_as(Role::Button, rect, id, name)
+    }
+
+    /// A place that is touched, in a role for screen readers.
+    pub fn touch_as(&self, role: Role, rect: Rect, id: impl Hash + Debug, name: impl ToString) -> Response {
+        let response = self.ui.interact(rect.intersect(self.painter.clip_rect()), Id::unique(id), Sense::CLICK);
+        response.widget_info(|| WidgetInfo::labeled(role, true, name.to_string()));
+        response
+    }
+
+    /// A row of a list that is touched, and whether it is the selected one.
+    pub fn touch_row(&self, rect: Rect, id: impl Hash + Debug, chosen: bool, name: impl ToString) -> Response {
+        let response = self.ui.interact(rect.intersect(self.painter.clip_rect()), Id::unique(id), Sense::CLICK);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, name.to_string()));
+        response
+    }
+
+    /// Lays out one line of text, truncated with … at a width.
+    #[must_use]
+    pub fn layout_line(&self, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
+        let mut job = LayoutJob::simple_singleline(text.to_owned(), theme::font(size), colour);
+        job.wrap.max_width = width.max(1.0);
+        job.wrap.max_rows = 1;
+        job.wrap.break_anywhere = true;
+        self.painter.layout_job(job)
+    }
+
+    /// Paints one line of text in a rectangle, truncated with … if it is too long.
+    pub fn line(&self, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+        paint_galley(&self.painter, rect, align, self.layout_line(text, size, colour, rect.width()), colour)
+    }
+
+    /// Paints one line of text at the left of a rectangle, truncated with … if it is too long.
+    pub fn line_left(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        self.line(rect, Align2::LEFT_CENTER, text, size, colour)
+    }
+
+    /// Paints one line of text at the right of a rectangle, truncated with … if it is too long.
+    pub fn line_right(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        self.line(rect, Align2::RIGHT_CENTER, text, size, colour)
+    }
+
+    /// Paints one line of text in the middle of a rectangle, truncated with … if it is too long.
+    pub fn line_centre(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        self.line(rect, Align2::CENTER_CENTER, text, size, colour)
+    }
+
+    /// Paints one line of text in a rectangle; shrinks the font to 13 points before truncating.
+    pub fn fit(&self, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+        let mut size = size;
+        let mut galley = self.layout_line(text, size, colour, rect.width());
+        while galley.elided && size > theme::SMALL {
+            size = (size - 1.0).max(theme::SMALL);
+            galley = self.layout_line(text, size, colour, rect.width());
+        }
+        paint_galley(&self.painter, rect, align, galley, colour)
+    }
+
+    /// Paints one line of text at the left of a rectangle; shrinks the font before truncating.
+    pub fn fit_left(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        self.fit(rect, Align2::LEFT_CENTER, text, size, colour)
+    }
+
+    /// Paints one line of text at the right of a rectangle; shrinks the font before truncating.
+    pub fn fit_right(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        self.fit(rect, Align2::RIGHT_CENTER, text, size, colour)
+    }
+
+    /// Paints one line of text in the middle of a rectangle; shrinks the font before truncating.
+    pub fn fit_centre(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        self.fit(rect, Align2::CENTER_CENTER, text, size, colour)
+    }
+
+    /// Paints wrapped text from the top left corner of a rectangle; returns the area it covers.
+    pub fn paragraph(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+        paragraph(&self.painter, rect, text, size, colour)
+    }
+
+    /// Paints wrapped text of at most `most` lines, vertically centred in a rectangle.
+    pub fn text_rows(&self, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
+        let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
+        job.wrap.max_rows = most;
+        paint_galley(&self.painter, rect, Align2::LEFT_CENTER, self.painter.layout_job(job), colour)
+    }
+
+    /// Paints wrapped text from the top of a rectangle, each line horizontally centred.
+    pub fn centred_text(&self, rect: Rect, text: &str, size: f32, colour: Color32) {
+        let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
+        job.halign = egui::Align::Center;
+        let corner = Pos2::new(rect.center().x.round(), rect.min.y.round());
+        self.painter.galley(corner, self.painter.layout_job(job), colour);
+    }
+
+    /// Paints a chip: a small filled label as wide as its text; `right` is its right edge.
+    pub fn chip(&self, right: f32, row: Rect, text: &str, fill: Color32, ink: Color32) -> Rect {
+        let galley = self.layout_line(text, theme::LABEL, ink, row.width());
+        let width = galley.size().x + 2.0 * theme::PAD - 4.0;
+        let rect = Rect::from_min_max(Pos2::new((right - width).round(), row.min.y), Pos2::new(right, row.max.y));
+        self.painter.rect_filled(rect, theme::RADIUS, fill);
+        paint_galley(&self.painter, rect, Align2::CENTER_CENTER, galley, ink);
+        rect
+    }
+
+    /// Paints a card of the page: surface with a hairline around it.
+    pub fn card(&self, rect: Rect) {
+        self.filled_card(rect, self.theme.surface, self.theme.line);
+    }
+
+    /// Paints a filled area with a hairline around it.
+    pub fn filled_card(&self, rect: Rect, fill: Color32, line: Color32) {
+        self.painter.rect(rect, theme::RADIUS, fill, Stroke::new(theme::HAIRLINE, line), StrokeKind::Inside);
+    }
+
+    /// Draws the card of a dialog over a page. The page beneath takes no touches while the dialog is open.
+    pub fn dialog(&self, page: Rect, name: &str, size: Vec2, line: Color32) -> Rect {
+        self.ui.interact(page, Id::unique(name), Sense::CLICK | Sense::DRAG);
+        self.painter.rect_filled(page, 0.0, self.theme.background.gamma_multiply(0.86));
+        let card = Rect::from_center_size(page.center(), size.min(page.size() - vec2(24.0, 12.0)));
+        self.filled_card(card, self.theme.surface, line);
+        card
+    }
+
+    /// Paints a frame around a selected field.
+    pub fn frame(&self, rect: Rect, colour: Color32) {
+        self.painter.rect_stroke(rect, theme::RADIUS, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
+    }
+
+    /// Paints a hairline over the width of a rectangle.
+    pub fn hairline(&self, rect: Rect, y: f32) {
+        self.painter.hline(rect.x_range(), y, Stroke::new(theme::HAIRLINE, self.theme.line));
+    }
+
+    /// Paints the bar along the left edge of a row that stands out.
+    pub fn edge_bar(&self, rect: Rect, colour: Color32) {
+        self.painter.rect_filled(rect.split_left(4.0).0, 0.0, colour);
+    }
 }
 
 /// Paints wrapped text from the top left corner of a rectangle; returns the area it covers.
 pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.wrap.max_rows = (rect.height() / (size * 1.4)).floor().max(1.0) as usize;
-    let galley = painter.layout_job(job);
-    paint_galley(painter, rect, Align2::LEFT_TOP, galley, colour)
-}
-
-/// Paints wrapped text of at most `most` lines, vertically centred in a rectangle.
-pub fn text_rows(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
-    let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
-    job.wrap.max_rows = most;
-    paint_galley(painter, rect, Align2::LEFT_CENTER, painter.layout_job(job), colour)
-}
-
-/// Paints wrapped text from the top of a rectangle, each line horizontally centred.
-pub fn centred_text(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) {
-    let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
-    job.halign = egui::Align::Center;
-    painter.galley(Pos2::new(rect.center().x.round(), rect.min.y.round()), painter.layout_job(job), colour);
+    paint_galley(painter, rect, Align2::LEFT_TOP, painter.layout_job(job), colour)
 }
 
 fn paint_galley(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
@@ -136,34 +278,6 @@ fn paint_galley(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley
     let taken = Rect::from_min_size(corner, galley.size());
     painter.galley(corner, galley, colour);
     taken
-}
-
-/// Paints a filled area with a hairline around it.
-pub fn card(painter: &Painter, rect: Rect, fill: Color32, line: Color32) {
-    let radius = CornerRadius::same(theme::RADIUS as u8);
-    painter.rect(rect, radius, fill, Stroke::new(theme::HAIRLINE, line), StrokeKind::Inside);
-}
-
-/// Paints a frame around a selected field.
-pub fn focus_frame(painter: &Painter, rect: Rect, colour: Color32) {
-    let radius = CornerRadius::same(theme::RADIUS as u8);
-    painter.rect_stroke(rect, radius, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
-}
-
-/// Paints a chip: a small filled label as wide as its text; `right` is its right edge.
-pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32, ink: Color32) -> Rect {
-    let galley = layout_line(painter, text, theme::LABEL, ink, row.width());
-    let width = galley.size().x + 2.0 * theme::PAD - 4.0;
-    let rect = Rect::from_min_max(Pos2::new((right - width).round(), row.min.y), Pos2::new(right, row.max.y));
-    painter.rect_filled(rect, CornerRadius::same(theme::RADIUS as u8), fill);
-    paint_galley(painter, rect, Align2::CENTER_CENTER, galley, ink);
-    rect
-}
-
-/// A rectangle from its top left corner and its size.
-#[must_use]
-pub fn rect_at(x: f32, y: f32, width: f32, height: f32) -> Rect {
-    Rect::from_min_size(Pos2::new(x, y), egui::vec2(width, height))
 }
 
 /// Formats the size of a file.

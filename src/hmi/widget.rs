@@ -1,56 +1,70 @@
 //! Widgets of the pages: keys, tabs, small lamps, tables.
 //! Source: spec H3, H4.
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Painter, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, Stroke, pos2, vec2};
 
-use super::keycap::{self, KeycapState};
-use super::pictogram;
-use super::theme;
-use super::variable_entry::EditKey;
-use super::view::{View, fit_text, focus_frame};
+use super::{Area, EditKey, View, keycap, pictogram, theme};
 
 /// Height of a row of tabs or page keys, points.
-pub const TABS_HEIGHT: f32 = 46.0;
+pub const KEYS_HEIGHT: f32 = 46.0;
+/// Height of a row of a list that is touched, with the gap below it, points.
+pub const ROW_HEIGHT: f32 = 46.0;
 
-/// The visible state of a key of a page.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ButtonState {
-    /// Selected or active.
-    pub on: bool,
-    /// Needs a password or is not possible now; pressing it shows the reason.
-    pub locked: bool,
+/// A key of a page as it is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct PageKey<'a> {
+    /// Accessible name, beside the label.
+    name: &'a str,
+    label: &'a str,
+    on: bool,
+    locked: bool,
 }
 
-/// Draws a key of a page: body, label, a bar when it is on. `name` is its accessible name beside the label.
-pub fn button(ui: &Ui, view: &View<'_>, rect: Rect, name: &str, label: &str, look: ButtonState) -> bool {
-    let response = ui.interact(rect, Id::unique(("page-key", name)), Sense::CLICK);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, true, look.on, format!("{label} {name}")));
-    let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
-    let painter = ui.painter();
-    keycap::paint_body(painter, view.theme, rect, face);
-    let ink = if look.on { view.theme.info } else { view.theme.text };
-    let room = if look.locked { 20.0 } else { 6.0 };
-    fit_text(painter, rect.shrink2(vec2(room, 0.0)), Align2::CENTER_CENTER, label, theme::TITLE - 1.0, ink);
-    if look.on {
-        let bar = Rect::from_min_size(pos2(rect.min.x + 6.0, rect.max.y - 4.0), vec2(rect.width() - 12.0, 3.0));
-        painter.rect_filled(bar, 1.0, view.theme.info);
+impl<'a> PageKey<'a> {
+    /// A key with its accessible name and its label, neither on nor locked.
+    pub const fn new(name: &'a str, label: &'a str) -> Self {
+        Self { name, label, on: false, locked: false }
     }
-    if look.locked {
+
+    /// Selected or active: it has a bar.
+    pub const fn on(self, on: bool) -> Self {
+        Self { on, ..self }
+    }
+
+    /// Needs a password or is not possible now: it has a lock; pressing it shows the reason.
+    pub const fn locked(self, locked: bool) -> Self {
+        Self { locked, ..self }
+    }
+}
+
+/// Draws a key of a page; true if it is touched.
+pub fn button(view: &View<'_>, rect: Rect, key: PageKey<'_>) -> bool {
+    let PageKey { name, label, on, locked } = key;
+    let response = view.touch_row(rect, ("page-key", name), on, format!("{label} {name}"));
+    keycap::plate(view, rect, &response);
+    let ink = if on { view.theme.info } else { view.theme.text };
+    view.fit_centre(rect.trim_sides(if locked { 20.0 } else { 6.0 }), label, theme::TITLE - 1.0, ink);
+    if on {
+        selected_bar(view, rect);
+    }
+    if locked {
         let corner = Rect::from_min_size(pos2(rect.max.x - 18.0, rect.min.y + 5.0), vec2(12.0, 12.0));
-        pictogram::draw(painter, corner, pictogram::LOCK, view.theme.muted);
+        pictogram::draw(&view.painter, corner, pictogram::LOCK, view.theme.muted);
     }
     response.clicked()
 }
 
+/// Paints the bar at the lower edge of a key that is on.
+pub fn selected_bar(view: &View<'_>, rect: Rect) {
+    let bar = Rect::from_min_size(pos2(rect.min.x + 6.0, rect.max.y - 4.0), vec2(rect.width() - 12.0, 3.0));
+    view.painter.rect_filled(bar, 1.0, view.theme.info);
+}
+
 /// Draws tabs: accessible name and label of each, the selected one; returns the touched one.
-pub fn tabs(ui: &Ui, view: &View<'_>, rect: Rect, keys: &[(&str, String)], chosen: usize) -> Option<usize> {
-    let width = (rect.width() - (keys.len() as f32 - 1.0) * theme::GAP) / keys.len() as f32;
+pub fn tabs(view: &View<'_>, rect: Rect, keys: &[(&str, String)], chosen: usize) -> Option<usize> {
     let mut touched = None;
     for (index, (name, label)) in keys.iter().enumerate() {
-        let left = rect.min.x + index as f32 * (width + theme::GAP);
-        let place = Rect::from_min_size(pos2(left, rect.min.y), vec2(width, rect.height()));
-        if button(ui, view, place, name, label, ButtonState { on: index == chosen, locked: false }) {
+        if button(view, rect.cell(index, keys.len()), PageKey::new(name, label).on(index == chosen)) {
             touched = Some(index);
         }
     }
@@ -86,12 +100,7 @@ impl KeyboardFocus {
                 }
                 EditKey::Enter => self.enter = true,
                 EditKey::Cancel => self.cursor = None,
-                EditKey::Char(_)
-                | EditKey::Sign
-                | EditKey::Backspace
-                | EditKey::Delete
-                | EditKey::LineStart
-                | EditKey::LineEnd => {}
+                _ => {}
             }
         }
         self.item_count = 0;
@@ -104,68 +113,57 @@ impl KeyboardFocus {
         (chosen, chosen && self.enter)
     }
 
-    /// Draws a key by its name and label; true if it is touched, or focused and activated.
-    pub fn button(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: ButtonState) -> bool {
-        let (name, label) = words;
-        let chosen = self.cursor == Some(self.item_count);
-        self.item_count += 1;
-        let touched = button(ui, view, rect, name, label, look);
+    /// Draws a key; true if it is touched, or focused and activated.
+    pub fn button(&mut self, view: &View<'_>, rect: Rect, key: PageKey<'_>) -> bool {
+        let (chosen, entered) = self.item();
+        let touched = button(view, rect, key);
         if chosen {
-            focus_frame(ui.painter(), rect, view.theme.focus);
+            view.frame(rect, view.theme.focus);
         }
-        touched || (chosen && self.enter)
+        touched || entered
+    }
+
+    /// Draws a row of equal keys; returns the one that is touched, or focused and activated.
+    pub fn keys(&mut self, view: &View<'_>, row: Rect, keys: &[PageKey<'_>]) -> Option<usize> {
+        let mut touched = None;
+        for (index, key) in keys.iter().enumerate() {
+            if self.button(view, row.cell(index, keys.len()), *key) {
+                touched = Some(index);
+            }
+        }
+        touched
     }
 }
 
 /// Draws a small lamp with its value: a filled disc and 1, or a ring and 0.
-pub fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, on: bool) {
+pub fn lamp(view: &View<'_>, rect: Rect, on: bool) {
     let centre = pos2(rect.min.x + 9.0, rect.center().y);
     if on {
-        painter.circle_filled(centre, 7.0, view.theme.run);
+        view.painter.circle_filled(centre, 7.0, view.theme.run);
     } else {
-        painter.circle_stroke(centre, 6.0, Stroke::new(1.5, view.theme.muted));
+        view.painter.circle_stroke(centre, 6.0, Stroke::new(1.5, view.theme.muted));
     }
-    let figure = Rect::from_min_max(pos2(centre.x + 14.0, rect.min.y), rect.max);
+    let figure = rect.with_min_x(centre.x + 14.0);
     let ink = if on { view.theme.text } else { view.theme.muted };
-    fit_text(painter, figure, Align2::LEFT_CENTER, if on { "1" } else { "0" }, theme::LABEL, ink);
+    view.fit_left(figure, if on { "1" } else { "0" }, theme::LABEL, ink);
 }
 
-/// Cell of a row of `count` equal keys.
-#[must_use]
-pub fn cell(row: Rect, index: usize, count: usize) -> Rect {
-    let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
-    Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
-}
-
-/// The rectangles of the columns of a line, by their shares of the width.
-pub fn columns<const N: usize>(line: Rect, shares: [f32; N]) -> [Rect; N] {
-    let whole: f32 = shares.iter().sum();
-    let mut left = line.min.x;
-    shares.map(|share| {
-        let width = line.width() * share / whole;
-        let column = Rect::from_min_size(pos2(left, line.min.y), vec2(width - theme::GAP, line.height()));
-        left += width;
-        column
-    })
+/// Paints a bar filled to a share of its width, per mille.
+pub fn progress_bar(view: &View<'_>, bar: Rect, share: u16) {
+    view.painter.rect_filled(bar, theme::RADIUS, view.theme.line);
+    let done = bar.split_left(bar.width() * f32::from(share) / 1_000.0).0;
+    view.painter.rect_filled(done, theme::RADIUS, view.theme.focus);
 }
 
 /// Draws the header of a table: small text over a hairline.
-pub fn table_header<const N: usize>(
-    painter: &Painter,
-    view: &View<'_>,
-    line: Rect,
-    shares: [f32; N],
-    words: [&str; N],
-) {
-    for (place, word) in columns(line, shares).into_iter().zip(words) {
-        fit_text(painter, place, Align2::LEFT_CENTER, word, theme::SMALL, view.theme.muted);
+pub fn table_header<const N: usize>(view: &View<'_>, line: Rect, shares: [f32; N], words: [&str; N]) {
+    for (place, word) in line.columns(shares).into_iter().zip(words) {
+        view.fit_left(place, word, theme::SMALL, view.theme.muted);
     }
-    painter.hline(line.x_range(), line.max.y - 0.5, Stroke::new(theme::HAIRLINE, view.theme.line));
+    view.hairline(line, line.max.y - 0.5);
 }
 
 /// The rectangle of a list, reduced to whole lines so that no line is cut when the list is at rest.
-#[must_use]
 pub fn round_to_lines(rect: Rect, line: f32) -> Rect {
-    let lines = (rect.height() / line).floor().max(1.0);
-    Rect::from_min_size(rect.min, vec2(rect.width(), lines * line))
+    rect.band(0.0, (rect.height() / line).floor().max(1.0) * line)
 }

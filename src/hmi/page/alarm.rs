@@ -4,22 +4,16 @@
 
 use std::sync::Arc;
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Rect, pos2, vec2};
 
-use super::scroll::Scroll;
-use super::{PageContext, PageUi, TypedInput};
+use super::help::{self, HelpEntry};
+use super::{PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::alarm::{self, ALARMS};
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::text::Lang;
-use crate::hmi::help::{self, HelpEntry};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame, format_date_time, paragraph, text_line};
-use crate::hmi::widget::ButtonState;
-use crate::hmi::{theme, widget};
+use crate::hmi::{Area, EditKey, KeyboardInput, PageKey, View, file_command, format_date_time, theme, widget};
 use crate::link::Command;
-use crate::link::files::{FileRequest, Requester, Ticket};
-use crate::link::page_command::PageCommand;
+use crate::link::files::{FileRequest, Requester};
 use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
@@ -57,11 +51,10 @@ impl PageUi for AlarmPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, out, .. } = ctx;
-        let inside = rect.shrink(theme::PAD);
-        let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS_HEIGHT);
-        out.extend(self.bar(ui, bar, view, typed));
-        let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::PAD), rest.max);
+        let PageContext { rect, view, typed, out, .. } = ctx;
+        let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
+        out.extend(self.bar(bar, view, typed));
+        let rest = rest.trim_top(theme::PAD);
         let rows = self.rows(view);
         if rows.is_empty() {
             let words = if self.shows_history {
@@ -69,34 +62,27 @@ impl PageUi for AlarmPage {
             } else {
                 view.text("没有报警", "no alarm")
             };
-            let line = Rect::from_center_size(rest.center(), vec2(rest.width(), 30.0));
-            fit_text(ui.painter(), line, Align2::CENTER_CENTER, words, theme::SECONDARY, view.theme.muted);
-            return;
+            return empty::note(view, rest, words);
         }
         let line = if self.shows_history { PAST_HEIGHT } else { PRESENT_HEIGHT };
-        self.move_selection(&rows, typed.edits, widget::round_to_lines(rest, line), line);
+        self.move_selection(&rows, &typed.edits, widget::round_to_lines(rest, line), line);
         let chosen = self.selected.filter(|chosen| rows.contains(chosen));
         let told = chosen.filter(|_| self.shows_history).and(self.selected_number(view));
         let below = told.and_then(|number| self.help_of(number)).map_or(0.0, |entry| {
             let parts = entry.paragraphs.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
             let parts: Vec<_> = parts.collect();
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
-            detail(ui.painter(), view, place, parts.iter().map(|(caption, said)| (*caption, said.as_ref())).collect())
+            detail(view, place, parts.collect())
         });
-        let list = widget::round_to_lines(Rect::from_min_max(rest.min, rest.max - vec2(0.0, below)), line);
-        if typed.scroll_pages != 0 {
-            self.scroll.scroll_pages(typed.scroll_pages, list, line);
-        }
+        let list = widget::round_to_lines(rest.trim_bottom(below), line);
         if let Some(at) = rows.iter().position(|row| Some(*row) == chosen).filter(|_| !self.scroll.user_scrolled) {
             self.scroll.reveal(at, list, line);
         }
-        let (first, last) = self.scroll.handle_input(ui, "alarms", list, line, rows.len());
-        for (index, row) in rows.iter().enumerate().take(last).skip(first) {
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(line)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, line - theme::GAP));
-            self.row(ui, view, (list, place), *row);
+        let clipped = view.clipped(list);
+        let list = ScrollList { id: "alarms", rect: list, row: line, gap: theme::GAP, count: rows.len() };
+        for (index, place) in self.scroll.rows(view, &list, typed.scroll_pages) {
+            self.row(&clipped, place, rows[index]);
         }
-        self.scroll.draw_bar(ui, view, list, line, rows.len());
     }
 }
 
@@ -120,31 +106,27 @@ impl AlarmPage {
     }
 
     /// The tabs, and the key that exports the history.
-    fn bar(&mut self, ui: &Ui, bar: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
+    fn bar(&mut self, bar: Rect, view: &View<'_>, typed: &KeyboardInput) -> Option<Command> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
         let keys = [
             ("alarms-present", format!("{} {}", view.text("当前", "PRESENT"), present.len())),
             ("alarm-history", format!("{} {}", view.text("历史", "HISTORY"), past.len())),
         ];
         let tabs = Rect::from_min_size(bar.min, vec2(bar.width().min(420.0), bar.height()));
-        let touched = widget::tabs(ui, view, tabs, &keys, usize::from(self.shows_history)).map(|index| index == 1);
+        let touched = widget::tabs(view, tabs, &keys, usize::from(self.shows_history)).map(|index| index == 1);
         let turned = typed.edits.iter().any(|edit| matches!(edit, EditKey::Left | EditKey::Right | EditKey::Next));
         let wanted = touched.unwrap_or(self.shows_history != turned);
         if wanted != self.shows_history {
             *self = Self { shows_history: wanted, ..Self::default() };
         }
         if self.shows_history {
-            let key = Rect::from_min_max(pos2(bar.max.x - 150.0, bar.min.y), bar.max);
-            let look = ButtonState { on: false, locked: past.is_empty() };
-            if widget::button(ui, view, key, "alarm-export", view.text("导出 CSV", "EXPORT CSV"), look)
-                && !past.is_empty()
-            {
-                let (ticket, request) =
-                    (Ticket::without_reply(Requester::Screen), FileRequest::SaveTable(history_csv(view.lang, past)));
-                return vec![Command::Page(PageCommand::File(ticket, request))];
+            let key = bar.with_min_x(bar.max.x - 150.0);
+            let key_look = PageKey::new("alarm-export", view.text("导出 CSV", "EXPORT CSV")).locked(past.is_empty());
+            if widget::button(view, key, key_look) && !past.is_empty() {
+                return Some(file_command(Requester::Screen, FileRequest::SaveTable(history_csv(view.lang, past))));
             }
         }
-        Vec::new()
+        None
     }
 
     /// Rows of the tab; the history has the latest on top.
@@ -179,25 +161,22 @@ impl AlarmPage {
         }
     }
 
-    fn row(&mut self, ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), row: AlarmRef) {
-        let painter = &ui.painter().with_clip_rect(list);
+    fn row(&mut self, view: &View<'_>, place: Rect, row: AlarmRef) {
         let chosen = self.selected == Some(row);
         let name = match row {
             AlarmRef::Present(number, since) => {
                 let is = |alarm: &&AlarmView| alarm.number == number && alarm.since == since;
                 let Some(alarm) = view.snapshot.alarms.iter().find(is) else { return };
-                present_row(painter, view, place, alarm, chosen);
+                present_row(view, place, alarm, chosen);
                 format!("{number:03} {} alarm-{number}", alarm.text.get(view.lang))
             }
             AlarmRef::Past(count) => {
                 let Some(past) = view.snapshot.alarm_history.iter().find(|past| past.count == count) else { return };
-                past_row(painter, view, place, past, chosen);
+                past_row(view, place, past, chosen);
                 format!("{:03} {} past-{count}", past.number, past.text.get(view.lang))
             }
         };
-        let response = ui.interact(place.intersect(list), Id::unique(("alarm-row", &name)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
-        if response.clicked() {
+        if view.touch_row(place, ("alarm-row", &name), chosen, &name).clicked() {
             self.selected = (!chosen).then_some(row);
             // The detail card must not cover the row.
             self.scroll.user_scrolled = false;
@@ -207,97 +186,80 @@ impl AlarmPage {
 
 /// Card of a row: red edge while the alarm is active, frame while it is selected. Returns the places of the number
 /// and of the texts.
-fn row_card(painter: &Painter, view: &View<'_>, place: Rect, (here, chosen): (bool, bool)) -> (Rect, Rect) {
+fn row_card(view: &View<'_>, place: Rect, here: bool, chosen: bool) -> (Rect, Rect) {
     let fill = if chosen { view.theme.raised } else { view.theme.surface };
-    card(painter, place, fill, view.theme.line);
+    view.filled_card(place, fill, view.theme.line);
     let edge = if here { view.theme.alarm } else { view.theme.line };
-    painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, edge);
+    view.edge_bar(place, edge);
     if chosen {
-        focus_frame(painter, place, view.theme.focus);
+        view.frame(place, view.theme.focus);
     }
-    let inside = place.shrink2(vec2(theme::PAD, 3.0));
-    inside.split_left_right_at_x(inside.min.x + 60.0)
+    place.shrink2(vec2(theme::PAD, 3.0)).split_left(60.0)
 }
 
 /// Captioned texts, one below the other; returns the top of the next item.
-fn captioned_texts(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
+fn captioned_texts(view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
     let mut top = room.min.y;
     for (caption, words) in parts.iter().filter(|(_, words)| !words.is_empty()) {
         let label = Rect::from_min_size(pos2(room.min.x, top), vec2(CAPTION_WIDTH - 4.0, 22.0));
-        fit_text(painter, label, Align2::LEFT_TOP, caption, theme::LABEL, view.theme.muted);
+        view.fit(label, Align2::LEFT_TOP, caption, theme::LABEL, view.theme.muted);
         let words_room = Rect::from_min_max(pos2(room.min.x + CAPTION_WIDTH, top), pos2(room.max.x, top + 44.0));
-        top = paragraph(painter, words_room, words, theme::LABEL, view.theme.text).max.y + 2.0;
+        top = view.paragraph(words_room, words, theme::LABEL, view.theme.text).max.y + 2.0;
     }
     top
 }
 
 /// Card with the texts of the selected alarm, at the lower edge of `room`, as high as the texts need. Returns its
 /// height and the gap above it.
-fn detail(painter: &Painter, view: &View<'_>, room: Rect, parts: Vec<(&str, &str)>) -> f32 {
+fn detail(view: &View<'_>, room: Rect, parts: Vec<(&str, &str)>) -> f32 {
     let width = room.width() - 2.0 * theme::PAD - CAPTION_WIDTH;
     let height = |words: &str| {
-        let text = painter.layout(words.to_owned(), theme::font(theme::LABEL), view.theme.text, width);
+        let text = view.painter.layout(words.to_owned(), theme::font(theme::LABEL), view.theme.text, width);
         text.size().y.min(44.0) + 2.0
     };
     let all = parts.iter().map(|(_, words)| height(words)).sum::<f32>() + 2.0 * theme::GAP + 22.0;
     let place = Rect::from_min_max(pos2(room.min.x, (room.max.y - all).max(room.min.y)), room.max);
-    card(painter, place, view.theme.surface, view.theme.focus);
+    view.filled_card(place, view.theme.surface, view.theme.focus);
     let inside = place.shrink2(vec2(theme::PAD, theme::GAP));
-    let top = captioned_texts(painter, view, inside, &parts);
+    let top = captioned_texts(view, inside, &parts);
     let hint = Rect::from_min_size(pos2(inside.min.x + CAPTION_WIDTH, top), vec2(width, 20.0));
-    let words = view.text("? 帮助中打开这一条", "? opens it in the help");
-    fit_text(painter, hint, Align2::LEFT_CENTER, words, theme::SMALL, view.theme.muted);
+    view.fit_left(hint, view.text("? 帮助中打开这一条", "? opens it in the help"), theme::SMALL, view.theme.muted);
     place.height() + theme::PAD
 }
 
-/// `O1001 第7行`; none outside a run.
-fn location_text(view: &View<'_>, place: Option<(u32, u32)>) -> Option<String> {
-    place.map(|(program, line)| (view.snapshot.title(program), line)).map(|(program, line)| match view.lang {
-        Lang::Zh => format!("{program} 第{line}行"),
-        Lang::En => format!("{program} line {line}"),
-    })
-}
-
-fn present_row(painter: &Painter, view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
-    let (number, words) = row_card(painter, view, place, (true, chosen));
-    let (top, below) = words.split_top_bottom_at_y(words.min.y + 33.0);
-    let (title, when) = top.split_left_right_at_x(top.max.x - 196.0);
+fn present_row(view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
+    let (number, words) = row_card(view, place, true, chosen);
+    let (top, below) = words.split_top(33.0);
+    let (title, when) = top.split_right(196.0);
     let head = Rect::from_min_size(number.min, vec2(number.width(), top.height()));
-    text_line(
-        painter,
-        head,
-        Align2::LEFT_CENTER,
-        &format!("{:03}", alarm.number),
-        theme::SECONDARY,
-        view.theme.alarm_text,
-    );
-    fit_text(painter, title, Align2::LEFT_CENTER, &alarm.text.get(view.lang), theme::TITLE, view.theme.text);
+    view.line_left(head, &format!("{:03}", alarm.number), theme::SECONDARY, view.theme.alarm_text);
+    view.fit_left(title, alarm.text.get(view.lang), theme::TITLE, view.theme.text);
     let mut word = view.time(alarm.since);
-    if let Some(place) = location_text(view, alarm.place) {
+    if let Some(place) = view.program_line(alarm.place) {
         word = format!("{place} · {word}");
     }
-    fit_text(painter, when, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.muted);
+    view.fit_right(when, &word, theme::LABEL, view.theme.muted);
     let cause = ALARMS.iter().find(|row| row.number == alarm.number).map_or("", |row| row.cause.get(view.lang));
     let parts = [
         (view.text("原因", "cause"), cause),
         (view.text("处理", "remedy"), &alarm.remedy.get(view.lang)),
         (view.text("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
     ];
-    captioned_texts(painter, view, below, &parts);
+    captioned_texts(view, below, &parts);
 }
 
-fn past_row(painter: &Painter, view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
+fn past_row(view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
     let here = past.ended.is_none();
-    let (number, words) = row_card(painter, view, place, (here, chosen));
+    let (number, words) = row_card(view, place, here, chosen);
     let ink = if here { view.theme.alarm_text } else { view.theme.text };
-    text_line(painter, number, Align2::LEFT_CENTER, &format!("{:03}", past.number), theme::SECONDARY, ink);
+    view.line_left(number, &format!("{:03}", past.number), theme::SECONDARY, ink);
     let (top, below) = words.split_top_bottom_at_fraction(0.54);
-    fit_text(painter, top, Align2::LEFT_CENTER, &past.text.get(view.lang), theme::LABEL, view.theme.text);
+    view.fit_left(top, past.text.get(view.lang), theme::LABEL, view.theme.text);
     let (times, where_) = below.split_left_right_at_fraction(0.7);
     let word = format!("{} → {}", format_date_time(past.came), end_text(view, past));
-    fit_text(painter, times, Align2::LEFT_CENTER, &word, theme::LABEL, view.theme.muted);
-    if let Some(word) = location_text(view, past.place) {
-        fit_text(painter, where_, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.muted);
+    view.fit_left(times, &word, theme::LABEL, view.theme.muted);
+    if let Some(word) = view.program_line(past.place) {
+        view.fit_right(where_, &word, theme::LABEL, view.theme.muted);
     }
 }
 

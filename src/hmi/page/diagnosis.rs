@@ -2,16 +2,13 @@
 //! why a key is blocked.
 //! Source: spec B6, K6.1, K2.4.
 
-use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
+use egui::{Rect, vec2};
 
-use super::scroll::Scroll;
-use super::{PageContext, PageUi, TypedInput};
+use super::{PageContext, PageUi, Scroll, ScrollList, VisibleRows, empty};
 use crate::defs::key::{Key, KeyGroup};
 use crate::defs::port_conflict;
 use crate::defs::signal::{Input, Output};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, format_volts};
-use crate::hmi::{panel, theme, widget};
+use crate::hmi::{Area, EditKey, View, format_volts, panel, theme, widget};
 use crate::link::internal_signal::InternalSignal;
 
 /// Heights of a line of the port table and of the key list.
@@ -43,6 +40,7 @@ pub struct DiagnosisPage {
 }
 
 /// One line of the port table.
+#[derive(Default)]
 struct PortLine {
     on: bool,
     name: String,
@@ -61,9 +59,8 @@ impl PageUi for DiagnosisPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, .. } = ctx;
-        let inside = rect.shrink(theme::PAD);
-        let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS_HEIGHT);
+        let PageContext { rect, view, typed, .. } = ctx;
+        let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         let dead = blocked_keys(view);
         let keys = [
             ("tab-inputs", view.text("输入", "INPUTS").to_owned()),
@@ -78,24 +75,23 @@ impl PageUi for DiagnosisPage {
             _ => 0,
         };
         let by_key = (chosen + typed.edits.iter().map(step).sum::<usize>()) % TABS.len();
-        let wanted = TABS[widget::tabs(ui, view, bar, &keys, chosen).unwrap_or(by_key)];
+        let wanted = TABS[widget::tabs(view, bar, &keys, chosen).unwrap_or(by_key)];
         if wanted != self.tab {
             (self.tab, self.scroll) = (wanted, Scroll::default());
         }
-        let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::GAP), rest.max);
-        let rest = conflicts(ui.painter(), view, rest);
+        let rest = rest.trim_top(theme::GAP);
+        let rest = conflicts(view, rest);
         match self.tab {
-            DiagnosisTab::Inputs => self.ports(ui, rest, view, typed, &inputs(view)),
-            DiagnosisTab::Outputs => self.ports(ui, rest, view, typed, &outputs(view)),
-            DiagnosisTab::Internals => internals(ui.painter(), rest, view),
-            DiagnosisTab::Keys => self.keys(ui, rest, view, typed, &dead),
+            DiagnosisTab::Inputs => self.ports(rest, view, typed.scroll_pages, &inputs(view)),
+            DiagnosisTab::Outputs => self.ports(rest, view, typed.scroll_pages, &outputs(view)),
+            DiagnosisTab::Internals => internals(rest, view),
+            DiagnosisTab::Keys => self.keys(rest, view, typed.scroll_pages, &dead),
         }
     }
 }
 
 impl DiagnosisPage {
-    fn ports(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, lines: &[PortLine]) {
-        let (head, rest) = rect.split_top_bottom_at_y(rect.min.y + 26.0);
+    fn ports(&mut self, rect: Rect, view: &View<'_>, pages: i32, lines: &[PortLine]) {
         let words = [
             view.text("状态", "STATE"),
             view.text("名称", "NAME"),
@@ -105,57 +101,51 @@ impl DiagnosisPage {
             view.text("触点", "CONTACT"),
             view.text("参数", "PARAM"),
         ];
-        let inner = |line: Rect| Rect::from_min_max(line.min + vec2(4.0, 0.0), line.max - vec2(8.0, 0.0));
-        widget::table_header(ui.painter(), view, inner(head), COLUMN_SHARES, words);
-        let list = widget::round_to_lines(rest, LINE_HEIGHT);
-        if typed.scroll_pages != 0 {
-            self.scroll.scroll_pages(typed.scroll_pages, list, LINE_HEIGHT);
+        let list = ScrollList { id: "ports", rect, row: LINE_HEIGHT, gap: 0.0, count: lines.len() };
+        let (clipped, rows) = self.striped_table(view, &list, pages, COLUMN_SHARES, words);
+        for (index, place) in rows {
+            port_line(&clipped, place, &lines[index]);
         }
-        let (first, last) = self.scroll.handle_input(ui, "ports", list, LINE_HEIGHT, lines.len());
-        let painter = ui.painter().with_clip_rect(list);
-        for (index, line) in lines.iter().enumerate().take(last).skip(first) {
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width(), LINE_HEIGHT));
-            if index % 2 == 1 {
-                painter.rect_filled(place, 0.0, view.theme.surface);
-            }
-            port_line(&painter, view, inner(place), line);
-        }
-        self.scroll.draw_bar(ui, view, list, LINE_HEIGHT, lines.len());
     }
 
     /// Keys that are blocked now, each with the reason.
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, dead: &[(Key, &str)]) {
+    fn keys(&mut self, rect: Rect, view: &View<'_>, pages: i32, dead: &[(Key, &str)]) {
         if dead.is_empty() {
-            let words = view.text("面板上所有按键现在都有效", "every key of the panel acts now");
-            let line = Rect::from_center_size(rect.center(), vec2(rect.width(), 30.0));
-            fit_text(ui.painter(), line, Align2::CENTER_CENTER, words, theme::SECONDARY, view.theme.muted);
-            return;
+            return empty::note(view, rect, view.text("面板上所有按键现在都有效", "every key of the panel acts now"));
         }
         const COLUMN_SHARES: [f32; 3] = [120.0, 160.0, 430.0];
-        let (head, rest) = rect.split_top_bottom_at_y(rect.min.y + 26.0);
         let words = [view.text("现在无效的按键", "DEAD NOW"), view.text("标识", "ID"), view.text("原因", "REASON")];
-        let inner = |line: Rect| Rect::from_min_max(line.min + vec2(4.0, 0.0), line.max - vec2(8.0, 0.0));
-        widget::table_header(ui.painter(), view, inner(head), COLUMN_SHARES, words);
-        let list = widget::round_to_lines(rest, KEY_LINE_HEIGHT);
-        if typed.scroll_pages != 0 {
-            self.scroll.scroll_pages(typed.scroll_pages, list, KEY_LINE_HEIGHT);
+        let list = ScrollList { id: "dead-keys", rect, row: KEY_LINE_HEIGHT, gap: 0.0, count: dead.len() };
+        let (clipped, rows) = self.striped_table(view, &list, pages, COLUMN_SHARES, words);
+        for (index, place) in rows {
+            let (key, reason) = dead[index];
+            let [name, id, why] = place.columns(COLUMN_SHARES);
+            clipped.fit_left(name, key.label_on(view.snapshot.kind).get(view.lang), theme::LABEL, view.theme.text);
+            clipped.fit_left(id, key.id(), theme::LABEL, view.theme.muted);
+            clipped.fit_left(why, reason, theme::LABEL, view.theme.hold);
         }
-        let (first, last) = self.scroll.handle_input(ui, "dead-keys", list, KEY_LINE_HEIGHT, dead.len());
-        let painter = ui.painter().with_clip_rect(list);
-        for (index, (key, reason)) in dead.iter().enumerate().take(last).skip(first) {
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(KEY_LINE_HEIGHT)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width(), KEY_LINE_HEIGHT));
-            if index % 2 == 1 {
-                painter.rect_filled(place, 0.0, view.theme.surface);
-            }
-            let [name, id, why] = widget::columns(inner(place), COLUMN_SHARES);
-            let label = key.label_on(view.snapshot.kind).get(view.lang);
-            fit_text(&painter, name, Align2::LEFT_CENTER, label, theme::LABEL, view.theme.text);
-            fit_text(&painter, id, Align2::LEFT_CENTER, key.id(), theme::LABEL, view.theme.muted);
-            fit_text(&painter, why, Align2::LEFT_CENTER, reason, theme::LABEL, view.theme.hold);
+    }
+
+    /// Draws the head and the stripes of a table; returns the view clipped to its rows, and the visible rows.
+    fn striped_table<'v, const N: usize>(
+        &mut self,
+        view: &View<'v>,
+        list: &ScrollList<'_>,
+        pages: i32,
+        shares: [f32; N],
+        words: [&str; N],
+    ) -> (View<'v>, VisibleRows) {
+        let (top, rest) = list.rect.split_top(26.0);
+        let inner = |line: Rect| line.trim_left(4.0).trim_right(8.0);
+        widget::table_header(view, inner(top), shares, words);
+        let rect = widget::round_to_lines(rest, list.row);
+        let clipped = view.clipped(rect);
+        let rows = self.scroll.visible_rows(view, &ScrollList { rect, ..*list }, pages);
+        for (_, place) in rows.iter().filter(|(index, _)| index % 2 == 1) {
+            clipped.painter.rect_filled(place.with_max_x(rect.max.x), 0.0, view.theme.surface);
         }
-        self.scroll.draw_bar(ui, view, list, KEY_LINE_HEIGHT, dead.len());
+        self.scroll.draw_bar(view, rect, list.row, list.count);
+        (clipped, rows.into_iter().map(|(index, place)| (index, place.trim_left(4.0))).collect())
     }
 }
 
@@ -167,7 +157,7 @@ fn blocked_keys<'a>(view: &View<'a>) -> Vec<(Key, &'a str)> {
 }
 
 /// Ports with more than one function, in amber above the table; returns the rectangle below.
-fn conflicts(painter: &Painter, view: &View<'_>, rect: Rect) -> Rect {
+fn conflicts(view: &View<'_>, rect: Rect) -> Rect {
     let params = &view.snapshot.params;
     let mut words = Vec::new();
     for found in port_conflict::input_conflicts(params) {
@@ -186,17 +176,13 @@ fn conflicts(painter: &Painter, view: &View<'_>, rect: Rect) -> Rect {
     if let Some(last) = words.last_mut().filter(|_| more > 0) {
         last.push_str(&format!(" (+{more})"));
     }
-    let height = words.len() as f32 * 26.0 + 8.0;
-    let place = Rect::from_min_size(rect.min, vec2(rect.width(), height));
-    card(painter, place, view.theme.surface, view.theme.hold);
+    let place = rect.band(0.0, words.len() as f32 * 26.0 + 8.0);
+    view.filled_card(place, view.theme.surface, view.theme.hold);
     for (index, word) in words.iter().enumerate() {
-        let line = Rect::from_min_size(
-            place.min + vec2(theme::PAD, 4.0 + index as f32 * 26.0),
-            vec2(place.width() - 2.0 * theme::PAD, 26.0),
-        );
-        fit_text(painter, line, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.hold);
+        let line = place.trim_sides(theme::PAD).band(4.0 + index as f32 * 26.0, 26.0);
+        view.fit_left(line, word, theme::LABEL, view.theme.hold);
     }
-    Rect::from_min_max(pos2(rect.min.x, place.max.y + theme::GAP), rect.max)
+    rect.with_min_y(place.max.y + theme::GAP)
 }
 
 fn conflict_text<'a>(view: &View<'_>, port: &str, number: u8, names: impl Iterator<Item = (&'a str, u16)>) -> String {
@@ -221,7 +207,7 @@ fn inputs(view: &View<'_>) -> Vec<PortLine> {
             level: connected.then(|| snapshot.input_terminals.level(port)),
             normally_closed: connected.then(|| inverted >> (port - 1) & 1 == 1),
             param: input.port_param(),
-            volts: None,
+            ..PortLine::default()
         }
     };
     Input::ALL.iter().filter(|input| input.exists_on(snapshot.kind)).map(line).collect()
@@ -236,12 +222,8 @@ fn outputs(view: &View<'_>) -> Vec<PortLine> {
         on: volts > 0.0,
         name: name.to_owned(),
         id,
-        port: 0,
-        in_conflict: false,
-        level: None,
-        normally_closed: None,
-        param: 0,
         volts: Some(volts),
+        ..PortLine::default()
     });
     let used = Output::ALL.iter().filter(|output| output.exists_on(snapshot.kind));
     let line = |output: &Output| {
@@ -253,20 +235,19 @@ fn outputs(view: &View<'_>) -> Vec<PortLine> {
             port,
             in_conflict: twice.iter().any(|conflict| conflict.functions.contains(output)),
             level: (port > 0).then(|| snapshot.output_terminals.level(port)),
-            normally_closed: None,
             param: output.port_param(),
-            volts: None,
+            ..PortLine::default()
         }
     };
     analog.chain(used.map(line)).collect()
 }
 
-fn port_line(painter: &Painter, view: &View<'_>, place: Rect, line: &PortLine) {
-    let [state, name, id, port, level, contact, param] = widget::columns(place, COLUMN_SHARES);
+fn port_line(view: &View<'_>, place: Rect, line: &PortLine) {
+    let [state, name, id, port, level, contact, param] = place.columns(COLUMN_SHARES);
     let (text, quiet) = (view.theme.text, view.theme.muted);
-    widget::lamp(painter, view, state, line.on);
+    widget::lamp(view, state, line.on);
     let put = |rect, words: &str, ink| {
-        fit_text(painter, rect, Align2::LEFT_CENTER, words, theme::LABEL, ink);
+        view.fit_left(rect, words, theme::LABEL, ink);
     };
     put(name, &line.name, text);
     put(id, line.id, quiet);
@@ -279,12 +260,10 @@ fn port_line(painter: &Painter, view: &View<'_>, place: Rect, line: &PortLine) {
         (number, true) => put(port, &format!("⚠ {number}"), view.theme.hold),
         (number, false) => put(port, &number.to_string(), text),
     }
-    if let Some(high) = line.level {
-        put(
-            level,
-            if high { view.text("高", "HIGH") } else { view.text("低", "LOW") },
-            if high { text } else { quiet },
-        );
+    match line.level {
+        Some(true) => put(level, view.text("高", "HIGH"), text),
+        Some(false) => put(level, view.text("低", "LOW"), quiet),
+        None => {}
     }
     if let Some(closed) = line.normally_closed {
         put(contact, if closed { view.text("常闭 NC", "NC") } else { view.text("常开 NO", "NO") }, quiet);
@@ -293,7 +272,7 @@ fn port_line(painter: &Painter, view: &View<'_>, place: Rect, line: &PortLine) {
 }
 
 /// Internal signals, in two columns.
-fn internals(painter: &Painter, rect: Rect, view: &View<'_>) {
+fn internals(rect: Rect, view: &View<'_>) {
     let rows = InternalSignal::ALL.len().div_ceil(2);
     let height = (rect.height() / rows as f32).min(LINE_HEIGHT + 2.0);
     let width = (rect.width() - theme::PAD) / 2.0;
@@ -301,11 +280,11 @@ fn internals(painter: &Painter, rect: Rect, view: &View<'_>) {
         let corner = rect.min + vec2((index / rows) as f32 * (width + theme::PAD), (index % rows) as f32 * height);
         let place = Rect::from_min_size(corner, vec2(width, height));
         if index % rows % 2 == 1 {
-            painter.rect_filled(place, 0.0, view.theme.surface);
+            view.painter.rect_filled(place, 0.0, view.theme.surface);
         }
-        let [lamp, name, id] = widget::columns(place.shrink2(vec2(4.0, 0.0)), [48.0, 170.0, 160.0]);
-        widget::lamp(painter, view, lamp, view.snapshot.internals.has(*state));
-        fit_text(painter, name, Align2::LEFT_CENTER, state.name().get(view.lang), theme::LABEL, view.theme.text);
-        fit_text(painter, id, Align2::LEFT_CENTER, state.id(), theme::LABEL, view.theme.muted);
+        let [lamp, name, id] = place.trim_sides(4.0).columns([48.0, 170.0, 160.0]);
+        widget::lamp(view, lamp, view.snapshot.internals.has(*state));
+        view.fit_left(name, state.name().get(view.lang), theme::LABEL, view.theme.text);
+        view.fit_left(id, state.id(), theme::LABEL, view.theme.muted);
     }
 }

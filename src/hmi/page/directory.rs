@@ -2,23 +2,16 @@
 //! Source: spec B6. A swipe scrolls and never loads (H9).
 
 use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 
-use super::scroll::Scroll;
-use super::{PageContext, PageUi, empty};
+use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, empty, input_line};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::field_editor::FieldEditor;
-use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::login::Login;
-use crate::hmi::page::input_line::{self, InputPrompt};
-use crate::hmi::question::{Question, QuestionDialog};
-use crate::hmi::requests::{PendingRequests, RequestReason};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{self, View, card, fit_text, focus_frame, format_size, text_line};
-use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
-use crate::hmi::{page_frame as lines, pictogram, theme};
+use crate::hmi::{
+    Area, EditKey, FieldEditor, KeyboardFocus, KeycapState, Login, PageKey, PendingRequests, Question, QuestionDialog,
+    RequestReason, View, format_size, keycap, page_frame as lines, pictogram, round_to_lines, theme, widget,
+};
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
 use crate::link::page_command::PasswordScope;
@@ -26,9 +19,6 @@ use crate::link::snapshot::{DirectoryRow, RunState};
 
 /// Height of a row.
 const ROW_HEIGHT: f32 = 50.0;
-
-/// Height of the keys below.
-const KEYS_HEIGHT: f32 = 46.0;
 
 /// Actions on a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,23 +78,20 @@ impl PageUi for DirectoryPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, login, hand_over, out, .. } = ctx;
+        let PageContext { rect, view, typed, login, hand_over, out, .. } = ctx;
         self.handle_answer(view, login, out);
         let free = !self.question.is_open() && !login.is_open();
-        let edits = if free { typed.edits } else { &[] };
-        let (body, below) = rect.split_top_bottom_at_y(rect.max.y - KEYS_HEIGHT - theme::GAP);
-        let edits = if self.action.is_some() {
-            edits.iter().for_each(|edit| self.edit(*edit, view, out));
-            &[]
-        } else {
-            edits
-        };
-        out.extend(self.list(ui, body, view, edits, typed.scroll_pages));
-        if self.keys(ui, below.shrink2(vec2(theme::PAD, 0.0)), view, edits) {
+        let edits: &[EditKey] = if free { &typed.edits } else { &[] };
+        let (body, below) = rect.split_bottom(widget::KEYS_HEIGHT + theme::GAP);
+        let typing = self.action.is_some();
+        edits.iter().filter(|_| typing).for_each(|edit| self.edit(*edit, view, out));
+        let edits = if typing { &[] } else { edits };
+        out.extend(self.list(body, view, edits, typed.scroll_pages));
+        if self.keys(below.trim_sides(theme::PAD), view, edits) {
             *hand_over = view.snapshot.directory.get(self.cursor).map(|row| row.number);
             out.push(Command::OpenPage(Page::Designer));
         }
-        match self.question.ui(ui, rect, view, typed.edits) {
+        match self.question.ui(rect, view, &typed.edits) {
             Some(((), Some(_))) => self.send(out),
             Some(((), None)) => self.request = None,
             None => {}
@@ -125,18 +112,15 @@ impl DirectoryPage {
             self.awaiting_password = false;
             if view.snapshot.access.program_unlocked { self.send(out) } else { self.request = None }
         }
-        let Some((DirectoryRequest, answer)) =
-            self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some())
-        else {
-            return;
-        };
-        match answer {
-            Err(Refusal::Password) => {
+        let answer = self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some());
+        match answer.map(|(DirectoryRequest, answer)| answer) {
+            None => return,
+            Some(Err(Refusal::Password)) => {
                 self.awaiting_password = true;
                 login.unlock(view, PasswordScope::Program);
                 return;
             }
-            Err(refusal) => {
+            Some(Err(refusal)) => {
                 // The number stays with the reason, to be corrected.
                 self.action = match self.request {
                     Some(FileRequest::New(_)) => Some(DirectoryAction::New),
@@ -146,7 +130,7 @@ impl DirectoryPage {
                 };
                 self.typing.refused = Some(refusal.message());
             }
-            Ok(_) => (self.action, self.typing) = (None, FieldEditor::default()),
+            Some(Ok(_)) => (self.action, self.typing) = (None, FieldEditor::default()),
         }
         self.request = None;
     }
@@ -170,8 +154,7 @@ impl DirectoryPage {
             Some(DirectoryAction::Rename) => |from, to| FileRequest::Rename { from, to },
             // A refused deletion takes no number: INPUT closes its line.
             Some(DirectoryAction::Delete) | None => {
-                (self.action, self.typing) = (None, FieldEditor::default());
-                return;
+                return (self.action, self.typing) = (None, FieldEditor::default());
             }
         };
         let from = view.snapshot.directory.get(self.cursor).map_or(0, |row| row.number);
@@ -187,13 +170,8 @@ impl DirectoryPage {
     }
 
     fn begin_action(&mut self, deed: DirectoryAction, view: &View<'_>) {
-        let Some(row) = view.snapshot.directory.get(self.cursor) else {
-            self.action = (deed == DirectoryAction::New).then_some(deed);
-            self.typing = FieldEditor::default();
-            self.typing.pad_open = true;
-            return;
-        };
-        if deed == DirectoryAction::Delete {
+        let chosen = view.snapshot.directory.get(self.cursor);
+        if let (DirectoryAction::Delete, Some(row)) = (deed, chosen) {
             let (number, name, comment) = (row.number, &row.name, &row.comment);
             let body = LocalizedText::new(
                 format!("{name} {comment}\n删除后不能恢复，除非有备份。"),
@@ -204,13 +182,13 @@ impl DirectoryPage {
             self.question.ask((), Question::new(Text::new("删除程序？", "delete the program?"), body, key));
             return;
         }
-        self.action = Some(deed);
+        self.action = Some(deed).filter(|_| chosen.is_some() || deed == DirectoryAction::New);
         self.typing = FieldEditor::default();
         self.typing.pad_open = true;
     }
 
     /// The keys below, or the input line of the number; true when the page of the program is to be designed.
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> bool {
+    fn keys(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> bool {
         if edits.iter().any(|edit| matches!(edit, EditKey::Right | EditKey::Left)) {
             self.keys_focused = true;
         } else if edits.iter().any(|edit| matches!(edit, EditKey::Up | EditKey::Down | EditKey::Cancel)) {
@@ -225,13 +203,7 @@ impl DirectoryPage {
             };
             let name = view.snapshot.directory.get(self.cursor).map_or_else(String::new, |row| row.name.clone());
             let told = InputPrompt { label: what, name: &name, range: "1 … 9999" };
-            input_line::ui(
-                ui,
-                view,
-                Rect::from_min_size(rect.min, vec2(rect.width(), theme::INPUT)),
-                &self.typing,
-                &told,
-            );
+            input_line::ui(view, rect.band(0.0, theme::INPUT), &self.typing, &told);
             return false;
         }
         self.walk.begin_frame(if self.keys_focused { edits } else { &[] });
@@ -242,23 +214,19 @@ impl DirectoryPage {
             (DirectoryAction::Delete, "program-delete", Text::new("删除", "DELETE")),
         ];
         let has_pages = Page::Designer.exists_on(view.snapshot.kind);
-        let width = (rect.width() + theme::GAP) / (keys.len() + usize::from(has_pages)) as f32;
-        let place_of = |index: usize| {
-            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
-            Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP))
-        };
-        for (index, (deed, name, label)) in keys.iter().copied().enumerate() {
-            let place = place_of(index);
-            let locked = view.snapshot.mode != Mode::Edit;
-            if self.walk.button(ui, view, place, (name, label.get(view.lang)), ButtonState { on: false, locked }) {
+        let (row, count) = (rect.trim_bottom(theme::GAP), keys.len() + usize::from(has_pages));
+        let locked = view.snapshot.mode != Mode::Edit;
+        for (index, (deed, name, label)) in keys.into_iter().enumerate() {
+            let key = PageKey::new(name, label.get(view.lang)).locked(locked);
+            if self.walk.button(view, row.cell(index, count), key) {
                 self.begin_action(deed, view);
             }
         }
-        let words = ("design-page", view.text("页面设计", "PAGE"));
-        has_pages && self.walk.button(ui, view, place_of(keys.len()), words, ButtonState::default())
+        let key = PageKey::new("design-page", view.text("页面设计", "PAGE"));
+        has_pages && self.walk.button(view, row.cell(keys.len(), count), key)
     }
 
-    fn list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey], pages: i32) -> Vec<Command> {
+    fn list(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey], pages: i32) -> Vec<Command> {
         let edits = if self.keys_focused { &[] } else { edits };
         let rows = view.snapshot.directory.as_slice();
         if rows.is_empty() {
@@ -266,14 +234,13 @@ impl DirectoryPage {
                 "把程序 O1001.NC … 拷贝到 programs 目录。",
                 "Copy programs (O1001.NC …) into the folder programs.",
             );
-            empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有程序", "no programs"), remedy);
+            empty::show(view, rect, pictogram::NO_PAGE, view.text("没有程序", "no programs"), remedy);
             return Vec::new();
         }
-        let inside = rect.shrink(theme::PAD);
-        let (title, list) = inside.split_top_bottom_at_y(inside.min.y + 34.0);
-        lines::title(ui, view, title, view.text("程序目录", "programs"));
-        text_line(ui.painter(), title, Align2::RIGHT_CENTER, &rows.len().to_string(), theme::LABEL, view.theme.muted);
-        card(ui.painter(), list, view.theme.surface, view.theme.line);
+        let (title, list) = rect.shrink(theme::PAD).split_top(34.0);
+        lines::title(view, title, view.text("程序目录", "programs"));
+        view.line_right(title, &rows.len().to_string(), theme::LABEL, view.theme.muted);
+        view.card(list);
         let list = round_to_lines(list.shrink(4.0), ROW_HEIGHT);
         let mut load = false;
         for edit in edits {
@@ -281,15 +248,7 @@ impl DirectoryPage {
                 EditKey::Up | EditKey::Previous => self.cursor = self.cursor.saturating_sub(1),
                 EditKey::Down | EditKey::Next => self.cursor += 1,
                 EditKey::Enter => load = true,
-                EditKey::Char(_)
-                | EditKey::Sign
-                | EditKey::Backspace
-                | EditKey::Delete
-                | EditKey::LineStart
-                | EditKey::LineEnd
-                | EditKey::Cancel
-                | EditKey::Left
-                | EditKey::Right => continue,
+                _ => continue,
             }
             self.cursor = self.cursor.min(rows.len() - 1);
             self.scroll.scroll_to(self.cursor, list, ROW_HEIGHT);
@@ -298,70 +257,59 @@ impl DirectoryPage {
         if std::mem::take(&mut self.reveal_cursor) {
             self.scroll.scroll_to(self.cursor, list, ROW_HEIGHT);
         }
-        if pages != 0 {
-            self.scroll.scroll_pages(pages, list, ROW_HEIGHT);
-        }
-        let (first, last) = self.scroll.handle_input(ui, "directory", list, ROW_HEIGHT, rows.len());
-        let named = rows[first..last].iter().any(|row| row.name.len() > 6);
+        let spec = ScrollList { id: "directory", rect: list, row: ROW_HEIGHT, gap: 4.0, count: rows.len() };
+        let places = self.scroll.rows(view, &spec, pages);
+        let named = places.iter().any(|(index, _)| rows[*index].name.len() > 6);
         self.name_width = if named { 150.0 } else { 88.0 };
-        for (index, row) in rows.iter().enumerate().take(last).skip(first) {
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(ROW_HEIGHT)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW_HEIGHT - 4.0));
-            load |= self.row(ui, list, place, view, (index, row));
+        let clipped = view.clipped(list);
+        for (index, place) in places {
+            load |= self.row(place, &clipped, index, &rows[index]);
         }
-        self.scroll.draw_bar(ui, view, list, ROW_HEIGHT, rows.len());
         let chosen = rows.get(self.cursor).filter(|_| load);
         chosen.map(|row| Command::LoadProgram(row.number)).into_iter().collect()
     }
 
-    fn row(&mut self, ui: &Ui, list: Rect, place: Rect, view: &View<'_>, row: (usize, &DirectoryRow)) -> bool {
-        let (index, row) = row;
-        let painter = &ui.painter().with_clip_rect(list);
+    fn row(&mut self, place: Rect, view: &View<'_>, index: usize, row: &DirectoryRow) -> bool {
         let current = row.number == view.snapshot.program.number;
         let chosen = index == self.cursor;
-        let response = ui.interact(place.intersect(list), Id::unique(("program", index)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, row.name.clone()));
-        if response.clicked() {
+        if view.touch_row(place, ("program", index), chosen, row.name.clone()).clicked() {
             self.cursor = index;
         }
         if chosen {
-            painter.rect_filled(place, theme::RADIUS, view.theme.raised);
-            focus_frame(painter, place, view.theme.focus);
+            view.painter.rect_filled(place, theme::RADIUS, view.theme.raised);
+            view.frame(place, view.theme.focus);
         }
-        let inside = place.shrink2(vec2(theme::PAD, 3.0));
-        let (number, rest) = inside.split_left_right_at_x(inside.min.x + self.name_width);
+        let (number, rest) = place.shrink2(vec2(theme::PAD, 3.0)).split_left(self.name_width);
         let ink = if current { view.theme.run } else { view.theme.text };
-        fit_text(painter, number, Align2::LEFT_CENTER, &row.name, theme::SECONDARY, ink);
-        let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
-        let (comment, facts) = rest.split_left_right_at_x(rest.max.x - 210.0);
-        let comment = Rect::from_min_max(comment.min, comment.max - vec2(theme::PAD, 0.0));
+        view.fit_left(number, &row.name, theme::SECONDARY, ink);
+        let (rest, action) = rest.split_right(96.0);
+        let (comment, facts) = rest.split_right(210.0);
         // A long comment takes two lines of the same size.
         let words = row.comment.replace('\u{FFFD}', "?");
-        view::text_rows(painter, comment, &words, theme::LABEL, view.theme.text, 2);
+        view.text_rows(comment.trim_right(theme::PAD), &words, theme::LABEL, view.theme.text, 2);
         let (size, date) = facts.split_left_right_at_fraction(0.34);
-        text_line(painter, size, Align2::RIGHT_CENTER, &format_size(row.size), theme::LABEL, view.theme.muted);
-        let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
-        fit_text(painter, date, Align2::RIGHT_CENTER, &row.modified, theme::LABEL, view.theme.muted);
+        view.line_right(size, &format_size(row.size), theme::LABEL, view.theme.muted);
+        view.fit_right(date.trim_right(theme::PAD), &row.modified, theme::LABEL, view.theme.muted);
         if current {
-            fit_text(painter, action, Align2::RIGHT_CENTER, view.text("当前", "CURRENT"), theme::LABEL, view.theme.run);
+            view.fit_right(action, view.text("当前", "CURRENT"), theme::LABEL, view.theme.run);
             return false;
         }
-        chosen && load_key(ui, action, view)
+        chosen && load_key(action, view)
     }
 }
 
 /// 装入: the only key that loads by touch. The core refuses while a program runs.
-fn load_key(ui: &Ui, action: Rect, view: &View<'_>) -> bool {
+fn load_key(action: Rect, view: &View<'_>) -> bool {
     let place = Rect::from_center_size(action.center() + vec2(2.0, 0.0), vec2(96.0, theme::TOUCH_TARGET));
-    let response = ui.interact(place, Id::unique("load"), Sense::CLICK);
+    let response = view.ui.interact(place, Id::unique("load"), Sense::CLICK);
     let words = view.text("装入", "LOAD");
     let running = matches!(view.snapshot.state, RunState::Running | RunState::Held | RunState::Waiting);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, !running, format!("{words} load-program")));
     let face =
         KeycapState { pressed: response.is_pointer_button_down_on(), blocked: running, ..KeycapState::default() };
-    keycap::paint_body(ui.painter(), view.theme, place, face);
-    focus_frame(ui.painter(), place, if running { view.theme.line } else { view.theme.focus });
+    keycap::paint_body(view, place, face);
+    view.frame(place, if running { view.theme.line } else { view.theme.focus });
     let ink = if running { view.theme.disabled } else { view.theme.text };
-    fit_text(ui.painter(), place, Align2::CENTER_CENTER, words, theme::TITLE, ink);
+    view.fit_centre(place, words, theme::TITLE, ink);
     response.clicked()
 }

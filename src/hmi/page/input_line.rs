@@ -1,11 +1,9 @@
 //! Input line of the pages that take values: the typed text, what it is for, its range or why it was refused.
 //! Source: spec H6.
 
-use egui::{Align2, Rect, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Rect, vec2};
 
-use crate::hmi::field_editor::FieldEditor;
-use crate::hmi::theme;
-use crate::hmi::view::{View, fit_text};
+use crate::hmi::{Area, FieldEditor, View, theme};
 
 /// What the line shows beside the typed text.
 pub struct InputPrompt<'a> {
@@ -18,27 +16,33 @@ pub struct InputPrompt<'a> {
 }
 
 /// Splits a page into body and input line.
-#[must_use]
 pub fn split(rect: Rect) -> (Rect, Rect) {
-    rect.split_top_bottom_at_y(rect.max.y - theme::INPUT)
+    rect.split_bottom(theme::INPUT)
+}
+
+/// Paints the bar of the line; returns the place of its texts.
+pub fn bar(view: &View<'_>, rect: Rect) -> Rect {
+    view.painter.rect_filled(rect, 0.0, view.theme.surface);
+    view.hairline(rect, rect.min.y + 0.5);
+    rect.shrink2(vec2(theme::PAD, 2.0))
+}
+
+/// Paints what the value is for and the typed text; returns the colour of the range or of the reason beside it.
+pub fn typed_text(view: &View<'_>, rect: Rect, label: &str, typing: &FieldEditor) -> Color32 {
+    let words = format!("{} {label}{}", view.text("数据输入:", "INPUT:"), typing.text);
+    let refused = typing.refused.is_some();
+    view.fit_left(rect, &words, theme::TITLE, if refused { view.theme.alarm_text } else { view.theme.text });
+    if refused { view.theme.alarm_text } else { view.theme.muted }
 }
 
 /// Draws the line.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<'_>) {
-    let painter = ui.painter();
-    painter.rect_filled(rect, 0.0, view.theme.surface);
-    painter.hline(rect.x_range(), rect.min.y + 0.5, Stroke::new(theme::HAIRLINE, view.theme.line));
-    let line = rect.shrink2(vec2(theme::PAD, 2.0));
-    let (left, rest) = line.split_left_right_at_fraction(0.38);
-    let left = Rect::from_min_max(left.min, left.max - vec2(theme::PAD, 0.0));
-    let words = format!("{} {}{}", view.text("数据输入:", "INPUT:"), told.label, typing.text);
+pub fn ui(view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<'_>) {
+    let (left, rest) = bar(view, rect).split_left_right_at_fraction(0.38);
+    let ink = typed_text(view, left.trim_right(theme::PAD), told.label, typing);
     if let Some(reason) = typing.refusal(view.lang) {
-        fit_text(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.alarm_text);
-        fit_text(painter, rest, Align2::RIGHT_CENTER, &reason, theme::LABEL, view.theme.alarm_text);
+        view.fit_right(rest, reason, theme::LABEL, ink);
         return;
     }
-    fit_text(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.text);
-    let range = fit_text(painter, rest, Align2::RIGHT_CENTER, told.range, theme::LABEL, view.theme.muted);
-    let name = Rect::from_min_max(rest.min, pos2(range.min.x - theme::PAD, rest.max.y));
-    fit_text(painter, name, Align2::LEFT_CENTER, told.name, theme::LABEL, view.theme.muted);
+    let range = view.fit_right(rest, told.range, theme::LABEL, ink);
+    view.fit_left(rest.with_max_x(range.min.x - theme::PAD), told.name, theme::LABEL, ink);
 }

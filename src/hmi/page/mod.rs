@@ -9,6 +9,7 @@ pub mod dressing;
 pub mod empty;
 pub mod graphic;
 pub mod grinding;
+pub mod help;
 pub mod input_line;
 pub mod mdi;
 pub mod offset;
@@ -30,41 +31,24 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-use egui::{Rect, TextureId, Ui};
+use egui::{Rect, TextureId};
 
-use super::field_editor::FieldEditor;
-use super::help::Help;
-use super::login::Login;
-use super::variable_entry::EditKey;
-use super::view::View;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
+use crate::hmi::{FieldEditor, KeyboardInput, Login, View};
 use crate::link::command::Picture;
 use crate::link::{Command, Snapshot};
-
-/// Keyboard input of this frame.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TypedInput<'a> {
-    /// Digits, cursor moves, Enter and Cancel.
-    pub edits: &'a [EditKey],
-    /// All typed characters, for pages that accept text.
-    pub text: &'a str,
-    /// Keys pressed with Ctrl.
-    pub ctrl_keys: &'a [egui::Key],
-    /// Number of pages to scroll.
-    pub scroll_pages: i32,
-}
+pub use input_line::InputPrompt;
+pub use scroll::{Scroll, ScrollList, VisibleRows};
 
 /// What a page draws from in one frame, and where its commands go.
 pub struct PageContext<'a> {
-    /// Painter and input of the frame.
-    pub ui: &'a Ui,
     /// Area of the page, points.
     pub rect: Rect,
     /// State of the machine, language and colours.
     pub view: &'a View<'a>,
     /// Keyboard input.
-    pub typed: &'a TypedInput<'a>,
+    pub typed: &'a KeyboardInput,
     /// The picture that the page asked for with [`PageUi::picture`].
     pub picture: Option<TextureId>,
     /// The password dialog; it is drawn over the page.
@@ -152,7 +136,7 @@ page_rows! {
     Alarm => alarm::AlarmPage,
     Settings => settings::SettingsPage,
     Simulator => simulator::SimulatorPage,
-    Help => Help,
+    Help => help::Help,
 }
 
 /// State of all pages.
@@ -175,12 +159,12 @@ impl Default for PageSet {
 }
 
 impl PageSet {
-    fn page(&self, page: Page) -> &dyn PageUi {
+    /// A page, open or closed.
+    pub fn page(&self, page: Page) -> &dyn PageUi {
         self.pages[page as usize].as_ref()
     }
 
     /// State of a page as its own type; none if the page is of another type.
-    #[must_use]
     pub fn state<T: PageUi>(&self, page: Page) -> Option<&T> {
         let state: &dyn Any = self.page(page);
         state.downcast_ref()
@@ -201,50 +185,24 @@ impl PageSet {
         self.pages.iter_mut().for_each(|page| page.record(snapshot));
     }
 
-    /// What was typed on a page, and why it was refused.
-    #[must_use]
-    pub fn refusal(&self, page: Page, lang: Lang) -> Option<(String, String)> {
-        self.page(page).refusal(lang)
-    }
-
-    /// Whether the open page accepts text now.
-    #[must_use]
-    pub fn accepts_text(&self, page: Page) -> bool {
-        self.page(page).accepts_text()
-    }
-
     /// Whether the numeric pad is shown.
-    #[must_use]
     pub fn wants_pad(&self, view: &View<'_>) -> bool {
         self.login.is_open() || self.page(view.snapshot.page).wants_pad(view)
-    }
-
-    /// The picture that the open page shows.
-    #[must_use]
-    pub fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
-        self.page(snapshot.page).picture(snapshot)
-    }
-
-    /// Number of the alarm at which the help of the open page opens.
-    #[must_use]
-    pub fn help_alarm(&self, view: &View<'_>) -> Option<u16> {
-        self.page(view.snapshot.page).help_alarm(view)
     }
 
     /// Draws the open page; returns its commands.
     pub fn ui(
         &mut self,
-        ui: &Ui,
         rect: Rect,
         view: &View<'_>,
-        typed: &TypedInput<'_>,
+        typed: &KeyboardInput,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
         let mut out = Vec::new();
         let (login, hand_over) = (&mut self.login, &mut self.hand_over);
-        let ctx = PageContext { ui, rect, view, typed, picture, login, hand_over, out: &mut out };
+        let ctx = PageContext { rect, view, typed, picture, login, hand_over, out: &mut out };
         self.pages[view.snapshot.page as usize].ui(ctx);
-        self.login.ui(ui, rect, view, typed.edits, &mut out);
+        self.login.ui(rect, view, &typed.edits, &mut out);
         out
     }
 }

@@ -2,8 +2,7 @@
 
 use egui::{Id, Rect, Sense, Ui, vec2};
 
-use crate::hmi::theme;
-use crate::hmi::view::View;
+use crate::hmi::{Area, View, theme};
 
 /// Scroll position of a list.
 #[derive(Clone, Copy, Debug, Default)]
@@ -14,7 +13,45 @@ pub struct Scroll {
     pub user_scrolled: bool,
 }
 
+/// A list that scrolls.
+pub struct ScrollList<'a> {
+    /// Id of the list.
+    pub id: &'a str,
+    /// Rectangle of the list.
+    pub rect: Rect,
+    /// Height of a row with the gap below it.
+    pub row: f32,
+    /// Gap below a row.
+    pub gap: f32,
+    /// Number of rows.
+    pub count: usize,
+}
+
+/// The visible rows of a list: index and place.
+pub type VisibleRows = Vec<(usize, Rect)>;
+
 impl Scroll {
+    /// Scrolls by pages, finger and mouse wheel, and draws the bar; returns the visible rows.
+    pub fn rows(&mut self, view: &View<'_>, list: &ScrollList<'_>, pages: i32) -> VisibleRows {
+        let rows = self.visible_rows(view, list, pages);
+        self.draw_bar(view, list.rect, list.row, list.count);
+        rows
+    }
+
+    /// Scrolls by pages, finger and mouse wheel; returns the visible rows.
+    pub fn visible_rows(&mut self, view: &View<'_>, list: &ScrollList<'_>, pages: i32) -> VisibleRows {
+        let ScrollList { id, rect, row, gap, count } = *list;
+        if pages != 0 {
+            self.scroll_pages(pages, rect, row);
+        }
+        let (first, last) = self.handle_input(view.ui, id, rect, row, count);
+        let place = |index: usize| {
+            let top = ((index as f64 - self.top) * f64::from(row)) as f32;
+            (index, rect.trim_right(8.0).band(top, row - gap))
+        };
+        (first..last).map(place).collect()
+    }
+
     /// Handles finger and mouse wheel; returns the lines to draw, first and one past the last.
     pub fn handle_input(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
         let response = ui.interact(rect, Id::unique(id), Sense::DRAG | Sense::HOVER);
@@ -38,7 +75,6 @@ impl Scroll {
     }
 
     /// The lines that are fully visible.
-    #[must_use]
     pub fn visible_lines(&self, rect: Rect, line: f32) -> std::ops::Range<usize> {
         let first = self.top.ceil() as usize;
         first..first + (rect.height() / line).floor() as usize
@@ -67,7 +103,7 @@ impl Scroll {
     }
 
     /// A slim scroll bar.
-    pub fn draw_bar(&self, ui: &Ui, view: &View<'_>, rect: Rect, line: f32, count: usize) {
+    pub fn draw_bar(&self, view: &View<'_>, rect: Rect, line: f32, count: usize) {
         let visible = f64::from(rect.height() / line);
         let all = count as f64;
         if all <= visible {
@@ -77,6 +113,6 @@ impl Scroll {
         let room = f64::from(rect.height() - height);
         let top = rect.min.y + (self.top / (all - visible).max(1.0) * room).clamp(0.0, room) as f32;
         let bar = Rect::from_min_size(egui::pos2(rect.max.x - 5.0, top), vec2(4.0, height));
-        ui.painter().rect_filled(bar, theme::RADIUS / 2.0, view.theme.muted);
+        view.painter.rect_filled(bar, theme::RADIUS / 2.0, view.theme.muted);
     }
 }

@@ -2,16 +2,12 @@
 //! stored if it has none. Source: spec L9.
 
 use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Rect};
 
 use crate::defs::kind::Kind;
 use crate::defs::param;
 use crate::defs::text::LocalizedText;
-use crate::hmi::login::Login;
-use crate::hmi::theme;
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame, paragraph, text_line};
-use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::{Area, EditKey, KeyboardFocus, Login, PageKey, View, theme};
 use crate::link::Command;
 use crate::link::media::MediaView;
 use crate::link::page_command::{PageCommand, PasswordScope};
@@ -86,26 +82,18 @@ impl SerialPane {
     /// Draws the RS232 half.
     pub fn ui(
         &mut self,
-        ui: &Ui,
         rect: Rect,
         view: &View<'_>,
         media: &MediaView,
         keys: (&mut KeyboardFocus, &mut Login, &mut Vec<Command>),
     ) {
         let (walk, login, out) = keys;
-        let painter = ui.painter();
-        let row =
-            |top: f32, height: f32| Rect::from_min_size(pos2(rect.min.x, rect.min.y + top), vec2(rect.width(), height));
-        let (name, key) = row(0.0, FIELD_HEIGHT).split_left_right_at_x(rect.max.x - 108.0);
-        let shown = media.port.as_deref().unwrap_or_else(|| view.text("未选择", "none chosen"));
+        let (name, key) = rect.band(0.0, FIELD_HEIGHT).split_right(108.0);
         let ink = if media.port.is_some() { view.theme.text } else { view.theme.hold };
-        let (word, value) = name.split_left_right_at_x(name.min.x + 76.0);
-        fit_text(painter, word, Align2::LEFT_CENTER, view.text("端口", "port"), theme::LABEL, view.theme.muted);
-        fit_text(painter, value.shrink2(vec2(4.0, 0.0)), Align2::LEFT_CENTER, shown, theme::LABEL, ink);
-        let level = view.snapshot.access.level;
-        let locked = level < crate::defs::param::AccessLevel::Builder;
-        let look = ButtonState { on: false, locked };
-        if walk.button(ui, view, key, ("serial-port", view.text("换端口", "CHANGE")), look) {
+        let shown = media.port.as_deref().unwrap_or_else(|| view.text("未选择", "none chosen"));
+        fact(view, name, view.text("端口", "port"), shown, ink);
+        let locked = view.snapshot.access.level < crate::defs::param::AccessLevel::Builder;
+        if walk.button(view, key, PageKey::new("serial-port", view.text("换端口", "CHANGE")).locked(locked)) {
             if locked {
                 login.unlock(view, PasswordScope::Builder);
             } else if let Some(port) = next_port(media) {
@@ -118,17 +106,13 @@ impl SerialPane {
             (view.text("格式", "form"), format!("8N1 · XON/XOFF · {}", view.text("% O号 … %", "% O number … %"))),
         ];
         for (index, (word, value)) in facts.iter().enumerate() {
-            let line = row(FIELD_HEIGHT + theme::GAP + index as f32 * 26.0, 26.0);
-            let (left, right) = line.split_left_right_at_x(line.min.x + 76.0);
-            fit_text(painter, left, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.muted);
-            fit_text(painter, right.shrink2(vec2(4.0, 0.0)), Align2::LEFT_CENTER, value, theme::LABEL, view.theme.text);
+            fact(view, rect.band(FIELD_HEIGHT + theme::GAP + index as f32 * 26.0, 26.0), word, value, view.theme.text);
         }
         let top = FIELD_HEIGHT + theme::GAP + 52.0 + theme::GAP;
-        self.field(ui, row(top, FIELD_HEIGHT), view);
-        let below = Rect::from_min_max(row(top + FIELD_HEIGHT + theme::GAP, 0.0).min, rect.max);
-        let refused = self.refused.as_ref().map(|said| said.get(view.lang));
-        let (words, ink) = match (&refused, media.ports.is_empty()) {
-            (Some(said), _) => (said.as_ref(), view.theme.alarm_text),
+        self.field(rect.band(top, FIELD_HEIGHT), view);
+        let below = rect.trim_top(top + FIELD_HEIGHT + theme::GAP);
+        let (words, ink) = match (&self.refused, media.ports.is_empty()) {
+            (Some(said), _) => (said.get(view.lang), view.theme.alarm_text),
             (None, true) => (view.text("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in."), view.theme.hold),
             (None, false) => (
                 view.text(
@@ -138,41 +122,37 @@ impl SerialPane {
                 view.theme.muted,
             ),
         };
-        paragraph(painter, below, words, theme::LABEL, ink);
+        view.paragraph(below, words, theme::LABEL, ink);
     }
 
     /// The field 存为.
-    fn field(&mut self, ui: &Ui, line: Rect, view: &View<'_>) {
-        let painter = ui.painter();
-        let (word, field) = line.split_left_right_at_x(line.min.x + 76.0);
-        fit_text(painter, word, Align2::LEFT_CENTER, view.text("存为", "store as"), theme::LABEL, view.theme.muted);
-        let response = ui.interact(field, Id::unique("serial-name"), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "存为 serial-name"));
-        if response.clicked() {
+    fn field(&mut self, line: Rect, view: &View<'_>) {
+        let (word, field) = line.split_left(76.0);
+        view.fit_left(word, view.text("存为", "store as"), theme::LABEL, view.theme.muted);
+        if view.touch_as(Role::TextInput, field, "serial-name", "存为 serial-name").clicked() {
             self.pad = !self.pad;
         }
-        card(painter, field, view.theme.raised, view.theme.line);
+        view.filled_card(field, view.theme.raised, view.theme.line);
         if self.refused.is_some() {
-            focus_frame(painter, field, view.theme.alarm);
+            view.frame(field, view.theme.alarm);
         } else if self.pad {
-            focus_frame(painter, field, view.theme.focus);
+            view.frame(field, view.theme.focus);
         }
-        let inside = field.shrink2(vec2(theme::PAD, 0.0));
+        let inside = field.trim_sides(theme::PAD);
         if self.number.is_empty() {
-            let words = view.text("程序自带的号", "its own number");
-            fit_text(painter, inside, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
+            view.fit_left(inside, view.text("程序自带的号", "its own number"), theme::LABEL, view.theme.muted);
         } else {
             let letter = if view.snapshot.kind.is_lathe() { "" } else { "O" };
-            text_line(
-                painter,
-                inside,
-                Align2::LEFT_CENTER,
-                &format!("{letter}{}", self.number),
-                theme::SECONDARY,
-                view.theme.text,
-            );
+            view.line_left(inside, &format!("{letter}{}", self.number), theme::SECONDARY, view.theme.text);
         }
     }
+}
+
+/// A word and its value.
+fn fact(view: &View<'_>, line: Rect, word: &str, value: &str, ink: Color32) {
+    let (left, right) = line.split_left(76.0);
+    view.fit_left(left, word, theme::LABEL, view.theme.muted);
+    view.fit_left(right.trim_sides(4.0), value, theme::LABEL, ink);
 }
 
 /// The port after the selected one.

@@ -1,19 +1,13 @@
 //! Tools and bar of a lathe: shape and sizes of the four tools, as used for the interference check, and the bar.
 //! Source: spec L9 (tool and bar definitions).
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Pos2, Rect, Sense, Shape as Drawn, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Pos2, Rect, Shape as Drawn, Stroke, pos2, vec2};
 
-use super::input_line::{self, InputPrompt};
-use super::{PageContext, PageUi};
+use super::{InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::Text;
 use crate::defs::turning_tool::{TOOL_PARAMS, TurningTool, TurningToolShape};
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor, param_range};
-use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::theme;
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame, text_line};
+use crate::hmi::{Area, CoreAnswer, EditKey, FieldEditor, View, keycap, param_range, theme};
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
 
@@ -36,7 +30,6 @@ const DRAWING_SHARE: f32 = 0.3;
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct ToolsPage {
-    /// The value being typed.
     typing: FieldEditor,
     cursor: usize,
 }
@@ -63,27 +56,23 @@ impl PageUi for ToolsPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, out, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         if let CoreAnswer::Accepted(field, _) = self.typing.poll_answer(&view.snapshot.edit_answer)
             && field == self.cursor
         {
             self.go((field + 1) % FIELD_COUNT);
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             self.edit(*edit, out);
         }
         let (page, input) = input_line::split(rect);
         let inside = page.shrink2(vec2(theme::PAD, theme::GAP));
-        let bar_height = (inside.height() * 0.2).clamp(64.0, 104.0);
-        let (tools, bar) = inside.split_top_bottom_at_y(inside.max.y - bar_height);
-        let width = (tools.width() + theme::GAP) / TOOL_COUNT as f32;
+        let (tools, bar) = inside.split_bottom((inside.height() * 0.2).clamp(64.0, 104.0));
         for station in 0..TOOL_COUNT {
-            let corner = pos2(tools.min.x + station as f32 * width, tools.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, tools.height() - theme::GAP));
-            self.tool(ui, place, view, station, out);
+            self.tool(tools.trim_bottom(theme::GAP).cell(station, TOOL_COUNT), view, station, out);
         }
-        self.bar(ui, bar, view, out);
-        self.input(ui, input, view);
+        self.bar(bar, view, out);
+        self.input(input, view);
     }
 }
 
@@ -93,17 +82,10 @@ impl ToolsPage {
         if self.typing.handle_key(edit) {
             return;
         }
-        match edit {
-            EditKey::Enter => self.store(out),
-            EditKey::Up | EditKey::Previous | EditKey::Left => self.go((self.cursor + FIELD_COUNT - 1) % FIELD_COUNT),
-            EditKey::Down | EditKey::Next | EditKey::Right => self.go((self.cursor + 1) % FIELD_COUNT),
-            EditKey::Char(_)
-            | EditKey::Sign
-            | EditKey::Backspace
-            | EditKey::Delete
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Cancel => {}
+        if let Some(field) = edit.step(self.cursor, FIELD_COUNT, 1) {
+            self.go(field);
+        } else if edit == EditKey::Enter {
+            self.store(out);
         }
     }
 
@@ -126,91 +108,70 @@ impl ToolsPage {
         }
     }
 
-    fn tool(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, station: usize, out: &mut Vec<Command>) {
+    fn tool(&mut self, rect: Rect, view: &View<'_>, station: usize, out: &mut Vec<Command>) {
         let in_front = view.snapshot.tool_station == Some(station as u32 + 1);
         let edge = if in_front { view.theme.info } else { view.theme.line };
-        card(ui.painter(), rect, view.theme.surface, edge);
-        let inside = rect.shrink(theme::GAP);
-        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 26.0);
-        let words = format!("T{}", station + 1);
+        view.filled_card(rect, view.theme.surface, edge);
+        let (title, rest) = rect.shrink(theme::GAP).split_top(26.0);
         let ink = if in_front { view.theme.info } else { view.theme.text };
-        text_line(ui.painter(), title, Align2::LEFT_CENTER, &words, theme::TITLE, ink);
+        view.line_left(title, &format!("T{}", station + 1), theme::TITLE, ink);
         if in_front {
-            text_line(ui.painter(), title, Align2::RIGHT_CENTER, view.text("当前", "in front"), theme::SMALL, ink);
+            view.line_right(title, view.text("当前", "in front"), theme::SMALL, ink);
         }
         let drawn = (rest.height() - FIELD_HEIGHT * TOOL_FIELDS as f32).max(rest.height() * DRAWING_SHARE);
-        let (drawing, fields) = rest.split_top_bottom_at_y(rest.min.y + drawn);
-        draw_tool(ui, drawing, view, &TurningTool::of_station(&view.snapshot.params, station));
+        let (drawing, fields) = rest.split_top(drawn);
+        draw_tool(drawing, view, &TurningTool::of_station(&view.snapshot.params, station));
         let height = ((fields.height() + 4.0) / TOOL_FIELDS as f32).min(FIELD_HEIGHT);
         for index in 0..TOOL_FIELDS {
-            let corner = pos2(fields.min.x, fields.min.y + index as f32 * height);
-            let place = Rect::from_min_size(corner, vec2(fields.width(), height - 4.0));
-            self.field(ui, place, view, station * TOOL_FIELDS + index, out);
+            self.field(fields.band(index as f32 * height, height - 4.0), view, station * TOOL_FIELDS + index, out);
         }
     }
 
-    fn bar(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
-        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    fn bar(&mut self, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+        view.card(rect);
         let inside = rect.shrink(theme::GAP);
-        let (fields, note) = inside.split_top_bottom_at_y(inside.min.y + FIELD_HEIGHT.min(inside.height() * 0.6));
-        let width = (fields.width() + theme::GAP) / BAR_FIELDS.len() as f32;
+        let (fields, note) = inside.split_top(FIELD_HEIGHT.min(inside.height() * 0.6));
         for index in 0..BAR_FIELDS.len() {
-            let corner = pos2(fields.min.x + index as f32 * width, fields.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, fields.height()));
-            self.field(ui, place, view, TOOL_COUNT * TOOL_FIELDS + index, out);
+            self.field(fields.cell(index, BAR_FIELDS.len()), view, TOOL_COUNT * TOOL_FIELDS + index, out);
         }
         let words = view.text(
             "直径 0：按程序自带的棒料。棒料端面中心为 X0 Z0；装入程序或改尺寸时换上新料。",
             "Diameter 0: the bar that comes with the program. Its face is X0 Z0; a new one comes with a program or a size.",
         );
-        let note = Rect::from_min_max(note.min + vec2(2.0, 4.0), note.max);
-        crate::hmi::view::paragraph(ui.painter(), note, words, theme::SMALL, view.theme.muted);
+        view.paragraph(note.trim_left(2.0).trim_top(4.0), words, theme::SMALL, view.theme.muted);
     }
 
     /// One field. A touch selects it; a touch on a shape changes to the next shape.
-    fn field(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, field: usize, out: &mut Vec<Command>) {
+    fn field(&mut self, rect: Rect, view: &View<'_>, field: usize, out: &mut Vec<Command>) {
         let (row, name) = field_param(field);
         let value = view.snapshot.params.get(row);
-        let response = ui.interact(rect, Id::unique(("tool-field", field)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("field P{}", row.number)));
-        let painter = ui.painter();
-        let pressed = response.is_pointer_button_down_on();
-        keycap::paint_body(painter, view.theme, rect, KeycapState { pressed, ..KeycapState::default() });
-        let inside = rect.shrink2(vec2(6.0, 0.0));
-        let (label, shown) = inside.split_left_right_at_fraction(0.42);
-        fit_text(painter, label, Align2::LEFT_CENTER, name.get(view.lang), theme::LABEL, view.theme.muted);
-        let chosen = self.cursor == field;
-        let refused = chosen && self.typing.refused.is_some();
-        let (words, ink) = match chosen && !self.typing.text.is_empty() {
-            true if refused => (self.typing.text.clone(), view.theme.alarm_text),
-            true => (format!("{}_", self.typing.text), view.theme.info),
-            false if is_shape(field) => {
-                let shape =
-                    TurningToolShape::ALL[(value as usize).saturating_sub(1).min(TurningToolShape::ALL.len() - 1)];
-                (shape.name().get(view.lang).to_owned(), view.theme.text)
-            }
-            false => (value.to_string(), view.theme.text),
+        let response = keycap::plain(view, rect, ("tool-field", field), format!("field P{}", row.number));
+        let (label, shown) = rect.trim_sides(6.0).split_left_right_at_fraction(0.42);
+        view.fit_left(label, name.get(view.lang), theme::LABEL, view.theme.muted);
+        let old = match (value as usize).saturating_sub(1).min(TurningToolShape::ALL.len() - 1) {
+            shape if is_shape(field) => TurningToolShape::ALL[shape].name().get(view.lang).to_owned(),
+            _ => value.to_string(),
         };
-        fit_text(painter, shown, Align2::RIGHT_CENTER, &words, theme::TITLE, ink);
+        let (chosen, old) = (self.cursor == field, (old, view.theme.text));
+        let (words, ink) = if chosen { self.typing.shown(view, old) } else { old };
+        view.fit_right(shown, &words, theme::TITLE, ink);
         if chosen {
-            focus_frame(painter, rect, if refused { view.theme.alarm } else { view.theme.focus });
+            self.typing.frame(view, rect);
         }
         if !response.clicked() {
             return;
         }
+        self.typing.pad_open = !is_shape(field);
         if is_shape(field) {
             let next = value % TurningToolShape::ALL.len() as f64 + 1.0;
             out.push(Command::Page(PageCommand::EditParam(row.address(), next)));
-            self.typing.pad_open = false;
-        } else {
-            self.typing.pad_open = true;
         }
         if self.cursor != field {
             self.go(field);
         }
     }
 
-    fn input(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn input(&self, rect: Rect, view: &View<'_>) {
         let (row, name) = field_param(self.cursor);
         let tool = match self.cursor / TOOL_FIELDS {
             station if station < TOOL_COUNT => format!("T{} {}", station + 1, name.get(view.lang)),
@@ -218,13 +179,13 @@ impl ToolsPage {
         };
         let range = format!("{} {}", view.text("范围", "range"), param_range(row));
         let what = format!("P{}=", row.number);
-        input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: &what, name: &tool, range: &range });
+        input_line::ui(view, rect, &self.typing, &InputPrompt { label: &what, name: &tool, range: &range });
     }
 }
 
 /// Draws a tool above the part line: shank grey, edge bright, tip a dot.
-fn draw_tool(ui: &Ui, rect: Rect, view: &View<'_>, tool: &TurningTool) {
-    let painter = ui.painter().with_clip_rect(rect);
+fn draw_tool(rect: Rect, view: &View<'_>, tool: &TurningTool) {
+    let view = &view.clipped(rect);
     let outline = tool.outline_mm();
     let (Some(first), Some(last)) = (outline.first(), outline.last()) else { return };
     let (low, high) = (first.0.min(0.0), last.0);
@@ -234,15 +195,15 @@ fn draw_tool(ui: &Ui, rect: Rect, view: &View<'_>, tool: &TurningTool) {
     let ground = rect.max.y - 6.0;
     let at = |z: f64, height: f64| -> Pos2 { pos2(left + z as f32 * scale, ground - height as f32 * scale) };
     let mut body: Vec<Pos2> = outline.iter().map(|(z, height)| at(*z, *height)).collect();
-    painter.hline(rect.x_range(), ground, Stroke::new(theme::HAIRLINE, view.theme.line));
+    view.hairline(rect, ground);
     // One trapezium per segment, because the outline need not be convex.
     for pair in outline.windows(2) {
         let [a, b] = [pair[0], pair[1]];
         let quad = vec![at(a.0, a.1), at(b.0, b.1), at(b.0, tall), at(a.0, tall)];
-        painter.add(Drawn::convex_polygon(quad, view.theme.raised, Stroke::NONE));
+        view.painter.add(Drawn::convex_polygon(quad, view.theme.raised, Stroke::NONE));
     }
     body.push(at(last.0, tall));
     body.insert(0, at(first.0, tall));
-    painter.add(Drawn::line(body, Stroke::new(theme::HAIRLINE * 1.5, view.theme.text)));
-    painter.circle_filled(at(0.0, 0.0), 3.0, view.theme.hold);
+    view.painter.add(Drawn::line(body, Stroke::new(theme::HAIRLINE * 1.5, view.theme.text)));
+    view.painter.circle_filled(at(0.0, 0.0), 3.0, view.theme.hold);
 }

@@ -3,27 +3,21 @@
 
 use std::collections::BTreeSet;
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, vec2};
 
-use super::scroll::Scroll;
 use super::serial::SerialPane;
-use super::{PageContext, PageUi};
+use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
-use crate::hmi::login::Login;
-use crate::hmi::question::{Question, QuestionDialog};
-use crate::hmi::requests::{PendingRequests, RequestReason};
-use crate::hmi::view::{View, card, fit_text, focus_frame, format_size, paragraph, text_line};
-use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
-use crate::hmi::{page_frame as lines, theme};
+use crate::hmi::{
+    Area, KeyboardFocus, Login, PageKey, PendingRequests, Question, QuestionDialog, RequestReason, View, file_command,
+    format_size, page_frame as lines, round_to_lines, theme, widget,
+};
 use crate::link::Command;
-use crate::link::files::{FileRequest, Refusal, Requester, Ticket};
+use crate::link::files::{FileRequest, Refusal, Requester};
 use crate::link::media::{Direction, MediaFile, MediaView, TransferRequest as Ask, TransferSet};
-use crate::link::page_command::{PageCommand, PasswordScope};
+use crate::link::page_command::PasswordScope;
 
-/// Height of a row of the file list.
-const ROW_HEIGHT: f32 = 46.0;
 /// Height of the keys below.
 const KEYS_HEIGHT: f32 = 52.0;
 /// Index of the overwrite key in its question.
@@ -86,18 +80,18 @@ impl PageUi for TransferPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
+        let PageContext { rect, view, typed, login, out, .. } = ctx;
         self.handle_answer(view, login, out);
-        let now = ui.input(|input| input.time);
+        let now = view.ui.input(|input| input.time);
         let busy = view.snapshot.files.busy;
         if busy.is_none() && self.request.is_none() && now - self.last_poll > MEDIUM_POLL_SECONDS {
             self.last_poll = now;
-            out.push(request(FileRequest::ListMedia));
+            out.push(file_command(Requester::Transfer, FileRequest::ListMedia));
         }
-        ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(MEDIUM_POLL_SECONDS));
+        view.ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(MEDIUM_POLL_SECONDS));
         let free = !self.question.is_open() && !login.is_open();
         let edits = match free {
-            true if self.set == TransferSet::Serial => self.serial.handle_edits(typed.edits),
+            true if self.set == TransferSet::Serial => self.serial.handle_edits(&typed.edits),
             true => typed.edits.to_vec(),
             false => Vec::new(),
         };
@@ -105,28 +99,24 @@ impl PageUi for TransferPage {
         self.work_start = busy.map(|(_, share)| self.work_start.unwrap_or((now, share)));
         let none = MediaView::default();
         let media = view.snapshot.files.media.as_deref().unwrap_or(&none);
-        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (tabs, rest) = inside.split_top_bottom_at_y(inside.min.y + KEYS_HEIGHT);
-        self.tabs(ui, tabs, view);
-        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS_HEIGHT);
-        let (body, told) = body.split_top_bottom_at_y(body.max.y - 30.0);
+        let (tabs, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(KEYS_HEIGHT);
+        self.tabs(tabs, view);
+        let (body, keys) = rest.split_bottom(KEYS_HEIGHT);
+        let (body, told) = body.split_bottom(30.0);
         let half = (body.width() - theme::PAD) / 2.0;
-        let side = |index: f32| {
-            let corner = pos2(body.min.x + index * (half + theme::PAD), body.min.y);
-            Rect::from_min_size(corner, vec2(half, body.height()))
-        };
-        self.side(ui, side(0.0), view, (0, media), typed.scroll_pages);
+        let (left, right) = (body.split_left(half).0, body.trim_left(half + theme::PAD));
+        self.side(left, view, 0, media, typed.scroll_pages);
         if self.set == TransferSet::Serial {
-            let (head, body) = side(1.0).split_top_bottom_at_y(side(1.0).min.y + 34.0);
-            lines::title(ui, view, head, "RS232");
-            card(ui.painter(), body, view.theme.surface, view.theme.line);
-            self.serial.ui(ui, body.shrink(theme::PAD), view, media, (&mut self.walk, login, out));
+            let (head, body) = right.split_top(34.0);
+            lines::title(view, head, "RS232");
+            view.card(body);
+            self.serial.ui(body.shrink(theme::PAD), view, media, (&mut self.walk, login, out));
         } else {
-            self.side(ui, side(1.0), view, (1, media), typed.scroll_pages);
+            self.side(right, view, 1, media, typed.scroll_pages);
         }
-        self.message_line(ui, told, view);
-        self.keys(ui, keys, view, media, out);
-        match self.question.ui(ui, rect, view, typed.edits) {
+        self.message_line(told, view);
+        self.keys(keys, view, media, out);
+        match self.question.ui(rect, view, &typed.edits) {
             Some((TransferQuestion::Convert, Some(_))) => {
                 self.request.iter_mut().for_each(|ask| ask.convert = Some(true));
                 let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
@@ -227,167 +217,132 @@ impl TransferPage {
         self.send_request(None, out);
     }
 
-    fn tabs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let width = (rect.width() + theme::GAP) / TransferSet::ALL.len() as f32;
-        for (index, set) in TransferSet::ALL.into_iter().enumerate() {
-            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
-            let look = ButtonState { on: set == self.set, locked: false };
-            if self.walk.button(ui, view, place, (set.id(), set.name().get(view.lang)), look) && self.request.is_none()
-            {
-                let asking = std::mem::take(&mut self.asking);
-                *self = Self { set, asking, last_poll: self.last_poll, walk: self.walk, ..Self::default() };
-            }
+    fn tabs(&mut self, rect: Rect, view: &View<'_>) {
+        let key = |set: TransferSet| PageKey::new(set.id(), set.name().get(view.lang)).on(set == self.set);
+        if let Some(index) = self.walk.keys(view, rect.trim_bottom(theme::GAP), &TransferSet::ALL.map(key))
+            && self.request.is_none()
+        {
+            let (set, asking) = (TransferSet::ALL[index], std::mem::take(&mut self.asking));
+            *self = Self { set, asking, last_poll: self.last_poll, walk: self.walk, ..Self::default() };
         }
     }
 
     /// One side: its name, free space, its files.
-    fn side(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, (side, media): (usize, &MediaView), pages: i32) {
-        let (head, body) = rect.split_top_bottom_at_y(rect.min.y + 34.0);
+    fn side(&mut self, rect: Rect, view: &View<'_>, side: usize, media: &MediaView, pages: i32) {
+        let (head, body) = rect.split_top(34.0);
         let name = if side == 0 { view.text("本机", "this control") } else { view.text("U 盘", "USB medium") };
-        lines::title(ui, view, head, name);
+        lines::title(view, head, name);
         if let Some(free) = media.free_bytes.filter(|_| side == 1 && media.medium_folder.is_some()) {
             let words = format!("{} {}", view.text("剩余", "free"), format_size(free));
-            text_line(ui.painter(), head, Align2::RIGHT_CENTER, &words, theme::LABEL, view.theme.muted);
+            view.line_right(head, &words, theme::LABEL, view.theme.muted);
         }
-        card(ui.painter(), body, view.theme.surface, view.theme.line);
-        let inside = body.shrink(theme::PAD);
-        if side == 1 && media.medium_folder.is_none() {
-            let words = view.text(
+        view.card(body);
+        let all = if side == 0 { &media.control_files } else { &media.medium_files };
+        let files: Vec<&MediaFile> = all.iter().filter(|file| file.set == self.set.file_set()).collect();
+        let none = if side == 1 && media.medium_folder.is_none() {
+            Some(view.text(
                 "没有 U 盘。请插入 U 盘（FAT32 或 exFAT），几秒后自动识别。",
                 "No USB medium. Plug one in (FAT32 or exFAT); it is found within seconds.",
-            );
-            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.hold);
+            ))
+        } else if side == 0 && !self.set.file_set().has_file_list() {
+            Some(set_description(self.set, view))
+        } else {
+            files.is_empty().then(|| view.text("没有此类文件", "no files of this sort"))
+        };
+        if let Some(words) = none {
+            let ink = if side == 1 && media.medium_folder.is_none() { view.theme.hold } else { view.theme.muted };
+            view.paragraph(body.shrink(theme::PAD), words, theme::LABEL, ink);
             return;
         }
-        let files: Vec<&MediaFile> = if side == 0 { &media.control_files } else { &media.medium_files }
-            .iter()
-            .filter(|file| file.set == self.set.file_set())
-            .collect();
-        if side == 0 && !self.set.file_set().has_file_list() {
-            let words = set_description(self.set, view);
-            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.muted);
-            return;
-        }
-        if files.is_empty() {
-            let words = view.text("没有此类文件", "no files of this sort");
-            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.muted);
-            return;
-        }
-        let list = round_to_lines(body.shrink(4.0), ROW_HEIGHT);
-        if pages != 0 {
-            self.scroll[side].scroll_pages(pages, list, ROW_HEIGHT);
-        }
+        let list = round_to_lines(body.shrink(4.0), widget::ROW_HEIGHT);
         let id = if side == 0 { "files-here" } else { "files-there" };
-        let (first, last) = self.scroll[side].handle_input(ui, id, list, ROW_HEIGHT, files.len());
-        for (index, file) in files.iter().enumerate().take(last).skip(first) {
-            let top = list.min.y + ((index as f64 - self.scroll[side].top) * f64::from(ROW_HEIGHT)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW_HEIGHT - 2.0));
-            self.file(ui, list, place, view, (side, file));
+        let clipped = view.clipped(list);
+        let list = ScrollList { id, rect: list, row: widget::ROW_HEIGHT, gap: 2.0, count: files.len() };
+        for (index, place) in self.scroll[side].rows(view, &list, pages) {
+            self.file(place, &clipped, side, files[index]);
         }
-        self.scroll[side].draw_bar(ui, view, list, ROW_HEIGHT, files.len());
     }
 
-    fn file(&mut self, ui: &Ui, list: Rect, place: Rect, view: &View<'_>, (side, file): (usize, &MediaFile)) {
-        let painter = &ui.painter().with_clip_rect(list);
+    fn file(&mut self, place: Rect, view: &View<'_>, side: usize, file: &MediaFile) {
         let chosen = self.chosen[side].contains(&file.name);
-        let response = ui.interact(place.intersect(list), Id::unique(("media-file", side, &file.name)), Sense::CLICK);
         let word = format!("{} file-{side}", file.name);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &word));
+        let response = view.touch_row(place, ("media-file", side, &file.name), chosen, word);
         let (walked, entered) = self.walk.item();
         if walked {
-            focus_frame(painter, place, view.theme.info);
+            view.frame(place, view.theme.info);
         }
-        if response.clicked() || entered {
-            if chosen {
-                self.chosen[side].remove(&file.name)
-            } else {
-                self.chosen[side].insert(file.name.clone())
-            };
+        if (response.clicked() || entered) && !self.chosen[side].remove(&file.name) {
+            self.chosen[side].insert(file.name.clone());
         }
         if chosen {
-            painter.rect_filled(place, theme::RADIUS, view.theme.raised);
-            focus_frame(painter, place, view.theme.focus);
+            view.painter.rect_filled(place, theme::RADIUS, view.theme.raised);
+            view.frame(place, view.theme.focus);
         }
-        let inside = place.shrink2(vec2(theme::PAD, 0.0));
-        let (name, bytes) = inside.split_left_right_at_x(inside.max.x - 86.0);
-        fit_text(painter, name, Align2::LEFT_CENTER, &file.name, theme::TITLE, view.theme.text);
-        text_line(painter, bytes, Align2::RIGHT_CENTER, &format_size(file.size), theme::LABEL, view.theme.muted);
+        let (name, bytes) = place.trim_sides(theme::PAD).split_right(86.0);
+        view.fit_left(name, &file.name, theme::TITLE, view.theme.text);
+        view.line_right(bytes, &format_size(file.size), theme::LABEL, view.theme.muted);
     }
 
-    fn message_line(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn message_line(&self, rect: Rect, view: &View<'_>) {
         if let Some((what, share)) = view.snapshot.files.busy {
-            let bar = Rect::from_min_max(pos2(rect.min.x, rect.max.y - 8.0), pos2(rect.max.x, rect.max.y - 2.0));
-            ui.painter().rect_filled(bar, theme::RADIUS, view.theme.line);
-            let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
-            ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
-            let line = Rect::from_min_max(rect.min, pos2(rect.max.x, bar.min.y));
+            let (line, bar) = rect.split_bottom(8.0);
+            widget::progress_bar(view, bar.trim_bottom(2.0), share);
             let words = match view.snapshot.files.bytes_received {
                 Some(bytes) => format!("{}  {}", what.get(view.lang), format_size(bytes)),
-                None => format!("{} {} %{}", what.get(view.lang), share / 10, self.time_left(ui, view, share)),
+                None => format!("{} {} %{}", what.get(view.lang), share / 10, self.time_left(view, share)),
             };
-            fit_text(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
+            view.fit_left(line, &words, theme::LABEL, view.theme.text);
             return;
         }
-        if let Some((said, refused)) = &self.message {
-            let ink = if *refused { view.theme.alarm_text } else { view.theme.run };
-            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, &said.get(view.lang), theme::LABEL, ink);
-        } else if self.set == TransferSet::Serial {
-            let words = view.text("触摸选择要发送的程序", "touch to choose the programs to send");
-            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
-        } else if self.set.has_file_list() {
-            let words = view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all");
-            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
-        }
+        let (words, ink) = match &self.message {
+            Some((said, refused)) => {
+                (said.get(view.lang), if *refused { view.theme.alarm_text } else { view.theme.run })
+            }
+            None if self.set == TransferSet::Serial => {
+                (view.text("触摸选择要发送的程序", "touch to choose the programs to send"), view.theme.muted)
+            }
+            None if self.set.has_file_list() => {
+                (view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all"), view.theme.muted)
+            }
+            None => return,
+        };
+        view.fit_left(rect, words, theme::LABEL, ink);
     }
 
     /// Remaining time, once 2 % of the work are done since its start was seen (H8).
-    fn time_left(&self, ui: &Ui, view: &View<'_>, share: u16) -> String {
+    fn time_left(&self, view: &View<'_>, share: u16) -> String {
         let Some((since, from)) = self.work_start.filter(|(_, from)| share >= from + 20) else { return String::new() };
-        let gone = ui.input(|input| input.time) - since;
+        let gone = view.ui.input(|input| input.time) - since;
         let left = (gone * f64::from(1_000 - share.min(1_000)) / f64::from(share - from)).ceil() as u64;
         format!(" · {} {}:{:02}", view.text("还需", "left"), left / 60, left % 60)
     }
 
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, media: &MediaView, out: &mut Vec<Command>) {
+    fn keys(&mut self, rect: Rect, view: &View<'_>, media: &MediaView, out: &mut Vec<Command>) {
         let busy = view.snapshot.files.busy.is_some() || self.request.is_some();
         let serial = self.set == TransferSet::Serial;
         let missing = if serial { media.port.is_none() } else { media.medium_folder.is_none() };
         let locked = busy || missing;
-        let width = (rect.width() + theme::GAP) / 3.0;
-        let cell = |index: f32| {
-            let corner = pos2(rect.min.x + index * width, rect.min.y + 2.0);
-            Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - 2.0))
+        let (to, from) = match serial {
+            true => (view.text("本机 → RS232", "TO RS232 →"), view.text("RS232 → 本机", "← FROM RS232")),
+            false => (view.text("本机 → U 盘", "TO USB →"), view.text("U 盘 → 本机", "← FROM USB")),
         };
-        let to_stick = match serial {
-            true => ("transfer-out", view.text("本机 → RS232", "TO RS232 →")),
-            false => ("transfer-out", view.text("本机 → U 盘", "TO USB →")),
-        };
-        let from_stick = match serial {
-            true => ("transfer-in", view.text("RS232 → 本机", "← FROM RS232")),
-            false => ("transfer-in", view.text("U 盘 → 本机", "← FROM USB")),
-        };
-        let touched = [(to_stick, Direction::Export), (from_stick, Direction::Import)]
-            .into_iter()
-            .enumerate()
-            .find_map(|(index, (words, direction))| {
-                let look = ButtonState { on: false, locked };
-                self.walk.button(ui, view, cell(index as f32), words, look).then_some(direction)
-            });
-        match touched {
+        let keys = [
+            PageKey::new("transfer-out", to).locked(locked),
+            PageKey::new("transfer-in", from).locked(locked),
+            PageKey::new("transfer-cancel", view.text("取消", "CANCEL")).locked(!busy),
+        ];
+        match self.walk.keys(view, rect.trim_top(2.0), &keys) {
+            Some(2) => out.extend(busy.then(|| file_command(Requester::Transfer, FileRequest::Cancel))),
             Some(_) if missing => {
                 let said = match serial {
-                    true => LocalizedText::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
-                    false => LocalizedText::new("没有 U 盘", "no USB medium"),
+                    true => Text::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
+                    false => Text::new("没有 U 盘", "no USB medium"),
                 };
-                self.message = Some((said, true));
+                self.message = Some((said.into(), true));
             }
-            Some(direction) if !busy => self.start(view.snapshot.kind, direction, out),
+            Some(0) if !busy => self.start(view.snapshot.kind, Direction::Export, out),
+            Some(_) if !busy => self.start(view.snapshot.kind, Direction::Import, out),
             Some(_) | None => {}
-        }
-        let look = ButtonState { on: false, locked: !busy };
-        if self.walk.button(ui, view, cell(2.0), ("transfer-cancel", view.text("取消", "CANCEL")), look) && busy {
-            out.push(request(FileRequest::Cancel));
         }
     }
 }
@@ -403,16 +358,8 @@ fn conversion_question(faults: &[LocalizedText]) -> Question {
         text
     };
     let title = Text::new("转换为 200×400 24 位图片？", "convert to 200×400, 24 bit?");
-    Question::new(
-        title,
-        LocalizedText::new(list(true), list(false)),
-        ("question-convert", Text::new("转换", "CONVERT")),
-    )
-}
-
-/// A request whose answer goes to every page, or that has none.
-const fn request(request: FileRequest) -> Command {
-    Command::Page(PageCommand::File(Ticket::without_reply(Requester::Transfer), request))
+    let key = ("question-convert", Text::new("转换", "CONVERT"));
+    Question::new(title, LocalizedText::new(list(true), list(false)), key)
 }
 
 const fn set_description(set: TransferSet, view: &View<'_>) -> &'static str {

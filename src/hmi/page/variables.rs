@@ -1,24 +1,15 @@
 //! Macro variables by number, with the labels of the current page text; a variable can be found by its number.
 //! Source: spec B6, B3, K7.3, K7.5, K7.7.
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, pos2, vec2};
 
-use super::input_line::{self, InputPrompt};
-use super::scroll::Scroll;
-use super::{PageContext, PageUi};
+use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, input_line};
 use crate::defs::param;
-use crate::defs::variable_name;
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
-use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::variable_entry::{self, EditKey};
-use crate::hmi::view::{View, fit_text, focus_frame, text_line};
-use crate::hmi::widget;
-use crate::hmi::{pictogram, theme};
+use crate::defs::text::Text;
+use crate::hmi::{
+    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, View, keycap, pictogram, theme, variable_entry, widget,
+};
 use crate::link::Command;
-
-/// Height of a line.
-const LINE_HEIGHT: f32 = 46.0;
 
 /// Ranges of the list: first and last variable.
 const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)];
@@ -56,7 +47,7 @@ impl PageUi for VariablesPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, out, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         let numbers = self.numbers(view);
         if !numbers.contains(&self.selected) {
             self.selected = numbers.first().copied().unwrap_or(0);
@@ -68,19 +59,17 @@ impl PageUi for VariablesPage {
         if typed.text.contains(['#', '/']) {
             self.begin_search();
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             self.edit(*edit, &numbers, out);
         }
         let (page, input) = input_line::split(rect);
-        let inside = page.shrink(theme::PAD);
-        let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS_HEIGHT);
-        self.tabs(ui, top, view);
-        let (note, list) = rest.split_top_bottom_at_y(rest.min.y + 28.0);
-        head(ui, note, view);
+        let (top, rest) = page.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
+        self.tabs(top, view);
+        let (note, list) = rest.split_top(28.0);
+        head(note, view);
         self.columns = if list.width() > 860.0 { 3 } else { 2 };
-        let columns = self.columns;
-        self.list(ui, widget::round_to_lines(list, LINE_HEIGHT), view, typed.scroll_pages, (&numbers, columns));
-        self.input(ui, input, view);
+        self.list(widget::round_to_lines(list, widget::ROW_HEIGHT), view, typed.scroll_pages, &numbers);
+        self.input(input, view);
     }
 }
 
@@ -113,21 +102,11 @@ impl VariablesPage {
             return;
         }
         let Some(here) = numbers.iter().position(|number| *number == self.selected) else { return };
-        let count = numbers.len();
-        match edit {
-            EditKey::Enter if self.searching => self.find(),
-            EditKey::Enter => self.enter(numbers[(here + 1) % count], out),
-            EditKey::Up => self.go(numbers[(here + count - self.columns.min(count)) % count]),
-            EditKey::Down => self.go(numbers[(here + self.columns) % count]),
-            EditKey::Left | EditKey::Previous => self.go(numbers[(here + count - 1) % count]),
-            EditKey::Right | EditKey::Next => self.go(numbers[(here + 1) % count]),
-            EditKey::Char(_)
-            | EditKey::Sign
-            | EditKey::Backspace
-            | EditKey::Delete
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Cancel => {}
+        match (edit.step(here, numbers.len(), self.columns), edit) {
+            (Some(at), _) => self.go(numbers[at]),
+            (None, EditKey::Enter) if self.searching => self.find(),
+            (None, EditKey::Enter) => self.enter(numbers[(here + 1) % numbers.len()], out),
+            (None, _) => {}
         }
     }
 
@@ -147,8 +126,9 @@ impl VariablesPage {
                 self.go(number);
             }
             None => {
-                let none = ("没有此变量：#100–#439、#500–#999", "no such variable: #100 to #439, #500 to #999");
-                self.typing.refused = Some(crate::defs::text::LocalizedText::new(none.0, none.1));
+                let none =
+                    Text::new("没有此变量：#100–#439、#500–#999", "no such variable: #100 to #439, #500 to #999");
+                self.typing.refused = Some(none.into());
             }
         }
     }
@@ -168,7 +148,7 @@ impl VariablesPage {
     }
 
     /// The ranges, the variables of the page, and the search.
-    fn tabs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn tabs(&mut self, rect: Rect, view: &View<'_>) {
         let mut keys: Vec<(&str, String)> = RANGES
             .iter()
             .zip(["range-100", "range-200", "range-434", "range-500"])
@@ -182,7 +162,7 @@ impl VariablesPage {
             (false, true) => 4,
             (false, false) => range.unwrap_or(0),
         };
-        match widget::tabs(ui, view, rect, &keys, chosen) {
+        match widget::tabs(view, rect, &keys, chosen) {
             Some(5) => {
                 self.begin_search();
                 self.typing.pad_open = true;
@@ -199,99 +179,69 @@ impl VariablesPage {
         }
     }
 
-    fn list(&mut self, ui: &Ui, list: Rect, view: &View<'_>, pages: i32, (numbers, columns): (&[u16], usize)) {
-        let count = numbers.len().div_ceil(columns);
-        if pages != 0 {
-            self.scroll.scroll_pages(pages, list, LINE_HEIGHT);
-        }
+    fn list(&mut self, rect: Rect, view: &View<'_>, pages: i32, numbers: &[u16]) {
+        let columns = self.columns;
         let here = numbers.iter().position(|number| *number == self.selected);
         if let (Some(here), false) = (here, self.scroll.user_scrolled) {
-            self.scroll.scroll_to(here / columns, list, LINE_HEIGHT);
+            self.scroll.scroll_to(here / columns, rect, widget::ROW_HEIGHT);
         }
-        let (first, last) = self.scroll.handle_input(ui, "variables", list, LINE_HEIGHT, count);
-        let width = (list.width() - 8.0) / columns as f32;
-        for line in first..last {
-            let top = list.min.y + ((line as f64 - self.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
+        let count = numbers.len().div_ceil(columns);
+        let list = ScrollList { id: "variables", rect, row: widget::ROW_HEIGHT, gap: 2.0, count };
+        let clipped = view.clipped(rect);
+        for (line, place) in self.scroll.rows(view, &list, pages) {
+            let width = place.width() / columns as f32;
             for (column, variable) in numbers.iter().skip(line * columns).take(columns).enumerate() {
-                let left = list.min.x + column as f32 * width;
-                let place = Rect::from_min_size(pos2(left, top), vec2(width - theme::GAP, LINE_HEIGHT - 2.0));
-                self.field(ui, (list, place), view, *variable);
+                let corner = place.min + vec2(column as f32 * width, 0.0);
+                self.field(Rect::from_min_size(corner, vec2(width - theme::GAP, place.height())), &clipped, *variable);
             }
         }
-        self.scroll.draw_bar(ui, view, list, LINE_HEIGHT, count);
     }
 
-    fn field(&mut self, ui: &Ui, (list, place): (Rect, Rect), view: &View<'_>, variable: u16) {
-        let painter = &ui.painter().with_clip_rect(list);
-        let response = ui.interact(place.intersect(list), Id::unique(("variable", variable)), Sense::CLICK);
-        response.widget_info(|| {
-            WidgetInfo::labeled(
-                Role::Button,
-                true,
-                variable_name::variable_name_on(u32::from(variable), view.snapshot.kind),
-            )
-        });
+    fn field(&mut self, place: Rect, view: &View<'_>, variable: u16) {
+        let (name, blocked) = (view.variable_name(variable), is_read_only(variable));
+        let response = view.touch(place, ("variable", variable), &name);
         if response.clicked() {
             if self.selected != variable {
                 self.go(variable);
             }
             (self.scroll.user_scrolled, self.searching, self.typing.pad_open) = (true, false, true);
         }
-        let chosen = self.selected == variable;
-        let face = KeycapState {
-            pressed: response.is_pointer_button_down_on(),
-            blocked: is_read_only(variable),
-            ..KeycapState::default()
-        };
-        keycap::paint_body(painter, view.theme, place, face);
-        let inside = place.shrink2(vec2(8.0, 2.0));
-        let (number, rest) = inside.split_left_right_at_x(inside.min.x + 50.0);
-        text_line(
-            painter,
-            number,
-            Align2::LEFT_CENTER,
-            &variable_name::variable_name_on(u32::from(variable), view.snapshot.kind),
-            theme::LABEL,
-            view.theme.muted,
-        );
-        let (label, value) = rest.split_left_right_at_x(rest.max.x - 106.0);
-        let words = if is_read_only(variable) { read_only_name(view, variable) } else { label_of(view, variable) };
-        let label = Rect::from_min_max(label.min, label.max - vec2(theme::GAP, 0.0));
-        fit_text(painter, label, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.text);
-        let typing = chosen && !self.searching && !self.typing.text.is_empty();
-        let refused = chosen && !self.searching && self.typing.refused.is_some();
-        let (words, ink) = match typing {
-            true if refused => (self.typing.text.clone(), view.theme.alarm_text),
-            true => (format!("{}_", self.typing.text), view.theme.info),
-            false => (view.variable(variable), view.theme.text),
-        };
-        fit_text(painter, value, Align2::RIGHT_CENTER, &words, theme::TITLE, ink);
-        if chosen {
-            focus_frame(painter, place, if refused { view.theme.alarm } else { view.theme.focus });
+        let pressed = response.is_pointer_button_down_on();
+        keycap::paint_body(view, place, KeycapState { pressed, blocked, ..KeycapState::default() });
+        let (number, rest) = place.shrink2(vec2(8.0, 2.0)).split_left(50.0);
+        view.line_left(number, &name, theme::LABEL, view.theme.muted);
+        let (label, value) = rest.split_right(106.0);
+        let words = if blocked { read_only_name(view, variable) } else { label_of(view, variable) };
+        view.fit_left(label.trim_right(theme::GAP), words, theme::LABEL, view.theme.text);
+        let (chosen, old) = (self.selected == variable, (view.variable(variable), view.theme.text));
+        let typing = chosen && !self.searching;
+        let (words, ink) = if typing { self.typing.shown(view, old) } else { old };
+        view.fit_right(value, &words, theme::TITLE, ink);
+        if typing {
+            self.typing.frame(view, place);
+        } else if chosen {
+            view.frame(place, view.theme.focus);
         }
     }
 
-    fn input(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn input(&self, rect: Rect, view: &View<'_>) {
         if self.searching {
             let range = view.text("输入变量号，按输入", "type a number, then INPUT");
-            return input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: "→ #", name: "", range });
+            return input_line::ui(view, rect, &self.typing, &InputPrompt { label: "→ #", name: "", range });
         }
-        let what = format!("{}=", variable_name::variable_name_on(u32::from(self.selected), view.snapshot.kind));
-        let old = view.variable(self.selected);
+        let what = format!("{}=", view.variable_name(self.selected));
         let range = if is_read_only(self.selected) {
             view.text("只读", "read-only").to_owned()
         } else {
-            let range = variable_entry::range(self.selected).get(view.lang);
-            format!("{} {range} · {} {old}", view.text("范围", "range"), view.text("原值", "was"))
+            view.range_and_old(variable_entry::range(self.selected).get(view.lang), &view.variable(self.selected))
         };
         let told = InputPrompt { label: &what, name: label_of(view, self.selected), range: &range };
-        input_line::ui(ui, view, rect, &self.typing, &told);
+        input_line::ui(view, rect, &self.typing, &told);
     }
 }
 
 /// Whose labels are shown, and whether the values may be edited.
-fn head(ui: &Ui, rect: Rect, view: &View<'_>) {
-    let painter = ui.painter();
+fn head(rect: Rect, view: &View<'_>) {
     let number = view.snapshot.grinding_page_number().unwrap_or_default();
     let title = view.snapshot.page_files().and_then(|files| files.text.as_ref().ok());
     let words = title.map_or_else(
@@ -301,14 +251,14 @@ fn head(ui: &Ui, rect: Rect, view: &View<'_>) {
     let locked = !view.snapshot.params.bit(param::EDIT_OFFSETS);
     let rest = if locked {
         let words = view.text("P22.0=0：只能查看", "P22.0 is 0: look only");
-        let taken = fit_text(painter, rect, Align2::RIGHT_CENTER, words, theme::LABEL, view.theme.hold);
+        let taken = view.fit_right(rect, words, theme::LABEL, view.theme.hold);
         let lock = Rect::from_center_size(pos2(taken.min.x - 14.0, rect.center().y), vec2(13.0, 13.0));
-        pictogram::draw(painter, lock, pictogram::LOCK, view.theme.hold);
-        Rect::from_min_max(rect.min, pos2(lock.min.x - theme::PAD, rect.max.y))
+        pictogram::draw(&view.painter, lock, pictogram::LOCK, view.theme.hold);
+        rect.with_max_x(lock.min.x - theme::PAD)
     } else {
         rect
     };
-    fit_text(painter, rest, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.muted);
+    view.fit_left(rest, &words, theme::LABEL, view.theme.muted);
 }
 
 fn page_rows<'a>(view: &View<'a>) -> impl Iterator<Item = &'a crate::defs::page_text::PageTextRow> {

@@ -2,19 +2,15 @@
 //! dressed before the next cycle start.
 //! Source: spec K5.17, P2; seed 000 (the dressing point is set again after the wheel is mounted).
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, pos2, vec2};
 
-use super::input_line::{self, InputPrompt};
-use super::{PageContext, PageUi};
+use super::{InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor, param_range};
-use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame, format_whole, paragraph, text_line};
-use crate::hmi::widget::{self, ButtonState};
-use crate::hmi::{page_frame as lines, theme};
+use crate::hmi::{
+    Area, CoreAnswer, EditKey, FieldEditor, PageKey, View, format_whole, keycap, page_frame as lines, param_range,
+    theme, widget,
+};
 use crate::link::Command;
 
 /// Fields of a new wheel: parameter and name.
@@ -33,7 +29,6 @@ const BANNER_HEIGHT: f32 = 58.0;
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct WheelPage {
-    /// The value being typed.
     typing: FieldEditor,
     cursor: usize,
     entered: [Option<f64>; FIELDS.len()],
@@ -49,7 +44,7 @@ impl PageUi for WheelPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, out, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         match self.typing.poll_answer(&view.snapshot.edit_answer) {
             CoreAnswer::Refused(_) => {
                 self.refused = self.typing.refused.take();
@@ -61,19 +56,16 @@ impl PageUi for WheelPage {
             }
             CoreAnswer::Nothing => {}
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             self.edit(*edit, view, out);
         }
         let (page, input) = input_line::split(rect);
-        let inside = page.shrink(theme::PAD);
-        let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + BANNER_HEIGHT);
-        banner(ui, top, view);
-        let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::PAD), rest.max);
-        let (left, right) = rest.split_left_right_at_fraction(0.44);
-        mounted_wheel(ui, Rect::from_min_max(left.min, left.max - vec2(theme::PAD / 2.0, 0.0)), view);
-        let right = Rect::from_min_max(right.min + vec2(theme::PAD / 2.0, 0.0), right.max);
-        self.new_wheel(ui, right, view, out);
-        self.input(ui, input, view);
+        let (top, rest) = page.shrink(theme::PAD).split_top(BANNER_HEIGHT);
+        banner(top, view);
+        let (left, right) = rest.trim_top(theme::PAD).split_left_right_at_fraction(0.44);
+        mounted_wheel(left.trim_right(theme::PAD / 2.0), view);
+        self.new_wheel(right.trim_left(theme::PAD / 2.0), view, out);
+        self.input(input, view);
     }
 
     fn typing(&self) -> Option<&FieldEditor> {
@@ -100,19 +92,11 @@ impl WheelPage {
         if self.cursor != CONFIRM && self.typing.handle_key(edit) {
             return;
         }
-        let places = FIELDS.len() + 1;
-        match edit {
-            EditKey::Enter if self.cursor == CONFIRM => self.confirming = true,
-            EditKey::Enter => self.store_entry(),
-            EditKey::Up | EditKey::Left | EditKey::Previous => self.go((self.cursor + places - 1) % places),
-            EditKey::Down | EditKey::Right | EditKey::Next => self.go((self.cursor + 1) % places),
-            EditKey::Char(_)
-            | EditKey::Sign
-            | EditKey::Backspace
-            | EditKey::Delete
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Cancel => {}
+        match (edit.step(self.cursor, FIELDS.len() + 1, 1), edit) {
+            (Some(place), _) => self.go(place),
+            (None, EditKey::Enter) if self.cursor == CONFIRM => self.confirming = true,
+            (None, EditKey::Enter) => self.store_entry(),
+            (None, _) => {}
         }
     }
 
@@ -146,12 +130,11 @@ impl WheelPage {
     }
 
     /// The fields of the new wheel and the confirm key.
-    fn new_wheel(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
-        let body = group(ui, view, rect, view.text("新砂轮", "new wheel"));
+    fn new_wheel(&mut self, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+        let body = group(view, rect, view.text("新砂轮", "new wheel"));
         for index in 0..FIELDS.len() {
             let top = body.min.y + index as f32 * (FIELD_HEIGHT + theme::GAP);
-            let place = Rect::from_min_size(pos2(body.min.x, top), vec2(body.width(), FIELD_HEIGHT));
-            if self.field(ui, place, view, index) {
+            if self.field(Rect::from_min_size(pos2(body.min.x, top), vec2(body.width(), FIELD_HEIGHT)), view, index) {
                 if self.cursor != index {
                     self.go(index);
                 }
@@ -163,107 +146,81 @@ impl WheelPage {
         let values = self.values(view);
         let below = body.min.y + FIELDS.len() as f32 * (FIELD_HEIGHT + theme::GAP) + 4.0;
         let line = Rect::from_min_size(pos2(body.min.x, below), vec2(body.width(), 30.0));
-        figure(
-            ui,
-            line,
-            view,
-            view.text("允许最高转速", "greatest speed"),
-            &format!("{:.0}", max_rpm(values[0], values[2])),
-            "r/min",
-        );
-        let keys = Rect::from_min_max(pos2(body.min.x, body.max.y - FIELD_HEIGHT), body.max);
+        let most = format!("{:.0}", max_rpm(values[0], values[2]));
+        figure(line, view, view.text("允许最高转速", "greatest speed"), &most, "r/min");
+        let keys = body.with_min_y(body.max.y - FIELD_HEIGHT);
         let note = Rect::from_min_max(pos2(body.min.x, line.max.y + 6.0), pos2(body.max.x, keys.min.y - 6.0));
         let (words, ink) = match (&self.refused, self.confirming) {
             (Some(why), _) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
             (None, true) => (confirm_text(view, values), view.theme.hold),
-            (None, false) if exceeds_rating(view, values) => (
-                view.text(
+            (None, false) if exceeds_rating(view, values) => {
+                let words = view.text(
                     "默认转速 P73 超过新砂轮的额定：换后先改 P73 或 S，否则砂轮不能启动。",
                     "P73, the speed without S, exceeds the new rating: change P73 or S, or the wheel will not start.",
-                )
-                .to_owned(),
-                view.theme.hold,
-            ),
-            (None, false) => (
-                view.text(
+                );
+                (words.to_owned(), view.theme.hold)
+            }
+            (None, false) => {
+                let words = view.text(
                     "尺寸和线速度以砂轮标签为准；未输入的项保持原值。",
                     "Take size and speed from the wheel's label; what is not typed stays.",
-                )
-                .to_owned(),
-                view.theme.muted,
-            ),
+                );
+                (words.to_owned(), view.theme.muted)
+            }
         };
-        paragraph(ui.painter(), note, &words, theme::LABEL, ink);
-        self.keys(ui, keys, view, out);
+        view.paragraph(note, &words, theme::LABEL, ink);
+        self.keys(keys, view, out);
     }
 
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+    fn keys(&mut self, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
         if self.confirming {
             let (yes, no) = rect.split_left_right_at_fraction(0.5);
-            let yes = Rect::from_min_max(yes.min, yes.max - vec2(theme::GAP, 0.0));
-            focus_frame(ui.painter(), yes, view.theme.hold);
-            if widget::button(ui, view, yes, "wheel-confirm", view.text("确认", "CONFIRM"), ButtonState::default()) {
+            let yes = yes.trim_right(theme::GAP);
+            view.frame(yes, view.theme.hold);
+            if widget::button(view, yes, PageKey::new("wheel-confirm", view.text("确认", "CONFIRM"))) {
                 self.confirm(view, out);
             }
-            if widget::button(ui, view, no, "wheel-cancel", view.text("取消", "CANCEL"), ButtonState::default()) {
+            if widget::button(view, no, PageKey::new("wheel-cancel", view.text("取消", "CANCEL"))) {
                 self.confirming = false;
             }
             return;
         }
-        if widget::button(
-            ui,
-            view,
-            rect,
-            "wheel-changed",
-            view.text("已换砂轮", "WHEEL CHANGED"),
-            ButtonState::default(),
-        ) {
+        if widget::button(view, rect, PageKey::new("wheel-changed", view.text("已换砂轮", "WHEEL CHANGED"))) {
             self.typing.clear();
             (self.confirming, self.cursor, self.refused) = (true, CONFIRM, None);
         }
         if self.cursor == CONFIRM {
-            focus_frame(ui.painter(), rect, view.theme.focus);
+            view.frame(rect, view.theme.focus);
         }
     }
 
     /// One field; true if it was touched.
-    fn field(&self, ui: &Ui, rect: Rect, view: &View<'_>, index: usize) -> bool {
+    fn field(&self, rect: Rect, view: &View<'_>, index: usize) -> bool {
         let (row, name) = FIELDS[index];
-        let response = ui.interact(rect, Id::unique(("wheel-field", index)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("new P{}", row.number)));
-        let painter = ui.painter();
-        let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
-        keycap::paint_body(painter, view.theme, rect, face);
-        let inside = rect.shrink2(vec2(theme::PAD, 0.0));
-        let (value, unit) = inside.split_left_right_at_x(inside.max.x - 42.0);
-        let (label, value) = value.split_left_right_at_x(value.max.x - 110.0);
+        let response = keycap::plain(view, rect, ("wheel-field", index), format!("new P{}", row.number));
+        let (value, unit) = rect.trim_sides(theme::PAD).split_right(42.0);
+        let (label, value) = value.split_right(110.0);
         let words = format!("{} P{}", name.get(view.lang), row.number);
-        fit_text(painter, label, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
-        fit_text(painter, unit, Align2::RIGHT_CENTER, row.unit, theme::LABEL, view.theme.muted);
-        let chosen = self.cursor == index;
-        let refused = chosen && self.typing.refused.is_some();
-        let (words, ink) = match (chosen && !self.typing.text.is_empty(), self.entered[index]) {
-            (true, _) if refused => (self.typing.text.clone(), view.theme.alarm_text),
-            (true, _) => (format!("{}_", self.typing.text), view.theme.info),
-            (false, Some(value)) => (value.to_string(), view.theme.info),
-            (false, None) => (view.snapshot.params.get(row).to_string(), view.theme.muted),
-        };
-        fit_text(painter, value, Align2::RIGHT_CENTER, &words, theme::SECONDARY, ink);
+        view.fit_left(label, &words, theme::LABEL, view.theme.text);
+        view.fit_right(unit, row.unit, theme::LABEL, view.theme.muted);
+        let (chosen, entered) = (self.cursor == index, self.entered[index]);
+        let ink = if entered.is_some() { view.theme.info } else { view.theme.muted };
+        let old = (entered.unwrap_or_else(|| view.snapshot.params.get(row)).to_string(), ink);
+        let (words, ink) = if chosen { self.typing.shown(view, old) } else { old };
+        view.fit_right(value, &words, theme::SECONDARY, ink);
         if chosen {
-            focus_frame(painter, rect, if refused { view.theme.alarm } else { view.theme.focus });
+            self.typing.frame(view, rect);
         }
         response.clicked()
     }
 
-    fn input(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn input(&self, rect: Rect, view: &View<'_>) {
         let Some((row, name)) = FIELDS.get(self.cursor) else {
-            let told = InputPrompt { label: "", name: "", range: "" };
-            return input_line::ui(ui, view, rect, &self.typing, &told);
+            return input_line::ui(view, rect, &self.typing, &InputPrompt { label: "", name: "", range: "" });
         };
         let range = format!("{} {}", view.text("范围", "range"), param_range(*row));
-        let what = format!("P{}=", row.number);
-        let told = InputPrompt { label: &what, name: name.get(view.lang), range: &range };
-        input_line::ui(ui, view, rect, &self.typing, &told);
+        let told = InputPrompt { label: &format!("P{}=", row.number), name: name.get(view.lang), range: &range };
+        input_line::ui(view, rect, &self.typing, &told);
     }
 }
 
@@ -285,34 +242,32 @@ fn confirm_text(view: &View<'_>, [diameter, width, rated]: [f64; 3]) -> String {
 }
 
 /// What is required before the next cycle start.
-fn banner(ui: &Ui, rect: Rect, view: &View<'_>) {
-    let painter = ui.painter();
+fn banner(rect: Rect, view: &View<'_>) {
     let params = &view.snapshot.params;
     let inside = rect.shrink2(vec2(theme::PAD, 4.0));
     let undressed = params.bit(param::WHEEL_UNDRESSED);
     let edge = if undressed { view.theme.hold } else { view.theme.line };
-    card(painter, rect, view.theme.surface, edge);
+    view.filled_card(rect, view.theme.surface, edge);
     if !undressed {
-        let words = view.text("砂轮已修整", "the wheel is dressed");
-        fit_text(painter, inside, Align2::LEFT_CENTER, words, theme::TITLE, view.theme.text);
+        view.fit_left(inside, view.text("砂轮已修整", "the wheel is dressed"), theme::TITLE, view.theme.text);
         return;
     }
-    painter.rect_filled(Rect::from_min_size(rect.min, vec2(4.0, rect.height())), 0.0, view.theme.hold);
+    view.edge_bar(rect, view.theme.hold);
     let (top, below) = inside.split_top_bottom_at_fraction(0.5);
     let words = view.text("已换砂轮，尚未修整：不能循环启动", "wheel changed and not dressed: no cycle start");
-    fit_text(painter, top, Align2::LEFT_CENTER, words, theme::TITLE, view.theme.hold);
+    view.fit_left(top, words, theme::TITLE, view.theme.hold);
     let (first, last) = (params.get(param::DRESSING_PROGRAM_FIRST), params.get(param::DRESSING_PROGRAM_LAST));
     let words = format!(
         "{} O{first:04.0}–O{last:04.0} {}",
         view.text("先重设修整点，再把修整程序", "set the dressing point anew, then run"),
         view.text("运行到 M30 (P91 P92)", "to its M30 (P91, P92)"),
     );
-    fit_text(painter, below, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
+    view.fit_left(below, &words, theme::LABEL, view.theme.text);
 }
 
 /// The mounted wheel and its speed.
-fn mounted_wheel(ui: &Ui, rect: Rect, view: &View<'_>) {
-    let body = group(ui, view, rect, view.text("当前砂轮", "wheel mounted"));
+fn mounted_wheel(rect: Rect, view: &View<'_>) {
+    let body = group(view, rect, view.text("当前砂轮", "wheel mounted"));
     let params = &view.snapshot.params;
     let [diameter, width, rated] = FIELDS.map(|(row, _)| params.get(row));
     let rpm = view.snapshot.wheel_rpm;
@@ -330,13 +285,12 @@ fn mounted_wheel(ui: &Ui, rect: Rect, view: &View<'_>) {
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
         // The rating above, the present speed below.
         at += if index == 4 { 14.0 } else { 0.0 };
-        let line = Rect::from_min_size(pos2(body.min.x, at), vec2(body.width(), 36.0));
-        figure(ui, line, view, name, &value, unit);
+        figure(Rect::from_min_size(pos2(body.min.x, at), vec2(body.width(), 36.0)), view, name, &value, unit);
         at += 36.0;
     }
     let usual = params.get(param::WHEEL_RPM);
     if usual > most {
-        let note = Rect::from_min_max(pos2(body.min.x, at + 6.0), body.max);
+        let note = body.with_min_y(at + 6.0);
         let words = format!(
             "{} {usual} r/min {}",
             view.text("默认转速 P73", "P73, the speed without S,"),
@@ -345,25 +299,22 @@ fn mounted_wheel(ui: &Ui, rect: Rect, view: &View<'_>) {
                 "exceeds the rating: the wheel will not start; change P73 or S"
             ),
         );
-        paragraph(ui.painter(), note, &words, theme::LABEL, view.theme.hold);
+        view.paragraph(note, &words, theme::LABEL, view.theme.hold);
     }
 }
 
 /// Name, value, unit.
-fn figure(ui: &Ui, rect: Rect, view: &View<'_>, name: &str, value: &str, unit: &str) {
-    let painter = ui.painter();
-    let (value_place, unit_place) = rect.split_left_right_at_x(rect.max.x - 46.0);
-    let value_at = text_line(painter, value_place, Align2::RIGHT_CENTER, value, theme::SECONDARY, view.theme.text);
-    let name_place = Rect::from_min_max(rect.min, pos2(value_at.min.x - theme::GAP, rect.max.y));
-    fit_text(painter, name_place, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.muted);
-    text_line(painter, unit_place, Align2::RIGHT_CENTER, unit, theme::SMALL, view.theme.muted);
+fn figure(rect: Rect, view: &View<'_>, name: &str, value: &str, unit: &str) {
+    let (value_place, unit_place) = rect.split_right(46.0);
+    let value_at = view.line_right(value_place, value, theme::SECONDARY, view.theme.text);
+    view.fit_left(rect.with_max_x(value_at.min.x - theme::GAP), name, theme::LABEL, view.theme.muted);
+    view.line_right(unit_place, unit, theme::SMALL, view.theme.muted);
 }
 
 /// A card with a title; returns its inside.
-fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> Rect {
-    card(ui.painter(), rect, view.theme.surface, view.theme.line);
-    let inside = rect.shrink2(vec2(theme::PAD + 2.0, theme::PAD));
-    let (head, body) = inside.split_top_bottom_at_y(inside.min.y + 34.0);
-    lines::title(ui, view, head, title);
+fn group(view: &View<'_>, rect: Rect, title: &str) -> Rect {
+    view.card(rect);
+    let (head, body) = rect.shrink2(vec2(theme::PAD + 2.0, theme::PAD)).split_top(34.0);
+    lines::title(view, head, title);
     body
 }

@@ -5,7 +5,7 @@ use egui::{Pos2, Rect, pos2, vec2};
 use crate::defs::key::Key;
 use crate::defs::kind::{Kind, MachineUnit};
 use crate::defs::text::Text;
-use crate::hmi::theme;
+use crate::hmi::{Area, theme};
 
 /// A group of keys: frame and optional caption.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,37 +54,28 @@ pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         pad: empty,
     };
     let inside = rect.shrink(MARGIN);
+    // On a portrait display three columns of six rows of keys, else one column: fifteen rows of keys, fourteen on the
+    // wide panel, plus captions and gaps within and between groups.
+    let wide = !portrait && rect.width() >= theme::PANEL.1;
+    let (width, key_height) = if portrait {
+        ((inside.width() - 2.0 * GROUP_GAP) / 3.0, (inside.height() - 3.0 * KEY_GAP - 2.0 * GROUP_GAP) / 6.0)
+    } else {
+        let (rows, gaps) = if wide { (14.0, 6.0) } else { (15.0, 7.0) };
+        let fixed = 2.0 * CAPTION_HEIGHT + 7.0 * KEY_GAP + gaps * GROUP_GAP;
+        (inside.width(), ((inside.height() - fixed) / rows).min(64.0))
+    };
+    let mut build = PanelBuilder { layout: &mut layout, kind, key_height, cursor: inside.min, width, wide };
+    build.modes();
     if portrait {
-        let width = (inside.width() - 2.0 * GROUP_GAP) / 3.0;
-        let key = (inside.height() - 3.0 * KEY_GAP - 2.0 * GROUP_GAP) / 6.0;
         let column = |index: f32| pos2(inside.min.x + index * (width + GROUP_GAP), inside.min.y);
-        let mut build =
-            PanelBuilder { layout: &mut layout, kind, key_height: key, cursor: column(0.0), width, wide: false };
-        build.modes();
         build.overrides();
         build.cursor = column(1.0);
         build.machine_units();
-        let bottom = inside.max.y;
-        let pad = Rect::from_min_max(column(1.0), pos2(column(1.0).x + width, bottom));
         build.cursor = column(2.0);
         build.jog();
         build.run_row();
-        layout.pad = pad;
+        layout.pad = Rect::from_min_max(column(1.0), pos2(column(1.0).x + width, inside.max.y));
     } else {
-        // Fifteen rows of keys, fourteen on the wide panel, plus captions and gaps within and between groups.
-        let wide = rect.width() >= theme::PANEL.1;
-        let (rows, gaps) = if wide { (14.0, 6.0) } else { (15.0, 7.0) };
-        let fixed = 2.0 * CAPTION_HEIGHT + 7.0 * KEY_GAP + gaps * GROUP_GAP;
-        let key = ((inside.height() - fixed) / rows).min(64.0);
-        let mut build = PanelBuilder {
-            layout: &mut layout,
-            kind,
-            key_height: key,
-            cursor: inside.min,
-            width: inside.width(),
-            wide,
-        };
-        build.modes();
         build.machine_units();
         let top = build.cursor.y;
         build.overrides();
@@ -111,19 +102,8 @@ pub const fn jog_positions(kind: Kind) -> [(Key, u8, u8); 7] {
     ]
 }
 
-const MODES: [Key; 8] = [
-    Key::ModeEdit,
-    Key::ModeAuto,
-    Key::ModeMdi,
-    Key::ModeHome,
-    Key::ModeHandwheel,
-    Key::ModeStep,
-    Key::ModeManual,
-    Key::SingleBlock,
-];
-const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::AuxFunctionLock, Key::DryRun];
-/// On the wide panel the program switches are beside the modes; the trial-run switches have their own column.
-const MODES_WIDE: [Key; 10] = [
+/// The modes and, beside them on the wide panel, two switches of the program.
+const MODES: [Key; 10] = [
     Key::ModeEdit,
     Key::ModeAuto,
     Key::ModeMdi,
@@ -135,6 +115,8 @@ const MODES_WIDE: [Key; 10] = [
     Key::BlockSkip,
     Key::OptionalStop,
 ];
+/// The switches of the narrow panel; on the wide one the trial-run switches have their own column.
+const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::AuxFunctionLock, Key::DryRun];
 const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid100];
 const HANDWHEEL: [[Key; 2]; 3] =
     [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
@@ -183,11 +165,11 @@ impl PanelBuilder<'_> {
 
     fn modes(&mut self) {
         if self.wide {
-            self.rows(5.0, &MODES_WIDE, None);
+            self.rows(5.0, &MODES, None);
             self.advance(2.0, GROUP_GAP);
             return;
         }
-        self.rows(4.0, &MODES, None);
+        self.rows(4.0, &MODES[..8], None);
         self.advance(2.0, GROUP_GAP);
         self.rows(5.0, &SWITCHES, None);
         self.advance(1.0, GROUP_GAP);
@@ -228,14 +210,13 @@ impl PanelBuilder<'_> {
             let corner = top.min + vec2(0.0, index as f32 * (each + KEY_GAP));
             self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(top.width(), each))));
         }
-        self.group(Rect::from_min_size(top.min, vec2(top.width(), height)), Some(caption));
+        self.group(top.band(0.0, height), Some(caption));
     }
 
     /// Keys side by side that share the columns of the unit.
     fn block(&mut self, column: usize, unit: &MachineUnit) {
         let &MachineUnit { caption, keys, columns } = unit;
-        let first = self.cell(self.columns(), column, 0);
-        let around = first.union(self.cell(self.columns(), column + columns - 1, 0));
+        let around = self.cell(self.columns(), column, 0).union(self.cell(self.columns(), column + columns - 1, 0));
         let each = (around.width() - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
         for (index, key) in keys.iter().enumerate() {
             let corner = around.min + vec2(index as f32 * (each + KEY_GAP), 0.0);
@@ -251,9 +232,8 @@ impl PanelBuilder<'_> {
         let pairs = [(Key::FeedOverrideDown, Key::FeedOverrideUp), (Key::SpindleOverrideDown, Key::SpindleOverrideUp)];
         for (index, (less, more)) in pairs.into_iter().enumerate() {
             let left = self.cursor + vec2(index as f32 * (half + GROUP_GAP), 0.0);
-            let whole = Rect::from_min_size(left, vec2(half, self.key_height));
-            let (first, rest) = whole.split_left_right_at_x(whole.min.x + side);
-            let (value, last) = rest.split_left_right_at_x(rest.max.x - side);
+            let (first, rest) = Rect::from_min_size(left, vec2(half, self.key_height)).split_left(side);
+            let (value, last) = rest.split_right(side);
             self.layout.keys.push((less, first));
             self.layout.keys.push((more, last));
             if index == 0 { self.layout.feed_value = value } else { self.layout.spindle_value = value }
@@ -261,11 +241,9 @@ impl PanelBuilder<'_> {
         let top = self.cursor;
         self.cursor.y += self.key_height + KEY_GAP;
         for (index, key) in RAPIDS.into_iter().enumerate() {
-            let cell = self.cell(4.0, index, 0);
-            self.layout.keys.push((key, cell));
+            self.layout.keys.push((key, self.cell(4.0, index, 0)));
         }
-        let around = Rect::from_min_size(top, vec2(self.width, 2.0 * self.key_height + KEY_GAP));
-        self.group(around, None);
+        self.group(Rect::from_min_size(top, vec2(self.width, 2.0 * self.key_height + KEY_GAP)), None);
         self.advance(1.0, GROUP_GAP);
     }
 
@@ -292,8 +270,7 @@ impl PanelBuilder<'_> {
         }
         let height = 3.0 * self.key_height + 2.0 * KEY_GAP;
         self.group(Rect::from_min_size(self.cursor, vec2(3.0 * unit + 2.0 * KEY_GAP, height)), None);
-        let wheel = Rect::from_min_size(self.cursor + vec2(left, 0.0), vec2(self.width - left, height));
-        self.group(wheel, None);
+        self.group(Rect::from_min_size(self.cursor + vec2(left, 0.0), vec2(self.width - left, height)), None);
         self.advance(3.0, GROUP_GAP);
     }
 

@@ -4,16 +4,15 @@
 pub mod layout;
 
 use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
+use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 
 use self::layout::PanelLayout;
-use super::key_press::KeyPresses;
-use super::keycap::{self, Keycap, KeycapState};
-use super::pictogram::{self, PictogramShape};
-use super::theme;
-use super::view::{View, card, fit_text, text_line};
 use crate::defs::key::Key;
 use crate::defs::text::Text;
+use crate::hmi::key_press::KeyPresses;
+use crate::hmi::keycap::{self, Keycap};
+use crate::hmi::pictogram::{self, PictogramShape};
+use crate::hmi::{Area, KeycapState, View, theme};
 use crate::link::Command;
 use crate::link::snapshot::KeyView;
 use crate::units::Axis;
@@ -28,46 +27,35 @@ pub struct Panel {
     rib_offset: f32,
 }
 
-/// What the panel returns besides commands.
-#[derive(Debug, Default)]
-pub struct PanelResponse {
-    /// Why the key that was just pressed is blocked, if it is.
-    pub refused: Option<Text>,
-}
-
 impl Panel {
-    /// Draws the panel and handles touches.
+    /// Draws the panel and handles touches; returns why the key that was just pressed is blocked, if it is.
     pub fn ui(
         &mut self,
-        ui: &mut Ui,
         layout: &PanelLayout,
         view: &View<'_>,
         presses: &mut KeyPresses,
         out: &mut Vec<Command>,
-    ) -> PanelResponse {
-        let painter = ui.painter().clone();
+    ) -> Option<Text> {
         for group in &layout.groups {
-            card(&painter, group.frame, view.theme.background, view.theme.line);
+            view.filled_card(group.frame, view.theme.background, view.theme.line);
             if let Some((rect, text)) = &group.caption {
-                let row = rect.shrink2(vec2(4.0, 0.0));
-                fit_text(&painter, row, Align2::LEFT_CENTER, text.get(view.lang), theme::SMALL, view.theme.muted);
+                view.fit_left(rect.trim_sides(4.0), text.get(view.lang), theme::SMALL, view.theme.muted);
             }
         }
-        override_value(ui, view, layout.feed_value, ("进给", "FEED"), view.snapshot.feed_override);
-        override_value(ui, view, layout.spindle_value, ("主轴", "SPIN"), view.snapshot.spindle_override);
-        let mut said = PanelResponse::default();
+        override_value(view, layout.feed_value, view.text("进给", "FEED"), view.snapshot.feed_override);
+        override_value(view, layout.spindle_value, view.text("主轴", "SPIN"), view.snapshot.spindle_override);
+        let mut reason = None;
         for (key, rect) in &layout.keys {
             let Some(rect) = visible_rect(layout, view, *key, *rect) else { continue };
-            let refused = key_ui(ui, view, *key, rect, presses, out);
-            said.refused = said.refused.or(refused);
+            reason = reason.or(key_ui(view, *key, rect, presses, out));
         }
-        self.handwheel(ui, view, layout.handwheel, out);
-        said
+        self.handwheel(view, layout.handwheel, out);
+        reason
     }
 
     /// Draws a thumb wheel, turned by drag or scroll; one command carries all detents of a frame.
-    fn handwheel(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
-        let response = ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
+    fn handwheel(&mut self, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
+        let response = view.ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
         let text = format!(
             "{} {} ×{}",
             view.text("手轮", "WHEEL"),
@@ -82,7 +70,7 @@ impl Panel {
             self.rib_offset = (self.rib_offset + response.drag_delta().x).rem_euclid(DETENT);
         }
         if response.hovered() {
-            let scroll = ui.input(|input| input.smooth_scroll_delta());
+            let scroll = view.ui.input(|input| input.smooth_scroll_delta());
             self.drag_points += (scroll.y + scroll.x) * 0.5;
             self.rib_offset = (self.rib_offset + (scroll.y + scroll.x) * 0.5).rem_euclid(DETENT);
         }
@@ -94,16 +82,16 @@ impl Panel {
             self.drag_points -= detents * DETENT;
             out.push(Command::Handwheel(detents as i32));
         }
-        self.paint_wheel(ui, view, rect, &text);
+        self.paint_wheel(view, rect, &text);
     }
 
-    fn paint_wheel(&self, ui: &Ui, view: &View<'_>, rect: Rect, text: &str) {
+    fn paint_wheel(&self, view: &View<'_>, rect: Rect, text: &str) {
         let active = view.snapshot.mode == crate::defs::key::Mode::Handwheel;
-        let painter = ui.painter().with_clip_rect(rect);
-        card(&painter, rect, view.theme.surface, if active { view.theme.info } else { view.theme.line });
+        let view = &view.clipped(rect);
+        view.filled_card(rect, view.theme.surface, if active { view.theme.info } else { view.theme.line });
         let (words, ribs) = rect.shrink2(vec2(6.0, 3.0)).split_top_bottom_at_fraction(0.5);
         let ink = if active { view.theme.text } else { view.theme.muted };
-        fit_text(&painter, words, Align2::CENTER_CENTER, text, theme::LABEL, ink);
+        view.fit_centre(words, text, theme::LABEL, ink);
         let ribs = ribs.shrink2(vec2(0.0, 2.0));
         let half = ribs.width() / 2.0;
         let mut x = ribs.min.x + self.rib_offset;
@@ -111,7 +99,7 @@ impl Panel {
             // Ribs of a wheel: shorter towards its sides.
             let out_there = ((x - ribs.center().x) / half).abs();
             let reach = ribs.height() / 2.0 * (1.0 - 0.6 * out_there * out_there);
-            painter.vline(
+            view.painter.vline(
                 x,
                 ribs.center().y - reach..=ribs.center().y + reach,
                 egui::Stroke::new(2.0, view.theme.muted),
@@ -123,14 +111,13 @@ impl Panel {
 
 /// The step without trailing zeros, mm.
 fn format_step(mm: f64) -> String {
-    let text = format!("{mm:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    format!("{mm:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-fn override_value(ui: &Ui, view: &View<'_>, rect: Rect, name: (&'static str, &'static str), percent: u16) {
+fn override_value(view: &View<'_>, rect: Rect, name: &str, percent: u16) {
     let (top, bottom) = rect.split_top_bottom_at_fraction(0.46);
-    text_line(ui.painter(), top, Align2::CENTER_CENTER, view.text(name.0, name.1), theme::SMALL, view.theme.muted);
-    fit_text(ui.painter(), bottom, Align2::CENTER_CENTER, &percent.to_string(), theme::TITLE, view.theme.text);
+    view.line_centre(top, name, theme::SMALL, view.theme.muted);
+    view.fit_centre(bottom, &percent.to_string(), theme::TITLE, view.theme.text);
 }
 
 /// The axis of a panel key.
@@ -177,23 +164,16 @@ pub fn key_state(view: &View<'_>, key: Key) -> KeyView {
 }
 
 /// Draws one key and handles its touches. Returns the reason if a blocked key was pressed.
-pub fn key_ui(
-    ui: &Ui,
-    view: &View<'_>,
-    key: Key,
-    rect: Rect,
-    presses: &mut KeyPresses,
-    out: &mut Vec<Command>,
-) -> Option<Text> {
+pub fn key_ui(view: &View<'_>, key: Key, rect: Rect, presses: &mut KeyPresses, out: &mut Vec<Command>) -> Option<Text> {
     // Senses drag as well as click: egui drops a click after 0.8 s, but a jog key is held for minutes.
-    let response = ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK | Sense::DRAG);
+    let response = view.ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK | Sense::DRAG);
     let state = key_state(view, key);
     let name = || keycap::accessible_name(key, view.lang);
     response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));
     let before = out.len();
-    let pressed = presses.track_touch(ui, &response, rect, key, out) || presses.is_down(key);
+    let pressed = presses.track_touch(view.ui, &response, rect, key, out) || presses.is_down(key);
     let keycap = Keycap { key, state: KeycapState::from_view(state, pressed), shapes: key_shapes(view, key) };
-    keycap::paint(ui.painter(), view, rect, keycap);
+    keycap::paint(view, rect, keycap);
     let asked = out[before..].iter().any(|command| matches!(command, Command::Press(_)));
     state.blocked.filter(|_| asked)
 }

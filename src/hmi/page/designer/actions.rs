@@ -1,17 +1,14 @@
 //! Actions of the keys of the page designer, and the list of variables that the page lacks.
 //! Source: spec K7.3, K7.4, K6.2.
 
-use egui::{Rect, Ui, pos2, vec2};
+use egui::Rect;
 
 use super::{DesignerPage, DesignerQuestion, DesignerTab};
 use crate::defs::page::Page;
 use crate::defs::page_text::COLUMN_ROWS;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::variable_name;
-use crate::hmi::question::Question;
-use crate::hmi::theme;
-use crate::hmi::view::View;
-use crate::hmi::widget::ButtonState;
+use crate::hmi::{Area, PageKey, View, requests, widget};
 use crate::link::Command;
 use crate::link::command::ScreenFiles;
 
@@ -66,19 +63,18 @@ pub const fn from_shortcut(key: egui::Key) -> Option<DesignerAction> {
 }
 
 /// Draws the keys; returns the pressed one.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<DesignerAction> {
+pub fn ui(view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<DesignerAction> {
     let acts = if page.editing { EDITING } else { VIEWING };
-    let width = (rect.width() + theme::GAP) / EDITING.len() as f32;
     let (undo, redo) = page.document.can_undo_redo();
+    let row = rect.band(0.0, widget::KEYS_HEIGHT - 2.0);
     let mut pressed = None;
     for (index, act) in acts.iter().enumerate() {
-        let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
-        let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS_HEIGHT - 2.0));
         let (name, label) = act.id_and_label();
         let on = (*act == DesignerAction::Keyboard && page.keyboard_open)
             || (*act == DesignerAction::Save && page.document.changed);
         let locked = (*act == DesignerAction::Undo && !undo) || (*act == DesignerAction::Redo && !redo);
-        if page.key(ui, view, place, (name, label.get(view.lang)), ButtonState { on, locked }) {
+        let key = PageKey::new(name, label.get(view.lang)).on(on).locked(locked);
+        if page.key(view, row.cell(index, EDITING.len()), key) {
             pressed = Some(*act);
         }
     }
@@ -161,13 +157,7 @@ impl DesignerPage {
             DesignerAction::Save => self.save(false, out),
             DesignerAction::Discard if self.document.changed => {
                 let name = self.file.as_ref().map_or("", |file| file.name.as_str());
-                let body = LocalizedText::new(
-                    format!("{name} 的改动将丢失。"),
-                    format!("The changes of {name} will be lost."),
-                );
-                let title = Text::new("放弃改动？", "discard the changes?");
-                let key = ("question-discard", Text::new("放弃", "DISCARD"));
-                self.question.ask(DesignerQuestion::Discard, Question::new(title, body, key));
+                self.question.ask(DesignerQuestion::Discard, requests::discard_question(name));
             }
             DesignerAction::Discard | DesignerAction::End => {
                 (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false)

@@ -7,32 +7,24 @@ mod paint;
 
 use std::sync::Arc;
 
-use egui::{Rect, TextureId, Ui, pos2, vec2};
+use egui::{Rect, TextureId, vec2};
 
 use super::program::document::Document;
 use super::program::listing;
-use super::scroll::Scroll;
-use super::{PageContext, PageUi, TypedInput, empty};
+use super::{PageContext, PageUi, Scroll, empty};
 use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
 use crate::defs::text::{Lang, LocalizedText, Text};
-use crate::hmi::letter_pad::{self, LetterKey};
-use crate::hmi::login::Login;
-use crate::hmi::question::QuestionDialog;
-use crate::hmi::requests::{self, ProtectedRequests, RequestEvent, RequestReason};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::View;
-use crate::hmi::widget::{self, ButtonState, KeyboardFocus};
-use crate::hmi::{pictogram, theme};
+use crate::hmi::{
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, ProtectedRequests, QuestionDialog,
+    RequestEvent, RequestReason, View, file_command, letter_pad, pictogram, requests, theme, widget,
+};
 use crate::link::command::Picture;
-use crate::link::files::{FileRequest, Refusal, Requester, Ticket};
-use crate::link::page_command::PageCommand;
+use crate::link::files::{FileRequest, Refusal, Requester};
 use crate::link::page_file::{PageFile, PictureLocation};
 use crate::link::snapshot::{PROGRAMS_WITH_PAGE, RunState};
 use crate::link::{Command, Snapshot};
 
-/// Height of a row of keys.
-const KEYS_HEIGHT: f32 = 46.0;
 /// Height of the message line.
 const MESSAGE_HEIGHT: f32 = 28.0;
 
@@ -130,22 +122,21 @@ impl PageUi for DesignerPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, picture, login, out, .. } = ctx;
+        let PageContext { rect, view, typed, picture, login, out, .. } = ctx;
         let number = self.number(view.snapshot);
         let has_page = PROGRAMS_WITH_PAGE.contains(&number) || view.snapshot.kind_page.is_some();
         if !has_page {
-            paint::no_page(ui, rect, view, number, out);
+            paint::no_page(rect, view, number, out);
             return;
         }
         self.handle_answers(view, login, out);
-        self.sync_file(view, (number, ui.input(|input| input.time)), out);
+        self.sync_file(view, number, out);
         if self.file.is_none() && !self.document.changed {
             let remedy = view.text(
                 "原因见下面的提示行；检查 screens 目录中的文件。",
                 "See the line below; check the file in the folder screens.",
             );
             empty::show(
-                ui,
                 view,
                 rect,
                 pictogram::NO_PAGE,
@@ -158,28 +149,27 @@ impl PageUi for DesignerPage {
             self.handle_typed(view, typed, out);
         }
         self.read_text();
-        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
+        let (title, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(32.0);
         let board = if self.keyboard_open { letter_pad::PAGE_TEXT_LAYOUT.height() } else { 0.0 };
-        let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
-        let (body, below) = rest.split_top_bottom_at_y(rest.max.y - KEYS_HEIGHT - MESSAGE_HEIGHT);
-        let (told, keys) = below.split_top_bottom_at_y(below.min.y + MESSAGE_HEIGHT);
+        let (rest, pad) = rest.split_bottom(board);
+        let (body, below) = rest.split_bottom(widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
+        let (told, keys) = below.split_top(MESSAGE_HEIGHT);
         // The preview needs 200 points for its picture and as much for each column.
         let share = if body.width() > 900.0 { 0.40 } else { 0.34 };
         let (text, right) = body.split_left_right_at_fraction(share);
-        self.title(ui, title, view);
-        self.listing(ui, Rect::from_min_max(text.min, text.max - vec2(theme::GAP, 0.0)), view, typed.scroll_pages);
-        self.right(ui, right, view, picture);
-        self.message_line(ui, told, view);
-        if let Some(act) = actions::ui(ui, view, keys, self) {
+        self.title(title, view);
+        self.listing(text.trim_right(theme::GAP), view, typed.scroll_pages);
+        self.right(right, view, picture);
+        self.message_line(told, view);
+        if let Some(act) = actions::ui(view, keys, self) {
             self.perform(act, view, out);
         }
         if self.keyboard_open
-            && let Some(letter) = letter_pad::ui(ui, view, pad, &letter_pad::PAGE_TEXT_LAYOUT)
+            && let Some(letter) = letter_pad::ui(view, pad, &letter_pad::PAGE_TEXT_LAYOUT)
         {
             self.letter(&letter);
         }
-        if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
+        if let Some((about, Some(key))) = self.question.ui(rect, view, &typed.edits) {
             self.answer(about, key, out);
         }
     }
@@ -216,7 +206,8 @@ impl DesignerPage {
     }
 
     /// Requests the file when the page opens or shows another file; keeps an unsaved text.
-    fn sync_file(&mut self, view: &View<'_>, (number, now): (u32, f64), out: &mut Vec<Command>) {
+    fn sync_file(&mut self, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
+        let now = view.ui.input(|input| input.time);
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
             (self.editing, self.keyboard_open) = (false, false);
@@ -229,8 +220,7 @@ impl DesignerPage {
             self.stale = false;
             let page = if self.document.changed { self.document.number } else { number };
             let program = if PROGRAMS_WITH_PAGE.contains(&page) { page } else { view.snapshot.program.number };
-            let ticket = Ticket::without_reply(Requester::Designer);
-            out.push(Command::Page(PageCommand::File(ticket, FileRequest::ReadPage { page, program })));
+            out.push(file_command(Requester::Designer, FileRequest::ReadPage { page, program }));
             if other {
                 (self.file, self.document) = (None, Document::default());
             }
@@ -263,8 +253,7 @@ impl DesignerPage {
 
     fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
         if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
-            return self
-                .refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+            return self.refuse(Text::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
         }
         let number = self.number(view.snapshot);
         out.push(self.asking.send(DesignerRequest::Edit, FileRequest::CheckEditable(number)));
@@ -299,8 +288,8 @@ impl DesignerPage {
     }
 
     /// Handles keyboard input.
-    fn handle_typed(&mut self, view: &View<'_>, typed: &TypedInput<'_>, out: &mut Vec<Command>) {
-        for control in typed.ctrl_keys {
+    fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, out: &mut Vec<Command>) {
+        for control in &typed.ctrl_keys {
             if let Some(act) = actions::from_shortcut(*control) {
                 self.perform(act, view, out);
             }
@@ -308,11 +297,11 @@ impl DesignerPage {
         // Typed characters always go to the text, even while Tab has moved to the keys.
         self.keys_focused &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
         let text = self.editing && !self.keys_focused;
-        self.walk.begin_frame(if text { &[] } else { typed.edits });
+        self.walk.begin_frame(if text { &[] } else { &typed.edits });
         if text {
             typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.type_char(sign));
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             match edit {
                 EditKey::Next | EditKey::Previous if self.editing => {
                     self.keys_focused = !self.keys_focused;
@@ -350,17 +339,17 @@ impl DesignerPage {
     }
 
     /// A key of the page; the keyboard moves over it unless it edits the text.
-    fn key(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: ButtonState) -> bool {
+    fn key(&mut self, view: &View<'_>, rect: Rect, key: PageKey<'_>) -> bool {
         if self.keys_focused || !self.editing {
-            self.walk.button(ui, view, rect, words, look)
+            self.walk.button(view, rect, key)
         } else {
-            widget::button(ui, view, rect, words.0, words.1, look)
+            widget::button(view, rect, key)
         }
     }
 
     /// The tabs and the content of the selected one.
-    fn right(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, picture: Option<TextureId>) {
-        let (bar, rest) = rect.split_top_bottom_at_y(rect.min.y + widget::TABS_HEIGHT - 2.0);
+    fn right(&mut self, rect: Rect, view: &View<'_>, picture: Option<TextureId>) {
+        let (bar, rest) = rect.split_top(widget::KEYS_HEIGHT - 2.0);
         let count = |words: &str, count: usize| {
             if count > 0 { format!("{words} {count}") } else { words.trim_end_matches(['缺', ' ']).to_owned() }
         };
@@ -371,24 +360,21 @@ impl DesignerPage {
             ("page-pictures", view.text("图片", "PICTURES").to_owned()),
             ("page-faults", count(view.text("错误", "ERRORS"), self.reading.faults.len())),
         ];
-        let width = (bar.width() + theme::GAP) / keys.len() as f32;
         for (index, (tab, (name, label))) in TABS.into_iter().zip(&keys).enumerate() {
-            let corner = pos2(bar.min.x + index as f32 * width, bar.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, bar.height()));
-            if self.key(ui, view, place, (name, label), ButtonState { on: tab == self.tab, locked: false }) {
+            if self.key(view, bar.cell(index, keys.len()), PageKey::new(name, label).on(tab == self.tab)) {
                 (self.tab, self.selected_row, self.list) = (tab, 0, Scroll::default());
                 // A USB drive may have been plugged in since.
                 self.stale |= tab == DesignerTab::Pictures;
             }
         }
-        let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::GAP), rest.max);
+        let rest = rest.trim_top(theme::GAP);
         match self.tab {
             // The letter pad leaves no room for the preview, so the errors are shown.
-            DesignerTab::Preview if self.keyboard_open => self.faults(ui, rest, view),
-            DesignerTab::Preview => self.preview(ui, rest, view, picture),
-            DesignerTab::Variables => self.variable_list(ui, rest, view),
-            DesignerTab::Pictures => self.picture_list(ui, rest, view),
-            DesignerTab::Faults => self.faults(ui, rest, view),
+            DesignerTab::Preview if self.keyboard_open => self.faults(rest, view),
+            DesignerTab::Preview => self.preview(rest, view, picture),
+            DesignerTab::Variables => self.variable_list(rest, view),
+            DesignerTab::Pictures => self.picture_list(rest, view),
+            DesignerTab::Faults => self.faults(rest, view),
         }
     }
 }

@@ -2,11 +2,10 @@
 //! Source: spec L9 (live while cutting), L10 (a finished part can be measured).
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
-use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use egui::{Color32, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
-use super::paint::{Camera, GraphicScene};
-use crate::hmi::theme;
-use crate::hmi::view::{View, format_length, text_line};
+use super::camera::{Camera, GraphicScene};
+use crate::hmi::{View, format_length, theme};
 use crate::link::simulation::LatheWorkspaceView;
 use crate::link::toolpath::BoundingBox;
 use crate::units::Axis;
@@ -43,20 +42,20 @@ pub fn bar_bounds(view: &View<'_>) -> Option<BoundingBox> {
 }
 
 /// Paints bar and chuck.
-pub fn paint(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+pub fn paint(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let Some(room) = work_area(view) else { return };
     let (x, z) = work_from_part(view, room);
     let at = |along: f32, up: f32| scene.camera.to_canvas(rect, z + along, x + up);
     let both = |from: f32, to: f32, radius: f32| Rect::from_two_pos(at(from, -radius), at(to, radius));
     for (from, to, radius) in &room.bodies {
         let place = both(*from, *to, *radius);
-        painter.rect_filled(place, 0.0, view.theme.raised);
-        painter.rect_stroke(place, 0.0, Stroke::new(theme::FRAME, view.theme.muted), StrokeKind::Inside);
+        view.painter.rect_filled(place, 0.0, view.theme.raised);
+        view.painter.rect_stroke(place, 0.0, Stroke::new(theme::FRAME, view.theme.muted), StrokeKind::Inside);
     }
     let end = room.chuck_face_z_mm + room.cell_mm * room.radius_mm.len() as f32;
     // Outline of the original bar, as a hairline.
     let stock = both(room.chuck_face_z_mm, end, room.stock_radius_mm);
-    painter.rect_stroke(stock, 0.0, Stroke::new(theme::HAIRLINE, view.theme.line), StrokeKind::Inside);
+    view.painter.rect_stroke(stock, 0.0, Stroke::new(theme::HAIRLINE, view.theme.line), StrokeKind::Inside);
     let fill = view.theme.muted.gamma_multiply(0.45);
     let mut mesh = Mesh::default();
     let (mut upper, mut lower): (Vec<Pos2>, Vec<Pos2>) = (Vec::new(), Vec::new());
@@ -73,14 +72,14 @@ pub fn paint(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScen
     }
     lower.reverse();
     upper.extend(lower);
-    painter.add(Shape::mesh(mesh));
-    painter.add(Shape::closed_line(upper, Stroke::new(theme::FRAME, view.theme.text)));
+    view.painter.add(Shape::mesh(mesh));
+    view.painter.add(Shape::closed_line(upper, Stroke::new(theme::FRAME, view.theme.text)));
     let axis = Stroke::new(theme::HAIRLINE, view.theme.info);
-    painter.line_segment([at(room.chuck_face_z_mm, 0.0), at(end + 5.0, 0.0)], axis);
+    view.painter.line_segment([at(room.chuck_face_z_mm, 0.0), at(end + 5.0, 0.0)], axis);
 }
 
 /// Paints the active tool; `slides` is the position of the slides.
-pub fn paint_tool(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, slides: [f32; 3]) {
+pub fn paint_tool(rect: Rect, view: &View<'_>, camera: Camera, slides: [f32; 3]) {
     let Some(room) = work_area(view) else { return };
     let (x, z) = (slides[Axis::X as usize] + room.tip_mm.0, slides[Axis::Z as usize] + room.tip_mm.1);
     let at = |along: f32, over: f32| camera.to_canvas(rect, z + along, x + over);
@@ -88,15 +87,15 @@ pub fn paint_tool(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera
     for pair in room.outline_mm.windows(2) {
         let [a, b] = [pair[0], pair[1]];
         let corners = vec![at(a.0, a.1), at(b.0, b.1), at(b.0, SHANK_MM), at(a.0, SHANK_MM)];
-        painter.add(Shape::convex_polygon(corners, ink.gamma_multiply(0.25), Stroke::NONE));
+        view.painter.add(Shape::convex_polygon(corners, ink.gamma_multiply(0.25), Stroke::NONE));
     }
     let mut outline: Vec<Pos2> = room.outline_mm.iter().map(|point| at(point.0, point.1)).collect();
     if let (Some(first), Some(last)) = (room.outline_mm.first(), room.outline_mm.last()) {
         outline.insert(0, at(first.0, SHANK_MM));
         outline.push(at(last.0, SHANK_MM));
     }
-    painter.add(Shape::line(outline, Stroke::new(theme::FRAME, ink)));
-    painter.circle_filled(at(0.0, 0.0), 3.0, ink);
+    view.painter.add(Shape::line(outline, Stroke::new(theme::FRAME, ink)));
+    view.painter.circle_filled(at(0.0, 0.0), 3.0, ink);
 }
 
 /// Diameter of the bar at a Z position, mm, work coordinates; none beside the bar.
@@ -107,7 +106,7 @@ pub fn diameter_at(view: &View<'_>, along: f32) -> Option<f32> {
 }
 
 /// Paints the measured positions: the diameter at each, and their distance.
-pub fn paint_measurements(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, places: &[f32]) {
+pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &[f32]) {
     let Some(room) = work_area(view) else { return };
     let x = work_from_part(view, room).0;
     let ink = view.theme.focus;
@@ -115,15 +114,15 @@ pub fn paint_measurements(painter: &Painter, rect: Rect, view: &View<'_>, camera
         let wide = 12.0 + words.chars().count() as f32 * 9.0;
         let corner = pos2(corner.x.min(rect.max.x - wide - 2.0).max(rect.min.x + 2.0), corner.y);
         let place = Rect::from_min_size(corner, vec2(wide, 24.0));
-        painter.rect_filled(place, theme::RADIUS, view.theme.background);
-        painter.rect_stroke(place, theme::RADIUS, Stroke::new(theme::HAIRLINE, ink), StrokeKind::Inside);
-        text_line(painter, place, Align2::CENTER_CENTER, words, theme::LABEL, view.theme.text);
+        view.painter.rect_filled(place, theme::RADIUS, view.theme.background);
+        view.painter.rect_stroke(place, theme::RADIUS, Stroke::new(theme::HAIRLINE, ink), StrokeKind::Inside);
+        view.line_centre(place, words, theme::LABEL, view.theme.text);
     };
     for (index, along) in places.iter().enumerate() {
         let diameter = diameter_at(view, *along);
         let radius = diameter.unwrap_or(2.0 * room.stock_radius_mm) / 2.0;
         let (top, foot) = (camera.to_canvas(rect, *along, x + radius), camera.to_canvas(rect, *along, x - radius));
-        painter.line_segment([top - vec2(0.0, 14.0), foot + vec2(0.0, 14.0)], Stroke::new(theme::FRAME, ink));
+        view.painter.line_segment([top - vec2(0.0, 14.0), foot + vec2(0.0, 14.0)], Stroke::new(theme::FRAME, ink));
         let words = match diameter {
             Some(diameter) => format!("Ø{} Z{}", format_length(f64::from(diameter)), format_length(f64::from(*along))),
             None => format!("Z{}", format_length(f64::from(*along))),
@@ -134,7 +133,7 @@ pub fn paint_measurements(painter: &Painter, rect: Rect, view: &View<'_>, camera
     if let [a, b] = places {
         let below = camera.to_canvas(rect, *a, x - room.stock_radius_mm).y + 26.0;
         let (from, to) = (camera.to_canvas(rect, *a, 0.0).x, camera.to_canvas(rect, *b, 0.0).x);
-        painter.hline(from.min(to)..=from.max(to), below, Stroke::new(theme::FRAME, ink));
+        view.painter.hline(from.min(to)..=from.max(to), below, Stroke::new(theme::FRAME, ink));
         label(
             pos2(f32::midpoint(from, to) - 40.0, below + 4.0),
             &format!("L {}", format_length(f64::from((b - a).abs()))),

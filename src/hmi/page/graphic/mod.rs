@@ -2,30 +2,28 @@
 //! time are shown before the first cycle start.
 //! Source: spec B6 (图形), H8, H9.
 
+mod camera;
 mod lathe;
 mod paint;
 
 use std::sync::Arc;
 
-use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 
-use super::{PageContext, PageUi, TypedInput, empty};
+use super::{PageContext, PageUi, empty};
 use crate::defs::text::Text;
-use crate::hmi::requests::{PendingRequests, RequestReason};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, format_length, paragraph};
-use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
-use crate::hmi::{page_frame as lines, pictogram, theme};
-use crate::link::files::{FileRequest, Requester, Ticket};
-use crate::link::page_command::PageCommand;
+use crate::hmi::{
+    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, RequestReason, View, file_command,
+    format_length, page_frame as lines, theme, widget,
+};
+use crate::link::files::{FileRequest, Requester};
 use crate::link::snapshot::RunState;
-use crate::link::toolpath::{BoundingBox, Toolpath};
+use crate::link::toolpath::Toolpath;
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
-use paint::{Camera, Canvas};
+use camera::{Camera, GraphicScene};
+use paint::Canvas;
 
-/// Height of the keys below.
-const KEYS_HEIGHT: f32 = 46.0;
 /// Width of the figures beside the drawing.
 const FIGURES_WIDTH: f32 = 196.0;
 /// Maximum number of points of the actual path; when full, every second point is removed.
@@ -96,17 +94,15 @@ impl PageUi for GraphicPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, out, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         let program = &view.snapshot.program;
         if program.number == 0 {
-            let remedy = view.text("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
-            empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有装入程序", "no program is loaded"), remedy);
-            return;
+            return empty::no_program(view, rect);
         }
         let drawing = view.snapshot.files.toolpath.as_ref().filter(|drawing| drawing.number == program.number);
         let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
         let wanted = (program.number, program.stamp);
-        let now = ui.input(|input| input.time);
+        let now = view.ui.input(|input| input.time);
         while self.asking.poll(&view.snapshot.files).is_some() {}
         // An unanswered request is repeated; a refused or cancelled one is not.
         let due = self
@@ -115,21 +111,19 @@ impl PageUi for GraphicPage {
         if !fresh && due && view.snapshot.files.busy.is_none() {
             self.request_drawing(wanted, now, out);
         }
-        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS_HEIGHT);
-        let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
-        let (canvas, figures) = body.split_left_right_at_x(body.max.x - FIGURES_WIDTH);
-        let canvas = Rect::from_min_max(canvas.min, canvas.max - vec2(theme::GAP, 0.0));
+        let (title, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(32.0);
+        let (body, keys) = rest.split_bottom(widget::KEYS_HEIGHT);
+        let (canvas, figures) = body.trim_bottom(theme::GAP).split_right(FIGURES_WIDTH);
+        let canvas = canvas.trim_right(theme::GAP);
         let planes = view.snapshot.kind.ui().drawing_planes;
         let plane = planes[self.plane % planes.len()];
         let words = format!("{} · {}{}", view.snapshot.title(program.number), plane.0.letter(), plane.1.letter());
-        lines::title(ui, view, title, &words);
-        self.canvas(ui, canvas, view, (drawing, plane), typed);
-        path_figures(ui, figures, view, drawing, fresh);
-        self.keys(ui, keys, view, typed.edits, out);
+        lines::title(view, title, &words);
+        self.canvas(canvas, view, drawing, plane, typed);
+        path_figures(figures, view, drawing, fresh);
+        self.keys(keys, view, &typed.edits, out);
         if let Some((what, share)) = view.snapshot.files.busy {
-            progress(ui, canvas, view, what, share);
+            progress(canvas, view, what, share);
         }
     }
 }
@@ -142,20 +136,21 @@ impl GraphicPage {
 
     fn canvas(
         &mut self,
-        ui: &Ui,
         rect: Rect,
         view: &View<'_>,
-        (drawing, plane): (Option<&Arc<Toolpath>>, ViewPlane),
-        typed: &TypedInput<'_>,
+        drawing: Option<&Arc<Toolpath>>,
+        plane: ViewPlane,
+        typed: &KeyboardInput,
     ) {
-        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+        view.card(rect);
         let inside = rect.shrink(2.0);
         let whole = paint::scene_bounds(view, drawing, &self.actual_path);
         let camera = *self.camera.get_or_insert_with(|| Camera::fit(whole, plane, inside));
         let mut camera = if camera.fitted { Camera::fit(whole, plane, inside) } else { camera };
-        let response = ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
+        let response =
+            view.ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "图形 graphic-canvas"));
-        let (pinch, scroll, at) = ui.input(|input| {
+        let (pinch, scroll, at) = view.ui.input(|input| {
             let touch = input.multi_touch();
             let zoom = touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta);
             (zoom, input.smooth_scroll_delta().y, input.pointer.hover_pos())
@@ -180,74 +175,52 @@ impl GraphicPage {
             camera = Camera::fit(whole, plane, inside);
         }
         self.camera = Some(camera);
-        let painter = ui.painter().with_clip_rect(inside);
-        let scene = paint::GraphicScene {
-            drawing,
-            plane,
-            camera,
-            actual_path: &self.actual_path,
-            measured_at: &self.measured_at,
-        };
-        self.canvas.paint(&painter, inside, view, &scene);
+        let view = &view.clipped(inside);
+        let scene =
+            GraphicScene { drawing, plane, camera, actual_path: &self.actual_path, measured_at: &self.measured_at };
+        self.canvas.paint(inside, view, &scene);
     }
 
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey], out: &mut Vec<Command>) {
+    fn keys(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey], out: &mut Vec<Command>) {
         // The arrow keys pan the drawing, so Tab moves over the keys.
-        let walked: Vec<EditKey> = edits
-            .iter()
-            .copied()
-            .filter(|edit| matches!(edit, EditKey::Next | EditKey::Previous | EditKey::Enter))
-            .collect();
-        self.walk.begin_frame(&walked);
+        let walks = |edit: &EditKey| matches!(edit, EditKey::Next | EditKey::Previous | EditKey::Enter);
+        self.walk.begin_frame(&edits.iter().copied().filter(walks).collect::<Vec<_>>());
         let several = view.snapshot.kind.ui().drawing_planes.len() > 1;
         let busy = view.snapshot.files.busy.is_some();
         let keys = [
-            ("graphic-fit", Text::new("适合", "FIT"), true),
-            ("graphic-in", Text::new("放大 +", "ZOOM +"), true),
-            ("graphic-out", Text::new("缩小 -", "ZOOM -"), true),
-            ("graphic-plane", Text::new("平面", "PLANE"), several),
-            ("graphic-clear", Text::new("清轨迹", "CLEAR"), true),
-            ("graphic-redraw", Text::new("重算", "REDRAW"), !busy),
-            ("graphic-stop", Text::new("取消", "CANCEL"), busy),
+            ("graphic-fit", view.text("适合", "FIT"), true),
+            ("graphic-in", view.text("放大 +", "ZOOM +"), true),
+            ("graphic-out", view.text("缩小 -", "ZOOM -"), true),
+            ("graphic-plane", view.text("平面", "PLANE"), several),
+            ("graphic-clear", view.text("清轨迹", "CLEAR"), true),
+            ("graphic-redraw", view.text("重算", "REDRAW"), !busy),
+            ("graphic-stop", view.text("取消", "CANCEL"), busy),
         ];
         let shown: Vec<_> = keys.into_iter().filter(|(.., shown)| *shown).collect();
-        let count = shown.len();
-        for (index, (name, label, _)) in shown.into_iter().enumerate() {
-            let place = cell(rect, index, count);
-            if !self.walk.button(ui, view, place, (name, label.get(view.lang)), ButtonState::default()) {
-                continue;
+        let drawn: Vec<_> = shown.iter().map(|(name, label, _)| PageKey::new(name, label)).collect();
+        let Some(touched) = self.walk.keys(view, rect, &drawn) else { return };
+        match shown[touched].0 {
+            "graphic-fit" => self.camera = None,
+            "graphic-in" => self.camera.iter_mut().for_each(|camera| camera.zoom(ZOOM_STEP, Vec2::ZERO)),
+            "graphic-out" => self.camera.iter_mut().for_each(|camera| camera.zoom(1.0 / ZOOM_STEP, Vec2::ZERO)),
+            "graphic-plane" => (self.plane, self.camera) = (self.plane + 1, None),
+            "graphic-clear" => {
+                self.actual_path.clear();
+                self.measured_at.clear();
             }
-            match name {
-                "graphic-fit" => self.camera = None,
-                "graphic-in" | "graphic-out" => {
-                    let factor = if name == "graphic-in" { ZOOM_STEP } else { 1.0 / ZOOM_STEP };
-                    self.camera.iter_mut().for_each(|camera| camera.zoom(factor, Vec2::ZERO));
-                }
-                "graphic-plane" => {
-                    self.plane += 1;
-                    self.camera = None;
-                }
-                "graphic-clear" => {
-                    self.actual_path.clear();
-                    self.measured_at.clear();
-                }
-                "graphic-redraw" => {
-                    let wanted = (view.snapshot.program.number, view.snapshot.program.stamp);
-                    self.request_drawing(wanted, ui.input(|input| input.time), out);
-                }
-                _ => out.push(Command::Page(PageCommand::File(
-                    Ticket::without_reply(Requester::Graphic),
-                    FileRequest::Cancel,
-                ))),
+            "graphic-redraw" => {
+                let wanted = (view.snapshot.program.number, view.snapshot.program.stamp);
+                self.request_drawing(wanted, view.ui.input(|input| input.time), out);
             }
-            ui.ctx().request_repaint();
+            _ => out.push(file_command(Requester::Graphic, FileRequest::Cancel)),
         }
+        view.ui.ctx().request_repaint();
     }
 }
 
 /// Pans with the arrow keys, zooms with + and - and by pages.
-fn move_camera(camera: &mut Camera, canvas: Rect, typed: &TypedInput<'_>) {
-    for edit in typed.edits {
+fn move_camera(camera: &mut Camera, canvas: Rect, typed: &KeyboardInput) {
+    for edit in &typed.edits {
         match edit {
             EditKey::Left => camera.pan(vec2(PAN_STEP * canvas.width(), 0.0)),
             EditKey::Right => camera.pan(vec2(-PAN_STEP * canvas.width(), 0.0)),
@@ -278,12 +251,11 @@ fn duration(seconds: f64) -> String {
 }
 
 /// Time, distance, extents, errors.
-fn path_figures(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fresh: bool) {
-    card(ui.painter(), rect, view.theme.surface, view.theme.line);
+fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fresh: bool) {
+    view.card(rect);
     let inside = rect.shrink2(vec2(10.0, 8.0));
     let Some(drawing) = drawing else {
-        let words = view.text("还没有轨迹", "no path yet");
-        paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.muted);
+        view.paragraph(inside, view.text("还没有轨迹", "no path yet"), theme::LABEL, view.theme.muted);
         return;
     };
     let mut rows = vec![
@@ -302,24 +274,22 @@ fn path_figures(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolp
     for (name, value) in rows {
         let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), 25.0));
         let (left, right) = line.split_left_right_at_fraction(0.42);
-        fit_text(ui.painter(), left, Align2::LEFT_CENTER, &name, theme::LABEL, view.theme.muted);
-        fit_text(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
+        view.fit_left(left, &name, theme::LABEL, view.theme.muted);
+        view.fit_right(right, &value, theme::LABEL, view.theme.text);
         top += 25.0;
     }
     if lathe::work_area(view).is_some() {
         let words = view.text("触摸工件：量直径和长度", "touch the part: diameter, length");
-        let place = Rect::from_min_max(pos2(inside.min.x, top + 4.0), inside.max);
-        top = paragraph(ui.painter(), place, words, theme::SMALL, view.theme.muted).max.y;
+        top = view.paragraph(inside.with_min_y(top + 4.0), words, theme::SMALL, view.theme.muted).max.y;
     }
-    let below = Rect::from_min_max(pos2(inside.min.x, top + 6.0), inside.max);
+    let below = inside.with_min_y(top + 6.0);
     let (words, ink) = if let Some(fault) = drawing.faults.first() {
         let more = drawing.faults.len() - 1;
         let more = if more > 0 { format!(" (+{more})") } else { String::new() };
         let line = view.text("行", "line");
         (format!("{line} {}: {}{more}", fault.line, fault.message.get(view.lang)), view.theme.alarm_text)
     } else if !fresh {
-        let words = view.text("程序已改动，请重算", "the program was changed: redraw");
-        (words.to_owned(), view.theme.hold)
+        (view.text("程序已改动，请重算", "the program was changed: redraw").to_owned(), view.theme.hold)
     } else if !drawing.finished {
         let words =
             view.text("未到程序结束：太长或循环等待", "not followed to its end: too long, or a loop that waits");
@@ -327,24 +297,16 @@ fn path_figures(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolp
     } else {
         (view.text("检查无错误", "checked: no mistakes").to_owned(), view.theme.run)
     };
-    paragraph(ui.painter(), below, &words, theme::LABEL, ink);
+    view.paragraph(below, &words, theme::LABEL, ink);
 }
 
 /// Progress bar over the drawing while a path is computed.
-fn progress(ui: &Ui, rect: Rect, view: &View<'_>, what: Text, share: u16) {
+fn progress(rect: Rect, view: &View<'_>, what: Text, share: u16) {
     let place = Rect::from_center_size(rect.center(), vec2(340.0_f32.min(rect.width() - 24.0), 74.0));
-    card(ui.painter(), place, view.theme.raised, view.theme.focus);
+    view.filled_card(place, view.theme.raised, view.theme.focus);
     let inside = place.shrink(theme::PAD);
     let words = format!("{} {} %", what.get(view.lang), share / 10);
-    let (line, bar) = inside.split_top_bottom_at_y(inside.min.y + 28.0);
-    fit_text(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
-    let bar = Rect::from_min_max(pos2(bar.min.x, bar.max.y - 12.0), bar.max);
-    ui.painter().rect_filled(bar, theme::RADIUS, view.theme.line);
-    let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
-    ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
-}
-
-/// The given box; without one a box of ±50 mm around the machine position.
-fn or_around_machine(around: Option<BoundingBox>, here: [f32; 3]) -> BoundingBox {
-    around.unwrap_or(BoundingBox { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
+    let (line, bar) = inside.split_top(28.0);
+    view.fit_left(line, &words, theme::LABEL, view.theme.text);
+    widget::progress_bar(view, bar.split_bottom(12.0).1, share);
 }

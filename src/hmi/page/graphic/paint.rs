@@ -5,13 +5,13 @@
 use std::sync::Arc;
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
-use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::{ViewPlane, index, lathe, machine_position, or_around_machine};
+use super::camera::{Camera, GraphicScene};
+use super::{ViewPlane, index, lathe, machine_position};
 use crate::defs::kind::WheelPose;
 use crate::defs::param;
-use crate::hmi::theme;
-use crate::hmi::view::{View, text_line};
+use crate::hmi::{View, theme};
 use crate::link::toolpath::{BoundingBox, CHUNK_POINTS, MoveKind, Toolpath};
 use crate::units::Axis;
 
@@ -19,83 +19,8 @@ use crate::units::Axis;
 const MAX_LINES: usize = 24_000;
 /// Maximum error of the simplified path, pixels.
 const MAX_ERROR_PX: f32 = 0.6;
-/// Limits of the scale, pixels per mm.
-const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
 /// Minimum distance of two grid lines, pixels.
 const MIN_GRID_PX: f32 = 70.0;
-
-/// Section of the plane that is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
-    /// Centre of the canvas, mm: to the right, upwards.
-    centre: (f32, f32),
-    /// Pixels per mm.
-    scale: f32,
-    /// Everything is in view; true until the operator pans or zooms.
-    pub fitted: bool,
-}
-
-impl Camera {
-    /// A camera that shows everything.
-    pub fn fit(whole: BoundingBox, (right, up): ViewPlane, rect: Rect) -> Self {
-        let (right, up) = (index(right), index(up));
-        let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
-        let scale = (rect.width() * 0.88 / size(right)).min(rect.height() * 0.88 / size(up));
-        let middle = |axis: usize| f32::midpoint(whole.low[axis], whole.high[axis]);
-        Self {
-            centre: (middle(right), middle(up)),
-            scale: scale.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end()),
-            fitted: true,
-        }
-    }
-
-    /// Pans by pixels.
-    pub fn pan(&mut self, by: Vec2) {
-        if by != Vec2::ZERO {
-            self.centre.0 -= by.x / self.scale;
-            self.centre.1 += by.y / self.scale;
-            self.fitted = false;
-        }
-    }
-
-    /// Zooms around `about`, pixels from the centre.
-    pub fn zoom(&mut self, factor: f32, about: Vec2) {
-        let scale = (self.scale * factor).clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
-        if !scale.is_finite() || (scale / self.scale - 1.0).abs() < 1e-4 {
-            return;
-        }
-        self.centre.0 += about.x / self.scale - about.x / scale;
-        self.centre.1 -= about.y / self.scale - about.y / scale;
-        (self.scale, self.fitted) = (scale, false);
-    }
-
-    /// Coordinate to the right at a canvas position, mm.
-    pub fn right_at(&self, rect: Rect, at: Pos2) -> f32 {
-        self.centre.0 + (at.x - rect.center().x) / self.scale
-    }
-
-    /// Canvas position of a point in mm.
-    pub fn to_canvas(self, rect: Rect, right: f32, up: f32) -> Pos2 {
-        let centre = rect.center();
-        pos2(centre.x + (right - self.centre.0) * self.scale, centre.y - (up - self.centre.1) * self.scale)
-    }
-
-    /// Visible range, mm: least and greatest to the right, least and greatest upwards.
-    fn visible_mm(&self, rect: Rect) -> [f32; 4] {
-        let (wide, high) = (rect.width() / 2.0 / self.scale, rect.height() / 2.0 / self.scale);
-        [self.centre.0 - wide, self.centre.0 + wide, self.centre.1 - high, self.centre.1 + high]
-    }
-}
-
-/// What is painted.
-pub struct GraphicScene<'a> {
-    pub drawing: Option<&'a Arc<Toolpath>>,
-    pub plane: ViewPlane,
-    pub camera: Camera,
-    pub actual_path: &'a [[f32; 3]],
-    /// Touched Z positions to measure, mm (L10).
-    pub measured_at: &'a [f32],
-}
 
 /// Mesh of the tool path as last painted.
 #[derive(Debug, Default)]
@@ -123,16 +48,18 @@ pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[
     if drawing.is_none() {
         trail.iter().for_each(|at| take(*at, *at));
     }
-    or_around_machine(all, machine_position(view.snapshot))
+    // Without anything to show: a box of ±50 mm around the machine position.
+    let here = machine_position(view.snapshot);
+    all.unwrap_or(BoundingBox { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
 }
 
 impl Canvas {
     /// Paints everything into a clipped painter.
-    pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
-        grid_lines(painter, rect, view, scene.camera);
+    pub fn paint(&mut self, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+        grid_lines(rect, view, scene.camera);
         match lathe::work_area(view) {
-            Some(_) => lathe::paint(painter, rect, view, scene),
-            None => paint_stock(painter, rect, view, scene),
+            Some(_) => lathe::paint(rect, view, scene),
+            None => paint_stock(rect, view, scene),
         }
         if let Some(drawing) = scene.drawing {
             let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
@@ -143,13 +70,13 @@ impl Canvas {
                 self.mesh = Arc::new(path_mesh(drawing, scene, rect, view));
                 self.of = Some(wanted);
             }
-            painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
+            view.painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
         }
-        paint_actual_path(painter, rect, view, scene);
-        paint_wheel(painter, rect, view, scene);
-        grid_labels(painter, rect, view, scene);
-        paint_collisions(painter, rect, view, scene);
-        lathe::paint_measurements(painter, rect, view, scene.camera, scene.measured_at);
+        paint_actual_path(rect, view, scene);
+        paint_wheel(rect, view, scene);
+        grid_labels(rect, view, scene);
+        paint_collisions(rect, view, scene);
+        lathe::paint_measurements(rect, view, scene.camera, scene.measured_at);
     }
 }
 
@@ -180,21 +107,21 @@ fn grid(rect: Rect, camera: Camera) -> (f32, Vec<GridLine>) {
     (step, upright.chain(level).collect())
 }
 
-fn grid_lines(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera) {
+fn grid_lines(rect: Rect, view: &View<'_>, camera: Camera) {
     let (step, lines) = grid(rect, camera);
     for line in lines {
         let zero = line.value.abs() < step * 0.01;
         let stroke = Stroke::new(theme::HAIRLINE, if zero { view.theme.muted } else { view.theme.line });
         if line.vertical {
-            painter.vline(line.at.x, rect.y_range(), stroke);
+            view.painter.vline(line.at.x, rect.y_range(), stroke);
         } else {
-            painter.hline(rect.x_range(), line.at.y, stroke);
+            view.painter.hline(rect.x_range(), line.at.y, stroke);
         }
     }
 }
 
 /// Coordinates of the grid lines, above part and wheel.
-fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn grid_labels(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (step, lines) = grid(rect, scene.camera);
     let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
     let size = vec2(MIN_GRID_PX - 8.0, 16.0);
@@ -211,13 +138,12 @@ fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         };
         if room {
             let diameter = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
-            let words = format!("{:.*}", digits, line.value * diameter);
-            text_line(painter, place, Align2::LEFT_CENTER, &words, theme::SMALL, view.theme.muted);
+            view.line_left(place, &format!("{:.*}", digits, line.value * diameter), theme::SMALL, view.theme.muted);
         }
     }
 }
 
-fn paint_stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_stock(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = scene.plane;
     for stock in view.snapshot.stock.iter() {
         let at = |corner: &crate::units::WorkPos| scene.camera.to_canvas(rect, corner[right] as f32, corner[up] as f32);
@@ -227,8 +153,8 @@ fn paint_stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         } else {
             (view.theme.line.gamma_multiply(0.5), view.theme.line)
         };
-        painter.rect_filled(place, 0.0, fill);
-        painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIRLINE, line), egui::StrokeKind::Inside);
+        view.painter.rect_filled(place, 0.0, fill);
+        view.painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIRLINE, line), egui::StrokeKind::Inside);
     }
 }
 
@@ -313,7 +239,7 @@ fn segment(mesh: &mut Mesh, from: Pos2, to: Pos2, width: f32, colour: Color32) {
 }
 
 /// Paints the actual path of the machine.
-fn paint_actual_path(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_actual_path(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let mut mesh = Mesh::default();
     let place = |at: &[f32; 3]| scene.camera.to_canvas(rect, at[right], at[up]);
@@ -322,26 +248,26 @@ fn paint_actual_path(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Gra
             segment(&mut mesh, from, to, 2.0, view.theme.run);
         }
     }
-    painter.add(Shape::mesh(mesh));
+    view.painter.add(Shape::mesh(mesh));
 }
 
 /// Marks each collision of the check run with a cross (L9).
-fn paint_collisions(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_collisions(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let Some(drawing) = scene.drawing else { return };
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let stroke = Stroke::new(theme::FRAME, view.theme.alarm);
     for at in &drawing.crashes {
         let here = scene.camera.to_canvas(rect, at[right], at[up]);
         if rect.contains(here) {
-            painter.circle_stroke(here, 9.0, stroke);
-            painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
-            painter.line_segment([here - vec2(6.0, -6.0), here + vec2(6.0, -6.0)], stroke);
+            view.painter.circle_stroke(here, 9.0, stroke);
+            view.painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
+            view.painter.line_segment([here - vec2(6.0, -6.0), here + vec2(6.0, -6.0)], stroke);
         }
     }
 }
 
 /// Paints the wheel at its present position. Its reference point is the lowest or foremost point on the minus side.
-fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+fn paint_wheel(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let at = machine_position(view.snapshot);
     let (right, up) = scene.plane;
     let params = &view.snapshot.params;
@@ -351,8 +277,8 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
     let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.ui().wheel_pose else {
         // Without a bar a turning tool is shown as its tip.
         match lathe::work_area(view) {
-            Some(_) => lathe::paint_tool(painter, rect, view, scene.camera, at),
-            None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
+            Some(_) => lathe::paint_tool(rect, view, scene.camera, at),
+            None => drop(view.painter.circle_filled(here, 3.5, view.theme.hold)),
         }
         return;
     };
@@ -363,7 +289,7 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         let radius = diameter / 2.0 * scene.camera.scale;
         if radius < 4_000.0 {
             let centre = if up == body { here - vec2(0.0, radius) } else { here + vec2(radius, 0.0) };
-            painter.circle(centre, radius, fill, stroke);
+            view.painter.circle(centre, radius, fill, stroke);
         }
     } else {
         let mut near = at;
@@ -383,36 +309,17 @@ fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicSc
         let here = scene.camera.to_canvas(rect, near[index(right)], near[index(up)]);
         let place = Rect::from_two_pos(here, corner).intersect(rect.expand(8.0));
         if place.is_positive() {
-            painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
+            view.painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
         }
     }
     if rect.contains(here) {
-        painter.circle_filled(here, 3.5, view.theme.hold);
+        view.painter.circle_filled(here, 3.5, view.theme.hold);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn h9_zoom_keeps_the_place_under_the_finger() {
-        let rect = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 400.0));
-        let around = BoundingBox { low: [0.0; 3], high: [100.0; 3] };
-        let mut camera = Camera::fit(around, (Axis::Z, Axis::X), rect);
-        let finger = vec2(80.0, -50.0);
-        let under =
-            |camera: &Camera| (camera.centre.0 + finger.x / camera.scale, camera.centre.1 - finger.y / camera.scale);
-        let before = under(&camera);
-        camera.zoom(3.0, finger);
-        let after = under(&camera);
-        assert!((before.0 - after.0).abs() < 1e-3 && (before.1 - after.1).abs() < 1e-3);
-        // No zoom leaves the range that can be drawn.
-        (0..200).for_each(|_| camera.zoom(10.0, finger));
-        assert!(camera.scale <= *SCALE_RANGE.end() && camera.centre.0.is_finite());
-        camera.zoom(f32::NAN, finger);
-        assert!(camera.scale.is_finite());
-    }
 
     #[test]
     fn b6_lines_are_cut_at_the_canvas() {

@@ -2,23 +2,16 @@
 //! An increment or a measurement applies to one value; the next value is absolute again.
 //! Source: spec K4.1, K7.6, H6.
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, pos2, vec2};
 
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
-use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::page::TypedInput;
-use crate::hmi::page::input_line::{self, InputPrompt};
-use crate::hmi::page::scroll::Scroll;
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, fit_text, focus_frame, format_length, text_line};
-use crate::hmi::{pictogram, theme, widget};
+use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
+use crate::hmi::{
+    Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, View, format_length, keycap, pictogram, theme, widget,
+};
 use crate::link::Command;
 use crate::link::edit::{MAX_INCREMENT, OFFSET_COUNT, OffsetCommand, OffsetPart};
 use crate::units::Axis;
 
-/// Height of a line.
-const LINE_HEIGHT: f32 = 46.0;
 /// Heights of the two header lines: parts, axes.
 const HEAD_HEIGHTS: (f32, f32) = (22.0, 22.0);
 /// Width of the offset number.
@@ -51,7 +44,6 @@ pub struct OffsetTableSpec<'a> {
 }
 
 /// The columns of the parts: one for each axis of the machine.
-#[must_use]
 pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<(OffsetPart, Axis)> {
     let axes = || Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present);
     parts.iter().flat_map(|part| axes().map(|axis| (*part, axis))).collect()
@@ -75,12 +67,7 @@ impl OffsetTable {
     }
 
     /// Handles the keyboard input of this frame.
-    pub fn handle_typed(
-        &mut self,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        form: &OffsetTableSpec<'_>,
-    ) -> Vec<Command> {
+    pub fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, form: &OffsetTableSpec<'_>) -> Vec<Command> {
         if let CoreAnswer::Refused(field) = self.typing.poll_answer(&view.snapshot.edit_answer) {
             let cell = field / form.modes.len();
             (self.row, self.column) = (cell / MAX_COLUMNS, cell % MAX_COLUMNS);
@@ -91,7 +78,7 @@ impl OffsetTable {
         for sign in typed.text.chars() {
             self.handle_letter(sign, form);
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             self.edit(*edit, form, &mut out);
         }
         out
@@ -129,20 +116,10 @@ impl OffsetTable {
         }
         let count = form.columns.len();
         let cell = self.row * count + self.column;
-        let cells = OFFSET_COUNT * count;
-        match edit {
-            EditKey::Enter => out.extend(self.enter(form)),
-            EditKey::Up => self.select_cell((cell + cells - count) % cells, form),
-            EditKey::Down => self.select_cell((cell + count) % cells, form),
-            EditKey::Left | EditKey::Previous => self.select_cell((cell + cells - 1) % cells, form),
-            EditKey::Right | EditKey::Next => self.select_cell((cell + 1) % cells, form),
-            EditKey::Char(_)
-            | EditKey::Sign
-            | EditKey::Backspace
-            | EditKey::Delete
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Cancel => {}
+        if let Some(cell) = edit.step(cell, OFFSET_COUNT * count, count) {
+            self.select_cell(cell, form);
+        } else if edit == EditKey::Enter {
+            out.extend(self.enter(form));
         }
     }
 
@@ -194,7 +171,7 @@ impl OffsetTable {
     }
 
     /// The keys that select the entry mode of the next value.
-    pub fn mode_keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
+    pub fn mode_keys(&mut self, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
         let key = |how: &EntryMode| match how {
             EntryMode::Absolute => ("how-absolute", view.text("绝对值", "VALUE").to_owned()),
             EntryMode::Increment => ("how-increment", view.text("增量 U/W", "INCREMENT").to_owned()),
@@ -202,7 +179,7 @@ impl OffsetTable {
         };
         let keys: Vec<_> = form.modes.iter().map(key).collect();
         let chosen = form.modes.iter().position(|how| *how == self.mode).unwrap_or(0);
-        if let Some(index) = widget::tabs(ui, view, rect, &keys, chosen) {
+        if let Some(index) = widget::tabs(view, rect, &keys, chosen) {
             self.typing.clear();
             self.typing.pad_open = true;
             self.mode = form.modes[index];
@@ -210,41 +187,31 @@ impl OffsetTable {
     }
 
     /// Draws header and lines.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, form: &OffsetTableSpec<'_>) {
-        let (head, list) = rect.split_top_bottom_at_y(rect.min.y + HEAD_HEIGHTS.1 + parts_height(form));
-        head_line(ui, head, view, form);
-        let list = widget::round_to_lines(list, LINE_HEIGHT);
-        if typed.scroll_pages != 0 {
-            self.scroll.scroll_pages(typed.scroll_pages, list, LINE_HEIGHT);
-        }
+    pub fn ui(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, form: &OffsetTableSpec<'_>) {
+        let (head, list) = rect.split_top(HEAD_HEIGHTS.1 + parts_height(form));
+        head_line(head, view, form);
+        let rect = widget::round_to_lines(list, widget::ROW_HEIGHT);
         if !self.scroll.user_scrolled {
-            self.scroll.scroll_to(self.row, list, LINE_HEIGHT);
+            self.scroll.scroll_to(self.row, rect, widget::ROW_HEIGHT);
         }
-        let (first, last) = self.scroll.handle_input(ui, form.id, list, LINE_HEIGHT, OFFSET_COUNT);
-        for row in first..last {
-            let top = list.min.y + ((row as f64 - self.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE_HEIGHT - 2.0));
-            self.line(ui, (list, place), view, row, form);
+        let list = ScrollList { id: form.id, rect, row: widget::ROW_HEIGHT, gap: 2.0, count: OFFSET_COUNT };
+        let clipped = view.clipped(rect);
+        for (row, place) in self.scroll.rows(view, &list, typed.scroll_pages) {
+            self.line(place, &clipped, row, form);
         }
-        self.scroll.draw_bar(ui, view, list, LINE_HEIGHT, OFFSET_COUNT);
     }
 
-    fn line(&mut self, ui: &Ui, (list, place): (Rect, Rect), view: &View<'_>, row: usize, form: &OffsetTableSpec<'_>) {
-        let painter = &ui.painter().with_clip_rect(list);
+    fn line(&mut self, place: Rect, view: &View<'_>, row: usize, form: &OffsetTableSpec<'_>) {
         let in_force = view.snapshot.active_offset == row + 1;
-        let number = Rect::from_min_size(place.min, vec2(NUMBER_WIDTH, place.height()));
         let ink = if in_force { view.theme.info } else { view.theme.text };
         if in_force {
-            painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, view.theme.info);
+            view.edge_bar(place, view.theme.info);
         }
-        let words = format!("{:02}", row + 1);
-        text_line(painter, number, Align2::CENTER_CENTER, &words, theme::TITLE, ink);
+        view.line_centre(place.split_left(NUMBER_WIDTH).0, &format!("{:02}", row + 1), theme::TITLE, ink);
         for (column, (part, axis)) in form.columns.iter().enumerate() {
             let cell = cell_rect(place, column, form);
-            let touch = cell.intersect(list);
-            let response = ui.interact(touch, Id::unique((form.id, row, column)), Sense::CLICK);
             let name = format!("{}-{:02}-{axis}", part.name().en, row + 1);
-            response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+            let response = view.touch(cell, (form.id, row, column), name);
             if response.clicked() {
                 if (row, column) != (self.row, self.column) {
                     let how = if self.typing.refused.is_some() { EntryMode::Absolute } else { self.mode };
@@ -255,27 +222,23 @@ impl OffsetTable {
                 self.scroll.user_scrolled = true;
                 self.typing.pad_open = true;
             }
+            keycap::plate(view, cell, &response);
+            let old = (format_length(view.snapshot.offsets[row].part(*part)[*axis]), view.theme.text);
             let chosen = (row, column) == (self.row, self.column);
-            let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
-            keycap::paint_body(painter, view.theme, cell, face);
-            let inside = cell.shrink2(vec2(8.0, 2.0));
-            let old = format_length(view.snapshot.offsets[row].part(*part)[*axis]);
-            let (words, ink) = match chosen && !self.typing.text.is_empty() {
-                true if self.typing.refused.is_some() => (self.typing.text.clone(), view.theme.alarm_text),
-                true if self.mode == EntryMode::Increment => (format!("+= {}_", self.typing.text), view.theme.info),
-                true => (format!("{}_", self.typing.text), view.theme.info),
-                false => (old, view.theme.text),
-            };
-            fit_text(painter, inside, Align2::RIGHT_CENTER, &words, theme::TITLE, ink);
+            let (mut words, ink) = if chosen { self.typing.shown(view, old) } else { old };
+            let typed = chosen && !self.typing.text.is_empty() && self.typing.refused.is_none();
+            if typed && self.mode == EntryMode::Increment {
+                words.insert_str(0, "+= ");
+            }
+            view.fit_right(cell.shrink2(vec2(8.0, 2.0)), &words, theme::TITLE, ink);
             if chosen {
-                let refused = self.typing.refused.is_some();
-                focus_frame(painter, cell, if refused { view.theme.alarm } else { view.theme.focus });
+                self.typing.frame(view, cell);
             }
         }
     }
 
     /// `数据输入: 磨耗 04 X += 0.01   当前 … 范围 …`
-    pub fn input_line(&self, ui: &Ui, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
+    pub fn input_line(&self, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
         let Some((part, axis)) = form.columns.get(self.column) else { return };
         let number = self.row + 1;
         let old = format_length(view.snapshot.offsets[self.row].part(*part)[*axis]);
@@ -295,7 +258,7 @@ impl OffsetTable {
         let range = format!("{} ±{:.3} · {then}", view.text("范围", "range"), self.max_value(part));
         let name =
             if form.locked && (part == OffsetPart::Wear || self.mode != EntryMode::Absolute) { "P22.0=0" } else { "" };
-        input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
+        input_line::ui(view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
     }
 }
 
@@ -312,26 +275,24 @@ fn parts_height(form: &OffsetTableSpec<'_>) -> f32 {
 }
 
 /// Parts above axes; a lock where P22.0 forbids editing.
-fn head_line(ui: &Ui, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
-    let painter = ui.painter();
-    let (parts, axes) = rect.split_top_bottom_at_y(rect.min.y + parts_height(form));
-    let line = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(8.0, 0.0));
+fn head_line(rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
+    let (parts, axes) = rect.split_top(parts_height(form));
+    let line = |rect: Rect| rect.trim_right(8.0);
     let number = Rect::from_min_size(axes.min, vec2(NUMBER_WIDTH, axes.height()));
-    text_line(painter, number, Align2::CENTER_CENTER, view.text("号", "No."), theme::SMALL, view.theme.muted);
+    view.line_centre(number, view.text("号", "No."), theme::SMALL, view.theme.muted);
     let mut last = None;
     for (column, (part, axis)) in form.columns.iter().enumerate() {
         let below = cell_rect(line(axes), column, form).shrink2(vec2(8.0, 0.0));
-        fit_text(painter, below, Align2::RIGHT_CENTER, &axis.to_string(), theme::LABEL, view.theme.text);
+        view.fit_right(below, &axis.to_string(), theme::LABEL, view.theme.text);
         if last.replace(*part) == Some(*part) || parts_height(form) < HEAD_HEIGHTS.0 {
             continue;
         }
         let above = cell_rect(line(parts), column, form).shrink2(vec2(8.0, 0.0));
-        let taken =
-            fit_text(painter, above, Align2::LEFT_CENTER, part.name().get(view.lang), theme::LABEL, view.theme.text);
+        let taken = view.fit_left(above, part.name().get(view.lang), theme::LABEL, view.theme.text);
         if form.locked && *part == OffsetPart::Wear {
             let lock = Rect::from_center_size(pos2(taken.max.x + 12.0, above.center().y), vec2(13.0, 13.0));
-            pictogram::draw(painter, lock, pictogram::LOCK, view.theme.muted);
+            pictogram::draw(&view.painter, lock, pictogram::LOCK, view.theme.muted);
         }
     }
-    painter.hline(rect.x_range(), rect.max.y - 2.0, Stroke::new(theme::HAIRLINE, view.theme.line));
+    view.hairline(rect, rect.max.y - 2.0);
 }

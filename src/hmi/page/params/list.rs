@@ -55,8 +55,7 @@ pub struct ParamList {
 impl ParamList {
     /// Updates the lines; true if they changed.
     pub fn update(&mut self, kind: Kind, part: ParamFilter, search: &str) -> bool {
-        let same = self.kind == Some(kind) && self.filter == part && self.search == search;
-        if same {
+        if self.kind == Some(kind) && self.filter == part && self.search == search {
             return false;
         }
         if self.kind != Some(kind) {
@@ -86,19 +85,16 @@ impl ParamList {
     }
 
     /// The first row that matches.
-    #[must_use]
     pub fn first(&self) -> Option<usize> {
         self.lines.iter().flat_map(ParamLine::rows).find(|row| self.matches[*row])
     }
 
     /// The line of a row.
-    #[must_use]
     pub fn line_of(&self, row: usize) -> Option<usize> {
         self.lines.iter().position(|line| line.rows().any(|other| other == row))
     }
 
     /// The row `lines` further down, on the same bit or the nearest one.
-    #[must_use]
     pub fn row_lines_down(&self, row: usize, lines: isize) -> Option<usize> {
         let here = self.line_of(row)?;
         let there = here.saturating_add_signed(lines).min(self.lines.len().checked_sub(1)?);
@@ -108,7 +104,6 @@ impl ParamList {
     }
 
     /// The next or previous row, across lines.
-    #[must_use]
     pub fn adjacent_row(&self, row: usize, forward: bool) -> Option<usize> {
         let all: Vec<usize> = self.lines.iter().flat_map(ParamLine::rows).collect();
         let here = all.iter().position(|other| *other == row)?;

@@ -5,21 +5,16 @@ mod leadscrew;
 mod list;
 mod paint;
 
-use egui::{Rect, Ui, pos2, vec2};
+use egui::{Rect, vec2};
 
-use super::scroll::Scroll;
-use super::{PageContext, PageUi, TypedInput};
+use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
 use crate::defs::text::LocalizedText;
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
-use crate::hmi::letter_pad::{self, LetterKey};
-use crate::hmi::login::Login;
-use crate::hmi::search_field::{self, SearchField, SearchTouch};
-use crate::hmi::theme;
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::View;
-use crate::hmi::widget;
+use crate::hmi::{
+    CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad, theme,
+    widget,
+};
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
 use list::{ParamFilter, ParamList};
@@ -33,14 +28,11 @@ const FILTERS: [ParamFilter; 4] = [ParamFilter::All, ParamFilter::Bits, ParamFil
 #[derive(Debug, Default)]
 pub struct ParamPage {
     filter: ParamFilter,
-    search: String,
-    /// Typed characters go to the search.
-    searching: bool,
+    search: Search,
     list: ParamList,
     scroll: Scroll,
     /// Index of the selected row.
     cursor: usize,
-    /// The value being typed.
     typing: FieldEditor,
     /// Row and value that wait for the password of the level.
     pending_value: Option<(usize, f64)>,
@@ -62,35 +54,28 @@ impl PageUi for ParamPage {
     }
 
     fn accepts_text(&self) -> bool {
-        self.searching
+        self.search.open
     }
 
     fn wants_pad(&self, _view: &View<'_>) -> bool {
-        if self.shows_leadscrews { self.leadscrew.typing.pad_open } else { self.typing.pad_open && !self.searching }
+        if self.shows_leadscrews { self.leadscrew.typing.pad_open } else { self.typing.pad_open && !self.search.open }
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
+        let PageContext { rect, view, typed, login, out, .. } = ctx;
         // Ctrl+P selects the next tab.
         if typed.ctrl_keys.contains(&egui::Key::P) && !login.is_open() {
-            let tab = if self.shows_leadscrews {
-                FILTERS.len()
-            } else {
-                FILTERS.iter().position(|part| *part == self.filter).unwrap_or(0)
-            };
-            self.select_tab((tab + 1) % (FILTERS.len() + 1));
+            self.select_tab((self.tab() + 1) % (FILTERS.len() + 1));
         }
         if self.shows_leadscrews {
             let places = paint::ParamLayout::new(rect, false, 0);
-            self.header(ui, &places, view, login, out);
-            let below = Rect::from_min_max(pos2(rect.min.x, places.tabs.max.y + theme::GAP), rect.max);
-            out.extend(self.leadscrew.ui(ui, below, view, typed, login));
+            self.header(&places, view, login, out);
+            out.extend(self.leadscrew.ui(rect.with_min_y(places.tabs.max.y + theme::GAP), view, typed, login));
             return;
         }
-        if self.list.update(view.snapshot.kind, self.filter, &self.search) {
+        if self.list.update(view.snapshot.kind, self.filter, &self.search.text) {
             self.scroll = Scroll::default();
-            let shown = self.list.matches.get(self.cursor).copied().unwrap_or(false);
-            if !shown {
+            if !self.list.matches.get(self.cursor).copied().unwrap_or(false) {
                 self.select(self.list.first().unwrap_or(0));
             }
             self.reveal(self.cursor);
@@ -103,29 +88,18 @@ impl PageUi for ParamPage {
         if !login.is_open() {
             self.handle_typed(typed, view, login, out);
         }
-        let number = self
-            .list
-            .rows
-            .get(self.cursor)
-            .filter(|row| row.param_type == ParamType::Bit)
-            .map(|row| row.address.number);
-        let bits = self.list.rows.iter().filter(|row| Some(row.address.number) == number).count();
-        let places = paint::ParamLayout::new(rect, self.searching, bits);
-        self.header(ui, &places, view, login, out);
-        self.lines(ui, &places, view, typed);
-        paint::detail(ui.painter(), view, &places, &self.list, self.cursor);
-        paint::input_line(
-            ui.painter(),
-            view,
-            places.input,
-            self.list.rows.get(self.cursor),
-            &self.typing.text,
-            self.typing.refused.as_ref(),
-        );
-        if self.searching
-            && let Some(letter) = letter_pad::ui(ui, view, places.letters, &letter_pad::SEARCH_LAYOUT)
+        let rows = &self.list.rows;
+        let bit = rows.get(self.cursor).filter(|row| row.param_type == ParamType::Bit);
+        let bits = bit.map_or(0, |bit| rows.iter().filter(|row| row.address.number == bit.address.number).count());
+        let places = paint::ParamLayout::new(rect, self.search.open, bits);
+        self.header(&places, view, login, out);
+        self.lines(&places, view, typed);
+        paint::detail(view, &places, &self.list, self.cursor);
+        paint::input_line(view, places.input, self.list.rows.get(self.cursor), &self.typing);
+        if self.search.open
+            && let Some(letter) = letter_pad::ui(view, places.letters, &letter_pad::SEARCH_LAYOUT)
         {
-            self.letter(&letter);
+            self.search.handle_letter(&letter, MAX_SEARCH_CHARS);
         }
     }
 }
@@ -144,14 +118,7 @@ impl ParamPage {
     }
 
     /// Tabs, search field and access level.
-    fn header(
-        &mut self,
-        ui: &Ui,
-        places: &paint::ParamLayout,
-        view: &View<'_>,
-        login: &mut Login,
-        out: &mut Vec<Command>,
-    ) {
+    fn header(&mut self, places: &paint::ParamLayout, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let keys = [
             ("params-all", view.text("全部", "ALL").to_owned()),
             ("params-bits", view.text("位", "BITS").to_owned()),
@@ -159,25 +126,23 @@ impl ParamPage {
             ("params-ports", view.text("端口", "PORTS").to_owned()),
             ("params-screws", view.text("丝杠", "SCREWS").to_owned()),
         ];
-        let chosen = FILTERS.iter().position(|part| *part == self.filter).unwrap_or(0);
-        let chosen = if self.shows_leadscrews { FILTERS.len() } else { chosen };
-        if let Some(index) = widget::tabs(ui, view, places.tabs, &keys, chosen) {
+        if let Some(index) = widget::tabs(view, places.tabs, &keys, self.tab()) {
             self.select_tab(index);
         }
         if self.shows_leadscrews {
-            return self.level_key(ui, places, view, login, out);
+            return self.level_key(places, view, login, out);
         }
         let hint = view.text("查找 号码/文字", "find number/text");
-        let shown = SearchField { hint, text: &self.search, open: self.searching };
-        match search_field::field(ui, view, places.search, shown) {
-            Some(SearchTouch::Field) => {
-                self.searching = !self.searching;
-                self.typing.text.clear();
-            }
-            Some(SearchTouch::Clear) => self.search.clear(),
-            None => {}
+        if self.search.field(view, places.search, hint) == Some(SearchTouch::Field) {
+            self.typing.text.clear();
         }
-        self.level_key(ui, places, view, login, out);
+        self.level_key(places, view, login, out);
+    }
+
+    /// The selected tab.
+    fn tab(&self) -> usize {
+        let filter = FILTERS.iter().position(|part| *part == self.filter).unwrap_or(0);
+        if self.shows_leadscrews { FILTERS.len() } else { filter }
     }
 
     /// Selects a tab; the last one is that of the leadscrews.
@@ -188,16 +153,9 @@ impl ParamPage {
     }
 
     /// The key that shows, unlocks or locks the access level.
-    fn level_key(
-        &self,
-        ui: &Ui,
-        places: &paint::ParamLayout,
-        view: &View<'_>,
-        login: &mut Login,
-        out: &mut Vec<Command>,
-    ) {
+    fn level_key(&self, places: &paint::ParamLayout, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let level = view.snapshot.access.level;
-        if paint::level_key(ui, view, places.level, level) {
+        if paint::level_key(view, places.level, level) {
             if level > AccessLevel::Operator {
                 out.push(Command::Page(PageCommand::Lock));
             } else {
@@ -211,34 +169,22 @@ impl ParamPage {
     }
 
     /// The visible lines.
-    fn lines(&mut self, ui: &Ui, places: &paint::ParamLayout, view: &View<'_>, typed: &TypedInput<'_>) {
+    fn lines(&mut self, places: &paint::ParamLayout, view: &View<'_>, typed: &KeyboardInput) {
         if self.list.lines.is_empty() {
-            paint::no_match(ui.painter(), view, places.list);
+            paint::no_match(view, places.list);
             return;
         }
-        let list = widget::round_to_lines(places.list, paint::LINE_HEIGHT);
-        if typed.scroll_pages != 0 {
-            self.scroll.scroll_pages(typed.scroll_pages, list, paint::LINE_HEIGHT);
+        let (rect, count) = (widget::round_to_lines(places.list, paint::LINE_HEIGHT), self.list.lines.len());
+        let list = ScrollList { id: "params", rect, row: paint::LINE_HEIGHT, gap: 4.0, count };
+        let drawn = paint::ParamListView { list: &self.list, cursor: self.cursor, typing: &self.typing };
+        let (clipped, mut touched) = (view.clipped(rect), None);
+        for (index, place) in self.scroll.rows(view, &list, typed.scroll_pages) {
+            touched = paint::line(&clipped, place, index, &drawn).or(touched);
         }
-        let (first, last) = self.scroll.handle_input(ui, "params", list, paint::LINE_HEIGHT, self.list.lines.len());
-        let mut touched = None;
-        for index in first..last {
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(paint::LINE_HEIGHT)) as f32;
-            let size = vec2(list.width() - 8.0, paint::LINE_HEIGHT - 4.0);
-            let place = Rect::from_min_size(egui::pos2(list.min.x, top), size);
-            let drawn = paint::ParamListView {
-                list: &self.list,
-                cursor: self.cursor,
-                text: &self.typing.text,
-                refused: self.typing.refused.is_some(),
-            };
-            touched = paint::line(ui, view, (list, place), index, &drawn).or(touched);
-        }
-        self.scroll.draw_bar(ui, view, list, paint::LINE_HEIGHT, self.list.lines.len());
         if let Some(row) = touched {
             self.select(row);
             self.typing.pad_open = true;
-            self.searching = false;
+            self.search.open = false;
         }
     }
 
@@ -250,39 +196,32 @@ impl ParamPage {
     }
 
     /// Handles typed input: for the search while it is open, else for the value. A letter opens the search.
-    fn handle_typed(&mut self, typed: &TypedInput<'_>, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+    fn handle_typed(&mut self, typed: &KeyboardInput, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let begins = |sign: char| sign == '/' || sign.is_alphabetic();
-        if !self.searching && typed.text.starts_with(begins) {
-            self.searching = true;
-            self.search.clear();
+        if !self.search.open && typed.text.starts_with(begins) {
+            self.search.open = true;
+            self.search.text.clear();
         }
-        if self.searching {
+        if self.search.open {
             for sign in typed.text.chars().filter(|sign| *sign != '/' && !sign.is_control()) {
-                self.letter(&LetterKey::Char(sign));
+                self.search.handle_letter(&LetterKey::Char(sign), MAX_SEARCH_CHARS);
             }
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             match edit {
-                EditKey::Char(_) | EditKey::Sign if self.searching => {}
-                EditKey::Backspace | EditKey::Delete if self.searching => self.letter(&LetterKey::Backspace),
-                EditKey::Enter if self.searching => self.searching = false,
-                EditKey::Cancel if self.searching => {
-                    self.searching = false;
-                    self.search.clear();
+                EditKey::Char(_) | EditKey::Sign if self.search.open => {}
+                EditKey::Backspace | EditKey::Delete if self.search.open => drop(self.search.text.pop()),
+                EditKey::Enter if self.search.open => self.search.open = false,
+                EditKey::Cancel if self.search.open => {
+                    self.search.open = false;
+                    self.search.text.clear();
                 }
                 EditKey::Up => self.go(self.list.row_lines_down(self.cursor, -1)),
                 EditKey::Down => self.go(self.list.row_lines_down(self.cursor, 1)),
                 EditKey::Left | EditKey::Previous => self.go(self.list.adjacent_row(self.cursor, false)),
                 EditKey::Right | EditKey::Next => self.go(self.list.adjacent_row(self.cursor, true)),
                 EditKey::LineStart | EditKey::LineEnd => {}
-                EditKey::Char(_)
-                | EditKey::Sign
-                | EditKey::Backspace
-                | EditKey::Delete
-                | EditKey::Enter
-                | EditKey::Cancel => {
-                    self.edit_value(*edit, view, login, out);
-                }
+                _ => self.edit_value(*edit, view, login, out),
             }
         }
     }
@@ -302,22 +241,10 @@ impl ParamPage {
         }
     }
 
-    fn letter(&mut self, letter: &LetterKey) {
-        match letter {
-            LetterKey::Char(sign) if self.search.chars().count() < MAX_SEARCH_CHARS => self.search.push(*sign),
-            LetterKey::Char(_) => {}
-            LetterKey::Word(word) => (*word).clone_into(&mut self.search),
-            LetterKey::Backspace => {
-                self.search.pop();
-            }
-            LetterKey::Done => self.searching = false,
-        }
-    }
-
     fn edit_value(&mut self, edit: EditKey, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         self.typing.clear_refused(edit);
         if edit == EditKey::Cancel && self.typing.text.is_empty() && !self.typing.pad_open {
-            return self.search.clear();
+            return self.search.text.clear();
         }
         if !self.typing.handle_key(edit) && edit == EditKey::Enter {
             self.enter(view, login, out);

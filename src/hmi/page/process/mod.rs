@@ -8,18 +8,16 @@ use std::collections::VecDeque;
 use std::fmt::Write;
 
 use egui::accesskit::Role;
-use egui::{Align2, Color32, Id, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, Id, Pos2, Rect, Sense, Shape, Stroke, WidgetInfo, pos2, vec2};
 
 use super::{PageContext, PageUi};
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::question::{Question, QuestionDialog};
-use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit_text, format_length, text_line};
-use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
-use crate::link::files::{FileRequest, Requester, Ticket};
-use crate::link::page_command::PageCommand;
+use crate::hmi::{
+    Area, KeyboardFocus, PageKey, Question, QuestionDialog, View, file_command, format_length, theme, widget,
+};
+use crate::link::files::{FileRequest, Requester};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
 use trend::FinishedPart;
@@ -36,8 +34,6 @@ const BELOW_HEIGHT: f32 = 132.0;
 const NAME_WIDTH: f32 = 150.0;
 /// Number of parts kept.
 const MAX_PARTS: usize = 50;
-/// Height of the keys.
-const KEYS_HEIGHT: f32 = 46.0;
 /// Inputs of the gauge.
 const GAUGES: [Input; 6] = [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
 
@@ -78,17 +74,16 @@ pub struct ProcessPage {
 
 impl Default for ProcessPage {
     fn default() -> Self {
-        let (samples, parts, walk) = (VecDeque::new(), VecDeque::new(), KeyboardFocus::default());
         Self {
-            samples,
-            parts,
+            samples: VecDeque::new(),
+            parts: VecDeque::new(),
             last_part_count: None,
             last_dressing: None,
             dressing_removed_mm: None,
             span_seconds: SPANS_SECONDS[0],
             window_end: None,
             question: QuestionDialog::default(),
-            walk,
+            walk: KeyboardFocus::default(),
         }
     }
 }
@@ -126,26 +121,24 @@ impl PageUi for ProcessPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, out, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         if self.window_end.is_none() && self.curves_move(view.snapshot.now) {
-            ui.ctx().request_repaint_after(std::time::Duration::from_micros(SAMPLE_PERIOD.0));
+            view.ui.ctx().request_repaint_after(std::time::Duration::from_micros(SAMPLE_PERIOD.0));
         }
-        self.walk.begin_frame(if self.question.is_open() { &[] } else { typed.edits });
-        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS_HEIGHT);
-        let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
-        let (curves, below) = body.split_top_bottom_at_y(body.max.y - BELOW_HEIGHT);
-        let curves = Rect::from_min_max(curves.min, curves.max - vec2(0.0, theme::GAP));
-        self.drag(ui, curves, view);
-        self.curves(ui, curves, view);
+        self.walk.begin_frame(if self.question.is_open() { &[] } else { &typed.edits });
+        let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
+        let (curves, below) = body.trim_bottom(theme::GAP).split_bottom(BELOW_HEIGHT);
+        let curves = curves.trim_bottom(theme::GAP);
+        self.drag(curves, view);
+        self.curves(curves, view);
         let (trend, rest) = below.split_left_right_at_fraction(0.46);
         let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
-        let cut = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(theme::GAP, 0.0));
-        self.trend(ui, cut(trend), view);
-        self.cycle_times(ui, cut(parts), view);
-        self.wheel(ui, wheel, view);
-        out.extend(self.keys(ui, keys, view));
-        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
+        let cut = |rect: Rect| rect.trim_right(theme::GAP);
+        self.trend(cut(trend), view);
+        self.cycle_times(cut(parts), view);
+        self.wheel(wheel, view);
+        out.extend(self.keys(keys, view));
+        if let Some(((), Some(_))) = self.question.ui(rect, view, &typed.edits) {
             self.samples.clear();
             self.parts.clear();
             self.window_end = None;
@@ -174,10 +167,10 @@ impl ProcessPage {
     }
 
     /// A finger drags the time axis, two fingers zoom it (H9). A span dragged to the present follows it again.
-    fn drag(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let response = ui.interact(rect, Id::unique("process-curves"), Sense::DRAG | Sense::HOVER);
+    fn drag(&mut self, rect: Rect, view: &View<'_>) {
+        let response = view.ui.interact(rect, Id::unique("process-curves"), Sense::DRAG | Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 process-curves"));
-        let (zoom, scroll) = ui.input(|input| {
+        let (zoom, scroll) = view.ui.input(|input| {
             let touch = input.multi_touch();
             (touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta), input.smooth_scroll_delta().y)
         });
@@ -203,7 +196,7 @@ impl ProcessPage {
         self.window_end = (wanted.0 < now.0).then_some(wanted);
     }
 
-    fn curves(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn curves(&self, rect: Rect, view: &View<'_>) {
         let snapshot = view.snapshot;
         let colours = [view.theme.info, view.theme.run, view.theme.macros];
         let mut rows: Vec<ProcessCurve> = Vec::new();
@@ -222,12 +215,9 @@ impl ProcessPage {
         let gauge = 26.0;
         let height = (rect.height() - gauge) / rows.len() as f32;
         for (index, curve) in rows.iter().enumerate() {
-            let corner = rect.min + vec2(0.0, index as f32 * height);
-            let place = Rect::from_min_size(corner, vec2(rect.width(), height - 4.0));
-            self.curve(ui.painter(), place, view, curve);
+            self.curve(rect.band(index as f32 * height, height - 4.0), view, curve);
         }
-        let strip = Rect::from_min_max(pos2(rect.min.x, rect.max.y - gauge + 2.0), rect.max);
-        self.gauges(ui.painter(), strip, view);
+        self.gauges(rect.with_min_y(rect.max.y - gauge + 2.0), view);
     }
 
     /// Whether the live curves look different in a moment although nothing changes: they move to the left while they
@@ -245,10 +235,10 @@ impl ProcessPage {
         self.samples.iter().skip(first).take_while(move |sample| sample.at.0 <= end.0)
     }
 
-    fn curve(&self, painter: &Painter, rect: Rect, view: &View<'_>, curve: &ProcessCurve) {
+    fn curve(&self, rect: Rect, view: &View<'_>, curve: &ProcessCurve) {
         let span = self.span_seconds;
         let (colour, value) = (curve.colour, curve.value.as_ref());
-        card(painter, rect, view.theme.surface, view.theme.line);
+        view.card(rect);
         let now = self.window_end(view);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for sample in self.visible_samples(now) {
@@ -259,13 +249,11 @@ impl ProcessPage {
         }
         let (words, plot) = rect.shrink2(vec2(8.0, 3.0)).split_left_right_at_x(rect.min.x + NAME_WIDTH);
         let line = words.height() / 3.0;
-        let row =
-            |index: f32| Rect::from_min_size(words.min + vec2(0.0, index * line), vec2(words.width() - 8.0, line));
+        let row = |index: f32| words.trim_right(8.0).band(index * line, line);
         let last = self.visible_samples(now).last().or(self.samples.back()).map_or(0.0, value);
-        text_line(painter, row(0.0), Align2::LEFT_CENTER, &curve.name, theme::SMALL, colour);
-        text_line(painter, row(1.0), Align2::LEFT_CENTER, &format_length(last), theme::TITLE, view.theme.text);
-        let range = format!("{low:.3} … {high:.3}");
-        fit_text(painter, row(2.0), Align2::LEFT_CENTER, &range, theme::SMALL, view.theme.muted);
+        view.line_left(row(0.0), &curve.name, theme::SMALL, colour);
+        view.line_left(row(1.0), &format_length(last), theme::TITLE, view.theme.text);
+        view.fit_left(row(2.0), &format!("{low:.3} … {high:.3}"), theme::SMALL, view.theme.muted);
         let room = (high - low).max(1e-3);
         let place = |sample: &Sample| {
             let age = (now.0.saturating_sub(sample.at.0)) as f64 / 1e6;
@@ -274,24 +262,17 @@ impl ProcessPage {
             pos2(x as f32, y as f32)
         };
         let points = with_extremes(self.visible_samples(now).map(place));
-        painter.with_clip_rect(plot).add(Shape::line(points, Stroke::new(1.6, colour)));
+        view.painter.with_clip_rect(plot).add(Shape::line(points, Stroke::new(1.6, colour)));
     }
 
     /// The gauge signals as bars.
-    fn gauges(&self, painter: &Painter, rect: Rect, view: &View<'_>) {
-        let (words, plot) = rect.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(rect.min.x + NAME_WIDTH);
+    fn gauges(&self, rect: Rect, view: &View<'_>) {
+        let (words, plot) = rect.trim_sides(8.0).split_left_right_at_x(rect.min.x + NAME_WIDTH);
         let span = self.span_seconds;
-        fit_text(
-            painter,
-            words,
-            Align2::LEFT_CENTER,
-            view.text("量仪 1–6", "gauge 1–6"),
-            theme::SMALL,
-            view.theme.muted,
-        );
+        view.fit_left(words, view.text("量仪 1–6", "gauge 1–6"), theme::SMALL, view.theme.muted);
         let now = self.window_end(view);
         let height = plot.height() / GAUGES.len() as f32;
-        painter.rect_filled(plot, 0.0, view.theme.surface);
+        view.painter.rect_filled(plot, 0.0, view.theme.surface);
         let samples: Vec<&Sample> = self.visible_samples(now).collect();
         for pair in samples.windows(2) {
             for bit in (0..GAUGES.len()).filter(|bit| pair[0].gauge_bits >> bit & 1 == 1) {
@@ -300,43 +281,36 @@ impl ProcessPage {
                 };
                 let top = plot.min.y + bit as f32 * height;
                 let bar = Rect::from_min_max(pos2(x(pair[0].at), top), pos2(x(pair[1].at), top + height - 1.0));
-                painter.with_clip_rect(plot).rect_filled(bar, 0.0, view.theme.run);
+                view.painter.with_clip_rect(plot).rect_filled(bar, 0.0, view.theme.run);
             }
         }
     }
 
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
+    fn keys(&mut self, rect: Rect, view: &View<'_>) -> Option<Command> {
         let words = format!("{} {:.0} s", view.text("时间", "SPAN"), self.span_seconds);
         let live = match self.window_end {
             None => view.text("实时", "LIVE").to_owned(),
             Some(end) => format!("{} {}", view.text("回到实时", "TO LIVE"), view.time(end)),
         };
-        let clear = view.text("清除", "CLEAR").to_owned();
-        let export = view.text("存为 CSV", "SAVE CSV").to_owned();
-        let mut out = Vec::new();
-        let keys =
-            [("process-span", words), ("process-live", live), ("process-clear", clear), ("process-export", export)];
-        let count = keys.len();
-        for (index, (name, label)) in keys.into_iter().enumerate() {
-            let place = cell(rect, index, count);
-            let look = ButtonState { on: name == "process-live" && self.window_end.is_none(), locked: false };
-            if !self.walk.button(ui, view, place, (name, &label), look) {
-                continue;
+        let keys = [
+            PageKey::new("process-span", &words),
+            PageKey::new("process-live", &live).on(self.window_end.is_none()),
+            PageKey::new("process-clear", view.text("清除", "CLEAR")),
+            PageKey::new("process-export", view.text("存为 CSV", "SAVE CSV")),
+        ];
+        match self.walk.keys(view, rect, &keys) {
+            Some(0) => {
+                let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span_seconds + 0.5);
+                self.span_seconds = longer.unwrap_or(SPANS_SECONDS[0]);
             }
-            match name {
-                "process-span" => {
-                    let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span_seconds + 0.5);
-                    self.span_seconds = longer.unwrap_or(SPANS_SECONDS[0]);
-                }
-                "process-live" => self.window_end = None,
-                "process-clear" => self.question.ask((), self.clear_question()),
-                _ => out.push(Command::Page(PageCommand::File(
-                    Ticket::without_reply(Requester::Screen),
-                    FileRequest::SaveTable(self.csv(view.snapshot)),
-                ))),
+            Some(1) => self.window_end = None,
+            Some(2) => self.question.ask((), self.clear_question()),
+            Some(_) => {
+                return Some(file_command(Requester::Screen, FileRequest::SaveTable(self.csv(view.snapshot))));
             }
+            None => {}
         }
-        out
+        None
     }
 
     /// The question names how much data will be lost.

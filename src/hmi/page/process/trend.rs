@@ -1,12 +1,11 @@
 //! Parts finished since power-on: sizes with their limits, cycle times; the wheel and its dressings.
 //! Source: tools.md (page process), K5.17, K4.5.
 
-use egui::{Align2, Painter, Rect, Stroke, Ui, pos2, vec2};
+use egui::{Rect, Stroke, pos2, vec2};
 
 use super::{MAX_PARTS, ProcessPage};
 use crate::defs::param;
-use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit_text, format_length, paragraph, text_line};
+use crate::hmi::{Area, View, format_length, theme};
 use crate::link::Snapshot;
 
 /// A finished part.
@@ -24,7 +23,6 @@ pub struct FinishedPart {
 
 impl FinishedPart {
     /// The part that was just counted.
-    #[must_use]
     pub fn of(snapshot: &Snapshot) -> Self {
         let params = &snapshot.params;
         let variable = |at| {
@@ -45,7 +43,6 @@ impl FinishedPart {
     }
 
     /// Whether the size is within its limits; none: nothing to compare.
-    #[must_use]
     pub fn within_limits(&self) -> Option<bool> {
         let ([_, low, high], size) = (self.limits?, self.size?);
         // Rounding errors up to 1e-6 mm are tolerated.
@@ -55,20 +52,17 @@ impl FinishedPart {
 
 impl ProcessPage {
     /// Sizes of the last parts as points between their limits; a size out of tolerance is a square.
-    pub(super) fn trend(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let painter = ui.painter();
-        card(painter, rect, view.theme.surface, view.theme.line);
-        let inside = rect.shrink2(vec2(10.0, 6.0));
-        let (head, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
-        let name = view.text("工件尺寸 mm", "part sizes mm");
-        let taken = text_line(painter, head, Align2::LEFT_CENTER, name, theme::SMALL, view.theme.muted);
+    pub(super) fn trend(&self, rect: Rect, view: &View<'_>) {
+        view.card(rect);
+        let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
+        let taken = view.line_left(head, view.text("工件尺寸 mm", "part sizes mm"), theme::SMALL, view.theme.muted);
         let sized: Vec<&FinishedPart> = self.parts.iter().filter(|part| part.size.is_some()).collect();
         let Some(last) = sized.last() else {
             let words = view.text(
                 "还没有实测尺寸：P375 为存实测尺寸的变量，P376 为公称尺寸的变量，P377、P378 为偏差",
                 "no size yet: P375 names the variable that holds it, P376 the nominal one, P377 and P378 the deviations",
             );
-            paragraph(painter, plot, words, theme::SMALL, view.theme.muted);
+            view.paragraph(plot, words, theme::SMALL, view.theme.muted);
             return;
         };
         let out = sized.iter().filter(|part| part.within_limits() == Some(false)).count();
@@ -80,44 +74,33 @@ impl ProcessPage {
         if out > 0 {
             words = format!("{words} · {} {out}", view.text("超差", "out"));
         }
-        let room = Rect::from_min_max(pos2(taken.max.x + theme::GAP, head.min.y), head.max);
-        fit_text(painter, room, Align2::RIGHT_CENTER, &words, theme::LABEL, ink);
-        paint_sizes(painter, view, plot, &sized);
+        view.fit_right(head.with_min_x(taken.max.x + theme::GAP), &words, theme::LABEL, ink);
+        paint_sizes(view, plot, &sized);
     }
 
     /// Cycle times of the last parts as bars.
-    pub(super) fn cycle_times(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        card(ui.painter(), rect, view.theme.surface, view.theme.line);
-        let inside = rect.shrink2(vec2(10.0, 6.0));
-        let (head, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
-        let name = view.text("最近工件节拍 s", "cycle times s");
-        fit_text(ui.painter(), head, Align2::LEFT_CENTER, name, theme::SMALL, view.theme.muted);
+    pub(super) fn cycle_times(&self, rect: Rect, view: &View<'_>) {
+        view.card(rect);
+        let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
+        view.fit_left(head, view.text("最近工件节拍 s", "cycle times s"), theme::SMALL, view.theme.muted);
         let Some(last) = self.parts.back() else {
             let words = view.text("开机后还没有加工完的工件", "no part finished since power-on");
-            paragraph(ui.painter(), plot, words, theme::SMALL, view.theme.muted);
+            view.paragraph(plot, words, theme::SMALL, view.theme.muted);
             return;
         };
-        text_line(
-            ui.painter(),
-            head,
-            Align2::RIGHT_CENTER,
-            &format!("{:.1}", last.cycle_seconds),
-            theme::LABEL,
-            view.theme.text,
-        );
+        view.line_right(head, &format!("{:.1}", last.cycle_seconds), theme::LABEL, view.theme.text);
         let most = self.parts.iter().map(|part| part.cycle_seconds).fold(1e-3, f64::max);
         let width = plot.width() / MAX_PARTS as f32;
         for (index, part) in self.parts.iter().enumerate() {
             let height = (part.cycle_seconds / most) as f32 * plot.height();
             let corner = pos2(plot.min.x + index as f32 * width, plot.max.y - height);
-            let bar = Rect::from_min_size(corner, vec2(width - 1.5, height));
-            ui.painter().rect_filled(bar, 0.0, view.theme.info);
+            view.painter.rect_filled(Rect::from_min_size(corner, vec2(width - 1.5, height)), 0.0, view.theme.info);
         }
     }
 
     /// The wheel: diameter, number of dressings, dressings left.
-    pub(super) fn wheel(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    pub(super) fn wheel(&self, rect: Rect, view: &View<'_>) {
+        view.card(rect);
         let inside = rect.shrink2(vec2(10.0, 6.0));
         let params = &view.snapshot.params;
         let interval = params.get(param::DRESSING_INTERVAL);
@@ -133,11 +116,9 @@ impl ProcessPage {
         ];
         let height = inside.height() / rows.len() as f32;
         for (index, (name, value)) in rows.into_iter().enumerate() {
-            let corner = inside.min + vec2(0.0, index as f32 * height);
-            let line = Rect::from_min_size(corner, vec2(inside.width(), height));
-            let (left, right) = line.split_left_right_at_fraction(0.66);
-            fit_text(ui.painter(), left, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.muted);
-            text_line(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
+            let (left, right) = inside.band(index as f32 * height, height).split_left_right_at_fraction(0.66);
+            view.fit_left(left, name, theme::LABEL, view.theme.muted);
+            view.line_right(right, &value, theme::LABEL, view.theme.text);
         }
     }
 
@@ -152,7 +133,7 @@ impl ProcessPage {
 }
 
 /// The sizes over the lines of their limits.
-fn paint_sizes(painter: &Painter, view: &View<'_>, plot: Rect, sized: &[&FinishedPart]) {
+fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&FinishedPart]) {
     let sizes = sized.iter().filter_map(|part| part.size);
     let bounds = sized.iter().filter_map(|part| part.limits).flat_map(|limits| limits.into_iter());
     let (low, high) = sizes
@@ -166,17 +147,16 @@ fn paint_sizes(painter: &Painter, view: &View<'_>, plot: Rect, sized: &[&Finishe
     for (index, part) in sized.iter().enumerate() {
         let across = x(index) - step / 2.0..=x(index) + step / 2.0;
         if let Some([nominal, low, high]) = part.limits {
-            painter.hline(across.clone(), y(nominal), Stroke::new(theme::HAIRLINE, view.theme.line));
-            painter.hline(across.clone(), y(low), Stroke::new(theme::FRAME, view.theme.hold));
-            painter.hline(across, y(high), Stroke::new(theme::FRAME, view.theme.hold));
+            view.painter.hline(across.clone(), y(nominal), Stroke::new(theme::HAIRLINE, view.theme.line));
+            view.painter.hline(across.clone(), y(low), Stroke::new(theme::FRAME, view.theme.hold));
+            view.painter.hline(across, y(high), Stroke::new(theme::FRAME, view.theme.hold));
         }
         let Some(size) = part.size else { continue };
         let at = pos2(x(index), y(size));
         if part.within_limits() == Some(false) {
-            let square = Rect::from_center_size(at, vec2(9.0, 9.0));
-            painter.rect_filled(square, 0.0, view.theme.alarm_text);
+            view.painter.rect_filled(Rect::from_center_size(at, vec2(9.0, 9.0)), 0.0, view.theme.alarm_text);
         } else {
-            painter.circle_filled(at, 3.0, view.theme.run);
+            view.painter.circle_filled(at, 3.0, view.theme.run);
         }
     }
 }

@@ -8,10 +8,7 @@ use super::text_task::{TaskStep, TextTask};
 use super::{EditorQuestion, ProgramPage, Prompt};
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::login::Login;
-use crate::hmi::question::Question;
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::View;
+use crate::hmi::{EditKey, Login, View, requests};
 use crate::link::Command;
 
 impl ProgramPage {
@@ -36,10 +33,7 @@ impl ProgramPage {
                 let mut words = text.split([' ', ',', '/']).filter(|word| !word.is_empty()).map(str::parse::<u64>);
                 match (words.next().unwrap_or(Ok(10)), words.next().unwrap_or(Ok(10))) {
                     (Ok(first), Ok(by)) if by > 0 => self.task = Some(TextTask::renumber(first, by)),
-                    _ => self.refuse(LocalizedText::new(
-                        "格式：起始 步长，例如 10 10",
-                        "first number and step, such as 10 10",
-                    )),
+                    _ => self.refuse(Text::new("格式：起始 步长，例如 10 10", "first number and step, such as 10 10")),
                 }
             }
         }
@@ -72,12 +66,8 @@ impl ProgramPage {
         ui.ctx().request_repaint();
         match step {
             TaskStep::Running(share) => {
-                let part = f32::from(share) / 10.0;
-                self.message = Some((
-                    LocalizedText::new(format!("{} {part:.0} %", name.zh), format!("{} {part:.0} %", name.en)),
-                    false,
-                ));
-                return;
+                let done = |name: &str| format!("{name} {:.0} %", f32::from(share) / 10.0);
+                return self.message = Some((LocalizedText::new(done(name.zh), done(name.en)), false));
             }
             TaskStep::Found(found) => {
                 self.document.cursor = found.end.min(self.document.rope.len_chars());
@@ -90,10 +80,8 @@ impl ProgramPage {
             }
             TaskStep::NotFound => {
                 self.replacing = false;
-                self.refuse(LocalizedText::new(
-                    format!("没有找到 {}", self.pattern),
-                    format!("{} is not in the text", self.pattern),
-                ));
+                let what = &self.pattern;
+                self.refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} is not in the text")));
             }
             TaskStep::Changed(rope, count) => {
                 self.document.replace_all(rope);
@@ -140,7 +128,10 @@ impl ProgramPage {
             }
             EditorAction::Save => self.save(false, out),
             EditorAction::Discard if !self.document.changed => self.stop_editing(),
-            EditorAction::Discard => self.ask_discard(view),
+            EditorAction::Discard => {
+                let question = requests::discard_question(&view.snapshot.title(self.document.number));
+                self.question.ask(EditorQuestion::Discard, question);
+            }
             EditorAction::StopTask => self.task = None,
             // B5: the core reads the program up to the line and reports the modal state there.
             EditorAction::RestartHere if self.document.changed => {
@@ -170,19 +161,10 @@ impl ProgramPage {
         self.position.scroll.user_scrolled = true;
     }
 
-    fn ask_discard(&mut self, view: &View<'_>) {
-        let name = view.snapshot.title(self.document.number);
-        let body = LocalizedText::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
-        let key = ("question-discard", Text::new("放弃", "DISCARD"));
-        let question = Question::new(Text::new("放弃改动？", "discard the changes?"), body, key);
-        self.question.ask(EditorQuestion::Discard, question);
-    }
-
     /// Replaces the match that is shown and searches the next one.
     fn replace_match(&mut self) {
         let to = self.document.cursor;
-        let from = to.saturating_sub(self.pattern.chars().count());
-        self.document.replace(from, to, &self.prompt_text);
+        self.document.replace(to.saturating_sub(self.pattern.chars().count()), to, &self.prompt_text);
         self.task = Some(TextTask::find(&self.pattern, &self.document));
     }
 

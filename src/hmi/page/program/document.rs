@@ -2,7 +2,7 @@
 //! held once, however many undo steps there are.
 //! Source: spec B6 (程序: edit, copy, undo).
 
-use crate::hmi::variable_entry::EditKey;
+use crate::hmi::EditKey;
 use crate::link::files::Completion;
 use ropey::{Rope, RopeSlice};
 
@@ -57,27 +57,23 @@ pub fn content_len(line: RopeSlice<'_>) -> usize {
 
 impl Document {
     /// Opens a text.
-    #[must_use]
     pub fn open(number: u32, base: u64, rope: &Rope) -> Self {
         Self { number, base, rope: rope.clone(), ..Self::default() }
     }
 
     /// Number of lines shown; a line end at the end of the text starts no new line.
-    #[must_use]
     pub fn lines(&self) -> usize {
         let lines = self.rope.len_lines();
         if lines > 1 && self.rope.line(lines - 1).len_chars() == 0 { lines - 1 } else { lines }
     }
 
     /// Line and column of the cursor, from 0.
-    #[must_use]
     pub fn cursor_position(&self) -> (usize, usize) {
         let line = self.rope.char_to_line(self.cursor.min(self.rope.len_chars()));
         (line, self.cursor - self.rope.line_to_char(line))
     }
 
     /// Lines of the block, first and one past the last.
-    #[must_use]
     pub fn block(&self) -> Option<(usize, usize)> {
         let (mark, here) = (self.block_anchor?, self.cursor_position().0);
         Some((mark.min(here), (mark.max(here) + 1).min(self.rope.len_lines())))
@@ -86,8 +82,7 @@ impl Document {
     /// Moves the cursor to a line and column, or as near as the text allows.
     pub fn move_to(&mut self, line: usize, column: usize) {
         let line = line.min(self.lines().saturating_sub(1));
-        let length = content_len(self.rope.line(line));
-        self.cursor = self.rope.line_to_char(line) + column.min(length);
+        self.cursor = self.rope.line_to_char(line) + column.min(content_len(self.rope.line(line)));
         self.last_change = None;
     }
 
@@ -189,7 +184,6 @@ impl Document {
     }
 
     /// Copies the block, whole lines.
-    #[must_use]
     pub fn copy_block(&self) -> Option<Rope> {
         let (first, end) = self.block()?;
         let mut copy = Rope::from(self.rope.slice(self.rope.line_to_char(first)..self.rope.line_to_char(end)));
@@ -236,7 +230,6 @@ impl Document {
     }
 
     /// Whether undo and redo are possible.
-    #[must_use]
     pub const fn can_undo_redo(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }

@@ -20,7 +20,6 @@ enum TokenKind {
 }
 
 /// Layout of a line, token by token.
-#[must_use]
 pub fn layout_line(text: &str, size: f32, theme: &Theme) -> LayoutJob {
     let mut job = LayoutJob::default();
     let mut rest = text;

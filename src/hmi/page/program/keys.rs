@@ -1,13 +1,12 @@
 //! Keys of the program page: one table of actions, names, labels and keyboard shortcuts.
 //! Source: spec B6.
 
-use egui::{Rect, Ui, pos2, vec2};
+use egui::Rect;
 
 use super::ProgramPage;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
-use crate::hmi::theme;
-use crate::hmi::view::View;
+use crate::hmi::{Area, PageKey, View, widget};
 
 /// Why a text that is not being edited does not change.
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
@@ -92,18 +91,11 @@ use EditorAction::{
     RestartHere, Resume, Right, Save, Skip, StopTask, Undo, Unmark, Up,
 };
 
-/// The keys while a prompt is open.
-pub const PROMPT_KEYS: [&[EditorAction]; 2] = [&[PromptAccept, PromptCancel], &[]];
-
-/// The rows of keys for a state of the page.
-pub const fn rows(
-    editing: bool,
-    board: bool,
-    block: bool,
-    replacing: bool,
-    work: bool,
-) -> [&'static [EditorAction]; 2] {
-    match (editing, board, block, replacing, work) {
+/// The rows of keys below the listing.
+const fn rows(page: &ProgramPage) -> [&'static [EditorAction]; 2] {
+    let block = page.document.block_anchor.is_some();
+    match (page.editing, page.keyboard_open, block, page.replacing, page.task.is_some()) {
+        _ if page.prompt.is_some() => [&[PromptAccept, PromptCancel], &[]],
         (.., true) => [&[StopTask], &[]],
         (false, ..) => [&[Edit, Find, FindNext, GoTo, First, Last, RestartHere, Resume, OpenDesigner], &[]],
         (.., true, false) => [&[ReplaceThis, Skip, ReplaceAll, EndReplace], &[]],
@@ -138,29 +130,20 @@ pub const fn from_shortcut(key: egui::Key) -> Option<EditorAction> {
 }
 
 /// Draws the keys; returns the pressed one.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut ProgramPage) -> Option<EditorAction> {
+pub fn ui(view: &View<'_>, rect: Rect, page: &mut ProgramPage) -> Option<EditorAction> {
     let mut pressed = None;
     let on_keys = page.keys_focused || !page.editing;
-    for (row, acts) in page.key_rows().into_iter().enumerate() {
-        if acts.is_empty() {
-            continue;
-        }
+    for (row, acts) in rows(page).into_iter().enumerate() {
         // A kind of machine without grinding pages has no page designer.
         let has = |act: &&EditorAction| **act != OpenDesigner || Page::Designer.exists_on(view.snapshot.kind);
         let acts: Vec<EditorAction> = acts.iter().filter(has).copied().collect();
-        let count = acts.len().max(6) as f32;
-        let width = (rect.width() + theme::GAP) / count;
+        let line = rect.band(row as f32 * widget::KEYS_HEIGHT, widget::KEYS_HEIGHT - 2.0);
         for (index, act) in acts.iter().enumerate() {
-            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y + row as f32 * super::KEYS_HEIGHT);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS_HEIGHT - 2.0));
+            let place = line.cell(index, acts.len().max(6));
             let (name, label) = act.id_and_label();
-            let look = page.look_of(*act);
-            let words = (name, label.get(view.lang));
-            let touched = if on_keys {
-                page.walk.button(ui, view, place, words, look)
-            } else {
-                crate::hmi::widget::button(ui, view, place, name, words.1, look)
-            };
+            let (on, locked) = page.look_of(*act);
+            let key = PageKey::new(name, label.get(view.lang)).on(on).locked(locked);
+            let touched = if on_keys { page.walk.button(view, place, key) } else { widget::button(view, place, key) };
             if touched {
                 pressed = Some(*act);
             }

@@ -1,14 +1,13 @@
 //! Painting of program lines; only visible lines are laid out.
 //! Source: spec B6, K7.
 
-use egui::{Align2, Color32, Id, Painter, Rect, Ui, pos2, vec2};
+use egui::{Color32, Id, Painter, Rect, Response, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::content_len;
 use super::highlight;
-use crate::hmi::page::scroll::Scroll;
-use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit_text, focus_frame};
+use crate::hmi::page::{Scroll, ScrollList, VisibleRows};
+use crate::hmi::{Area, View, theme};
 use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
@@ -38,8 +37,7 @@ pub struct LineMarks {
 }
 
 /// The visible part of a line, from column `left` on.
-#[must_use]
-pub fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
+fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
     let slice = rope.line(line);
     let length = content_len(slice);
     let from = left.min(length);
@@ -48,75 +46,24 @@ pub fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
     text.replace('\t', " ").replace('\u{FFFD}', "?")
 }
 
-/// Paints a line.
-pub fn paint_line(
-    painter: &Painter,
-    place: Rect,
-    view: &View<'_>,
-    rope: &Rope,
-    (line, left): (usize, usize),
-    mark: LineMarks,
-) {
-    if mark.running || mark.block || mark.cursor.is_some() {
-        let fill = if mark.block { view.theme.focus.gamma_multiply(0.35) } else { view.theme.raised };
-        painter.rect_filled(place, theme::RADIUS, fill);
-    }
-    if mark.chosen {
-        focus_frame(painter, place, view.theme.line);
-    }
-    let bar = Rect::from_min_size(place.min, vec2(4.0, place.height()));
-    if mark.faulty {
-        painter.rect_filled(bar, 0.0, view.theme.alarm);
-    } else if mark.running {
-        painter.rect_filled(bar, 0.0, view.theme.run);
-    }
-    let (number, words) = place.split_left_right_at_x(place.min.x + NUMBER_WIDTH);
-    let number = Rect::from_min_max(number.min + vec2(6.0, 0.0), number.max - vec2(theme::PAD, 0.0));
-    let ink = if mark.faulty { view.theme.alarm_text } else { view.theme.muted };
-    fit_text(painter, number, Align2::RIGHT_CENTER, &(line + 1).to_string(), theme::SMALL, ink);
-    let text = visible_text(rope, line, left);
-    let galley = painter.layout_job(highlight::layout_line(&text, theme::TITLE - 1.0, view.theme));
-    let top = (words.center().y - galley.size().y / 2.0).round();
-    if let Some(column) = mark.cursor {
-        let column = column.saturating_sub(left).min(text.chars().count());
-        let at = galley.pos_from_cursor(egui::text::CCursor::new(column)).min.x + words.min.x;
-        let caret = Rect::from_min_size(pos2(at - 1.0, place.min.y + 3.0), vec2(2.0, place.height() - 6.0));
-        painter.rect_filled(caret, 0.0, view.theme.focus);
-    }
-    painter.with_clip_rect(words.intersect(painter.clip_rect())).galley(
-        pos2(words.min.x, top),
-        galley,
-        view.theme.text,
-    );
-}
-
-/// The column at a horizontal position in a line.
-#[must_use]
-pub fn column_at(painter: &Painter, view: &View<'_>, rope: &Rope, (line, left): (usize, usize), x: f32) -> usize {
-    let galley =
-        painter.layout_job(highlight::layout_line(&visible_text(rope, line, left), theme::TITLE - 1.0, view.theme));
-    left + galley.cursor_from_pos(vec2(x, galley.size().y / 2.0)).index.0
-}
-
 /// The running block and its neighbours, as many lines as fit.
-pub fn running_lines(ui: &Ui, rect: Rect, view: &View<'_>) {
+pub fn running_lines(rect: Rect, view: &View<'_>) {
     let program = &view.snapshot.program;
     let count = ((rect.height() - 8.0) / LINE_HEIGHT).floor().max(0.0) as usize;
     if count < 2 || program.number == 0 || in_subprogram(program) {
         return;
     }
-    card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    view.card(rect);
     let first = (program.line as usize).saturating_sub(1 + count / 3);
     for (index, line) in (first..program.text.len_lines().min(first + count)).enumerate() {
         let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + index as f32 * LINE_HEIGHT);
         let place = Rect::from_min_size(corner, vec2(rect.width() - 4.0, LINE_HEIGHT));
         let mark = LineMarks { running: line + 1 == program.line as usize, ..LineMarks::default() };
-        paint_line(&ui.painter().with_clip_rect(rect), place, view, &program.text, (line, 0), mark);
+        ListingPosition::default().paint_line(&view.clipped(rect), place, &program.text, line, mark);
     }
 }
 
 /// Whether a subprogram is being executed; its lines are not shown.
-#[must_use]
 pub const fn in_subprogram(program: &ProgramView) -> bool {
     program.block_program != 0 && program.block_program != program.number
 }
@@ -135,6 +82,61 @@ pub struct ListingPosition {
 }
 
 impl ListingPosition {
+    /// Paints a line.
+    pub fn paint_line(&self, view: &View<'_>, place: Rect, rope: &Rope, line: usize, mark: LineMarks) {
+        if mark.running || mark.block || mark.cursor.is_some() {
+            let fill = if mark.block { view.theme.focus.gamma_multiply(0.35) } else { view.theme.raised };
+            view.painter.rect_filled(place, theme::RADIUS, fill);
+        }
+        if mark.chosen {
+            view.frame(place, view.theme.line);
+        }
+        if mark.faulty || mark.running {
+            view.edge_bar(place, if mark.faulty { view.theme.alarm } else { view.theme.run });
+        }
+        let (number, words) = place.split_left(NUMBER_WIDTH);
+        let ink = if mark.faulty { view.theme.alarm_text } else { view.theme.muted };
+        view.fit_right(number.trim_left(6.0).trim_right(theme::PAD), &(line + 1).to_string(), theme::SMALL, ink);
+        let text = visible_text(rope, line, self.first_column);
+        let galley = view.painter.layout_job(highlight::layout_line(&text, theme::TITLE - 1.0, view.theme));
+        let top = (words.center().y - galley.size().y / 2.0).round();
+        if let Some(column) = mark.cursor {
+            let column = column.saturating_sub(self.first_column).min(text.chars().count());
+            let at = galley.pos_from_cursor(egui::text::CCursor::new(column)).min.x + words.min.x;
+            let caret = Rect::from_min_size(pos2(at - 1.0, place.min.y + 3.0), vec2(2.0, place.height() - 6.0));
+            view.painter.rect_filled(caret, 0.0, view.theme.focus);
+        }
+        let painter = view.painter.with_clip_rect(words.intersect(view.painter.clip_rect()));
+        painter.galley(pos2(words.min.x, top), galley, view.theme.text);
+    }
+
+    /// Scrolls by finger and mouse wheel; returns the visible lines, and the line and column that was tapped.
+    pub fn handle_input(
+        &mut self,
+        view: &View<'_>,
+        list: &ScrollList<'_>,
+        rope: &Rope,
+        tap: &Response,
+        number_width: f32,
+    ) -> (VisibleRows, Option<(usize, usize)>) {
+        let rows = self.scroll.rows(view, list, 0);
+        let first = rows.first().map_or(0, |(first, _)| *first);
+        self.drag_sideways(view.ui, list.id, rope, first..first + rows.len());
+        let tapped = tap.interact_pointer_pos().filter(|_| tap.clicked()).and_then(|at| {
+            let line = (f64::from((at.y - list.rect.min.y) / LINE_HEIGHT) + self.scroll.top).floor().max(0.0) as usize;
+            let x = at.x - list.rect.min.x - number_width;
+            (line < list.count).then(|| (line, self.column_at(view, rope, line, x)))
+        });
+        (rows, tapped)
+    }
+
+    /// The column at a horizontal position in a line.
+    fn column_at(&self, view: &View<'_>, rope: &Rope, line: usize, x: f32) -> usize {
+        let text = visible_text(rope, line, self.first_column);
+        let galley = view.painter.layout_job(highlight::layout_line(&text, theme::TITLE - 1.0, view.theme));
+        self.first_column + galley.cursor_from_pos(vec2(x, galley.size().y / 2.0)).index.0
+    }
+
     /// Scrolls sideways to keep the cursor in `room` points; a hidden cursor comes to the middle.
     pub fn follow_cursor(&mut self, painter: &Painter, rope: &Rope, (line, column): (usize, usize), room: f32) {
         let slice = rope.line(line);
@@ -155,7 +157,7 @@ impl ListingPosition {
     }
 
     /// Scrolls sideways while a finger drags the list `id`, up to the longest visible line.
-    pub fn drag_sideways(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
+    fn drag_sideways(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
         if !ui.ctx().is_being_dragged(Id::unique(id)) {
             self.drag_remainder = 0.0;
             return;

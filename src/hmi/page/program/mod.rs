@@ -10,22 +10,17 @@ pub mod listing;
 mod restart;
 mod text_task;
 
-use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
+use egui::{Id, Rect, Sense, Ui, pos2, vec2};
 
-use super::{PageContext, PageUi, TypedInput, empty};
+use super::{PageContext, PageUi, ScrollList, empty};
 use crate::defs::key::Mode;
 use crate::defs::text::{Lang, LocalizedText, Text};
-use crate::hmi::letter_pad::{self, LetterKey};
-use crate::hmi::login::Login;
-use crate::hmi::question::QuestionDialog;
-use crate::hmi::requests::{self, ProtectedRequests, RequestEvent, RequestReason};
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame, text_line};
-use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
-use crate::hmi::{page_frame as lines, pictogram, theme};
+use crate::hmi::{
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, ProtectedRequests, QuestionDialog, RequestEvent,
+    RequestReason, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
+};
 use crate::link::Command;
-use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester, Ticket};
-use crate::link::page_command::PageCommand;
+use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
 use crate::link::snapshot::RunState;
 use document::{Document, content_len};
 use keys::EditorAction;
@@ -33,8 +28,6 @@ use listing::{LINE_HEIGHT, LineMarks};
 use ropey::Rope;
 use text_task::TextTask;
 
-/// Height of a row of keys.
-const KEYS_HEIGHT: f32 = 46.0;
 /// Height of the message line.
 const MESSAGE_HEIGHT: f32 = 28.0;
 /// Seconds without typing before the visible lines are checked.
@@ -115,40 +108,36 @@ impl PageUi for ProgramPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
+        let PageContext { rect, view, typed, login, out, .. } = ctx;
         self.handle_answers(view, login, out);
         self.sync_with_core(view);
         if self.document.number == 0 {
-            let remedy = view.text("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
-            empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有装入程序", "no program is loaded"), remedy);
-            return;
+            return empty::no_program(view, rect);
         }
-        let free = !self.question.is_open() && !login.is_open();
-        if free {
+        if !self.question.is_open() && !login.is_open() {
             self.handle_typed(view, typed, login, out);
         }
-        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
+        let (title, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(32.0);
         let board = if self.keyboard_open { letter_pad::block_layout(view.snapshot.kind).height() } else { 0.0 };
         let rows = if self.editing && !self.keyboard_open && self.prompt.is_none() { 2.0 } else { 1.0 };
-        let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
-        let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS_HEIGHT - MESSAGE_HEIGHT);
-        let list = restart::ui(ui, list, view);
-        self.title(ui, title, view);
-        self.listing(ui, list, view, typed.scroll_pages);
-        let (told, keys) = below.split_top_bottom_at_y(below.min.y + MESSAGE_HEIGHT);
-        self.message_line(ui, told, view);
-        if let Some(act) = keys::ui(ui, view, keys, self) {
+        let (rest, pad) = rest.split_bottom(board);
+        let (list, below) = rest.split_bottom(rows * widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
+        let list = restart::ui(list, view);
+        self.title(title, view);
+        self.listing(list, view, typed.scroll_pages);
+        let (told, keys) = below.split_top(MESSAGE_HEIGHT);
+        self.message_line(told, view);
+        if let Some(act) = keys::ui(view, keys, self) {
             self.perform(act, view, login, out);
         }
         if self.keyboard_open
-            && let Some(letter) = letter_pad::ui(ui, view, pad, &letter_pad::block_layout(view.snapshot.kind))
+            && let Some(letter) = letter_pad::ui(view, pad, &letter_pad::block_layout(view.snapshot.kind))
         {
             self.letter(&letter, out);
         }
-        self.run_task(ui);
-        self.request_check(ui, list, out);
-        if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
+        self.run_task(view.ui);
+        self.request_check(view.ui, list, out);
+        if let Some((about, Some(key))) = self.question.ui(rect, view, &typed.edits) {
             self.answer(about, key, view, out);
         }
     }
@@ -156,7 +145,6 @@ impl PageUi for ProgramPage {
 
 impl ProgramPage {
     /// The text with its unsaved changes.
-    #[must_use]
     pub const fn text(&self) -> &Rope {
         &self.document.rope
     }
@@ -246,14 +234,14 @@ impl ProgramPage {
     }
 
     /// Handles keyboard input.
-    fn handle_typed(&mut self, view: &View<'_>, typed: &TypedInput<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        for control in typed.ctrl_keys {
+    fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, login: &mut Login, out: &mut Vec<Command>) {
+        for control in &typed.ctrl_keys {
             if let Some(act) = keys::from_shortcut(*control) {
                 self.perform(act, view, login, out);
             }
         }
         if self.keys_focused || (!self.editing && self.prompt.is_none()) {
-            self.walk.begin_frame(typed.edits);
+            self.walk.begin_frame(&typed.edits);
         } else {
             self.walk.begin_frame(&[]);
         }
@@ -265,7 +253,7 @@ impl ProgramPage {
         } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
             self.refuse(keys::EDIT_FIRST);
         }
-        for edit in typed.edits {
+        for edit in &typed.edits {
             match edit {
                 EditKey::Next | EditKey::Previous if self.editing && self.prompt.is_none() => {
                     self.keys_focused = !self.keys_focused;
@@ -317,10 +305,7 @@ impl ProgramPage {
         if self.task.is_some() {
             if edit == EditKey::Cancel {
                 self.task = None;
-                out.push(Command::Page(PageCommand::File(
-                    Ticket::without_reply(Requester::Editor),
-                    FileRequest::Cancel,
-                )));
+                out.push(file_command(Requester::Editor, FileRequest::Cancel));
             }
             return;
         }
@@ -341,7 +326,7 @@ impl ProgramPage {
         self.position.scroll.user_scrolled = false;
     }
 
-    fn title(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn title(&self, rect: Rect, view: &View<'_>) {
         let program = &view.snapshot.program;
         let document = &self.document;
         let (line, column) = document.cursor_position();
@@ -351,9 +336,8 @@ impl ProgramPage {
         } else {
             format!("{} {line} / {}", view.text("行", "line"), document.lines())
         };
-        let right = text_line(ui.painter(), rect, Align2::RIGHT_CENTER, &place, theme::LABEL, view.theme.muted);
-        let room = Rect::from_min_max(rect.min, pos2(rect.min.x + 240.0, rect.max.y));
-        let name = lines::title(ui, view, room, &view.snapshot.title(document.number));
+        let right = view.line_right(rect, &place, theme::LABEL, view.theme.muted);
+        let name = lines::title(view, rect.with_max_x(rect.min.x + 240.0), &view.snapshot.title(document.number));
         let mut left = (rect.min.x + 92.0).max(name.max.x + theme::PAD);
         let state = if document.changed {
             Some((view.text("未保存", "not saved"), view.theme.hold))
@@ -363,8 +347,7 @@ impl ProgramPage {
             None
         };
         if let Some((words, ink)) = state {
-            let place = Rect::from_min_max(pos2(left, rect.min.y), rect.max);
-            left = text_line(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, ink).max.x + theme::PAD;
+            left = view.line_left(rect.with_min_x(left), words, theme::LABEL, ink).max.x + theme::PAD;
         }
         if listing::in_subprogram(program) {
             let words = format!(
@@ -373,14 +356,14 @@ impl ProgramPage {
                 view.snapshot.title(program.block_program)
             );
             let place = Rect::from_min_max(pos2(left, rect.min.y), pos2(right.min.x - theme::PAD, rect.max.y));
-            fit_text(ui.painter(), place, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.info);
+            view.fit_left(place, &words, theme::LABEL, view.theme.info);
         }
     }
 
-    fn listing(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
-        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    fn listing(&mut self, rect: Rect, view: &View<'_>, pages: i32) {
+        view.card(rect);
         if self.editing {
-            focus_frame(ui.painter(), rect, view.theme.focus);
+            view.frame(rect, view.theme.focus);
         }
         let program = &view.snapshot.program;
         let list = round_to_lines(rect.shrink2(vec2(3.0, 4.0)), LINE_HEIGHT);
@@ -405,23 +388,21 @@ impl ProgramPage {
         }
         let (line, column) = self.document.cursor_position();
         if !self.position.scroll.user_scrolled {
-            self.scroll_to_followed(ui, list, (program.line as usize).checked_sub(1).filter(|_| current));
+            self.scroll_to_followed(view.ui, list, (program.line as usize).checked_sub(1).filter(|_| current));
         }
-        let tap = ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
-        let (first, last) = self.position.scroll.handle_input(ui, "listing", list, LINE_HEIGHT, count);
-        self.position.drag_sideways(ui, "listing", &self.document.rope, first..last.min(count));
-        if tap.clicked()
-            && let Some(at) = tap.interact_pointer_pos()
-        {
-            self.place_cursor(ui, view, list, at);
+        let tap = view.ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
+        let rope = self.document.rope.clone();
+        let spec = ScrollList { id: "listing", rect: list, row: LINE_HEIGHT, gap: 0.0, count };
+        let (rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, listing::NUMBER_WIDTH);
+        if let Some((line, column)) = tapped {
+            self.document.move_to(line, column);
+            self.keys_focused = false;
         }
         let block = self.document.block();
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         let running = current && !self.document.changed;
-        let painter = &ui.painter().with_clip_rect(list);
-        for row in first..last.min(count) {
-            let top = list.min.y + ((row as f64 - self.position.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE_HEIGHT));
+        let clipped = view.clipped(list);
+        for (row, place) in rows {
             let mark = LineMarks {
                 running: running && row + 1 == program.line as usize,
                 block: block.is_some_and(|(from, to)| (from..to).contains(&row)),
@@ -429,9 +410,8 @@ impl ProgramPage {
                 cursor: (self.editing && row == line).then_some(column),
                 chosen: idle && !self.editing && row == line,
             };
-            listing::paint_line(painter, place, view, &self.document.rope, (row, self.position.first_column), mark);
+            self.position.paint_line(&clipped, place, &rope, row, mark);
         }
-        self.position.scroll.draw_bar(ui, view, list, LINE_HEIGHT, count);
     }
 
     /// Scrolls to the cursor while the text is edited or after a search, else to the running line.
@@ -452,17 +432,6 @@ impl ProgramPage {
         }
     }
 
-    fn place_cursor(&mut self, ui: &Ui, view: &View<'_>, list: Rect, at: egui::Pos2) {
-        let row = (f64::from((at.y - list.min.y) / LINE_HEIGHT) + self.position.scroll.top).floor().max(0.0) as usize;
-        if row >= self.document.lines() {
-            return;
-        }
-        let x = at.x - list.min.x - listing::NUMBER_WIDTH;
-        let column = listing::column_at(ui.painter(), view, &self.document.rope, (row, self.position.first_column), x);
-        self.document.move_to(row, column);
-        self.keys_focused = false;
-    }
-
     /// The error in a line of the present text.
     fn fault_in_line<'v>(&self, view: &View<'v>, row: usize) -> Option<&'v LocalizedText> {
         let looked = &view.snapshot.files.line_check;
@@ -477,8 +446,8 @@ impl ProgramPage {
     }
 
     /// Message line: prompt, message or progress, error in the cursor's line, encoding, unsaved program.
-    fn message_line(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let row = rect.shrink2(vec2(4.0, 0.0));
+    fn message_line(&self, rect: Rect, view: &View<'_>) {
+        let row = rect.trim_sides(4.0);
         let line = self.document.cursor_position().0;
         let (words, ink) = if let Some(ask) = self.prompt {
             let what = match ask {
@@ -505,7 +474,7 @@ impl ProgramPage {
         } else {
             return;
         };
-        fit_text(ui.painter(), row, Align2::LEFT_CENTER, &words, theme::LABEL, ink);
+        view.fit_left(row, &words, theme::LABEL, ink);
     }
 
     /// Requests a syntax check of the visible lines after a pause in typing.
@@ -521,8 +490,7 @@ impl ProgramPage {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(CHECK_DELAY_SECONDS + 0.01));
             return;
         }
-        let asked = since < 0.0;
-        if asked || now - since < CHECK_DELAY_SECONDS {
+        if since < 0.0 || now - since < CHECK_DELAY_SECONDS {
             return;
         }
         self.last_check.2 = -1.0;
@@ -536,24 +504,11 @@ impl ProgramPage {
         }
         let (number, token) = (self.document.number, self.text_token());
         let request = FileRequest::CheckLines { number, first_line: first as u32 + 1, text, token };
-        out.push(Command::Page(PageCommand::File(Ticket::without_reply(Requester::Editor), request)));
+        out.push(file_command(Requester::Editor, request));
     }
 
-    /// The rows of keys below the listing.
-    fn key_rows(&self) -> [&'static [EditorAction]; 2] {
-        if self.prompt.is_some() {
-            return keys::PROMPT_KEYS;
-        }
-        keys::rows(
-            self.editing,
-            self.keyboard_open,
-            self.document.block_anchor.is_some(),
-            self.replacing,
-            self.task.is_some(),
-        )
-    }
-
-    fn look_of(&self, act: EditorAction) -> ButtonState {
+    /// Whether a key is on, and whether it is locked.
+    fn look_of(&self, act: EditorAction) -> (bool, bool) {
         let (undo, redo) = self.document.can_undo_redo();
         let on = (act == EditorAction::Keyboard && self.keyboard_open)
             || (act == EditorAction::Save && self.document.changed);
@@ -563,6 +518,6 @@ impl ProgramPage {
             EditorAction::Paste => self.clipboard.is_none(),
             _ => false,
         };
-        ButtonState { on, locked }
+        (on, locked)
     }
 }

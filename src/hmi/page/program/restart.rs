@@ -1,24 +1,22 @@
 //! The block at which cycle start would begin, with its modal state, or the run that a power cut ended.
 //! Source: spec B5.
 
-use egui::{Rect, Ui, vec2};
+use egui::{Rect, vec2};
 
 use crate::defs::text::LocalizedText;
-use crate::hmi::theme;
-use crate::hmi::view::{View, card, text_rows};
+use crate::hmi::{Area, View, theme};
 use crate::link::Snapshot;
 
 /// Height of the two lines of text.
 const HEIGHT: f32 = 52.0;
 
 /// Shows the restart below the listing; returns the rectangle left for the listing.
-pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Rect {
+pub fn ui(rect: Rect, view: &View<'_>) -> Rect {
     let Some(told) = text(view.snapshot) else { return rect };
-    let (list, below) = rect.split_top_bottom_at_y(rect.max.y - HEIGHT - theme::GAP);
-    let place = Rect::from_min_max(below.min + vec2(0.0, theme::GAP), below.max);
-    card(ui.painter(), place, view.theme.surface, view.theme.hold);
-    let inside = place.shrink2(vec2(theme::PAD, 3.0));
-    text_rows(ui.painter(), inside, &told.get(view.lang), theme::LABEL, view.theme.hold, 2);
+    let (list, below) = rect.split_bottom(HEIGHT + theme::GAP);
+    let place = below.trim_top(theme::GAP);
+    view.filled_card(place, view.theme.surface, view.theme.hold);
+    view.text_rows(place.shrink2(vec2(theme::PAD, 3.0)), told.get(view.lang), theme::LABEL, view.theme.hold, 2);
     list
 }
 

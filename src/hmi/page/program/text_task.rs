@@ -40,33 +40,22 @@ pub enum TextTask {
     Block { number: u64, line: usize },
     /// Replaces all matches.
     Replace { what: String, with: String, line: usize, count: usize, built: Option<RopeBuilder> },
-    /// Renumbers the blocks: first reads all block numbers, then writes new ones.
-    Renumber {
-        first: u64,
-        by: u64,
-        line: usize,
-        map: BTreeMap<u64, u64>,
-        twice: Vec<u64>,
-        blocks: u64,
-        built: Option<RopeBuilder>,
-    },
+    /// Renumbers the blocks.
+    Renumber(Renumbering),
 }
 
 impl TextTask {
     /// Searches a word from the cursor on.
-    #[must_use]
     pub fn find(what: &str, document: &Document) -> Self {
         Self::Find { what: what.to_owned(), from: document.cursor, done: 0 }
     }
 
     /// Searches the block N with this number.
-    #[must_use]
     pub const fn find_block(number: u64) -> Self {
         Self::Block { number, line: 0 }
     }
 
     /// Replaces all matches.
-    #[must_use]
     pub fn replace(what: &str, with: &str) -> Self {
         Self::Replace {
             what: what.to_owned(),
@@ -78,19 +67,16 @@ impl TextTask {
     }
 
     /// Renumbers the blocks from `first` in steps of `by`.
-    #[must_use]
-    pub const fn renumber(first: u64, by: u64) -> Self {
-        let built = None;
-        Self::Renumber { first, by, line: 0, map: BTreeMap::new(), twice: Vec::new(), blocks: 0, built }
+    pub fn renumber(first: u64, by: u64) -> Self {
+        Self::Renumber(Renumbering { first, by, ..Renumbering::default() })
     }
 
     /// Name of the task.
-    #[must_use]
     pub const fn name(&self) -> Text {
         match self {
             Self::Find { .. } | Self::Block { .. } => Text::new("正在查找", "searching"),
             Self::Replace { .. } => Text::new("正在替换", "replacing"),
-            Self::Renumber { .. } => Text::new("正在重排段号", "renumbering"),
+            Self::Renumber(_) => Text::new("正在重排段号", "renumbering"),
         }
     }
 
@@ -103,8 +89,7 @@ impl TextTask {
                 let Some(builder) = built else { return TaskStep::NotFound };
                 let end = (*line + SLICE_LINES).min(text.len_lines());
                 for index in *line..end {
-                    let whole = text.line(index);
-                    *count += replace_in(&whole.to_string(), what, with, builder);
+                    *count += replace_in(&text.line(index).to_string(), what, with, builder);
                 }
                 *line = end;
                 if end < text.len_lines() {
@@ -115,34 +100,7 @@ impl TextTask {
                     (Some(_) | None, _) => TaskStep::NotFound,
                 }
             }
-            Self::Renumber { first, by, line, map, twice, blocks, built } => match built {
-                None => match read_numbers(text, (*first, *by), line, (map, twice, blocks)) {
-                    Ok(true) => {
-                        (*line, *built) = (0, Some(RopeBuilder::new()));
-                        TaskStep::Running(500)
-                    }
-                    Ok(false) => TaskStep::Running(permille(*line, text.len_lines()) / 2),
-                    Err(why) => TaskStep::Refused(why),
-                },
-                Some(builder) => {
-                    let all = map.is_empty();
-                    let end = (*line + SLICE_LINES).min(text.len_lines());
-                    if *line == 0 {
-                        *blocks = 0;
-                    }
-                    for index in *line..end {
-                        write_numbered(&text.line(index).to_string(), (*first, *by, all), map, blocks, builder);
-                    }
-                    *line = end;
-                    if end < text.len_lines() {
-                        return TaskStep::Running(500 + permille(end, text.len_lines()) / 2);
-                    }
-                    match built.take() {
-                        Some(built) => TaskStep::Changed(built.finish(), *blocks as usize),
-                        None => TaskStep::NotFound,
-                    }
-                }
-            },
+            Self::Renumber(task) => task.step(text),
         }
     }
 }
@@ -232,52 +190,119 @@ fn is_block(rest: &str) -> bool {
     rest.trim_end().chars().next().is_some_and(|sign| !matches!(sign, '%' | 'O' | 'o' | '(' | ';'))
 }
 
-/// First pass: reads the block numbers and checks that all jumps can be updated. True when all lines are read.
-fn read_numbers(
-    text: &Rope,
-    (first, by): (u64, u64),
-    line: &mut usize,
-    (map, twice, blocks): (&mut BTreeMap<u64, u64>, &mut Vec<u64>, &mut u64),
-) -> Result<bool, LocalizedText> {
-    let end = (*line + SLICE_LINES).min(text.len_lines());
-    for index in *line..end {
-        let line = text.line(index).to_string();
-        let (lead, number, rest) = split_block_number(&line);
-        if lead.ends_with("//") {
-            continue;
+/// Renumbering of the blocks: first all block numbers are read, then the new ones are written.
+#[derive(Debug, Default)]
+pub struct Renumbering {
+    first: u64,
+    by: u64,
+    /// The next line of the pass.
+    line: usize,
+    /// The new number of each old one.
+    map: BTreeMap<u64, u64>,
+    /// Numbers that two blocks have.
+    twice: Vec<u64>,
+    /// Number of blocks of the pass.
+    blocks: u64,
+    /// The new text; none in the first pass.
+    built: Option<RopeBuilder>,
+}
+
+impl Renumbering {
+    /// Runs one slice.
+    fn step(&mut self, text: &Rope) -> TaskStep {
+        let lines = text.len_lines();
+        let Some(mut builder) = self.built.take() else {
+            return match self.read_numbers(text) {
+                Ok(true) => {
+                    (self.line, self.blocks, self.built) = (0, 0, Some(RopeBuilder::new()));
+                    TaskStep::Running(500)
+                }
+                Ok(false) => TaskStep::Running(permille(self.line, lines) / 2),
+                Err(why) => TaskStep::Refused(why),
+            };
+        };
+        let end = (self.line + SLICE_LINES).min(lines);
+        for index in self.line..end {
+            self.write_numbered(&text.line(index).to_string(), &mut builder);
         }
-        if let Some(number) = number {
-            if map.insert(number, first + *blocks * by).is_some() {
-                twice.push(number);
+        self.line = end;
+        if end < lines {
+            self.built = Some(builder);
+            return TaskStep::Running(500 + permille(end, lines) / 2);
+        }
+        TaskStep::Changed(builder.finish(), self.blocks as usize)
+    }
+
+    /// First pass: reads the block numbers and checks that all jumps can be updated. True when all lines are read.
+    fn read_numbers(&mut self, text: &Rope) -> Result<bool, LocalizedText> {
+        let end = (self.line + SLICE_LINES).min(text.len_lines());
+        for index in self.line..end {
+            let line = text.line(index).to_string();
+            let (lead, number, rest) = split_block_number(&line);
+            if lead.ends_with("//") {
+                continue;
             }
-            *blocks += 1;
+            if let Some(number) = number {
+                if self.map.insert(number, self.first + self.blocks * self.by).is_some() {
+                    self.twice.push(number);
+                }
+                self.blocks += 1;
+            }
+            let upper = without_comments(rest).to_ascii_uppercase();
+            let jumps = [("M99", 'P'), ("M01", 'L'), ("M1", 'L'), ("M91", 'P'), ("M92", 'P'), ("G65", 'H')];
+            let by_code = jumps.iter().any(|(code, word)| upper.contains(code) && upper.contains(*word));
+            let target = upper.split("GOTO").nth(1).map(str::trim_start);
+            if by_code || target.is_some_and(|target| target.starts_with(['#', '['])) {
+                let line = index + 1;
+                return Err(LocalizedText::new(
+                    format!("第{line}行的跳转目标不能自动更改，请手工改段号"),
+                    format!("line {line} jumps in a way that cannot follow: renumber by hand"),
+                ));
+            }
         }
-        let upper = without_comments(rest).to_ascii_uppercase();
-        let jumps = [("M99", 'P'), ("M01", 'L'), ("M1", 'L'), ("M91", 'P'), ("M92", 'P'), ("G65", 'H')];
-        let by_code = jumps.iter().any(|(code, word)| upper.contains(code) && upper.contains(*word));
-        let target = upper.split("GOTO").nth(1).map(str::trim_start);
-        if by_code || target.is_some_and(|target| target.starts_with(['#', '['])) {
-            let line = index + 1;
-            return Err(LocalizedText::new(
-                format!("第{line}行的跳转目标不能自动更改，请手工改段号"),
-                format!("line {line} jumps in a way that cannot follow: renumber by hand"),
-            ));
+        self.line = end;
+        if end < text.len_lines() {
+            return Ok(false);
+        }
+        if let Some(number) = self.twice.first() {
+            let zh = format!("段号 N{number} 出现两次，请先改正");
+            return Err(LocalizedText::new(zh, format!("N{number} stands twice: mend that first")));
+        }
+        if self.first + self.by * text.len_lines() as u64 > MAX_BLOCK_NUMBER {
+            return Err(LocalizedText::new("段号太大，请减小步长", "the numbers grow too large: take a smaller step"));
+        }
+        Ok(true)
+    }
+
+    /// Second pass: appends a line with its new number and with the target of its jump.
+    fn write_numbered(&mut self, line: &str, builder: &mut RopeBuilder) {
+        let (lead, number, rest) = split_block_number(line);
+        builder.append(lead);
+        let comment = lead.ends_with("//");
+        // If no block has a number, all get one.
+        if !comment && (number.is_some() || (self.map.is_empty() && is_block(rest))) {
+            builder.append(&format!("N{:04}", self.first + self.blocks * self.by));
+            if number.is_none() {
+                builder.append(" ");
+            }
+            self.blocks += 1;
+        } else if let Some(number) = number {
+            builder.append(&format!("N{number}"));
+        }
+        let target = find_in_line(rest, "GOTO", 0).map(|at| at + 4).filter(|_| !comment);
+        let Some(at) = target else { return builder.append(rest) };
+        let digits_at = at + (rest[at..].len() - rest[at..].trim_start_matches([' ', 'N', 'n']).len());
+        let digits = rest[digits_at..].bytes().take_while(u8::is_ascii_digit).count();
+        let old = rest[digits_at..digits_at + digits].parse::<u64>().ok();
+        match old.and_then(|old| self.map.get(&old)) {
+            Some(new) => {
+                builder.append(&rest[..digits_at]);
+                builder.append(&format!("{new}"));
+                builder.append(&rest[digits_at + digits..]);
+            }
+            None => builder.append(rest),
         }
     }
-    *line = end;
-    if end < text.len_lines() {
-        return Ok(false);
-    }
-    if let Some(number) = twice.first() {
-        return Err(LocalizedText::new(
-            format!("段号 N{number} 出现两次，请先改正"),
-            format!("N{number} stands twice: mend that first"),
-        ));
-    }
-    if first + by * text.len_lines() as u64 > MAX_BLOCK_NUMBER {
-        return Err(LocalizedText::new("段号太大，请减小步长", "the numbers grow too large: take a smaller step"));
-    }
-    Ok(true)
 }
 
 fn without_comments(text: &str) -> String {
@@ -293,40 +318,6 @@ fn without_comments(text: &str) -> String {
         }
     }
     plain
-}
-
-fn write_numbered(
-    line: &str,
-    (first, by, all): (u64, u64, bool),
-    map: &BTreeMap<u64, u64>,
-    blocks: &mut u64,
-    builder: &mut RopeBuilder,
-) {
-    let (lead, number, rest) = split_block_number(line);
-    builder.append(lead);
-    let comment = lead.ends_with("//");
-    if !comment && (number.is_some() || (all && is_block(rest))) {
-        builder.append(&format!("N{:04}", first + *blocks * by));
-        if number.is_none() {
-            builder.append(" ");
-        }
-        *blocks += 1;
-    } else if let Some(number) = number {
-        builder.append(&format!("N{number}"));
-    }
-    let target = find_in_line(rest, "GOTO", 0).map(|at| at + 4).filter(|_| !comment);
-    let Some(at) = target else { return builder.append(rest) };
-    let digits_at = at + (rest[at..].len() - rest[at..].trim_start_matches([' ', 'N', 'n']).len());
-    let digits = rest[digits_at..].bytes().take_while(u8::is_ascii_digit).count();
-    let old = rest[digits_at..digits_at + digits].parse::<u64>().ok();
-    match old.and_then(|old| map.get(&old)) {
-        Some(new) => {
-            builder.append(&rest[..digits_at]);
-            builder.append(&format!("{new}"));
-            builder.append(&rest[digits_at + digits..]);
-        }
-        None => builder.append(rest),
-    }
 }
 
 #[cfg(test)]

@@ -1,17 +1,13 @@
 //! Date and time of day: six fields, each typed and checked on its own. Source: spec B6, H6.
 
+use egui::Rect;
 use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo};
 
-use super::{group, key_row, title_note};
+use super::SettingsGroup;
 use crate::defs::date::{DateTime, YEARS, days_in_month};
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::field_editor::FieldEditor;
-use crate::hmi::page::input_line::{self, InputPrompt};
-use crate::hmi::theme;
-use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame};
-use crate::hmi::widget::{KeyboardFocus, cell};
+use crate::hmi::page::{InputPrompt, input_line};
+use crate::hmi::{Area, EditKey, FieldEditor, KeyboardFocus, View, theme};
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
 
@@ -46,10 +42,11 @@ impl ClockGroup {
             self.typing.clear_refused(*edit);
             match edit {
                 EditKey::Enter => self.enter(view, field, out),
-                EditKey::Up | EditKey::Left | EditKey::Previous => self.go((field + FIELDS.len() - 1) % FIELDS.len()),
-                EditKey::Down | EditKey::Right | EditKey::Next => self.go((field + 1) % FIELDS.len()),
                 EditKey::Cancel if self.typing.text.is_empty() => self.close(),
-                other => drop(self.typing.handle_key(*other)),
+                other => match other.step(field, FIELDS.len(), 1) {
+                    Some(field) => self.go(field),
+                    None => drop(self.typing.handle_key(*other)),
+                },
             }
         }
         rest
@@ -80,28 +77,25 @@ impl ClockGroup {
     }
 
     /// Draws the group.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, (key, walk): (f32, &mut KeyboardFocus)) {
-        let (body, free) = group(ui, view, rect, view.text("日期、时间", "date and time"));
-        title_note(ui, view, free, view.text("年 月 日 · 时 分 秒", "y m d · h min s"));
-        let row = key_row(body, key, 0);
-        let painter = ui.painter();
+    pub fn ui(&mut self, group: &SettingsGroup<'_>, walk: &mut KeyboardFocus) {
+        let (view, row) = (group.view, group.row(0));
+        group.title_note(view.text("年 月 日 · 时 分 秒", "y m d · h min s"));
         for (index, (name, id)) in FIELDS.iter().enumerate() {
-            let place = cell(row, index, FIELDS.len());
+            let place = row.cell(index, FIELDS.len());
             let (chosen, entered) = walk.item();
-            let response = ui.interact(place, Id::unique(("clock", index)), Sense::CLICK);
             let word = format!("{} {id}", name.get(view.lang));
-            response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &word));
+            let response = view.touch_as(Role::TextInput, place, ("clock", index), &word);
             if response.clicked() || entered {
                 self.go(index);
                 // The keyboard needs no pad.
                 self.typing.pad_open |= response.clicked();
             }
-            card(painter, place, view.theme.raised, view.theme.line);
+            view.filled_card(place, view.theme.raised, view.theme.line);
             let typed = self.field == Some(index);
-            if typed && self.typing.refused.is_some() {
-                focus_frame(painter, place, view.theme.alarm);
-            } else if typed || chosen {
-                focus_frame(painter, place, if typed { view.theme.focus } else { view.theme.info });
+            if typed {
+                self.typing.frame(view, place);
+            } else if chosen {
+                view.frame(place, view.theme.info);
             }
             let shown = match view.snapshot.date {
                 _ if typed && !self.typing.text.is_empty() => self.typing.text.clone(),
@@ -110,27 +104,21 @@ impl ClockGroup {
                 None => "—".to_owned(),
             };
             let ink = if typed && self.typing.refused.is_some() { view.theme.alarm_text } else { view.theme.text };
-            fit_text(painter, place.shrink(4.0), Align2::CENTER_CENTER, &shown, theme::SECONDARY, ink);
+            view.fit_centre(place.shrink(4.0), &shown, theme::SECONDARY, ink);
         }
     }
 
     /// The input line at the foot of the page.
-    pub fn input_line(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    pub fn input_line(&self, rect: Rect, view: &View<'_>) {
         let hint = view.text("触摸年月日时分秒可修改", "touch a part of the date to set it");
         let Some(field) = self.field else {
-            return input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: "", name: "", range: hint });
+            return input_line::ui(view, rect, &self.typing, &InputPrompt { label: "", name: "", range: hint });
         };
         let name = FIELDS[field].0.get(view.lang);
         let (least, most) = range(view.snapshot.date, field);
         let old = view.snapshot.date.map_or(0, |date| date.parts()[field]);
         let range = format!("{least} … {most}  {} {old}", view.text("原值", "old"));
-        input_line::ui(
-            ui,
-            view,
-            rect,
-            &self.typing,
-            &InputPrompt { label: &format!("{name}="), name: "", range: &range },
-        );
+        input_line::ui(view, rect, &self.typing, &InputPrompt { label: &format!("{name}="), name: "", range: &range });
     }
 }
 

@@ -1,24 +1,18 @@
 //! Settings: clock, language, colours and brightness, switches, kind of machine, access level, passwords.
-//! Source: spec B6, K1 (the kind is retained), K6.2.
+//! Source: spec B6, H4, K1 (the kind is retained), K6.2.
 
-mod appearance;
 mod clock;
-mod switches;
 
-use egui::{Align2, Pos2, Rect, Ui, pos2, vec2};
+use egui::{Align2, Rect, pos2, vec2};
 
 use super::{PageContext, PageUi, input_line};
 use crate::defs::kind::Kind;
-use crate::defs::param::AccessLevel;
-use crate::hmi::field_editor::FieldEditor;
-use crate::hmi::login::Login;
-use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit_text};
-use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
+use crate::defs::param::{self, AccessLevel, BitParam};
+use crate::defs::text::{Lang, Text};
+use crate::hmi::{Area, EditKey, FieldEditor, KeyboardFocus, Login, PageKey, View, theme};
 use crate::link::Command;
-use crate::link::page_command::{PageCommand, PasswordScope};
+use crate::link::page_command::{BRIGHTNESS, BRIGHTNESS_STEP, PageCommand, PasswordScope};
 use clock::ClockGroup;
-use switches::SwitchGroup;
 
 /// Least and greatest height of a key of this page; heights of a group's title, its edge and its note.
 const KEY_HEIGHTS: (f32, f32) = (46.0, 56.0);
@@ -28,16 +22,87 @@ const NOTE_HEIGHT: f32 = 24.0;
 /// Groups of each column: rows of keys, and whether a note is below.
 const LEFT_GROUPS: [(f32, bool); 3] = [(1.0, false), (2.0, false), (2.0, false)];
 const RIGHT_GROUPS: [(f32, bool); 3] = [(2.0, true), (2.0, true), (1.0, false)];
+/// Frequently used bits of the parameter table, each with the id and the label of its key.
+const SWITCHES: [(BitParam, &str, Text); 4] = [
+    (param::COUNT_ON_M30, "switch-count", Text::new("M30 计件", "M30 COUNTS")),
+    (param::EDIT_OFFSETS, "switch-offsets", Text::new("刀补允许修改", "EDIT OFFSETS")),
+    (param::EDIT_VALUES_IN_RUN, "switch-values", Text::new("运行中可改数据", "EDIT IN A RUN")),
+    (param::WHEEL_RETRACT, "switch-retract", Text::new("一键回退", "RETRACT KEY")),
+];
+
+/// A setting that waits for a password.
+#[derive(Clone, Copy, Debug)]
+enum PendingSetting {
+    /// The kind of machine after the next start.
+    Kind(Kind),
+    /// A switch by its index.
+    Switch(usize),
+}
+
+impl PendingSetting {
+    const fn level(self) -> AccessLevel {
+        match self {
+            Self::Kind(_) => AccessLevel::Builder,
+            Self::Switch(index) => SWITCHES[index].0.level,
+        }
+    }
+
+    fn command(self, view: &View<'_>) -> Command {
+        Command::Page(match self {
+            Self::Kind(kind) => PageCommand::SetNextKind(kind),
+            Self::Switch(index) => {
+                let bit = SWITCHES[index].0;
+                PageCommand::EditParam(bit.address(), if view.snapshot.params.bit(bit) { 0.0 } else { 1.0 })
+            }
+        })
+    }
+}
 
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct SettingsPage {
-    /// Selected kind that waits for the machine builder's password.
-    pending_kind: Option<Kind>,
-    switches: SwitchGroup,
+    pending: Option<PendingSetting>,
     /// The clock group.
     clock: ClockGroup,
     walk: KeyboardFocus,
+}
+
+/// A group of keys as it is drawn: a card with a title.
+struct SettingsGroup<'a> {
+    view: &'a View<'a>,
+    /// Rectangle of the keys and the note.
+    body: Rect,
+    /// Free rectangle beside the title.
+    free: Rect,
+    /// Height of a key.
+    key: f32,
+}
+
+impl<'a> SettingsGroup<'a> {
+    fn new(view: &'a View<'a>, rect: Rect, key: f32, title: &str) -> Self {
+        view.card(rect);
+        let (head, body) = rect.shrink2(vec2(theme::PAD, GROUP_EDGE)).split_top(TITLE_HEIGHT);
+        let taken = view.fit(head, Align2::LEFT_TOP, title, theme::TITLE, view.theme.text);
+        let free = head.band(0.0, 24.0).with_min_x(taken.max.x + theme::PAD);
+        Self { view, body, free, key }
+    }
+
+    /// A row of keys.
+    fn row(&self, row: usize) -> Rect {
+        self.body.band(row as f32 * (self.key + theme::GAP), self.key)
+    }
+
+    /// Writes beside the title.
+    fn title_note(&self, words: &str) {
+        self.view.fit_right(self.free, words, theme::LABEL, self.view.theme.muted);
+    }
+
+    /// Writes below the two rows of keys.
+    fn note(&self, words: &str) {
+        let top = self.row(1).max.y;
+        let place = self.body.with_min_y(top + 4.0).with_max_y(top + NOTE_HEIGHT);
+        self.view.fit_left(place, words, theme::LABEL, self.view.theme.muted);
+    }
 }
 
 impl PageUi for SettingsPage {
@@ -50,61 +115,103 @@ impl PageUi for SettingsPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
-        let edits = if login.is_open() { &[] } else { typed.edits };
-        let rest = self.clock.handle_edits(view, edits, out);
-        self.walk.begin_frame(&rest);
-        if let Some(kind) = self.pending_kind {
-            if view.snapshot.access.level >= AccessLevel::Builder {
-                out.push(Command::Page(PageCommand::SetNextKind(kind)));
-                self.pending_kind = None;
-            } else if !login.is_open() {
-                self.pending_kind = None;
-            }
+        let PageContext { rect, view, typed, login, out, .. } = ctx;
+        let edits: &[EditKey] = if login.is_open() { &[] } else { &typed.edits };
+        self.walk.begin_frame(&self.clock.handle_edits(view, edits, out));
+        // A waiting setting is sent once its level is unlocked, and dropped if the password is not given.
+        if let Some(setting) = self.pending {
+            let open = view.snapshot.access.level >= setting.level();
+            out.extend(open.then(|| setting.command(view)));
+            self.pending = Some(setting).filter(|_| !open && login.is_open());
         }
-        self.switches.send_pending(view, login, out);
         let (page, input) = input_line::split(rect);
         let inside = page.shrink(theme::PAD);
         let half = (inside.width() - theme::PAD) / 2.0;
         // The right column is the higher one; the left column gets the same height.
         let rows: f32 = RIGHT_GROUPS.iter().map(|(rows, _)| rows).sum();
         let key = ((inside.height() - column_height(RIGHT_GROUPS, 0.0)) / rows).clamp(KEY_HEIGHTS.0, KEY_HEIGHTS.1);
-        let height = column_height(RIGHT_GROUPS, key);
-        let [clock, look, switches] = column(inside.min, (half, height), LEFT_GROUPS, key);
-        let right = pos2(inside.min.x + half + theme::PAD, inside.min.y);
-        let [kind, level, passwords] = column(right, (half, height), RIGHT_GROUPS, key);
-        self.clock.ui(ui, clock, view, (key, &mut self.walk));
-        appearance::ui(ui, look, view, (key, &mut self.walk), out);
-        self.switches.ui(ui, switches, view, (key, &mut self.walk, login), out);
-        self.kind_group(ui, kind, view, (key, login), out);
-        access_group(ui, level, view, (key, &mut self.walk, login), out);
-        password_group(ui, passwords, view, (key, &mut self.walk, login));
-        self.clock.input_line(ui, input, view);
+        let area = inside.band(0.0, column_height(RIGHT_GROUPS, key));
+        let [clock, look, switches] = column(area.split_left(half).0, LEFT_GROUPS, key);
+        let [kind, level, passwords] = column(area.trim_left(half + theme::PAD), RIGHT_GROUPS, key);
+        self.clock.ui(&SettingsGroup::new(view, clock, key, view.text("日期、时间", "date and time")), &mut self.walk);
+        let title = view.text("语言、颜色、亮度 Language", "Language 语言, colours, brightness");
+        self.appearance(&SettingsGroup::new(view, look, key, title), out);
+        self.switches(&SettingsGroup::new(view, switches, key, view.text("开关", "switches")), login, out);
+        self.kinds(&SettingsGroup::new(view, kind, key, view.text("机床类型", "kind of machine")), login, out);
+        self.access(&SettingsGroup::new(view, level, key, view.text("程序、参数开关", "access")), login, out);
+        self.passwords(&SettingsGroup::new(view, passwords, key, view.text("修改密码", "change a password")), login);
+        self.clock.input_line(input, view);
     }
 }
 
 impl SettingsPage {
-    fn kind_group(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, keys: (f32, &mut Login), out: &mut Vec<Command>) {
-        let (key, login) = keys;
-        let (body, free) = group(ui, view, rect, view.text("机床类型", "kind of machine"));
-        title_note(ui, view, free, view.snapshot.kind.name().get(view.lang));
+    /// Sends a setting, or asks for the password of its level first.
+    fn set(&mut self, setting: PendingSetting, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        match PasswordScope::for_level(setting.level()).filter(|_| view.snapshot.access.level < setting.level()) {
+            Some(guard) => {
+                self.pending = Some(setting);
+                login.unlock(view, guard);
+            }
+            None => out.push(setting.command(view)),
+        }
+    }
+
+    /// Language, colours and brightness of the screen.
+    fn appearance(&mut self, group: &SettingsGroup<'_>, out: &mut Vec<Command>) {
+        let view = group.view;
+        let looks = [
+            PageKey::new("lang-zh", "中文").on(view.lang == Lang::Zh),
+            PageKey::new("lang-en", "English").on(view.lang == Lang::En),
+            PageKey::new("theme-dark", view.text("深色", "DARK")).on(!view.light),
+            PageKey::new("theme-light", view.text("浅色", "LIGHT")).on(view.light),
+        ];
+        out.extend(self.walk.keys(view, group.row(0), &looks).map(|index| {
+            Command::Page(match index {
+                0 => PageCommand::SetLang(Lang::Zh),
+                1 => PageCommand::SetLang(Lang::En),
+                _ => PageCommand::SetLightTheme(index == 3),
+            })
+        }));
+        let row = group.row(1);
+        let words = format!("{} {} %", view.text("亮度", "brightness"), view.brightness);
+        view.fit_centre(row.cell(1, 4).union(row.cell(2, 4)), &words, theme::LABEL, view.theme.text);
+        let darker = view.brightness.saturating_sub(BRIGHTNESS_STEP).max(*BRIGHTNESS.start());
+        let brighter = view.brightness.saturating_add(BRIGHTNESS_STEP).min(*BRIGHTNESS.end());
+        let steps = [(0, "brightness-down", "-", darker), (3, "brightness-up", "+", brighter)];
+        for (column, id, label, wanted) in steps {
+            if self.walk.button(view, row.cell(column, 4), PageKey::new(id, label)) && wanted != view.brightness {
+                out.push(Command::Page(PageCommand::SetBrightness(wanted)));
+            }
+        }
+    }
+
+    /// Frequently used switches with their password level.
+    fn switches(&mut self, group: &SettingsGroup<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        let view = group.view;
+        group.title_note(view.text("亮条为开", "a bar: on"));
+        for (index, (bit, id, label)) in SWITCHES.iter().enumerate() {
+            let key = PageKey::new(id, label.get(view.lang)).on(view.snapshot.params.bit(*bit));
+            let key = key.locked(view.snapshot.access.level < bit.level);
+            if self.walk.button(view, group.row(index / 2).cell(index % 2, 2), key) {
+                self.set(PendingSetting::Switch(index), view, login, out);
+            }
+        }
+    }
+
+    fn kinds(&mut self, group: &SettingsGroup<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        let view = group.view;
+        group.title_note(view.snapshot.kind.name().get(view.lang));
         let next = view.snapshot.next_kind;
         let (first, rest) = (Kind::KT830.len(), Kind::ALL.len() - Kind::KT830.len());
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
-            let look = ButtonState { on: kind == next, locked: view.snapshot.access.level < AccessLevel::Builder };
             // The KT-830 grinders in the first row, the other kinds below.
             let place = match index < first {
-                true => cell(key_row(body, key, 0), index, first),
-                false => cell(key_row(body, key, 1), index - first, rest),
+                true => group.row(0).cell(index, first),
+                false => group.row(1).cell(index - first, rest),
             };
-            if !self.walk.button(ui, view, place, (kind.id(), kind.short_name()), look) {
-                continue;
-            }
-            if view.snapshot.access.level >= AccessLevel::Builder {
-                out.push(Command::Page(PageCommand::SetNextKind(kind)));
-            } else {
-                self.pending_kind = Some(kind);
-                login.unlock(view, PasswordScope::Builder);
+            let key = PageKey::new(kind.id(), kind.short_name()).on(kind == next);
+            if self.walk.button(view, place, key.locked(view.snapshot.access.level < AccessLevel::Builder)) {
+                self.set(PendingSetting::Kind(kind), view, login, out);
             }
         }
         let words = if next == view.snapshot.kind {
@@ -112,7 +219,43 @@ impl SettingsPage {
         } else {
             format!("{} {}", view.text("下次启动：", "from the next start:"), next.name().get(view.lang))
         };
-        note(ui, view, body, key_row(body, key, 1), &words);
+        group.note(&words);
+    }
+
+    /// Access levels: unlock by password, lock.
+    fn access(&mut self, group: &SettingsGroup<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        let (view, access) = (group.view, group.view.snapshot.access);
+        let level = access.level.name().get(view.lang);
+        group.title_note(&format!("{} {level}", view.text("参数级别：", "parameters:")));
+        let (user, builder) = (access.level >= AccessLevel::User, access.level >= AccessLevel::Builder);
+        let levels = [
+            (PasswordScope::Program, "unlock-program", view.text("程序编辑", "PROGRAMS"), access.program_unlocked),
+            (PasswordScope::User, "unlock-user", view.text("用户", "USER"), user),
+            (PasswordScope::Builder, "unlock-builder", view.text("机床厂", "BUILDER"), builder),
+        ];
+        for (index, (guard, id, name, open)) in levels.into_iter().enumerate() {
+            let key = PageKey::new(id, name).on(open).locked(!open);
+            if self.walk.button(view, group.row(index / 2).cell(index % 2, 2), key) && !open {
+                login.unlock(view, guard);
+            }
+        }
+        if self.walk.button(view, group.row(1).cell(1, 2), PageKey::new("lock", view.text("锁定", "LOCK"))) {
+            out.push(Command::Page(PageCommand::Lock));
+        }
+        group.note(view.text("输入一次密码，锁定或关机前有效", "one password opens it until LOCK or power-off"));
+    }
+
+    fn passwords(&mut self, group: &SettingsGroup<'_>, login: &mut Login) {
+        let view = group.view;
+        group.title_note(view.text("4 到 16 位数字", "4 to 16 digits"));
+        let keys = [
+            PageKey::new("change-program", view.text("程序编辑", "PROGRAMS")),
+            PageKey::new("change-user", view.text("用户参数", "USER")),
+            PageKey::new("change-builder", view.text("机床厂", "BUILDER")),
+        ];
+        if let Some(index) = self.walk.keys(view, group.row(0), &keys) {
+            login.change(view, [PasswordScope::Program, PasswordScope::User, PasswordScope::Builder][index]);
+        }
     }
 }
 
@@ -127,95 +270,12 @@ fn column_height(groups: [(f32, bool); 3], key: f32) -> f32 {
 }
 
 /// The groups of a column, from the top; spare height is shared equally.
-fn column(corner: Pos2, (width, height): (f32, f32), groups: [(f32, bool); 3], key: f32) -> [Rect; 3] {
-    let more = (height - column_height(groups, key)) / 3.0;
-    let mut top = corner.y;
+fn column(area: Rect, groups: [(f32, bool); 3], key: f32) -> [Rect; 3] {
+    let more = (area.height() - column_height(groups, key)) / 3.0;
+    let mut top = area.min.y;
     groups.map(|group| {
-        let place = Rect::from_min_size(pos2(corner.x, top), vec2(width, group_height(group, key) + more));
+        let place = Rect::from_min_size(pos2(area.min.x, top), vec2(area.width(), group_height(group, key) + more));
         top = place.max.y + theme::PAD;
         place
     })
-}
-
-/// A row of keys of a group.
-fn key_row(body: Rect, key: f32, row: usize) -> Rect {
-    let top = body.min.y + row as f32 * (key + theme::GAP);
-    Rect::from_min_size(pos2(body.min.x, top), vec2(body.width(), key))
-}
-
-/// The note below the rows of keys.
-fn note(ui: &Ui, view: &View<'_>, body: Rect, below: Rect, words: &str) {
-    let place = Rect::from_min_max(pos2(body.min.x, below.max.y + 4.0), pos2(body.max.x, below.max.y + NOTE_HEIGHT));
-    fit_text(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
-}
-
-/// A card with a title; returns its inside, and the free rectangle beside the title.
-fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> (Rect, Rect) {
-    card(ui.painter(), rect, view.theme.surface, view.theme.line);
-    let inside = rect.shrink2(vec2(theme::PAD, GROUP_EDGE));
-    let (head, body) = inside.split_top_bottom_at_y(inside.min.y + TITLE_HEIGHT);
-    let taken = fit_text(ui.painter(), head, Align2::LEFT_TOP, title, theme::TITLE, view.theme.text);
-    (body, Rect::from_min_max(pos2(taken.max.x + theme::PAD, head.min.y), pos2(head.max.x, head.min.y + 24.0)))
-}
-
-/// Right-aligned text beside a title.
-fn title_note(ui: &Ui, view: &View<'_>, place: Rect, words: &str) {
-    fit_text(ui.painter(), place, Align2::RIGHT_CENTER, words, theme::LABEL, view.theme.muted);
-}
-
-/// Access levels: unlock by password, lock.
-fn access_group(
-    ui: &Ui,
-    rect: Rect,
-    view: &View<'_>,
-    (key, walk, login): (f32, &mut KeyboardFocus, &mut Login),
-    out: &mut Vec<Command>,
-) {
-    let (body, free) = group(ui, view, rect, view.text("程序、参数开关", "access"));
-    let access = view.snapshot.access;
-    let words = format!("{} {}", view.text("参数级别：", "parameters:"), access.level.name().get(view.lang));
-    title_note(ui, view, free, &words);
-    let levels = [
-        (PasswordScope::Program, "unlock-program", view.text("程序编辑", "PROGRAMS"), access.program_unlocked),
-        (PasswordScope::User, "unlock-user", view.text("用户", "USER"), access.level >= AccessLevel::User),
-        (
-            PasswordScope::Builder,
-            "unlock-builder",
-            view.text("机床厂", "BUILDER"),
-            access.level >= AccessLevel::Builder,
-        ),
-    ];
-    for (index, (guard, id, name, open)) in levels.into_iter().enumerate() {
-        let look = ButtonState { on: open, locked: !open };
-        let place = cell(key_row(body, key, index / 2), index % 2, 2);
-        if walk.button(ui, view, place, (id, name), look) && !open {
-            login.unlock(view, guard);
-        }
-    }
-    if walk.button(
-        ui,
-        view,
-        cell(key_row(body, key, 1), 1, 2),
-        ("lock", view.text("锁定", "LOCK")),
-        ButtonState::default(),
-    ) {
-        out.push(Command::Page(PageCommand::Lock));
-    }
-    let words = view.text("输入一次密码，锁定或关机前有效", "one password opens it until LOCK or power-off");
-    note(ui, view, body, key_row(body, key, 1), words);
-}
-
-fn password_group(ui: &Ui, rect: Rect, view: &View<'_>, (key, walk, login): (f32, &mut KeyboardFocus, &mut Login)) {
-    let (body, free) = group(ui, view, rect, view.text("修改密码", "change a password"));
-    title_note(ui, view, free, view.text("4 到 16 位数字", "4 to 16 digits"));
-    let keys = [
-        (PasswordScope::Program, "change-program", view.text("程序编辑", "PROGRAMS")),
-        (PasswordScope::User, "change-user", view.text("用户参数", "USER")),
-        (PasswordScope::Builder, "change-builder", view.text("机床厂", "BUILDER")),
-    ];
-    for (index, (guard, id, name)) in keys.into_iter().enumerate() {
-        if walk.button(ui, view, cell(key_row(body, key, 0), index, 3), (id, name), ButtonState::default()) {
-            login.change(view, guard);
-        }
-    }
 }

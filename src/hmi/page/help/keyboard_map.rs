@@ -1,13 +1,12 @@
 //! The keyboard map: the keyboard shortcuts of the panel by group, from the shortcut table.
 //! Source: spec K2.1 (same keys reachable from a keyboard).
 
-use egui::{Align2, Rect, Ui, pos2, vec2};
+use egui::{Rect, pos2, vec2};
 
 use crate::defs::key::KeyGroup;
 use crate::defs::text::Text;
 use crate::hmi::keyboard::{SHORTCUTS, Shortcut};
-use crate::hmi::theme;
-use crate::hmi::view::{View, fit_text};
+use crate::hmi::{Area, View, theme};
 
 /// Keys of the screen that are not panel keys.
 const SCREEN: [(&str, Text); 11] = [
@@ -88,8 +87,7 @@ fn groups(view: &View<'_>) -> Vec<Vec<MapLine>> {
 }
 
 /// Draws the map.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect) {
-    let painter = ui.painter();
+pub fn ui(view: &View<'_>, rect: Rect) {
     let rest = rect.shrink2(vec2(0.0, theme::GAP));
     let groups = groups(view);
     let columns = if rect.width() > 640.0 { 4 } else { 3 };
@@ -103,14 +101,13 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect) {
                 MapLine::Caption(text) => {
                     let under = pos2(place.min.x, place.max.y - 2.0);
                     let stroke = egui::Stroke::new(theme::HAIRLINE, view.theme.line);
-                    painter.hline(under.x..=place.max.x, under.y, stroke);
-                    fit_text(painter, place, Align2::LEFT_CENTER, text.get(view.lang), theme::SMALL, view.theme.muted);
+                    view.painter.hline(under.x..=place.max.x, under.y, stroke);
+                    view.fit_left(place, text.get(view.lang), theme::SMALL, view.theme.muted);
                 }
                 MapLine::Entry(keys, name) => {
                     let (left, right) = place.split_left_right_at_fraction(0.48);
-                    let left = Rect::from_min_max(left.min, left.max - vec2(4.0, 0.0));
-                    fit_text(painter, left, Align2::LEFT_CENTER, keys, theme::LABEL, view.theme.info);
-                    fit_text(painter, right, Align2::LEFT_CENTER, name.get(view.lang), theme::LABEL, view.theme.text);
+                    view.fit_left(left.trim_right(4.0), keys, theme::LABEL, view.theme.info);
+                    view.fit_left(right, name.get(view.lang), theme::LABEL, view.theme.text);
                 }
             }
         }

@@ -43,7 +43,6 @@ impl Section {
         [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes, Self::Params];
 
     /// The label of its tab.
-    #[must_use]
     pub const fn name(self) -> Text {
         match self {
             Self::Pages => Text::new("页面", "PAGES"),
@@ -57,7 +56,6 @@ impl Section {
     }
 
     /// The id of its tab.
-    #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
             Self::Pages => "help-pages",
@@ -82,18 +80,36 @@ pub enum HelpTopic {
     Key(Key),
     /// An alarm by its number.
     Alarm(u16),
-    /// A code.
-    Code,
+    /// A G code, or a word of another dialect.
+    GCode,
+    /// An M code.
+    MCode,
     /// A parameter.
     Param(ParamAddress),
 }
 
 impl HelpTopic {
+    /// The section of the subject.
+    const fn section(self) -> Section {
+        match self {
+            Self::Page(_) => Section::Pages,
+            Self::SoftKey(_) => Section::SoftKeys,
+            Self::Key(_) => Section::Keys,
+            Self::Alarm(_) => Section::Alarms,
+            Self::GCode => Section::GCodes,
+            Self::MCode => Section::MCodes,
+            Self::Param(_) => Section::Params,
+        }
+    }
+
     /// The subject of an alarm number; the alarms that programs raise by `#3000` share one entry.
     pub(super) fn for_alarm(number: u16) -> Self {
         Self::Alarm(number.min(alarm::USER_ALARM_FIRST))
     }
 }
+
+/// Captions and texts of an entry.
+type Paragraphs = Vec<(Text, LocalizedText)>;
 
 /// One entry.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,22 +125,15 @@ pub struct HelpEntry {
     /// Its name.
     pub name: LocalizedText,
     /// Captions and texts.
-    pub paragraphs: Vec<(Text, LocalizedText)>,
+    pub paragraphs: Paragraphs,
     /// All texts in lower case, for the search.
     search_text: String,
 }
 
-/// What an entry is called.
-struct Heading {
-    id: String,
-    code: String,
-    name: LocalizedText,
-}
-
 impl HelpEntry {
-    fn new(section: Section, topic: HelpTopic, heading: Heading, paragraphs: Vec<(Text, LocalizedText)>) -> Self {
-        let Heading { id, code, name } = heading;
-        let mut search_text = format!("{id} {code} {} {}", name.zh(), name.en());
+    fn new(topic: HelpTopic, id: String, code: String, name: LocalizedText, paragraphs: Paragraphs) -> Self {
+        let section = topic.section();
+        let mut search_text = format!("{id} {code} {} {}", name.zh, name.en);
         for (_, text) in &paragraphs {
             search_text.push_str(&format!(" {} {}", text.zh(), text.en()));
         }
@@ -133,13 +142,11 @@ impl HelpEntry {
     }
 
     /// Whether the entry contains every word of a search. Case-insensitive.
-    #[must_use]
     pub fn matches(&self, search: &str) -> bool {
         search.to_lowercase().split_whitespace().all(|word| self.search_text.contains(word))
     }
 
     /// Rank in a search, 0 is best: its own code, then whole words in name or text, then parts of words.
-    #[must_use]
     pub fn rank(&self, search: &str) -> u8 {
         let search = search.trim().to_lowercase();
         let (sign, name) = (self.code.to_lowercase(), format!("{} {}", self.name.zh(), self.name.en()).to_lowercase());
@@ -156,7 +163,6 @@ impl HelpEntry {
     }
 
     /// Captions and texts as one text.
-    #[must_use]
     pub fn text(&self, lang: Lang) -> String {
         let parts = self.paragraphs.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
         parts.collect::<Vec<_>>().join("\n")
@@ -187,7 +193,6 @@ const SCOPE: Text = Text::new("有效", "in force");
 const NEXT_BLOCK: Text = Text::new("下一段", "next block");
 
 /// All help entries of a kind of machine.
-#[must_use]
 pub fn entries(kind: Kind) -> Vec<HelpEntry> {
     let pages = Page::ALL.iter().copied().filter(|page| page.exists_on(kind));
     let mut all: Vec<HelpEntry> = pages.map(|page| page_entry(page, kind)).collect();
@@ -212,13 +217,7 @@ fn param_entry(row: &ParamRow) -> HelpEntry {
         (Text::new("级别", "level"), (*row.level.name()).into()),
         (Text::new("位置", "where"), where_),
     ];
-    let id = format!("param-{sign}");
-    HelpEntry::new(
-        Section::Params,
-        HelpTopic::Param(row.address),
-        Heading { id, code: sign, name: row.name.clone() },
-        parts,
-    )
+    HelpEntry::new(HelpTopic::Param(row.address), format!("param-{sign}"), sign, row.name.clone(), parts)
 }
 
 fn page_entry(page: Page, kind: Kind) -> HelpEntry {
@@ -234,12 +233,7 @@ fn page_entry(page: Page, kind: Kind) -> HelpEntry {
         (Text::new("打开时的软键", "its soft keys"), keys),
     ];
     let id = format!("page-{}", page.id());
-    HelpEntry::new(
-        Section::Pages,
-        HelpTopic::Page(page),
-        Heading { id, code: String::new(), name: page.title_on(kind).into() },
-        parts,
-    )
+    HelpEntry::new(HelpTopic::Page(page), id, String::new(), page.title_on(kind).into(), parts)
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
@@ -251,13 +245,7 @@ fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
             );
             let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
-            let about = HelpTopic::SoftKey(soft.action);
-            all.push(HelpEntry::new(
-                Section::SoftKeys,
-                about,
-                Heading { id, code: sign, name: soft.label_on(kind).into() },
-                parts,
-            ));
+            all.push(HelpEntry::new(HelpTopic::SoftKey(soft.action), id, sign, soft.label_on(kind).into(), parts));
         }
     }
 }
@@ -280,17 +268,10 @@ fn key_entry(key: Key, kind: Kind) -> HelpEntry {
         parts.push((DURING_RUN, acts.into()));
     }
     let sign = shortcuts.into_iter().next().unwrap_or_default();
-    let id = format!("key-{}", row.id);
-    HelpEntry::new(
-        Section::Keys,
-        HelpTopic::Key(key),
-        Heading { id, code: sign, name: key.label_on(kind).into() },
-        parts,
-    )
+    HelpEntry::new(HelpTopic::Key(key), format!("key-{}", row.id), sign, key.label_on(kind).into(), parts)
 }
 
 /// The entry of an alarm.
-#[must_use]
 pub fn alarm_entry(number: u16) -> Option<HelpEntry> {
     let mut all = Vec::new();
     alarms(&mut all);
@@ -306,12 +287,7 @@ fn alarms(all: &mut Vec<HelpEntry>) {
                 parts.push((CAUSE, cause));
             }
             parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED_BY, acts.1.name().into())]);
-            HelpEntry::new(
-                Section::Alarms,
-                HelpTopic::Alarm(number),
-                Heading { id: format!("alarm-{sign}"), code: sign, name },
-                parts,
-            )
+            HelpEntry::new(HelpTopic::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
         };
     let from = all.len();
     for row in ALARMS {
@@ -341,8 +317,7 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
     let system = kind.dialect();
     let mill = system.is_mill();
     for row in G_CODES.iter().filter(|row| system.is_kt830() && row.availability_on(mill) != Availability::No) {
-        let once = matches!(row.group_on(mill), GCodeGroup::NonModal);
-        let stays = if once {
+        let stays = if matches!(row.group_on(mill), GCodeGroup::NonModal) {
             Text::new("只在本段", "in its block only")
         } else {
             Text::new("模态，直到同组的另一个代码", "until another code of its group")
@@ -352,22 +327,11 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
             parts.pop();
         }
         let sign = format!("G{:02}", row.code);
-        all.push(HelpEntry::new(
-            Section::GCodes,
-            HelpTopic::Code,
-            Heading { id: format!("g-{sign}"), code: sign, name: row.text.into() },
-            parts,
-        ));
+        all.push(HelpEntry::new(HelpTopic::GCode, format!("g-{sign}"), sign, row.text.into(), parts));
     }
     for word in dialect_word::words_of(system) {
         let (id, sign) = (format!("g-{}", word.word), word.word.to_owned());
-        let parts = vec![(PURPOSE, word.help.into())];
-        all.push(HelpEntry::new(
-            Section::GCodes,
-            HelpTopic::Code,
-            Heading { id, code: sign, name: word.text.into() },
-            parts,
-        ));
+        all.push(HelpEntry::new(HelpTopic::GCode, id, sign, word.text.into(), vec![(PURPOSE, word.help.into())]));
     }
 }
 
@@ -379,10 +343,5 @@ fn mcode_entry(row: &mcode::MCode) -> HelpEntry {
     };
     let parts = vec![(PURPOSE, row.help.into()), (NEXT_BLOCK, waits.into())];
     let sign = format!("M{:02}", row.code);
-    HelpEntry::new(
-        Section::MCodes,
-        HelpTopic::Code,
-        Heading { id: format!("m-{sign}"), code: sign, name: row.name.into() },
-        parts,
-    )
+    HelpEntry::new(HelpTopic::MCode, format!("m-{sign}"), sign, row.name.into(), parts)
 }

@@ -1,0 +1,111 @@
+//! The section of the plane that the drawing shows, and the scene that is painted through it.
+//! Source: spec B6, H9.
+
+use std::sync::Arc;
+
+use egui::{Pos2, Rect, Vec2, pos2};
+
+use super::{ViewPlane, index};
+use crate::link::toolpath::{BoundingBox, Toolpath};
+
+/// Limits of the scale, pixels per mm.
+const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
+/// Section of the plane that is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Centre of the canvas, mm: to the right, upwards.
+    centre: (f32, f32),
+    /// Pixels per mm.
+    pub scale: f32,
+    /// Everything is in view; true until the operator pans or zooms.
+    pub fitted: bool,
+}
+
+impl Camera {
+    /// A camera that shows everything.
+    pub fn fit(whole: BoundingBox, (right, up): ViewPlane, rect: Rect) -> Self {
+        let (right, up) = (index(right), index(up));
+        let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
+        let scale = (rect.width() * 0.88 / size(right)).min(rect.height() * 0.88 / size(up));
+        let middle = |axis: usize| f32::midpoint(whole.low[axis], whole.high[axis]);
+        Self {
+            centre: (middle(right), middle(up)),
+            scale: scale.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end()),
+            fitted: true,
+        }
+    }
+
+    /// Pans by pixels.
+    pub fn pan(&mut self, by: Vec2) {
+        if by != Vec2::ZERO {
+            self.centre.0 -= by.x / self.scale;
+            self.centre.1 += by.y / self.scale;
+            self.fitted = false;
+        }
+    }
+
+    /// Zooms around `about`, pixels from the centre.
+    pub fn zoom(&mut self, factor: f32, about: Vec2) {
+        let scale = (self.scale * factor).clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
+        if !scale.is_finite() || (scale / self.scale - 1.0).abs() < 1e-4 {
+            return;
+        }
+        self.centre.0 += about.x / self.scale - about.x / scale;
+        self.centre.1 -= about.y / self.scale - about.y / scale;
+        (self.scale, self.fitted) = (scale, false);
+    }
+
+    /// Coordinate to the right at a canvas position, mm.
+    pub fn right_at(&self, rect: Rect, at: Pos2) -> f32 {
+        self.centre.0 + (at.x - rect.center().x) / self.scale
+    }
+
+    /// Canvas position of a point in mm.
+    pub fn to_canvas(self, rect: Rect, right: f32, up: f32) -> Pos2 {
+        let centre = rect.center();
+        pos2(centre.x + (right - self.centre.0) * self.scale, centre.y - (up - self.centre.1) * self.scale)
+    }
+
+    /// Visible range, mm: least and greatest to the right, least and greatest upwards.
+    pub fn visible_mm(&self, rect: Rect) -> [f32; 4] {
+        let (wide, high) = (rect.width() / 2.0 / self.scale, rect.height() / 2.0 / self.scale);
+        [self.centre.0 - wide, self.centre.0 + wide, self.centre.1 - high, self.centre.1 + high]
+    }
+}
+
+/// What is painted.
+pub struct GraphicScene<'a> {
+    pub drawing: Option<&'a Arc<Toolpath>>,
+    pub plane: ViewPlane,
+    pub camera: Camera,
+    pub actual_path: &'a [[f32; 3]],
+    /// Touched Z positions to measure, mm (L10).
+    pub measured_at: &'a [f32],
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::vec2;
+
+    use super::*;
+    use crate::units::Axis;
+
+    #[test]
+    fn h9_zoom_keeps_the_place_under_the_finger() {
+        let rect = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 400.0));
+        let around = BoundingBox { low: [0.0; 3], high: [100.0; 3] };
+        let mut camera = Camera::fit(around, (Axis::Z, Axis::X), rect);
+        let finger = vec2(80.0, -50.0);
+        let under =
+            |camera: &Camera| (camera.centre.0 + finger.x / camera.scale, camera.centre.1 - finger.y / camera.scale);
+        let before = under(&camera);
+        camera.zoom(3.0, finger);
+        let after = under(&camera);
+        assert!((before.0 - after.0).abs() < 1e-3 && (before.1 - after.1).abs() < 1e-3);
+        // No zoom leaves the range that can be drawn.
+        (0..200).for_each(|_| camera.zoom(10.0, finger));
+        assert!(camera.scale <= *SCALE_RANGE.end() && camera.centre.0.is_finite());
+        camera.zoom(f32::NAN, finger);
+        assert!(camera.scale.is_finite());
+    }
+}
