@@ -1,6 +1,8 @@
 //! A value being typed: its text, and its refusal by the page or by the core.
 //! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
 
+use std::borrow::Cow;
+
 use egui::{Color32, Rect};
 
 use super::{EditKey, View};

@@ -74,7 +74,7 @@ impl Question {
         let (title, rest) = place.shrink2(vec2(20.0, 14.0)).split_top(32.0);
         view.fit_left(title, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
         let (body, keys) = rest.split_bottom(56.0);
-        view.paragraph(body.trim_top(6.0), self.body.get(view.lang), theme::LABEL, view.theme.text);
+        view.paragraph(body.trim_top(6.0), &self.body.get(view.lang), theme::LABEL, view.theme.text);
         self.focus.begin_frame(edits);
         let last = self.keys.len() - 1;
         let width = ((keys.width() + theme::GAP) / self.keys.len() as f32).min(170.0);

@@ -1,6 +1,8 @@
 //! Input of a value for a macro variable: cursor, text, check, refusal.
 //! Source: spec H6, K7.5.
 
+use std::borrow::Cow;
+
 use super::{CoreAnswer, EditKey, FieldEditor};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::Command;

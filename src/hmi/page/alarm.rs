@@ -2,6 +2,8 @@
 //! be selected: help opens at it, and the history shows its cause, its remedy and how it is cleared.
 //! Source: spec B6, B8, H7.
 
+use std::borrow::Cow;
+
 use std::sync::Arc;
 
 use egui::{Align2, Rect, pos2, vec2};
@@ -70,7 +72,6 @@ impl PageUi for AlarmPage {
         let told = chosen.filter(|_| self.shows_history).and(self.selected_number(view));
         let below = told.and_then(|number| self.help_of(number)).map_or(0.0, |entry| {
             let parts = entry.paragraphs.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
-            let parts: Vec<_> = parts.collect();
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
             detail(view, place, parts.collect())
         });
@@ -198,7 +199,7 @@ fn row_card(view: &View<'_>, place: Rect, here: bool, chosen: bool) -> (Rect, Re
 }
 
 /// Captioned texts, one below the other; returns the top of the next item.
-fn captioned_texts(view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
+fn captioned_texts(view: &View<'_>, room: Rect, parts: &[(&str, Cow<'_, str>)]) -> f32 {
     let mut top = room.min.y;
     for (caption, words) in parts.iter().filter(|(_, words)| !words.is_empty()) {
         let label = Rect::from_min_size(pos2(room.min.x, top), vec2(CAPTION_WIDTH - 4.0, 22.0));
@@ -211,7 +212,7 @@ fn captioned_texts(view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
 
 /// Card with the texts of the selected alarm, at the lower edge of `room`, as high as the texts need. Returns its
 /// height and the gap above it.
-fn detail(view: &View<'_>, room: Rect, parts: Vec<(&str, &str)>) -> f32 {
+fn detail(view: &View<'_>, room: Rect, parts: Vec<(&str, Cow<'_, str>)>) -> f32 {
     let width = room.width() - 2.0 * theme::PAD - CAPTION_WIDTH;
     let height = |words: &str| {
         let text = view.painter.layout(words.to_owned(), theme::font(theme::LABEL), view.theme.text, width);
@@ -233,7 +234,7 @@ fn present_row(view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
     let (title, when) = top.split_right(196.0);
     let head = Rect::from_min_size(number.min, vec2(number.width(), top.height()));
     view.line_left(head, &format!("{:03}", alarm.number), theme::SECONDARY, view.theme.alarm_text);
-    view.fit_left(title, alarm.text.get(view.lang), theme::TITLE, view.theme.text);
+    view.fit_left(title, &alarm.text.get(view.lang), theme::TITLE, view.theme.text);
     let mut word = view.time(alarm.since);
     if let Some(place) = view.program_line(alarm.place) {
         word = format!("{place} · {word}");
@@ -245,7 +246,7 @@ fn present_row(view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
         (view.text("处理", "remedy"), &alarm.remedy.get(view.lang)),
         (view.text("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
     ];
-    captioned_texts(view, below, &parts);
+    captioned_texts(view, below, &parts.map(|(caption, words)| (caption, words.into())));
 }
 
 fn past_row(view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
@@ -254,7 +255,7 @@ fn past_row(view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
     let ink = if here { view.theme.alarm_text } else { view.theme.text };
     view.line_left(number, &format!("{:03}", past.number), theme::SECONDARY, ink);
     let (top, below) = words.split_top_bottom_at_fraction(0.54);
-    view.fit_left(top, past.text.get(view.lang), theme::LABEL, view.theme.text);
+    view.fit_left(top, &past.text.get(view.lang), theme::LABEL, view.theme.text);
     let (times, where_) = below.split_left_right_at_fraction(0.7);
     let word = format!("{} → {}", format_date_time(past.came), end_text(view, past));
     view.fit_left(times, &word, theme::LABEL, view.theme.muted);

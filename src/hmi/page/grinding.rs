@@ -278,7 +278,7 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: 
     let (left, rest) = line.split_left_right_at_fraction(0.34);
     let ink = input_line::typed_text(view, left, &format!("{}=", view.variable_name(row.variable)), &entry.editor);
     let told = match entry.refusal(view.lang) {
-        Some(reason) => reason.to_owned(),
+        Some(reason) => reason.into_owned(),
         None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.variable(row.variable)),
     };
     let (name, range) = rest.split_left_right_at_fraction(0.4);
@@ -311,7 +311,7 @@ fn text_fault(places: &GrindingLayout, view: &View<'_>, fault: &FileFault) {
     lines::title(view, places.title, what);
     empty::show(view, places.body, pictogram::NO_PAGE, &fault.file, "");
     let below = Rect::from_min_max(pos2(places.body.min.x + 8.0, places.body.center().y + 20.0), places.body.max);
-    view.paragraph(below, fault.full_message().get(view.lang), theme::LABEL, view.theme.alarm_text);
+    view.paragraph(below, &fault.full_message().get(view.lang), theme::LABEL, view.theme.alarm_text);
 }
 
 /// The program has no grinding page: shows what to do.

@@ -40,7 +40,7 @@ pub fn ui(view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<
     let (left, rest) = bar(view, rect).split_left_right_at_fraction(0.38);
     let ink = typed_text(view, left.trim_right(theme::PAD), told.label, typing);
     if let Some(reason) = typing.refusal(view.lang) {
-        view.fit_right(rest, reason, theme::LABEL, ink);
+        view.fit_right(rest, &reason, theme::LABEL, ink);
         return;
     }
     let range = view.fit_right(rest, told.range, theme::LABEL, ink);

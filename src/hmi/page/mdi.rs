@@ -198,7 +198,7 @@ impl MdiPage {
         let ink = if refused.is_some() { view.theme.alarm_text } else { view.theme.text };
         view.fit_left(field.trim_sides(theme::PAD), &format!("{}_", self.typing.text), theme::SECONDARY, ink);
         if let Some(reason) = refused {
-            view.fit_left(told, reason, theme::LABEL, view.theme.alarm_text);
+            view.fit_left(told, &reason, theme::LABEL, view.theme.alarm_text);
         }
     }
 }

@@ -113,16 +113,16 @@ impl SerialPane {
         let below = rect.trim_top(top + FIELD_HEIGHT + theme::GAP);
         let (words, ink) = match (&self.refused, media.ports.is_empty()) {
             (Some(said), _) => (said.get(view.lang), view.theme.alarm_text),
-            (None, true) => (view.text("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in."), view.theme.hold),
+            (None, true) => (view.text("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in.").into(), view.theme.hold),
             (None, false) => (
                 view.text(
                     "发送：在左边选择程序，先启动对方接收。\n接收：先按 RS232 → 本机，再启动对方发送。",
                     "To send: choose programs on the left, start receiving there first.\nTo receive: touch FROM RS232, then start sending there.",
-                ),
+                ).into(),
                 view.theme.muted,
             ),
         };
-        view.paragraph(below, words, theme::LABEL, ink);
+        view.paragraph(below, &words, theme::LABEL, ink);
     }
 
     /// The field 存为.

@@ -1,6 +1,8 @@
 //! Simulator page: forced inputs, faults, part and wheel, for learning on a laptop. A real machine has no such page.
 //! Source: spec P1–P8.
 
+use std::borrow::Cow;
+
 use egui::{Rect, pos2, vec2};
 
 use super::{PageContext, PageUi, empty};
@@ -135,17 +137,17 @@ impl SimulatorPage {
         let done = touched.map(|index| if index == 0 { SimCommand::NewPart } else { SimCommand::SharpenWheel });
         view.card(body);
         let inside = body.shrink2(vec2(theme::PAD, 6.0));
-        let mut lines = if wheel {
+        let mut lines: Vec<(Cow<'_, str>, String)> = if wheel {
             vec![
-                (view.text("砂轮直径 mm", "wheel diameter mm"), format_length(sim.wheel_diameter_mm)),
-                (view.text("砂轮钝化 %", "wheel dullness %"), format!("{:.0}", sim.wheel_dullness * 100.0)),
-                (view.text("砂轮负载 %", "wheel load %"), format!("{:.0}", sim.wheel_load_percent)),
+                (view.text("砂轮直径 mm", "wheel diameter mm").into(), format_length(sim.wheel_diameter_mm)),
+                (view.text("砂轮钝化 %", "wheel dullness %").into(), format!("{:.0}", sim.wheel_dullness * 100.0)),
+                (view.text("砂轮负载 %", "wheel load %").into(), format!("{:.0}", sim.wheel_load_percent)),
             ]
         } else {
             let station = view.snapshot.tool_station.unwrap_or_default();
             vec![
-                (view.text("主轴 r/min", "spindle rpm"), format_whole(view.snapshot.wheel_rpm)),
-                (view.text("刀位", "station"), format!("T{station}")),
+                (view.text("主轴 r/min", "spindle rpm").into(), format_whole(view.snapshot.wheel_rpm)),
+                (view.text("刀位", "station").into(), format!("T{station}")),
             ]
         };
         lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang), format_length(*size))));

@@ -299,14 +299,15 @@ impl TransferPage {
                 (said.get(view.lang), if *refused { view.theme.alarm_text } else { view.theme.run })
             }
             None if self.set == TransferSet::Serial => {
-                (view.text("触摸选择要发送的程序", "touch to choose the programs to send"), view.theme.muted)
+                (view.text("触摸选择要发送的程序", "touch to choose the programs to send").into(), view.theme.muted)
             }
-            None if self.set.has_file_list() => {
-                (view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all"), view.theme.muted)
-            }
+            None if self.set.has_file_list() => (
+                view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all").into(),
+                view.theme.muted,
+            ),
             None => return,
         };
-        view.fit_left(rect, words, theme::LABEL, ink);
+        view.fit_left(rect, &words, theme::LABEL, ink);
     }
 
     /// Remaining time, once 2 % of the work are done since its start was seen (H8).

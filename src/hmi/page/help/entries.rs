@@ -133,7 +133,7 @@ pub struct HelpEntry {
 impl HelpEntry {
     fn new(topic: HelpTopic, id: String, code: String, name: LocalizedText, paragraphs: Paragraphs) -> Self {
         let section = topic.section();
-        let mut search_text = format!("{id} {code} {} {}", name.zh, name.en);
+        let mut search_text = format!("{id} {code} {} {}", name.zh(), name.en());
         for (_, text) in &paragraphs {
             search_text.push_str(&format!(" {} {}", text.zh(), text.en()));
         }

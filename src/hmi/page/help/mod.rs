@@ -249,7 +249,7 @@ impl Help {
         let (sign, words) = inside.split_left(sign_width);
         let ink = if is_present(view, entry.topic) { view.theme.alarm_text } else { view.theme.info };
         view.fit_left(sign.trim_right(theme::GAP.min(sign_width)), &entry.code, theme::LABEL, ink);
-        paint_name(view, words, entry.name.get(view.lang), theme::LABEL, view.theme.text);
+        paint_name(view, words, &entry.name.get(view.lang), theme::LABEL, view.theme.text);
         if response.clicked() {
             self.cursor = row;
             self.scroll.user_scrolled = true;

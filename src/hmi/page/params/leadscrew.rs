@@ -333,18 +333,20 @@ impl LeadscrewTab {
                 view.text(
                     "回零后生效。机床坐标，X 为半径。",
                     "In force after homing. Machine coordinates, X a radius.",
-                ),
+                )
+                .into(),
                 view.theme.hold,
             ),
             None => (
                 view.text(
                     "输入即生效，轴慢速补到位。机床坐标，X 为半径。",
                     "In force as it is typed; the axis is led there slowly. Machine coordinates, X a radius.",
-                ),
+                )
+                .into(),
                 view.theme.muted,
             ),
         };
-        view.paragraph(rect, words, theme::LABEL, ink);
+        view.paragraph(rect, &words, theme::LABEL, ink);
     }
 
     fn keys(&mut self, rect: Rect, ctx: &mut TabContext<'_>) {

@@ -126,7 +126,7 @@ fn number_line(view: &View<'_>, place: Rect, row: usize, drawn: &ParamListView<'
     let (number, rest) = place.trim_sides(8.0).split_left(NUMBER_WIDTH - 8.0);
     view.line_left(number, &known.address.to_string(), theme::TITLE, view.theme.text);
     let (words, right) = rest.split_right(268.0);
-    view.fit_left(words.trim_right(theme::GAP), known.name.get(view.lang), theme::LABEL, view.theme.text);
+    view.fit_left(words.trim_right(theme::GAP), &known.name.get(view.lang), theme::LABEL, view.theme.text);
     let (value, unit) = right.split_left(130.0);
     let (text, ink) = drawn.shown(view, row, (value_text(view, known.address), view.theme.text));
     view.fit_right(value, &text, theme::SECONDARY, ink);
@@ -217,7 +217,7 @@ fn bit_list(view: &View<'_>, rect: Rect, list: &ParamList, row: &ParamRow) {
         let (name, words) = place.split_left(80.0);
         let bit = format!("BIT{} = {}", other.address.bit.unwrap_or(0), value_text(view, other.address));
         view.fit_left(name, &bit, theme::LABEL, ink);
-        view.fit_left(words, other.name.get(view.lang), theme::LABEL, ink);
+        view.fit_left(words, &other.name.get(view.lang), theme::LABEL, ink);
     }
 }
 
@@ -228,8 +228,8 @@ pub fn input_line(view: &View<'_>, rect: Rect, row: Option<&ParamRow>, typing: &
     let (left, right) = line.split_left_right_at_fraction(0.42);
     let ink = input_line::typed_text(view, left, &format!("{}=", row.address), typing);
     let told = match typing.refusal(view.lang) {
-        Some(reason) => reason.to_owned(),
-        None => view.range_and_old(row.range().get(view.lang), &value_text(view, row.address)),
+        Some(reason) => reason.into_owned(),
+        None => view.range_and_old(&row.range().get(view.lang), &value_text(view, row.address)),
     };
     view.fit_right(right, &told, theme::LABEL, ink);
 }

@@ -16,7 +16,7 @@ pub fn ui(rect: Rect, view: &View<'_>) -> Rect {
     let (list, below) = rect.split_bottom(HEIGHT + theme::GAP);
     let place = below.trim_top(theme::GAP);
     view.filled_card(place, view.theme.surface, view.theme.hold);
-    view.text_rows(place.shrink2(vec2(theme::PAD, 3.0)), told.get(view.lang), theme::LABEL, view.theme.hold, 2);
+    view.text_rows(place.shrink2(vec2(theme::PAD, 3.0)), &told.get(view.lang), theme::LABEL, view.theme.hold, 2);
     list
 }
 
