@@ -26,6 +26,5 @@ pub mod sim_fault;
 pub mod soft_key;
 pub mod system_variable;
 pub mod text;
-pub mod text_arg;
 pub mod turning_tool;
 pub mod variable_name;

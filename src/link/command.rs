@@ -14,8 +14,8 @@ use crate::defs::page::Page;
 use crate::defs::page_text::PageText;
 use crate::defs::param::ParamAddress;
 use crate::defs::soft_key::CoordinateView;
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template};
-use crate::defs::text_arg::Arg;
 use crate::units::{Axis, PerAxis};
 
 /// One request to the core. The tick that takes it either executes it or shows a message with the reason of the

@@ -4,8 +4,8 @@ use std::fmt;
 
 use crate::defs::gcode::GCode;
 pub(crate) use crate::defs::program_error::ProgramError as E;
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{Lang, LocalizedText, Template};
-use crate::defs::text_arg::Arg;
 
 /// The location of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

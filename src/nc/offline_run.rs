@@ -6,7 +6,7 @@ use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
 use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
 use super::op::Op;
-use crate::defs::text_arg::Arg;
+use crate::defs::text::arg::Arg;
 
 /// Most blocks that one call of `advance_to` reads.
 pub const ADVANCE_PER_CALL: usize = 2_000;

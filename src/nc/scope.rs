@@ -11,7 +11,7 @@ use super::modal::ModalState;
 use super::settings::NcSettings;
 use super::source::Source;
 use crate::defs::system_variable;
-use crate::defs::text_arg::Arg;
+use crate::defs::text::arg::Arg;
 use crate::units::{Axis, MM_PER_INCH, WorkPos};
 
 /// First system variables of the axis positions, machine and work coordinates; they count the machine's axes only.

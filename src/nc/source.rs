@@ -9,7 +9,7 @@ use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, fail1, f
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
 use crate::defs::program_number;
-use crate::defs::text_arg::Arg;
+use crate::defs::text::arg::Arg;
 
 /// The UTF-8 byte order mark that some editors write.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];

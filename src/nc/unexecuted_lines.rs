@@ -9,7 +9,7 @@ use super::source::{Library, Source};
 use super::statement::{self, BlockContent, BlockReader, SyntaxOnlyScope};
 use super::words::BlockWords;
 use crate::defs::program_number;
-use crate::defs::text_arg::Arg;
+use crate::defs::text::arg::Arg;
 
 /// Reads the unmarked lines of a program and marks them.
 pub(crate) struct UnexecutedLines {

@@ -5,8 +5,8 @@ use super::{Panel, Parts, View};
 use crate::defs::alarm;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
-use crate::defs::text_arg::Arg;
 use crate::link::command::FileFault;
 use crate::link::snapshot::PROGRAMS_WITH_PAGE;
 

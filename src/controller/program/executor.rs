@@ -12,7 +12,7 @@ use crate::defs::alarm;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::motion::Move;
-use crate::nc::{CoordinateChange, NextStatus, PreflightStatus};
+use crate::nc::{NextStatus, PreflightStatus};
 
 /// Maximum blocks read per tick.
 const BLOCKS_PER_TICK: usize = 16;
@@ -160,34 +160,8 @@ impl ProgramRun {
                     self.next_tag += 1;
                 }
                 QueueItem::BlockEnd if plant.operator.switches.single_block && self.origin == Origin::Program => return,
-                QueueItem::Action(
-                    QueuedAction::SetVariable(..)
-                    | QueuedAction::Note(_)
-                    | QueuedAction::ChangeCoordinates(
-                        CoordinateChange::Select(_) | CoordinateChange::Tool { .. } | CoordinateChange::AddWear { .. },
-                    )
-                    | QueuedAction::ChangeTool(..)
-                    | QueuedAction::WheelSpeed(..)
-                    | QueuedAction::WheelSpeedLimit(_),
-                )
-                | QueueItem::BlockStart(_)
-                | QueueItem::BlockEnd => {}
-                QueueItem::Action(
-                    QueuedAction::SetSystemVariable(..)
-                    | QueuedAction::ChangeCoordinates(CoordinateChange::Set(_))
-                    | QueuedAction::MCode(..)
-                    | QueuedAction::Gauge(_)
-                    | QueuedAction::Oscillate(_)
-                    | QueuedAction::Cylinder(_)
-                    | QueuedAction::Thread(_)
-                    | QueuedAction::Home(_)
-                    | QueuedAction::IndexTurret(_)
-                    | QueuedAction::Dwell(_)
-                    | QueuedAction::Skip(..)
-                    | QueuedAction::Alarm(..)
-                    | QueuedAction::Message(_)
-                    | QueuedAction::EndOfText,
-                ) => return,
+                QueueItem::Action(act) if act.waits_for_motion() => return,
+                QueueItem::Action(_) | QueueItem::BlockStart(_) | QueueItem::BlockEnd => {}
             }
             self.handed_over += 1;
         }

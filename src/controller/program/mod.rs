@@ -29,8 +29,8 @@ use run::{Origin, PendingPreflight, ProgramRun};
 use super::plant::system_variables::nc_settings;
 use super::plant::{ControlEvent, ControlPhase, Plant};
 use crate::defs::kind::Kind;
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
-use crate::defs::text_arg::Arg;
 use crate::nc::{self, ModalState, Source, VariableError, WorkOffsets};
 use crate::units::{Axis, Micros, PerAxis};
 

@@ -180,6 +180,21 @@ pub enum QueuedAction {
     EndOfText,
 }
 
+impl QueuedAction {
+    /// Whether the moves behind it wait until it is executed.
+    #[must_use]
+    pub const fn waits_for_motion(&self) -> bool {
+        match self {
+            Self::SetVariable(..) | Self::Note(_) | Self::ChangeTool(..) => false,
+            Self::WheelSpeed(..) | Self::WheelSpeedLimit(_) => false,
+            Self::ChangeCoordinates(change) => matches!(change, CoordinateChange::Set(_)),
+            Self::SetSystemVariable(..) | Self::MCode(..) | Self::Gauge(_) | Self::Oscillate(_) => true,
+            Self::Cylinder(_) | Self::Thread(_) | Self::Home(_) | Self::IndexTurret(_) | Self::Dwell(_) => true,
+            Self::Skip(..) | Self::Alarm(..) | Self::Message(_) | Self::EndOfText => true,
+        }
+    }
+}
+
 /// An item read but not yet executed.
 #[derive(Clone, Debug)]
 pub enum QueueItem {

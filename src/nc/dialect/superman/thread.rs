@@ -2,7 +2,7 @@
 
 use super::motion::coordinate;
 use super::out_of_range;
-use crate::defs::text_arg::Arg;
+use crate::defs::text::arg::Arg;
 use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};

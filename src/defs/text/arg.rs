@@ -4,16 +4,16 @@ use std::borrow::Cow;
 use std::fmt::{self, Write};
 use std::sync::Arc;
 
-use super::date::DateTime;
-use super::key::Key;
-use super::kind::{Dialect, Kind};
-use super::page::Page;
-use super::param::ParamAddress;
-use super::program_number;
-use super::signal::{Input, Output};
-use super::soft_key::SoftKey;
-use super::text::{Lang, Template, Text, Words};
-use super::variable_name::variable_name;
+use super::{Lang, Template, Text, Words};
+use crate::defs::date::DateTime;
+use crate::defs::key::Key;
+use crate::defs::kind::{Dialect, Kind};
+use crate::defs::page::Page;
+use crate::defs::param::ParamAddress;
+use crate::defs::program_number;
+use crate::defs::signal::{Input, Output};
+use crate::defs::soft_key::SoftKey;
+use crate::defs::variable_name::variable_name;
 use crate::units::Axis;
 
 /// Bytes of a name that is kept in place; a longer one is shared.
@@ -119,6 +119,27 @@ impl Arg {
             Self::Page(page) => out.write_str(page.title().get(lang)),
             Self::ShortName(..) | Self::LongName(_) => out.write_str(self.as_name()),
         }
+    }
+}
+
+impl Template {
+    /// Puts the template into words, with its arguments.
+    pub(super) fn write(&self, out: &mut String, lang: Lang, args: &[Arg]) -> fmt::Result {
+        let mut rest = self.text.get(lang);
+        while let Some((before, after)) = rest.split_once('{') {
+            out.push_str(before);
+            let (inside, tail) = after.split_once('}').unwrap_or((after, ""));
+            let (name, form) = inside.split_once(':').unwrap_or((inside, ""));
+            match self.names.iter().position(|known| *known == name).and_then(|index| args.get(index)) {
+                Some(Arg::Phrase(template, first)) => {
+                    template.write(out, lang, args.get(usize::from(*first)..).unwrap_or_default())?;
+                }
+                Some(arg) => arg.write(out, lang, NumberForm::parse(form))?,
+                None => write!(out, "{{{inside}}}")?,
+            }
+            rest = tail;
+        }
+        out.write_str(rest)
     }
 }
 

@@ -1,52 +1,13 @@
-//! Texts in the two languages of the control.
-//!
-//! The core says what it means by a phrase: a constant template and its arguments. Making, cloning and dropping one
-//! allocates nothing. The screen, the disk thread and the tests put it into words.
+//! A text for the operator: constant, a phrase with arguments, or words composed outside the tick.
 
 use std::borrow::Cow;
-use std::fmt::{self, Write};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::alarm;
-use super::text_arg::{Arg, NumberForm};
-
-/// A language of the control. Chinese is the default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Lang {
-    /// 中文
-    #[default]
-    Zh,
-    /// English
-    En,
-}
-
-/// A constant text in both languages.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Text {
-    /// Chinese.
-    pub zh: &'static str,
-    /// English.
-    pub en: &'static str,
-}
-
-impl Text {
-    /// A text from its Chinese and English forms.
-    #[must_use]
-    pub const fn new(zh: &'static str, en: &'static str) -> Self {
-        Self { zh, en }
-    }
-
-    /// The text in a language.
-    #[must_use]
-    pub const fn get(self, lang: Lang) -> &'static str {
-        match lang {
-            Lang::Zh => self.zh,
-            Lang::En => self.en,
-        }
-    }
-}
+use super::arg::Arg;
+use super::{Lang, MAX_ARGS, Template, Text, Words};
+use crate::defs::alarm;
 
 /// A phrase: the Chinese and the English template, then the arguments, `name` or `name = value`.
 macro_rules! phrase {
@@ -55,112 +16,14 @@ macro_rules! phrase {
     ($zh:expr, $en:expr $(, $name:ident $(= $value:expr)?)* $(,)?) => {
         $crate::defs::text::LocalizedText::phrase(
             const { &$crate::defs::text::Template::new($zh, $en, &[$(stringify!($name)),*]) },
-            [$($crate::defs::text_arg::Arg::from($crate::defs::text::phrase!(@value $name $($value)?))),*],
+            [$($crate::defs::text::arg::Arg::from($crate::defs::text::phrase!(@value $name $($value)?))),*],
         )
     };
 }
 pub(crate) use phrase;
 
-/// Maximum number of arguments of a phrase.
-pub const MAX_ARGS: usize = 6;
-
-/// A constant text with named placeholders: `{axis}`, `{value:.3}`, `{off:+.3}`, `{number:04}`, as in `format!`.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Template {
-    /// The text with its placeholders.
-    pub text: Text,
-    /// The names of the arguments, in their order.
-    pub names: &'static [&'static str],
-}
-
-impl Template {
-    /// A template from its Chinese and English forms and the names of its arguments.
-    ///
-    /// # Panics
-    /// A language has a placeholder that is not named, or lacks one that is. The macro [`phrase!`] checks at compile
-    /// time.
-    #[must_use]
-    pub const fn new(zh: &'static str, en: &'static str, names: &'static [&'static str]) -> Self {
-        assert!(names.len() <= MAX_ARGS, "too many arguments");
-        assert!(uses_exactly(zh, names) && uses_exactly(en, names), "placeholders and arguments differ");
-        Self { text: Text::new(zh, en), names }
-    }
-
-    /// Puts the template into words, with its arguments.
-    fn write(&self, out: &mut String, lang: Lang, args: &[Arg]) -> fmt::Result {
-        let mut rest = self.text.get(lang);
-        while let Some((before, after)) = rest.split_once('{') {
-            out.push_str(before);
-            let (inside, tail) = after.split_once('}').unwrap_or((after, ""));
-            let (name, form) = inside.split_once(':').unwrap_or((inside, ""));
-            match self.names.iter().position(|known| *known == name).and_then(|index| args.get(index)) {
-                Some(Arg::Phrase(template, first)) => {
-                    template.write(out, lang, args.get(usize::from(*first)..).unwrap_or_default())?;
-                }
-                Some(arg) => arg.write(out, lang, NumberForm::parse(form))?,
-                None => write!(out, "{{{inside}}}")?,
-            }
-            rest = tail;
-        }
-        out.write_str(rest)
-    }
-}
-
 /// A text of a program.
 const OF_PROGRAM: &Template = &Template::new("{text}", "{text}", &["text"]);
-
-/// Whether a text has a placeholder for each name, and no other.
-const fn uses_exactly(text: &str, names: &[&str]) -> bool {
-    let (bytes, mut at, mut used) = (text.as_bytes(), 0, 0_u32);
-    while at < bytes.len() {
-        if bytes[at] == b'{' {
-            let (start, mut index) = (at + 1, 0);
-            while index < names.len() && !is_placeholder(bytes, start, names[index].as_bytes()) {
-                index += 1;
-            }
-            if index == names.len() {
-                return false;
-            }
-            used |= 1 << index;
-        }
-        at += 1;
-    }
-    used == (1 << names.len()) - 1
-}
-
-/// Whether the placeholder that begins at `start` has this name.
-const fn is_placeholder(text: &[u8], start: usize, name: &[u8]) -> bool {
-    if start + name.len() >= text.len() {
-        return false;
-    }
-    let mut index = 0;
-    while index < name.len() {
-        if text[start + index] != name[index] {
-            return false;
-        }
-        index += 1;
-    }
-    matches!(text[start + name.len()], b':' | b'}')
-}
-
-/// A text in both languages that was put into words.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename = "LocalizedText")]
-pub struct Words {
-    zh: String,
-    en: String,
-}
-
-impl Words {
-    /// The text in a language.
-    #[must_use]
-    pub fn get(&self, lang: Lang) -> &str {
-        match lang {
-            Lang::Zh => &self.zh,
-            Lang::En => &self.en,
-        }
-    }
-}
 
 /// A text for the operator in both languages: the core does not know the language of the display.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -384,10 +247,10 @@ mod tests {
 
     #[test]
     fn both_languages_take_the_same_arguments() {
-        assert!(uses_exactly("{axis}：{to:.3}", &["axis", "to"]));
-        assert!(!uses_exactly("{axis}", &["axis", "to"]), "one is not said");
-        assert!(!uses_exactly("{axis} {too}", &["axis", "to"]), "one is unknown");
-        assert!(uses_exactly("", &[]) && !uses_exactly("{", &["to"]));
+        assert!(super::super::uses_exactly("{axis}：{to:.3}", &["axis", "to"]));
+        assert!(!super::super::uses_exactly("{axis}", &["axis", "to"]), "one is not said");
+        assert!(!super::super::uses_exactly("{axis} {too}", &["axis", "to"]), "one is unknown");
+        assert!(super::super::uses_exactly("", &[]) && !super::super::uses_exactly("{", &["to"]));
     }
 
     #[test]

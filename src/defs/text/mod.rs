@@ -1,0 +1,127 @@
+//! Texts in the two languages of the control.
+//!
+//! The core says what it means by a phrase: a constant template and its arguments. Making, cloning and dropping one
+//! allocates nothing. The screen, the disk thread and the tests put it into words.
+
+pub mod arg;
+mod localized;
+
+use serde::{Deserialize, Serialize};
+
+pub use localized::LocalizedText;
+pub(crate) use localized::phrase;
+
+/// A language of the control. Chinese is the default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Lang {
+    /// 中文
+    #[default]
+    Zh,
+    /// English
+    En,
+}
+
+/// A constant text in both languages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Text {
+    /// Chinese.
+    pub zh: &'static str,
+    /// English.
+    pub en: &'static str,
+}
+
+impl Text {
+    /// A text from its Chinese and English forms.
+    #[must_use]
+    pub const fn new(zh: &'static str, en: &'static str) -> Self {
+        Self { zh, en }
+    }
+
+    /// The text in a language.
+    #[must_use]
+    pub const fn get(self, lang: Lang) -> &'static str {
+        match lang {
+            Lang::Zh => self.zh,
+            Lang::En => self.en,
+        }
+    }
+}
+
+/// Maximum number of arguments of a phrase.
+pub const MAX_ARGS: usize = 6;
+
+/// A constant text with named placeholders: `{axis}`, `{value:.3}`, `{off:+.3}`, `{number:04}`, as in `format!`.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Template {
+    /// The text with its placeholders.
+    pub text: Text,
+    /// The names of the arguments, in their order.
+    pub names: &'static [&'static str],
+}
+
+impl Template {
+    /// A template from its Chinese and English forms and the names of its arguments.
+    ///
+    /// # Panics
+    /// A language has a placeholder that is not named, or lacks one that is. The macro [`phrase!`] checks at compile
+    /// time.
+    #[must_use]
+    pub const fn new(zh: &'static str, en: &'static str, names: &'static [&'static str]) -> Self {
+        assert!(names.len() <= MAX_ARGS, "too many arguments");
+        assert!(uses_exactly(zh, names) && uses_exactly(en, names), "placeholders and arguments differ");
+        Self { text: Text::new(zh, en), names }
+    }
+}
+
+/// Whether a text has a placeholder for each name, and no other.
+const fn uses_exactly(text: &str, names: &[&str]) -> bool {
+    let (bytes, mut at, mut used) = (text.as_bytes(), 0, 0_u32);
+    while at < bytes.len() {
+        if bytes[at] == b'{' {
+            let (start, mut index) = (at + 1, 0);
+            while index < names.len() && !is_placeholder(bytes, start, names[index].as_bytes()) {
+                index += 1;
+            }
+            if index == names.len() {
+                return false;
+            }
+            used |= 1 << index;
+        }
+        at += 1;
+    }
+    used == (1 << names.len()) - 1
+}
+
+/// Whether the placeholder that begins at `start` has this name.
+const fn is_placeholder(text: &[u8], start: usize, name: &[u8]) -> bool {
+    if start + name.len() >= text.len() {
+        return false;
+    }
+    let mut index = 0;
+    while index < name.len() {
+        if text[start + index] != name[index] {
+            return false;
+        }
+        index += 1;
+    }
+    matches!(text[start + name.len()], b':' | b'}')
+}
+
+/// A text in both languages that was put into words.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename = "LocalizedText")]
+pub struct Words {
+    zh: String,
+    en: String,
+}
+
+impl Words {
+    /// The text in a language.
+    #[must_use]
+    pub fn get(&self, lang: Lang) -> &str {
+        match lang {
+            Lang::Zh => &self.zh,
+            Lang::En => &self.en,
+        }
+    }
+}
