@@ -227,6 +227,13 @@ impl LookaheadWindow {
         self.band.clear();
     }
 
+    /// Plans for other limits. Nothing may be planned.
+    pub fn set_limits(&mut self, limits: &MotionLimits) {
+        self.clear();
+        self.limits = *limits;
+        self.steps = DifferenceLimits::from_limits(limits);
+    }
+
     /// Starts to plan inside the tolerance band, which must be filled and closed.
     pub fn begin(&mut self, start: WindowStart, budget: &mut WorkBudget) {
         self.start = start;

@@ -78,23 +78,31 @@ pub struct SetpointPlanner {
     work: usize,
 }
 
+/// The share of the axis limits that is planned with.
+fn planning_limits(limits: &MotionLimits) -> MotionLimits {
+    let share = limits.axes.map(|l| super::AxisLimits {
+        velocity_mm_s: l.velocity_mm_s * LIMIT_SHARE,
+        acceleration_mm_s2: l.acceleration_mm_s2 * LIMIT_SHARE,
+        jerk_mm_s3: l.jerk_mm_s3 * LIMIT_SHARE,
+    });
+    MotionLimits { axes: share, ..*limits }
+}
+
+/// Ticks that the buffer is filled ahead: some braking times of the slowest axis.
+fn ahead_ticks(limits: &MotionLimits) -> u64 {
+    let brake = |l: &super::AxisLimits| l.velocity_mm_s / l.acceleration_mm_s2 + l.acceleration_mm_s2 / l.jerk_mm_s3;
+    let longest = limits.axes.iter().map(|(_, l)| brake(l)).fold(0.0, f64::max) / limits.tick_s;
+    (longest * AHEAD_BRAKING_TIMES + MIN_AHEAD_TICKS).min(BUFFER_CAPACITY as f64 / 2.0) as u64
+}
+
 impl SetpointPlanner {
     /// A planner without a plan.
     #[must_use]
     pub fn new(limits: &MotionLimits) -> Self {
-        let brake =
-            |l: &super::AxisLimits| l.velocity_mm_s / l.acceleration_mm_s2 + l.acceleration_mm_s2 / l.jerk_mm_s3;
-        let longest = limits.axes.iter().map(|(_, l)| brake(l)).fold(0.0, f64::max) / limits.tick_s;
-        let ahead = (longest * AHEAD_BRAKING_TIMES + MIN_AHEAD_TICKS).min(BUFFER_CAPACITY as f64 / 2.0) as u64;
-        let share = limits.axes.map(|l| super::AxisLimits {
-            velocity_mm_s: l.velocity_mm_s * LIMIT_SHARE,
-            acceleration_mm_s2: l.acceleration_mm_s2 * LIMIT_SHARE,
-            jerk_mm_s3: l.jerk_mm_s3 * LIMIT_SHARE,
-        });
-        let limits = MotionLimits { axes: share, ..*limits };
+        let (limits, ahead_ticks) = (planning_limits(limits), ahead_ticks(limits));
         Self {
             limits,
-            ahead_ticks: ahead,
+            ahead_ticks,
             planned_moves: 0,
             single_move: None,
             plan: Vec::with_capacity(MAX_PLAN_TICKS),
@@ -113,6 +121,17 @@ impl SetpointPlanner {
             waited_ticks: 0,
             work: 0,
         }
+    }
+
+    /// Discards all plans and plans for other limits, in the same memory.
+    pub fn set_limits(&mut self, limits: &MotionLimits) {
+        self.clear();
+        self.ahead_ticks = ahead_ticks(limits);
+        self.limits = planning_limits(limits);
+        self.window.set_limits(&self.limits);
+        self.band.clear();
+        (self.is_extendable, self.best_handover_index, self.planned_override) = (false, 0, 1.0);
+        (self.last_queue_length, self.quiet_ticks, self.waited_ticks) = (0, 0, 0);
     }
 
     /// Discards all plans.

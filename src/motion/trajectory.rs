@@ -83,7 +83,7 @@ impl TrajectoryPlanner {
         check_limits(&limits);
         self.limits = limits;
         self.steps = DifferenceLimits::from_limits(&limits);
-        self.planner = SetpointPlanner::new(&limits);
+        self.planner.set_limits(&limits);
     }
 
     /// Appends a move to the queue.

@@ -31,6 +31,11 @@ impl Default for CommonVariables {
 }
 
 impl CommonVariables {
+    /// Takes over all values of `other`, in place.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.values.copy_from_slice(&other.values);
+    }
+
     /// Whether a number is a common variable: 100–433 and 500–999.
     #[must_use]
     pub const fn contains(number: u32) -> bool {

@@ -10,6 +10,9 @@ use super::source_index::{LOOP_DEPTH, LoopEnd};
 /// Deepest nesting of counted loops (G22) and of subprograms in the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
 
+/// Nesting for which memory is reserved.
+const USUAL_DEPTH: usize = 16;
+
 /// #1–#33 of one call level; index 0 is #1.
 pub(crate) type Locals = [Value; 33];
 
@@ -23,9 +26,10 @@ pub(crate) struct ModalCall {
 
 /// The kind of a call: a subprogram shares its caller's local variables, a macro has its own.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "a call of a macro allocates nothing")]
 pub(crate) enum Callee {
     Sub,
-    Macro(Box<Locals>),
+    Macro(Locals),
 }
 
 /// Deepest nesting of a kind of call, and its name.
@@ -104,6 +108,13 @@ pub(crate) struct Flow {
     counted_base: usize,
 }
 
+/// The local variables of the started program, with room for those of calls.
+fn main_level() -> Vec<Locals> {
+    let mut levels = Vec::with_capacity(USUAL_DEPTH);
+    levels.push([None; 33]);
+    levels
+}
+
 impl Flow {
     pub fn new(source: Arc<Source>) -> Self {
         Self {
@@ -113,11 +124,36 @@ impl Flow {
             modal_call: None,
             loops: [OpenLoop::default(); LOOP_DEPTH],
             depth: 0,
-            call_stack: Vec::new(),
-            locals: vec![[None; 33]],
-            counted_loops: Vec::new(),
+            call_stack: Vec::with_capacity(USUAL_DEPTH),
+            locals: main_level(),
+            counted_loops: Vec::with_capacity(USUAL_DEPTH),
             counted_base: 0,
         }
+    }
+
+    /// Starts at the head of another text. The memory of the stacks is kept.
+    pub fn begin(&mut self, source: Arc<Source>) {
+        let (mut call_stack, mut locals, mut counted_loops) = (
+            std::mem::take(&mut self.call_stack),
+            std::mem::take(&mut self.locals),
+            std::mem::take(&mut self.counted_loops),
+        );
+        call_stack.clear();
+        counted_loops.clear();
+        locals.clear();
+        locals.push([None; 33]);
+        *self = Self {
+            place: Place { at: source.line_start(0), ..Place::default() },
+            source,
+            restarted: false,
+            modal_call: None,
+            loops: [OpenLoop::default(); LOOP_DEPTH],
+            depth: 0,
+            call_stack,
+            locals,
+            counted_loops,
+            counted_base: 0,
+        };
     }
 
     /// #1–#33 of the current call level.
@@ -238,7 +274,7 @@ impl Flow {
             return fail2(call.at, E::TooDeep, limit.name, format_args!("{}", limit.depth));
         }
         if let Callee::Macro(arguments) = &call.callee {
-            self.locals.push(**arguments);
+            self.locals.push(*arguments);
         }
         let frame = CallFrame { repeats_left: call.times - 1, ..self.frame(call.callee) };
         // Moves of a G66 macro do not call it again.
@@ -370,7 +406,7 @@ impl Flow {
             if let Callee::Macro(arguments) = &level.callee
                 && let Some(locals) = self.locals.last_mut()
             {
-                *locals = **arguments;
+                *locals = *arguments;
             }
             self.depth = 0;
             self.go_to_line(0);

@@ -129,11 +129,35 @@ impl Interpreter {
         }
     }
 
+    /// Starts at the head of another program, in the memory of this interpreter.
+    pub fn begin(&mut self, program: (Arc<Source>, SharedLibrary), settings: NcSettings, memory: &CommonVariables) {
+        self.flow.begin(program.0);
+        self.library = program.1;
+        self.common_variables.copy_from(memory);
+        self.modals = ModalState::new(&settings);
+        self.settings = settings;
+        (self.ended, self.second_half, self.condition_changed) = (false, false, false);
+        self.last_block_number = None;
+        self.pending_cycle = None;
+    }
+
+    /// Lets go of the program and its library; others take their place.
+    pub fn leave(&mut self, (source, library): (Arc<Source>, SharedLibrary)) {
+        self.flow.begin(source);
+        self.library = library;
+        self.pending_cycle = None;
+    }
+
     /// Continues with an earlier modal state: MDI blocks, a restart from a chosen block.
     #[must_use]
     pub fn with_modals(mut self, modals: ModalState) -> Self {
-        self.modals = ModalState { g50_used: false, several_tools: false, modal_call: false, ..modals };
+        self.set_modals(modals);
         self
+    }
+
+    /// See [`Self::with_modals`].
+    pub const fn set_modals(&mut self, modals: ModalState) {
+        self.modals = ModalState { g50_used: false, several_tools: false, modal_call: false, ..modals };
     }
 
     /// The modal state after the last block returned.
@@ -425,7 +449,7 @@ impl Interpreter {
         let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
         self.advance_past_block(cursor);
         if let (Some(modal), Some(source)) = (modal, source) {
-            let callee = Callee::Macro(modal.arguments.clone());
+            let callee = Callee::Macro(*modal.arguments);
             let limit = (dialect::rules(self.settings.dialect).call_limit)(&callee);
             self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
         }

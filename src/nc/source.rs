@@ -166,9 +166,12 @@ impl Source {
     /// The line of the nearest label after `line` (forward), or at or before it. `identifier` is its byte range in the text.
     pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> ReadResult<u32> {
         let at = name.start;
-        let wanted = self.bytes.get(name).unwrap_or_default().to_ascii_uppercase();
-        let from = self.index.jump_labels.partition_point(|(label, at)| (&**label, *at) < (&*wanted, 0));
-        let own = self.index.jump_labels[from..].iter().take_while(|(label, _)| **label == *wanted).map(|(_, at)| *at);
+        let written = self.bytes.get(name).unwrap_or_default();
+        // The labels of the index are in capitals.
+        let wanted = || written.iter().map(u8::to_ascii_uppercase);
+        let from = self.index.jump_labels.partition_point(|(label, _)| label.iter().copied().lt(wanted()));
+        let same = |label: &[u8]| label.eq_ignore_ascii_case(written);
+        let own = self.index.jump_labels[from..].iter().take_while(|(label, _)| same(label)).map(|(_, at)| *at);
         let found = match forward {
             true => own.clone().find(|at| *at > line),
             false => own.clone().filter(|at| *at <= line).last(),
@@ -177,9 +180,9 @@ impl Source {
             Some(line) => Ok(line),
             None if own.count() > 0 => {
                 let right = if forward { "GOTOB" } else { "GOTOF" };
-                fail2(at, E::LabelInOtherDirection, String::from_utf8_lossy(&wanted), right)
+                fail2(at, E::LabelInOtherDirection, String::from_utf8_lossy(&written.to_ascii_uppercase()), right)
             }
-            None => fail1(at, E::MissingLabel, String::from_utf8_lossy(&wanted)),
+            None => fail1(at, E::MissingLabel, String::from_utf8_lossy(&written.to_ascii_uppercase())),
         }
     }
 

@@ -7,6 +7,7 @@ mod command;
 #[path = "../common/stories.rs"]
 mod stories;
 
+mod allocation;
 mod grinding_functions;
 mod held_run;
 mod lathe;

@@ -20,10 +20,16 @@ struct ThreadMeasurement {
 }
 
 /// The threads cut since power-on, and the one being cut.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct ThreadRecorder {
     measured: Option<ThreadMeasurement>,
     threads: Vec<ThreadCut>,
+}
+
+impl Default for ThreadRecorder {
+    fn default() -> Self {
+        Self { measured: None, threads: Vec::with_capacity(MAX_THREADS) }
+    }
 }
 
 impl ThreadRecorder {

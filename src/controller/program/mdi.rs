@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Program;
 use super::cycle::START_VOID;
 use super::lookahead_state::LookaheadState;
-use super::run::{Origin, ProgramRun};
+use super::run::{Origin, RunStart};
 use super::run_world::RunWorld;
 use crate::controller::plant::system_variables::nc_settings;
 use crate::controller::plant::{ControlPhase, Plant};
@@ -16,7 +16,7 @@ use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::edit::ModalView;
 use crate::machine::RequestResult;
 use crate::machine::panel_key::NOT_IN_RUN;
-use crate::nc::{ModalState, NcSettings, NextStatus, Source};
+use crate::nc::{ModalState, NcSettings, NextStatus, SharedLibrary, Source};
 
 /// Maximum characters of an MDI line.
 const MAX_MDI_CHARS: usize = 500;
@@ -91,7 +91,7 @@ impl Program {
     }
 
     /// Checks the first block of the line from the present machine position.
-    fn check_mdi(&self, plant: &Plant, line: &str) -> Result<(), LocalizedText> {
+    fn check_mdi(&mut self, plant: &Plant, line: &str) -> Result<(), LocalizedText> {
         let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind.row().dialect));
         let settings = NcSettings { needs_block_numbers: false, ..nc_settings(plant.kind, &plant.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
@@ -101,15 +101,17 @@ impl Program {
             LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
         planned.oscillating = plant.oscillating_axis();
         planned.dialect = plant.kind.row().dialect;
-        let start = (plant.work.variables.clone(), planned);
-        let library = Arc::clone(&plant.work.programs);
-        let mut run = ProgramRun::new(source, library, (settings, modals), start, plant.now);
+        let program: (_, SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
+        let start = RunStart { program, settings, modals, memory: &plant.work.variables, lookahead: planned };
+        let mut run = self.pool.open(start, plant.now);
         let mut world = RunWorld::new(plant, &run.lookahead, true);
-        match run.interpreter.next(&mut world, &mut run.block) {
+        let checked = match run.interpreter.next(&mut world, &mut run.block) {
             Ok(NextStatus::Block) => run.queue_block(&plant.params).map_err(|forbidden| forbidden.text(&plant.params)),
             Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::End) => Ok(()),
             Err(fault) => Err(fault.cause_phrase()),
-        }
+        };
+        self.pool.close(run);
+        checked
     }
 
     /// The active modal codes: of the run as read, of the last MDI line, or the power-on state.

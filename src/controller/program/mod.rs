@@ -24,7 +24,7 @@ use std::sync::Arc;
 use activity::Activity;
 use lookahead_state::LookaheadState;
 use preflight::new_preflight;
-use run::{Origin, PendingPreflight, ProgramRun};
+use run::{Origin, PendingPreflight, ProgramRun, RunPool, RunStart};
 
 use super::plant::system_variables::nc_settings;
 use super::plant::{ControlEvent, ControlPhase, Plant};
@@ -38,6 +38,8 @@ use crate::units::{Axis, Micros, PerAxis};
 pub struct Program {
     /// The open run.
     run: Option<Box<ProgramRun>>,
+    /// Runs that are not open.
+    pool: RunPool,
     /// The one-key retract and the run that it suspends.
     pub retract: retract::Retract,
     /// A restart in preparation.
@@ -56,6 +58,7 @@ impl Program {
     pub fn new(interrupted: Option<(u32, u32)>) -> Self {
         Self {
             run: None,
+            pool: RunPool::new(),
             retract: retract::Retract::default(),
             restart: None,
             power_cut: restart::PowerCutPosition::new(interrupted),
@@ -113,15 +116,15 @@ impl Program {
         planned.soft_limits_active = plant.axes.all_homed();
         planned.homed = planned.soft_limits_active || plant.kind.row().may_start_unhomed();
         planned.dialect = plant.kind.row().dialect;
-        let start = (plant.work.variables.clone(), planned);
-        let library = Arc::clone(&plant.work.programs);
         let proof = (origin == Origin::Program).then(|| new_preflight(plant, &source, &settings)).flatten();
-        let mut run = ProgramRun::new(source, library, (settings, modals), start, plant.now);
+        let program: (_, nc::SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
+        let start = RunStart { program, settings, modals, memory: &plant.work.variables, lookahead: planned };
+        let mut run = self.pool.open(start, plant.now);
         run.origin = origin;
         run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
         // The planner keeps the tag of the last finished move across runs.
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
-        self.run = Some(Box::new(run));
+        self.run = Some(run);
         plant.transition(ControlEvent::Start);
     }
 
@@ -171,12 +174,15 @@ impl Program {
 
     /// Closes the run and discards items not yet executed.
     pub fn close_run(&mut self, plant: &mut Plant) {
-        if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
+        if let Some(run) = self.run.take() {
             if run.origin == Origin::Program {
                 self.clear_run_position(plant);
             }
-            plant.execution.cycle_time = plant.now.since(run.started_at);
-            self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
+            if run.origin != Origin::Retract {
+                plant.execution.cycle_time = plant.now.since(run.started_at);
+                self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
+            }
+            self.pool.close(run);
         }
         plant.axes.homing = None;
         plant.axes.switch_to_manual();

@@ -235,8 +235,9 @@ impl Program {
 
     /// RESET or an alarm that ends the run: drops the suspended run.
     pub fn abandon_retract(&mut self, plant: &mut Plant) {
-        if self.retract.suspended.is_some() {
+        if let Some(waiting) = self.retract.suspended.take() {
             self.clear_run_position(plant);
+            self.pool.close(waiting.run);
         }
         self.retract = Retract::default();
     }

@@ -12,9 +12,11 @@ use super::activity::{Activity, Handover};
 use super::lookahead_state::LookaheadState;
 use super::move_refusal::MoveRefusal;
 use super::queue::{QueueItem, QueuedAction};
+use crate::controller::plant::system_variables::nc_settings;
+use crate::defs::kind::Kind;
 use crate::defs::param::Params;
-use crate::nc::{self, Block, CommonVariables, Interpreter, Library, Source, WorkOffsets};
-use crate::units::{MachinePos, Micros};
+use crate::nc::{self, Block, CommonVariables, Interpreter, Source, WorkOffsets};
+use crate::units::{MachinePos, Micros, PerAxis};
 
 /// Maximum items read ahead.
 pub const MAX_ITEMS: usize = 512;
@@ -79,33 +81,93 @@ pub struct ProgramRun {
     pub preflight: Option<Box<PendingPreflight>>,
 }
 
-impl ProgramRun {
-    /// Creates a run from the machine's present state.
+/// What a run begins with.
+pub struct RunStart<'a> {
+    /// The text and the programs that it may call.
+    pub program: (Arc<Source>, nc::SharedLibrary),
+    /// Settings of the interpreter.
+    pub settings: nc::NcSettings,
+    /// The modal state.
+    pub modals: nc::ModalState,
+    /// The common variables.
+    pub memory: &'a CommonVariables,
+    /// Work offsets and position.
+    pub lookahead: LookaheadState,
+}
+
+/// Runs that are not open. A start takes one and an end gives it back, so that neither allocates nor frees.
+pub struct RunPool {
+    free: Vec<Box<ProgramRun>>,
+    no_program: (Arc<Source>, nc::SharedLibrary),
+    settings: nc::NcSettings,
+}
+
+impl RunPool {
+    /// Runs for a program, for the retract that suspends it, and for an MDI line that is checked.
+    const RUNS: usize = 3;
+
+    /// The runs of a control at power-on.
     #[must_use]
-    pub fn new(
-        source: Arc<Source>,
-        library: Arc<dyn Library + Send + Sync>,
-        (settings, modals): (nc::NcSettings, nc::ModalState),
-        (memory, planned): (CommonVariables, LookaheadState),
-        now: Micros,
-    ) -> Self {
-        let block = Block::new(&settings);
-        Self {
-            interpreter: Interpreter::new(source, library, settings, memory).with_modals(modals),
+    pub fn new() -> Self {
+        let kind = Kind::default();
+        let source = Arc::new(Source::new(0, "", Vec::new(), kind.dialect()));
+        let settings = nc_settings(kind, &Params::factory(kind));
+        let no_program: (_, nc::SharedLibrary) = (source, Arc::new(nc::EmptyLibrary));
+        let mut pool = Self { free: Vec::with_capacity(Self::RUNS), no_program, settings };
+        for _ in 0..Self::RUNS {
+            let run = Box::new(pool.new_run());
+            pool.free.push(run);
+        }
+        pool
+    }
+
+    fn new_run(&self) -> ProgramRun {
+        let (source, library) = self.no_program.clone();
+        let block = Block::new(&self.settings);
+        let path = block.modals.path_mode;
+        ProgramRun {
+            interpreter: Interpreter::new(source, library, self.settings.clone(), CommonVariables::default()),
             block,
             queue: VecDeque::with_capacity(MAX_ITEMS + 64),
             handed_over: 0,
             next_tag: 1,
-            lookahead: planned,
-            read_ahead: ReadAheadStatus::Open,
+            lookahead: LookaheadState::new(WorkOffsets::default(), MachinePos::default(), PerAxis::default(), path),
+            read_ahead: ReadAheadStatus::Finished,
             activity: Activity::Idle,
             origin: Origin::Program,
-            started_at: now,
+            started_at: Micros::ZERO,
             handover: Handover::Feeding,
             preflight: None,
         }
     }
 
+    /// A run from the machine's present state.
+    #[must_use]
+    pub fn open(&mut self, start: RunStart<'_>, now: Micros) -> Box<ProgramRun> {
+        let mut run = self.free.pop().unwrap_or_else(|| Box::new(self.new_run()));
+        let RunStart { program, settings, modals, memory, lookahead } = start;
+        run.block.modals = modals;
+        run.interpreter.begin(program, settings, memory);
+        run.interpreter.set_modals(modals);
+        run.lookahead = lookahead;
+        (run.handed_over, run.next_tag, run.started_at) = (0, 1, now);
+        (run.read_ahead, run.activity) = (ReadAheadStatus::Open, Activity::Idle);
+        (run.origin, run.handover) = (Origin::Program, Handover::Feeding);
+        run
+    }
+
+    /// Takes a run back and lets go of its program.
+    pub fn close(&mut self, mut run: Box<ProgramRun>) {
+        run.queue.clear();
+        run.preflight = None;
+        run.interpreter.leave(self.no_program.clone());
+        if self.free.len() < Self::RUNS {
+            self.free.push(run);
+        }
+    }
+}
+
+impl ProgramRun {
     /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
     pub fn end_with_fault(&mut self, fault: &nc::ProgramFault) {
         self.read_ahead = ReadAheadStatus::Finished;

@@ -35,7 +35,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name, "P") };
     let program = integer(p, 1, 9_999)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
-    let mut arguments = Box::new(arguments(&words.list)?);
+    let mut arguments = arguments(&words.list)?;
     if let Some(m) = words.m.first() {
         arguments[12] = Some(f64::from(m.number));
     }
@@ -43,7 +43,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     Ok(if name == "G65" {
         FlowAction::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
     } else {
-        FlowAction::SetModalCall(Some(Box::new(ModalCall { program, times, arguments })))
+        FlowAction::SetModalCall(Some(Box::new(ModalCall { program, times, arguments: Box::new(arguments) })))
     })
 }
 

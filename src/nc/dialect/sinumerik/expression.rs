@@ -220,10 +220,13 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         let at = self.cursor.at;
         self.cursor.at += 1;
         let word = identifier(&self.cursor.text[self.cursor.at..]).unwrap_or_default();
-        let frame = match word.to_ascii_uppercase().as_slice() {
-            b"AA_IW" => CoordinateFrame::Work,
-            b"AA_IM" => CoordinateFrame::Machine,
-            word => return fail1(at, E::UnknownSystemVariable, format_args!("${}", String::from_utf8_lossy(word))),
+        let frame = if word.eq_ignore_ascii_case(b"AA_IW") {
+            CoordinateFrame::Work
+        } else if word.eq_ignore_ascii_case(b"AA_IM") {
+            CoordinateFrame::Machine
+        } else {
+            let upper = word.to_ascii_uppercase();
+            return fail1(at, E::UnknownSystemVariable, format_args!("${}", String::from_utf8_lossy(&upper)));
         };
         self.cursor.at += word.len();
         skip_blanks(self.cursor);

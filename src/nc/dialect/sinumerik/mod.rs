@@ -213,8 +213,10 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 }
 
 /// The address of a word as written.
-fn address_name(word: Word) -> String {
-    if word.letter == CR_ADDRESS { "CR".to_owned() } else { char::from(word.letter).to_string() }
+fn address_name(word: Word) -> &'static str {
+    const LETTERS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    let index = usize::from(word.letter.wrapping_sub(b'A'));
+    if word.letter == CR_ADDRESS { "CR" } else { LETTERS.get(index..=index).unwrap_or_default() }
 }
 
 #[cold]

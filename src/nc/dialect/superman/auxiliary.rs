@@ -119,12 +119,11 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Op
     let mut flow = None;
     check_exclusive_m_codes(words)?;
     for code in words.m.iter() {
-        let name = code.name('M', 2);
         check_exists(*code)?;
         running.modals.m_code = Some(code.number as u8);
         let target = || match words.take(b'L') {
             Some(word) => Ok((integer(word, 0, MAX_BLOCK_NUMBER)?, word.at as usize)),
-            None => fail2(code.at as usize, E::MissingWord, name.clone(), "L"),
+            None => fail2(code.at as usize, E::MissingWord, code.name('M', 2), "L"),
         };
         let step = match code.number {
             0 => continue,

@@ -1,0 +1,146 @@
+//! The tick allocates and frees nothing: neither while a program runs nor when it starts and ends, nor for keys,
+//! overrides and edits of the operator.
+//!
+//! The allocator of this test binary counts the calls that a thread makes while it is armed.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use kt830::defs::key::{Key, Mode};
+use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
+use kt830::defs::param;
+use kt830::defs::text::Lang;
+use kt830::host::headless::HeadlessHost;
+use kt830::io::sim::PartFile;
+use kt830::link::command::Command;
+use kt830::link::snapshot::RunState;
+
+use crate::stories::ready_of;
+
+/// Most ticks of a program, an hour of machine time.
+const MOST_TICKS: u64 = 3_600_000;
+
+struct CountingAllocator;
+
+thread_local! {
+    static ARMED: Cell<bool> = const { Cell::new(false) };
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+fn count() {
+    // A thread that ends has no counter any more.
+    if ARMED.try_with(Cell::get) == Ok(true) {
+        CALLS.set(CALLS.get() + 1);
+    }
+}
+
+// SAFETY: every call goes to the system allocator unchanged.
+#[allow(unsafe_code, reason = "an allocator is unsafe by its trait")]
+unsafe impl GlobalAlloc for CountingAllocator {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Steps by one tick; the number of allocations and frees in `Controller::tick`.
+fn calls_in_a_tick(host: &mut HeadlessHost) -> u64 {
+    let before = CALLS.get();
+    host.step_around(|tick| {
+        ARMED.set(true);
+        tick();
+        ARMED.set(false);
+    });
+    CALLS.get() - before
+}
+
+/// Sends a command and counts in its tick.
+fn calls_for(host: &mut HeadlessHost, command: Command) -> u64 {
+    host.send(command);
+    calls_in_a_tick(host)
+}
+
+/// A ready machine with the part of a program and the program chosen.
+fn with_part_of(number: u32) -> HeadlessHost {
+    let part = PartFile::builtin(number).unwrap().unwrap();
+    let mut host = ready_of(part.kind);
+    host.mount_part(&part);
+    host.send(Command::LoadProgram(number));
+    host.send(Command::Press(Mode::Auto.key()));
+    (0..10).for_each(|_| host.step());
+    host
+}
+
+/// Runs the current program to its end; the calls in all its ticks, its start and its end included.
+fn calls_of_run(host: &mut HeadlessHost) -> u64 {
+    let mut calls = calls_for(host, Command::Press(Key::CycleStart));
+    assert_eq!(host.controller().state(), RunState::Running);
+    let mut ticks = 0;
+    while host.controller().state() != RunState::Idle {
+        calls += calls_in_a_tick(host);
+        if host.controller().state() == RunState::Held {
+            calls += calls_for(host, Command::Press(Key::CycleStart));
+        }
+        ticks += 1;
+        assert!(ticks < MOST_TICKS, "the program does not end: {:?}", host.snapshot().message.text.get(Lang::En));
+    }
+    calls
+}
+
+#[test]
+fn the_counter_counts() {
+    ARMED.set(true);
+    drop(std::hint::black_box(Box::new(1_u64)));
+    ARMED.set(false);
+    assert_eq!(CALLS.get(), 2);
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_in_any_shipped_grinding_program() {
+    for number in (1001..=1010).chain(1011..=1014) {
+        let mut host = with_part_of(number);
+        // The first run makes room in queues and answers of its own program.
+        assert_eq!(calls_of_run(&mut host), 0, "O{number} on {:?}", host.kind());
+        assert!(host.snapshot().alarms.is_empty(), "O{number}: {:?}", host.snapshot().alarms);
+    }
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_keys_overrides_and_edits() {
+    let mut host = with_part_of(1001);
+    let rapid = param::RAPID_X.address();
+    let commands = [
+        Command::SetParam(rapid, 5_000.0),
+        Command::SetVariable(500, Some(1.5)),
+        Command::OpenPage(Page::Offset),
+        Command::OpenPage(Page::Grinding),
+        Command::Press(Mode::Manual.key()),
+        Command::Press(Mode::Auto.key()),
+        Command::Press(Key::SingleBlock),
+        Command::Press(Key::SingleBlock),
+        Command::Press(Key::FeedHold),
+        Command::Press(Key::CycleStart),
+        Command::Press(Key::FeedHold),
+    ];
+    for command in commands {
+        let told = format!("{command:?}");
+        assert_eq!(calls_for(&mut host, command), 0, "{told}");
+        for _ in 0..500 {
+            assert_eq!(calls_in_a_tick(&mut host), 0, "after {told}");
+        }
+    }
+    assert_eq!(host.controller().state(), RunState::Held);
+    assert_eq!(calls_for(&mut host, Command::Press(Key::Reset)), 0, "RESET");
+    assert_eq!(host.kind(), Kind::Gc);
+}
