@@ -240,7 +240,7 @@ impl<'a> FileCheck<'a> {
             let width_mm = retained.params.get(param::WHEEL_WIDTH);
             FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
         });
-        let mut foresight = InterlockCheck::new(self.shared.kind, &retained.params);
+        let mut interlocks = InterlockCheck::new(self.shared.kind, &retained.params);
         // An endless loop is shown once, up to its repetition. A first run without output finds that position.
         let checking = || ProgramCheck::new(source, library, settings, memory.clone());
         let repeated = match self.call.ops {
@@ -255,7 +255,7 @@ impl<'a> FileCheck<'a> {
             if let Some(limits) = &mut limits {
                 limits.check_block(block);
             }
-            foresight.check_block(block);
+            interlocks.check_block(block);
             if self.call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
                 block.ops.iter().for_each(|op| self.print_op(op));
             }
@@ -265,7 +265,7 @@ impl<'a> FileCheck<'a> {
         // An endless loop runs into the limits; only the endless loop is reported.
         let limits = limits.filter(|_| checked.repeated_blocks.is_empty());
         let beyond = limits.map(SoftLimitCheck::into_violations).unwrap_or_default();
-        let foreseen = foresight.refusals().into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
+        let foreseen = interlocks.refusals().into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
         let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
         move_errors.sort_by_key(|wrong| wrong.line);
         CheckOutcome { checked, move_errors }

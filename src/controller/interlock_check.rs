@@ -67,7 +67,7 @@ impl<'a> InterlockCheck<'a> {
     pub fn new(kind: Kind, params: &'a Params) -> Self {
         let mut machine = Machine::new(kind, Micros::ZERO);
         machine.make_ready(params);
-        let mut foresight = Self {
+        let mut check = Self {
             kind,
             params,
             machine,
@@ -78,8 +78,8 @@ impl<'a> InterlockCheck<'a> {
             oscillating: None,
             refusals: Vec::new(),
         };
-        foresight.settle();
-        foresight
+        check.settle();
+        check
     }
 
     /// Checks a block that was read.
@@ -216,14 +216,14 @@ impl<'a> InterlockCheck<'a> {
     fn settle(&mut self) {
         for wait in [TICK, SETTLE_TIME, TICK] {
             self.now = self.now + wait;
-            let (inputs, around) = (self.inputs(), self.control_state());
-            self.machine.tick(self.now, inputs, self.params, around);
+            let (inputs, state) = (self.inputs(), self.control_state());
+            self.machine.tick(self.now, inputs, self.params, state);
         }
     }
 
     fn update_control_state(&mut self) {
-        let around = self.control_state();
-        self.machine.set_control_state(around);
+        let state = self.control_state();
+        self.machine.set_control_state(state);
     }
 
     fn control_state(&self) -> ControlState {

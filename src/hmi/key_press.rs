@@ -6,7 +6,7 @@ use egui::{Modifiers, Rect, Response, Ui};
 use crate::defs::key::Key;
 use crate::link::Command;
 
-/// Time between two `Command::Hold`, s.
+/// Time between two `Command::StillHeld`, s.
 const HOLD_REPEAT_S: f64 = 0.03;
 
 /// When a press of a key takes effect.

@@ -1,7 +1,7 @@
 //! The touch screen: control screen and operator panel in egui, drawn only from the newest snapshot.
 //!
 //! [`Hmi::ui`] draws one frame and returns the commands of the operator's touches and keys; it does not depend on a
-//! window. [`window::run`] shows it on a display; [`shot`] and [`page_text`] draw without one.
+//! window. [`window::run`] shows it on a display; [`screenshot`] and [`page_text`] draw without one.
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;

@@ -22,7 +22,7 @@ use crate::units::{Axis, PerAxis};
 /// refusal.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// A panel key is pressed. A jog key acts only while [`Command::Hold`] is repeated.
+    /// A panel key is pressed. A jog key acts only while [`Command::StillHeld`] is repeated.
     Press(Key),
     /// The emergency stop on the screen: pressed in and latched, or turned out. Pressed twice it stays latched.
     EmergencyStop(bool),

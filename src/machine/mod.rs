@@ -1,7 +1,7 @@
 //! The machine's units (wheel, workpiece drive, clamping, hydraulics, fluids, gauges) and the interlocks between them.
 //!
-//! Owns the state of all units; knows neither program nor axes. Every change is a request ([`Machine::ask`]) that the
-//! interlock table grants or refuses. [`press`] maps keys to requests, [`phase`] is the state machine of a run.
+//! Owns the state of all units; knows neither program nor axes. Every change is a request ([`Machine::request`]) that the
+//! interlock table grants or refuses. [`panel_key`] maps keys to requests, [`phase`] is the state machine of a run.
 //! Source: spec K3, K5.
 
 mod actuation;
@@ -241,8 +241,8 @@ impl Machine {
     }
 
     /// Updates the control state within a tick.
-    pub const fn set_control_state(&mut self, around: ControlState) {
-        self.control_state = around;
+    pub const fn set_control_state(&mut self, state: ControlState) {
+        self.control_state = state;
     }
 
     /// The inputs of the interlock rules.
@@ -335,8 +335,8 @@ impl Machine {
     }
 
     /// One tick: delays, feedback and supervision of all units.
-    pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, around: ControlState) -> Findings {
-        self.control_state = around;
+    pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, state: ControlState) -> Findings {
+        self.control_state = state;
         self.now = now;
         let e_stop = inputs.has(Input::EmergencyStop);
         let pressed = e_stop && !self.e_stop;
@@ -350,7 +350,7 @@ impl Machine {
         self.main_spindle.tick(now, params);
         self.magnet.tick(now, params);
         self.ports.tick(now);
-        let hydraulic = self.hydraulic.supervise(now, inputs, params, self.wheel.is_on(), around.run_open);
+        let hydraulic = self.hydraulic.supervise(now, inputs, params, self.wheel.is_on(), state.run_open);
         if let Some(MachineFinding::Alarm { stopped: true, .. }) = hydraulic {
             self.wheel = WheelContactor::Off; // K3.7: in the tick of the filtered edge
         }

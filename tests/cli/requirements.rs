@@ -312,7 +312,7 @@ impl Survey {
     fn text(&self) -> String {
         let mut text = String::from(
             "# Traceability\n\nRow → source files that cite it → tests that are named by it. Written by \
-             `tests/requirements.rs`; do not edit. [README.md](README.md) says how citations are read. The number behind \
+             `tests/cli/requirements.rs`; do not edit. [README.md](README.md) says how citations are read. The number behind \
              a file of tests is how many of them there are; their names stand below the table.\n\n\
              | row | requirement | code, below `src/` | tests |\n|---|---|---|---|\n",
         );

@@ -12,8 +12,8 @@ use crate::units::{Axis, Micros, PerAxis};
 impl Plant {
     /// One tick of the machine logic.
     pub fn supervise_machine(&mut self) {
-        let around = self.control_state();
-        for finding in self.machine.tick(self.now, self.inputs.filtered, &self.params, around).into_iter().flatten() {
+        let state = self.control_state();
+        for finding in self.machine.tick(self.now, self.inputs.filtered, &self.params, state).into_iter().flatten() {
             match finding {
                 MachineFinding::Alarm { number, stopped } => self.raise_with_reaction(number, None, stopped),
                 MachineFinding::Cleared(number) => self.alarms.clear(number),

@@ -3,7 +3,7 @@
 //! hydraulics, contact of wheel and part), then returns terminals and encoders.
 //! Files: `axis` drives and switches, `spindle`, `hydraulics`, `magnet`, `gauge`, `wheel` shape and wear, `surface` the
 //! contact law, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
-//! variation, `wiring` terminals, `turning` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
+//! variation, `wiring` terminals, `lathe` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
 //! faults, `measure` and `report` queries and results. The machine file alone defines which axes and spindles exist.
 
 mod axis;
