@@ -438,28 +438,3 @@ impl MCodeWords {
         mcode::find_in(dialect, u16::from(self.code)).and_then(|row| row.action.switched_unit())
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn l6_homing_by_switches_moves_one_axis_after_the_other() {
-        let axes = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
-        let references = [MachinePos::new([1.0, 0.0, 2.0]); REFERENCE_POINTS];
-        let mut path = Vec::new();
-        let from = WorkPos::new([5.0, 0.0, 7.0]);
-        OpMotion::HomeSwitch(axes).trace(from, &WorkOffsets::default(), &references, |segment| path.push(segment.to));
-        assert_eq!(path, [WorkPos::new([1.0, 0.0, 7.0]), WorkPos::new([1.0, 0.0, 2.0])]);
-    }
-
-    #[test]
-    fn b5_the_position_after_a_skip_a_gauge_and_g50_is_unknown() {
-        let to = WorkPos::default();
-        let words = AxisSet::of(Axis::Z);
-        let skip = Op::Skip { to, feed: Feed::PerMinute(1.0), signal: 1, words, incremental: AxisSet::NONE };
-        assert!(!skip.effect().leaves_position_known() && skip.effect().is_motion());
-        assert!(!Op::SetCoordinateSystem { values: PerAxis::default() }.effect().leaves_position_known());
-        assert!(Op::HomeSwitch { axes: words }.effect().leaves_position_known());
-    }
-}
