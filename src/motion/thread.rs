@@ -119,10 +119,8 @@ impl ThreadMover {
             ThreadStage::MeasuringSpindle { .. } if !self.is_turning() => {}
             ThreadStage::MeasuringSpindle { .. } => {
                 let sense = self.spindle.turns_per_tick.signum();
-                self.stage = ThreadStage::WaitingForIndex {
-                    index: (sense * self.spindle.turns + self.start_lead_turns()).ceil(),
-                    sense,
-                };
+                let index = (sense * self.spindle.turns + self.start_lead_turns()).ceil();
+                self.stage = ThreadStage::WaitingForIndex { index, sense };
             }
             ThreadStage::WaitingForIndex { index, sense }
                 if sense * self.spindle.turns + self.start_lead_turns() < index => {}
@@ -155,15 +153,8 @@ impl ThreadMover {
     /// Whether Z is synchronised with the spindle.
     #[must_use]
     pub fn is_synchronized(&self) -> bool {
-        match &self.stage {
-            ThreadStage::Following { profile, ticks, .. } => {
-                f64::from(*ticks) * self.limits.tick_s >= profile.seconds()
-            }
-            ThreadStage::MeasuringSpindle { .. }
-            | ThreadStage::WaitingForIndex { .. }
-            | ThreadStage::RunningOut
-            | ThreadStage::Braking => false,
-        }
+        let seconds = |ticks: u32| f64::from(ticks) * self.limits.tick_s;
+        matches!(&self.stage, ThreadStage::Following { profile, ticks, .. } if seconds(*ticks) >= profile.seconds())
     }
 
     /// Nominal position of Z with the spindle at `turns`, mm; `None` before the index and in the run-out.
@@ -220,12 +211,9 @@ impl ThreadMover {
         self.setpoint.velocity_mm_s = PerAxis::from_fn(velocity);
         if (z - self.thread.run_out_start[Axis::Z]) * self.z_direction() >= 0.0 {
             self.hand_over_to_movers();
-            let limits = self.limits.axes;
-            self.x.set_position_target(self.thread.run_out_end[Axis::X], limits[Axis::X].velocity_mm_s);
-            self.z.set_position_target(
-                self.thread.run_out_end[Axis::Z],
-                limits[Axis::Z].velocity_mm_s.min(self.speed_mm_s().abs()),
-            );
+            let (end, top) = (self.thread.run_out_end, self.limits.axes.map(|axis| axis.velocity_mm_s));
+            self.x.set_position_target(end[Axis::X], top[Axis::X]);
+            self.z.set_position_target(end[Axis::Z], top[Axis::Z].min(self.speed_mm_s().abs()));
             self.stage = ThreadStage::RunningOut;
         }
     }

@@ -169,10 +169,8 @@ impl Source {
         let wanted = self.bytes.get(name).unwrap_or_default().to_ascii_uppercase();
         let from = self.index.jump_labels.partition_point(|(label, at)| (&**label, *at) < (&*wanted, 0));
         let own = self.index.jump_labels[from..].iter().take_while(|(label, _)| **label == *wanted).map(|(_, at)| *at);
-        let found = match forward {
-            true => own.clone().find(|at| *at > line),
-            false => own.clone().filter(|at| *at <= line).last(),
-        };
+        let found =
+            if forward { own.clone().find(|at| *at > line) } else { own.clone().filter(|at| *at <= line).last() };
         match found {
             Some(line) => Ok(line),
             None if own.count() > 0 => {
