@@ -109,25 +109,3 @@ pub fn paint_core_fault(ui: &Ui, theme: &Theme, fault: CoreFault) {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn health(milliseconds: u64, failed: bool) -> CoreHealth {
-        CoreHealth { snapshot_age: Duration::from_millis(milliseconds), failed }
-    }
-
-    #[test]
-    fn a_fresh_snapshot_of_a_sound_control_is_shown() {
-        assert_eq!(health(0, false).fault(), None);
-        assert_eq!(health(500, false).fault(), None);
-    }
-
-    #[test]
-    fn an_old_snapshot_and_a_failed_control_are_faults() {
-        assert_eq!(health(501, false).fault(), Some(CoreFault::Silent));
-        assert_eq!(health(0, true).fault(), Some(CoreFault::Failed));
-        assert_eq!(health(9_000, true).fault(), Some(CoreFault::Failed), "the cause is told, not the silence");
-    }
-}

@@ -72,7 +72,7 @@ pub struct CurvePosition {
 }
 
 /// One set-point of a plan.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct PlanPoint {
     /// Position, mm.
     pub at: [f64; 3],
@@ -91,9 +91,8 @@ pub struct PlanPoint {
 impl PlanPoint {
     /// A set-point at rest.
     #[must_use]
-    pub const fn at_rest(at: [f64; 3], along: f64, segment: usize) -> Self {
-        let follow = CurvePosition { interval: 0, fraction: 0.0 };
-        Self { at, velocity: [0.0; 3], acceleration: [0.0; 3], along, segment, curve_position: follow }
+    pub fn at_rest(at: [f64; 3], along: f64, segment: usize) -> Self {
+        Self { at, along, segment, ..Self::default() }
     }
 
     /// Whether it is not at rest.
@@ -104,7 +103,7 @@ impl PlanPoint {
 }
 
 /// Start conditions of a window.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct WindowStart {
     /// The state at the start.
     pub point: PlanPoint,
@@ -178,19 +177,11 @@ pub struct LookaheadWindow {
 impl LookaheadWindow {
     /// An empty window with capacity for the longest plan.
     pub fn new(limits: &MotionLimits) -> Self {
-        let at_rest = PlanPoint::at_rest([0.0; 3], 0.0, 0);
         Self {
             limits: *limits,
             steps: DifferenceLimits::from_limits(limits),
             band: ToleranceBand::with_capacity(MAX_WINDOW_MOVES),
-            start: WindowStart {
-                point: at_rest,
-                history: [[0.0; 3]; 4],
-                lead_end: None,
-                shift: (0.0, 0),
-                reserve: 0.0,
-                is_urgent: false,
-            },
+            start: WindowStart::default(),
             previous: WindowCurve {
                 points: Vec::with_capacity(MAX_CONTROL_POINTS),
                 rate_square: Vec::with_capacity(MAX_CONTROL_POINTS),

@@ -1,10 +1,15 @@
 //! A move in the queue of the trajectory planner.
 
+use std::collections::VecDeque;
+
 use super::Move;
 use super::path_segment::PathSegment;
 
 /// Maximum number of queued moves.
 pub const MAX_QUEUED_MOVES: usize = 256;
+
+/// The queue, the next move first.
+pub(super) type MoveQueue = VecDeque<QueuedMove>;
 
 /// A move in the queue.
 #[derive(Clone, Copy, Debug)]

@@ -6,16 +6,14 @@
 
 mod handover;
 
-use std::collections::VecDeque;
-
 use super::blending::{Continuation, continuation};
 use super::lookahead_window::{LookaheadWindow, MAX_PLAN_TICKS, MAX_WINDOW_MOVES, PlanPoint};
 use super::point_to_point::PointToPointMove;
-use super::queued_move::{MAX_QUEUED_MOVES, QueuedMove};
+use super::queued_move::{MAX_QUEUED_MOVES, MoveQueue, QueuedMove};
 use super::setpoint_buffer::{BUFFER_CAPACITY, BufferPosition, NominalSetpoint, SetpointBuffer};
 use super::tolerance_band::ToleranceBand;
 use super::work_budget::WorkBudget;
-use super::{MIN_FEED_MM_S, MotionLimits, MotionSpeed};
+use super::{AxisLimits, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use handover::{COST_POINT, WindowJob};
 
 /// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
@@ -39,6 +37,8 @@ const MAX_GATHER_TICKS: u32 = 8;
 /// What the path requests from the planner in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanRequest {
+    /// Where the axes are on the buffer.
+    pub spot: BufferPosition,
     /// Feed override, at least 1.
     pub feed_override: f64,
     /// A stop is requested: append the plan up to its end at rest.
@@ -80,7 +80,7 @@ pub struct SetpointPlanner {
 
 /// The share of the axis limits that is planned with.
 fn planning_limits(limits: &MotionLimits) -> MotionLimits {
-    let share = limits.axes.map(|l| super::AxisLimits {
+    let share = limits.axes.map(|l| AxisLimits {
         velocity_mm_s: l.velocity_mm_s * LIMIT_SHARE,
         acceleration_mm_s2: l.acceleration_mm_s2 * LIMIT_SHARE,
         jerk_mm_s3: l.jerk_mm_s3 * LIMIT_SHARE,
@@ -90,7 +90,7 @@ fn planning_limits(limits: &MotionLimits) -> MotionLimits {
 
 /// Ticks that the buffer is filled ahead: some braking times of the slowest axis.
 fn ahead_ticks(limits: &MotionLimits) -> u64 {
-    let brake = |l: &super::AxisLimits| l.velocity_mm_s / l.acceleration_mm_s2 + l.acceleration_mm_s2 / l.jerk_mm_s3;
+    let brake = |l: &AxisLimits| l.velocity_mm_s / l.acceleration_mm_s2 + l.acceleration_mm_s2 / l.jerk_mm_s3;
     let longest = limits.axes.iter().map(|(_, l)| brake(l)).fold(0.0, f64::max) / limits.tick_s;
     (longest * AHEAD_BRAKING_TIMES + MIN_AHEAD_TICKS).min(BUFFER_CAPACITY as f64 / 2.0) as u64
 }
@@ -157,13 +157,8 @@ impl SetpointPlanner {
     }
 
     /// Plans for one tick and appends set-points to the buffer.
-    pub fn tick(
-        &mut self,
-        moves: &mut VecDeque<QueuedMove>,
-        buffer: &mut SetpointBuffer,
-        spot: BufferPosition,
-        request: PlanRequest,
-    ) {
+    pub fn tick(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) {
+        let spot = request.spot;
         let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, buffer, spot));
         let units = if calm { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK };
         let mut budget = WorkBudget::new(units);
@@ -175,7 +170,7 @@ impl SetpointPlanner {
             }
         }
         self.raise_single_move_speed(moves, request.feed_override);
-        self.look_ahead(moves, buffer, spot, request, &mut budget);
+        self.look_ahead(moves, buffer, request, &mut budget);
         for _ in 0..SETPOINTS_PER_TICK {
             if buffer.end() >= spot.tick + self.ahead_ticks {
                 break;
@@ -183,7 +178,7 @@ impl SetpointPlanner {
             let laid = if self.single_move.is_some() {
                 self.append_single_move(moves, buffer, spot)
             } else {
-                self.append_plan(moves, buffer, spot, request)
+                self.append_plan(moves, buffer, request)
             };
             if !laid && !self.start_next(moves, buffer, request) {
                 break;
@@ -193,7 +188,7 @@ impl SetpointPlanner {
     }
 
     /// Applies a feed override above 100 % to an active stroke at once.
-    fn raise_single_move_speed(&mut self, moves: &VecDeque<QueuedMove>, feed_override: f64) {
+    fn raise_single_move_speed(&mut self, moves: &MoveQueue, feed_override: f64) {
         if let (Some(stroke), Some(queued)) = (&mut self.single_move, moves.get(self.planned_moves.saturating_sub(1)))
             && (feed_override - self.planned_override).abs() > 0.0
         {
@@ -202,12 +197,7 @@ impl SetpointPlanner {
         }
     }
 
-    fn append_single_move(
-        &mut self,
-        moves: &mut VecDeque<QueuedMove>,
-        buffer: &mut SetpointBuffer,
-        spot: BufferPosition,
-    ) -> bool {
+    fn append_single_move(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, spot: BufferPosition) -> bool {
         let Some(stroke) = &mut self.single_move else { return false };
         let Some(queued) = moves.get_mut(self.planned_moves.saturating_sub(1)) else { return false };
         let place = NominalSetpoint {
@@ -224,28 +214,18 @@ impl SetpointPlanner {
         true
     }
 
-    fn append_plan(
-        &mut self,
-        moves: &mut VecDeque<QueuedMove>,
-        buffer: &mut SetpointBuffer,
-        spot: BufferPosition,
-        request: PlanRequest,
-    ) -> bool {
+    fn append_plan(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) -> bool {
         self.adopt_window(buffer);
         let Some(point) = self.plan.get(self.appended).copied() else { return false };
         let kept = self.is_extendable && self.appended > self.job.map_or(self.best_handover_index, |job| job.handover);
-        if kept && !request.braking && buffer.is_open() && buffer.end() >= spot.tick + APPEND_MARGIN_TICKS {
+        if kept && !request.braking && buffer.is_open() && buffer.end() >= request.spot.tick + APPEND_MARGIN_TICKS {
             return false;
         }
         self.appended += 1;
         let over = self.appended == self.plan.len();
         let rapid = moves.get(self.planned_moves).is_some_and(|queued| queued.programmed.speed == MotionSpeed::Rapid);
-        append_setpoint(
-            buffer,
-            spot,
-            NominalSetpoint { position: point.at, planned_override: self.planned_override, is_rapid: rapid },
-            !over,
-        );
+        let place = NominalSetpoint { position: point.at, planned_override: self.planned_override, is_rapid: rapid };
+        append_setpoint(buffer, request.spot, place, !over);
         let whole = over && self.band.ends_at_move_end();
         let number = self.band.moves[point.segment].number + u64::from(whole);
         while let Some(queued) = moves.get_mut(self.planned_moves)
@@ -265,7 +245,7 @@ impl SetpointPlanner {
     }
 
     /// Starts the next move or run of the queue; false if there is none or the last one is still active.
-    fn start_next(&mut self, moves: &mut VecDeque<QueuedMove>, buffer: &SetpointBuffer, request: PlanRequest) -> bool {
+    fn start_next(&mut self, moves: &mut MoveQueue, buffer: &SetpointBuffer, request: PlanRequest) -> bool {
         if self.single_move.is_some() || !self.plan.is_empty() || self.job.is_some() {
             return false;
         }

@@ -62,7 +62,7 @@ pub struct KnotLimits {
     pub jerk: [f64; 3],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum OptimizerPass {
     Terms,
     Measure,
@@ -72,11 +72,12 @@ enum OptimizerPass {
     Back,
     LimitStep,
     ApplyStep,
+    #[default]
     Done,
 }
 
 /// The speed plan along one curve.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SpeedOptimizer {
     /// Coefficients of b; one more than knots.
     pub rate_square: Vec<f64>,
@@ -123,24 +124,14 @@ impl SpeedOptimizer {
             rate_square: Vec::with_capacity(MAX_CONTROL_POINTS),
             feed: Vec::with_capacity(MAX_CONTROL_POINTS),
             even_knots: 1,
-            limits: KnotLimits::default(),
             terms: LimitTerms::new(),
-            fixed_count: 0,
-            given_count: 0,
-            starts_even: false,
-            is_rough: false,
-            barrier: 0.0,
             slack: Vec::with_capacity(MAX_CONTROL_POINTS),
             lead_slack: 1.0,
-            max_slack: 0.0,
-            max_need: 0.0,
-            steps: 0,
             step_fraction: 1.0,
-            pass: OptimizerPass::Done,
-            cursor: 0,
             gradient: Vec::with_capacity(MAX_CONTROL_POINTS),
             hessian: Vec::with_capacity(MAX_CONTROL_POINTS),
             step: Vec::with_capacity(MAX_CONTROL_POINTS),
+            ..Self::default()
         }
     }
 

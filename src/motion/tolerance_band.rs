@@ -89,16 +89,13 @@ impl ReversalPoints {
     /// The bounds of the axis around a distance along the contour.
     fn bounds(&self, along: f64) -> (f64, f64) {
         let next = self.reversals.partition_point(|turn| turn.0 <= along);
-        let open = match self.reversals.last() {
-            None => return (self.low.1, self.high.1),
-            Some(_) => (self.low.1, self.high.1),
-        };
+        let open = (self.low.1, self.high.1);
+        if self.reversals.is_empty() {
+            return open;
+        }
         let before = self.reversals[next.max(1) - 1].1;
         let after = self.reversals.get(next.max(1)).map(|turn| turn.1);
-        match after {
-            Some(after) => (before.min(after), before.max(after)),
-            None => (before.min(open.0), before.max(open.1)),
-        }
+        after.map_or_else(|| (before.min(open.0), before.max(open.1)), |after| (before.min(after), before.max(after)))
     }
 }
 

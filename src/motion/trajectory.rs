@@ -126,11 +126,12 @@ impl TrajectoryPlanner {
         let wanted = !self.aborting || (self.buffer.is_open() && self.feed_scaling.target() > 0.0);
         if wanted && (self.buffer.is_open() || self.feed_scaling.is_steady()) {
             let request = PlanRequest {
+                spot: self.buffer_position,
                 feed_override: requested.feed.max(1.0),
                 braking: self.unmet_ticks > if self.held { 0 } else { MAX_UNMET_TICKS },
                 catching_up: !self.held && self.wanted_rate(requested) > self.feed_scaling.target(),
             };
-            self.planner.tick(&mut self.moves, &mut self.buffer, self.buffer_position, request);
+            self.planner.tick(&mut self.moves, &mut self.buffer, request);
         }
         self.adjust_rate(requested);
         let ahead = self.feed_scaling.advance();

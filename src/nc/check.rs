@@ -260,10 +260,8 @@ impl ProgramCheck {
     /// position are restored to the start of the repetition.
     fn report_endless_loop(&mut self, world: &mut OfflineMachine) {
         let flow = &self.interpreter.flow;
-        let (source, line) = match self.checkpoint.jump_back_line {
-            Some(line) => (&self.source, line),
-            None => (&flow.source, flow.place.line),
-        };
+        let (source, line) =
+            self.checkpoint.jump_back_line.map_or_else(|| (&flow.source, flow.place.line), |line| (&self.source, line));
         let place = BlockLocation { program: source.number(), line: line + 1, n: None };
         let wrong = ErrorAt { at: 0, error: E::EndlessLoop, details: Default::default() };
         self.add_warning(ProgramFault::new(source.title(), place, 1, wrong));

@@ -23,10 +23,7 @@ impl RunTotals {
     fn add(&mut self, segment: &MotionSegment, rapid_mm_min: PerAxis<f64>, rpm: f64) {
         let (from, to) = (self.position, segment.to);
         self.extend_to(from);
-        let length = match segment.arc {
-            None => distance(from, to),
-            Some(arc) => self.extend_along(arc, to),
-        };
+        let length = segment.arc.map_or_else(|| distance(from, to), |arc| self.extend_along(arc, to));
         self.extend_to(to);
         self.seconds += match segment.speed {
             SegmentSpeed::Rapid => {

@@ -234,10 +234,7 @@ impl Interpreter {
     /// Reads one block, with the contour if it is a cycle.
     pub(super) fn step(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> ReadResult<StepStatus> {
         let stepped = self.read_block(world, block)?;
-        match self.pending_cycle.take() {
-            Some(pending) => self.expand_contour(&pending, world, block),
-            None => Ok(stepped),
-        }
+        self.pending_cycle.take().map_or(Ok(stepped), |pending| self.expand_contour(&pending, world, block))
     }
 
     /// Reads one block without a cycle's contour.
@@ -518,10 +515,7 @@ impl Interpreter {
     }
 
     fn find_program(&self, program: u32, at: usize) -> ReadResult<Arc<Source>> {
-        match self.library.find(program) {
-            Some(source) => Ok(source),
-            None => fail1(at, E::MissingProgram, program_number::name_of(program)),
-        }
+        self.library.find(program).map_or_else(|| fail1(at, E::MissingProgram, program_number::name_of(program)), Ok)
     }
 
     fn assign(

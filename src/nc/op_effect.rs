@@ -164,61 +164,49 @@ impl Op {
     #[must_use]
     #[inline]
     pub fn effect(&self) -> OpEffect<'_> {
-        match self {
+        use OpEffect::{Coordinates, Message, Motion};
+        match *self {
             Self::Rapid { to, feed, words, incremental } => {
-                motion(WorkMove { rapid: true, feed: *feed, ..line(*to, *words, *incremental) })
+                motion(WorkMove { rapid: true, feed, ..line(to, words, incremental) })
             }
             Self::Feed { to, feed, words, incremental } => {
-                motion(WorkMove { feed: Some(*feed), ..line(*to, *words, *incremental) })
+                motion(WorkMove { feed: Some(feed), ..line(to, words, incremental) })
             }
             Self::Skip { to, feed, signal, words, incremental } => {
-                let skip_signal = Some(*signal);
-                motion(WorkMove { feed: Some(*feed), skip_signal, ..line(*to, *words, *incremental) })
+                motion(WorkMove { feed: Some(feed), skip_signal: Some(signal), ..line(to, words, incremental) })
             }
             Self::Arc { to, center, plane, turn, feed, words, incremental } => {
-                let arc = Some(ArcMove { center: *center, plane: *plane, turn: *turn });
-                motion(WorkMove { arc, feed: Some(*feed), ..line(*to, *words, *incremental) })
+                let arc = Some(ArcMove { center, plane, turn });
+                motion(WorkMove { arc, feed: Some(feed), ..line(to, words, incremental) })
             }
-            Self::MachineMove { to, feed } => OpEffect::Motion(OpMotion::Machine { to: *to, feed: *feed }),
-            Self::ReturnToReference { number, via, words, incremental } => OpEffect::Motion(OpMotion::Reference {
-                number: *number,
-                via: *via,
-                words: *words,
-                incremental: *incremental,
+            Self::MachineMove { to, feed } => Motion(OpMotion::Machine { to, feed }),
+            Self::ReturnToReference { number, via, words, incremental } => {
+                Motion(OpMotion::Reference { number, via, words, incremental })
+            }
+            Self::DressReturn { axes, feed } => Motion(OpMotion::DressPoint { axes, feed }),
+            Self::Gauge(ref gauging) => Motion(OpMotion::Gauge(gauging)),
+            Self::Thread(ref threading) => Motion(OpMotion::Thread(threading)),
+            Self::HomeSwitch { axes } => Motion(OpMotion::HomeSwitch(axes)),
+            Self::SelectWorkOffset { g } => Coordinates(CoordinateChange::Select(g)),
+            Self::SetCoordinateSystem { values } => Coordinates(CoordinateChange::Set(values)),
+            Self::T { tool, offset } => Coordinates(CoordinateChange::Tool { tool, offset }),
+            Self::AddWear { number, by } => Coordinates(CoordinateChange::AddWear { number, by }),
+            Self::IndexTurret { station, by } => OpEffect::IndexTurret { station, by },
+            Self::OscillationOn { stroke, ramp_ms, strokes_min } => OpEffect::Oscillation(match stroke {
+                Some((axis, to)) => OscillationChange::Axis { axis, to, ramp_ms, strokes_min },
+                None => OscillationChange::Cylinder { ramp_ms, strokes_min },
             }),
-            Self::DressReturn { axes, feed } => OpEffect::Motion(OpMotion::DressPoint { axes: *axes, feed: *feed }),
-            Self::Gauge(gauging) => OpEffect::Motion(OpMotion::Gauge(gauging)),
-            Self::Thread(threading) => OpEffect::Motion(OpMotion::Thread(threading)),
-            Self::HomeSwitch { axes } => OpEffect::Motion(OpMotion::HomeSwitch(*axes)),
-            Self::SelectWorkOffset { g } => OpEffect::Coordinates(CoordinateChange::Select(*g)),
-            Self::SetCoordinateSystem { values } => OpEffect::Coordinates(CoordinateChange::Set(*values)),
-            Self::T { tool, offset } => OpEffect::Coordinates(CoordinateChange::Tool { tool: *tool, offset: *offset }),
-            Self::AddWear { number, by } => {
-                OpEffect::Coordinates(CoordinateChange::AddWear { number: *number, by: *by })
-            }
-            Self::IndexTurret { station, by } => OpEffect::IndexTurret { station: *station, by: *by },
-            Self::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min } => {
-                OpEffect::Oscillation(OscillationChange::Axis {
-                    axis: *axis,
-                    to: *to,
-                    ramp_ms: *ramp_ms,
-                    strokes_min: *strokes_min,
-                })
-            }
-            Self::OscillationOn { stroke: None, ramp_ms, strokes_min } => {
-                OpEffect::Oscillation(OscillationChange::Cylinder { ramp_ms: *ramp_ms, strokes_min: *strokes_min })
-            }
             Self::OscillationOff => OpEffect::Oscillation(OscillationChange::Off),
-            Self::SetPathMode(mode) => OpEffect::PathMode(*mode),
-            Self::Dwell { s } => OpEffect::Dwell(*s),
-            Self::S { value, mode } => OpEffect::Speed(*value, *mode),
-            Self::SpeedLimit { rpm } => OpEffect::SpeedLimit(*rpm),
-            Self::M { code, s, p, l } => OpEffect::MCode(MCodeWords { code: *code, s: *s, p: *p, l: *l }),
-            Self::SetVariable { variable, value } => OpEffect::Variable(*variable, *value),
-            Self::SetSystemVariable { number, value } => OpEffect::SystemVariable(*number, *value),
-            Self::Alarm { number, text } => OpEffect::Message(ProgramMessage::Alarm(*number, text)),
-            Self::StopWithMessage { number, text } => OpEffect::Message(ProgramMessage::Stop(*number, text)),
-            Self::DisplayMessage { text } => OpEffect::Message(ProgramMessage::Show(text)),
+            Self::SetPathMode(mode) => OpEffect::PathMode(mode),
+            Self::Dwell { s } => OpEffect::Dwell(s),
+            Self::S { value, mode } => OpEffect::Speed(value, mode),
+            Self::SpeedLimit { rpm } => OpEffect::SpeedLimit(rpm),
+            Self::M { code, s, p, l } => OpEffect::MCode(MCodeWords { code, s, p, l }),
+            Self::SetVariable { variable, value } => OpEffect::Variable(variable, value),
+            Self::SetSystemVariable { number, value } => OpEffect::SystemVariable(number, value),
+            Self::Alarm { number, ref text } => Message(ProgramMessage::Alarm(number, text)),
+            Self::StopWithMessage { number, ref text } => Message(ProgramMessage::Stop(number, text)),
+            Self::DisplayMessage { ref text } => Message(ProgramMessage::Show(text)),
         }
     }
 }
@@ -312,34 +300,30 @@ impl OpMotion<'_> {
     ) {
         match *self {
             Self::Work(WorkMove { to, arc, rapid, feed, .. }) => {
-                put(MotionSegment { to, arc, rapid, speed: SegmentSpeed::of(feed) });
+                put(MotionSegment { to, arc, rapid, speed: feed.map_or(SegmentSpeed::Rapid, SegmentSpeed::Feed) });
             }
             Self::Machine { to, feed } => {
                 let work = |axis: Axis| to[axis].map_or(from[axis], |to| to - offsets.machine_minus_work(axis));
-                put(MotionSegment {
-                    to: WorkPos::from_fn(work),
-                    arc: None,
-                    rapid: feed.is_none(),
-                    speed: SegmentSpeed::of(feed),
-                });
+                let to = WorkPos::from_fn(work);
+                put(feed.map_or_else(|| MotionSegment::rapid(to), |feed| MotionSegment::feed(to, feed)));
             }
             Self::Reference { number, via, words, .. } => {
                 put(MotionSegment::rapid(via));
                 let at = references[usize::from(number).clamp(1, REFERENCE_POINTS) - 1];
                 let home = offsets.work_from_machine(at);
-                put(MotionSegment::rapid(WorkPos::from_fn(
-                    |axis| if words.contains(axis) { home[axis] } else { via[axis] },
-                )));
+                let end = |axis: Axis| if words.contains(axis) { home[axis] } else { via[axis] };
+                put(MotionSegment::rapid(WorkPos::from_fn(end)));
             }
             // Only the machine knows the dressing point.
             Self::DressPoint { .. } => {}
             Self::Gauge(gauging) => {
                 // Without a part the axis moves to the limit and retracts.
                 let (mut to, begin) = (from, from[gauging.axis]);
+                let feed = Feed::PerMinute(gauging.fast_mm_min);
                 to[gauging.axis] = gauging.to;
-                put(MotionSegment::feed(to, gauging.fast_mm_min));
+                put(MotionSegment::feed(to, feed));
                 to[gauging.axis] += gauging.retract_mm.copysign(begin - gauging.to);
-                put(MotionSegment::feed(to, gauging.fast_mm_min));
+                put(MotionSegment::feed(to, feed));
             }
             Self::Thread(&ThreadMove { to, run_out_start, lead_mm }) => {
                 // The run-out takes the time of the thread's last millimetres: X retracts meanwhile.
@@ -359,22 +343,13 @@ impl OpMotion<'_> {
     }
 }
 
-impl SegmentSpeed {
-    const fn of(feed: Option<Feed>) -> Self {
-        match feed {
-            Some(feed) => Self::Feed(feed),
-            None => Self::Rapid,
-        }
-    }
-}
-
 impl MotionSegment {
     const fn rapid(to: WorkPos) -> Self {
         Self { to, arc: None, rapid: true, speed: SegmentSpeed::Rapid }
     }
 
-    const fn feed(to: WorkPos, mm_min: f64) -> Self {
-        Self { to, arc: None, rapid: false, speed: SegmentSpeed::Feed(Feed::PerMinute(mm_min)) }
+    const fn feed(to: WorkPos, feed: Feed) -> Self {
+        Self { to, arc: None, rapid: false, speed: SegmentSpeed::Feed(feed) }
     }
 }
 
@@ -436,30 +411,5 @@ impl MCodeWords {
     #[must_use]
     pub fn switched_unit(&self, dialect: Dialect) -> Option<(SwitchedUnit, bool)> {
         mcode::find_in(dialect, u16::from(self.code)).and_then(|row| row.action.switched_unit())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn l6_homing_by_switches_moves_one_axis_after_the_other() {
-        let axes = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
-        let references = [MachinePos::new([1.0, 0.0, 2.0]); REFERENCE_POINTS];
-        let mut path = Vec::new();
-        let from = WorkPos::new([5.0, 0.0, 7.0]);
-        OpMotion::HomeSwitch(axes).trace(from, &WorkOffsets::default(), &references, |segment| path.push(segment.to));
-        assert_eq!(path, [WorkPos::new([1.0, 0.0, 7.0]), WorkPos::new([1.0, 0.0, 2.0])]);
-    }
-
-    #[test]
-    fn b5_the_position_after_a_skip_a_gauge_and_g50_is_unknown() {
-        let to = WorkPos::default();
-        let words = AxisSet::of(Axis::Z);
-        let skip = Op::Skip { to, feed: Feed::PerMinute(1.0), signal: 1, words, incremental: AxisSet::NONE };
-        assert!(!skip.effect().leaves_position_known() && skip.effect().is_motion());
-        assert!(!Op::SetCoordinateSystem { values: PerAxis::default() }.effect().leaves_position_known());
-        assert!(Op::HomeSwitch { axes: words }.effect().leaves_position_known());
     }
 }

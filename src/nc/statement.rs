@@ -96,12 +96,10 @@ fn block_number(cursor: &mut Cursor<'_>) -> ReadResult<u32> {
     Ok(number.value as u32)
 }
 
-fn read_body<S: Scope>(
-    cursor: &mut Cursor<'_>,
-    scope: &mut S,
-    words: &mut BlockWords,
-    depth: usize,
-) -> ReadResult<BlockContent> {
+/// What a block holds, or its mistake.
+type ContentResult = ReadResult<BlockContent>;
+
+fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords, depth: usize) -> ContentResult {
     let at = cursor.at;
     match cursor.peek() {
         b'#' => read_assignment(cursor, scope),
@@ -162,12 +160,7 @@ fn loop_number(cursor: &mut Cursor<'_>) -> ReadResult<u8> {
     }
 }
 
-fn read_if<S: Scope>(
-    cursor: &mut Cursor<'_>,
-    scope: &mut S,
-    words: &mut BlockWords,
-    depth: usize,
-) -> ReadResult<BlockContent> {
+fn read_if<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords, depth: usize) -> ContentResult {
     if depth >= IF_DEPTH {
         return fail(cursor.at, E::TooComplex);
     }

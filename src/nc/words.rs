@@ -295,10 +295,7 @@ fn push_code<const N: usize>(
             Ok,
         )?,
     };
-    match codes.push(Code { number, at }) {
-        true => Ok(()),
-        false => fail2(at as usize, E::TooManyCodes, name, N.to_string()),
-    }
+    if codes.push(Code { number, at }) { Ok(()) } else { fail2(at as usize, E::TooManyCodes, name, N.to_string()) }
 }
 
 /// The value after a letter: a number, `#…` or `[…]`, each with or without a sign.

@@ -15,6 +15,8 @@ mod lathe_hand;
 mod machine_rules;
 mod motion_mover;
 mod motion_path;
+mod motion_profile;
+mod motion_thread;
 mod panel_keys;
 mod restart;
 mod retract;

@@ -9,6 +9,7 @@ use kt830::defs::page::Page;
 use kt830::defs::page_text;
 use kt830::defs::soft_key::{CoordinateView, ROWS as SOFT_ROWS, SoftKeyAction, row as soft_row};
 use kt830::defs::text::Lang;
+use kt830::hmi::variable_entry::parse_value;
 use kt830::link::Snapshot;
 use kt830::link::command::{ScreenFiles, Screens};
 use std::sync::Arc;
@@ -233,4 +234,16 @@ fn k2_1_the_help_key_lays_the_keyboards_map_over_the_page() {
         assert!(screen.query_by_label("关闭帮助 close-help").is_none());
     }
     assert!(sent(&mut screen).is_empty());
+}
+
+#[test]
+fn h6_range_and_form_are_checked() {
+    assert!(parse_value(500, "99999.999").is_ok() && parse_value(500, "-99999.999").is_ok());
+    for bad in ["100000", "1e9", "nan", "inf", "", "-", ".", "1.2.3"] {
+        assert!(parse_value(500, bad).is_err(), "{bad:?}");
+    }
+    for bad in ["2", "0.5", "-1", "1.0000001"] {
+        assert!(parse_value(575, bad).is_err(), "{bad:?}");
+    }
+    assert!(parse_value(575, "0").is_ok() && parse_value(579, "1").is_ok());
 }

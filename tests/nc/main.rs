@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
 
+mod common_variables;
 mod fuzz;
 mod golden;
+mod op_effect;
+mod program_uses;
 mod rows;
 mod sinumerik;
+mod work_offsets;

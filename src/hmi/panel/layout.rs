@@ -178,51 +178,38 @@ impl PanelBuilder<'_> {
     /// The units of the machine side by side, then the row of units below them.
     fn machine_units(&mut self) {
         let ui = self.kind.ui();
-        let units = if self.wide { ui.wide_panel } else { ui.panel };
-        self.cursor.y += CAPTION_HEIGHT;
-        let mut column = 0;
-        for unit in units.beside {
-            self.column(column, unit);
-            column += unit.columns;
+        let panel = if self.wide { ui.wide_panel } else { ui.panel };
+        for (units, beside) in [(panel.beside, true), (panel.below, false)] {
+            self.cursor.y += CAPTION_HEIGHT;
+            let mut column = 0;
+            for unit in units {
+                self.unit(column, unit, beside);
+                column += unit.columns;
+            }
+            self.advance(if beside { UNIT_ROWS } else { 1.0 }, GROUP_GAP);
         }
-        self.advance(UNIT_ROWS, GROUP_GAP);
-        self.cursor.y += CAPTION_HEIGHT;
-        let mut column = 0;
-        for unit in units.below {
-            self.block(column, unit);
-            column += unit.columns;
-        }
-        self.advance(1.0, GROUP_GAP);
     }
 
     fn columns(&self) -> f32 {
         if self.wide { 5.0 } else { 4.0 }
     }
 
-    /// Keys in a column; two keys share the height of three.
-    fn column(&mut self, column: usize, unit: &MachineUnit) {
+    /// Keys in a column, two keys sharing the height of three; else side by side, sharing the columns of the unit.
+    fn unit(&mut self, column: usize, unit: &MachineUnit, upright: bool) {
         let &MachineUnit { caption, keys, columns } = unit;
-        let top = self.cell(self.columns(), column, 0);
-        let top = top.union(self.cell(self.columns(), column + columns - 1, 0));
+        let top = self.cell(self.columns(), column, 0).union(self.cell(self.columns(), column + columns - 1, 0));
         let height = UNIT_ROWS * self.key_height + (UNIT_ROWS - 1.0) * KEY_GAP;
-        let each = (height - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
+        let whole = if upright { height } else { top.width() };
+        let each = (whole - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
         for (index, key) in keys.iter().enumerate() {
-            let corner = top.min + vec2(0.0, index as f32 * (each + KEY_GAP));
-            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(top.width(), each))));
+            let by = index as f32 * (each + KEY_GAP);
+            let (by, size) = match upright {
+                true => (vec2(0.0, by), vec2(top.width(), each)),
+                false => (vec2(by, 0.0), vec2(each, self.key_height)),
+            };
+            self.layout.keys.push((*key, Rect::from_min_size(top.min + by, size)));
         }
-        self.group(top.band(0.0, height), Some(caption));
-    }
-
-    /// Keys side by side that share the columns of the unit.
-    fn block(&mut self, column: usize, unit: &MachineUnit) {
-        let &MachineUnit { caption, keys, columns } = unit;
-        let around = self.cell(self.columns(), column, 0).union(self.cell(self.columns(), column + columns - 1, 0));
-        let each = (around.width() - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
-        for (index, key) in keys.iter().enumerate() {
-            let corner = around.min + vec2(index as f32 * (each + KEY_GAP), 0.0);
-            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(each, self.key_height))));
-        }
-        self.group(around, Some(caption));
+        self.group(if upright { top.band(0.0, height) } else { top }, Some(caption));
     }
 
     /// Feed and spindle override with their values between the keys, then the rapid override keys.

@@ -2,11 +2,9 @@
 //!
 //! Selects handover and horizon. Knows nothing of how a window is planned or appended.
 
-use std::collections::VecDeque;
-
 use super::super::blending::{BandFiller, Continuation, FillResult, continuation};
 use super::super::lookahead_window::{KNOT_SPACING_S, PlanPoint, WindowStart};
-use super::super::queued_move::QueuedMove;
+use super::super::queued_move::MoveQueue;
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::super::tolerance_band::{SHARP_COSINE, cosine};
 use super::super::work_budget::WorkBudget;
@@ -94,32 +92,20 @@ impl SetpointPlanner {
     }
 
     /// Starts a window from rest.
-    pub(super) fn begin_at_rest(&mut self, moves: &VecDeque<QueuedMove>, request: PlanRequest) {
+    pub(super) fn begin_at_rest(&mut self, moves: &MoveQueue, request: PlanRequest) {
         let Some(queued) = moves.get(self.planned_moves) else { return };
         let point = self.resting_point.unwrap_or_else(|| PlanPoint::at_rest(queued.segment.at(0.0), 0.0, 0));
         if self.resting_point.is_none() {
             self.band.clear();
         }
-        let start = WindowStart {
-            point,
-            history: [point.at; 4],
-            lead_end: None,
-            shift: (0.0, 0),
-            reserve: 0.0,
-            is_urgent: true,
-        };
+        let history = [point.at; 4];
+        let start = WindowStart { point, history, lead_end: None, shift: (0.0, 0), reserve: 0.0, is_urgent: true };
         let (first, next) = (point.segment, queued.number);
         let brake = self.brake_s(top_speed(queued, &self.limits, request.feed_override));
+        let horizon_s = self.first_horizon_s(brake);
         self.begin_job(
             start,
-            HandoverChoice {
-                handover: 0,
-                first,
-                end: point,
-                horizon_s: self.first_horizon_s(brake),
-                next,
-                steady: false,
-            },
+            HandoverChoice { handover: 0, first, end: point, horizon_s, next, steady: false },
             request,
         );
     }
@@ -162,9 +148,8 @@ impl SetpointPlanner {
     /// Works on the next window; starts one when it is time.
     pub(super) fn look_ahead(
         &mut self,
-        moves: &VecDeque<QueuedMove>,
+        moves: &MoveQueue,
         buffer: &SetpointBuffer,
-        spot: BufferPosition,
         request: PlanRequest,
         budget: &mut WorkBudget,
     ) {
@@ -173,7 +158,7 @@ impl SetpointPlanner {
             self.cancel_window();
         }
         if self.job.is_none() && !request.braking && self.is_extendable && !self.plan.is_empty() {
-            self.begin_in_motion(moves, buffer, spot, request);
+            self.begin_in_motion(moves, buffer, request);
         }
         let Some(mut job) = self.job else { return };
         if job.in_motion && self.appended > job.handover + 1 {
@@ -202,13 +187,7 @@ impl SetpointPlanner {
     }
 
     /// Selects handover and horizon of the next window; starts it when it is time.
-    fn begin_in_motion(
-        &mut self,
-        moves: &VecDeque<QueuedMove>,
-        buffer: &SetpointBuffer,
-        spot: BufferPosition,
-        request: PlanRequest,
-    ) {
+    fn begin_in_motion(&mut self, moves: &MoveQueue, buffer: &SetpointBuffer, request: PlanRequest) {
         let Some(last) = self.band.moves.last() else { return };
         let front = moves.front().map_or(0, |queued| queued.number);
         let cut = !self.band.ends_at_move_end();
@@ -216,7 +195,7 @@ impl SetpointPlanner {
             return;
         }
         // Index of the axes on the plan; negative while they are still before it.
-        let here = self.appended as i64 + spot.tick as i64 - buffer.end() as i64;
+        let here = self.appended as i64 + request.spot.tick as i64 - buffer.end() as i64;
         let near = here + APPEND_MARGIN_TICKS as i64 + SPARE_TICKS as i64;
         let best = self.best_handover_index as i64;
         // The horizon is limited by the known moves and by the time for planning.
@@ -238,21 +217,17 @@ impl SetpointPlanner {
             return;
         }
         let point = self.plan[handover];
-        let past = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
+        let history = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
         let end = self.plan[self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS)];
         let until = (handover <= self.best_handover_index).then_some(end.curve_position.interval);
-        let start =
-            WindowStart { point, history: past, lead_end: until, shift: (0.0, 0), reserve: 0.0, is_urgent: false };
+        let start = WindowStart { point, history, lead_end: until, shift: (0.0, 0), reserve: 0.0, is_urgent: false };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
-        self.begin_job(
-            start,
-            HandoverChoice { handover, first, end, horizon_s: wanted, next: last.number, steady },
-            request,
-        );
+        let choice = HandoverChoice { handover, first, end, horizon_s: wanted, next: last.number, steady };
+        self.begin_job(start, choice, request);
     }
 
     /// Approximate time of the known run beyond `best`, s, up to `most`.
-    fn known_time_s(&self, moves: &VecDeque<QueuedMove>, last: usize, most: f64) -> f64 {
+    fn known_time_s(&self, moves: &MoveQueue, last: usize, most: f64) -> f64 {
         let mut seconds = (self.plan.len() - self.best_handover_index) as f64 * self.limits.tick_s;
         if let Some(piece) = self.band.moves.last() {
             seconds += (self.band.length() - self.band.end) / piece.top_speed;

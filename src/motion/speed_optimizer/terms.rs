@@ -28,7 +28,7 @@ pub struct LimitTerm {
 }
 
 /// The limit terms of all knots of a curve.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct LimitTerms {
     per_axis: [Vec<LimitTerm>; 3],
     /// Factor of the squared path speed on b.

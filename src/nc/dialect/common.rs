@@ -26,10 +26,7 @@ pub(super) fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
 
 /// Refuses an address that occurs twice in the block.
 pub(super) fn refuse_duplicate_address(running: &BlockContext<'_, '_>) -> ReadResult<()> {
-    match running.words.duplicate {
-        Some(at) => fail1(at as usize, E::DoubleWord, letter_at(running.text, at)),
-        None => Ok(()),
-    }
+    running.words.duplicate.map_or(Ok(()), |at| fail1(at as usize, E::DoubleWord, letter_at(running.text, at)))
 }
 
 /// The letter at a byte of a text, in upper case.

@@ -108,10 +108,7 @@ pub(super) fn first_offset(running: &BlockContext<'_, '_>, syntax: &MoveSyntax) 
 /// The active feed.
 #[inline]
 pub(super) fn modal_feed(running: &BlockContext<'_, '_>, syntax: &MoveSyntax) -> ReadResult<Feed> {
-    match running.modals.feed() {
-        Some(feed) => Ok(feed),
-        None => fail1(first_offset(running, syntax), E::FeedMissing, syntax.feed_codes),
-    }
+    running.modals.feed().map_or_else(|| fail1(first_offset(running, syntax), E::FeedMissing, syntax.feed_codes), Ok)
 }
 
 /// The move of G00 to G03; `false` if the block moves by another function of group 01.

@@ -66,22 +66,8 @@ acts! {
 impl EditorAction {
     /// Whether the action needs edit mode.
     pub const fn needs_editing(self) -> bool {
-        matches!(
-            self,
-            Self::Replace
-                | Self::Renumber
-                | Self::Undo
-                | Self::Redo
-                | Self::Save
-                | Self::Mark
-                | Self::Unmark
-                | Self::CopyBlock
-                | Self::Cut
-                | Self::DeleteBlock
-                | Self::Paste
-                | Self::ReplaceThis
-                | Self::ReplaceAll
-        )
+        let text = matches!(self, Undo | Redo | Save | Mark | Unmark | CopyBlock | Cut | DeleteBlock | Paste);
+        text || matches!(self, Replace | Renumber | ReplaceThis | ReplaceAll)
     }
 }
 

@@ -205,10 +205,8 @@ impl SettingsPage {
         let (first, rest) = (Kind::KT830.len(), Kind::ALL.len() - Kind::KT830.len());
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             // The KT-830 grinders in the first row, the other kinds below.
-            let place = match index < first {
-                true => group.row(0).cell(index, first),
-                false => group.row(1).cell(index - first, rest),
-            };
+            let place =
+                if index < first { group.row(0).cell(index, first) } else { group.row(1).cell(index - first, rest) };
             let key = PageKey::new(kind.id(), kind.short_name()).on(kind == next);
             if self.walk.button(view, place, key.locked(view.snapshot.access.level < AccessLevel::Builder)) {
                 self.set(PendingSetting::Kind(kind), view, login, out);

@@ -186,10 +186,7 @@ fn length_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     if running.modals.inch {
         value *= MM_PER_INCH;
     }
-    if value.abs() > MAX_VALUE {
-        return out_of_range(word, "±99999.999");
-    }
-    Ok(value)
+    if value.abs() > MAX_VALUE { out_of_range(word, "±99999.999") } else { Ok(value) }
 }
 
 /// The value of a word that must be a whole number in a range.

@@ -86,10 +86,7 @@ fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
     if let Some(call) = words.peek(b'L') {
         return check_call_alone(words, call);
     }
-    match words.list.iter().find(|word| !ADDRESSES.contains(&word.letter)) {
-        Some(word) => unknown_word(text, *word),
-        None => Ok(()),
-    }
+    words.list.iter().find(|word| !ADDRESSES.contains(&word.letter)).map_or(Ok(()), |word| unknown_word(text, *word))
 }
 
 /// The address letters of words, without N, G, M and L.
@@ -134,10 +131,7 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> R
         None => motion::modal_move(running, plan)?,
     }
     execute_m_codes(running, true)?;
-    match running.words.unused() {
-        Some(word) => unknown_word(running.text, word),
-        None => Ok(flow),
-    }
+    running.words.unused().map_or(Ok(flow), |word| unknown_word(running.text, word))
 }
 
 /// Sets feed, path mode and work offset. The F of a dwell is a time.

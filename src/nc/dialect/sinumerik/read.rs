@@ -104,10 +104,8 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
     if accept_keyword(cursor, "IF") {
         let holds = read_condition(cursor, scope)?;
         skip_blanks(cursor);
-        return match jump_direction(cursor)? {
-            Some(forward) => read_jump(cursor, forward, holds),
-            None => fail1(cursor.at, E::BadCondition, IF_SYNTAX),
-        };
+        let Some(forward) = jump_direction(cursor)? else { return fail1(cursor.at, E::BadCondition, IF_SYNTAX) };
+        return read_jump(cursor, forward, holds);
     }
     if let Some(forward) = jump_direction(cursor)? {
         return read_jump(cursor, forward, true);

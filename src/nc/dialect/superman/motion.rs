@@ -204,10 +204,8 @@ fn centre_from_r(from: WorkPos, to: WorkPos, word: Word, turn: i8) -> ReadResult
     }
     check_radius(at, radius.abs())?;
     // The radius of a half circle may be too small by the rounding of the text.
-    match motion::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM) {
-        Some(center) => Ok(center),
-        None => fail1(at, E::ArcRadius, format_args!("R{radius}")),
-    }
+    motion::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM)
+        .map_or_else(|| fail1(at, E::ArcRadius, format_args!("R{radius}")), Ok)
 }
 
 /// G23: from A to B (X at rapid), C (Z at F), D (X at F) and back to A (Z at rapid).
