@@ -23,7 +23,7 @@ pub type ControlPhase = phase::RunPhase<Homing>;
 pub type ControlEvent = phase::PhaseEvent<Homing>;
 
 /// What is executed: phase, program, block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Execution {
     /// The control phase.
     pub phase: ControlPhase,
@@ -41,23 +41,6 @@ pub struct Execution {
     pub spindles_before_pause: [bool; 2],
     /// RESET or emergency stop is among the commands of this tick: nothing starts in it.
     pub starts_void: bool,
-}
-
-impl Execution {
-    /// Idle, with the current program of the last power-off.
-    #[must_use]
-    pub fn new(current_program: u32) -> Self {
-        Self {
-            phase: ControlPhase::Idle,
-            current_program,
-            current_block: BlockLocation::default(),
-            block_count: 0,
-            repeats_left: 0,
-            cycle_time: Micros::ZERO,
-            spindles_before_pause: [false; 2],
-            starts_void: false,
-        }
-    }
 }
 
 impl Plant {

@@ -14,7 +14,7 @@ use crate::units::{MachinePos, PerAxis, WorkPos};
 pub type GaugePositions = [Option<f64>; 4];
 
 /// The data a program works with, as executed.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct WorkData {
     /// Work offsets and tool offsets.
     pub offsets: WorkOffsets,
@@ -34,29 +34,6 @@ pub struct WorkData {
     pub gauge_positions: GaugePositions,
     /// The tool-change point: tip position at the start of the last program, machine coordinates (L3).
     pub tool_change_point: Option<MachinePos>,
-}
-
-impl WorkData {
-    /// The retained data at power-on.
-    #[must_use]
-    pub fn new(
-        offsets: WorkOffsets,
-        variables: CommonVariables,
-        dress_points: PerAxis<Option<f64>>,
-        part_count: u32,
-    ) -> Self {
-        Self {
-            offsets,
-            variables,
-            dress_points,
-            programs: Arc::default(),
-            part_count,
-            timer_offset: [0.0; 2],
-            skip_position: WorkPos::default(),
-            gauge_positions: GaugePositions::default(),
-            tool_change_point: None,
-        }
-    }
 }
 
 /// Whether an offset value, mm as displayed, is within the range for pages and programs.

@@ -11,7 +11,6 @@ use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{Text, phrase};
-use crate::machine::RequestResult;
 
 /// A start in the tick of a reset.
 pub const START_VOID: Text =
@@ -50,7 +49,7 @@ impl Program {
         if let Some(why) = self.retract_blocks_start(plant) {
             return plant.refuse(why);
         }
-        if !matches!(plant.request(Request::CycleStart), RequestResult::Accepted) {
+        if !plant.is_granted(Request::CycleStart) {
             return;
         }
         if matches!(plant.execution.phase, ControlPhase::Idle) && self.start_restart(plant) {
@@ -76,7 +75,7 @@ impl Program {
     pub fn repeat_program(&mut self, plant: &mut Plant) {
         if plant.execution.repeats_left > 0 && matches!(plant.execution.phase, ControlPhase::Idle) {
             plant.execution.repeats_left -= 1;
-            if matches!(plant.request(Request::CycleStart), RequestResult::Accepted) {
+            if plant.is_granted(Request::CycleStart) {
                 self.start_program(plant);
             }
         }
@@ -121,15 +120,10 @@ impl Program {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::PowerOnState;
-    use crate::defs::kind::Kind;
-    use crate::io::InputImage;
-    use crate::units::Micros;
 
     #[test]
     fn k2_2_cycle_start_and_feed_hold_say_why_nothing_happens() {
-        let factory = PowerOnState::factory(Kind::Gc);
-        let mut plant = Plant::new(Kind::Gc, factory, InputImage::default(), Micros::ZERO);
+        let mut plant = Plant::factory();
         let mut program = Program::new(None);
         let mut why = |plant: &mut Plant, act: fn(&mut Program, &mut Plant)| {
             act(&mut program, plant);

@@ -87,7 +87,7 @@ impl ProgramRun {
                         && self.origin == Origin::Program
                         && self.handover != Handover::TakingBack =>
                 {
-                    if self.is_settled(plant) == Some(true) {
+                    if self.is_settled(plant) {
                         ActionStatus::Stop
                     } else {
                         ActionStatus::Wait

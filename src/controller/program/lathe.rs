@@ -10,7 +10,6 @@ use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::phrase;
-use crate::machine::RequestResult;
 use crate::motion::{ThreadMover, ThreadPass};
 use crate::nc::ThreadMove;
 use crate::units::Axis;
@@ -19,9 +18,9 @@ impl ProgramRun {
     /// One tick of a thread.
     pub fn step_thread(&mut self, plant: &mut Plant, thread: &ThreadPass) -> ActionStatus {
         if self.activity == Activity::Thread {
-            return if plant.axes.thread().is_some() { ActionStatus::Wait } else { ActionStatus::Done };
+            return ActionStatus::done_if(plant.axes.thread().is_none());
         }
-        if self.is_settled(plant) != Some(true) {
+        if !self.is_settled(plant) {
             return ActionStatus::Wait;
         }
         if plant.machine.spindle_direction().is_none() || plant.spindles.encoder.rpm.abs() < 1.0 {
@@ -60,7 +59,7 @@ impl ProgramRun {
     /// One tick of homing by a program.
     pub fn step_program_homing(&mut self, plant: &mut Plant, axis: Axis) -> ActionStatus {
         if self.activity != Activity::Homing {
-            if self.is_settled(plant) != Some(true) {
+            if !self.is_settled(plant) {
                 return ActionStatus::Wait;
             }
             plant.axes.switch_to_manual();
@@ -90,15 +89,15 @@ impl ProgramRun {
     pub fn step_turret(&mut self, plant: &mut Plant, station: u8) -> ActionStatus {
         let request = Request::ToolTurret(station);
         if self.activity == Activity::AwaitUnit {
-            return if plant.machine.is_settled(request) { ActionStatus::Done } else { ActionStatus::Wait };
+            return ActionStatus::done_if(plant.machine.is_settled(request));
         }
         if plant.operator.switches.aux_function_lock {
             return ActionStatus::Done;
         }
-        if self.is_settled(plant) != Some(true) {
+        if !self.is_settled(plant) {
             return ActionStatus::Wait;
         }
-        if matches!(plant.request(request), RequestResult::Accepted) {
+        if plant.is_granted(request) {
             self.activity = Activity::AwaitUnit;
         } else {
             plant.transition(ControlEvent::Hold);
