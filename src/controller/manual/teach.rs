@@ -231,9 +231,7 @@ impl TeachRecorder {
 
     /// Writes the snapshot field of the recording.
     pub fn write_view(&self, out: &mut Arc<TeachView>) {
-        if !Arc::ptr_eq(out, &self.view) {
-            out.clone_from(&self.view);
-        }
+        out.clone_from(&self.view);
     }
 
     /// The recording was saved as a program.

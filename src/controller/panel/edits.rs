@@ -3,10 +3,10 @@
 
 use super::edit_protection::{check_not_running, check_unlocked};
 use super::wheel_change::change_wheel;
-use super::{Panel, Parts, View, offsets};
+use super::{Edited, Panel, Parts, View, offsets};
 use crate::defs::page::Page;
 use crate::defs::text::arg::Arg;
-use crate::defs::text::{LocalizedText, phrase};
+use crate::defs::text::phrase;
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::OffsetView;
@@ -39,12 +39,7 @@ impl Panel {
     }
 
     /// A value typed on the open page for one of the page's variables (K7.5, K7.7).
-    fn edit_variable(
-        &mut self,
-        parts: &mut Parts<'_>,
-        variable: u16,
-        value: Option<f64>,
-    ) -> Result<LocalizedText, LocalizedText> {
+    fn edit_variable(&mut self, parts: &mut Parts<'_>, variable: u16, value: Option<f64>) -> Edited {
         let name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect());
         let shows = match parts.plant.operator.page {
             Page::Grinding => self.page_shows(parts.view(), variable),
@@ -73,11 +68,7 @@ impl Panel {
     }
 
     /// A parameter typed on its page. The result is taken from the message that the command has shown.
-    fn edit_param_on_page(
-        &mut self,
-        parts: &mut Parts<'_>,
-        command: &PageCommand,
-    ) -> Result<LocalizedText, LocalizedText> {
+    fn edit_param_on_page(&mut self, parts: &mut Parts<'_>, command: &PageCommand) -> Edited {
         parts.plant.outbox.message = Message::default();
         self.handle_page_command(parts, command);
         let text = parts.plant.outbox.message.text.clone();

@@ -3,6 +3,7 @@
 
 use super::Plant;
 use crate::controller::axes::homing::AxisHoming;
+use crate::controller::storage_request::StorageRequest;
 use crate::defs::signal::Output;
 use crate::machine::phase;
 use crate::nc::BlockLocation;
@@ -51,6 +52,13 @@ impl Plant {
         if self.execution.phase.is_pause() && !before {
             self.execution.spindles_before_pause = self.running_spindles();
         }
+    }
+
+    /// Makes a program the current one, before its first block, and stores its number; 0 for none.
+    pub fn set_current_program(&mut self, number: u32) {
+        self.execution.current_program = number;
+        self.execution.current_block = BlockLocation::default();
+        self.store(StorageRequest::CurrentProgram(number));
     }
 
     /// Brakes all motion; the run ends once the axes are at rest.

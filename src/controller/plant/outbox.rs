@@ -66,6 +66,11 @@ impl Plant {
         }
     }
 
+    /// Sends a request to the disk thread.
+    pub fn store(&mut self, request: StorageRequest) {
+        self.outbox.requests.push(request);
+    }
+
     /// Stores changed entries of the alarm history on disk.
     pub fn store_alarm_changes(&mut self) {
         if self.alarms.has_changed() {
