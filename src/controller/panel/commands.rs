@@ -46,12 +46,11 @@ impl Panel {
             Command::RestartAt(line) => parts.program.restart_at(parts.plant, *line),
             Command::ResumeInterrupted => self.resume_interrupted(parts),
             Command::Mdi(line) => parts.program.run_mdi(parts.plant, line),
-            Command::EnterVariable(..)
-            | Command::Offset(_)
-            | Command::AddWear { .. }
-            | Command::ChangeWheel { .. }
-            | Command::PrepareMdi(_)
-            | Command::Page(PageCommand::EditParam(..) | PageCommand::EditLeadscrew(..)) => {
+            Command::EnterVariable(..) | Command::Offset(_) | Command::AddWear { .. } => {
+                self.handle_edit(parts, command)
+            }
+            Command::ChangeWheel { .. } | Command::PrepareMdi(_) => self.handle_edit(parts, command),
+            Command::Page(PageCommand::EditParam(..) | PageCommand::EditLeadscrew(..)) => {
                 self.handle_edit(parts, command)
             }
             Command::SetVariable(variable, value) => {

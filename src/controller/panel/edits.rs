@@ -20,11 +20,11 @@ impl Panel {
         let done = match command {
             Command::EnterVariable(variable, value) => self.edit_variable(parts, *variable, *value),
             Command::Offset(command) => offsets::handle_offset_command(parts, *command),
-            Command::AddWear { number, axis, increment: by } => {
-                offsets::edit_wear_increment(parts, *number, *axis, *by)
+            &Command::AddWear { number, axis, increment } => {
+                offsets::edit_wear_increment(parts, number, axis, increment)
             }
-            Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
-                change_wheel(parts, [*diameter_mm, *width_mm, *rated_m_s])
+            &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
+                change_wheel(parts, [diameter_mm, width_mm, rated_m_s])
             }
             Command::PrepareMdi(line) => parts.program.prepare_mdi(parts.plant, line),
             Command::Page(command) => self.edit_param_on_page(parts, command),
@@ -46,15 +46,11 @@ impl Panel {
             Page::Macro => CommonVariables::contains(u32::from(variable)),
             _ => false,
         };
-        if !shows {
-            return Err(if parts.plant.operator.page == Page::Macro {
-                phrase!("{name} 是只读变量", "{name} is read-only", name)
-            } else {
-                phrase!("当前页面没有 {name}", "the open page does not show {name}", name)
-            });
-        }
-        if parts.plant.operator.page == Page::Macro {
-            check_unlocked(parts.view())?;
+        match (shows, parts.plant.operator.page) {
+            (false, Page::Macro) => return Err(phrase!("{name} 是只读变量", "{name} is read-only", name)),
+            (false, _) => return Err(phrase!("当前页面没有 {name}", "the open page does not show {name}", name)),
+            (true, Page::Macro) => check_unlocked(parts.view())?,
+            (true, _) => {}
         }
         check_not_running(parts.view())?;
         if !parts.program.set_variable(parts.plant, variable, value) {

@@ -114,12 +114,12 @@ impl Panel {
 }
 
 fn press_override(plant: &mut Plant, key: Key) {
-    let before = (plant.operator.overrides.feed, plant.operator.overrides.spindle);
+    let before = plant.operator.overrides;
     set_override(plant, key);
-    let now = (plant.operator.overrides.feed, plant.operator.overrides.spindle);
+    let now = plant.operator.overrides;
     let at = match key {
-        Key::FeedOverrideUp | Key::FeedOverrideDown if before == now => now.0,
-        Key::SpindleOverrideUp | Key::SpindleOverrideDown if before == now => now.1,
+        Key::FeedOverrideUp | Key::FeedOverrideDown if before.feed == now.feed => now.feed,
+        Key::SpindleOverrideUp | Key::SpindleOverrideDown if before.spindle == now.spindle => now.spindle,
         _ => return,
     };
     plant.show_note(phrase!("倍率已到 {at} %", "the override stands at its end, {at} %", at));

@@ -22,9 +22,12 @@ const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still
 
 /// Executes a command of the offset or the dressing page.
 pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> Edited {
+    let (OffsetCommand::Set { number, axis, .. }
+    | OffsetCommand::AddGeometry { number, axis, .. }
+    | OffsetCommand::Measure { number, axis, .. }) = command;
+    let index = offset_index(parts.plant, number, axis)?;
     match command {
-        OffsetCommand::Set { number, part, axis, value } => {
-            let index = offset_index(parts.plant, number, axis)?;
+        OffsetCommand::Set { part, value, .. } => {
             // K7.7: P22.0 does not protect the geometry; the dressing page has no protection.
             if part == OffsetPart::Geometry && parts.plant.operator.page == Page::Offset {
                 check_not_running(parts.view())?;
@@ -33,15 +36,13 @@ pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> E
             }
             set_offset_value(parts, index, part, axis, value / parts.plant.displayed_per_mm(axis))
         }
-        OffsetCommand::AddGeometry { number, axis, increment: by } => {
-            let index = offset_index(parts.plant, number, axis)?;
+        OffsetCommand::AddGeometry { increment: by, .. } => {
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             check_increment(by)?;
             let sum = parts.plant.work.offsets.geometry[index][axis] + by / parts.plant.displayed_per_mm(axis);
             set_offset_value(parts, index, OffsetPart::Geometry, axis, sum)
         }
-        OffsetCommand::Measure { number, axis, value } => {
-            let index = offset_index(parts.plant, number, axis)?;
+        OffsetCommand::Measure { value, .. } => {
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             measure(parts, index, axis, value)
         }

@@ -151,7 +151,8 @@ impl Panel {
 
 /// The internal signals of the diagnosis page.
 fn internal_signals(parts: View<'_>) -> InternalSignalSet {
-    let facts = parts.plant.machine.interlock_inputs(parts.plant.now, parts.plant.inputs.filtered, &parts.plant.params);
+    let plant = parts.plant;
+    let facts = plant.machine.interlock_inputs(plant.now, plant.inputs.filtered, &plant.params);
     let state = run_state(parts);
     let axes = [
         (Axis::X, InternalSignal::HomedX, InternalSignal::MovingX),
@@ -160,25 +161,25 @@ fn internal_signals(parts: View<'_>) -> InternalSignalSet {
     ];
     let mut set = InternalSignalSet::default();
     for (axis, homed, moving) in axes {
-        set = set.with(homed, parts.plant.axes.is_homed(axis)).with(moving, parts.plant.is_moving(axis));
+        set = set.with(homed, plant.axes.is_homed(axis)).with(moving, plant.is_moving(axis));
     }
-    set.with(InternalSignal::DrivesOn, parts.plant.outputs.drives_on)
-        .with(InternalSignal::BusAlive, parts.plant.inputs.image.bus_alive)
-        .with(InternalSignal::EmergencyStopped, parts.plant.machine.is_e_stopped())
-        .with(InternalSignal::ScreenEmergencyStop, parts.plant.inputs.screen_e_stop())
-        .with(InternalSignal::AlarmBlocksStart, parts.plant.alarms.blocks_start())
-        .with(InternalSignal::InPosition, parts.plant.is_in_position())
+    set.with(InternalSignal::DrivesOn, plant.outputs.drives_on)
+        .with(InternalSignal::BusAlive, plant.inputs.image.bus_alive)
+        .with(InternalSignal::EmergencyStopped, plant.machine.is_e_stopped())
+        .with(InternalSignal::ScreenEmergencyStop, plant.inputs.screen_e_stop())
+        .with(InternalSignal::AlarmBlocksStart, plant.alarms.blocks_start())
+        .with(InternalSignal::InPosition, plant.is_in_position())
         .with(InternalSignal::ProgramOpen, parts.program.is_open())
         .with(InternalSignal::Running, matches!(state, RunState::Running | RunState::Waiting))
         .with(InternalSignal::Held, state == RunState::Held)
         .with(InternalSignal::Waiting, state == RunState::Waiting)
         .with(InternalSignal::Homing, state == RunState::Homing)
-        .with(InternalSignal::SingleBlock, parts.plant.operator.switches.single_block)
-        .with(InternalSignal::BlockSkip, parts.plant.operator.switches.block_skip)
-        .with(InternalSignal::OptionalStop, parts.plant.operator.switches.optional_stop)
-        .with(InternalSignal::RapidJog, parts.plant.operator.rapid_jog)
-        .with(InternalSignal::WheelRunUp, parts.plant.machine.awaits_feedback(Output::Wheel))
-        .with(InternalSignal::WorkpieceDrive, parts.plant.machine.drive_is_on())
+        .with(InternalSignal::SingleBlock, plant.operator.switches.single_block)
+        .with(InternalSignal::BlockSkip, plant.operator.switches.block_skip)
+        .with(InternalSignal::OptionalStop, plant.operator.switches.optional_stop)
+        .with(InternalSignal::RapidJog, plant.operator.rapid_jog)
+        .with(InternalSignal::WheelRunUp, plant.machine.awaits_feedback(Output::Wheel))
+        .with(InternalSignal::WorkpieceDrive, plant.machine.drive_is_on())
         .with(InternalSignal::TailstockMoving, facts.tailstock_moving)
         .with(InternalSignal::TailstockClamped, facts.tailstock_advanced)
         .with(InternalSignal::HydraulicSettled, facts.hydraulic_settled)

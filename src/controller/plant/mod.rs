@@ -152,7 +152,7 @@ impl Plant {
             ));
         }
         self.params.write(at, value).map_err(ParamError::text)?;
-        self.outbox.requests.push(StorageRequest::Param(at, value));
+        self.store(StorageRequest::Param(at, value));
         self.inputs.configure(&self.params);
         self.axes.configure(&self.params);
         self.update_unusable_outputs();

@@ -62,7 +62,7 @@ impl Plant {
     /// Changes a parameter on behalf of the control and stores it.
     pub fn store_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
-            self.outbox.requests.push(StorageRequest::Param(at, value));
+            self.store(StorageRequest::Param(at, value));
         }
     }
 

@@ -46,7 +46,7 @@ impl Plant {
     pub fn store_variable(&mut self, variable: u32, value: Option<f64>) -> Result<(), VariableError> {
         self.work.variables.set(variable, value)?;
         if CommonVariables::is_retained(variable) {
-            self.outbox.requests.push(StorageRequest::Variable(variable, value));
+            self.store(StorageRequest::Variable(variable, value));
         }
         Ok(())
     }
@@ -73,13 +73,13 @@ impl Plant {
     /// Stores a changed offset (index from 0) on disk.
     pub fn store_offset(&mut self, index: usize) {
         let (geometry, wear) = (self.work.offsets.geometry[index], self.work.offsets.wear[index]);
-        self.outbox.requests.push(StorageRequest::Offset { number: index + 1, geometry, wear });
+        self.store(StorageRequest::Offset { number: index + 1, geometry, wear });
     }
 
     /// Counts a finished part.
     pub fn count_part(&mut self) {
         self.work.part_count += 1;
-        self.outbox.requests.push(StorageRequest::PartCount(self.work.part_count));
+        self.store(StorageRequest::PartCount(self.work.part_count));
         self.count_since_dressing();
     }
 
@@ -88,7 +88,7 @@ impl Plant {
         if program {
             self.work.tool_change_point = Some(self.axes.set_point());
         }
-        if let Some(station) = crate::machine::lathe::station_in_position(self.inputs.filtered) {
+        if let Some(station) = self.turret_station() {
             self.work.offsets.tool = u32::from(station);
         }
     }

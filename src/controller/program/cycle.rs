@@ -52,10 +52,10 @@ impl Program {
         if !plant.is_granted(Request::CycleStart) {
             return;
         }
-        if matches!(plant.execution.phase, ControlPhase::Idle) && self.start_restart(plant) {
-            return;
-        }
         if matches!(plant.execution.phase, ControlPhase::Idle) {
+            if self.start_restart(plant) {
+                return;
+            }
             plant.execution.repeats_left = plant.params.get(param::PROGRAM_REPEATS) as u32 - 1;
             return self.start_program(plant);
         }
@@ -83,20 +83,16 @@ impl Program {
 
     fn start_program(&mut self, plant: &mut Plant) {
         let number = plant.execution.current_program;
-        match plant.work.programs.get(number) {
-            Some(program) => {
-                let source = Arc::clone(&program.source);
-                self.open_run(plant, source, Origin::Program);
-            }
-            None => {
-                let title = plant.program_title(number);
-                plant.refuse(phrase!(
-                    "没有程序 {title}：先在目录中选择程序",
-                    "there is no program {title}: choose one in the directory",
-                    title
-                ));
-            }
-        }
+        let Some(program) = plant.work.programs.get(number) else {
+            let title = plant.program_title(number);
+            return plant.refuse(phrase!(
+                "没有程序 {title}：先在目录中选择程序",
+                "there is no program {title}: choose one in the directory",
+                title
+            ));
+        };
+        let source = Arc::clone(&program.source);
+        self.open_run(plant, source, Origin::Program);
     }
 
     /// 进给保持.

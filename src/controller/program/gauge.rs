@@ -119,11 +119,8 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
         gauging.latched = Some(displayed_work(plant, asked.axis));
         plant.axes.planner.abort();
     }
-    if fine
-        && multi
-        && gauging.latched.is_none()
-        && !plant.inputs.filtered.has(GAUGE_INPUTS[gauge_index(asked.first_input)])
-    {
+    let first_on = plant.inputs.filtered.has(GAUGE_INPUTS[gauge_index(asked.first_input)]);
+    if fine && multi && gauging.latched.is_none() && !first_on {
         return fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, asked.first_input);
     }
     match gauging.latched {
@@ -136,14 +133,8 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
             if !fine {
                 gauging.first_contact = edge;
             }
-            next_stage(
-                gauging,
-                match (fine, multi) {
-                    (true, _) => GaugeStage::Retract,
-                    (false, true) => GaugeStage::Fine,
-                    (false, false) => GaugeStage::BackOff,
-                },
-            )
+            let next = if multi { GaugeStage::Fine } else { GaugeStage::BackOff };
+            next_stage(gauging, if fine { GaugeStage::Retract } else { next })
         }
         None | Some(_) => ActionStatus::Wait,
     }

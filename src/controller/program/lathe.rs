@@ -23,12 +23,13 @@ impl ProgramRun {
         if !self.is_settled(plant) {
             return ActionStatus::Wait;
         }
-        if plant.machine.spindle_direction().is_none() || plant.spindles.encoder.rpm.abs() < 1.0 {
+        let rpm = plant.spindles.encoder.rpm.abs();
+        if plant.machine.spindle_direction().is_none() || rpm < 1.0 {
             let [title, place] = thread_location(plant);
             plant.raise(alarm::SPINDLE_NOT_TURNING, Some(phrase!("{title} {place}", "{title} {place}", title, place)));
             return ActionStatus::Wait;
         }
-        let (rpm, limit) = (plant.spindles.encoder.rpm.abs(), ThreadMove::max_spindle_rpm(thread.lead_mm));
+        let limit = ThreadMove::max_spindle_rpm(thread.lead_mm);
         // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
             let [title, place] = thread_location(plant);
@@ -45,12 +46,9 @@ impl ProgramRun {
             return ActionStatus::Wait;
         }
         let from = plant.axes.set_point();
-        plant.axes.begin_thread(ThreadMover::new(
-            *thread,
-            from,
-            plant.axes.path_limits(&plant.params),
-            (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0),
-        ));
+        let encoder = (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0);
+        let limits = plant.axes.path_limits(&plant.params);
+        plant.axes.begin_thread(ThreadMover::new(*thread, from, limits, encoder));
         plant.spindles.threads.begin(plant.execution.current_block.line, thread.lead_mm, from[Axis::Z]);
         self.activity = Activity::Thread;
         ActionStatus::Wait
