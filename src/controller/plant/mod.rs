@@ -116,13 +116,6 @@ impl Plant {
         plant
     }
 
-    /// A cylindrical grinding machine in its factory state, for tests.
-    #[cfg(test)]
-    #[must_use]
-    pub fn factory() -> Self {
-        Self::new(Kind::Gc, PowerOnState::factory(Kind::Gc), InputImage::default(), Micros::ZERO)
-    }
-
     /// Begins a tick: time and inputs.
     pub fn begin_tick(&mut self, now: Micros, timestamp: DateTime, image: &InputImage) {
         self.now = now;
@@ -288,4 +281,16 @@ impl Plant {
 #[must_use]
 pub fn displayed_per_mm(params: &Params, axis: Axis) -> f64 {
     if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Plant {
+        /// A cylindrical grinding machine in its factory state.
+        pub fn factory() -> Self {
+            Self::new(Kind::Gc, PowerOnState::factory(Kind::Gc), InputImage::default(), Micros::ZERO)
+        }
+    }
 }
