@@ -86,9 +86,8 @@ impl<'a> InterlockCheck<'a> {
     pub fn check_block(&mut self, block: &Block) {
         for op in &block.ops {
             let Some(said) = self.check_op(op) else { continue };
-            let told =
-                self.refusals.len() >= MAX_REFUSALS || self.refusals.iter().any(|found| found.at == block.location);
-            if !told {
+            let told = self.refusals.iter().any(|found| found.at == block.location);
+            if !told && self.refusals.len() < MAX_REFUSALS {
                 self.refusals.push(PredictedRefusal { at: block.location, text: said });
             }
         }
@@ -184,10 +183,8 @@ impl<'a> InterlockCheck<'a> {
     /// A program writes a system variable.
     fn check_system_variable(&mut self, number: u32, value: f64) -> Option<LocalizedText> {
         if let Some(index) = system_variable::OUTPUTS.index(number) {
-            return self.request(
-                Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD),
-                format_args!("#{number}").into(),
-            );
+            let request = Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD);
+            return self.request(request, format_args!("#{number}").into());
         }
         if let Some(part) = offset_part_of_variable(number).filter(|part| !offset_in_range(*part, value)) {
             let most = part.max_abs();

@@ -265,6 +265,12 @@ pub struct Completion {
     pub saved: Option<(u32, u64)>,
 }
 
+impl From<LocalizedText> for Completion {
+    fn from(message: LocalizedText) -> Self {
+        Self { message, saved: None }
+    }
+}
+
 /// A finished request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FinishedRequest {

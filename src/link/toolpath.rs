@@ -87,6 +87,12 @@ impl DetailLevel {
         Self { tolerance_mm, points, chunk_boxes: pieces }
     }
 
+    fn bounding_box(&self) -> BoundingBox {
+        let mut all = BoundingBox::EMPTY;
+        self.chunk_boxes.iter().flat_map(|piece| [piece.low, piece.high]).for_each(|at| all.include(at));
+        all
+    }
+
     /// The path without points closer together than the tolerance and without segments that are already drawn.
     fn simplified(&self, tolerance_mm: f32) -> Self {
         let cell = |at: [f32; 3]| at.map(|value| (value / tolerance_mm).round() as i32);
@@ -147,11 +153,7 @@ impl Toolpath {
     /// Sets the path and computes the coarser levels of detail.
     pub fn set_path(&mut self, points: Vec<PathPoint>) {
         let exact = DetailLevel::new(0.0, points);
-        let size = exact.chunk_boxes.iter().fold(BoundingBox::EMPTY, |mut all, piece| {
-            all.include(piece.low);
-            all.include(piece.high);
-            all
-        });
+        let size = exact.bounding_box();
         self.levels = vec![exact];
         for fineness in DETAIL_FRACTIONS {
             let Some(finer) = self.levels.last().filter(|level| level.points.len() > MIN_POINTS_TO_SIMPLIFY) else {
@@ -201,11 +203,7 @@ mod tests {
         // 100 mm / 2048: each row of cells once in each direction, with its breaks.
         assert!(coarsest.points.len() < 2_048 * 4, "{}", coarsest.points.len());
         // The coarsest level covers the whole path.
-        let all = coarsest.chunk_boxes.iter().fold(BoundingBox::EMPTY, |mut all, piece| {
-            all.include(piece.low);
-            all.include(piece.high);
-            all
-        });
+        let all = coarsest.bounding_box();
         assert!(all.high[0] > 99.9 && all.high[2] > 99.9 && all.low[2] < 0.1, "{all:?}");
     }
 

@@ -86,21 +86,11 @@ impl Machine {
             Request::Gauge(Gauge::Axial, true) => Output::AxialGauge,
             Request::Gear(gear) => Output::GEARS[usize::from(gear) % Output::GEARS.len()],
             Request::Switch(output, true) => output,
-            Request::WheelStop
-            | Request::WorkDriveStop
-            | Request::SecondSpindleStop
-            | Request::TailstockRetract
-            | Request::HydraulicOff
-            | Request::MagnetOff
-            | Request::Gauge(_, false)
-            | Request::Switch(_, false)
-            | Request::Port(..)
-            | Request::Pulse(..)
-            | Request::CylinderOff
-            | Request::CycleStart
-            | Request::MdiStart
-            | Request::HomeAxes
-            | Request::Jog => return None,
+            Request::WheelStop | Request::WorkDriveStop | Request::SecondSpindleStop => return None,
+            Request::TailstockRetract | Request::HydraulicOff | Request::MagnetOff => return None,
+            Request::CylinderOff | Request::Gauge(_, false) | Request::Switch(_, false) => return None,
+            Request::Port(..) | Request::Pulse(..) => return None,
+            Request::CycleStart | Request::MdiStart | Request::HomeAxes | Request::Jog => return None,
         })
     }
 
@@ -131,20 +121,10 @@ impl Machine {
             Request::Gauge(gauge, _) => !self.gauge_arms.is_moving(gauge),
             Request::Gear(_) => !self.gears.is_changing(),
             Request::Pulse(port, _) => !self.ports.is_pulsing(port),
-            Request::WheelStop
-            | Request::WorkDriveStop
-            | Request::SecondSpindleStop
-            | Request::HydraulicOn
-            | Request::HydraulicOff
-            | Request::MagnetOff
-            | Request::Switch(..)
-            | Request::Port(..)
-            | Request::CylinderOn
-            | Request::CylinderOff
-            | Request::CycleStart
-            | Request::MdiStart
-            | Request::HomeAxes
-            | Request::Jog => true,
+            Request::WheelStop | Request::WorkDriveStop | Request::SecondSpindleStop | Request::MagnetOff => true,
+            Request::HydraulicOn | Request::HydraulicOff | Request::CylinderOn | Request::CylinderOff => true,
+            Request::Switch(..) | Request::Port(..) => true,
+            Request::CycleStart | Request::MdiStart | Request::HomeAxes | Request::Jog => true,
         }
     }
 
@@ -193,24 +173,12 @@ impl Machine {
                 matches!(self.workpiece_drive, WorkpieceDrive::RunUp { fast, .. } if self.kind.row().drive_output(fast) == output)
             }
             Output::Gear1 | Output::Gear2 | Output::Gear3 | Output::Gear4 => self.gears.is_changing_to(output),
-            Output::Coolant
-            | Output::Lubrication
-            | Output::Hydraulic
-            | Output::OscillationForward
-            | Output::OscillationBackward
-            | Output::User1
-            | Output::User2
-            | Output::User3
-            | Output::User4
-            | Output::User5
-            | Output::TowerRed
-            | Output::TowerYellow
-            | Output::TowerGreen
-            | Output::SpindleForward
-            | Output::SpindleReverse
-            | Output::SpindleStop
-            | Output::TurretForward
-            | Output::TurretReverse => false,
+            Output::Coolant | Output::Lubrication | Output::Hydraulic => false,
+            Output::OscillationForward | Output::OscillationBackward => false,
+            Output::User1 | Output::User2 | Output::User3 | Output::User4 | Output::User5 => false,
+            Output::TowerRed | Output::TowerYellow | Output::TowerGreen => false,
+            Output::SpindleForward | Output::SpindleReverse | Output::SpindleStop => false,
+            Output::TurretForward | Output::TurretReverse => false,
         }
     }
 }

@@ -12,20 +12,17 @@ const DWELL_UNIT_MS: f64 = 4.0;
 /// Step of the cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cylinder {
+    /// Both valves off.
     #[default]
     Off,
-    Forward {
-        since: Micros,
-    },
-    DwellForward {
-        since: Micros,
-    },
-    Backward {
-        since: Micros,
-    },
-    DwellBackward {
-        since: Micros,
-    },
+    /// Moving to the forward end.
+    Forward { since: Micros },
+    /// Dwell at the forward end.
+    DwellForward { since: Micros },
+    /// Moving to the backward end.
+    Backward { since: Micros },
+    /// Dwell at the backward end.
+    DwellBackward { since: Micros },
 }
 
 impl Cylinder {
@@ -72,10 +69,8 @@ impl Cylinder {
             Self::DwellBackward { since } if dwelt(since, param::OSCILLATION_DWELL_BACKWARD) => {
                 Some(Self::Forward { since: now })
             }
-            same @ (Self::Forward { .. }
-            | Self::Backward { .. }
-            | Self::DwellForward { .. }
-            | Self::DwellBackward { .. }) => Some(same),
+            same @ (Self::Forward { .. } | Self::Backward { .. }) => Some(same),
+            same @ (Self::DwellForward { .. } | Self::DwellBackward { .. }) => Some(same),
         };
         *self = next.unwrap_or(Self::Off);
         next.is_none().then_some(alarm::CYLINDER_SWITCHES)

@@ -3,18 +3,19 @@
 
 use super::MachineFinding;
 use crate::defs::alarm;
-use crate::defs::param::{self, NumberParam, Params};
+use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
 /// A supervised switch: its alarm is raised when the signal is missing for a delay, and clears itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SupervisedSwitch {
+    /// The signal is there, or not needed.
     #[default]
     Present,
-    Missing {
-        since: Micros,
-    },
+    /// The signal is missing, the delay is not over.
+    Missing { since: Micros },
+    /// The alarm is active.
     Alarm,
 }
 
@@ -28,14 +29,10 @@ impl SupervisedSwitch {
         };
         let before = std::mem::replace(self, next);
         match (before, next) {
-            (Self::Present | Self::Missing { .. }, Self::Alarm) => {
-                Some(MachineFinding::Alarm { number, stopped: false })
-            }
-            (Self::Alarm, Self::Present) => Some(MachineFinding::Cleared(number)),
-            (
-                Self::Present | Self::Missing { .. } | Self::Alarm,
-                Self::Present | Self::Missing { .. } | Self::Alarm,
-            ) => None,
+            (before, next) if before == next => None,
+            (_, Self::Alarm) => Some(MachineFinding::Alarm { number, stopped: false }),
+            (Self::Alarm, _) => Some(MachineFinding::Cleared(number)),
+            (Self::Present | Self::Missing { .. }, Self::Present | Self::Missing { .. }) => None,
         }
     }
 }
@@ -52,13 +49,13 @@ pub struct Fluids {
 /// The lubrication pump: switched by key or code, and by interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lubrication {
+    /// Off.
     #[default]
     Off,
+    /// Switched on by key or code.
     On,
     /// Switched on by the interval, for P86.
-    Dose {
-        since: Micros,
-    },
+    Dose { since: Micros },
 }
 
 impl Lubrication {
@@ -87,16 +84,12 @@ impl Fluids {
             Lubrication::Off | Lubrication::On | Lubrication::Dose { .. } => {}
         }
         let absent = |input: Input| params.input_port(input) != 0 && !inputs.has(input);
-        let delay = |row: NumberParam| params.millis(row);
-        let no_flow = self.coolant && absent(Input::CoolantFlow);
+        let (flow_delay, level_delay) =
+            (params.millis(param::COOLANT_FLOW_DELAY), params.millis(param::LUBRICATION_LEVEL_DELAY));
+        let (no_flow, low) = (self.coolant && absent(Input::CoolantFlow), absent(Input::LubricationLevel));
         [
-            self.flow.tick(now, no_flow, delay(param::COOLANT_FLOW_DELAY), alarm::COOLANT_FLOW),
-            self.level.tick(
-                now,
-                absent(Input::LubricationLevel),
-                delay(param::LUBRICATION_LEVEL_DELAY),
-                alarm::LUBRICATION_LEVEL,
-            ),
+            self.flow.tick(now, no_flow, flow_delay, alarm::COOLANT_FLOW),
+            self.level.tick(now, low, level_delay, alarm::LUBRICATION_LEVEL),
         ]
     }
 }

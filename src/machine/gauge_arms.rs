@@ -63,8 +63,7 @@ pub struct GearBox(Option<(u8, TwoPositionActuator)>);
 impl GearBox {
     /// Changes to a gear, 0 to 3.
     pub fn change(&mut self, gear: u8, now: Micros) {
-        if !matches!(self.0, Some((present, TwoPositionActuator::InPosition | TwoPositionActuator::Moving { .. })) if present == gear)
-        {
+        if self.0.is_none_or(|(present, stroke)| present != gear || stroke == TwoPositionActuator::TimedOut) {
             self.0 = Some((gear, TwoPositionActuator::Moving { since: now }));
         }
     }

@@ -8,8 +8,9 @@ use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
 /// State of alarm 180.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum PressureAlarm {
+    #[default]
     Clear,
     /// Clears itself when the signal returns.
     Present,
@@ -20,7 +21,7 @@ enum PressureAlarm {
 }
 
 /// The pump and its pressure switch.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Hydraulic {
     on: bool,
     /// Power-on or last switching-on; the pressure is due `HYDRAULIC_DELAY` later. `None`: already due.
@@ -32,13 +33,7 @@ pub struct Hydraulic {
 
 impl Hydraulic {
     pub fn new(power_on: Micros) -> Self {
-        Self {
-            on: false,
-            since: Some(power_on),
-            alarm: PressureAlarm::Clear,
-            refused_start: false,
-            acknowledged: false,
-        }
+        Self { since: Some(power_on), ..Self::default() }
     }
 
     pub fn make_ready(&mut self) {
@@ -68,7 +63,7 @@ impl Hydraulic {
 
     /// On for at least the hydraulic delay P270.
     pub fn is_settled(&self, now: Micros, params: &Params) -> bool {
-        self.on && self.is_due(now, Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY)))
+        self.on && self.is_due(now, params.millis(param::HYDRAULIC_DELAY))
     }
 
     fn is_due(&self, now: Micros, delay: Micros) -> bool {
@@ -101,7 +96,7 @@ impl Hydraulic {
         wheel_on: bool,
         run_open: bool,
     ) -> Option<MachineFinding> {
-        let delay = Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY));
+        let delay = params.millis(param::HYDRAULIC_DELAY);
         let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
         let due = self.is_due(now, delay);
         let missing = looked_at && due && !inputs.has(Input::HydraulicPressure);
@@ -113,11 +108,8 @@ impl Hydraulic {
             PressureAlarm::Latched if acknowledged && pressure_ok => PressureAlarm::Clear,
             PressureAlarm::Latched => PressureAlarm::Latched,
             PressureAlarm::Clear | PressureAlarm::Present | PressureAlarm::StartRefused
-                if missing && (wheel_on || run_open) =>
+                if missing && (wheel_on || run_open) || refused && run_open =>
             {
-                PressureAlarm::Latched
-            }
-            PressureAlarm::Clear | PressureAlarm::Present | PressureAlarm::StartRefused if refused && run_open => {
                 PressureAlarm::Latched
             }
             PressureAlarm::Clear | PressureAlarm::Present if refused => PressureAlarm::StartRefused,
@@ -131,13 +123,11 @@ impl Hydraulic {
         let before = std::mem::replace(&mut self.alarm, next);
         match (before, next) {
             (before, next) if before == next => None,
-            (_, PressureAlarm::Latched) => {
-                Some(MachineFinding::Alarm { number: alarm::HYDRAULIC_PRESSURE, stopped: true })
-            }
-            (_, PressureAlarm::Present | PressureAlarm::StartRefused) => {
-                Some(MachineFinding::Alarm { number: alarm::HYDRAULIC_PRESSURE, stopped: false })
-            }
             (_, PressureAlarm::Clear) => Some(MachineFinding::Cleared(alarm::HYDRAULIC_PRESSURE)),
+            (_, PressureAlarm::Present | PressureAlarm::StartRefused | PressureAlarm::Latched) => {
+                let stopped = next == PressureAlarm::Latched;
+                Some(MachineFinding::Alarm { number: alarm::HYDRAULIC_PRESSURE, stopped })
+            }
         }
     }
 }

@@ -152,13 +152,8 @@ mod tests {
 
     #[test]
     fn k3_7_with_p17_0_there_is_no_start_condition() {
-        let facts = InterlockInputs {
-            hydraulic_needed: false,
-            hydraulic_checked: false,
-            hydraulic_on: false,
-            pressure: false,
-            ..ready()
-        };
+        let facts = InterlockInputs { hydraulic_needed: false, hydraulic_checked: false, ..ready() };
+        let facts = InterlockInputs { hydraulic_on: false, pressure: false, ..facts };
         assert_eq!(outcome(Request::WheelStart, facts), None);
     }
 

@@ -95,12 +95,9 @@ pub enum ToolTurret {
 
 impl ToolTurret {
     pub fn index_to(&mut self, station: u8, inputs: InputSet, now: Micros) {
-        let station = if station == 0 { station_in_position(inputs).map_or(1, |there| there % 4 + 1) } else { station };
-        *self = if station_in_position(inputs) == Some(station) {
-            Self::Clamped
-        } else {
-            Self::Seeking { station, since: now }
-        };
+        let there = station_in_position(inputs);
+        let station = if station == 0 { there.map_or(1, |there| there % 4 + 1) } else { station };
+        *self = if there == Some(station) { Self::Clamped } else { Self::Seeking { station, since: now } };
     }
 
     pub const fn is_moving(self) -> bool {

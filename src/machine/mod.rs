@@ -279,12 +279,10 @@ impl Machine {
             cylinder_on: self.cylinder.is_on(),
             has_main_spindle: row.is_lathe(),
             turret_moving: self.turret.is_moving(),
-            guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
+            guard_open: is_guard_open(inputs, params),
             external_hold: inputs.has(Input::ExternalHold),
-            port_owned: false,
-            port_missing: false,
-            port_conflict: false,
             control_state: self.control_state,
+            ..InterlockInputs::default()
         }
     }
 
@@ -310,11 +308,18 @@ impl Machine {
     /// The reason of a rule; for requests by port number with the port and the function that owns it.
     #[must_use]
     pub fn reason_text(&self, reason: &'static Text, request: Request, params: &Params) -> LocalizedText {
-        let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return (*reason).into() };
-        let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.kind) else {
-            return (*reason).into();
-        };
-        phrase!("{reason} (输出口 {port}：{output})", "{reason} (port {port}: {output})", reason, port, output)
+        if let Request::Port(port, _) | Request::Pulse(port, _) = request
+            && let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.kind)
+        {
+            return phrase!(
+                "{reason} (输出口 {port}：{output})",
+                "{reason} (port {port}: {output})",
+                reason,
+                port,
+                output
+            );
+        }
+        (*reason).into()
     }
 
     /// Requests a change. The interlock table decides; a refused request changes nothing.
@@ -373,7 +378,7 @@ impl Machine {
     /// K5.13: an open guard stops the workpiece drive; opening it in a run also holds the program.
     fn supervise_guard(&mut self, inputs: InputSet, params: &Params) -> Option<MachineFinding> {
         let (was_open, mut stopped) = (self.guard.open, false);
-        self.guard.open = params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed);
+        self.guard.open = is_guard_open(inputs, params);
         if self.guard.open && self.workpiece_drive.is_on() {
             self.workpiece_drive = WorkpieceDrive::Off;
             self.guard.stopped_drive = self.control_state.run_open;
@@ -395,10 +400,8 @@ impl Machine {
 
     /// E-stop, panic, lost HMI or bus: spindles and fluids off, clamps hold (table after K3).
     pub fn safe_stop(&mut self) {
-        self.wheel = WheelContactor::Off;
-        self.workpiece_drive = WorkpieceDrive::Off;
+        self.stop_wheel_and_drive();
         self.second_spindle = SecondSpindleContactor::Off;
-        self.stop_lathe_units();
         self.fluids.coolant = false;
         self.cylinder = Cylinder::Off;
         self.ports.end_pulses();
@@ -480,4 +483,9 @@ impl Machine {
     pub const fn is_e_stopped(&self) -> bool {
         self.e_stop
     }
+}
+
+/// Whether P332 is assigned and the guard is not closed.
+fn is_guard_open(inputs: InputSet, params: &Params) -> bool {
+    params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed)
 }

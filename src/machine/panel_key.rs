@@ -34,10 +34,9 @@ pub fn machine_request(key: Key, mode: Mode, on: OutputSet) -> Option<Request> {
         Key::CycleStart => Request::CycleStart,
         Key::WheelStart => Request::WheelStart,
         Key::WheelStop => Request::WheelStop,
+        Key::SecondSpindle if on.has(Output::SecondSpindle) => Request::SecondSpindleStop,
         Key::SecondSpindle if on.has(Output::SecondSpindleCcw) => Request::SecondSpindleStop,
-        Key::SecondSpindle => {
-            either(Output::SecondSpindle, Request::SecondSpindleStop, Request::SecondSpindleStart(false))
-        }
+        Key::SecondSpindle => Request::SecondSpindleStart(false),
         Key::SpindleForward => Request::SpindleStart(false),
         Key::SpindleReverse => Request::SpindleStart(true),
         Key::SpindleStop => Request::SpindleStop,

@@ -56,16 +56,8 @@ impl<H> RunPhase<H> {
             | (Self::Homing(_), PhaseEvent::Homed) => Self::Idle,
             (Self::Idle | Self::Homing(_), PhaseEvent::Home(what)) => Self::Homing(what),
             (Self::Homing(_), PhaseEvent::Hold) | (_, PhaseEvent::Abort) => Self::Aborting,
-            (
-                phase,
-                PhaseEvent::Start
-                | PhaseEvent::Hold
-                | PhaseEvent::AtRest
-                | PhaseEvent::Stop
-                | PhaseEvent::Finish
-                | PhaseEvent::Home(_)
-                | PhaseEvent::Homed,
-            ) => phase,
+            (phase, PhaseEvent::Start | PhaseEvent::Hold | PhaseEvent::AtRest | PhaseEvent::Stop) => phase,
+            (phase, PhaseEvent::Finish | PhaseEvent::Home(_) | PhaseEvent::Homed) => phase,
         }
     }
 

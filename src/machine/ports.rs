@@ -71,21 +71,17 @@ impl Ports {
 
     /// Ends expired pulses.
     pub fn tick(&mut self, now: Micros) {
-        for index in 0..MAX_PULSES {
-            if let Some((port, until)) = self.pulses[index]
-                && now >= until
-            {
-                self.switch(port, false);
-            }
-        }
+        self.end_pulses_if(|until| now >= until);
     }
 
     /// Reset and e-stop: a pulse does not outlive its program.
     pub fn end_pulses(&mut self) {
-        for index in 0..MAX_PULSES {
-            if let Some((port, _)) = self.pulses[index] {
-                self.switch(port, false);
-            }
+        self.end_pulses_if(|_| true);
+    }
+
+    fn end_pulses_if(&mut self, over: impl Fn(Micros) -> bool) {
+        for (port, _) in self.pulses.into_iter().flatten().filter(|(_, until)| over(*until)) {
+            self.switch(port, false);
         }
     }
 

@@ -25,16 +25,14 @@ impl Tailstock {
     pub fn advance(&mut self, now: Micros) {
         *self = match *self {
             Self::Retracted | Self::Lost { .. } | Self::Retracting { .. } => Self::Advancing { since: now },
-            Self::Advancing { since } => Self::Advancing { since },
-            Self::Clamped => Self::Clamped,
+            there @ (Self::Advancing { .. } | Self::Clamped) => there,
         };
     }
 
     pub fn retract(&mut self, now: Micros) {
         *self = match *self {
             Self::Clamped | Self::Lost { .. } | Self::Advancing { .. } => Self::Retracting { since: now },
-            Self::Retracting { since } => Self::Retracting { since },
-            Self::Retracted => Self::Retracted,
+            there @ (Self::Retracting { .. } | Self::Retracted) => there,
         };
     }
 
@@ -61,14 +59,13 @@ impl Tailstock {
         let (since, switch, there) = match *self {
             Self::Advancing { since } => (since, Input::TailstockAdvanced, Self::Clamped),
             Self::Retracting { since } => (since, Input::TailstockRetracted, Self::Retracted),
-            Self::Clamped => {
-                if params.input_port(Input::TailstockAdvanced) != 0 && !inputs.has(Input::TailstockAdvanced) {
-                    *self = Self::Lost { valve: true };
-                    return Some(alarm::TAILSTOCK_SIGNAL_LOST);
-                }
-                return None;
+            Self::Clamped
+                if params.input_port(Input::TailstockAdvanced) != 0 && !inputs.has(Input::TailstockAdvanced) =>
+            {
+                *self = Self::Lost { valve: true };
+                return Some(alarm::TAILSTOCK_SIGNAL_LOST);
             }
-            Self::Retracted | Self::Lost { .. } => return None,
+            Self::Clamped | Self::Retracted | Self::Lost { .. } => return None,
         };
         let late = now.since(since) >= Micros::from_millis_f64(params.get(param::TAILSTOCK_TIMEOUT));
         let has_switch = params.input_port(switch) != 0;

@@ -7,11 +7,12 @@ use crate::units::Micros;
 /// The wheel contactor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WheelContactor {
+    /// Off.
     #[default]
     Off,
-    RunUp {
-        since: Micros,
-    },
+    /// On, its run-up time is not over.
+    RunUp { since: Micros },
+    /// On, at speed.
     Running,
 }
 
@@ -38,15 +39,13 @@ impl WheelContactor {
 /// Headstock, dresser roll or table, whichever the kind has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WorkpieceDrive {
+    /// Off.
     #[default]
     Off,
-    RunUp {
-        fast: bool,
-        since: Micros,
-    },
-    Running {
-        fast: bool,
-    },
+    /// On, its run-up time is not over.
+    RunUp { fast: bool, since: Micros },
+    /// On, at speed.
+    Running { fast: bool },
 }
 
 impl WorkpieceDrive {
@@ -80,16 +79,13 @@ impl WorkpieceDrive {
 /// The second spindle: never both directions at once, with a pause (P87) between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SecondSpindleContactor {
+    /// Off.
     #[default]
     Off,
-    Turning {
-        ccw: bool,
-    },
+    /// On.
+    Turning { ccw: bool },
     /// Switched off; the other direction follows after P87.
-    Reversing {
-        ccw: bool,
-        since: Micros,
-    },
+    Reversing { ccw: bool, since: Micros },
 }
 
 impl SecondSpindleContactor {

@@ -38,30 +38,26 @@ const BOUNCE_TICKS: u32 = 20;
 /// Step of the homing sequence of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum HomingStep {
+    /// Nothing done yet.
     Begin,
-    SeekFast {
-        from: f64,
-    },
+    /// Fast to the switch.
+    SeekFast { from: f64 },
+    /// Stopping on the switch.
     StopFast,
     /// L6: slowly across the cam.
-    OverSwitch {
-        from: f64,
-    },
+    OverSwitch { from: f64 },
     /// L6: stopping beyond the far side of the cam.
     StopOverSwitch,
-    BackOff {
-        from: f64,
-    },
+    /// Off the switch.
+    BackOff { from: f64 },
+    /// Stopping off the switch.
     StopBackOff,
-    SeekSlow {
-        from: f64,
-    },
-    StopSlow {
-        edge: f64,
-    },
-    ToZero {
-        stood: u32,
-    },
+    /// Slowly onto the switch.
+    SeekSlow { from: f64 },
+    /// Stopping; the switch was at `edge`.
+    StopSlow { edge: f64 },
+    /// To the zero point, at rest there for so many ticks.
+    ToZero { stood: u32 },
 }
 
 impl HomingStep {
@@ -70,12 +66,8 @@ impl HomingStep {
         let (from, most_mm) = match self {
             Self::SeekFast { from } | Self::BackOff { from } => (from, travel_mm),
             Self::SeekSlow { from } | Self::OverSwitch { from } => (from, travel_mm.min(MAX_SLOW_TRAVEL_MM)),
-            Self::Begin
-            | Self::StopFast
-            | Self::StopOverSwitch
-            | Self::StopBackOff
-            | Self::StopSlow { .. }
-            | Self::ToZero { .. } => return false,
+            Self::Begin | Self::StopFast | Self::StopOverSwitch | Self::StopBackOff => return false,
+            Self::StopSlow { .. } | Self::ToZero { .. } => return false,
         };
         (at - from).abs() > most_mm
     }

@@ -103,12 +103,8 @@ impl JogDemand {
                     let speed = speed.map(|speed| speed * limits.feed);
                     let speed = speed.unwrap_or(params.get(param::HANDWHEEL_SPEED) / SECONDS_PER_MINUTE);
                     let slow = limits.slow_axis == Some(axis) && target < mover.position();
-                    let most = if slow {
-                        params.get(param::WHEEL_ON_INFEED_SPEED) / SECONDS_PER_MINUTE
-                    } else {
-                        f64::INFINITY
-                    };
-                    mover.set_position_target(target, speed.min(most));
+                    let most = if slow { params.get(param::WHEEL_ON_INFEED_SPEED) } else { f64::INFINITY };
+                    mover.set_position_target(target, speed.min(most / SECONDS_PER_MINUTE));
                     if mover.is_at_rest() {
                         self.target[axis] = None;
                     }
@@ -139,12 +135,15 @@ mod tests {
 
     const LIMITS: JogLimits = JogLimits { jog_mode: true, rapid_jog: false, feed: 1.0, rapid: 1.0, slow_axis: None };
 
+    fn begin() -> (Params, Axes, JogDemand) {
+        let params = Params::factory(Kind::Gc);
+        let axes = Axes::new(&params, Kind::Gc.row(), &InputImage::default(), PerAxis::default());
+        (params, axes, JogDemand::default())
+    }
+
     #[test]
     fn b5_a_jog_key_without_refresh_lets_go() {
-        let params = Params::factory(Kind::Gc);
-        let image = InputImage::default();
-        let mut axes = Axes::new(&params, Kind::Gc.row(), &image, PerAxis::default());
-        let mut jog = JogDemand::default();
+        let (params, mut axes, mut jog) = begin();
         let silence = Micros::from_millis_f64(params.get(param::JOG_KEEP_ALIVE));
         jog.press_jog_key(Axis::X, 1.0, Micros::ZERO);
         assert!(!jog.tick(&mut axes, silence, &params, LIMITS) && jog.is_active());
@@ -158,12 +157,9 @@ mod tests {
 
     #[test]
     fn k2_3_detents_add_up_and_stop_at_the_soft_limit_of_a_homed_axis() {
-        let params = Params::factory(Kind::Gc);
-        let image = InputImage::default();
-        let mut axes = Axes::new(&params, Kind::Gc.row(), &image, PerAxis::default());
+        let (params, mut axes, mut jog) = begin();
         axes.finish_homing(Axis::Z, &params);
         let (low, _) = soft_limits(&params, Axis::Z);
-        let mut jog = JogDemand::default();
         jog.move_by(Axis::Z, -0.1, &axes, &params);
         jog.move_by(Axis::Z, -0.1, &axes, &params);
         assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) + 0.2).abs() < 1e-12);

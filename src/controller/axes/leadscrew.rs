@@ -128,11 +128,8 @@ mod tests {
     fn b7_the_table_counts_from_homing_on() {
         let table = LeadscrewCompensation::parse("-100,0.04,0.01\n0,0,0").unwrap();
         let params = Params::factory(Kind::Gc);
-        let screw = LeadscrewCompensator::new(
-            PerAxis([table.clone(), LeadscrewCompensation::default(), table]),
-            &params,
-            0.001,
-        );
+        let tables = PerAxis([table.clone(), LeadscrewCompensation::default(), table]);
+        let screw = LeadscrewCompensator::new(tables, &params, 0.001);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(screw.needed_mm(Axis::X, -50.0, true, false), 0.0));
         assert!(close(screw.needed_mm(Axis::X, -50.0, true, true), -0.025));

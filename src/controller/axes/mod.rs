@@ -189,20 +189,16 @@ impl Axes {
         match self.owner {
             AxisOwner::Program => {
                 let point = self.planner.tick(rate);
-                self.commanded.set_point = point.position;
-                self.velocity_mm_s = point.velocity_mm_s;
+                (self.commanded.set_point, self.velocity_mm_s) = (point.position, point.velocity_mm_s);
             }
             AxisOwner::Manual => {
                 for axis in Axis::ALL {
-                    let (position, velocity) = self.movers[axis].tick();
-                    self.commanded.set_point[axis] = position;
-                    self.velocity_mm_s[axis] = velocity;
+                    (self.commanded.set_point[axis], self.velocity_mm_s[axis]) = self.movers[axis].tick();
                 }
             }
         }
         if let Some(OscillatingAxis { axis, position, velocity_mm_s, .. }) = self.oscillating {
-            self.commanded.set_point[axis] = position;
-            self.velocity_mm_s[axis] = velocity_mm_s;
+            (self.commanded.set_point[axis], self.velocity_mm_s[axis]) = (position, velocity_mm_s);
         }
         if let Some(thread) = &mut self.thread {
             let point = thread.tick(spindle_turns);
@@ -335,9 +331,7 @@ impl Axes {
         (self.commanded, self.feedback.actual) = (real, self.feedback.measured);
         let set = real.set_point;
         self.planner.reset_to(set);
-        for axis in Axis::ALL {
-            self.movers[axis].set_position(set[axis]);
-        }
+        self.set_movers(set);
     }
 
     /// Hands the axes over to the program at their present position.
@@ -351,10 +345,15 @@ impl Axes {
     /// Hands the axes over to the movers at their present position.
     pub fn switch_to_manual(&mut self) {
         if self.owner == AxisOwner::Program && self.planner.is_at_rest() {
-            for axis in Axis::ALL {
-                self.movers[axis].set_position(self.commanded.set_point[axis]);
-            }
+            self.set_movers(self.commanded.set_point);
             self.owner = AxisOwner::Manual;
+        }
+    }
+
+    /// Sets the positions from which the movers continue, machine mm.
+    fn set_movers(&mut self, at: MachinePos) {
+        for axis in Axis::ALL {
+            self.movers[axis].set_position(at[axis]);
         }
     }
 
@@ -416,9 +415,7 @@ impl Axes {
     pub fn follow_actual(&mut self) {
         if self.planner.is_at_rest() {
             self.commanded.set_point = self.feedback.actual;
-            for axis in Axis::ALL {
-                self.movers[axis].set_position(self.feedback.actual[axis]);
-            }
+            self.set_movers(self.feedback.actual);
             self.owner = AxisOwner::Manual;
         }
     }

@@ -36,13 +36,10 @@ pub struct OscillationStroke {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum OscillationStep {
-    Moving {
-        forward: bool,
-    },
-    Dwelling {
-        forward: bool,
-        until: Micros,
-    },
+    /// Moving to a reversal point: forward to the far one.
+    Moving { forward: bool },
+    /// In position at a reversal point.
+    Dwelling { forward: bool, until: Micros },
     /// Reset or e-stop: braking.
     Stopping,
 }

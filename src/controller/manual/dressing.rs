@@ -4,7 +4,7 @@
 //! Source: spec K4.2.
 
 use super::Manual;
-use crate::controller::plant::{ControlPhase, MM_S_PER_MM_MIN, Plant, STILL_MOVING};
+use crate::controller::plant::{MM_S_PER_MM_MIN, Plant, STILL_MOVING};
 use crate::controller::program::Program;
 use crate::controller::program::move_refusal::MoveRefusal;
 use crate::controller::storage_request::StorageRequest;
@@ -15,7 +15,6 @@ use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{LocalizedText, Text, phrase};
-use crate::machine::RequestResult;
 use crate::units::Axis;
 
 /// The state of operator input about the dressing points.
@@ -84,7 +83,7 @@ impl Manual {
         self.dressing.awaiting_answer = None;
         let at = plant.axes.actual()[axis];
         plant.work.dress_points[axis] = Some(at);
-        plant.outbox.requests.push(StorageRequest::DressPoint(axis, at));
+        plant.store(StorageRequest::DressPoint(axis, at));
         let shown = at * plant.displayed_per_mm(axis);
         plant.show_note(phrase!(
             "{axis} 轴修整点设置成功：机床坐标 {shown:.3}",
@@ -133,9 +132,7 @@ impl Manual {
             let why = phrase!("{axis} 轴未回零，不能回修整点", "{axis} is not homed: no return", axis);
             return self.refuse_dress_return(plant, alarm::NOT_HOMED, why);
         }
-        let still = matches!(plant.execution.phase, ControlPhase::Idle) || plant.allows_manual_motion();
-        if !still || !matches!(plant.request(Request::Jog), RequestResult::Accepted) || !program.detach_from_run(plant)
-        {
+        if !plant.allows_manual_motion() || !plant.is_granted(Request::Jog) || !program.detach_from_run(plant) {
             return;
         }
         let speed = plant.params.get(param::DRESS_RETURN_SPEED) * MM_S_PER_MM_MIN;
@@ -146,15 +143,10 @@ impl Manual {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::PowerOnState;
-    use crate::defs::kind::Kind;
-    use crate::io::InputImage;
-    use crate::units::Micros;
 
     #[test]
     fn k4_2_a_dressing_point_is_asked_for_before_it_is_set() {
-        let factory = PowerOnState::factory(Kind::Gc);
-        let mut plant = Plant::new(Kind::Gc, factory, InputImage::default(), Micros::ZERO);
+        let mut plant = Plant::factory();
         let mut manual = Manual::default();
         manual.ask_dress_point(&mut plant, CoordinateView::Relative, Axis::X);
         assert!(plant.outbox.refusal.take().is_some_and(|why| why.en().contains("not homed")));

@@ -6,7 +6,6 @@ use crate::controller::axes::homing::HomingProgress;
 use crate::controller::plant::{ControlEvent, ControlPhase, Homing, Plant};
 use crate::defs::mcode::Request;
 use crate::defs::text::{Text, phrase};
-use crate::machine::RequestResult;
 use crate::units::{Axis, PerAxis};
 
 const OPEN_RUN: Text =
@@ -14,33 +13,23 @@ const OPEN_RUN: Text =
 
 /// Homes an axis; the wheel axis is always homed first (K5.16).
 pub fn home_axis(plant: &mut Plant, axis: Axis) {
-    if !matches!(plant.request(Request::HomeAxes), RequestResult::Accepted) {
+    if !plant.is_granted(Request::HomeAxes) {
         return;
     }
-    let mut wanted = PerAxis::default();
-    wanted[axis] = true;
     let first = plant.kind.row().home_order.first().copied().unwrap_or(axis);
-    if !plant.axes.is_homed(first) {
-        wanted[first] = true;
-    }
+    let wanted = PerAxis::from_fn(|one| one == axis || one == first && !plant.axes.is_homed(first));
     match &mut plant.execution.phase {
         ControlPhase::Homing(Homing { queued: next, current: now }) => {
             let (now, waits) = (now.axis, now.axis != axis);
             next[axis] |= waits;
-            plant.show_note(if waits {
-                phrase!("{now} 轴正在回零，然后 {axis} 轴", "{now} is homing, then {axis}", now, axis)
-            } else {
-                phrase!("{now} 轴正在回零", "{now} is homing", now)
+            plant.show_note(match waits {
+                true => phrase!("{now} 轴正在回零，然后 {axis} 轴", "{now} is homing, then {axis}", now, axis),
+                false => phrase!("{now} 轴正在回零", "{now} is homing", now),
             });
         }
         ControlPhase::Idle => next_homing(plant, wanted),
-        ControlPhase::Running
-        | ControlPhase::Holding
-        | ControlPhase::Held
-        | ControlPhase::Stopped
-        | ControlPhase::Aborting => {
-            plant.refuse(OPEN_RUN);
-        }
+        ControlPhase::Running | ControlPhase::Holding | ControlPhase::Aborting => plant.refuse(OPEN_RUN),
+        ControlPhase::Held | ControlPhase::Stopped => plant.refuse(OPEN_RUN),
     }
 }
 

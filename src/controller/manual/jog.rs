@@ -11,12 +11,13 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::mcode::Request;
 use crate::defs::signal::Output;
 use crate::defs::text::{Text, phrase};
-use crate::machine::RequestResult;
 use crate::units::Axis;
 
 /// Coarsest step on the wheel axis while the wheel turns, mm displayed (K5.9).
 const FINE_STEP_MM: f64 = 0.010_5;
 
+const TOO_COARSE: Text =
+    Text::new("砂轮启动后该轴倍率只能为 ×0.01", "with the wheel on this axis takes ×0.01 and finer");
 const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动", "at the software limit: move the other way");
 
 /// Handwheel detents: each changes the displayed coordinate by the step (K2.3).
@@ -27,7 +28,7 @@ pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
     if !plant.allows_manual_motion() {
         return plant.refuse(STILL_MOVING);
     }
-    if !matches!(plant.request(Request::Jog), RequestResult::Accepted) || !program.detach_from_run(plant) {
+    if !plant.is_granted(Request::Jog) || !program.detach_from_run(plant) {
         return;
     }
     let axis = plant.operator.handwheel_axis;
@@ -42,8 +43,7 @@ pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
 fn jog_by(plant: &mut Plant, axis: Axis, distance: f64) {
     let coarse = plant.operator.step_mm > FINE_STEP_MM;
     if coarse && axis == plant.kind.row().wheel_axis && plant.outputs.on.has(Output::Wheel) {
-        return plant
-            .refuse(phrase!("砂轮启动后该轴倍率只能为 ×0.01", "with the wheel on this axis takes ×0.01 and finer"));
+        return plant.refuse(TOO_COARSE);
     }
     if plant.is_on_limit_switch(axis, distance) {
         return plant.refuse(ON_LIMIT_SWITCH);
@@ -93,14 +93,12 @@ impl Manual {
                     plant.refuse(phrase!("进给倍率为 0，轴不动", "the feed override is 0: the axis stands"));
                 } else if plant.is_at_soft_limit(axis, direction) {
                     plant.refuse(AT_SOFT_LIMIT);
-                } else if matches!(plant.request(Request::Jog), RequestResult::Accepted)
-                    && program.detach_from_run(plant)
-                {
+                } else if plant.is_granted(Request::Jog) && program.detach_from_run(plant) {
                     plant.jog.press_jog_key(axis, direction, plant.now);
                 }
             }
             Mode::Step => {
-                if matches!(plant.request(Request::Jog), RequestResult::Accepted) && program.detach_from_run(plant) {
+                if plant.is_granted(Request::Jog) && program.detach_from_run(plant) {
                     let distance = direction * plant.step_length_mm() / plant.displayed_per_mm(axis);
                     jog_by(plant, axis, distance);
                 }

@@ -2,12 +2,11 @@
 //! Source: spec K4.3.
 
 use crate::controller::axes::oscillation::{MIN_STROKE_MM, OscillationStroke};
-use crate::controller::plant::{ControlPhase, Plant, STILL_MOVING};
+use crate::controller::plant::{Plant, STILL_MOVING};
 use crate::controller::program::move_refusal::MoveRefusal;
 use crate::controller::program::queue::check_soft_limits;
 use crate::defs::mcode::Request;
 use crate::defs::param;
-use crate::machine::RequestResult;
 use crate::units::Axis;
 
 /// Key 振荡: G35 with P238 to P241; pressed again, G36.
@@ -21,12 +20,10 @@ pub fn toggle_oscillation(plant: &mut Plant) {
         return;
     }
     let axis = if plant.params.get(param::OSCILLATION_AXIS) < 0.5 { Axis::X } else { Axis::Z };
-    if !matches!(plant.execution.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
-        || !plant.axes.is_at_rest()
-    {
+    if !plant.allows_manual_motion() || !plant.axes.is_at_rest() {
         return plant.refuse(STILL_MOVING);
     }
-    if !matches!(plant.request(Request::Jog), RequestResult::Accepted) {
+    if !plant.is_granted(Request::Jog) {
         return;
     }
     let work = plant.params.get(param::OSCILLATION_POSITION) / plant.displayed_per_mm(axis);

@@ -145,15 +145,15 @@ impl TeachRecorder {
             _ => None,
         };
         let at = teach_position(plant);
-        if self.homing != now {
+        let changed = self.homing != now;
+        if changed {
             self.end_segment();
             if let Some(axis) = self.homing.filter(|axis| plant.axes.is_homed(*axis)) {
                 self.blocks.push(TaughtBlock::Home(axis));
             }
             self.homing = now;
-            (self.segment_start, self.previous) = (at, at);
         }
-        if now.is_some() {
+        if changed || now.is_some() {
             (self.segment_start, self.previous) = (at, at);
         }
         now.is_some()
@@ -207,47 +207,37 @@ impl TeachRecorder {
 
     /// Ends the present segment: it becomes a block or extends the last one.
     fn end_segment(&mut self) {
-        let teach = self;
-        let (from, to) = (teach.segment_start, teach.previous);
+        let (from, to) = (self.segment_start, self.previous);
         let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), (to[Axis::Z] - from[Axis::Z]).abs());
         let length = x.hypot(z);
-        let (speed, heading, rapid) = (teach.speed_mm_s * SECONDS_PER_MINUTE, teach.heading, teach.rapid);
-        teach.speed_mm_s = 0.0;
+        let (speed, heading, rapid) = (self.speed_mm_s * SECONDS_PER_MINUTE, self.heading, self.rapid);
+        self.speed_mm_s = 0.0;
         if length < STANDSTILL_MM || heading == [0, 0] {
             return;
         }
-        teach.segment_start = to;
+        self.segment_start = to;
         // L2: F is the speed along Z; X moves at up to half of it.
         let feed = (speed * (2.0 * x / length).max(1.0)).round().clamp(FEEDS.0, FEEDS.1);
-        if let Some(TaughtBlock::Line { to: end, heading: before, rapid: fast, feed: at }) = teach.blocks.last_mut()
+        if let Some(TaughtBlock::Line { to: end, heading: before, rapid: fast, feed: at }) = self.blocks.last_mut()
             && (*before, *fast) == (heading, rapid)
             && heading.contains(&0)
         {
             (*end, *at) = (to, at.max(feed));
             return;
         }
-        teach.blocks.push(TaughtBlock::Line { to, heading, rapid, feed });
+        self.blocks.push(TaughtBlock::Line { to, heading, rapid, feed });
     }
 
     /// Writes the snapshot field of the recording.
     pub fn write_view(&self, out: &mut Arc<TeachView>) {
-        if !Arc::ptr_eq(out, &self.view) {
-            out.clone_from(&self.view);
-        }
+        out.clone_from(&self.view);
     }
 
     /// The recording was saved as a program.
     pub fn mark_saved(&mut self) {
         Arc::make_mut(&mut self.view).saved = true;
     }
-}
 
-/// Set-point of the tool, work coordinates, radius mm.
-fn teach_position(plant: &Plant) -> WorkPos {
-    plant.work.offsets.work_from_machine(plant.axes.set_point())
-}
-
-impl TeachRecorder {
     fn publish(&mut self) {
         let blocks = self.numbered_blocks();
         self.view = Arc::new(TeachView { recording: self.recording, blocks, saved: false });
@@ -266,6 +256,11 @@ impl TeachRecorder {
         lines.push(String::new());
         lines.join("\r\n")
     }
+}
+
+/// Set-point of the tool, work coordinates, radius mm.
+fn teach_position(plant: &Plant) -> WorkPos {
+    plant.work.offsets.work_from_machine(plant.axes.set_point())
 }
 
 impl TaughtBlock {

@@ -71,7 +71,7 @@ impl Panel {
             return parts.plant.refuse(phrase!("没有系统时钟", "the computer tells no time"));
         };
         self.calendar.offset_s = offset_s;
-        parts.plant.outbox.requests.push(StorageRequest::ClockOffset(offset_s));
+        parts.plant.store(StorageRequest::ClockOffset(offset_s));
         parts.plant.show_note(phrase!("日期时间已设为 {wanted}", "date and time set to {wanted}", wanted));
     }
 }

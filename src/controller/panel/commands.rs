@@ -15,10 +15,10 @@ use crate::link::command::Command;
 use crate::link::files::{Requester, Ticket};
 use crate::link::teach::TeachCommand;
 use crate::machine::panel_key::NOT_IN_RUN;
-use crate::nc::BlockLocation;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::units::{Axis, PerAxis};
 
+const PARAMS_IN_RUN: Text = Text::new("运行中不能修改参数", "parameters are not changed while a program runs");
 const DATA_CHANGED: Text = Text::new("数据已修改，请重新选择起始段", "data were changed: choose the block again");
 
 impl Panel {
@@ -46,12 +46,11 @@ impl Panel {
             Command::RestartAt(line) => parts.program.restart_at(parts.plant, *line),
             Command::ResumeInterrupted => self.resume_interrupted(parts),
             Command::Mdi(line) => parts.program.run_mdi(parts.plant, line),
-            Command::EnterVariable(..)
-            | Command::Offset(_)
-            | Command::AddWear { .. }
-            | Command::ChangeWheel { .. }
-            | Command::PrepareMdi(_)
-            | Command::Page(PageCommand::EditParam(..) | PageCommand::EditLeadscrew(..)) => {
+            Command::EnterVariable(..) | Command::Offset(_) | Command::AddWear { .. } => {
+                self.handle_edit(parts, command)
+            }
+            Command::ChangeWheel { .. } | Command::PrepareMdi(_) => self.handle_edit(parts, command),
+            Command::Page(PageCommand::EditParam(..) | PageCommand::EditLeadscrew(..)) => {
                 self.handle_edit(parts, command)
             }
             Command::SetVariable(variable, value) => {
@@ -90,9 +89,7 @@ impl Panel {
     /// Changes a parameter. Refused while a run is open.
     pub fn set_param(parts: &mut Parts<'_>, at: ParamAddress, value: f64) {
         if parts.program.is_open() {
-            return parts
-                .plant
-                .refuse(phrase!("运行中不能修改参数", "parameters are not changed while a program runs"));
+            return parts.plant.refuse(PARAMS_IN_RUN);
         }
         match parts.plant.change_param(at, value) {
             Ok(()) => parts.plant.show_note(phrase!("{at} = {value}", "{at} = {value}", at, value)),
@@ -105,7 +102,7 @@ impl Panel {
             Some(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
             Some(frame) => {
                 *frame = origin;
-                parts.plant.outbox.requests.push(StorageRequest::WorkOffset(index, origin));
+                parts.plant.store(StorageRequest::WorkOffset(index, origin));
             }
             None => parts.plant.refuse(phrase!("没有此工件坐标系", "there is no such work frame")),
         }
@@ -117,7 +114,7 @@ impl Panel {
             return parts.plant.refuse(NOT_IN_RUN);
         }
         parts.plant.axes.set_leadscrew_table(axis, table.clone());
-        parts.plant.outbox.requests.push(StorageRequest::LeadscrewTable(axis, table.clone()));
+        parts.plant.store(StorageRequest::LeadscrewTable(axis, table.clone()));
         let points = table.points().len();
         parts.plant.show_note(phrase!(
             "{axis} 轴丝杠补偿表：{points} 点",
@@ -132,11 +129,7 @@ impl Panel {
             Some(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
             Some(index) => {
                 parts.plant.work.offsets.geometry[index] = geometry;
-                parts.plant.outbox.requests.push(StorageRequest::Offset {
-                    number,
-                    geometry,
-                    wear: parts.plant.work.offsets.wear[index],
-                });
+                parts.plant.store_offset(index);
             }
             None => parts.plant.refuse(phrase!("刀补号应为 1-16", "offsets are numbered 1 to 16")),
         }
@@ -157,10 +150,8 @@ impl Panel {
                 }
             });
         }
-        parts.plant.execution.current_program = number;
         parts.program.restart = None;
-        parts.plant.execution.current_block = BlockLocation::default();
-        parts.plant.outbox.requests.push(StorageRequest::CurrentProgram(number));
+        parts.plant.set_current_program(number);
         self.check_page_files(parts);
         let title = parts.plant.program_title(number);
         parts.plant.show_note(phrase!("当前程序 {title}", "current program {title}", title));

@@ -3,10 +3,10 @@
 
 use super::edit_protection::{check_not_running, check_unlocked};
 use super::wheel_change::change_wheel;
-use super::{Panel, Parts, View, offsets};
+use super::{Edited, Panel, Parts, View, offsets};
 use crate::defs::page::Page;
 use crate::defs::text::arg::Arg;
-use crate::defs::text::{LocalizedText, phrase};
+use crate::defs::text::phrase;
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::OffsetView;
@@ -20,11 +20,11 @@ impl Panel {
         let done = match command {
             Command::EnterVariable(variable, value) => self.edit_variable(parts, *variable, *value),
             Command::Offset(command) => offsets::handle_offset_command(parts, *command),
-            Command::AddWear { number, axis, increment: by } => {
-                offsets::edit_wear_increment(parts, *number, *axis, *by)
+            &Command::AddWear { number, axis, increment } => {
+                offsets::edit_wear_increment(parts, number, axis, increment)
             }
-            Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
-                change_wheel(parts, [*diameter_mm, *width_mm, *rated_m_s])
+            &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
+                change_wheel(parts, [diameter_mm, width_mm, rated_m_s])
             }
             Command::PrepareMdi(line) => parts.program.prepare_mdi(parts.plant, line),
             Command::Page(command) => self.edit_param_on_page(parts, command),
@@ -39,27 +39,18 @@ impl Panel {
     }
 
     /// A value typed on the open page for one of the page's variables (K7.5, K7.7).
-    fn edit_variable(
-        &mut self,
-        parts: &mut Parts<'_>,
-        variable: u16,
-        value: Option<f64>,
-    ) -> Result<LocalizedText, LocalizedText> {
+    fn edit_variable(&mut self, parts: &mut Parts<'_>, variable: u16, value: Option<f64>) -> Edited {
         let name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect());
         let shows = match parts.plant.operator.page {
             Page::Grinding => self.page_shows(parts.view(), variable),
             Page::Macro => CommonVariables::contains(u32::from(variable)),
             _ => false,
         };
-        if !shows {
-            return Err(if parts.plant.operator.page == Page::Macro {
-                phrase!("{name} 是只读变量", "{name} is read-only", name)
-            } else {
-                phrase!("当前页面没有 {name}", "the open page does not show {name}", name)
-            });
-        }
-        if parts.plant.operator.page == Page::Macro {
-            check_unlocked(parts.view())?;
+        match (shows, parts.plant.operator.page) {
+            (false, Page::Macro) => return Err(phrase!("{name} 是只读变量", "{name} is read-only", name)),
+            (false, _) => return Err(phrase!("当前页面没有 {name}", "the open page does not show {name}", name)),
+            (true, Page::Macro) => check_unlocked(parts.view())?,
+            (true, _) => {}
         }
         check_not_running(parts.view())?;
         if !parts.program.set_variable(parts.plant, variable, value) {
@@ -73,11 +64,7 @@ impl Panel {
     }
 
     /// A parameter typed on its page. The result is taken from the message that the command has shown.
-    fn edit_param_on_page(
-        &mut self,
-        parts: &mut Parts<'_>,
-        command: &PageCommand,
-    ) -> Result<LocalizedText, LocalizedText> {
+    fn edit_param_on_page(&mut self, parts: &mut Parts<'_>, command: &PageCommand) -> Edited {
         parts.plant.outbox.message = Message::default();
         self.handle_page_command(parts, command);
         let text = parts.plant.outbox.message.text.clone();

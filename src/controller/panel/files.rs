@@ -10,13 +10,12 @@ use crate::controller::storage_request::StorageRequest;
 pub use crate::controller::storage_request::{BackgroundJob, DrawingStart, TransferValues};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
-use crate::defs::param::{self, Params};
+use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::files::{Completion, FileAnswer, FileRequest, FilesView, Refusal, RestoredValues, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::snapshot::{Snapshot, Tone};
 use crate::link::toolpath::StockBox;
-use crate::nc::BlockLocation;
 use crate::units::WorkPos;
 use std::sync::Arc;
 
@@ -47,9 +46,7 @@ impl Panel {
             | FileRequest::ListMedia
             | FileRequest::SaveScreenshot(_)
             | FileRequest::SaveTable(_)
-            | FileRequest::ReadPage { .. } => {
-                return self.submit_job(parts, ticket, request);
-            }
+            | FileRequest::ReadPage { .. } => return self.submit_job(parts, ticket, request),
             FileRequest::Cancel => {
                 if self.files.pending.is_some() {
                     self.submit_job(parts, ticket, request);
@@ -58,8 +55,8 @@ impl Panel {
             }
             FileRequest::CheckEditable(number) => {
                 let may = self.check_program_edit(parts.view(), *number);
-                let ready = Completion { message: phrase!("可以编辑", "ready for editing"), saved: None };
-                return Arc::make_mut(&mut self.files.view).add_answer(ticket, may.map(|()| ready));
+                let ready = may.map(|()| phrase!("可以编辑", "ready for editing").into());
+                return Arc::make_mut(&mut self.files.view).add_answer(ticket, ready);
             }
             _ => {}
         }
@@ -76,40 +73,30 @@ impl Panel {
     }
 
     fn submit_job(&mut self, parts: &mut Parts<'_>, ticket: Ticket, request: &FileRequest) {
-        let settings = nc_settings(parts.plant.kind, &parts.plant.params);
-        let holdings = matches!(request, FileRequest::Transfer(_)).then(|| {
-            Box::new(TransferValues {
-                kind: parts.plant.kind,
-                params: Params::clone(&parts.plant.params),
-                memory: parts.plant.work.variables.clone(),
-                work_offsets: parts.plant.work.offsets.clone(),
-            })
+        let plant = &*parts.plant;
+        let (kind, params, work) = (plant.kind, &plant.params, &plant.work);
+        let settings = nc_settings(kind, params);
+        let (memory, work_offsets) = (|| work.variables.clone(), || work.offsets.clone());
+        let transfer_values = matches!(request, FileRequest::Transfer(_)).then(|| {
+            let (memory, work_offsets) = (memory(), work_offsets());
+            Box::new(TransferValues { kind, params: params.clone(), memory, work_offsets })
         });
         let start = matches!(request, FileRequest::ComputeToolpath(_)).then(|| {
-            let params: &Params = &parts.plant.params;
             Box::new(DrawingStart {
-                kind: parts.plant.kind,
+                kind,
                 params: params.clone(),
-                memory: parts.plant.work.variables.clone(),
-                work_offsets: parts.plant.work.offsets.clone(),
+                memory: memory(),
+                work_offsets: work_offsets(),
                 // L3: a lathe program starts at its own zero.
-                position: if settings.start_is_work_zero { WorkPos::default() } else { parts.plant.work_position() },
+                position: if settings.start_is_work_zero { WorkPos::default() } else { plant.work_position() },
                 reference_points: reference_points(params),
                 system_variables: PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
-                block_skip: parts.plant.operator.switches.block_skip,
+                block_skip: plant.operator.switches.block_skip,
             })
         });
-        let (programs, date) = (Arc::clone(&parts.plant.work.programs), self.calendar.date(parts.plant.now));
-        let job = BackgroundJob {
-            ticket,
-            request: request.clone(),
-            settings,
-            programs,
-            transfer_values: holdings,
-            start,
-            date,
-        };
-        parts.plant.outbox.requests.push(StorageRequest::Job(Box::new(job)));
+        let (programs, date) = (Arc::clone(&work.programs), self.calendar.date(plant.now));
+        let job = BackgroundJob { ticket, request: request.clone(), settings, programs, transfer_values, start, date };
+        parts.plant.store(StorageRequest::Job(Box::new(job)));
     }
 
     /// Whether a request is allowed now.
@@ -135,11 +122,8 @@ impl Panel {
             FileRequest::ImportLeadscrew(_) if !self.access.is_builder() => Err(Refusal::Builder),
             FileRequest::ImportLeadscrew(_) | FileRequest::ExportLeadscrew(..) => Ok(()),
             FileRequest::CheckEditable(_) | FileRequest::CheckLines { .. } | FileRequest::ComputeToolpath(_) => Ok(()),
-            FileRequest::ReadPage { .. } => Ok(()),
-            FileRequest::ListMedia
-            | FileRequest::SaveScreenshot(_)
-            | FileRequest::SaveTable(_)
-            | FileRequest::Cancel => Ok(()),
+            FileRequest::ReadPage { .. } | FileRequest::ListMedia | FileRequest::Cancel => Ok(()),
+            FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) => Ok(()),
         }
     }
 
@@ -159,12 +143,8 @@ impl Panel {
             {
                 Err(Refusal::Password)
             }
-            TransferSet::Programs
-            | TransferSet::Serial
-            | TransferSet::Screens
-            | TransferSet::Params
-            | TransferSet::Variables
-            | TransferSet::Backup => Ok(()),
+            TransferSet::Programs | TransferSet::Serial | TransferSet::Screens => Ok(()),
+            TransferSet::Params | TransferSet::Variables | TransferSet::Backup => Ok(()),
         }
     }
 
@@ -181,8 +161,7 @@ impl Panel {
     fn restore_values(parts: &mut Parts<'_>, restored: &RestoredValues) -> LocalizedText {
         let mut kept = Vec::new();
         for (at, value) in &restored.params {
-            let same = parts.plant.params.read(*at).is_ok_and(|old| old.to_bits() == value.to_bits());
-            if same {
+            if parts.plant.params.read(*at).is_ok_and(|old| old.to_bits() == value.to_bits()) {
                 continue;
             }
             Self::set_param(parts, *at, *value);
@@ -194,17 +173,13 @@ impl Panel {
             parts.program.set_variable(parts.plant, *number, Some(*value));
         }
         for (number, geometry, wear) in &restored.offsets {
-            (parts.plant.work.offsets.geometry[number - 1], parts.plant.work.offsets.wear[number - 1]) =
-                (*geometry, *wear);
-            parts.plant.outbox.requests.push(StorageRequest::Offset {
-                number: *number,
-                geometry: *geometry,
-                wear: *wear,
-            });
+            let offsets = &mut parts.plant.work.offsets;
+            (offsets.geometry[number - 1], offsets.wear[number - 1]) = (*geometry, *wear);
+            parts.plant.store_offset(number - 1);
         }
         for (index, origin) in &restored.work_offsets {
             parts.plant.work.offsets.work[*index] = *origin;
-            parts.plant.outbox.requests.push(StorageRequest::WorkOffset(*index, *origin));
+            parts.plant.store(StorageRequest::WorkOffset(*index, *origin));
         }
         let (params, variables) = (restored.params.len(), restored.variables.len());
         if kept.is_empty() {
@@ -242,16 +217,17 @@ impl Panel {
     /// Handles an answer of the background thread.
     pub fn handle_file_answer(&mut self, parts: &mut Parts<'_>, ticket: Ticket, answer: &FileAnswer) {
         match answer {
-            FileAnswer::Done(said) => self.finish_file_request(parts, ticket, said.clone(), None),
-            FileAnswer::Saved { message: said, number, stamp } => {
-                self.finish_file_request(parts, ticket, said.clone(), Some((*number, *stamp)))
+            FileAnswer::Done(said) => self.finish_file_request(parts, ticket, said.clone().into()),
+            FileAnswer::Saved { message, number, stamp } => {
+                let done = Completion { message: message.clone(), saved: Some((*number, *stamp)) };
+                self.finish_file_request(parts, ticket, done);
             }
             FileAnswer::Restored(_) | FileAnswer::Leadscrew(..) if parts.program.is_open() => {
                 self.fail_file_request(parts, ticket, Refusal::Other(TRANSFER_IN_RUN.into()));
             }
             FileAnswer::Restored(restored) => {
                 let said = Self::restore_values(parts, restored);
-                self.finish_file_request(parts, ticket, said, None);
+                self.finish_file_request(parts, ticket, said.into());
             }
             FileAnswer::Leadscrew(axis, table, file) => {
                 Self::set_leadscrew_table(parts, *axis, table);
@@ -263,7 +239,7 @@ impl Panel {
                     file = file.as_str(),
                     points
                 );
-                self.finish_file_request(parts, ticket, said, None);
+                self.finish_file_request(parts, ticket, said.into());
             }
             FileAnswer::ToolpathComputed(drawing) => {
                 self.end_pending(ticket);
@@ -285,21 +261,15 @@ impl Panel {
         }
     }
 
-    fn finish_file_request(
-        &mut self,
-        parts: &mut Parts<'_>,
-        ticket: Ticket,
-        said: LocalizedText,
-        saved: Option<(u32, u64)>,
-    ) {
+    fn finish_file_request(&mut self, parts: &mut Parts<'_>, ticket: Ticket, done: Completion) {
         if let Some(request) = self.end_pending(ticket) {
             if matches!(request, FileRequest::SaveRecording(_)) {
                 parts.manual.teach.mark_saved();
             }
             Self::update_current_program(parts.plant, &request);
         }
-        parts.plant.show_note(said.clone());
-        Arc::make_mut(&mut self.files.view).add_answer(ticket, Ok(Completion { message: said, saved }));
+        parts.plant.show_note(done.message.clone());
+        Arc::make_mut(&mut self.files.view).add_answer(ticket, Ok(done));
     }
 
     fn fail_file_request(&mut self, parts: &mut Parts<'_>, ticket: Ticket, refusal: Refusal) {
@@ -326,9 +296,7 @@ impl Panel {
             FileRequest::Delete(number) if *number == plant.execution.current_program => 0,
             _ => return,
         };
-        plant.execution.current_program = current;
-        plant.execution.current_block = BlockLocation::default();
-        plant.outbox.requests.push(StorageRequest::CurrentProgram(current));
+        plant.set_current_program(current);
     }
 
     /// Shows the progress of the pending request. Late answers to other requests are ignored.
@@ -348,11 +316,7 @@ impl Panel {
 
     /// Writes the snapshot fields of file requests.
     pub fn files_view(&self, out: &mut Snapshot) {
-        if !Arc::ptr_eq(&out.files, &self.files.view) {
-            out.files.clone_from(&self.files.view);
-        }
-        if !Arc::ptr_eq(&out.stock, &self.files.stock) {
-            out.stock.clone_from(&self.files.stock);
-        }
+        out.files.clone_from(&self.files.view);
+        out.stock.clone_from(&self.files.stock);
     }
 }

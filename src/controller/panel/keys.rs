@@ -4,7 +4,7 @@
 use super::switches::{toggle_aux_function_lock, toggle_dry_run, toggle_machine_lock};
 use super::{Panel, Parts};
 use crate::controller::manual::toggle_oscillation;
-use crate::controller::plant::{ControlPhase, Plant};
+use crate::controller::plant::Plant;
 use crate::defs::key::{Key, KeyGroup, Mode};
 use crate::defs::text::arg::Arg;
 use crate::defs::text::phrase;
@@ -14,18 +14,14 @@ use crate::units::Axis;
 
 /// Override limits and step, percent.
 const FEED_OVERRIDE_MAX: u16 = 150;
-const SPINDLE_OVERRIDE: std::ops::RangeInclusive<u16> = 50..=120;
+const SPINDLE_OVERRIDE_MIN: u16 = 50;
+const SPINDLE_OVERRIDE_MAX: u16 = 120;
 const OVERRIDE_STEP: u16 = 10;
 
 impl Panel {
     /// K2.4: executes a key press, or shows why it has no effect.
     pub fn press_key(&mut self, parts: &mut Parts<'_>, key: Key) {
-        if let Some(reason) = panel_key::inactive_reason(
-            key,
-            parts.plant.kind,
-            parts.plant.axes.fitted(),
-            parts.plant.execution.phase.without_homing(),
-        ) {
+        if let Some(reason) = parts.plant.inactive_reason(key) {
             return parts.plant.refuse(reason);
         }
         let already = selects_state(key) && self.key_view(parts.view(), key).lamp;
@@ -46,10 +42,8 @@ impl Panel {
             Key::ModeStep => self.select_mode(parts, Mode::Step),
             Key::ModeManual => self.select_mode(parts, Mode::Manual),
             Key::SingleBlock => parts.program.toggle_single_block(parts.plant),
-            Key::BlockSkip => parts.plant.operator.switches.block_skip = !parts.plant.operator.switches.block_skip,
-            Key::OptionalStop => {
-                parts.plant.operator.switches.optional_stop = !parts.plant.operator.switches.optional_stop
-            }
+            Key::BlockSkip => parts.plant.operator.switches.block_skip ^= true,
+            Key::OptionalStop => parts.plant.operator.switches.optional_stop ^= true,
             Key::MachineLock => toggle_machine_lock(parts),
             Key::AuxFunctionLock => toggle_aux_function_lock(parts.plant),
             Key::DryRun => toggle_dry_run(parts),
@@ -93,9 +87,7 @@ impl Panel {
 
     fn select_mode(&mut self, parts: &mut Parts<'_>, mode: Mode) {
         // K2.2, K6.3: a held run survives a mode change; cycle start resumes it from any mode.
-        if !matches!(parts.plant.execution.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
-            && mode != parts.plant.operator.mode
-        {
+        if !parts.plant.allows_manual_motion() && mode != parts.plant.operator.mode {
             return parts.plant.refuse(phrase!("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
         parts.plant.jog.stop_all();
@@ -122,12 +114,12 @@ impl Panel {
 }
 
 fn press_override(plant: &mut Plant, key: Key) {
-    let before = (plant.operator.overrides.feed, plant.operator.overrides.spindle);
+    let before = plant.operator.overrides;
     set_override(plant, key);
-    let now = (plant.operator.overrides.feed, plant.operator.overrides.spindle);
+    let now = plant.operator.overrides;
     let at = match key {
-        Key::FeedOverrideUp | Key::FeedOverrideDown if before == now => now.0,
-        Key::SpindleOverrideUp | Key::SpindleOverrideDown if before == now => now.1,
+        Key::FeedOverrideUp | Key::FeedOverrideDown if before.feed == now.feed => now.feed,
+        Key::SpindleOverrideUp | Key::SpindleOverrideDown if before.spindle == now.spindle => now.spindle,
         _ => return,
     };
     plant.show_note(phrase!("倍率已到 {at} %", "the override stands at its end, {at} %", at));
@@ -142,12 +134,8 @@ fn set_override(plant: &mut Plant, key: Key) {
         Key::Rapid25 => overrides.rapid = 25,
         Key::Rapid50 => overrides.rapid = 50,
         Key::Rapid100 => overrides.rapid = 100,
-        Key::SpindleOverrideUp => {
-            overrides.spindle = (overrides.spindle + OVERRIDE_STEP).min(*SPINDLE_OVERRIDE.end());
-        }
-        Key::SpindleOverrideDown => {
-            overrides.spindle = (overrides.spindle - OVERRIDE_STEP).max(*SPINDLE_OVERRIDE.start());
-        }
+        Key::SpindleOverrideUp => overrides.spindle = (overrides.spindle + OVERRIDE_STEP).min(SPINDLE_OVERRIDE_MAX),
+        Key::SpindleOverrideDown => overrides.spindle = (overrides.spindle - OVERRIDE_STEP).max(SPINDLE_OVERRIDE_MIN),
         key => {
             if let Some(request) = panel_key::machine_request(key, plant.operator.mode, plant.outputs.on) {
                 plant.request(request);
@@ -173,12 +161,7 @@ const fn selects_state(key: Key) -> bool {
                 | Key::TailstockAdvance
                 | Key::TailstockRetract
         ),
-        KeyGroup::Switch
-        | KeyGroup::Run
-        | KeyGroup::Jog
-        | KeyGroup::Fluids
-        | KeyGroup::Gauges
-        | KeyGroup::Dressing
-        | KeyGroup::Screen => false,
+        KeyGroup::Switch | KeyGroup::Run | KeyGroup::Jog | KeyGroup::Fluids => false,
+        KeyGroup::Gauges | KeyGroup::Dressing | KeyGroup::Screen => false,
     }
 }

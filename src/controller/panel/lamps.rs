@@ -14,17 +14,14 @@ use crate::units::Axis;
 
 impl Panel {
     pub fn key_view(&self, parts: View<'_>, key: Key) -> KeyView {
+        let (on, machine) = (parts.plant.outputs.on, &parts.plant.machine);
         let (lamp, working) = match key.row().lamp {
             Lamp::None => (false, false),
-            Lamp::Output(Output::SecondSpindle) => {
-                let both = [Output::SecondSpindle, Output::SecondSpindleCcw];
-                (
-                    both.iter().any(|output| parts.plant.outputs.on.has(*output)),
-                    parts.plant.machine.awaits_feedback(Output::SecondSpindle),
-                )
+            Lamp::Output(output) => {
+                let reverse = output == Output::SecondSpindle && on.has(Output::SecondSpindleCcw);
+                (on.has(output) || reverse, machine.awaits_feedback(output))
             }
-            Lamp::Output(output) => (parts.plant.outputs.on.has(output), parts.plant.machine.awaits_feedback(output)),
-            Lamp::OutputOff(output) => (!parts.plant.outputs.on.has(output), false),
+            Lamp::OutputOff(output) => (!on.has(output), false),
             Lamp::Control => {
                 (self.control_lamp(parts, key), key == Key::WheelRetract && parts.program.retract.is_moving())
             }
@@ -69,22 +66,15 @@ impl Panel {
 
     /// Why a key would have no effect now, if so.
     pub fn key_blocked(&self, parts: View<'_>, key: Key) -> Option<Text> {
-        if let Some(reason) = panel_key::inactive_reason(
-            key,
-            parts.plant.kind,
-            parts.plant.axes.fitted(),
-            parts.plant.execution.phase.without_homing(),
-        ) {
+        let plant = parts.plant;
+        if let Some(reason) = plant.inactive_reason(key) {
             return Some(reason);
         }
-        if key == Key::WheelRetract && !parts.plant.params.bit(param::WHEEL_RETRACT) {
+        if key == Key::WheelRetract && !plant.params.bit(param::WHEEL_RETRACT) {
             return Some(retract::DISABLED);
         }
-        let request = panel_key::machine_request(key, parts.plant.operator.mode, parts.plant.outputs.on)?;
-        parts
-            .plant
-            .machine
-            .blocking_rule(request, parts.plant.now, parts.plant.inputs.filtered, &parts.plant.params)
-            .map(|rule| rule.reason)
+        let request = panel_key::machine_request(key, plant.operator.mode, plant.outputs.on)?;
+        let rule = plant.machine.blocking_rule(request, plant.now, plant.inputs.filtered, &plant.params);
+        rule.map(|rule| rule.reason)
     }
 }

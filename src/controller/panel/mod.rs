@@ -25,6 +25,7 @@ use super::manual::Manual;
 use super::plant::Plant;
 use super::program::Program;
 use crate::defs::kind::Kind;
+use crate::defs::text::LocalizedText;
 use crate::link::command::Screens;
 use crate::link::edit::EditAnswer;
 use crate::link::snapshot::DirectoryRow;
@@ -59,7 +60,11 @@ impl Parts<'_> {
     }
 }
 
+/// The answer to an edit: what was changed, or why it was refused.
+pub type Edited = Result<LocalizedText, LocalizedText>;
+
 /// The state of the panel that no other part shares.
+#[derive(Default)]
 pub struct Panel {
     pages: pages::PageState,
     access: access::Access,
@@ -80,13 +85,8 @@ impl Panel {
     pub fn new(kind: Kind, clock_offset_s: i64) -> Self {
         Self {
             pages: pages::PageState::new(kind),
-            access: access::Access::default(),
-            edit_answer: EditAnswer::default(),
-            files: files::FileRequests::default(),
-            screens: Arc::default(),
-            directory: Arc::default(),
             calendar: calendar::Calendar::new(clock_offset_s),
-            relative_zero: MachinePos::default(),
+            ..Self::default()
         }
     }
 }

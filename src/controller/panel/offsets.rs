@@ -5,10 +5,8 @@
 //! Source: spec K4.1, K5.10, K7.6, K7.7.
 
 use super::edit_protection::{check_not_running, check_unlocked};
-use super::{Parts, View};
-use crate::controller::plant::Plant;
-use crate::controller::plant::offset_in_range;
-use crate::controller::storage_request::StorageRequest;
+use super::{Edited, Parts, View};
+use crate::controller::plant::{Plant, offset_in_range};
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::link::edit::{MAX_INCREMENT, OffsetCommand, OffsetPart};
@@ -23,10 +21,13 @@ const WEAR_CLEARED: &Template = &Template::new("{said}，磨耗已清零", "{sai
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still move: no measurement");
 
 /// Executes a command of the offset or the dressing page.
-pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> Result<LocalizedText, LocalizedText> {
+pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> Edited {
+    let (OffsetCommand::Set { number, axis, .. }
+    | OffsetCommand::AddGeometry { number, axis, .. }
+    | OffsetCommand::Measure { number, axis, .. }) = command;
+    let index = offset_index(parts.plant, number, axis)?;
     match command {
-        OffsetCommand::Set { number, part, axis, value } => {
-            let index = offset_index(parts.plant, number, axis)?;
+        OffsetCommand::Set { part, value, .. } => {
             // K7.7: P22.0 does not protect the geometry; the dressing page has no protection.
             if part == OffsetPart::Geometry && parts.plant.operator.page == Page::Offset {
                 check_not_running(parts.view())?;
@@ -35,15 +36,13 @@ pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> R
             }
             set_offset_value(parts, index, part, axis, value / parts.plant.displayed_per_mm(axis))
         }
-        OffsetCommand::AddGeometry { number, axis, increment: by } => {
-            let index = offset_index(parts.plant, number, axis)?;
+        OffsetCommand::AddGeometry { increment: by, .. } => {
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             check_increment(by)?;
             let sum = parts.plant.work.offsets.geometry[index][axis] + by / parts.plant.displayed_per_mm(axis);
             set_offset_value(parts, index, OffsetPart::Geometry, axis, sum)
         }
-        OffsetCommand::Measure { number, axis, value } => {
-            let index = offset_index(parts.plant, number, axis)?;
+        OffsetCommand::Measure { value, .. } => {
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             measure(parts, index, axis, value)
         }
@@ -51,12 +50,7 @@ pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> R
 }
 
 /// A wear increment typed on a page.
-pub fn edit_wear_increment(
-    parts: &mut Parts<'_>,
-    number: usize,
-    axis: Axis,
-    by: f64,
-) -> Result<LocalizedText, LocalizedText> {
+pub fn edit_wear_increment(parts: &mut Parts<'_>, number: usize, axis: Axis, by: f64) -> Edited {
     offset_index(parts.plant, number, axis)?;
     check_offset_page(parts.view(), OffsetPart::Wear)?;
     check_increment(by)?;
@@ -67,14 +61,14 @@ pub fn edit_wear_increment(
 ///
 /// # Errors
 /// No such offset or axis, or the sum is out of range. Nothing is changed then.
-pub fn add_wear(parts: &mut Parts<'_>, number: usize, axis: Axis, by: f64) -> Result<LocalizedText, LocalizedText> {
+pub fn add_wear(parts: &mut Parts<'_>, number: usize, axis: Axis, by: f64) -> Edited {
     let index = offset_index(parts.plant, number, axis)?;
     let sum = parts.plant.work.offsets.wear[index][axis] + by / parts.plant.displayed_per_mm(axis);
     set_offset_value(parts, index, OffsetPart::Wear, axis, sum)
 }
 
 /// K5.10: a measurement sets the geometry and clears the wear of its axis.
-fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Result<LocalizedText, LocalizedText> {
+fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Edited {
     if parts.program.is_open() {
         return Err(OPEN_RUN.into());
     }
@@ -84,8 +78,8 @@ fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Resul
     if !parts.plant.axes.is_homed(axis) {
         return Err(phrase!("{axis} 未回零，不能测量", "{axis} is not homed: no measurement", axis));
     }
-    let frame =
-        parts.plant.work.offsets.work[parts.plant.work.offsets.active][axis] + parts.plant.work.offsets.shift[axis];
+    let offsets = &parts.plant.work.offsets;
+    let frame = offsets.work[offsets.active][axis] + offsets.shift[axis];
     let geometry = parts.plant.axes.actual()[axis] - frame - value / parts.plant.displayed_per_mm(axis);
     let said = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
     set_offset_value(parts, index, OffsetPart::Wear, axis, 0.0)?;
@@ -93,13 +87,7 @@ fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Resul
 }
 
 /// Sets one value, radius mm, and stores it on disk.
-fn set_offset_value(
-    parts: &mut Parts<'_>,
-    index: usize,
-    part: OffsetPart,
-    axis: Axis,
-    value: f64,
-) -> Result<LocalizedText, LocalizedText> {
+fn set_offset_value(parts: &mut Parts<'_>, index: usize, part: OffsetPart, axis: Axis, value: f64) -> Edited {
     let shown = value * parts.plant.displayed_per_mm(axis);
     let most = part.max_abs();
     if !offset_in_range(part, shown) {
@@ -110,8 +98,7 @@ fn set_offset_value(
         let place = &mut offset_table(frames, part)[index][axis];
         *place = if place.to_bits() == old.to_bits() { value } else { *place + (value - old) };
     });
-    let (geometry, wear) = (parts.plant.work.offsets.geometry[index], parts.plant.work.offsets.wear[index]);
-    parts.plant.outbox.requests.push(StorageRequest::Offset { number: index + 1, geometry, wear });
+    parts.plant.store_offset(index);
     let (name, number) = (part.name(), index + 1);
     Ok(phrase!(
         "刀补 {number:02} {name} {axis} = {shown:.3}",

@@ -23,7 +23,7 @@ use crate::units::Axis;
 const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password has 4 to 16 digits");
 
 /// The views that the operator has selected.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct PageState {
     /// View of the position page.
     pub coordinates: CoordinateView,
@@ -38,21 +38,22 @@ pub struct PageState {
 impl PageState {
     /// At power-on.
     pub fn new(kind: Kind) -> Self {
-        Self { coordinates: CoordinateView::default(), soft_row: 0, sheet: 0, next_kind: kind }
+        Self { next_kind: kind, ..Self::default() }
     }
 }
 
 impl Panel {
     /// Executes one command of a page.
     pub fn handle_page_command(&mut self, parts: &mut Parts<'_>, command: &PageCommand) {
+        let mut save = |request| parts.plant.store(StorageRequest::Page(request));
         match command {
-            PageCommand::EditParam(at, value) => self.edit_param(parts, *at, *value),
-            PageCommand::EditLeadscrew(axis, table) => {
-                if !self.access.is_builder() {
-                    return parts.plant.refuse(password_needed(AccessLevel::Builder));
-                }
-                Self::set_leadscrew_table(parts, *axis, table);
+            PageCommand::EditLeadscrew(..) | PageCommand::SetNextKind(_) | PageCommand::SetSerialPort(_)
+                if !self.access.is_builder() =>
+            {
+                parts.plant.refuse(password_needed(AccessLevel::Builder))
             }
+            PageCommand::EditParam(at, value) => self.edit_param(parts, *at, *value),
+            PageCommand::EditLeadscrew(axis, table) => Self::set_leadscrew_table(parts, *axis, table),
             PageCommand::Unlock(guard, secret) => {
                 self.request_password_check(parts, SettingsRequest::CheckPassword(*guard, secret.clone()))
             }
@@ -66,33 +67,16 @@ impl Panel {
                     self.access.answer(Some(FORM));
                     return parts.plant.refuse(FORM);
                 }
-                self.request_password_check(
-                    parts,
-                    SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() },
-                );
+                let wish = SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() };
+                self.request_password_check(parts, wish);
             }
-            PageCommand::SetNextKind(kind) => {
-                if !self.access.is_builder() {
-                    return parts.plant.refuse(password_needed(AccessLevel::Builder));
-                }
-                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveKind(*kind)));
-            }
-            PageCommand::SetLang(lang) => {
-                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveLang(*lang)))
-            }
-            PageCommand::SetLightTheme(light) => {
-                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveLightTheme(*light)))
-            }
+            PageCommand::SetNextKind(kind) => save(SettingsRequest::SaveKind(*kind)),
+            PageCommand::SetLang(lang) => save(SettingsRequest::SaveLang(*lang)),
+            PageCommand::SetLightTheme(light) => save(SettingsRequest::SaveLightTheme(*light)),
             PageCommand::SetBrightness(percent) => {
-                let percent = (*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
-                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveBrightness(percent)));
+                save(SettingsRequest::SaveBrightness((*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end())));
             }
-            PageCommand::SetSerialPort(port) => {
-                if !self.access.is_builder() {
-                    return parts.plant.refuse(password_needed(AccessLevel::Builder));
-                }
-                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveSerialPort(port.clone())));
-            }
+            PageCommand::SetSerialPort(port) => save(SettingsRequest::SaveSerialPort(port.clone())),
             PageCommand::SetDate(wanted) => self.set_date(parts, *wanted),
             PageCommand::File(ticket, request) => self.handle_file_request(parts, *ticket, request),
             PageCommand::StorageAnswered(answer) => self.handle_page_answer(parts, answer),
@@ -109,7 +93,7 @@ impl Panel {
     /// Requests a password check: one at a time; after three wrong passwords input is locked for 30 s.
     fn request_password_check(&mut self, parts: &mut Parts<'_>, wish: SettingsRequest) {
         match self.access.begin_check(parts.plant.now) {
-            Ok(()) => parts.plant.outbox.requests.push(StorageRequest::Page(wish)),
+            Ok(()) => parts.plant.store(StorageRequest::Page(wish)),
             Err(reason) => parts.plant.refuse(reason),
         }
     }
@@ -161,15 +145,14 @@ impl Panel {
         self.files_view(out);
         out.next_kind = self.pages.next_kind;
         copy_changed(&mut out.params, &parts.plant.params);
-        if !Arc::ptr_eq(&out.alarm_history, parts.plant.alarms.history()) {
-            out.alarm_history.clone_from(parts.plant.alarms.history());
-        }
+        out.alarm_history.clone_from(parts.plant.alarms.history());
     }
 }
 
 /// The internal signals of the diagnosis page.
 fn internal_signals(parts: View<'_>) -> InternalSignalSet {
-    let facts = parts.plant.machine.interlock_inputs(parts.plant.now, parts.plant.inputs.filtered, &parts.plant.params);
+    let plant = parts.plant;
+    let facts = plant.machine.interlock_inputs(plant.now, plant.inputs.filtered, &plant.params);
     let state = run_state(parts);
     let axes = [
         (Axis::X, InternalSignal::HomedX, InternalSignal::MovingX),
@@ -178,25 +161,25 @@ fn internal_signals(parts: View<'_>) -> InternalSignalSet {
     ];
     let mut set = InternalSignalSet::default();
     for (axis, homed, moving) in axes {
-        set = set.with(homed, parts.plant.axes.is_homed(axis)).with(moving, parts.plant.is_moving(axis));
+        set = set.with(homed, plant.axes.is_homed(axis)).with(moving, plant.is_moving(axis));
     }
-    set.with(InternalSignal::DrivesOn, parts.plant.outputs.drives_on)
-        .with(InternalSignal::BusAlive, parts.plant.inputs.image.bus_alive)
-        .with(InternalSignal::EmergencyStopped, parts.plant.machine.is_e_stopped())
-        .with(InternalSignal::ScreenEmergencyStop, parts.plant.inputs.screen_e_stop())
-        .with(InternalSignal::AlarmBlocksStart, parts.plant.alarms.blocks_start())
-        .with(InternalSignal::InPosition, parts.plant.is_in_position())
+    set.with(InternalSignal::DrivesOn, plant.outputs.drives_on)
+        .with(InternalSignal::BusAlive, plant.inputs.image.bus_alive)
+        .with(InternalSignal::EmergencyStopped, plant.machine.is_e_stopped())
+        .with(InternalSignal::ScreenEmergencyStop, plant.inputs.screen_e_stop())
+        .with(InternalSignal::AlarmBlocksStart, plant.alarms.blocks_start())
+        .with(InternalSignal::InPosition, plant.is_in_position())
         .with(InternalSignal::ProgramOpen, parts.program.is_open())
         .with(InternalSignal::Running, matches!(state, RunState::Running | RunState::Waiting))
         .with(InternalSignal::Held, state == RunState::Held)
         .with(InternalSignal::Waiting, state == RunState::Waiting)
         .with(InternalSignal::Homing, state == RunState::Homing)
-        .with(InternalSignal::SingleBlock, parts.plant.operator.switches.single_block)
-        .with(InternalSignal::BlockSkip, parts.plant.operator.switches.block_skip)
-        .with(InternalSignal::OptionalStop, parts.plant.operator.switches.optional_stop)
-        .with(InternalSignal::RapidJog, parts.plant.operator.rapid_jog)
-        .with(InternalSignal::WheelRunUp, parts.plant.machine.awaits_feedback(Output::Wheel))
-        .with(InternalSignal::WorkpieceDrive, parts.plant.machine.drive_is_on())
+        .with(InternalSignal::SingleBlock, plant.operator.switches.single_block)
+        .with(InternalSignal::BlockSkip, plant.operator.switches.block_skip)
+        .with(InternalSignal::OptionalStop, plant.operator.switches.optional_stop)
+        .with(InternalSignal::RapidJog, plant.operator.rapid_jog)
+        .with(InternalSignal::WheelRunUp, plant.machine.awaits_feedback(Output::Wheel))
+        .with(InternalSignal::WorkpieceDrive, plant.machine.drive_is_on())
         .with(InternalSignal::TailstockMoving, facts.tailstock_moving)
         .with(InternalSignal::TailstockClamped, facts.tailstock_advanced)
         .with(InternalSignal::HydraulicSettled, facts.hydraulic_settled)

@@ -5,20 +5,16 @@ use super::Parts;
 use crate::controller::plant::Plant;
 use crate::defs::text::{Text, phrase};
 
+const DRIVES_OFF: Text = Text::new("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now");
 const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is open: it is not switched now");
 
 /// Machine lock: positions count but axes do not move. Switching it off shows the real positions again.
 pub fn toggle_machine_lock(parts: &mut Parts<'_>) {
     if !parts.plant.outputs.drives_on {
-        return parts
-            .plant
-            .refuse(phrase!("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now"));
+        return parts.plant.refuse(DRIVES_OFF);
     }
-    if parts.program.is_open()
-        || !parts.plant.axes.is_at_rest()
-        || parts.plant.jog.is_active()
-        || parts.program.retract.lamp_on()
-    {
+    let moving = !parts.plant.axes.is_at_rest() || parts.plant.jog.is_active();
+    if parts.program.is_open() || moving || parts.program.retract.lamp_on() {
         return parts.plant.refuse(WITH_RUN);
     }
     if parts.plant.axes.is_locked() {

@@ -3,6 +3,7 @@
 
 use super::Plant;
 use crate::controller::axes::homing::AxisHoming;
+use crate::controller::storage_request::StorageRequest;
 use crate::defs::signal::Output;
 use crate::machine::phase;
 use crate::nc::BlockLocation;
@@ -23,7 +24,7 @@ pub type ControlPhase = phase::RunPhase<Homing>;
 pub type ControlEvent = phase::PhaseEvent<Homing>;
 
 /// What is executed: phase, program, block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Execution {
     /// The control phase.
     pub phase: ControlPhase,
@@ -43,23 +44,6 @@ pub struct Execution {
     pub starts_void: bool,
 }
 
-impl Execution {
-    /// Idle, with the current program of the last power-off.
-    #[must_use]
-    pub fn new(current_program: u32) -> Self {
-        Self {
-            phase: ControlPhase::Idle,
-            current_program,
-            current_block: BlockLocation::default(),
-            block_count: 0,
-            repeats_left: 0,
-            cycle_time: Micros::ZERO,
-            spindles_before_pause: [false; 2],
-            starts_void: false,
-        }
-    }
-}
-
 impl Plant {
     /// Applies an event to the phase; the phase changes only here (homing updates its own state in place).
     pub fn transition(&mut self, event: ControlEvent) {
@@ -68,6 +52,13 @@ impl Plant {
         if self.execution.phase.is_pause() && !before {
             self.execution.spindles_before_pause = self.running_spindles();
         }
+    }
+
+    /// Makes a program the current one, before its first block, and stores its number; 0 for none.
+    pub fn set_current_program(&mut self, number: u32) {
+        self.execution.current_program = number;
+        self.execution.current_block = BlockLocation::default();
+        self.store(StorageRequest::CurrentProgram(number));
     }
 
     /// Brakes all motion; the run ends once the axes are at rest.

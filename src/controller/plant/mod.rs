@@ -101,17 +101,21 @@ impl Plant {
             outputs: Outputs::default(),
             alarms: AlarmList::new(retained.alarm_history),
             outbox: Outbox::new(),
-            work: WorkData::new(retained.work_offsets, retained.variables, retained.dress_points, retained.part_count),
-            execution: Execution::new(retained.current_program),
+            work: WorkData {
+                offsets: retained.work_offsets,
+                variables: retained.variables,
+                dress_points: retained.dress_points,
+                part_count: retained.part_count,
+                ..WorkData::default()
+            },
+            execution: Execution { current_program: retained.current_program, ..Execution::default() },
             operator: OperatorState::default(),
             params,
         };
         plant.update_unusable_outputs();
         plant
     }
-}
 
-impl Plant {
     /// Begins a tick: time and inputs.
     pub fn begin_tick(&mut self, now: Micros, timestamp: DateTime, image: &InputImage) {
         self.now = now;
@@ -141,7 +145,7 @@ impl Plant {
             ));
         }
         self.params.write(at, value).map_err(ParamError::text)?;
-        self.outbox.requests.push(StorageRequest::Param(at, value));
+        self.store(StorageRequest::Param(at, value));
         self.inputs.configure(&self.params);
         self.axes.configure(&self.params);
         self.update_unusable_outputs();
@@ -207,12 +211,11 @@ impl Plant {
         self.machine.set_control_state(self.control_state());
         let answer = self.machine.request(request, self.now, self.inputs.filtered, &self.params);
         match answer {
-            RequestResult::Accepted
-                if matches!(request, Request::WorkDriveHigh | Request::WorkDriveLow | Request::WorkDriveStop) =>
-            {
-                self.spindles.analog_2_rpm = 0.0;
+            RequestResult::Accepted => {
+                if let Request::WorkDriveHigh | Request::WorkDriveLow | Request::WorkDriveStop = request {
+                    self.spindles.analog_2_rpm = 0.0;
+                }
             }
-            RequestResult::Accepted => {}
             RequestResult::NoEffect(reason) | RequestResult::Denied(reason) => self.refuse(reason),
             RequestResult::Alarm(number, reason) => {
                 let reason = self.machine.reason_text(reason, request, &self.params);
@@ -224,6 +227,11 @@ impl Plant {
             }
         }
         answer
+    }
+
+    /// Sends a request to the machine logic and shows a refusal; true if the request was accepted.
+    pub fn is_granted(&mut self, request: Request) -> bool {
+        matches!(self.request(request), RequestResult::Accepted)
     }
 
     /// The state of the control that the machine logic needs.
@@ -273,4 +281,16 @@ impl Plant {
 #[must_use]
 pub fn displayed_per_mm(params: &Params, axis: Axis) -> f64 {
     if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Plant {
+        /// A cylindrical grinding machine in its factory state.
+        pub fn factory() -> Self {
+            Self::new(Kind::Gc, PowerOnState::factory(Kind::Gc), InputImage::default(), Micros::ZERO)
+        }
+    }
 }

@@ -2,9 +2,11 @@
 //! Source: spec K2, K2.1.
 
 use super::Plant;
-use crate::defs::key::Mode;
+use crate::defs::key::{Key, Mode};
 use crate::defs::page::Page;
 use crate::defs::param;
+use crate::defs::text::Text;
+use crate::machine::panel_key;
 use crate::motion::Override;
 use crate::units::{Axis, Micros};
 
@@ -84,6 +86,12 @@ impl Plant {
     pub fn is_dry_or_locked(&self) -> bool {
         let PanelSwitches { aux_function_lock, dry_run, .. } = self.operator.switches;
         self.axes.is_locked() || aux_function_lock || dry_run
+    }
+
+    /// Why a key is inactive regardless of interlocks, if it is.
+    pub fn inactive_reason(&self, key: Key) -> Option<Text> {
+        let phase = self.execution.phase.without_homing();
+        panel_key::inactive_reason(key, self.kind, self.axes.fitted(), phase)
     }
 
     /// Length of a manual step, mm as displayed: P395 on a lathe if set (L9 定长进给), else the selected step.

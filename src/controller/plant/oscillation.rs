@@ -47,11 +47,8 @@ impl Plant {
         let in_position = self.axes.is_axis_in_position(axis, &self.params);
         match oscillation.tick(self.now, in_position, &self.params) {
             OscillationStatus::Running => {
-                self.axes.set_oscillation(Some((
-                    axis,
-                    oscillation.mover.position(),
-                    oscillation.mover.velocity_mm_s(),
-                )));
+                let mover = &oscillation.mover;
+                self.axes.set_oscillation(Some((axis, mover.position(), mover.velocity_mm_s())));
                 self.oscillation = Some(oscillation);
             }
             OscillationStatus::Finished => self.axes.set_oscillation(None),

@@ -62,8 +62,13 @@ impl Plant {
     /// Changes a parameter on behalf of the control and stores it.
     pub fn store_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
-            self.outbox.requests.push(StorageRequest::Param(at, value));
+            self.store(StorageRequest::Param(at, value));
         }
+    }
+
+    /// Sends a request to the disk thread.
+    pub fn store(&mut self, request: StorageRequest) {
+        self.outbox.requests.push(request);
     }
 
     /// Stores changed entries of the alarm history on disk.

@@ -94,10 +94,7 @@ impl Plant {
             system_variable::MILLISECONDS => Some(self.milliseconds() + self.work.timer_offset[0]),
             system_variable::HOURS => Some(self.hours() + self.work.timer_offset[1]),
             system_variable::PARTS_DONE => Some(f64::from(self.work.part_count)),
-            range => {
-                let (_, row) = PARAM_VARIABLES.iter().find(|(of, _)| *of == range)?;
-                Some(self.params.get(*row))
-            }
+            range => Some(self.params.get(PARAM_VARIABLES.iter().find(|(of, _)| *of == range)?.1)),
         })
     }
 

@@ -14,7 +14,7 @@ use crate::units::{MachinePos, PerAxis, WorkPos};
 pub type GaugePositions = [Option<f64>; 4];
 
 /// The data a program works with, as executed.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct WorkData {
     /// Work offsets and tool offsets.
     pub offsets: WorkOffsets,
@@ -36,29 +36,6 @@ pub struct WorkData {
     pub tool_change_point: Option<MachinePos>,
 }
 
-impl WorkData {
-    /// The retained data at power-on.
-    #[must_use]
-    pub fn new(
-        offsets: WorkOffsets,
-        variables: CommonVariables,
-        dress_points: PerAxis<Option<f64>>,
-        part_count: u32,
-    ) -> Self {
-        Self {
-            offsets,
-            variables,
-            dress_points,
-            programs: Arc::default(),
-            part_count,
-            timer_offset: [0.0; 2],
-            skip_position: WorkPos::default(),
-            gauge_positions: GaugePositions::default(),
-            tool_change_point: None,
-        }
-    }
-}
-
 /// Whether an offset value, mm as displayed, is within the range for pages and programs.
 pub fn offset_in_range(part: OffsetPart, shown: f64) -> bool {
     shown.is_finite() && shown.abs() <= part.max_abs()
@@ -69,7 +46,7 @@ impl Plant {
     pub fn store_variable(&mut self, variable: u32, value: Option<f64>) -> Result<(), VariableError> {
         self.work.variables.set(variable, value)?;
         if CommonVariables::is_retained(variable) {
-            self.outbox.requests.push(StorageRequest::Variable(variable, value));
+            self.store(StorageRequest::Variable(variable, value));
         }
         Ok(())
     }
@@ -96,13 +73,13 @@ impl Plant {
     /// Stores a changed offset (index from 0) on disk.
     pub fn store_offset(&mut self, index: usize) {
         let (geometry, wear) = (self.work.offsets.geometry[index], self.work.offsets.wear[index]);
-        self.outbox.requests.push(StorageRequest::Offset { number: index + 1, geometry, wear });
+        self.store(StorageRequest::Offset { number: index + 1, geometry, wear });
     }
 
     /// Counts a finished part.
     pub fn count_part(&mut self) {
         self.work.part_count += 1;
-        self.outbox.requests.push(StorageRequest::PartCount(self.work.part_count));
+        self.store(StorageRequest::PartCount(self.work.part_count));
         self.count_since_dressing();
     }
 
@@ -111,7 +88,7 @@ impl Plant {
         if program {
             self.work.tool_change_point = Some(self.axes.set_point());
         }
-        if let Some(station) = crate::machine::lathe::station_in_position(self.inputs.filtered) {
+        if let Some(station) = self.turret_station() {
             self.work.offsets.tool = u32::from(station);
         }
     }

@@ -1,10 +1,10 @@
 //! Queued actions: everything a run does besides moving, executed in program order.
 //! Source: spec B2, B3, K3.14, K4.
 
-use super::activity::{ActionStatus, Activity, GAUGE_INPUTS};
+use super::activity::{ActionStatus, Activity};
+use super::gauge::gauge_signal;
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
-use crate::controller::axes::oscillation::OscillationStroke;
 use crate::controller::plant::{ControlEvent, Plant};
 use crate::defs::alarm;
 use crate::defs::mcode::{MCodeAction, Request};
@@ -12,9 +12,9 @@ use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, phrase};
 use crate::machine::RequestResult;
-use crate::motion::{CornerMode, Move};
+use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
 use crate::nc::CoordinateChange;
-use crate::units::Micros;
+use crate::units::{MachinePos, Micros};
 
 impl ProgramRun {
     /// One tick of the action at the front of the queue.
@@ -26,11 +26,7 @@ impl ProgramRun {
                 ActionStatus::Done
             }
             QueuedAction::SetSystemVariable(number, value) => {
-                if self.write_system_variable(plant, *number, *value) {
-                    ActionStatus::Done
-                } else {
-                    ActionStatus::Wait
-                }
+                ActionStatus::done_if(self.write_system_variable(plant, *number, *value))
             }
             QueuedAction::WheelSpeedLimit(rpm) => {
                 plant.spindles.wheel_rpm_limit = Some(*rpm);
@@ -43,7 +39,6 @@ impl ProgramRun {
             }
             QueuedAction::MCode(call) => self.m_code(plant, *call),
             QueuedAction::Gauge(asked) => self.step_gauge(plant, asked),
-            QueuedAction::Oscillate(stroke) => self.begin_servo_oscillation(plant, *stroke),
             QueuedAction::Cylinder(on) => switch_cylinder(plant, *on),
             QueuedAction::Thread(thread) => self.step_thread(plant, thread),
             QueuedAction::Home(axis) => self.step_program_homing(plant, *axis),
@@ -64,34 +59,27 @@ impl ProgramRun {
                 plant.show_program_message(text);
                 ActionStatus::Done
             }
-            QueuedAction::Message(text) => match self.is_settled(plant) {
-                Some(true) => {
-                    plant.show_note(text.clone());
-                    ActionStatus::Stop
-                }
-                _ => ActionStatus::Wait,
-            },
-            QueuedAction::EndOfText => match self.is_settled(plant) {
-                Some(true) => ActionStatus::EndRun,
-                _ => ActionStatus::Wait,
-            },
-        }
-    }
-
-    fn begin_servo_oscillation(&mut self, plant: &mut Plant, stroke: OscillationStroke) -> ActionStatus {
-        match self.is_settled(plant) {
-            Some(true) => {
-                plant.begin_oscillation(stroke, true);
+            QueuedAction::Oscillate(_) | QueuedAction::Message(_) | QueuedAction::EndOfText
+                if !self.is_settled(plant) =>
+            {
+                ActionStatus::Wait
+            }
+            QueuedAction::Oscillate(stroke) => {
+                plant.begin_oscillation(*stroke, true);
                 ActionStatus::Done
             }
-            Some(false) | None => ActionStatus::Wait,
+            QueuedAction::Message(text) => {
+                plant.show_note(text.clone());
+                ActionStatus::Stop
+            }
+            QueuedAction::EndOfText => ActionStatus::EndRun,
         }
     }
 
     /// Changes the work coordinates; G50 once all motion is over, at the position reached.
     fn change_coordinates(&mut self, plant: &mut Plant, change: CoordinateChange) -> ActionStatus {
         let at_rest = matches!(change, CoordinateChange::Set(_));
-        if at_rest && self.is_settled(plant) != Some(true) {
+        if at_rest && !self.is_settled(plant) {
             return ActionStatus::Wait;
         }
         plant.change_coordinates(change);
@@ -101,33 +89,17 @@ impl ProgramRun {
         ActionStatus::Done
     }
 
-    /// Whether all motion is over and the axes are in position; `None` after the time-out, with the alarm raised.
-    pub fn is_settled(&mut self, plant: &mut Plant) -> Option<bool> {
-        if !plant.axes.is_at_rest() {
-            return Some(false);
+    /// Whether all motion is over and the axes are in position; after the time-out the alarm is raised.
+    pub fn is_settled(&mut self, plant: &mut Plant) -> bool {
+        if !plant.axes.is_at_rest() || plant.axes.is_in_position(&plant.params) {
+            return plant.axes.is_at_rest();
         }
-        if plant.axes.is_in_position(&plant.params) {
-            return Some(true);
-        }
-        let since = match self.activity {
-            Activity::Settling { since } => since,
-            Activity::Idle
-            | Activity::AwaitUnit
-            | Activity::Dwell { .. }
-            | Activity::AwaitInput(_)
-            | Activity::Skip { .. }
-            | Activity::Gauge(_)
-            | Activity::Thread
-            | Activity::Homing => {
-                self.activity = Activity::Settling { since: plant.now };
-                plant.now
-            }
-        };
+        let since = if let Activity::Settling { since } = self.activity { since } else { plant.now };
+        self.activity = Activity::Settling { since };
         if plant.now.since(since) > Micros::from_millis_f64(plant.params.get(param::IN_POSITION_TIMEOUT)) {
             plant.raise(alarm::IN_POSITION_TIMEOUT, None);
-            return None;
         }
-        Some(false)
+        false
     }
 
     fn m_code(&mut self, plant: &mut Plant, call: MCall) -> ActionStatus {
@@ -136,21 +108,20 @@ impl ProgramRun {
         }
         match call.row.action {
             MCodeAction::OptionalStop if !plant.operator.switches.optional_stop => ActionStatus::Done,
-            MCodeAction::ProgramStop | MCodeAction::OptionalStop => match self.is_settled(plant) {
-                Some(true) => ActionStatus::Stop,
-                Some(false) | None => ActionStatus::Wait,
-            },
+            MCodeAction::ProgramStop | MCodeAction::OptionalStop | MCodeAction::ProgramEnd
+                if !self.is_settled(plant) =>
+            {
+                ActionStatus::Wait
+            }
+            MCodeAction::ProgramStop | MCodeAction::OptionalStop => ActionStatus::Stop,
             MCodeAction::CountWorkpiece => {
                 plant.count_part();
                 ActionStatus::Done
             }
-            MCodeAction::ProgramEnd => match self.is_settled(plant) {
-                Some(true) => {
-                    end_program(plant, self.origin);
-                    ActionStatus::EndRun
-                }
-                Some(false) | None => ActionStatus::Wait,
-            },
+            MCodeAction::ProgramEnd => {
+                end_program(plant, self.origin);
+                ActionStatus::EndRun
+            }
             MCodeAction::AwaitInput(_) if plant.operator.switches.aux_function_lock => ActionStatus::Done,
             MCodeAction::AwaitInput(input) => self.await_input(plant, input),
             MCodeAction::ProgramFlow | MCodeAction::Request(_) | MCodeAction::Port(_) | MCodeAction::Pulse => {
@@ -161,7 +132,7 @@ impl ProgramRun {
 
     fn request_m_code(&mut self, plant: &mut Plant, call: MCall, request: Request) -> ActionStatus {
         if self.activity == Activity::AwaitUnit {
-            return if plant.machine.is_settled(request) { ActionStatus::Done } else { ActionStatus::Wait };
+            return ActionStatus::done_if(plant.machine.is_settled(request));
         }
         if plant.operator.switches.aux_function_lock {
             return ActionStatus::Done;
@@ -184,7 +155,7 @@ impl ProgramRun {
         match answer {
             RequestResult::Accepted if call.row.waits => {
                 self.activity = Activity::AwaitUnit;
-                if plant.machine.is_settled(request) { ActionStatus::Done } else { ActionStatus::Wait }
+                ActionStatus::done_if(plant.machine.is_settled(request))
             }
             RequestResult::Accepted | RequestResult::NoEffect(_) => ActionStatus::Done,
             // The block waits as in a feed hold; cycle start requests it again.
@@ -213,68 +184,55 @@ impl ProgramRun {
     }
 
     fn dwell(&mut self, plant: &mut Plant, seconds: f64) -> ActionStatus {
-        match self.activity {
-            Activity::Dwell { until } if plant.now >= until => ActionStatus::Done,
-            Activity::Dwell { .. } => ActionStatus::Wait,
-            Activity::Idle
-            | Activity::Settling { .. }
-            | Activity::AwaitUnit
-            | Activity::AwaitInput(_)
-            | Activity::Skip { .. }
-            | Activity::Gauge(_)
-            | Activity::Thread
-            | Activity::Homing => {
-                if plant.axes.is_at_rest() {
-                    self.activity = Activity::Dwell { until: plant.now + Micros::from_secs_f64(seconds) };
-                }
-                ActionStatus::Wait
-            }
+        if let Activity::Dwell { until } = self.activity {
+            return ActionStatus::done_if(plant.now >= until);
         }
+        if plant.axes.is_at_rest() {
+            self.activity = Activity::Dwell { until: plant.now + Micros::from_secs_f64(seconds) };
+        }
+        ActionStatus::Wait
     }
 
     /// G31: the position is latched in the tick of the signal edge, then the axes brake.
     fn step_skip(&mut self, plant: &mut Plant, planned: &PlannedMove, signal: u8) -> ActionStatus {
-        let input = GAUGE_INPUTS[usize::from(signal.clamp(1, 6)) - 1];
-        match self.activity {
-            Activity::Idle
-            | Activity::Settling { .. }
-            | Activity::AwaitUnit
-            | Activity::Dwell { .. }
-            | Activity::AwaitInput(_)
-            | Activity::Gauge(_)
-            | Activity::Thread
-            | Activity::Homing => {
-                let tag = self.next_tag;
-                let most = plant.params.get(param::SKIP_SPEED_MAX);
-                let Some(rate) = planned.speed.rate(plant.workpiece_rpm(), most) else {
-                    return raise_no_workpiece_drive(plant);
-                };
-                let pushed =
-                    Move { to: planned.to, shape: planned.shape, speed: rate, corner: CornerMode::ExactStop, tag };
-                if plant.axes.planner.push(pushed).is_ok() {
-                    self.next_tag += 1;
-                    self.activity = Activity::Skip { tag, latched: false };
-                }
-                ActionStatus::Wait
+        let Activity::Skip { tag, latched } = self.activity else {
+            let most = plant.params.get(param::SKIP_SPEED_MAX);
+            let Some(rate) = planned.speed.rate(plant.workpiece_rpm(), most) else {
+                return raise_no_workpiece_drive(plant);
+            };
+            if let Some(tag) = self.push_move(plant, planned.to, planned.shape, rate, CornerMode::ExactStop) {
+                self.activity = Activity::Skip { tag, latched: false };
             }
-            Activity::Skip { tag, latched: false } => {
-                if plant.inputs.raw.has(input) {
-                    plant.work.skip_position = plant.work_position();
-                    plant.axes.planner.abort();
-                    self.activity = Activity::Skip { tag, latched: true };
-                } else if plant.axes.planner.finished_tag() >= Some(tag) {
-                    // The end point, not the lagging actual position: it tells the program that no signal came.
-                    plant.work.skip_position = plant.work.offsets.work_from_machine(plant.axes.set_point());
-                    return ActionStatus::Done;
-                }
-                ActionStatus::Wait
-            }
-            Activity::Skip { latched: true, .. } if plant.axes.is_at_rest() => {
-                self.lookahead.machine_position = plant.axes.set_point();
-                ActionStatus::Done
-            }
-            Activity::Skip { latched: true, .. } => ActionStatus::Wait,
+            return ActionStatus::Wait;
+        };
+        if latched && plant.axes.is_at_rest() {
+            self.lookahead.machine_position = plant.axes.set_point();
+            return ActionStatus::Done;
+        } else if !latched && gauge_signal(plant, signal) {
+            plant.work.skip_position = plant.work_position();
+            plant.axes.planner.abort();
+            self.activity = Activity::Skip { tag, latched: true };
+        } else if !latched && plant.axes.planner.finished_tag() >= Some(tag) {
+            // The end point, not the lagging actual position: it tells the program that no signal came.
+            plant.work.skip_position = plant.work.offsets.work_from_machine(plant.axes.set_point());
+            return ActionStatus::Done;
         }
+        ActionStatus::Wait
+    }
+
+    /// Hands a move to the planner; its tag, or `None` while the planner is full.
+    pub fn push_move(
+        &mut self,
+        plant: &mut Plant,
+        to: MachinePos,
+        shape: MoveShape,
+        speed: MotionSpeed,
+        corner: CornerMode,
+    ) -> Option<u32> {
+        let tag = self.next_tag;
+        plant.axes.planner.push(Move { to, shape, speed, corner, tag }).ok()?;
+        self.next_tag += 1;
+        Some(tag)
     }
 }
 
@@ -285,7 +243,7 @@ fn switch_cylinder(plant: &mut Plant, on: bool) -> ActionStatus {
     } else {
         plant.axes.is_at_rest() && plant.end_oscillation()
     };
-    if done { ActionStatus::Done } else { ActionStatus::Wait }
+    ActionStatus::done_if(done)
 }
 
 /// The text shown while a program waits for an input.

@@ -21,32 +21,29 @@ pub enum ActionStatus {
     EndRun,
 }
 
+impl ActionStatus {
+    /// Finished, or called again in the next tick.
+    #[must_use]
+    pub const fn done_if(done: bool) -> Self {
+        if done { Self::Done } else { Self::Wait }
+    }
+}
+
 /// What the executor does with the item at the front of the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Activity {
     /// No action in progress.
     Idle,
-    /// The axes are at rest and not yet in position.
-    Settling {
-        /// Since when.
-        since: Micros,
-    },
+    /// The axes are at rest and not yet in position since then.
+    Settling { since: Micros },
     /// An M code was accepted and its unit has not settled yet.
     AwaitUnit,
-    /// G04.
-    Dwell {
-        /// Its end.
-        until: Micros,
-    },
+    /// G04, with its end.
+    Dwell { until: Micros },
     /// M80–M89.
     AwaitInput(Input),
-    /// G31.
-    Skip {
-        /// Tag of the move.
-        tag: u32,
-        /// The signal has come.
-        latched: bool,
-    },
+    /// G31: tag of the move, and whether the signal has come.
+    Skip { tag: u32, latched: bool },
     /// G78.
     Gauge(GaugeCycle),
     /// A thread is being cut.

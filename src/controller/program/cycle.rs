@@ -11,7 +11,6 @@ use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{Text, phrase};
-use crate::machine::RequestResult;
 
 /// A start in the tick of a reset.
 pub const START_VOID: Text =
@@ -50,13 +49,13 @@ impl Program {
         if let Some(why) = self.retract_blocks_start(plant) {
             return plant.refuse(why);
         }
-        if !matches!(plant.request(Request::CycleStart), RequestResult::Accepted) {
-            return;
-        }
-        if matches!(plant.execution.phase, ControlPhase::Idle) && self.start_restart(plant) {
+        if !plant.is_granted(Request::CycleStart) {
             return;
         }
         if matches!(plant.execution.phase, ControlPhase::Idle) {
+            if self.start_restart(plant) {
+                return;
+            }
             plant.execution.repeats_left = plant.params.get(param::PROGRAM_REPEATS) as u32 - 1;
             return self.start_program(plant);
         }
@@ -76,7 +75,7 @@ impl Program {
     pub fn repeat_program(&mut self, plant: &mut Plant) {
         if plant.execution.repeats_left > 0 && matches!(plant.execution.phase, ControlPhase::Idle) {
             plant.execution.repeats_left -= 1;
-            if matches!(plant.request(Request::CycleStart), RequestResult::Accepted) {
+            if plant.is_granted(Request::CycleStart) {
                 self.start_program(plant);
             }
         }
@@ -84,20 +83,16 @@ impl Program {
 
     fn start_program(&mut self, plant: &mut Plant) {
         let number = plant.execution.current_program;
-        match plant.work.programs.get(number) {
-            Some(program) => {
-                let source = Arc::clone(&program.source);
-                self.open_run(plant, source, Origin::Program);
-            }
-            None => {
-                let title = plant.program_title(number);
-                plant.refuse(phrase!(
-                    "没有程序 {title}：先在目录中选择程序",
-                    "there is no program {title}: choose one in the directory",
-                    title
-                ));
-            }
-        }
+        let Some(program) = plant.work.programs.get(number) else {
+            let title = plant.program_title(number);
+            return plant.refuse(phrase!(
+                "没有程序 {title}：先在目录中选择程序",
+                "there is no program {title}: choose one in the directory",
+                title
+            ));
+        };
+        let source = Arc::clone(&program.source);
+        self.open_run(plant, source, Origin::Program);
     }
 
     /// 进给保持.
@@ -121,15 +116,10 @@ impl Program {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::controller::PowerOnState;
-    use crate::defs::kind::Kind;
-    use crate::io::InputImage;
-    use crate::units::Micros;
 
     #[test]
     fn k2_2_cycle_start_and_feed_hold_say_why_nothing_happens() {
-        let factory = PowerOnState::factory(Kind::Gc);
-        let mut plant = Plant::new(Kind::Gc, factory, InputImage::default(), Micros::ZERO);
+        let mut plant = Plant::factory();
         let mut program = Program::new(None);
         let mut why = |plant: &mut Plant, act: fn(&mut Program, &mut Plant)| {
             act(&mut program, plant);

@@ -59,14 +59,12 @@ impl ProgramRun {
     /// Removes finished moves from the queue.
     fn drop_finished_moves(&mut self, plant: &mut Plant) {
         let finished = plant.axes.planner.finished_tag();
-        while self.handed_over > 0 {
-            match self.queue.front() {
-                Some(QueueItem::Move(planned)) if planned.tag.is_some() && planned.tag <= finished => {}
-                Some(QueueItem::Move(_) | QueueItem::BlockStart(_) | QueueItem::Action(_) | QueueItem::BlockEnd)
-                | None => break,
-            }
-            self.queue.pop_front();
-            self.handed_over -= 1;
+        while self.handed_over > 0
+            && let Some(QueueItem::Move(planned)) = self.queue.front()
+            && planned.tag.is_some()
+            && planned.tag <= finished
+        {
+            self.pop_front();
         }
     }
 
@@ -87,7 +85,7 @@ impl ProgramRun {
                         && self.origin == Origin::Program
                         && self.handover != Handover::TakingBack =>
                 {
-                    if self.is_settled(plant) == Some(true) {
+                    if self.is_settled(plant) {
                         ActionStatus::Stop
                     } else {
                         ActionStatus::Wait
@@ -109,12 +107,10 @@ impl ProgramRun {
                 ActionStatus::Wait => return false,
                 ActionStatus::EndRun => return true,
                 ActionStatus::Done | ActionStatus::Stop => {
-                    self.queue.pop_front();
-                    self.handed_over = self.handed_over.saturating_sub(1);
+                    self.pop_front();
                     // A block that ends with its own stop (M00) does not stop a second time in single block.
                     if matches!((&did, self.queue.front()), (ActionStatus::Stop, Some(QueueItem::BlockEnd))) {
-                        self.queue.pop_front();
-                        self.handed_over = self.handed_over.saturating_sub(1);
+                        self.pop_front();
                     }
                     self.activity = Activity::Idle;
                 }
@@ -130,6 +126,11 @@ impl ProgramRun {
         false
     }
 
+    fn pop_front(&mut self) {
+        self.queue.pop_front();
+        self.handed_over = self.handed_over.saturating_sub(1);
+    }
+
     /// Hands moves to the planner, up to the first action that must be executed before them.
     fn feed_planner(&mut self, plant: &mut Plant) {
         while let Some(item) = self.queue.get_mut(self.handed_over) {
@@ -139,11 +140,8 @@ impl ProgramRun {
                         return;
                     }
                     let dry = plant.operator.switches.dry_run && planned.speed != ProgrammedFeed::Rapid;
-                    let speed = if dry {
-                        ProgrammedFeed::PerMinute(plant.params.get(param::DRY_RUN_FEED))
-                    } else {
-                        planned.speed
-                    };
+                    let dry_feed = ProgrammedFeed::PerMinute(plant.params.get(param::DRY_RUN_FEED));
+                    let speed = if dry { dry_feed } else { planned.speed };
                     let Some(rate) = speed.rate(plant.workpiece_rpm(), plant.params.get(param::FEED_MAX)) else {
                         // Alarm only at the front of the queue: an earlier item may still start the drive.
                         if self.handed_over == 0 {

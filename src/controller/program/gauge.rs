@@ -11,7 +11,7 @@ use crate::controller::plant::Plant;
 use crate::defs::alarm;
 use crate::defs::mcode::{Gauge, Request};
 use crate::defs::text::phrase;
-use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
+use crate::motion::{CornerMode, MotionSpeed, MoveShape};
 use crate::nc::GaugeMove;
 use crate::units::{Axis, MachinePos};
 
@@ -19,18 +19,15 @@ impl ProgramRun {
     /// One tick of G78.
     pub fn step_gauge(&mut self, plant: &mut Plant, asked: &GaugeMove) -> ActionStatus {
         let Activity::Gauge(mut gauging) = self.activity else {
-            return match self.is_settled(plant) {
-                Some(true) if gauge_signal(plant, asked.first_input) => {
-                    fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, asked.first_input)
+            if self.is_settled(plant) {
+                if gauge_signal(plant, asked.first_input) {
+                    return fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, asked.first_input);
                 }
-                Some(true) => {
-                    let stage = GaugeStage::Approach;
-                    let begun = GaugeCycle { request: *asked, stage, tag: None, latched: None, first_contact: 0.0 };
-                    self.activity = Activity::Gauge(begun);
-                    ActionStatus::Wait
-                }
-                Some(false) | None => ActionStatus::Wait,
-            };
+                let stage = GaugeStage::Approach;
+                let begun = GaugeCycle { request: *asked, stage, tag: None, latched: None, first_contact: 0.0 };
+                self.activity = Activity::Gauge(begun);
+            }
+            return ActionStatus::Wait;
         };
         let did = self.gauge_stage(plant, &mut gauging);
         if matches!(did, ActionStatus::Wait) {
@@ -63,11 +60,7 @@ impl ProgramRun {
 
     fn gauge_stage(&mut self, plant: &mut Plant, gauging: &mut GaugeCycle) -> ActionStatus {
         if gauging.stage == GaugeStage::ArmIn {
-            return if plant.machine.is_settled(Request::Gauge(Gauge::Axial, false)) {
-                ActionStatus::Done
-            } else {
-                ActionStatus::Wait
-            };
+            return ActionStatus::done_if(plant.machine.is_settled(Request::Gauge(Gauge::Axial, false)));
         }
         let Some(tag) = gauging.tag else {
             return self.begin_stage(plant, gauging);
@@ -111,17 +104,8 @@ impl ProgramRun {
         }
         let mut to: MachinePos = from;
         to[axis] = target;
-        let tag = self.next_tag;
         let rate = MotionSpeed::Feed { mm_s: mm_min / SECONDS_PER_MINUTE };
-        if plant
-            .axes
-            .planner
-            .push(Move { to, shape: MoveShape::Line, speed: rate, corner: CornerMode::ExactStop, tag })
-            .is_ok()
-        {
-            self.next_tag += 1;
-            gauging.tag = Some(tag);
-        }
+        gauging.tag = self.push_move(plant, to, MoveShape::Line, rate, CornerMode::ExactStop);
         ActionStatus::Wait
     }
 }
@@ -135,11 +119,8 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
         gauging.latched = Some(displayed_work(plant, asked.axis));
         plant.axes.planner.abort();
     }
-    if fine
-        && multi
-        && gauging.latched.is_none()
-        && !plant.inputs.filtered.has(GAUGE_INPUTS[gauge_index(asked.first_input)])
-    {
+    let first_on = plant.inputs.filtered.has(GAUGE_INPUTS[gauge_index(asked.first_input)]);
+    if fine && multi && gauging.latched.is_none() && !first_on {
         return fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, asked.first_input);
     }
     match gauging.latched {
@@ -152,14 +133,8 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
             if !fine {
                 gauging.first_contact = edge;
             }
-            next_stage(
-                gauging,
-                match (fine, multi) {
-                    (true, _) => GaugeStage::Retract,
-                    (false, true) => GaugeStage::Fine,
-                    (false, false) => GaugeStage::BackOff,
-                },
-            )
+            let next = if multi { GaugeStage::Fine } else { GaugeStage::BackOff };
+            next_stage(gauging, if fine { GaugeStage::Retract } else { next })
         }
         None | Some(_) => ActionStatus::Wait,
     }
@@ -184,7 +159,8 @@ fn fail_gauge(plant: &mut Plant, number: u16, signal: u8) -> ActionStatus {
     ActionStatus::Wait
 }
 
-fn gauge_signal(plant: &Plant, number: u8) -> bool {
+/// Whether a gauge signal (1 to 6) is on, before the input filter.
+pub fn gauge_signal(plant: &Plant, number: u8) -> bool {
     plant.inputs.raw.has(GAUGE_INPUTS[gauge_index(number)])
 }
 

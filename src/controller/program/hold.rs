@@ -69,10 +69,8 @@ impl Program {
 
     /// The wheel or drive that was stopped in the pause and must be started before cycle start.
     pub fn spindle_stopped_in_pause(&self, plant: &Plant) -> Option<Text> {
-        let run = self
-            .run
-            .as_ref()
-            .filter(|_| !plant.operator.switches.dry_run && !plant.operator.switches.aux_function_lock)?;
+        let switches = plant.operator.switches;
+        let run = self.run.as_ref().filter(|_| !switches.dry_run && !switches.aux_function_lock)?;
         let [wheel, drive] = plant.running_spindles();
         // The M code at the front is requested again.
         let asked = run.front_request();
@@ -114,9 +112,8 @@ impl ProgramRun {
         }
         match self.handover {
             Handover::Detached(parted) => {
-                if let Err(forbidden) =
-                    self.shift_by_intervention(parted, plant.axes.program_set_point(), &plant.params)
-                {
+                let now = plant.axes.program_set_point();
+                if let Err(forbidden) = self.shift_by_intervention(parted, now, &plant.params) {
                     let said = forbidden.text(&plant.params);
                     plant.refuse(said);
                     plant.transition(ControlEvent::Hold);
@@ -133,9 +130,7 @@ impl ProgramRun {
         plant.axes.planner.resume();
         true
     }
-}
 
-impl ProgramRun {
     /// M20 is at the front: a second request would pulse twice.
     fn is_pulsing(&self) -> bool {
         matches!(self.front_request(), Some(Request::Pulse(..)))
@@ -289,13 +284,11 @@ mod tests {
     fn k6_3_the_centre_of_an_incremental_arc_goes_with_it() {
         let mut shift = PerAxis([-0.05, 0.0, 0.0]);
         let mut arc = line([0.0, 0.0, 10.0], &[Axis::X, Axis::Z], &[Axis::X, Axis::Z]);
-        arc.shape =
-            MoveShape::Arc { center: MachinePos::new([5.0, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw };
+        let center = MachinePos::new([5.0, 0.0, 5.0]);
+        arc.shape = MoveShape::Arc { center, plane: Plane::Zx, direction: ArcDirection::Cw };
         arc.shift(&mut shift);
         assert_eq!(arc.to, MachinePos::new([-0.05, 0.0, 10.0]));
-        assert_eq!(
-            arc.shape,
-            MoveShape::Arc { center: MachinePos::new([4.95, 0.0, 5.0]), plane: Plane::Zx, direction: ArcDirection::Cw }
-        );
+        let center = MachinePos::new([4.95, 0.0, 5.0]);
+        assert_eq!(arc.shape, MoveShape::Arc { center, plane: Plane::Zx, direction: ArcDirection::Cw });
     }
 }

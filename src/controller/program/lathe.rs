@@ -10,7 +10,6 @@ use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::phrase;
-use crate::machine::RequestResult;
 use crate::motion::{ThreadMover, ThreadPass};
 use crate::nc::ThreadMove;
 use crate::units::Axis;
@@ -19,17 +18,18 @@ impl ProgramRun {
     /// One tick of a thread.
     pub fn step_thread(&mut self, plant: &mut Plant, thread: &ThreadPass) -> ActionStatus {
         if self.activity == Activity::Thread {
-            return if plant.axes.thread().is_some() { ActionStatus::Wait } else { ActionStatus::Done };
+            return ActionStatus::done_if(plant.axes.thread().is_none());
         }
-        if self.is_settled(plant) != Some(true) {
+        if !self.is_settled(plant) {
             return ActionStatus::Wait;
         }
-        if plant.machine.spindle_direction().is_none() || plant.spindles.encoder.rpm.abs() < 1.0 {
+        let rpm = plant.spindles.encoder.rpm.abs();
+        if plant.machine.spindle_direction().is_none() || rpm < 1.0 {
             let [title, place] = thread_location(plant);
             plant.raise(alarm::SPINDLE_NOT_TURNING, Some(phrase!("{title} {place}", "{title} {place}", title, place)));
             return ActionStatus::Wait;
         }
-        let (rpm, limit) = (plant.spindles.encoder.rpm.abs(), ThreadMove::max_spindle_rpm(thread.lead_mm));
+        let limit = ThreadMove::max_spindle_rpm(thread.lead_mm);
         // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
             let [title, place] = thread_location(plant);
@@ -46,12 +46,9 @@ impl ProgramRun {
             return ActionStatus::Wait;
         }
         let from = plant.axes.set_point();
-        plant.axes.begin_thread(ThreadMover::new(
-            *thread,
-            from,
-            plant.axes.path_limits(&plant.params),
-            (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0),
-        ));
+        let encoder = (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0);
+        let limits = plant.axes.path_limits(&plant.params);
+        plant.axes.begin_thread(ThreadMover::new(*thread, from, limits, encoder));
         plant.spindles.threads.begin(plant.execution.current_block.line, thread.lead_mm, from[Axis::Z]);
         self.activity = Activity::Thread;
         ActionStatus::Wait
@@ -60,7 +57,7 @@ impl ProgramRun {
     /// One tick of homing by a program.
     pub fn step_program_homing(&mut self, plant: &mut Plant, axis: Axis) -> ActionStatus {
         if self.activity != Activity::Homing {
-            if self.is_settled(plant) != Some(true) {
+            if !self.is_settled(plant) {
                 return ActionStatus::Wait;
             }
             plant.axes.switch_to_manual();
@@ -90,15 +87,15 @@ impl ProgramRun {
     pub fn step_turret(&mut self, plant: &mut Plant, station: u8) -> ActionStatus {
         let request = Request::ToolTurret(station);
         if self.activity == Activity::AwaitUnit {
-            return if plant.machine.is_settled(request) { ActionStatus::Done } else { ActionStatus::Wait };
+            return ActionStatus::done_if(plant.machine.is_settled(request));
         }
         if plant.operator.switches.aux_function_lock {
             return ActionStatus::Done;
         }
-        if self.is_settled(plant) != Some(true) {
+        if !self.is_settled(plant) {
             return ActionStatus::Wait;
         }
-        if matches!(plant.request(request), RequestResult::Accepted) {
+        if plant.is_granted(request) {
             self.activity = Activity::AwaitUnit;
         } else {
             plant.transition(ControlEvent::Hold);

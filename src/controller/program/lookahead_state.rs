@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use super::move_refusal::MoveRefusal;
 use super::queue::{MCall, PlannedMove, ProgrammedFeed, QueueItem, QueuedAction, check_soft_limits};
 use crate::controller::axes::oscillation::{MIN_STROKE_MM, OscillationStroke};
-use crate::controller::plant::offset_in_range;
+use crate::controller::plant::{displayed_per_mm, offset_in_range};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::param::{self, Params};
 use crate::defs::text::LocalizedText;
@@ -19,6 +19,11 @@ use crate::nc::{
     ProgramMessage, REFERENCE_POINTS, ThreadMove, WorkOffsets,
 };
 use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
+
+/// The queue that the operations go to.
+type QueueItems = VecDeque<QueueItem>;
+/// A value, or why the operation is refused.
+type Checked<T> = Result<T, MoveRefusal>;
 
 /// Work offsets, position and modal state at the end of the blocks read so far.
 #[derive(Clone, Debug)]
@@ -61,9 +66,9 @@ impl LookaheadState {
         &mut self,
         op: &Op,
         at: BlockLocation,
-        items: &mut VecDeque<QueueItem>,
+        items: &mut QueueItems,
         params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    ) -> Checked<()> {
         let act = match op.effect() {
             OpEffect::Motion(motion) => return self.queue_motion(motion, items, params),
             OpEffect::IndexTurret { station, by } => return self.queue_turret(station, by, items, params),
@@ -95,12 +100,7 @@ impl LookaheadState {
         Ok(())
     }
 
-    fn queue_motion(
-        &mut self,
-        motion: OpMotion<'_>,
-        items: &mut VecDeque<QueueItem>,
-        params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    fn queue_motion(&mut self, motion: OpMotion<'_>, items: &mut QueueItems, params: &Params) -> Checked<()> {
         match motion {
             OpMotion::Work(by) => self.queue_work_move(by, items, params),
             OpMotion::Machine { to, feed } => {
@@ -110,9 +110,9 @@ impl LookaheadState {
             }
             OpMotion::Reference { number, via, words, incremental } => {
                 let target = self.machine_target(via, words);
-                let named = (words, incremental);
                 let rapid = ProgrammedFeed::Rapid;
-                self.queue_move(PlannedMove::new(target, MoveShape::Line, rapid, named), items, params)?;
+                let via = PlannedMove::new(target, MoveShape::Line, rapid, (words, incremental));
+                self.queue_move(via, items, params)?;
                 let at = reference_points(params)[usize::from(number).clamp(1, REFERENCE_POINTS) - 1];
                 let stays = self.machine_position;
                 let to = MachinePos::from_fn(|axis| if words.contains(axis) { at[axis] } else { stays[axis] });
@@ -142,12 +142,7 @@ impl LookaheadState {
     }
 
     /// A line or arc to a work coordinate.
-    fn queue_work_move(
-        &mut self,
-        by: WorkMove,
-        items: &mut VecDeque<QueueItem>,
-        params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    fn queue_work_move(&mut self, by: WorkMove, items: &mut QueueItems, params: &Params) -> Checked<()> {
         let target = self.machine_target(by.to, by.words);
         let shape = match by.arc {
             None => MoveShape::Line,
@@ -168,15 +163,14 @@ impl LookaheadState {
     }
 
     /// G50 takes the position when it is executed; the other changes act at once.
-    fn change_coordinates(&mut self, change: CoordinateChange, params: &Params) -> Result<QueuedAction, MoveRefusal> {
+    fn change_coordinates(&mut self, change: CoordinateChange, params: &Params) -> Checked<QueuedAction> {
         if !matches!(change, CoordinateChange::Set(_)) {
             change.apply(&mut self.work_offsets, self.machine_position);
         }
         if let CoordinateChange::AddWear { number, by } = change {
             // K4.1: the same range as on the offset page.
             let wear = self.work_offsets.wear[usize::from(number).clamp(1, TOOL_OFFSET_COUNT) - 1];
-            let shown = |axis: Axis| if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 };
-            let in_range = |axis: Axis| offset_in_range(OffsetPart::Wear, wear[axis] * shown(axis));
+            let in_range = |axis| offset_in_range(OffsetPart::Wear, wear[axis] * displayed_per_mm(params, axis));
             if let Some((axis, _)) = by.iter().find(|(axis, _)| !in_range(*axis)) {
                 return Err(MoveRefusal::WearOutOfRange(axis, wear[axis]));
             }
@@ -184,7 +178,7 @@ impl LookaheadState {
         Ok(QueuedAction::ChangeCoordinates(change))
     }
 
-    fn change_oscillation(&mut self, change: OscillationChange, params: &Params) -> Result<QueuedAction, MoveRefusal> {
+    fn change_oscillation(&mut self, change: OscillationChange, params: &Params) -> Checked<QueuedAction> {
         match change {
             OscillationChange::Cylinder { .. } => Ok(QueuedAction::Cylinder(true)),
             OscillationChange::Off => {
@@ -207,12 +201,7 @@ impl LookaheadState {
     }
 
     /// A thread and its run-out (L5).
-    fn queue_thread(
-        &mut self,
-        threading: &ThreadMove,
-        items: &mut VecDeque<QueueItem>,
-        params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    fn queue_thread(&mut self, threading: &ThreadMove, items: &mut QueueItems, params: &Params) -> Checked<()> {
         let out = self.with_y(self.work_offsets.machine_from_work(threading.run_out_start));
         let to = self.with_y(self.work_offsets.machine_from_work(threading.to));
         for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.soft_limits_active) {
@@ -230,9 +219,9 @@ impl LookaheadState {
         &mut self,
         station: u8,
         by: Option<PerAxis<f64>>,
-        items: &mut VecDeque<QueueItem>,
+        items: &mut QueueItems,
         params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    ) -> Checked<()> {
         self.work_offsets.change_tool(station, by);
         items.push_back(QueueItem::Action(QueuedAction::IndexTurret(station)));
         items.push_back(QueueItem::Action(QueuedAction::ChangeTool(station, by)));
@@ -259,9 +248,9 @@ impl LookaheadState {
         &mut self,
         axes: AxisSet,
         feed: Option<f64>,
-        items: &mut VecDeque<QueueItem>,
+        items: &mut QueueItems,
         params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    ) -> Checked<()> {
         let mut target = self.machine_position;
         for axis in axes.iter() {
             target[axis] = self.dress_points[axis].ok_or(MoveRefusal::NoDressPoint(axis))?;
@@ -274,12 +263,7 @@ impl LookaheadState {
         pushed
     }
 
-    fn queue_move(
-        &mut self,
-        mut planned: PlannedMove,
-        items: &mut VecDeque<QueueItem>,
-        params: &Params,
-    ) -> Result<(), MoveRefusal> {
+    fn queue_move(&mut self, mut planned: PlannedMove, items: &mut QueueItems, params: &Params) -> Checked<()> {
         if let Some(axis) = self.oscillating.filter(|axis| planned.named_axes.contains(*axis)) {
             return Err(MoveRefusal::Oscillating(axis)); // K4.3: before the block starts
         }

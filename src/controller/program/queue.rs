@@ -37,16 +37,14 @@ pub struct PlannedMove {
 impl PlannedMove {
     /// A move with exact stop, not yet handed to the planner.
     #[must_use]
-    pub const fn new(to: MachinePos, shape: MoveShape, speed: ProgrammedFeed, (words, incremental): NamedAxes) -> Self {
-        Self {
-            to,
-            shape,
-            speed,
-            end: CornerMode::ExactStop,
-            tag: None,
-            named_axes: words,
-            incremental_axes: incremental,
-        }
+    pub const fn new(
+        to: MachinePos,
+        shape: MoveShape,
+        speed: ProgrammedFeed,
+        (named_axes, incremental_axes): NamedAxes,
+    ) -> Self {
+        let end = CornerMode::ExactStop;
+        Self { to, shape, speed, end, tag: None, named_axes, incremental_axes }
     }
 
     /// Checks the soft limits of a move that starts at `from`: its end point, and the extreme points of an arc.
@@ -127,12 +125,8 @@ impl MCall {
             MCodeAction::Request(request) => Some(request),
             MCodeAction::Port(on) => Some(Request::Port(self.p, on)),
             MCodeAction::Pulse => Some(Request::Pulse(self.p, self.l_ms)),
-            MCodeAction::ProgramStop
-            | MCodeAction::OptionalStop
-            | MCodeAction::ProgramEnd
-            | MCodeAction::CountWorkpiece
-            | MCodeAction::AwaitInput(_)
-            | MCodeAction::ProgramFlow => None,
+            MCodeAction::ProgramStop | MCodeAction::OptionalStop | MCodeAction::ProgramEnd => None,
+            MCodeAction::CountWorkpiece | MCodeAction::AwaitInput(_) | MCodeAction::ProgramFlow => None,
         }
     }
 }

@@ -80,7 +80,7 @@ impl ProgramRun {
             Some(&system_variable::HOURS) => plant.work.timer_offset[1] = value - plant.hours(),
             Some(&system_variable::PARTS_DONE) => {
                 plant.work.part_count = value.max(0.0) as u32;
-                plant.outbox.requests.push(StorageRequest::PartCount(plant.work.part_count));
+                plant.store(StorageRequest::PartCount(plant.work.part_count));
             }
             Some(&system_variable::PARTS_REQUIRED) => plant.store_param(param::PARTS_REQUIRED.address(), value),
             Some(_) | None => return self.write_offset(plant, number, value),

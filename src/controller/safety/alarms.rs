@@ -118,8 +118,8 @@ impl AlarmList {
     /// Marks the history entries of alarms that are no longer active as ended.
     fn record_cleared(&mut self, how: AlarmEnd) {
         let present = &self.present;
-        let is_gone =
-            |past: &PastAlarm| past.ended.is_none() && present.iter().all(|alarm| alarm.number != past.number);
+        let is_present = |number| present.iter().any(|alarm| alarm.number == number);
+        let is_gone = |past: &PastAlarm| past.ended.is_none() && !is_present(past.number);
         if self.history.iter().any(|past| is_gone(past)) {
             let date = self.date;
             for past in Arc::make_mut(&mut self.history).iter_mut().filter(|past| is_gone(past)) {

@@ -97,10 +97,13 @@ mod tests {
         Params::factory(Kind::Gc).inverted_inputs()
     }
 
+    fn filter() -> Filter {
+        Filter::new(&Params::factory(Kind::Gc), Terminals(resting()))
+    }
+
     #[test]
     fn k3_7_an_edge_counts_after_ten_ticks() {
-        let params = Params::factory(Kind::Gc);
-        let mut filter = Filter::new(&params, Terminals(resting()));
+        let mut filter = filter();
         let seen: Vec<bool> =
             (0..12).map(|_| filter.tick(Terminals(resting() | PRESSURE)).has(Input::HydraulicPressure)).collect();
         // P59 = 10 ms at a tick of 1 ms: nine ticks are not enough, the tenth is.
@@ -110,8 +113,7 @@ mod tests {
 
     #[test]
     fn p1_bounce_shorter_than_the_filter_is_not_seen() {
-        let params = Params::factory(Kind::Gc);
-        let mut filter = Filter::new(&params, Terminals(resting()));
+        let mut filter = filter();
         for tick in 0..200 {
             let level = if tick % 10 < 9 { PRESSURE } else { 0 };
             assert!(!filter.tick(Terminals(resting() | level)).has(Input::HydraulicPressure), "tick {tick}");
@@ -120,8 +122,7 @@ mod tests {
 
     #[test]
     fn b5_an_open_emergency_stop_circuit_is_an_emergency_stop() {
-        let params = Params::factory(Kind::Gc);
-        let mut filter = Filter::new(&params, Terminals(resting()));
+        let mut filter = filter();
         assert!(!filter.tick(Terminals(resting())).has(Input::EmergencyStop));
         let stopped = (0..10).map(|_| filter.tick(Terminals(0)).has(Input::EmergencyStop)).last();
         assert_eq!(stopped, Some(true));

@@ -15,10 +15,8 @@ impl Plant {
         // K5.15: red for an alarm that stops or blocks, yellow for a program that waits, green for work.
         on.set(Output::TowerRed, self.alarms.blocks_start());
         on.set(Output::TowerGreen, matches!(self.execution.phase, ControlPhase::Running | ControlPhase::Homing(_)));
-        on.set(
-            Output::TowerYellow,
-            matches!(self.execution.phase, ControlPhase::Holding | ControlPhase::Held | ControlPhase::Stopped),
-        );
+        let waits = matches!(self.execution.phase, ControlPhase::Holding | ControlPhase::Held | ControlPhase::Stopped);
+        on.set(Output::TowerYellow, waits);
         // K6.1, K2.4: an output without a port of its own stays off, and so does its lamp.
         let on = on.without(self.outputs.unusable);
         let mut terminals = self.machine.port_terminals();
@@ -33,11 +31,8 @@ impl Plant {
         (on, self.outputs.image.terminals) = self.outputs_now();
         self.outputs.on = on;
         let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
-        let wheel = if on.has(Output::Wheel) || self.machine.spindle_direction().is_some() {
-            self.output_wheel_rpm()
-        } else {
-            0.0
-        };
+        let turns = on.has(Output::Wheel) || self.machine.spindle_direction().is_some();
+        let wheel = if turns { self.output_wheel_rpm() } else { 0.0 };
         self.outputs.image.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
         let drive = if self.machine.drive_is_on() { self.spindles.analog_2_rpm } else { 0.0 };
         self.outputs.image.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));

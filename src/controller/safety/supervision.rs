@@ -9,6 +9,9 @@ use crate::defs::text::{LocalizedText, phrase};
 use crate::machine::{Consequence, MachineFinding};
 use crate::units::{Axis, Micros, PerAxis};
 
+/// The fault signals of the drives, by axis.
+const DRIVES: [Input; 3] = [Input::DriveX, Input::DriveY, Input::DriveZ];
+
 impl Plant {
     /// One tick of the machine logic.
     pub fn supervise_machine(&mut self) {
@@ -27,14 +30,13 @@ impl Plant {
         if !self.inputs.image.bus_alive {
             self.raise(alarm::BUS_LOST, None);
         }
-        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ];
         let limits = [
             (Input::LimitXPlus, Input::LimitXMinus),
             (Input::LimitYPlus, Input::LimitYMinus),
             (Input::LimitZPlus, Input::LimitZMinus),
         ];
-        let tripped = |axis: &Axis| self.inputs.filtered.has(drives[*axis as usize]);
-        let mut faults = PerAxis::from_fn(|axis| self.axes.is_present(axis) && tripped(&axis));
+        let tripped = |axis: Axis| self.inputs.filtered.has(DRIVES[axis as usize]);
+        let mut faults = PerAxis::from_fn(|axis| self.axes.is_present(axis) && tripped(axis));
         if faults.0.contains(&true) {
             // A crash trips all drives at once: report the moving axes.
             let moving = PerAxis::from_fn(|axis| faults[axis] && self.is_moving(axis));
@@ -83,7 +85,7 @@ impl Plant {
         let e_stop = self.machine.is_e_stopped();
         let bus = self.inputs.image.bus_alive;
         let (inputs, limits) = (self.inputs.filtered, self.inputs.limit_switches);
-        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ].into_iter().any(|input| inputs.has(input));
+        let drives = DRIVES.into_iter().any(|input| inputs.has(input));
         self.alarms.reset(|number| match number {
             alarm::EMERGENCY_STOP => e_stop,
             alarm::BUS_LOST => !bus,
@@ -101,11 +103,8 @@ impl Plant {
 
     pub fn raise_with_reaction(&mut self, number: u16, detail: Option<LocalizedText>, stopped: bool) {
         if !self.alarms.has(number) {
-            let place = self
-                .execution
-                .phase
-                .is_run_open()
-                .then_some((self.execution.current_block.program, self.execution.current_block.line));
+            let block = self.execution.current_block;
+            let place = self.execution.phase.is_run_open().then_some((block.program, block.line));
             self.alarms.raise(number, detail, self.now, place);
             if let Some(alarm) = self.alarms.present().last().filter(|_| self.outbox.message.since < self.now) {
                 let text = alarm.text.clone();
