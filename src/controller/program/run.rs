@@ -97,6 +97,7 @@ pub struct RunStart<'a> {
 
 /// Runs that are not open. A start takes one and an end gives it back, so that neither allocates nor frees.
 pub struct RunPool {
+    #[allow(clippy::vec_box, reason = "a run changes its owner without being moved or allocated")]
     free: Vec<Box<ProgramRun>>,
     no_program: (Arc<Source>, nc::SharedLibrary),
     settings: nc::NcSettings,

@@ -32,6 +32,7 @@ pub(crate) struct BlockContext<'r, 'w> {
 }
 
 /// How the program continues after a block of words.
+#[allow(clippy::large_enum_variant, reason = "a call of a macro allocates nothing")]
 pub(crate) enum FlowAction {
     /// The next block.
     Next,
