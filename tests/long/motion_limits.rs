@@ -7,7 +7,7 @@ use kt830::motion::{
     ArcDirection, AxisLimits, CornerMode, MAX_WORK_PER_TICK, MotionLimits, MotionSpeed, Move, MoveShape, Override,
     TrajectoryPlanner,
 };
-use kt830::units::{MachinePos, Plane};
+use kt830::units::{MachinePos, PerAxis, Plane};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
