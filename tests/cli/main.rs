@@ -20,4 +20,5 @@ mod serial_format;
 mod store_files;
 mod store_retained;
 mod story_lines;
+mod structure;
 mod tidy;
