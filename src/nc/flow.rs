@@ -108,41 +108,31 @@ pub(crate) struct Flow {
     counted_base: usize,
 }
 
-/// The local variables of the started program, with room for those of calls.
-fn main_level() -> Vec<Locals> {
-    let mut levels = Vec::with_capacity(USUAL_DEPTH);
-    levels.push([None; 33]);
-    levels
-}
-
 impl Flow {
     pub fn new(source: Arc<Source>) -> Self {
-        Self {
-            place: Place { at: source.line_start(0), ..Place::default() },
-            source,
-            restarted: false,
-            modal_call: None,
-            loops: [OpenLoop::default(); LOOP_DEPTH],
-            depth: 0,
-            call_stack: Vec::with_capacity(USUAL_DEPTH),
-            locals: main_level(),
-            counted_loops: Vec::with_capacity(USUAL_DEPTH),
-            counted_base: 0,
-        }
+        let (levels, loops) = (Vec::with_capacity(USUAL_DEPTH), Vec::with_capacity(USUAL_DEPTH));
+        Self::at_head(source, Vec::with_capacity(USUAL_DEPTH), levels, loops)
     }
 
     /// Starts at the head of another text. The memory of the stacks is kept.
     pub fn begin(&mut self, source: Arc<Source>) {
-        let (mut call_stack, mut locals, mut counted_loops) = (
-            std::mem::take(&mut self.call_stack),
-            std::mem::take(&mut self.locals),
-            std::mem::take(&mut self.counted_loops),
-        );
+        use std::mem::take;
+        let (levels, loops) = (take(&mut self.locals), take(&mut self.counted_loops));
+        *self = Self::at_head(source, take(&mut self.call_stack), levels, loops);
+    }
+
+    /// At the head of a text, with the memory of these stacks.
+    fn at_head(
+        source: Arc<Source>,
+        mut call_stack: Vec<CallFrame>,
+        mut locals: Vec<Locals>,
+        mut counted_loops: Vec<OpenCountedLoop>,
+    ) -> Self {
         call_stack.clear();
         counted_loops.clear();
         locals.clear();
         locals.push([None; 33]);
-        *self = Self {
+        Self {
             place: Place { at: source.line_start(0), ..Place::default() },
             source,
             restarted: false,
@@ -153,7 +143,7 @@ impl Flow {
             locals,
             counted_loops,
             counted_base: 0,
-        };
+        }
     }
 
     /// #1–#33 of the current call level.

@@ -52,6 +52,12 @@ impl Block {
         }
     }
 
+    /// An empty block of another program, in the same memory.
+    pub fn restart(&mut self, modals: ModalState) {
+        self.clear();
+        (self.location, self.modals) = (BlockLocation::default(), modals);
+    }
+
     pub(super) fn clear(&mut self) {
         self.ops.clear();
         self.used_variables.clear();

@@ -34,7 +34,7 @@ impl ActionStatus {
 pub enum Activity {
     /// No action in progress.
     Idle,
-    /// The axes are at rest and not yet in position since then.
+    /// The axes have been at rest since then, but are not in position yet.
     Settling { since: Micros },
     /// An M code was accepted and its unit has not settled yet.
     AwaitUnit,

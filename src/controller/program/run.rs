@@ -147,7 +147,7 @@ impl RunPool {
     pub fn open(&mut self, start: RunStart<'_>, now: Micros) -> Box<ProgramRun> {
         let mut run = self.free.pop().unwrap_or_else(|| Box::new(self.new_run()));
         let RunStart { program, settings, modals, memory, lookahead } = start;
-        run.block.modals = modals;
+        run.block.restart(modals);
         run.interpreter.begin(program, settings, memory);
         run.interpreter.set_modals(modals);
         run.lookahead = lookahead;
