@@ -4,6 +4,7 @@
 //! inside `motion`. Names end in the unit (`accel_mm_s2`) where no type states it.
 
 mod position;
+mod work_budget;
 
 use std::fmt;
 use std::ops::{Add, Index, IndexMut, Sub};
@@ -11,6 +12,7 @@ use std::ops::{Add, Index, IndexMut, Sub};
 use serde::{Deserialize, Serialize};
 
 pub use position::{DisplayPos, EncoderPos, MachinePos, Position, WorkPos};
+pub use work_budget::WorkBudget;
 
 /// Millimetres per inch.
 pub const MM_PER_INCH: f64 = 25.4;

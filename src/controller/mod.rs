@@ -30,6 +30,7 @@ use program::Program;
 
 pub use crate::nc::WorkOffsets;
 pub use panel::files;
+pub use plant::WORK_PER_TICK;
 pub use plant::system_variables::{PARAM_VARIABLES, nc_settings};
 pub use power_on::PowerOnState;
 pub use program::library::{Programs, StoredProgram};
@@ -49,7 +50,7 @@ impl Controller {
     /// A control at power-on.
     #[must_use]
     pub fn new(kind: Kind, retained: PowerOnState, image: InputImage, now: Micros) -> Self {
-        let (program, panel) = (Program::new(retained.interrupted), Panel::new(kind, retained.clock_offset_s));
+        let (program, panel) = (Program::new(kind, retained.interrupted), Panel::new(kind, retained.clock_offset_s));
         let mut plant = Plant::new(kind, retained, image, now);
         program.announce_interrupted(&mut plant);
         Self { plant, program, manual: Manual::default(), panel }
@@ -98,7 +99,7 @@ impl Controller {
 
     /// Replaces the programs after the folder changed.
     pub fn set_programs(&mut self, programs: Arc<Programs>, directory: Arc<Vec<DirectoryRow>>) {
-        self.program.restart = None;
+        self.program.abandon_restart();
         self.plant.work.programs = programs;
         self.panel.directory = directory;
     }

@@ -13,6 +13,13 @@ use crate::nc::BlockLocation;
 use crate::units::{Axis, MachinePos, Micros};
 
 impl Controller {
+    /// Work units of the last tick: reading of blocks, look-ahead and feed scaling. Counted, not timed, and never above
+    /// [`WORK_PER_TICK`](super::WORK_PER_TICK).
+    #[must_use]
+    pub const fn work_of_last_tick(&self) -> usize {
+        super::WORK_PER_TICK - self.plant.tick_budget.left()
+    }
+
     /// Why a command of the last tick was refused; `None` if all were executed.
     #[must_use]
     pub const fn refusal(&self) -> Option<&LocalizedText> {

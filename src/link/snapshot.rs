@@ -313,7 +313,7 @@ pub struct Snapshot {
     /// The active modal codes.
     pub modals: ModalView,
     /// The MDI line prepared for cycle start; empty if none.
-    pub prepared_mdi: Arc<str>,
+    pub prepared_mdi: String,
     /// Dressing point of each axis, machine coordinates, where it is set (K4.2).
     pub dressing_point: PerAxis<Option<f64>>,
     /// Number of the page files of a kind with its own grinding page; none where each program has a page.
@@ -453,7 +453,7 @@ impl Snapshot {
             offsets: [OffsetView::default(); OFFSET_COUNT],
             active_offset: 0,
             modals: ModalView::default(),
-            prepared_mdi: Arc::from(""),
+            prepared_mdi: String::new(),
             dressing_point: PerAxis::default(),
             kind_page: None,
             grinding_sheet: (0, 1),

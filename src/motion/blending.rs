@@ -7,8 +7,8 @@ use std::collections::VecDeque;
 use super::lookahead_window::MAX_WINDOW_MOVES;
 use super::queued_move::QueuedMove;
 use super::tolerance_band::{BandMove, ToleranceBand, corner_speed, cosine};
-use super::work_budget::WorkBudget;
 use super::{CornerMode, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
+use crate::units::WorkBudget;
 
 /// Below this tolerance, mm, corners are exact stops: the curve through the set-points itself needs 0.5 µm.
 const MIN_TOLERANCE_MM: f64 = 0.001;

@@ -7,14 +7,16 @@
 
 use super::MotionLimits;
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
-use crate::units::Axis;
+use crate::units::{Axis, WorkBudget};
 
 /// Rate changes tried, as fractions of the fastest possible on a straight line; the first valid one is used.
 const RATE_CHANGE_FRACTIONS: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2, 0.12, 0.07, 0.035, 0.015];
 /// The target itself, then the fractions of it that are tried if it cannot be reached.
 const TARGET_FRACTIONS: [f64; 3] = [1.0, 0.97, 0.85];
-/// Maximum number of simulated ticks per tick; then no further candidate is tried.
-const MAX_STEPS_PER_TICK: usize = 1_200;
+/// Work units of a simulated tick.
+const STEP_WORK: usize = 40;
+/// Maximum work units per tick; then no further candidate is tried.
+pub const MAX_FEED_SCALING_WORK: usize = 1_200 * STEP_WORK;
 /// Maximum simulated length of a candidate, ticks.
 const MAX_CANDIDATE_TICKS: usize = 4_096;
 /// Number of set-points ahead whose speed sets the scale of the candidates.
@@ -82,6 +84,18 @@ struct RateSegment {
     bend: f64,
 }
 
+/// What a change of rate is checked against.
+pub struct SetpointsAhead<'a> {
+    /// The set-points.
+    pub buffer: &'a SetpointBuffer,
+    /// Where the buffer is followed now.
+    pub spot: BufferPosition,
+    /// The last set-points.
+    pub past: &'a SetpointHistory,
+    /// The limits of every set-point.
+    pub limits: &'a DifferenceLimits,
+}
+
 /// The rate at which the buffer is followed.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedScaling {
@@ -144,21 +158,26 @@ impl FeedScaling {
         way.max(0.0)
     }
 
-    /// Starts the fastest change to `target` (0 to 1) that keeps every limit from `spot` to its end. `past`: the last
-    /// set-points. If no candidate is valid in this tick, the rate continues as before; call again in the next tick.
+    /// Starts the fastest change to `target` (0 to 1) that keeps every limit on the set-points ahead. If no candidate is valid in this tick, the rate continues as before; call again in the next tick.
     ///
     /// Where the buffer is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
     /// slightly lower rate ([`TARGET_FRACTIONS`]) is used on the way up.
-    pub fn change_to(
+    pub fn change_to(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+        let (slope, bend) = scales(ahead);
+        let mut share = budget.share(MAX_FEED_SCALING_WORK);
+        let granted = share.left();
+        self.try_changes(target, (slope, bend), ahead, &mut share);
+        budget.spend(granted - share.left());
+    }
+
+    /// Tries candidates until one is valid or the budget is spent.
+    fn try_changes(
         &mut self,
         target: f64,
-        buffer: &SetpointBuffer,
-        spot: BufferPosition,
-        past: &SetpointHistory,
-        limits: &DifferenceLimits,
+        (slope, bend): (f64, f64),
+        ahead: &SetpointsAhead<'_>,
+        budget: &mut WorkBudget,
     ) {
-        let (slope, bend) = scales(buffer, spot, limits);
-        let mut runs_left = MAX_STEPS_PER_TICK;
         for _ in 0..RATE_CHANGE_FRACTIONS.len() * TARGET_FRACTIONS.len() {
             let near = target * TARGET_FRACTIONS[self.next_try / RATE_CHANGE_FRACTIONS.len()];
             let part = RATE_CHANGE_FRACTIONS[self.next_try % RATE_CHANGE_FRACTIONS.len()];
@@ -166,11 +185,11 @@ impl FeedScaling {
             let closer = (near - target).abs() <= 0.0 || (near > self.rate && near > self.target);
             if closer {
                 let candidate = self.candidate_to(near, part * slope, part * bend);
-                if candidate.keeps_limits(buffer, spot, past, limits, &mut runs_left) {
+                if candidate.keeps_limits(ahead, budget) {
                     *self = Self { next_try: 0, ..candidate };
                     return;
                 }
-                if runs_left == 0 {
+                if budget.is_spent() {
                     return;
                 }
             }
@@ -195,18 +214,12 @@ impl FeedScaling {
         Self { segments: legs, target, ..*self }
     }
 
-    fn keeps_limits(
-        mut self,
-        buffer: &SetpointBuffer,
-        mut spot: BufferPosition,
-        past: &SetpointHistory,
-        limits: &DifferenceLimits,
-        left: &mut usize,
-    ) -> bool {
+    fn keeps_limits(mut self, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) -> bool {
+        let &SetpointsAhead { buffer, mut spot, past, limits } = ahead;
         let mut seen = *past;
         let mut tail = 0;
         for _ in 0..MAX_CANDIDATE_TICKS {
-            *left = left.saturating_sub(1);
+            budget.spend(STEP_WORK);
             spot = spot.later(self.advance());
             // A rate below zero or above one is invalid, and set-points not appended yet cannot be checked.
             let unknown = buffer.is_open() && spot.tick + 3 > buffer.end();
@@ -227,7 +240,7 @@ impl FeedScaling {
 }
 
 /// Maximum slope and bend of the rate by acceleration and jerk limits at the highest speed ahead.
-fn scales(buffer: &SetpointBuffer, spot: BufferPosition, limits: &DifferenceLimits) -> (f64, f64) {
+fn scales(&SetpointsAhead { buffer, spot, limits, .. }: &SetpointsAhead<'_>) -> (f64, f64) {
     let mut speed = [1e-9; 3];
     let mut last = buffer.setpoint(spot.tick.saturating_sub(1)).position;
     for number in 0..SCALE_SETPOINTS {

@@ -16,7 +16,7 @@ use super::feed_scaling::{DifferenceLimits, SetpointHistory};
 use super::smoother::{CurveSmoother, MAX_CONTROL_POINTS};
 use super::speed_optimizer::{KnotLimits, LEAD_KNOTS, SpeedOptimizer};
 use super::tolerance_band::ToleranceBand;
-use super::work_budget::WorkBudget;
+use crate::units::WorkBudget;
 
 /// Maximum number of moves in a window.
 pub const MAX_WINDOW_MOVES: usize = 320;

@@ -27,14 +27,13 @@ mod speed_optimizer;
 mod thread;
 mod tolerance_band;
 mod trajectory;
-mod work_budget;
 
 pub use axis_mover::{AxisMover, EMERGENCY_JERK_FACTOR};
 pub use profile::AxisLimits;
 pub use queued_move::MAX_QUEUED_MOVES;
 pub use setpoint_planner::MAX_WORK_PER_TICK;
 pub use thread::{ThreadMover, ThreadPass};
-pub use trajectory::{MAX_FINISHED_TAGS, TrajectoryPlanner};
+pub use trajectory::{MAX_FINISHED_TAGS, MAX_TRAJECTORY_WORK, TrajectoryPlanner};
 
 use crate::units::{MachinePos, PerAxis, Plane};
 

@@ -12,8 +12,8 @@ use super::point_to_point::PointToPointMove;
 use super::queued_move::{MAX_QUEUED_MOVES, MoveQueue, QueuedMove};
 use super::setpoint_buffer::{BUFFER_CAPACITY, BufferPosition, NominalSetpoint, SetpointBuffer};
 use super::tolerance_band::ToleranceBand;
-use super::work_budget::WorkBudget;
 use super::{AxisLimits, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
+use crate::units::WorkBudget;
 use handover::{COST_POINT, WindowJob};
 
 /// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
@@ -156,12 +156,19 @@ impl SetpointPlanner {
         self.work
     }
 
-    /// Plans for one tick and appends set-points to the buffer.
-    pub fn tick(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) {
+    /// Plans for one tick within the budget and appends set-points to the buffer.
+    pub fn tick(
+        &mut self,
+        moves: &mut MoveQueue,
+        buffer: &mut SetpointBuffer,
+        request: PlanRequest,
+        tick_budget: &mut WorkBudget,
+    ) {
         let spot = request.spot;
         let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, buffer, spot));
         let units = if calm { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK };
-        let mut budget = WorkBudget::new(units);
+        let mut budget = tick_budget.share(units);
+        let granted = budget.left();
         self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };
         self.last_queue_length = moves.len();
         for _ in 0..EMPTY_MOVES_PER_TICK {
@@ -184,7 +191,8 @@ impl SetpointPlanner {
                 break;
             }
         }
-        self.work = units - budget.left();
+        self.work = granted - budget.left();
+        tick_budget.spend(self.work);
     }
 
     /// Applies a feed override above 100 % to an active stroke at once.

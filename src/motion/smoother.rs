@@ -7,7 +7,7 @@
 //! factored once, then a projection of each knot into the band. Every pass can be interrupted and resumed at any knot.
 
 use super::tolerance_band::{AxisBounds, NearestPoint, ToleranceBand};
-use super::work_budget::WorkBudget;
+use crate::units::WorkBudget;
 
 /// Maximum number of control points.
 pub const MAX_CONTROL_POINTS: usize = 640;

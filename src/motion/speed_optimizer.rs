@@ -11,7 +11,7 @@ mod newton;
 mod terms;
 
 use super::smoother::MAX_CONTROL_POINTS;
-use super::work_budget::WorkBudget;
+use crate::units::WorkBudget;
 use terms::LimitTerms;
 
 /// Upper limit of b, so that a curve without active limits has a solution.

@@ -8,14 +8,16 @@
 
 use std::collections::VecDeque;
 
-use super::feed_scaling::{DifferenceLimits, FeedScaling, SetpointHistory};
+use super::feed_scaling::{DifferenceLimits, FeedScaling, MAX_FEED_SCALING_WORK, SetpointHistory, SetpointsAhead};
 use super::path_segment::PathSegment;
 use super::queued_move::{MAX_QUEUED_MOVES, QueuedMove};
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
-use super::setpoint_planner::{PlanRequest, SetpointPlanner};
+use super::setpoint_planner::{MAX_WORK_PER_TICK, PlanRequest, SetpointPlanner};
 use super::{MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
-use crate::units::{MachinePos, PerAxis};
+use crate::units::{MachinePos, PerAxis, WorkBudget};
 
+/// Maximum work units of look-ahead and feed scaling per tick.
+pub const MAX_TRAJECTORY_WORK: usize = MAX_WORK_PER_TICK + MAX_FEED_SCALING_WORK;
 /// Maximum number of finished tags kept for [`TrajectoryPlanner::pop_finished`]; older tags are dropped.
 pub const MAX_FINISHED_TAGS: usize = 1_024;
 /// After this many ticks without reaching the requested rate, the rest of the plan is appended up to its end at rest.
@@ -115,8 +117,14 @@ impl TrajectoryPlanner {
         if self.aborting { 0 } else { MAX_QUEUED_MOVES - self.moves.len() }
     }
 
-    /// Advances by one tick and returns the set-point at its end.
+    /// Advances by one tick and returns the set-point at its end. The work is within [`MAX_TRAJECTORY_WORK`].
     pub fn tick(&mut self, requested: Override) -> Setpoint {
+        self.tick_within(requested, &mut WorkBudget::new(MAX_TRAJECTORY_WORK))
+    }
+
+    /// As [`Self::tick`]; the work is charged to a budget that other parts of the tick share. With less than
+    /// [`MAX_TRAJECTORY_WORK`] left the set-points are the same as long as planning keeps ahead of them.
+    pub fn tick_within(&mut self, requested: Override, budget: &mut WorkBudget) -> Setpoint {
         let requested = Override {
             feed: clamp_factor(requested.feed, MAX_FEED_OVERRIDE),
             rapid: clamp_factor(requested.rapid, 1.0),
@@ -131,9 +139,9 @@ impl TrajectoryPlanner {
                 braking: self.unmet_ticks > if self.held { 0 } else { MAX_UNMET_TICKS },
                 catching_up: !self.held && self.wanted_rate(requested) > self.feed_scaling.target(),
             };
-            self.planner.tick(&mut self.moves, &mut self.buffer, request);
+            self.planner.tick(&mut self.moves, &mut self.buffer, request, budget);
         }
-        self.adjust_rate(requested);
+        self.adjust_rate(requested, budget);
         let ahead = self.feed_scaling.advance();
         self.buffer_position = self.buffer_position.later(ahead);
         let resting = self.buffer.rest_position();
@@ -276,7 +284,7 @@ impl TrajectoryPlanner {
     }
 
     /// Starts a change to the requested rate.
-    fn adjust_rate(&mut self, requested: Override) {
+    fn adjust_rate(&mut self, requested: Override, budget: &mut WorkBudget) {
         let target = self.wanted_rate(requested);
         if (target - self.feed_scaling.target()).abs() <= 0.0 {
             self.unmet_ticks = 0;
@@ -287,7 +295,13 @@ impl TrajectoryPlanner {
             self.feed_scaling = FeedScaling::steady(target);
             self.unmet_ticks = 0;
         } else {
-            self.feed_scaling.change_to(target, &self.buffer, self.buffer_position, &self.history, &self.steps);
+            let ahead = SetpointsAhead {
+                buffer: &self.buffer,
+                spot: self.buffer_position,
+                past: &self.history,
+                limits: &self.steps,
+            };
+            self.feed_scaling.change_to(target, &ahead, budget);
             let met = (target - self.feed_scaling.target()).abs() <= RATE_MET_TOLERANCE;
             self.unmet_ticks = if met { 0 } else { self.unmet_ticks.saturating_add(1) };
         }
@@ -311,7 +325,11 @@ impl TrajectoryPlanner {
         }
     }
 
-    fn discard_moves(&mut self) {
+    /// Discards every move; the axes stay where they are and a hold stays active.
+    ///
+    /// # Panics
+    /// When the axes are not at rest: a bug of the caller.
+    pub fn discard_moves(&mut self) {
         self.reset_to(self.position());
     }
 

@@ -7,11 +7,11 @@ use std::sync::Arc;
 use super::common_variables::CommonVariables;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
-use super::interpreter::{Block, Interpreter};
+use super::interpreter::{BLOCK_WORK, Block, Interpreter};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
-use crate::units::WorkPos;
+use crate::units::{WorkBudget, WorkPos};
 
 /// Most mistakes, and most warnings, that are collected.
 pub const MAX_FAULTS: usize = 1_000;
@@ -43,6 +43,17 @@ pub struct CheckReport {
     pub finished: bool,
 }
 
+impl CheckReport {
+    /// Empties the report and keeps its memory.
+    fn clear(&mut self) {
+        let Self { mut faults, mut warnings, mut repeated_blocks, .. } = std::mem::take(self);
+        faults.clear();
+        warnings.clear();
+        repeated_blocks.clear();
+        *self = Self { faults, warnings, repeated_blocks, ..Self::default() };
+    }
+}
+
 /// Checks a program from a cold start.
 #[must_use]
 pub fn check(source: &Arc<Source>, library: &SharedLibrary, settings: &NcSettings) -> CheckReport {
@@ -62,7 +73,7 @@ pub fn check_syntax(source: &Arc<Source>, settings: &NcSettings) -> Vec<ProgramF
         E::LoopUnpaired,
     ];
     let (mut unread, mut faults) = (UnexecutedLines::new(source.line_count()), Vec::new());
-    while unread.advance((source, settings), None, u32::MAX, &mut |fault| faults.push(fault)) {}
+    while unread.advance((source, settings), None, &mut WorkBudget::unlimited(), &mut |fault| faults.push(fault)) {}
     faults.retain(|fault: &ProgramFault| !ELSEWHERE.contains(&fault.error));
     faults
 }
@@ -81,6 +92,15 @@ struct LoopCheckpoint {
     line: u32,
     /// The line (from 0) of the last backward jump since.
     jump_back_line: Option<u32>,
+}
+
+impl LoopCheckpoint {
+    /// At the head of a program, in the same memory. The variables count from the first repetition on.
+    fn clear(&mut self) {
+        let Self { repeating, totals, variables: _, shown_blocks, faults, line, jump_back_line } = self;
+        (*repeating, *totals, *jump_back_line) = (false, RunTotals::default(), None);
+        (*shown_blocks, *faults, *line) = (0, 0, 0);
+    }
 }
 
 /// A check in progress: follows the program without a machine, then reads the lines that were not executed.
@@ -135,6 +155,36 @@ impl ProgramCheck {
         }
     }
 
+    /// Starts at the head of another program, in the memory of this check.
+    pub fn begin(
+        &mut self,
+        (source, library): (Arc<Source>, SharedLibrary),
+        settings: &NcSettings,
+        memory: &CommonVariables,
+    ) {
+        self.unread.begin(source.line_count());
+        self.source = Arc::clone(&source);
+        self.interpreter.begin((source, library), settings.clone(), memory);
+        self.settings = settings.clone();
+        self.block.restart(*self.interpreter.modals());
+        self.report.clear();
+        self.reported.clear();
+        self.checkpoint.clear();
+        (self.run_over, self.word_left_out) = (false, false);
+        (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
+    }
+
+    /// Takes memory for a program of this many lines.
+    pub(crate) fn reserve_lines(&mut self, lines: usize) {
+        self.unread = UnexecutedLines::with_capacity(lines);
+    }
+
+    /// Lets go of the program; another takes its place.
+    pub fn leave(&mut self, program: (Arc<Source>, SharedLibrary)) {
+        self.source = Arc::clone(&program.0);
+        self.interpreter.leave(program);
+    }
+
     /// Sets how many blocks without a new line make a loop endless; the check stops at the first such loop.
     #[must_use]
     pub const fn with_standstill_limit(mut self, blocks: u32) -> Self {
@@ -152,7 +202,7 @@ impl ProgramCheck {
 
     /// As [`Self::run`], until `sink` returns false; the check is then not finished.
     pub fn run_until(mut self, world: &mut OfflineMachine, sink: &mut dyn FnMut(&Block) -> bool) -> CheckReport {
-        while self.advance(world, sink, u32::MAX) {}
+        while self.advance(world, sink, &mut WorkBudget::unlimited()) {}
         self.into_report(world)
     }
 
@@ -177,17 +227,23 @@ impl ProgramCheck {
         found
     }
 
-    /// Continues for at most `most` blocks or lines; `false` when the check is over or `sink` returned false.
-    pub fn advance(&mut self, world: &mut OfflineMachine, sink: &mut dyn FnMut(&Block) -> bool, most: u32) -> bool {
+    /// Continues until the budget is spent on blocks and lines; `false` when the check is over or `sink` returned false.
+    pub fn advance(
+        &mut self,
+        world: &mut OfflineMachine,
+        sink: &mut dyn FnMut(&Block) -> bool,
+        budget: &mut WorkBudget,
+    ) -> bool {
         if self.run_over {
             let mut faults = Vec::new();
             let library = Arc::clone(&self.interpreter.library);
             let text = (&*self.source, &self.settings);
-            let more = self.unread.advance(text, Some(&*library), most, &mut |fault| faults.push(fault));
+            let more = self.unread.advance(text, Some(&*library), budget, &mut |fault| faults.push(fault));
             faults.into_iter().for_each(|fault| self.add_fault(fault));
             return more;
         }
-        for _ in 0..most {
+        while !budget.is_spent() {
+            budget.spend(BLOCK_WORK);
             if self.interpreter.ended {
                 return self.finish_run(true);
             }
@@ -267,7 +323,7 @@ impl ProgramCheck {
         self.add_warning(ProgramFault::new(source.title(), place, 1, wrong));
         let LoopCheckpoint { totals: come, variables: memory, shown_blocks: shown, faults, .. } = &self.checkpoint;
         world.restore_totals(*come);
-        self.interpreter.common_variables = memory.clone();
+        self.interpreter.common_variables.clone_from(memory);
         if *shown < self.shown_blocks {
             self.report.repeated_blocks.push(*shown..self.shown_blocks);
         }

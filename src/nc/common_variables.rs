@@ -18,7 +18,7 @@ pub enum VariableError {
 }
 
 /// The common variables. A variable without a value is null.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct CommonVariables {
     // Null is stored as NaN; `set` refuses NaN as a value.
     values: Box<[f64]>,
@@ -30,12 +30,18 @@ impl Default for CommonVariables {
     }
 }
 
-impl CommonVariables {
-    /// Takes over all values of `other`, in place.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.values.copy_from_slice(&other.values);
+impl Clone for CommonVariables {
+    fn clone(&self) -> Self {
+        Self { values: self.values.clone() }
     }
 
+    /// Takes over all values in place.
+    fn clone_from(&mut self, other: &Self) {
+        self.values.copy_from_slice(&other.values);
+    }
+}
+
+impl CommonVariables {
     /// Whether a number is a common variable: 100–433 and 500–999.
     #[must_use]
     pub const fn contains(number: u32) -> bool {

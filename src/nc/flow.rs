@@ -21,7 +21,7 @@ pub(crate) type Locals = [Value; 33];
 pub(crate) struct ModalCall {
     pub program: u32,
     pub times: u32,
-    pub arguments: Box<Locals>,
+    pub arguments: Locals,
 }
 
 /// The kind of a call: a subprogram shares its caller's local variables, a macro has its own.
@@ -83,7 +83,7 @@ struct CallFrame {
     depth: usize,
     repeats_left: u32,
     callee: Callee,
-    modal_call: Option<Arc<ModalCall>>,
+    modal_call: Option<ModalCall>,
     /// Number of counted loops that belong to the caller's callers.
     counted_base: usize,
     /// The first block number of a subprogram in the same text.
@@ -98,7 +98,7 @@ pub(crate) struct Flow {
     /// M99 restarted the main program.
     pub restarted: bool,
     /// The active G66 call.
-    pub modal_call: Option<Arc<ModalCall>>,
+    pub modal_call: Option<ModalCall>,
     loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
     call_stack: Vec<CallFrame>,

@@ -1,5 +1,6 @@
 //! The interpreter: one block at a time, from text to operations. Source: spec B1, B3.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::common_variables::{CommonVariables, VariableError};
@@ -19,9 +20,13 @@ use super::statement::{self, BlockContent, BlockReader};
 use super::words::BlockWords;
 use crate::defs::program_number;
 use crate::defs::system_variable::{self as system_variable, VariableAccess};
+use crate::defs::text::arg::Arg;
+use crate::units::WorkBudget;
 
 /// Most blocks that one call of `next` reads.
 pub const MAX_BLOCKS_PER_CALL: usize = 1_000;
+/// Work units of reading a block, by trial (`cargo bench --bench nc`).
+pub const BLOCK_WORK: usize = 500;
 
 /// The operations of one block.
 #[derive(Clone, Debug)]
@@ -139,12 +144,14 @@ impl Interpreter {
     pub fn begin(&mut self, program: (Arc<Source>, SharedLibrary), settings: NcSettings, memory: &CommonVariables) {
         self.flow.begin(program.0);
         self.library = program.1;
-        self.common_variables.copy_from(memory);
+        self.common_variables.clone_from(memory);
         self.modals = ModalState::new(&settings);
         self.settings = settings;
         (self.ended, self.second_half, self.condition_changed) = (false, false, false);
         self.last_block_number = None;
         self.pending_cycle = None;
+        self.null_uses.iter_mut().for_each(Vec::clear);
+        self.warnings.iter_mut().for_each(Vec::clear);
     }
 
     /// Lets go of the program and its library; others take their place.
@@ -197,13 +204,27 @@ impl Interpreter {
     /// # Errors
     /// The program's mistake. Nothing of the block was done; another call returns the same fault.
     pub fn next(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> Result<NextStatus, ProgramFault> {
+        self.next_within(world, block, &mut WorkBudget::new(MAX_BLOCKS_PER_CALL * BLOCK_WORK))
+    }
+
+    /// As [`Self::next`]; every block read is charged to the budget. `NextStatus::Busy` when it is spent.
+    ///
+    /// # Errors
+    /// As [`Self::next`].
+    pub fn next_within(
+        &mut self,
+        world: &mut dyn ExternalState,
+        block: &mut Block,
+        budget: &mut WorkBudget,
+    ) -> Result<NextStatus, ProgramFault> {
         block.clear();
         if self.ended {
             return Ok(NextStatus::End);
         }
         // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it twice within a tick gives the same result.
         let mut idle = false;
-        for _ in 0..MAX_BLOCKS_PER_CALL {
+        while !budget.is_spent() {
+            budget.spend(BLOCK_WORK);
             let from = self.flow.place.at;
             match self.step(world, block) {
                 Ok(StepStatus::Empty) => {
@@ -362,7 +383,7 @@ impl Interpreter {
                 self.advance_past_block(cursor);
             }
             BlockContent::Assign { variable, value, at, text: comment } => {
-                self.assign(variable, value, at, comment.and_then(|range| text.get(range)), block)?;
+                self.assign(variable, value, at, comment, block)?;
                 self.advance_past_block(cursor);
             }
             BlockContent::Goto { n, at } => self.flow.go_to_block(n, at)?,
@@ -371,8 +392,7 @@ impl Interpreter {
                 if holds { self.flow.go_to_line(line) } else { self.advance_past_block(cursor) }
             }
             BlockContent::DisplayMessage { text: said } => {
-                let text = self.flow.source.decode(text.get(said).unwrap_or_default()).into_boxed_str();
-                block.ops.push(Op::DisplayMessage { text });
+                block.ops.push(Op::DisplayMessage { text: self.flow.source.message_text(said) });
                 self.advance_past_block(cursor);
             }
             BlockContent::While { holds, number, at } => {
@@ -419,7 +439,7 @@ impl Interpreter {
                 if let Some(modal) = &modal {
                     self.find_program(modal.program, self.flow.place.at)?;
                 }
-                self.flow.modal_call = modal.map(Arc::from);
+                self.flow.modal_call = modal;
                 self.advance_past_block(cursor);
             }
             FlowAction::Contour(cycle) => {
@@ -447,12 +467,12 @@ impl Interpreter {
     /// Goes to the next block. After a block with motion, calls the macro of G66 first.
     #[inline]
     fn call_modal_macro(&mut self, moves: bool, cursor: &Cursor<'_>) -> ReadResult<()> {
-        let modal = self.flow.modal_call.clone().filter(|_| moves);
+        let modal = if moves { self.flow.modal_call.clone() } else { None };
         let at = self.flow.place.at;
         let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
         self.advance_past_block(cursor);
         if let (Some(modal), Some(source)) = (modal, source) {
-            let callee = Callee::Macro(*modal.arguments);
+            let callee = Callee::Macro(modal.arguments);
             let limit = (dialect::rules(self.settings.dialect).call_limit)(&callee);
             self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
         }
@@ -529,7 +549,7 @@ impl Interpreter {
         variable: u32,
         value: Value,
         at: usize,
-        comment: Option<&[u8]>,
+        comment: Option<Range<usize>>,
         block: &mut Block,
     ) -> ReadResult<()> {
         let name = || format!("#{variable}");
@@ -539,7 +559,7 @@ impl Interpreter {
                 self.condition_changed = true;
             }
             3000 | 3006 => {
-                let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
+                let text = comment.map_or(Arg::None, |range| self.flow.source.message_text(range));
                 let value = value.unwrap_or(0.0);
                 let Some(number) = super::functions::whole_number(value).filter(|number| (0..=999).contains(number))
                 else {

@@ -42,7 +42,6 @@ pub use external_state::{ExternalState, LiveValue, OfflineMachine};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Block, Interpreter, NextStatus};
 pub use modal::{ModalState, MotionMode};
-pub use offline_run::ADVANCE_PER_CALL;
 pub use op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
 pub use op_effect::{
     ArcMove, CoordinateChange, MCodeWords, MotionSegment, OpEffect, OpMotion, OscillationChange, ProgramMessage,

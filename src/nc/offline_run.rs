@@ -4,17 +4,15 @@ use std::sync::Arc;
 
 use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
-use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
+use super::interpreter::{BLOCK_WORK, Block, Interpreter, NextStatus, StepStatus};
 use super::op::Op;
 use crate::defs::text::arg::Arg;
-
-/// Most blocks that one call of `advance_to` reads.
-pub const ADVANCE_PER_CALL: usize = 2_000;
+use crate::units::WorkBudget;
 
 impl Interpreter {
     /// Reads without a machine until a line (from 1) of the started program is next. The modal state is then in
-    /// [`Self::modals`], the position in `world`. `sink` gets all operations. At most [`ADVANCE_PER_CALL`] blocks.
-    /// `NextStatus::Block`: line reached. `NextStatus::Busy`: call again. `NextStatus::End`: the program ends before the line.
+    /// [`Self::modals`], the position in `world`. `sink` gets all operations.
+    /// `NextStatus::Block`: line reached. `NextStatus::Busy`: the budget is spent, call again. `NextStatus::End`: the program ends before the line.
     ///
     /// # Errors
     /// A mistake in the blocks up to the line.
@@ -23,9 +21,11 @@ impl Interpreter {
         line: u32,
         world: &mut OfflineMachine,
         sink: &mut dyn FnMut(&Op),
+        budget: &mut WorkBudget,
     ) -> Result<NextStatus, ProgramFault> {
         let mut block = Block::new(&self.settings);
-        for _ in 0..ADVANCE_PER_CALL {
+        while !budget.is_spent() {
+            budget.spend(BLOCK_WORK);
             let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
             if there && self.flow.is_main() && !self.ended {
                 return Ok(NextStatus::Block);

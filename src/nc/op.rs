@@ -2,6 +2,7 @@
 //! Lengths are radius millimetres in active work coordinates. Feeds are true slide travel. Source: spec T4, K1.
 
 use crate::defs::mcode::{self, MCodeAction};
+use crate::defs::text::arg::Arg;
 use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
 /// A set of axes.
@@ -200,11 +201,11 @@ pub enum Op {
     /// Writes a system variable (#434–#439, #1100…, #2001…, #3001…, #3901…).
     SetSystemVariable { number: u32, value: Option<f64> },
     /// `#3000=n(text)`: raises alarm 3000–3999 and stops.
-    Alarm { number: u32, text: Box<str> },
+    Alarm { number: u32, text: Arg },
     /// MSG: a text that is shown until the next one; an empty text clears it.
-    DisplayMessage { text: Box<str> },
+    DisplayMessage { text: Arg },
     /// `#3006=n(text)`: stops with a message; cycle start continues.
-    StopWithMessage { number: u32, text: Box<str> },
+    StopWithMessage { number: u32, text: Arg },
 }
 
 impl Op {

@@ -6,6 +6,7 @@ use super::op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedM
 use super::work_offsets::WorkOffsets;
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, SwitchedUnit};
+use crate::defs::text::arg::Arg;
 use crate::units::{Axis, MachinePos, PerAxis, Plane, WorkPos};
 
 /// What an operation does. Lengths are radius millimetres.
@@ -152,11 +153,11 @@ pub struct MCodeWords {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProgramMessage<'a> {
     /// Raises an alarm, 3000–3999, and stops.
-    Alarm(u32, &'a str),
+    Alarm(u32, &'a Arg),
     /// Stops until cycle start; the number is 0–999.
-    Stop(u32, &'a str),
+    Stop(u32, &'a Arg),
     /// Shows a text until the next one.
-    Show(&'a str),
+    Show(&'a Arg),
 }
 
 impl Op {

@@ -53,9 +53,9 @@ impl Op {
             OpEffect::Variable(number, value) | OpEffect::SystemVariable(number, value) => {
                 put_both(put, ("variable", json!(number)), ("value", json!(value)));
             }
-            OpEffect::Message(ProgramMessage::Show(text)) => put("text", json!(text)),
+            OpEffect::Message(ProgramMessage::Show(text)) => put("text", json!(text.as_name())),
             OpEffect::Message(ProgramMessage::Alarm(number, text) | ProgramMessage::Stop(number, text)) => {
-                put_both(put, ("number", json!(number)), ("text", json!(text)));
+                put_both(put, ("number", json!(number)), ("text", json!(text.as_name())));
             }
         }
     }

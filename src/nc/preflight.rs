@@ -12,23 +12,27 @@ use super::common_variables::CommonVariables;
 use super::dialect::{self, PreflightScope};
 use super::external_state::OfflineMachine;
 use super::fault::ProgramFault;
-use super::settings::NcSettings;
+use super::settings::{Dialect, NcSettings};
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
+use crate::units::WorkBudget;
 
-/// Blocks or lines per call.
-const BLOCKS_PER_CALL: u32 = 500;
 /// Blocks without a new line after which a loop counts as endless; they take 0.2 s.
 const STANDSTILL_BLOCKS: u32 = 100_000;
 /// Most texts that are read for one program.
 const MAX_TEXTS: usize = 100;
 
-/// A preflight check in progress.
-pub struct ProgramPreflight(PreflightMethod);
+/// Lines and calls of a program for which memory is taken at power-on. A longer one takes more when it is first started.
+const USUAL_LINES: usize = 16_384;
 
-enum PreflightMethod {
-    FullRun(Box<ProgramCheck>, Box<OfflineMachine>),
-    TextOnly(Box<TextPreflight>),
+/// The preflight of one program after another, in the same memory.
+pub struct ProgramPreflight {
+    /// Memory of both methods; the dialect of the program chooses one.
+    check: ProgramCheck,
+    world: OfflineMachine,
+    texts: TextPreflight,
+    scope: PreflightScope,
+    no_variables: CommonVariables,
 }
 
 /// Syntax check of a program's text and the texts that it calls.
@@ -55,57 +59,84 @@ pub enum PreflightStatus {
 }
 
 impl ProgramPreflight {
-    /// Starts a preflight; none for a dialect that has none. `world` is the state at program start.
+    /// Takes the memory. The program stands in until the first one begins.
     #[must_use]
-    pub fn new(
-        source: &Arc<Source>,
-        library: &SharedLibrary,
-        settings: &NcSettings,
-        world: OfflineMachine,
-    ) -> Option<Self> {
-        Some(Self(match dialect::rules(settings.dialect).preflight_scope {
-            PreflightScope::FullRun => {
-                let checking = ProgramCheck::new(source, library, settings, CommonVariables::default())
-                    .with_standstill_limit(STANDSTILL_BLOCKS);
-                PreflightMethod::FullRun(Box::new(checking), Box::new(world))
-            }
-            PreflightScope::TextOnly => PreflightMethod::TextOnly(Box::new(TextPreflight {
-                settings: settings.clone(),
-                library: Arc::clone(library),
-                source: Arc::clone(source),
-                unread: UnexecutedLines::new(source.line_count()),
-                pending_programs: Vec::new(),
-                visited_programs: HashSet::from([source.number()]),
-                text_checked: false,
-            })),
-            PreflightScope::Unsupported => return None,
-        }))
+    pub fn new(program: &(Arc<Source>, SharedLibrary), settings: &NcSettings) -> Self {
+        let (source, library) = program;
+        let no_variables = CommonVariables::default();
+        let mut check =
+            ProgramCheck::new(source, library, settings, no_variables.clone()).with_standstill_limit(STANDSTILL_BLOCKS);
+        check.reserve_lines(USUAL_LINES);
+        let texts = TextPreflight {
+            settings: settings.clone(),
+            library: Arc::clone(library),
+            source: Arc::clone(source),
+            unread: UnexecutedLines::with_capacity(USUAL_LINES),
+            pending_programs: Vec::with_capacity(MAX_TEXTS),
+            visited_programs: HashSet::with_capacity(MAX_TEXTS),
+            text_checked: false,
+        };
+        let world = OfflineMachine::new(settings);
+        Self { check, world, texts, scope: PreflightScope::Unsupported, no_variables }
     }
 
-    /// Checks the next piece.
-    pub fn advance(&mut self) -> PreflightStatus {
-        match &mut self.0 {
-            PreflightMethod::FullRun(checking, world) => {
-                let more = checking.advance(world, &mut |_| true, BLOCKS_PER_CALL);
-                match checking.faults().first() {
+    /// Whether programs of a dialect have a preflight.
+    #[must_use]
+    pub fn is_supported(dialect: Dialect) -> bool {
+        dialect::rules(dialect).preflight_scope != PreflightScope::Unsupported
+    }
+
+    /// Begins with a program. `world` is the state at its start.
+    pub fn begin(&mut self, program: (Arc<Source>, SharedLibrary), settings: &NcSettings, world: OfflineMachine) {
+        self.scope = dialect::rules(settings.dialect).preflight_scope;
+        self.world = world;
+        match self.scope {
+            PreflightScope::FullRun => self.check.begin(program, settings, &self.no_variables),
+            PreflightScope::TextOnly => self.texts.begin(program, settings),
+            PreflightScope::Unsupported => {}
+        }
+    }
+
+    /// Lets go of the program; another takes its place.
+    pub fn leave(&mut self, program: (Arc<Source>, SharedLibrary)) {
+        (self.texts.source, self.texts.library) = program.clone();
+        self.check.leave(program);
+    }
+
+    /// Checks on until the budget is spent.
+    pub fn advance(&mut self, budget: &mut WorkBudget) -> PreflightStatus {
+        match self.scope {
+            PreflightScope::FullRun => {
+                let more = self.check.advance(&mut self.world, &mut |_| true, budget);
+                match self.check.faults().first() {
                     Some(fault) => PreflightStatus::Failed(fault.clone()),
                     None if more => PreflightStatus::Busy,
                     None => PreflightStatus::Passed,
                 }
             }
-            PreflightMethod::TextOnly(texts) => texts.advance(),
+            PreflightScope::TextOnly => self.texts.advance(budget),
+            PreflightScope::Unsupported => PreflightStatus::Passed,
         }
     }
 }
 
 impl TextPreflight {
-    fn advance(&mut self) -> PreflightStatus {
+    fn begin(&mut self, (source, library): (Arc<Source>, SharedLibrary), settings: &NcSettings) {
+        self.unread.begin(source.line_count());
+        self.pending_programs.clear();
+        self.visited_programs.clear();
+        self.visited_programs.insert(source.number());
+        (self.source, self.library, self.text_checked) = (source, library, false);
+        self.settings = settings.clone();
+    }
+
+    fn advance(&mut self, budget: &mut WorkBudget) -> PreflightStatus {
         let mut first = None;
         if !std::mem::replace(&mut self.text_checked, true) {
             first = unexecuted_lines::check_whole_text(&self.source, &self.settings).next();
         }
         let text = (&*self.source, &self.settings);
-        let more = self.unread.advance(text, Some(&*self.library), BLOCKS_PER_CALL, &mut |fault| {
+        let more = self.unread.advance(text, Some(&*self.library), budget, &mut |fault| {
             first.get_or_insert(fault);
         });
         if let Some(fault) = first {
@@ -120,8 +151,8 @@ impl TextPreflight {
                 && self.visited_programs.insert(number)
                 && let Some(source) = self.library.find(number)
             {
-                (self.unread, self.source, self.text_checked) =
-                    (UnexecutedLines::new(source.line_count()), source, false);
+                self.unread.begin(source.line_count());
+                (self.source, self.text_checked) = (source, false);
                 return PreflightStatus::Busy;
             }
         }

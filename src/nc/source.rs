@@ -14,6 +14,9 @@ use crate::defs::text::arg::Arg;
 /// The UTF-8 byte order mark that some editors write.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
+/// Lines and blocks for which the index of a short text takes memory.
+const USUAL_LINES: usize = 64;
+
 /// Finds the programs that M98, G65, G66 and L call.
 pub trait Library {
     /// The program with an O number.
@@ -39,11 +42,13 @@ pub struct Source {
     number: u32,
     name: String,
     title: Arg,
-    bytes: Arc<[u8]>,
+    bytes: Vec<u8>,
     utf8: bool,
     line_offsets: Vec<u32>,
     dialect: Dialect,
     index: SourceIndex,
+    /// The texts of the index, decoded.
+    messages: Vec<Arg>,
 }
 
 impl Source {
@@ -51,17 +56,43 @@ impl Source {
     pub(crate) fn indexed(
         number: u32,
         name: String,
-        bytes: Arc<[u8]>,
+        bytes: Vec<u8>,
         dialect: Dialect,
-        index: fn(&TextLines<'_>) -> SourceIndex,
+        index_text: fn(&TextLines<'_>, &mut SourceIndex),
     ) -> Self {
-        assert!(bytes.len() < u32::MAX as usize, "program of {} bytes", bytes.len());
-        let lines = line_starts(&bytes);
-        let utf8 = std::str::from_utf8(&bytes).is_ok();
-        let index = index(&TextLines { text: &bytes, starts: &lines });
         let named = program_number::is_named(number);
         let title = if named { program_number::stem(&name).into() } else { Arg::Program(number) };
-        Self { number, name, title, bytes, utf8, line_offsets: lines, dialect, index }
+        let (line_offsets, index) = (Vec::with_capacity(bytes.len() / 24 + 1), SourceIndex::default());
+        let messages = Vec::new();
+        let mut source = Self { number, name, title, bytes, utf8: false, line_offsets, dialect, index, messages };
+        source.index_with(index_text);
+        source
+    }
+
+    /// Takes memory for the index of a short text.
+    pub(crate) fn reserve_index(&mut self) {
+        self.line_offsets.reserve(USUAL_LINES);
+        self.index.reserve(USUAL_LINES);
+    }
+
+    /// Replaces the text, in the memory of this one.
+    pub(crate) fn replace_text(&mut self, text: &[u8], index_text: fn(&TextLines<'_>, &mut SourceIndex)) {
+        self.bytes.clear();
+        self.bytes.extend_from_slice(text);
+        self.index_with(index_text);
+    }
+
+    fn index_with(&mut self, index_text: fn(&TextLines<'_>, &mut SourceIndex)) {
+        assert!(self.bytes.len() < u32::MAX as usize, "program of {} bytes", self.bytes.len());
+        self.utf8 = std::str::from_utf8(&self.bytes).is_ok();
+        push_line_starts(&self.bytes, &mut self.line_offsets);
+        self.index.clear();
+        index_text(&TextLines { text: &self.bytes, starts: &self.line_offsets }, &mut self.index);
+        self.messages.clear();
+        for index in 0..self.index.message_texts.len() {
+            let (start, end) = self.index.message_texts[index];
+            self.messages.push(self.decode(&self.bytes[start as usize..end as usize]).into());
+        }
     }
 
     /// The O number.
@@ -99,7 +130,7 @@ impl Source {
     /// The text.
     #[must_use]
     #[inline]
-    pub fn bytes(&self) -> &Arc<[u8]> {
+    pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
@@ -269,6 +300,15 @@ impl Source {
         text.into_owned()
     }
 
+    /// A text that the program shows, by its bytes. Those that the index has found are decoded already.
+    pub(crate) fn message_text(&self, range: Range<usize>) -> Arg {
+        let key = (range.start as u32, range.end as u32);
+        match self.index.message_texts.binary_search(&key) {
+            Ok(index) => self.messages[index].clone(),
+            Err(_) => self.decode(self.bytes.get(range).unwrap_or_default()).into(),
+        }
+    }
+
     /// The non-ASCII character that begins at a byte, and what to type instead.
     pub(crate) fn foreign_character(&self, at: usize) -> Option<(char, String)> {
         let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
@@ -297,8 +337,8 @@ fn line_end(bytes: &[u8]) -> Option<usize> {
     bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).map(|rest| at + rest)
 }
 
-fn line_starts(bytes: &[u8]) -> Vec<u32> {
-    let mut starts = Vec::with_capacity(bytes.len() / 24 + 1);
+fn push_line_starts(bytes: &[u8], starts: &mut Vec<u32>) {
+    starts.clear();
     let mut at = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
     starts.push(at as u32);
     while let Some(end) = line_end(&bytes[at..]) {
@@ -306,7 +346,6 @@ fn line_starts(bytes: &[u8]) -> Vec<u32> {
         at += end + 1 + usize::from(pair);
         starts.push(at as u32);
     }
-    starts
 }
 
 /// The ASCII equivalent of a full-width or typographic character.

@@ -17,8 +17,32 @@ pub(crate) struct SourceIndex {
     pub while_loops: Vec<WhileLoop>,
     /// Counted loops (G22 … G80), sorted by their first line.
     pub counted_loops: Vec<CountedLoop>,
+    /// First and last byte of the texts that the program shows, in the order of the text.
+    pub message_texts: Vec<(u32, u32)>,
     /// The line (from 0) of the first M02.
     pub main_end_line: Option<u32>,
+}
+
+impl SourceIndex {
+    /// Takes memory for some entries of every table but that of the labels.
+    pub fn reserve(&mut self, entries: usize) {
+        self.block_numbers.reserve(entries);
+        self.inner_block_numbers.reserve(entries);
+        self.while_loops.reserve(entries);
+        self.counted_loops.reserve(entries);
+    }
+
+    /// Empties the index and keeps its memory.
+    pub fn clear(&mut self) {
+        let Self { block_numbers, inner_block_numbers, jump_labels, while_loops, counted_loops, .. } = self;
+        block_numbers.clear();
+        inner_block_numbers.clear();
+        jump_labels.clear();
+        while_loops.clear();
+        counted_loops.clear();
+        self.message_texts.clear();
+        self.main_end_line = None;
+    }
 }
 
 /// G22 and its G80, lines from 0.

@@ -3,6 +3,7 @@
 
 use super::dialect::{self, UnexecutedBlock};
 use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
+use super::interpreter::BLOCK_WORK;
 use super::lexer::Cursor;
 use super::settings::NcSettings;
 use super::source::{Library, Source};
@@ -10,6 +11,7 @@ use super::statement::{self, BlockContent, BlockReader, SyntaxOnlyScope};
 use super::words::BlockWords;
 use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
+use crate::units::WorkBudget;
 
 /// Reads the unmarked lines of a program and marks them.
 pub(crate) struct UnexecutedLines {
@@ -33,22 +35,36 @@ impl UnexecutedLines {
         }
     }
 
+    /// For texts of up to `lines` lines without further memory.
+    pub fn with_capacity(lines: usize) -> Self {
+        Self { calls: Vec::with_capacity(lines), ..Self::new(lines) }
+    }
+
+    /// Begins with another text, in the same memory.
+    pub fn begin(&mut self, lines: usize) {
+        self.visited.clear();
+        self.visited.resize(lines + 1, false);
+        self.calls.clear();
+        (self.text_end, self.line) = (None, 0);
+    }
+
     /// Marks a line; returns whether it was unmarked.
     #[inline]
     pub fn mark(&mut self, line: u32) -> bool {
         self.visited.get_mut(line as usize).is_some_and(|visited| !std::mem::replace(visited, true))
     }
 
-    /// Reads at most `most` lines and passes their mistakes to `tell`; `false` when all are read. With a `library`,
+    /// Reads lines until the budget is spent and passes their mistakes to `tell`; `false` when all are read. With a `library`,
     /// called programs must exist in it.
     pub fn advance(
         &mut self,
         (source, settings): (&Source, &NcSettings),
         library: Option<&dyn Library>,
-        most: u32,
+        budget: &mut WorkBudget,
         tell: &mut dyn FnMut(ProgramFault),
     ) -> bool {
-        for _ in 0..most {
+        while !budget.is_spent() {
+            budget.spend(BLOCK_WORK);
             let line = self.line;
             if line as usize >= source.line_count() || self.text_end.is_some_and(|end| line > end) {
                 return false;

@@ -1,5 +1,5 @@
 //! The tick allocates and frees nothing: neither while a program runs nor when it starts and ends, nor for keys,
-//! overrides and edits of the operator.
+//! overrides, MDI lines, a change of program and edits of the operator.
 //!
 //! The allocator of this test binary counts the calls that a thread makes while it is armed.
 
@@ -7,6 +7,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use kt830::defs::key::{Key, Mode};
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param;
 use kt830::defs::text::Lang;
@@ -111,6 +112,76 @@ fn t5_the_tick_allocates_nothing_in_any_shipped_grinding_program() {
         let mut host = with_part_of(number);
         assert_eq!(calls_of_run(&mut host), 0, "O{number} on {:?}", host.kind());
         assert!(host.snapshot().alarms.is_empty(), "O{number}: {:?}", host.snapshot().alarms);
+    }
+}
+
+/// A ready machine of a kind with one of its named programs chosen, and its part or bar.
+fn with_named(kind: Kind, name: &str) -> HeadlessHost {
+    let mut host = ready_of(kind);
+    let number = host.find_program(name).unwrap();
+    let part = host.bar_of_program(number).or_else(|| PartFile::builtin(number).unwrap());
+    if let Some(part) = part {
+        host.mount_part(&part);
+        host.step();
+        host.make_ready();
+        host.mount_part(&part);
+    }
+    host.send(Command::LoadProgram(number));
+    host.send(Command::Press(Mode::Auto.key()));
+    (0..10).for_each(|_| host.step());
+    host
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_in_any_shipped_lathe_program() {
+    for path in std::fs::read_dir("programs/lathe").unwrap() {
+        let name = path.unwrap().file_name().into_string().unwrap();
+        let mut host = with_named(Kind::Lathe, &name);
+        assert_eq!(calls_of_run(&mut host), 0, "{name}");
+        assert!(host.snapshot().alarms.is_empty(), "{name}: {:?}", host.snapshot().alarms);
+    }
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_in_any_shipped_vertical_program() {
+    for name in ["VGRIND", "VBORE", "RGRIND", "RBORE"] {
+        let mut host = with_named(Kind::Vertical, name);
+        assert_eq!(calls_of_run(&mut host), 0, "{name}");
+        assert!(host.snapshot().alarms.is_empty(), "{name}: {:?}", host.snapshot().alarms);
+    }
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_an_mdi_line_and_a_change_of_program() {
+    let lines = [
+        (Kind::Gc, "G98 G01 U-1 F300; G04 X0.1", 1_002),
+        (Kind::Gs, "N10 G91 G01 X-1. F300", 1_012),
+        (Kind::Lathe, "G01U-1F300", 0),
+        (Kind::Vertical, "N10 G91 G1 X-1 F300", 0),
+    ];
+    for (kind, line, other) in lines {
+        let mut host = ready_of(kind);
+        host.send(Command::Press(Mode::Mdi.key()));
+        (0..10).for_each(|_| host.step());
+        for _ in 0..2 {
+            assert_eq!(calls_for(&mut host, Command::PrepareMdi(line.to_owned())), 0, "{line} is prepared");
+            assert_eq!(calls_for(&mut host, Command::Press(Key::CycleStart)), 0, "{line} starts");
+            assert_eq!(
+                host.controller().state(),
+                RunState::Running,
+                "{:?}",
+                host.snapshot().message.text.get(Lang::En)
+            );
+            while host.controller().state() != RunState::Idle {
+                assert_eq!(calls_in_a_tick(&mut host), 0, "{line} runs");
+            }
+        }
+        assert_eq!(calls_for(&mut host, Command::PrepareMdi(String::new())), 0, "{line} is taken back");
+        assert_eq!(calls_for(&mut host, Command::Press(Mode::Auto.key())), 0);
+        if other != 0 {
+            assert_eq!(calls_for(&mut host, Command::LoadProgram(other)), 0, "O{other}");
+            assert_eq!(host.snapshot().program.number, other);
+        }
     }
 }
 

@@ -1,5 +1,9 @@
 //! Running programs: start conditions, hold, single block, frames, variables as executed, bad input.
 
+use kt830::controller::WORK_PER_TICK;
+use kt830::link::snapshot::RunState;
+use kt830::motion::MAX_TRAJECTORY_WORK;
+
 use crate::stories::{ready, ready_with, rig, tell};
 
 #[test]
@@ -384,4 +388,25 @@ fn k2_2_nothing_starts_in_the_tick_of_a_reset_or_an_emergency_stop() {
         rig.step();
         assert_eq!(rig.controller().state(), RunState::Running, "{mode}");
     }
+}
+
+/// Reading, look-ahead and feed scaling share one budget; a loop that only calculates cannot exceed it.
+#[test]
+fn t5_the_work_of_a_tick_is_bounded() {
+    let text = "G98 G01 W-2 F600\nN10 #1=#1+1\nIF[#1 LT 20000]GOTO 10\nG01 W-2\n#500=#1\nM30";
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start");
+    let (mut most, mut ticks) = (0, 0);
+    while rig.controller().state() != RunState::Idle {
+        rig.step();
+        most = most.max(rig.controller().work_of_last_tick());
+        ticks += 1;
+        assert!(ticks < 10_000, "the program does not end");
+        if ticks == 30 {
+            tell(&mut rig, "key feed-override-down");
+        }
+    }
+    // 40 000 blocks of 500 units do not fit in a tick; reading leaves the share of the planner.
+    assert!(most <= WORK_PER_TICK && most >= WORK_PER_TICK - MAX_TRAJECTORY_WORK, "{most} units");
+    assert_eq!(rig.snapshot().variables[500], Some(20_000.0));
 }

@@ -8,7 +8,7 @@ use kt830::nc::{
     Block, CommonVariables, EmptyLibrary, ExternalState, Feed, Interpreter, Library, LiveValue, NcSettings, NextStatus,
     OfflineMachine, Op, ProgramFault, Source, check,
 };
-use kt830::units::{Axis, WorkPos};
+use kt830::units::{Axis, WorkBudget, WorkPos};
 
 fn start(text: impl Into<Vec<u8>>, settings: NcSettings) -> (Interpreter, OfflineMachine, Block) {
     let (world, block) = (OfflineMachine::new(&settings), Block::new(&settings));
@@ -266,7 +266,10 @@ fn b2_a_frame_and_a_move_in_one_block_come_in_two_parts() {
 fn b5_a_run_from_a_chosen_block_knows_what_is_in_force_there() {
     let text = "G99 G1 X20 F0.2\nT0202\nG56\nU2\nN70 G0 Z9\nM30";
     let (mut interpreter, mut world, mut block) = start(text, NcSettings::lathe_a());
-    assert_eq!(interpreter.advance_to(5, &mut world, &mut |_| {}), Ok(NextStatus::Block));
+    assert_eq!(
+        interpreter.advance_to(5, &mut world, &mut |_| {}, &mut WorkBudget::new(1_000_000)),
+        Ok(NextStatus::Block)
+    );
     let modals = *interpreter.modals();
     assert_eq!(
         (modals.work_offset, modals.tool, modals.feed(), modals.motion.g()),
@@ -275,9 +278,15 @@ fn b5_a_run_from_a_chosen_block_knows_what_is_in_force_there() {
     assert_eq!(world.position(), WorkPos::new([11.0, 0.0, 0.0]));
     assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
     assert_eq!((block.location.line, block.location.n), (5, Some(70)));
-    assert_eq!(interpreter.advance_to(99, &mut world, &mut |_| {}), Ok(NextStatus::End));
+    assert_eq!(
+        interpreter.advance_to(99, &mut world, &mut |_| {}, &mut WorkBudget::new(1_000_000)),
+        Ok(NextStatus::End)
+    );
     let (mut interpreter, mut world, _) = start("N1 GOTO 1\nM30", NcSettings::lathe_a());
-    assert_eq!(interpreter.advance_to(2, &mut world, &mut |_| {}), Ok(NextStatus::Busy));
+    assert_eq!(
+        interpreter.advance_to(2, &mut world, &mut |_| {}, &mut WorkBudget::new(1_000_000)),
+        Ok(NextStatus::Busy)
+    );
 }
 
 #[test]

@@ -18,7 +18,7 @@ use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{self, Params};
 use crate::io::InputImage;
 use crate::motion::{AxisLimits, AxisMover, MotionLimits, Override, ThreadMover, TrajectoryPlanner};
-use crate::units::{Axis, EncoderPos, MachinePos, Micros, PerAxis};
+use crate::units::{Axis, EncoderPos, MachinePos, Micros, PerAxis, WorkBudget};
 
 /// Seconds in a minute: parameters are per minute, motion per second.
 pub const SECONDS_PER_MINUTE: f64 = 60.0;
@@ -183,12 +183,12 @@ impl Axes {
     }
 
     /// One tick of the owner of the axes. A thread follows `spindle_turns` (revolutions).
-    pub fn tick(&mut self, rate: Override, spindle_turns: f64) {
+    pub fn tick(&mut self, rate: Override, spindle_turns: f64, budget: &mut WorkBudget) {
         let before = self.commanded.set_point;
         self.release_oscillation();
         match self.owner {
             AxisOwner::Program => {
-                let point = self.planner.tick(rate);
+                let point = self.planner.tick_within(rate, budget);
                 (self.commanded.set_point, self.velocity_mm_s) = (point.position, point.velocity_mm_s);
             }
             AxisOwner::Manual => {

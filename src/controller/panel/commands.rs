@@ -25,7 +25,7 @@ impl Panel {
     /// Executes one command.
     pub fn handle_command(&mut self, parts: &mut Parts<'_>, command: &Command) {
         if parts.program.restart.is_some() && invalidates_restart(command) {
-            parts.program.restart = None;
+            parts.program.abandon_restart();
             parts.plant.show_note(DATA_CHANGED);
         }
         match command {
@@ -150,7 +150,7 @@ impl Panel {
                 }
             });
         }
-        parts.program.restart = None;
+        parts.program.abandon_restart();
         parts.plant.set_current_program(number);
         self.check_page_files(parts);
         let title = parts.plant.program_title(number);

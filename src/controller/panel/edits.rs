@@ -79,8 +79,9 @@ impl Panel {
         if out.edit_answer != self.edit_answer {
             out.edit_answer.clone_from(&self.edit_answer);
         }
-        if out.prepared_mdi != parts.program.mdi_ready {
-            out.prepared_mdi.clone_from(&parts.program.mdi_ready);
+        let waiting = parts.program.mdi.waiting_text();
+        if out.prepared_mdi != waiting {
+            waiting.clone_into(&mut out.prepared_mdi);
         }
         for (index, row) in out.offsets.iter_mut().enumerate() {
             *row = OffsetView {

@@ -93,7 +93,7 @@ impl Panel {
         parts.plant.jog.stop_all();
         parts.program.discard_mdi();
         if mode != parts.plant.operator.mode {
-            parts.program.restart = None;
+            parts.program.abandon_restart();
             parts.manual.dressing.cancel();
         }
         parts.plant.operator.mode = mode;
@@ -106,7 +106,7 @@ impl Panel {
         parts.plant.machine.reset();
         parts.manual.dressing.cancel();
         parts.program.abandon_retract(parts.plant);
-        parts.program.restart = None;
+        parts.program.abandon_restart();
         parts.plant.stop_oscillation();
         parts.plant.reset_alarms();
         parts.plant.outbox.message = Message::default();

@@ -39,7 +39,8 @@ use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::io::InputImage;
 use crate::machine::lathe::station_in_position;
 use crate::machine::{ControlState, Machine, RequestResult};
-use crate::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
+use crate::motion::MAX_TRAJECTORY_WORK;
+use crate::units::{Axis, DisplayPos, Micros, PerAxis, WorkBudget, WorkPos};
 
 /// Refusal while set-points move.
 pub const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
@@ -50,6 +51,9 @@ pub const MM_S_PER_MM_MIN: f64 = 1.0 / SECONDS_PER_MINUTE;
 /// Below this speed an axis is shown as standing, mm/s.
 const STANDING_MM_S: f64 = 1e-6;
 
+/// Work units of a tick: reading, look-ahead and feed scaling. 0.4 ms on the computer of docs/performance.md.
+pub const WORK_PER_TICK: usize = 400_000;
+
 /// The machine and the state that all parts share.
 pub struct Plant {
     /// The kind of machine.
@@ -58,6 +62,8 @@ pub struct Plant {
     pub params: Params,
     /// Time of this tick.
     pub now: Micros,
+    /// The work that is left in this tick.
+    pub tick_budget: WorkBudget,
     /// The inputs.
     pub inputs: Inputs,
     /// The machine logic.
@@ -92,6 +98,7 @@ impl Plant {
         let mut plant = Self {
             kind,
             now,
+            tick_budget: WorkBudget::new(WORK_PER_TICK),
             inputs: Inputs::new(&params, image),
             machine: Machine::new(kind, now),
             axes: Axes::new(&params, kind.row(), &image, retained.leadscrew_tables),
@@ -118,7 +125,7 @@ impl Plant {
 
     /// Begins a tick: time and inputs.
     pub fn begin_tick(&mut self, now: Micros, timestamp: DateTime, image: &InputImage) {
-        self.now = now;
+        (self.now, self.tick_budget) = (now, WorkBudget::new(WORK_PER_TICK));
         self.alarms.set_time(now, timestamp);
         self.inputs.read(image);
         self.axes.read(image);
@@ -126,10 +133,20 @@ impl Plant {
         self.measure_thread();
     }
 
+    /// What reading of blocks may take: all but the share of the planner and of feed scaling.
+    pub fn reading_budget(&self) -> WorkBudget {
+        WorkBudget::new(self.tick_budget.left().saturating_sub(MAX_TRAJECTORY_WORK))
+    }
+
+    /// Charges reading; `left` is what remains of [`Self::reading_budget`].
+    pub fn charge_reading(&mut self, left: WorkBudget) {
+        self.tick_budget.spend(self.reading_budget().left() - left.left());
+    }
+
     /// Moves the axes by one tick.
     pub fn step_axes(&mut self) {
         let rate = self.override_factors();
-        self.axes.tick(rate, self.spindles.encoder.turns);
+        self.axes.tick(rate, self.spindles.encoder.turns, &mut self.tick_budget);
     }
 
     /// Changes a parameter, stores it and applies it.

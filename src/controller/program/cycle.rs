@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn k2_2_cycle_start_and_feed_hold_say_why_nothing_happens() {
         let mut plant = Plant::factory();
-        let mut program = Program::new(None);
+        let mut program = Program::new(plant.kind, None);
         let mut why = |plant: &mut Plant, act: fn(&mut Program, &mut Plant)| {
             act(&mut program, plant);
             assert!(matches!(plant.execution.phase, ControlPhase::Idle) && !program.is_open());

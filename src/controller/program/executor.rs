@@ -14,7 +14,7 @@ use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::motion::Move;
 use crate::nc::{NextStatus, PreflightStatus};
 
-/// Maximum blocks read per tick.
+/// Maximum blocks with operations read per tick: more than the shortest moves take.
 const BLOCKS_PER_TICK: usize = 16;
 /// Maximum actions executed per tick.
 const ACTIONS_PER_TICK: usize = 64;
@@ -167,8 +167,12 @@ impl ProgramRun {
 
     /// Whether the preflight is over. A program error found by it becomes an alarm and the state before is restored.
     fn preflight_passed(&mut self, plant: &mut Plant) -> bool {
-        let Some(proving) = &mut self.preflight else { return true };
-        match proving.preflight.advance() {
+        let Some(proving) = self.preflight.as_mut().filter(|pending| !pending.done) else { return true };
+        let mut budget = plant.reading_budget();
+        let status = proving.preflight.advance(&mut budget);
+        plant.charge_reading(budget);
+        proving.done = !matches!(status, PreflightStatus::Busy);
+        match status {
             PreflightStatus::Busy => {
                 if !std::mem::replace(&mut proving.announced, true) {
                     plant.show_note(phrase!("正在检查程序…", "looking through the program …"));
@@ -183,7 +187,6 @@ impl ProgramRun {
                 self.end_with_fault(&fault);
             }
         }
-        self.preflight = None;
         true
     }
 
@@ -197,8 +200,11 @@ impl ProgramRun {
                 return;
             }
             let drained = self.queue.is_empty() && plant.axes.is_at_rest() && plant.axes.is_in_position(&plant.params);
+            let mut budget = plant.reading_budget();
             let mut world = RunWorld::new(plant, &self.lookahead, drained);
-            match self.interpreter.next(&mut world, &mut self.block) {
+            let read = self.interpreter.next_within(&mut world, &mut self.block, &mut budget);
+            plant.charge_reading(budget);
+            match read {
                 Ok(NextStatus::Block) => {
                     if let Err(forbidden) = self.queue_block(&plant.params) {
                         self.read_ahead = ReadAheadStatus::Finished;
@@ -238,8 +244,7 @@ impl ProgramRun {
         if !plant.axes.planner.is_at_rest() {
             return;
         }
-        let mut taken = Vec::new();
-        plant.axes.planner.drain_unfinished(&mut taken);
+        plant.axes.planner.discard_moves();
         for item in &mut self.queue {
             if let QueueItem::Move(planned) = item {
                 planned.tag = None;

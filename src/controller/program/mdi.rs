@@ -11,6 +11,7 @@ use super::run_world::RunWorld;
 use crate::controller::plant::system_variables::nc_settings;
 use crate::controller::plant::{ControlPhase, Plant};
 use crate::defs::key::Mode;
+use crate::defs::kind::Dialect;
 use crate::defs::mcode::Request;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::edit::ModalView;
@@ -25,6 +26,42 @@ const NOT_MDI: Text = Text::new("录入方式下才能执行：先按 录入 键
 const OPEN_RUN: Text = Text::new("程序未结束，先等待或复位", "a program is open: wait, or press RESET");
 const TOO_LONG: Text = Text::new("录入行太长", "the MDI line is too long");
 const NO_LINE: Text = Text::new("先输入一行，再按循环启动", "type a line and press 输入 before cycle start");
+
+/// The MDI line. Its text is indexed in memory that is taken at power-on.
+pub struct MdiLine {
+    source: Arc<Source>,
+    /// It waits for cycle start.
+    ready: bool,
+}
+
+impl MdiLine {
+    /// No line, for programs of a dialect.
+    pub fn new(dialect: Dialect) -> Self {
+        Self { source: Arc::new(Self::empty(dialect)), ready: false }
+    }
+
+    fn empty(dialect: Dialect) -> Source {
+        Source::with_capacity("MDI", MAX_MDI_CHARS * char::MAX_LEN_UTF8, dialect)
+    }
+
+    /// Indexes a line; it does not wait for cycle start yet.
+    fn set(&mut self, line: &str) {
+        self.ready = false;
+        if Arc::get_mut(&mut self.source).is_none() {
+            // Cannot happen: the run that holds the line is over when the next one is typed.
+            self.source = Arc::new(Self::empty(self.source.dialect()));
+        }
+        if let Some(source) = Arc::get_mut(&mut self.source) {
+            source.set_text(line.as_bytes());
+        }
+    }
+
+    /// The text that waits for cycle start; empty if none.
+    pub fn waiting_text(&self) -> &str {
+        let text = if self.ready { self.source.bytes() } else { &[] };
+        str::from_utf8(text).unwrap_or_default()
+    }
+}
 
 impl Program {
     /// Prepares a line after checking its first block; an empty line discards the prepared one.
@@ -43,25 +80,23 @@ impl Program {
         if line.chars().count() > MAX_MDI_CHARS {
             return Err(TOO_LONG.into());
         }
-        self.check_mdi(plant, line)?;
-        self.mdi_ready = Arc::from(line);
+        self.mdi.set(line);
+        self.check_mdi(plant)?;
+        self.mdi.ready = true;
         Ok(phrase!("按循环启动执行", "press cycle start to execute it"))
     }
 
     /// Mode change or RESET: a line prepared earlier must not start.
-    pub fn discard_mdi(&mut self) {
-        if !self.mdi_ready.is_empty() {
-            self.mdi_ready = Arc::from("");
-        }
+    pub const fn discard_mdi(&mut self) {
+        self.mdi.ready = false;
     }
 
     /// Cycle start in mode MDI.
     pub fn start_mdi(&mut self, plant: &mut Plant) {
-        let line = Arc::clone(&self.mdi_ready);
-        if line.is_empty() {
+        if !self.mdi.ready {
             return plant.refuse(NO_LINE);
         }
-        self.run_mdi(plant, &line);
+        self.open_mdi(plant);
         if self.run.is_some() {
             self.discard_mdi();
         }
@@ -69,6 +104,17 @@ impl Program {
 
     /// Executes a line of MDI text.
     pub fn run_mdi(&mut self, plant: &mut Plant, line: &str) {
+        if line.chars().count() > MAX_MDI_CHARS {
+            return plant.refuse(phrase!("录入行太长", "the MDI line is too long"));
+        }
+        if matches!(plant.execution.phase, ControlPhase::Idle) {
+            self.mdi.set(line);
+        }
+        self.open_mdi(plant);
+    }
+
+    /// Executes the line, if the machine may start it.
+    fn open_mdi(&mut self, plant: &mut Plant) {
         if plant.execution.starts_void {
             return plant.refuse(START_VOID);
         }
@@ -78,21 +124,17 @@ impl Program {
         if !matches!(plant.execution.phase, ControlPhase::Idle) {
             return plant.refuse(NOT_IN_RUN);
         }
-        if line.chars().count() > MAX_MDI_CHARS {
-            return plant.refuse(phrase!("录入行太长", "the MDI line is too long"));
-        }
         if let Some(why) = self.retract_blocks_start(plant) {
             return plant.refuse(why);
         }
         if matches!(plant.request(Request::MdiStart), RequestResult::Accepted) {
-            let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind.row().dialect));
-            self.open_run(plant, source, Origin::Mdi);
+            self.open_run(plant, Arc::clone(&self.mdi.source), Origin::Mdi);
         }
     }
 
     /// Checks the first block of the line from the present machine position.
-    fn check_mdi(&mut self, plant: &Plant, line: &str) -> Result<(), LocalizedText> {
-        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), plant.kind.row().dialect));
+    fn check_mdi(&mut self, plant: &mut Plant) -> Result<(), LocalizedText> {
+        let source = Arc::clone(&self.mdi.source);
         let settings = NcSettings { needs_block_numbers: false, ..nc_settings(plant.kind, &plant.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
         let mut frames = plant.work.offsets.clone();
@@ -102,15 +144,18 @@ impl Program {
         planned.oscillating = plant.oscillating_axis();
         planned.dialect = plant.kind.row().dialect;
         let program: (_, SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
-        let start = RunStart { program, settings, modals, memory: &plant.work.variables, lookahead: planned };
+        let memory = &plant.work.variables;
+        let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight: None };
         let mut run = self.pool.open(start, plant.now);
         let mut world = RunWorld::new(plant, &run.lookahead, true);
-        let checked = match run.interpreter.next(&mut world, &mut run.block) {
+        let mut budget = plant.reading_budget();
+        let checked = match run.interpreter.next_within(&mut world, &mut run.block, &mut budget) {
             Ok(NextStatus::Block) => run.queue_block(&plant.params).map_err(|forbidden| forbidden.text(&plant.params)),
             Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::End) => Ok(()),
             Err(fault) => Err(fault.cause_phrase()),
         };
         self.pool.close(run);
+        plant.charge_reading(budget);
         checked
     }
 

@@ -23,8 +23,8 @@ use std::sync::Arc;
 
 use activity::Activity;
 use lookahead_state::LookaheadState;
-use preflight::new_preflight;
-use run::{Origin, PendingPreflight, ProgramRun, RunPool, RunStart};
+use preflight::preflight_world;
+use run::{Origin, PreflightStart, ProgramRun, RunPool, RunStart};
 
 use super::plant::system_variables::nc_settings;
 use super::plant::{ControlEvent, ControlPhase, Plant};
@@ -42,28 +42,31 @@ pub struct Program {
     pool: RunPool,
     /// The one-key retract and the run that it suspends.
     pub retract: retract::Retract,
+    /// The texts that call O9000 and O9001.
+    retract_calls: [Option<Arc<Source>>; 2],
     /// A restart in preparation.
     pub restart: Option<Box<restart::Restart>>,
     /// Position of the run for a power failure.
     pub power_cut: restart::PowerCutPosition,
     /// Modal state kept from one MDI line to the next.
     mdi_modals: Option<ModalState>,
-    /// The MDI line that waits for cycle start; empty if none.
-    pub mdi_ready: Arc<str>,
+    /// The MDI line.
+    pub mdi: mdi::MdiLine,
 }
 
 impl Program {
     /// At power-on nothing runs.
     #[must_use]
-    pub fn new(interrupted: Option<(u32, u32)>) -> Self {
+    pub fn new(kind: Kind, interrupted: Option<(u32, u32)>) -> Self {
         Self {
             run: None,
             pool: RunPool::new(),
             retract: retract::Retract::default(),
+            retract_calls: retract::retract_calls(kind.row().dialect),
             restart: None,
             power_cut: restart::PowerCutPosition::new(interrupted),
             mdi_modals: None,
-            mdi_ready: Arc::from(""),
+            mdi: mdi::MdiLine::new(kind.row().dialect),
         }
     }
 
@@ -116,12 +119,13 @@ impl Program {
         planned.soft_limits_active = plant.axes.all_homed();
         planned.homed = planned.soft_limits_active || plant.kind.row().may_start_unhomed();
         planned.dialect = plant.kind.row().dialect;
-        let proof = (origin == Origin::Program).then(|| new_preflight(plant, &source, &settings)).flatten();
+        let checked = origin == Origin::Program && nc::ProgramPreflight::is_supported(settings.dialect);
+        let preflight = checked.then(|| PreflightStart { world: preflight_world(plant, &settings), before });
         let program: (_, nc::SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
-        let start = RunStart { program, settings, modals, memory: &plant.work.variables, lookahead: planned };
+        let memory = &plant.work.variables;
+        let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight };
         let mut run = self.pool.open(start, plant.now);
         run.origin = origin;
-        run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
         // The planner keeps the tag of the last finished move across runs.
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(run);

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use super::Program;
 use super::lookahead_state::{LookaheadState, reference_points};
 use super::mdi::modal_view_of;
-use super::preflight::new_preflight;
+use super::preflight::preflight_world;
 use super::queue::{PlannedMove, ProgrammedFeed, QueueItem, check_soft_limits};
-use super::run::{Origin, PendingPreflight, ProgramRun, RunStart};
+use super::run::{Origin, PreflightStart, ProgramRun, RunStart};
 use crate::controller::plant::system_variables::{PARAM_VARIABLES, nc_settings};
 use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
 use crate::controller::storage_request::StorageRequest;
@@ -29,10 +29,10 @@ use crate::nc::{
     self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect,
     OscillationChange, ProgramMessage, SpeedMode,
 };
-use crate::units::{Axis, Micros, PerAxis};
+use crate::units::{Axis, Micros, PerAxis, WorkBudget};
 
 /// Maximum ticks for reading the blocks before: about two million blocks. A loop that waits for the machine never ends.
-const MAX_SEARCH_TICKS: u32 = 1_000;
+const MAX_SEARCH_TICKS: u32 = 3_000;
 /// The last common variable.
 const LAST_VARIABLE: u32 = 999;
 /// Minimum interval between two records of the run position for a power failure.
@@ -101,6 +101,53 @@ pub struct Restart {
     block_found: bool,
 }
 
+enum SearchStatus {
+    Searching,
+    Found,
+}
+
+impl Restart {
+    /// Reads on for a tick.
+    fn search(&mut self, dialect: Dialect, budget: &mut WorkBudget) -> Result<SearchStatus, LocalizedText> {
+        let Self { line, run, world, state, .. } = self;
+        let line = *line;
+        let advanced = run.interpreter.advance_to(line, world, &mut |op| state.apply(op, dialect), budget);
+        match advanced.map_err(|fault| fault.phrase())? {
+            NextStatus::Block => {}
+            NextStatus::End | NextStatus::Drain => {
+                return Err(phrase!(
+                    "程序运行不到第 {line} 行，不能从该行开始",
+                    "the program does not come to line {line}: it cannot begin there",
+                    line
+                ));
+            }
+            NextStatus::Busy if self.ticks < MAX_SEARCH_TICKS => {
+                self.ticks += 1;
+                return Ok(SearchStatus::Searching);
+            }
+            NextStatus::Busy => {
+                return Err(phrase!(
+                    "第 {line} 行之前有等待机床的循环，不能从该行开始",
+                    "a loop before line {line} waits for the machine: the program cannot begin there",
+                    line
+                ));
+            }
+        }
+        if let Some(alarm) = state.alarm.take() {
+            return Err(alarm);
+        }
+        if state.position_unknown || state.oscillates {
+            return Err(phrase!(
+                "第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始",
+                "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there",
+                line
+            ));
+        }
+        self.block_found = true;
+        Ok(SearchStatus::Found)
+    }
+}
+
 /// Position of the run for a power failure.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PowerCutPosition {
@@ -132,7 +179,7 @@ impl Program {
 
     /// Starts reading the current program up to a line (from 1), to run it from there.
     pub fn restart_at(&mut self, plant: &mut Plant, line: u32) {
-        self.restart = None;
+        self.abandon_restart();
         if let Some(why) = self.restart_refused(plant) {
             return plant.refuse(why);
         }
@@ -160,15 +207,23 @@ impl Program {
             .with_known_values_only();
         let world = copy_system_variables(plant, world);
         let planned = LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
-        let proof = new_preflight(plant, &source, &settings);
         let before = (plant.work.offsets.clone(), plant.work.tool_change_point);
+        let checked = nc::ProgramPreflight::is_supported(settings.dialect);
+        let preflight = checked.then(|| PreflightStart { world: preflight_world(plant, &settings), before });
         let program: (_, nc::SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
-        let start = RunStart { program, settings, modals, memory: &plant.work.variables, lookahead: planned };
-        let mut run = self.pool.open(start, plant.now);
-        run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
+        let memory = &plant.work.variables;
+        let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight };
+        let run = self.pool.open(start, plant.now);
         let switched = StateBeforeBlock::default();
         self.restart = Some(Box::new(Restart { line, run, world, state: switched, ticks: 0, block_found: false }));
         plant.show_note(phrase!("正在查找第 {line} 行…", "reading up to line {line} …", line));
+    }
+
+    /// Drops the restart in preparation.
+    pub fn abandon_restart(&mut self) {
+        if let Some(restart) = self.restart.take() {
+            self.pool.close(restart.run);
+        }
     }
 
     fn restart_refused(&self, plant: &Plant) -> Option<Text> {
@@ -183,45 +238,28 @@ impl Program {
 
     /// One tick of the search; shows the result.
     pub fn step_restart(&mut self, plant: &mut Plant) {
-        let Some(mut restart) = self.restart.take_if(|restart| !restart.block_found) else { return };
-        let Restart { line, run, world, state: switched, .. } = &mut *restart;
-        let (line, dialect) = (*line, plant.kind.row().dialect);
-        match run.interpreter.advance_to(line, world, &mut |op| switched.apply(op, dialect)) {
-            Ok(NextStatus::Block) => {
-                restart.block_found = true;
-                self.finish_search(plant, restart);
+        let Some(restart) = self.restart.as_mut().filter(|restart| !restart.block_found) else { return };
+        let mut budget = plant.reading_budget();
+        let found = restart.search(plant.kind.row().dialect, &mut budget);
+        plant.charge_reading(budget);
+        match found {
+            Ok(SearchStatus::Searching) => {}
+            Ok(SearchStatus::Found) => {
+                self.finish_search(plant);
+                if let Some(view) = self.restart_view(plant) {
+                    plant.show_note(view.summary());
+                }
             }
-            Ok(NextStatus::End | NextStatus::Drain) => plant.refuse(phrase!(
-                "程序运行不到第 {line} 行，不能从该行开始",
-                "the program does not come to line {line}: it cannot begin there",
-                line
-            )),
-            Ok(NextStatus::Busy) if restart.ticks < MAX_SEARCH_TICKS => {
-                restart.ticks += 1;
-                self.restart = Some(restart);
+            Err(why) => {
+                self.abandon_restart();
+                plant.refuse(why);
             }
-            Ok(NextStatus::Busy) => plant.refuse(phrase!(
-                "第 {line} 行之前有等待机床的循环，不能从该行开始",
-                "a loop before line {line} waits for the machine: the program cannot begin there",
-                line
-            )),
-            Err(fault) => plant.refuse(fault.phrase()),
         }
     }
 
-    fn finish_search(&mut self, plant: &mut Plant, mut restart: Box<Restart>) {
-        let Restart { run, world, state: switched, line, .. } = &mut *restart;
-        if let Some(alarm) = switched.alarm.take() {
-            return plant.refuse(alarm);
-        }
-        if switched.position_unknown || switched.oscillates {
-            let line = *line;
-            return plant.refuse(phrase!(
-                "第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始",
-                "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there",
-                line
-            ));
-        }
+    /// Sets the run to the state at the block that was found.
+    fn finish_search(&mut self, plant: &Plant) {
+        let Some(Restart { run, world, .. }) = self.restart.as_deref_mut() else { return };
         let mut frames = plant.work.offsets.clone();
         let there = world.work_offsets();
         (frames.active, frames.tool, frames.tool_offset) = (there.active, there.tool, there.tool_offset);
@@ -232,11 +270,6 @@ impl Program {
             run.interpreter.modals().path_mode,
         );
         run.block.modals = *run.interpreter.modals();
-        self.restart = Some(restart);
-        if let Some(view) = self.restart_view(plant) {
-            let said = view.summary();
-            plant.show_note(said);
-        }
     }
 
     /// The view for the program page before the start.
@@ -290,8 +323,8 @@ impl Program {
         beside[wheel_axis] = from[wheel_axis];
         let forbidden = |axis: Axis| check_soft_limits(axis, to[axis], &plant.params).err();
         if let Some(forbidden) = plant.axes.present().find_map(forbidden) {
-            let said = forbidden.text(&plant.params);
-            return plant.refuse(said);
+            self.pool.close(run);
+            return plant.refuse(forbidden.text(&plant.params));
         }
         for number in (1..=LAST_VARIABLE).filter(|number| CommonVariables::contains(*number)) {
             let of = |memory: &CommonVariables| memory.get(number).ok().flatten();

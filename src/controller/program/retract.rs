@@ -12,6 +12,7 @@ use super::activity::Activity;
 use super::run::{Origin, ProgramRun};
 use crate::controller::axes::AxisOwner;
 use crate::controller::plant::{ControlEvent, ControlPhase, Plant, STILL_MOVING};
+use crate::defs::kind::Dialect;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text, phrase};
@@ -51,7 +52,7 @@ pub enum RetractStage {
 pub struct Retract {
     stage: RetractStage,
     /// The held run with its block position and its active tool offset and work offset.
-    suspended: Option<Box<SuspendedRun>>,
+    suspended: Option<SuspendedRun>,
 }
 
 struct SuspendedRun {
@@ -61,6 +62,14 @@ struct SuspendedRun {
     tool: u32,
     offset: usize,
     spindles_before_pause: [bool; 2],
+}
+
+/// The texts that call O9000 and O9001; none in a dialect whose blocks cannot call a program by its number.
+pub fn retract_calls(dialect: Dialect) -> [Option<Arc<Source>>; 2] {
+    [RETRACT_PROGRAM, RETURN_PROGRAM].map(|number| {
+        let call = nc::call_text(dialect, number)?;
+        Some(Arc::new(Source::new(0, "一键回退", call, dialect)))
+    })
 }
 
 impl Retract {
@@ -144,8 +153,7 @@ impl Program {
                 number
             ));
         }
-        let dialect = plant.kind.row().dialect;
-        let Some(call) = nc::call_text(dialect, number) else {
+        let Some(source) = self.retract_calls[usize::from(number == RETURN_PROGRAM)].clone() else {
             return plant.refuse(phrase!(
                 "该机型的程序不能调用 O{number:04}，不能一键回退",
                 "the programs of this kind cannot call O{number:04}: no retract",
@@ -165,10 +173,9 @@ impl Program {
             let (active, tool, offset) = (frames.active, frames.tool, frames.tool_offset);
             let spindles_before_pause = plant.execution.spindles_before_pause;
             let suspended = SuspendedRun { run, place, active_offset: active, tool, offset, spindles_before_pause };
-            self.retract.suspended = Some(Box::new(suspended));
+            self.retract.suspended = Some(suspended);
         }
         // Called as a subprogram: M99 ends it; M30 ends it too, without its machine actions.
-        let source = Arc::new(Source::new(0, "一键回退", call.into_bytes(), dialect));
         let modals = self.mdi_modals.take();
         self.open_run(plant, source, Origin::Retract);
         self.mdi_modals = modals;
@@ -194,7 +201,7 @@ impl Program {
             }
             return plant.transition(ControlEvent::Finish);
         };
-        let SuspendedRun { mut run, place, active_offset: active, tool, offset, spindles_before_pause } = *waiting;
+        let SuspendedRun { mut run, place, active_offset: active, tool, offset, spindles_before_pause } = waiting;
         // O9000 and O9001 have used tags since. The spindles recorded before the retract remain valid.
         run.next_tag = run.next_tag.max(plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1));
         self.run = Some(run);

@@ -43,14 +43,27 @@ pub enum Origin {
     Retract,
 }
 
-/// A preflight in progress.
+/// The preflight of a run.
 pub struct PendingPreflight {
     /// The preflight.
     pub preflight: nc::ProgramPreflight,
     /// The operator has been informed.
     pub announced: bool,
-    /// Work offsets and tool-change point before the start: a refused program changes nothing.
-    pub before: (WorkOffsets, Option<MachinePos>),
+    /// It is over.
+    pub done: bool,
+    /// The state before the start: a refused program changes nothing.
+    pub before: StateBeforeStart,
+}
+
+/// Work offsets and tool-change point before a start.
+pub type StateBeforeStart = (WorkOffsets, Option<MachinePos>);
+
+/// What a preflight begins with: the state that it follows the program from, and the one to go back to.
+pub struct PreflightStart {
+    /// The machine at program start.
+    pub world: nc::OfflineMachine,
+    /// The state before the start.
+    pub before: StateBeforeStart,
 }
 
 /// One run of a program or an MDI line.
@@ -93,12 +106,15 @@ pub struct RunStart<'a> {
     pub memory: &'a CommonVariables,
     /// Work offsets and position.
     pub lookahead: LookaheadState,
+    /// A preflight comes first.
+    pub preflight: Option<PreflightStart>,
 }
 
 /// Runs that are not open. A start takes one and an end gives it back, so that neither allocates nor frees.
 pub struct RunPool {
     #[allow(clippy::vec_box, reason = "a run changes its owner without being moved or allocated")]
     free: Vec<Box<ProgramRun>>,
+    preflight: Option<Box<PendingPreflight>>,
     no_program: (Arc<Source>, nc::SharedLibrary),
     settings: nc::NcSettings,
 }
@@ -114,12 +130,19 @@ impl RunPool {
         let source = Arc::new(Source::new(0, "", Vec::new(), kind.dialect()));
         let settings = nc_settings(kind, &Params::factory(kind));
         let no_program: (_, nc::SharedLibrary) = (source, Arc::new(nc::EmptyLibrary));
-        let mut pool = Self { free: Vec::with_capacity(Self::RUNS), no_program, settings };
+        let mut pool = Self { free: Vec::with_capacity(Self::RUNS), preflight: None, no_program, settings };
+        pool.preflight = Some(pool.new_preflight());
         for _ in 0..Self::RUNS {
             let run = Box::new(pool.new_run());
             pool.free.push(run);
         }
         pool
+    }
+
+    fn new_preflight(&self) -> Box<PendingPreflight> {
+        let preflight = nc::ProgramPreflight::new(&self.no_program, &self.settings);
+        let before = (WorkOffsets::default(), None);
+        Box::new(PendingPreflight { preflight, announced: false, done: false, before })
     }
 
     fn new_run(&self) -> ProgramRun {
@@ -146,7 +169,13 @@ impl RunPool {
     #[must_use]
     pub fn open(&mut self, start: RunStart<'_>, now: Micros) -> Box<ProgramRun> {
         let mut run = self.free.pop().unwrap_or_else(|| Box::new(self.new_run()));
-        let RunStart { program, settings, modals, memory, lookahead } = start;
+        let RunStart { program, settings, modals, memory, lookahead, preflight } = start;
+        run.preflight = preflight.map(|PreflightStart { world, before }| {
+            let mut pending = self.preflight.take().unwrap_or_else(|| self.new_preflight());
+            pending.preflight.begin(program.clone(), &settings, world);
+            (pending.announced, pending.done, pending.before) = (false, false, before);
+            pending
+        });
         run.block.restart(modals);
         run.interpreter.begin(program, settings, memory);
         run.interpreter.set_modals(modals);
@@ -160,7 +189,10 @@ impl RunPool {
     /// Takes a run back and lets go of its program.
     pub fn close(&mut self, mut run: Box<ProgramRun>) {
         run.queue.clear();
-        run.preflight = None;
+        if let Some(mut pending) = run.preflight.take() {
+            pending.preflight.leave(self.no_program.clone());
+            self.preflight = Some(pending);
+        }
         run.interpreter.leave(self.no_program.clone());
         if self.free.len() < Self::RUNS {
             self.free.push(run);

@@ -54,8 +54,8 @@ impl LocalizedText {
 
     /// A text of a program, the same in both languages.
     #[must_use]
-    pub fn of_program(text: &str) -> Self {
-        Self::phrase(OF_PROGRAM, [text.into()])
+    pub fn of_program(text: &Arg) -> Self {
+        Self::phrase(OF_PROGRAM, [text.clone()])
     }
 
     /// A phrase from a template and its arguments; see [`phrase!`].

@@ -7,11 +7,11 @@
 use super::super::feed_scaling::SetpointHistory;
 use super::super::setpoint_buffer::spline;
 use super::super::smoother::FIXED_POINTS;
-use super::super::work_budget::WorkBudget;
 use super::{
     CurvePosition, IntervalExcess, LAST_ROUND, LookaheadWindow, MAX_PLAN_TICKS, MAX_REPAIRS, MAX_SLOWDOWNS,
     REPAIR_ITERATIONS, TOLERANCE_SHARE, WindowPhase,
 };
+use crate::units::WorkBudget;
 
 /// Subdivisions between two checked points where the nearest move changes: at a smooth transition, at a sharp corner.
 const CHECKS_AT_CORNER: u32 = 3;

@@ -8,8 +8,8 @@ use super::super::path_segment::distance;
 use super::super::smoother::{FIXED_POINTS, MAX_CONTROL_POINTS};
 use super::super::speed_optimizer::{BLEND_KNOTS, blend_rate};
 use super::super::tolerance_band::corner_speed;
-use super::super::work_budget::WorkBudget;
 use super::{CurvePosition, KNOT_SPACING_S, LookaheadWindow};
+use crate::units::WorkBudget;
 
 /// Minimum number of control points after the given ones, and number kept free at the end.
 const MIN_FREE_POINTS: usize = 24;

@@ -7,11 +7,11 @@ use super::super::lookahead_window::{KNOT_SPACING_S, PlanPoint, WindowStart};
 use super::super::queued_move::MoveQueue;
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::super::tolerance_band::{SHARP_COSINE, cosine};
-use super::super::work_budget::WorkBudget;
 use super::super::{MIN_FEED_MM_S, MotionSpeed};
 use super::{
     APPEND_MARGIN_TICKS, MAX_WORK_PER_TICK, PlanRequest, STEADY_WORK_PER_TICK, SetpointPlanner, append_rest, top_speed,
 };
+use crate::units::WorkBudget;
 
 /// Minimum and maximum horizon of a window, s.
 const MIN_HORIZON_S: f64 = 0.25;

@@ -11,8 +11,6 @@ mod superman;
 
 pub(crate) use rules::{BlockContext, DialectRow, FlowAction, PreflightScope, UnexecutedBlock};
 
-use std::sync::Arc;
-
 use self::rules::DialectRules;
 use super::expression::Scope;
 use super::fault::ReadResult;
@@ -59,8 +57,21 @@ impl Source {
     /// # Panics
     /// If the text has 4 GiB or more; the caller limits file sizes.
     #[must_use]
-    pub fn new(number: u32, name: impl Into<String>, bytes: impl Into<Arc<[u8]>>, dialect: Dialect) -> Self {
+    pub fn new(number: u32, name: impl Into<String>, bytes: impl Into<Vec<u8>>, dialect: Dialect) -> Self {
         Self::indexed(number, name.into(), bytes.into(), dialect, rules(dialect).index)
+    }
+
+    /// An empty text, with memory for a text of `bytes` bytes in a few lines.
+    #[must_use]
+    pub fn with_capacity(name: &str, bytes: usize, dialect: Dialect) -> Self {
+        let mut source = Self::new(0, name, Vec::with_capacity(bytes), dialect);
+        source.reserve_index();
+        source
+    }
+
+    /// Replaces the text of a program that nothing else holds, in its memory: a line of MDI text.
+    pub fn set_text(&mut self, text: &[u8]) {
+        self.replace_text(text, rules(self.dialect()).index);
     }
 }
 

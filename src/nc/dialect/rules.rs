@@ -51,7 +51,7 @@ pub(crate) enum FlowAction {
     /// Calls another program.
     Call(Call),
     /// G66, or G67 with `None`.
-    SetModalCall(Option<Box<ModalCall>>),
+    SetModalCall(Option<ModalCall>),
     /// M99.
     Return { target: Option<u32>, at: usize },
     /// Expands a cycle over a contour of the program (G70–G73).
@@ -89,7 +89,7 @@ pub(crate) struct DialectRow {
     /// The G codes that show the modal states.
     pub modal_codes: ModalCodes,
     /// Indexes a text: what its jumps, loops and calls can go to.
-    pub index: fn(&TextLines<'_>) -> SourceIndex,
+    pub index: fn(&TextLines<'_>, &mut SourceIndex),
     /// Checks a block of words that is not executed: its syntax, its codes, and that the blocks it names exist.
     pub check_unexecuted: fn(&BlockWords, &UnexecutedBlock<'_>) -> ReadResult<()>,
     /// The program that a block certainly calls (literal number, at least one call), and the byte of the call.

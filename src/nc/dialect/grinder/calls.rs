@@ -43,7 +43,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     Ok(if name == "G65" {
         FlowAction::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
     } else {
-        FlowAction::SetModalCall(Some(Box::new(ModalCall { program, times, arguments: Box::new(arguments) })))
+        FlowAction::SetModalCall(Some(ModalCall { program, times, arguments }))
     })
 }
 

@@ -1,4 +1,4 @@
-//! The index of a macro program: block numbers, also behind a `;`, and WHILE loops. Source: spec B1, B3.
+//! The index of a macro program: block numbers, also behind a `;`, WHILE loops, and the texts that it shows. Source: spec B1, B3.
 
 use crate::nc::source_index::{
     LOOP_DEPTH, LoopEnd, SourceIndex, TextLines, WhileLoop, block_head, leading_number, starts_with_word,
@@ -6,9 +6,9 @@ use crate::nc::source_index::{
 use crate::nc::statement;
 
 /// Indexes a text.
-pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
-    let (mut index, mut open) = (SourceIndex::default(), OpenLoops::default());
-    let divided = lines.text.contains(&b';');
+pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
+    let mut open = OpenLoops::default();
+    let (divided, has_variables) = (lines.text.contains(&b';'), lines.text.contains(&b'#'));
     for (_, start, line) in lines.iter() {
         let (n, rest) = block_head(line, true);
         open.closed = None;
@@ -17,13 +17,28 @@ pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
         if matches!(rest.first(), Some(b'W' | b'w' | b'E' | b'e')) {
             open.visit_block(&mut index.while_loops, rest, start, end);
         }
+        if has_variables && line.contains(&b'#') {
+            index_messages(index, line, start);
+        }
         if divided && line.contains(&b';') {
-            index_rest_of_line(&mut index, &lines.text[..end], start, &mut open);
+            index_rest_of_line(index, &lines.text[..end], start, &mut open);
         }
     }
-    index.block_numbers.sort();
-    index.inner_block_numbers.sort();
-    index
+    index.block_numbers.sort_unstable();
+    index.inner_block_numbers.sort_unstable();
+}
+
+/// The texts of `#3000=n(text)` and `#3006=n(text)` in a line.
+fn index_messages(index: &mut SourceIndex, line: &[u8], start: usize) {
+    let is_message = |word: &[u8]| word == b"#3000" || word == b"#3006";
+    let mut at = 0;
+    while let Some(found) = line[at..].windows(5).position(is_message) {
+        at += found + 5;
+        let Some(open) = line[at..].iter().position(|byte| *byte == b'(') else { return };
+        at += open + 1;
+        let Some(length) = line[at..].iter().position(|byte| *byte == b')') else { return };
+        index.message_texts.push(((start + at) as u32, (start + at + length) as u32));
+    }
 }
 
 /// Block numbers and loops behind the `;` of a line. The text ends with the line.

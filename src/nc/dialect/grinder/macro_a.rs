@@ -1,6 +1,7 @@
 //! Macro A: calculation by `G65 Hm P#i Q#j R#k`. Source: spec B3.
 
 use super::integer;
+use crate::defs::text::arg::Arg;
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
@@ -29,7 +30,7 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowActi
         99 => {
             // DECISION: H99 P n raises alarm 3000 + n, as #3000 = n does.
             let p = required_word(running, h, b'P')?;
-            running.ops.push(Op::Alarm { number: 3000 + integer(p, 0, 999)?, text: Box::default() });
+            running.ops.push(Op::Alarm { number: 3000 + integer(p, 0, 999)?, text: Arg::None });
             Ok(FlowAction::Next)
         }
         _ => {

@@ -1,17 +1,25 @@
-//! The index of an 802D program: its jump labels. Source: spec S1.
+//! The index of an 802D program: its jump labels and the texts that it shows. Source: spec S1.
 
-use crate::nc::source_index::{SourceIndex, TextLines, block_head};
+use super::read::message_range;
+use crate::nc::lexer::Cursor;
+use crate::nc::source_index::{SourceIndex, TextLines, after_blanks, block_head, starts_with_word};
 
 /// Indexes a text.
-pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
-    let mut index = SourceIndex::default();
-    for (line, _, text) in lines.iter() {
-        if let Some(name) = leading_label(block_head(text, false).1) {
+pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
+    for (line, start, text) in lines.iter() {
+        let mut head = block_head(text, false).1;
+        if let Some((name, behind)) = leading_label(head) {
             index.jump_labels.push((name.to_ascii_uppercase().into_boxed_slice(), line));
+            head = after_blanks(behind, false);
+        }
+        if starts_with_word(head, b"MSG") {
+            let at = start + text.len() - head.len();
+            let message = message_range(&mut Cursor::window(lines.text, at + 3)).ok();
+            index.message_texts.extend(message.map(|range| (range.start as u32, range.end as u32)));
         }
     }
-    index.jump_labels.sort();
-    index
+    index.jump_labels.sort_unstable();
+    index.message_texts.sort_unstable();
 }
 
 /// The identifier at the start of a text: two letters or `_`, then letters, digits and `_`.
@@ -24,11 +32,11 @@ pub(super) fn identifier(text: &[u8]) -> Option<&[u8]> {
     text.get(..length)
 }
 
-/// The label at the start of a block, before its `:`.
-fn leading_label(text: &[u8]) -> Option<&[u8]> {
+/// The label at the start of a block, and the text behind its `:`.
+fn leading_label(text: &[u8]) -> Option<(&[u8], &[u8])> {
     let name = identifier(text)?;
-    let after = text[name.len()..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
-    (after == Some(&b':')).then_some(name)
+    let behind = after_blanks(&text[name.len()..], false).strip_prefix(b":")?;
+    Some((name, behind))
 }
 
 #[cfg(test)]

@@ -179,6 +179,11 @@ fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResul
 
 /// `MSG("…")`, `MSG(“…”)` or `MSG()`.
 fn read_message(cursor: &mut Cursor<'_>) -> ReadResult<BlockContent> {
+    message_range(cursor).map(|text| BlockContent::DisplayMessage { text })
+}
+
+/// The bytes of the text in the brackets behind `MSG`.
+pub(super) fn message_range(cursor: &mut Cursor<'_>) -> ReadResult<Range<usize>> {
     skip_blanks(cursor);
     let open = cursor.at;
     if !cursor.accept(b'(') {
@@ -191,7 +196,7 @@ fn read_message(cursor: &mut Cursor<'_>) -> ReadResult<BlockContent> {
     match cursor.peek() {
         b')' => {
             cursor.at += 1;
-            Ok(BlockContent::DisplayMessage { text })
+            Ok(text)
         }
         b'\r' | b'\n' | b';' => fail(open, E::UnbalancedRound),
         _ if quotes_at(cursor).is_some() => fail(cursor.at, E::UnbalancedQuote),

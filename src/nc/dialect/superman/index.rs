@@ -4,8 +4,8 @@
 use crate::nc::source_index::{CountedLoop, SourceIndex, TextLines, block_head, leading_number, starts_with_word};
 
 /// Indexes a text.
-pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
-    let (mut index, mut open) = (SourceIndex::default(), Vec::new());
+pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
+    let mut open = Vec::new();
     for (line, start, text) in lines.iter() {
         let (n, rest) = block_head(text, true);
         index.block_numbers.extend(n.map(|n| (n, start as u32)));
@@ -19,8 +19,7 @@ pub(super) fn index(lines: &TextLines<'_>) -> SourceIndex {
         }
         index.main_end_line = index.main_end_line.or_else(|| has_code(text, b'M', 2).then_some(line));
     }
-    index.block_numbers.sort();
-    index
+    index.block_numbers.sort_unstable();
 }
 
 /// Whether a line contains a code outside its comments, with or without leading zeros.

@@ -1,6 +1,6 @@
-//! Work budget of a tick, in counted units.
+//! Work budget of a tick, in counted units: reading of blocks, look-ahead and feed scaling are charged to it.
 //!
-//! Limits the planning work before the next set-point is due. Units are counted, never timed, so that the same calls
+//! Limits the work before the next set-point is due. Units are counted, never timed, so that the same calls
 //! give the same set-points on every computer. One unit is about a nanosecond on the computer of docs/performance.md.
 
 /// The remaining work units of a tick.
@@ -16,6 +16,12 @@ impl WorkBudget {
         Self { left: units }
     }
 
+    /// A budget that is never spent: work outside the tick.
+    #[must_use]
+    pub const fn unlimited() -> Self {
+        Self::new(usize::MAX)
+    }
+
     /// Whether no unit is left.
     #[must_use]
     pub const fn is_spent(&self) -> bool {
@@ -26,6 +32,12 @@ impl WorkBudget {
     #[must_use]
     pub const fn left(&self) -> usize {
         self.left
+    }
+
+    /// What the work of a tick may take from this budget: at most `units`.
+    #[must_use]
+    pub fn share(&self, units: usize) -> Self {
+        Self::new(units.min(self.left))
     }
 
     /// Spends a cost, or all units that are left.
