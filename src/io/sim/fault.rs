@@ -179,28 +179,3 @@ impl SimulatedMachine {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::defs::sim_fault::FAULTS;
-
-    #[test]
-    fn p8_every_name_listed_can_be_said() {
-        for row in FAULTS {
-            let text = row.usage().replace("NAME", "home-x").replace(" N", " 3");
-            assert!(SimFault::parse(&text, false).is_ok(), "{text}");
-        }
-        assert_eq!(SimFault::parse("Drive-X", false), Ok(SimFault::Drive(Axis::X)));
-    }
-
-    #[test]
-    fn p8_a_wrong_fault_says_what_is_wrong() {
-        let said = |text| SimFault::parse(text, false).unwrap_err().to_string();
-        assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` tells them all");
-        assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
-        assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
-        assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");
-        assert_eq!(SimFault::parse("bus-late", true), Ok(SimFault::BusLate(1)));
-    }
-}

@@ -324,43 +324,18 @@ impl Bar {
 mod tests {
     use super::*;
 
-    fn tool() -> ToolFile {
-        let outline_mm = vec![TablePoint(0.0, 0.0), TablePoint(8.0, 1.5), TablePoint(8.1, 8.1), TablePoint(25.0, 8.1)];
-        ToolFile { tip_mm: (0.0, 0.0), edge_mm: 8.0, outline_mm }
-    }
-
-    fn bar() -> Bar {
-        Bar::new(&BarFile { diameter: 45.0, z_from: -100.0, z_to: 0.0, cell: 0.1 })
-    }
-
     #[test]
     fn l10_a_tool_that_goes_along_leaves_its_diameter() {
-        let mut bar = bar();
+        let outline_mm = vec![TablePoint(0.0, 0.0), TablePoint(8.0, 1.5), TablePoint(8.1, 8.1), TablePoint(25.0, 8.1)];
+        let tool = ToolFile { tip_mm: (0.0, 0.0), edge_mm: 8.0, outline_mm };
+        let mut bar = Bar::new(&BarFile { diameter: 45.0, z_from: -100.0, z_to: 0.0, cell: 0.1 });
         // Radius 20 from the face to Z −30 in steps of 0.1 mm.
         for step in 0..=320 {
             let z = 2.0 - 0.1 * f64::from(step);
-            assert_eq!(bar.cut(&tool(), ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
+            assert_eq!(bar.cut(&tool, ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
         }
         assert_eq!(bar.diameter_at(-20.0), Some(40.0));
         assert_eq!(bar.diameter_at(-40.0), Some(45.0));
         assert_eq!(bar.diameter_at(1.0), None);
-    }
-
-    #[test]
-    fn l9_rapid_a_standing_spindle_and_the_shank_are_interference() {
-        let at = |x: f64, z: f64, how: (bool, bool)| bar().cut(&tool(), ((x, z), (x, z)), 0.05, how);
-        assert_eq!(at(20.0, -10.0, (true, false)), Some("part, rapid traverse"));
-        assert_eq!(at(20.0, -10.0, (false, true)), Some("part, spindle standing"));
-        // 12 mm deep: the shank is 8.1 mm above the tip.
-        assert_eq!(at(10.0, -30.0, (false, false)), Some("part, shank of the tool"));
-        assert_eq!(at(23.0, -10.0, (true, true)), None);
-    }
-
-    #[test]
-    fn l9_the_outline_meets_the_chuck() {
-        let chuck = BodyFile { what: super::super::Body::Chuck, z_from: -200.0, z_to: -100.0, diameter: 120.0 };
-        assert!(tool().touches(55.0, -105.0, &chuck) && !tool().touches(55.0, -99.0, &chuck));
-        // The shank alone: it extends 25 mm towards plus from the tip.
-        assert!(tool().touches(50.0, -120.0, &chuck) && !tool().touches(61.0, -120.0, &chuck));
     }
 }

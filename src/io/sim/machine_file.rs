@@ -162,27 +162,3 @@ impl MachineFile {
         ]
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn p1_every_kind_has_its_own_axes_and_gear() {
-        let [gc, gs, ga] = [Kind::Gc, Kind::Gs, Kind::Ga].map(|kind| MachineFile::builtin(kind).unwrap());
-        let there = |file: &MachineFile, fitted| file.axes(fitted).map(|axis| axis.is_some()).0;
-        assert_eq!((there(&gc, false), there(&gc, true)), ([true, false, true], [true; 3]));
-        assert_eq!((there(&gs, false), there(&gs, true)), ([true; 3], [true; 3]));
-        assert_eq!((there(&ga, false), there(&ga, true)), ([true, false, true], [true; 3]));
-        assert!(
-            gc.workhead.is_some() && gc.table.is_none() && gc.magnet.is_none() && gc.hydraulics.tailstock.is_some()
-        );
-        assert!(
-            gs.workhead.is_none() && gs.table.is_none() && gs.magnet.is_some() && gs.hydraulics.tailstock.is_none()
-        );
-        assert!(
-            ga.workhead.is_none() && ga.table.is_some() && ga.magnet.is_some() && ga.hydraulics.tailstock.is_none()
-        );
-        assert!(gs.dresser.unwrap().roll.is_some());
-    }
-}

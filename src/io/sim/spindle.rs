@@ -194,30 +194,4 @@ mod tests {
         }
         assert!(wheel.rpm() <= 0.0);
     }
-
-    #[test]
-    fn p2_a_voltage_sets_the_speed_and_none_is_the_mains() {
-        let file = MachineFile::builtin(Kind::Gc).unwrap();
-        assert!((wheel_target_rpm(&file.wheel, true, 5.0) - 630.0).abs() < 1e-9);
-        assert!((wheel_target_rpm(&file.wheel, true, 0.0) - 1_000.0).abs() < 1e-9);
-        assert!(wheel_target_rpm(&file.wheel, false, 5.0) <= 0.0);
-        let head = file.workhead.unwrap();
-        assert!((drive_target_rpm(&head, false, true, 0.5) - 30.0).abs() < 1e-9, "15 rpm is below its least");
-        assert!((drive_target_rpm(&head, true, false, 0.0) - 200.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn p2_the_second_spindle_turns_both_ways_and_neither_at_once() {
-        let file = SecondSpindleFile { rpm: 1_500.0, run_up_s: 1.0 };
-        let mut second = ReversibleSpindle { file, rpm: 0.0 };
-        (0..1_000).for_each(|_| second.step(true, false, 0.001));
-        assert!((second.rpm - 1_500.0).abs() < 1e-6);
-        // Down to rest and up the other way: 2 s.
-        (0..1_990).for_each(|_| second.step(false, true, 0.001));
-        assert!(second.rpm < 0.0 && second.rpm > -1_500.0);
-        (0..11).for_each(|_| second.step(false, true, 0.001));
-        assert!((second.rpm + 1_500.0).abs() < 1e-6);
-        (0..1_001).for_each(|_| second.step(true, true, 0.001));
-        assert!(second.rpm.abs() <= 1e-9);
-    }
 }
