@@ -255,34 +255,3 @@ arguments! {
 
 // A phrase keeps several of them in place.
 const _: () = assert!(size_of::<Arg>() <= 16);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_number_is_written_as_format_writes_it() {
-        let write = |arg: Arg, form: &str| {
-            let mut out = String::new();
-            arg.write(&mut out, Lang::En, NumberForm::parse(form)).unwrap();
-            out
-        };
-        assert_eq!(write(0.5.into(), ""), format!("{}", 0.5));
-        assert_eq!(write((-0.0).into(), ".3"), format!("{:.3}", -0.0));
-        assert_eq!(write(2.5.into(), ".0"), format!("{:.0}", 2.5));
-        assert_eq!(write(0.1.into(), "+.3"), format!("{:+.3}", 0.1));
-        assert_eq!(write(1e21.into(), ""), format!("{}", 1e21));
-        assert_eq!(write(7_u8.into(), "04"), format!("{:04}", 7));
-        assert_eq!(write(12_345_u32.into(), "04"), format!("{:04}", 12_345));
-    }
-
-    #[test]
-    fn a_name_of_any_length_stays_itself() {
-        for name in ["", "O1001", "一键回退", "VGRIND_ROUGHING", "fourteen_bytes"] {
-            assert_eq!(Arg::from(name).as_name(), name);
-            assert_eq!(Arg::from(format_args!("{name}{}", 1)).as_name(), format!("{name}1"));
-            assert_eq!(matches!(Arg::from(name), Arg::ShortName(..)), name.len() <= SHORT_NAME);
-        }
-        assert!(Arg::from("").is_empty() && !Arg::from("N").is_empty());
-    }
-}
