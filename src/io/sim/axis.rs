@@ -49,15 +49,17 @@ pub(super) struct SimAxis {
     file: AxisFile,
     /// Motor position, machine coordinates, mm.
     motor_mm: f64,
-    velocity_mm_s: f64,
+    /// Speed of the slide, mm/s.
+    pub(super) velocity_mm_s: f64,
     accel_mm_s2: f64,
     /// The leadscrew is worn: its backlash grows towards the minus end (fault `worn-screw-x`).
-    screw_worn: bool,
+    pub(super) screw_worn: bool,
     /// Slide position before pitch error and scatter, mm.
     nominal_slide_mm: f64,
     /// Actual slide position, machine coordinates, mm.
-    slide_mm: f64,
-    encoder_zero_mm: f64,
+    pub(super) slide_mm: f64,
+    /// Machine position at which the encoder reads zero, mm.
+    pub(super) encoder_zero_mm: f64,
     /// Last set-point of the drive, mm; the encoder counts from it.
     last_set_point_mm: f64,
     coefficients: Coefficients,
@@ -65,7 +67,7 @@ pub(super) struct SimAxis {
     limit_plus: BouncingContact,
     limit_minus: BouncingContact,
     /// Random deviation of the slide.
-    scatter: Option<SlideScatter>,
+    pub(super) scatter: Option<SlideScatter>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -126,21 +128,6 @@ impl SimAxis {
         self.home = BouncingContact::at_rest(self.at_home());
         self.limit_plus = BouncingContact::at_rest(self.slide_mm >= self.file.limit_plus_mm);
         self.limit_minus = BouncingContact::at_rest(self.slide_mm <= self.file.limit_minus_mm);
-    }
-
-    /// Machine position at which the encoder reads zero, mm.
-    pub(super) const fn encoder_zero_mm(&self) -> f64 {
-        self.encoder_zero_mm
-    }
-
-    /// Actual slide position, machine coordinates, mm.
-    pub(super) const fn slide_mm(&self) -> f64 {
-        self.slide_mm
-    }
-
-    /// Speed of the slide, mm/s.
-    pub(super) const fn velocity_mm_s(&self) -> f64 {
-        self.velocity_mm_s
     }
 
     /// Encoder reading, mm. DECISION: it counts in steps of the resolution from the last set-point (as interpolating
@@ -226,16 +213,6 @@ impl SimAxis {
         self.velocity_mm_s = 0.0;
         self.accel_mm_s2 = 0.0;
         Some(StopHit { plus, speed_mm_s })
-    }
-
-    /// Sets the random deviation of the slide.
-    pub(super) fn set_scatter(&mut self, scatter: SlideScatter) {
-        self.scatter = Some(scatter);
-    }
-
-    /// Makes the leadscrew worn or as new.
-    pub(super) const fn set_screw_worn(&mut self, worn: bool) {
-        self.screw_worn = worn;
     }
 
     /// Extra backlash of a worn leadscrew, mm: none at the plus stop, `WORN_PLAY_MM` at the minus stop.

@@ -60,12 +60,13 @@ pub(super) struct Grinding {
     recent_cut_mm: f64,
     probe_broken: bool,
     /// Random depth of the diamond, stroke by stroke.
-    diamond: Option<DiamondScatter>,
+    pub(super) diamond: Option<DiamondScatter>,
     /// The part was not held and was thrown out.
     part_lost: bool,
     /// Position of the stroke axis one tick ago, mm.
     previous_stroke_mm: f64,
-    load_percent: f64,
+    /// Load of the wheel motor, percent.
+    pub(super) load_percent: f64,
 }
 
 /// Values from the machine file.
@@ -133,11 +134,6 @@ impl Grinding {
         }
     }
 
-    /// Sets the random depth of the diamond.
-    pub(super) fn set_scatter(&mut self, diamond: DiamondScatter) {
-        self.diamond = Some(diamond);
-    }
-
     /// Loads a new part from its file, or removes the part.
     pub(super) fn set_part(&mut self, part: Option<&PartFile>, chance: &mut SplitMix64) {
         self.surfaces.clear();
@@ -156,13 +152,8 @@ impl Grinding {
         let zero = self.machine.layout.wheel_at(self.work_zero.machine());
         self.obstacles.extend(self.machine.plate.as_ref().map(|plate| Obstacle::of_plate(plate, &zero)));
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
-        let obstacles = self.obstacles.iter().map(Obstacle::top_mm);
+        let obstacles = self.obstacles.iter().map(|obstacle| obstacle.top_mm);
         self.highest_mm = surfaces.chain(obstacles).fold(f64::NEG_INFINITY, f64::max);
-    }
-
-    /// Load of the wheel motor, percent.
-    pub(super) const fn load_percent(&self) -> f64 {
-        self.load_percent
     }
 
     /// The surfaces to be measured; empty once the part is lost.
@@ -228,12 +219,12 @@ impl Grinding {
 
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
-        self.load_percent = if scene.wheel.rpm() > 0.0 { self.machine.idle_percent } else { 0.0 };
+        self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.idle_percent } else { 0.0 };
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
         crashed |= self.check_probe(scene, log);
-        if pass.front_mm - self.swivel_tan.abs() * wheel.width_mm() >= self.highest_mm {
+        if pass.front_mm - self.swivel_tan.abs() * wheel.width_mm >= self.highest_mm {
             self.clear_contacts();
             return crashed;
         }
@@ -264,7 +255,7 @@ impl Grinding {
         for surface in &mut self.surfaces {
             surface.contact = ContactFlags::default();
         }
-        self.obstacles.iter_mut().for_each(Obstacle::clear_contact);
+        self.obstacles.iter_mut().for_each(|obstacle| obstacle.touched = false);
     }
 
     /// Throws the part off a rotating table if it is not held.
@@ -311,10 +302,10 @@ impl Grinding {
         let (width_mm, roll_mm) =
             dresser.roll.as_ref().map_or((0.0, 0.0), |roll| (roll.width_mm, roll.diameter_mm / 2.0));
         // Two circles: offset along the stroke, the wheel reaches less deep.
-        let (both, off) = (wheel.radius_mm() + roll_mm, at.stroke_mm - dresser.stroke_mm);
+        let (both, off) = (wheel.radius_mm + roll_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
         let towards = if dresser.behind { -1.0 } else { 1.0 };
-        let deeper = self.diamond.as_ref().map_or(0.0, DiamondScatter::extra_depth_mm);
+        let deeper = self.diamond.as_ref().map_or(0.0, |diamond| diamond.extra_depth_mm);
         // The rim of a swivelled wheel is set back at the dresser's position along it.
         let back = self.swivel_tan * (dresser.across_mm - at.left_mm);
         let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
@@ -330,7 +321,7 @@ impl Grinding {
             return false;
         }
         self.recent_cut_mm *= 1.0 - (scene.dt_s / CUT_WINDOW_S).min(1.0);
-        let depth = slices.clone().map(|slice| reach - wheel.rim_wear_mm(slice)).fold(0.0, f64::max);
+        let depth = slices.clone().map(|slice| reach - wheel.rim_wear_mm[slice]).fold(0.0, f64::max);
         if depth <= 0.0 || self.dresser_broken {
             return false;
         }
@@ -346,7 +337,7 @@ impl Grinding {
         }
         if !standing {
             for slice in slices {
-                let depth = reach - wheel.rim_wear_mm(slice);
+                let depth = reach - wheel.rim_wear_mm[slice];
                 // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.
                 let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
                 if depth > 0.0 {

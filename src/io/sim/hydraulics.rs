@@ -3,6 +3,7 @@
 
 use super::contact::BouncingContact;
 use super::machine_sections::HydraulicsFile;
+use crate::defs::signal::{Output, OutputSet};
 use crate::io::random::SplitMix64;
 
 /// A cylinder or arm that moves between two end positions, with a switch at each.
@@ -13,8 +14,10 @@ pub(super) struct SimCylinder {
     rate_per_s: f64,
     front_contact: BouncingContact,
     back_contact: BouncingContact,
-    /// States of the switches: front, back.
-    switches: (bool, bool),
+    /// State of the front switch.
+    pub(super) front_switch: bool,
+    /// State of the back switch.
+    pub(super) back_switch: bool,
 }
 
 /// Command to a cylinder.
@@ -32,7 +35,8 @@ impl SimCylinder {
             rate_per_s: whole_s.recip(),
             front_contact: BouncingContact::at_rest(false),
             back_contact: BouncingContact::at_rest(true),
-            switches: (false, true),
+            front_switch: false,
+            back_switch: true,
         }
     }
 
@@ -40,7 +44,7 @@ impl SimCylinder {
         self.position = if front { 1.0 } else { 0.0 };
         self.front_contact = BouncingContact::at_rest(front);
         self.back_contact = BouncingContact::at_rest(!front);
-        self.switches = (front, !front);
+        (self.front_switch, self.back_switch) = (front, !front);
     }
 
     fn step(&mut self, push: CylinderCommand, tick: StepTimes, chance: &mut SplitMix64) {
@@ -49,30 +53,13 @@ impl SimCylinder {
             CylinderCommand::Backward => self.position = (self.position - self.rate_per_s * tick.dt_s).max(0.0),
             CylinderCommand::Hold => {}
         }
-        self.switches = (
-            self.front_contact.step(self.position >= 1.0, tick.dt_s, tick.bounce_s, chance),
-            self.back_contact.step(self.position <= 0.0, tick.dt_s, tick.bounce_s, chance),
-        );
-    }
-
-    /// State of the front switch.
-    pub(super) const fn front_switch(&self) -> bool {
-        self.switches.0
-    }
-
-    /// State of the back switch.
-    pub(super) const fn back_switch(&self) -> bool {
-        self.switches.1
+        self.front_switch = self.front_contact.step(self.position >= 1.0, tick.dt_s, tick.bounce_s, chance);
+        self.back_switch = self.back_contact.step(self.position <= 0.0, tick.dt_s, tick.bounce_s, chance);
     }
 
     /// Whether it is at the front end, regardless of the switch.
     pub(super) fn is_at_front(&self) -> bool {
         self.position >= 1.0
-    }
-
-    /// Position: 0 at the back end, 1 at the front end.
-    pub(super) const fn position(&self) -> f64 {
-        self.position
     }
 }
 
@@ -83,25 +70,14 @@ pub(super) struct StepTimes {
     pub bounce_s: f64,
 }
 
-/// The outputs used here.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct HydraulicOutputs {
-    pub pump: bool,
-    pub tailstock: bool,
-    pub radial_gauge: bool,
-    pub axial_gauge: bool,
-    pub oscillation_forward: bool,
-    pub oscillation_backward: bool,
-    pub coolant: bool,
-    pub gears: [bool; 4],
-}
-
 /// Pump, pressure and cylinders.
 #[derive(Clone, Debug)]
 pub(super) struct Hydraulics {
     file: HydraulicsFile,
-    pressure_mpa: f64,
-    pressure_switch: bool,
+    /// Present pressure, MPa.
+    pub(super) pressure_mpa: f64,
+    /// State of the pressure switch.
+    pub(super) pressure_switch: bool,
     decay: (f64, f64),
     pub(super) tailstock: Option<SimCylinder>,
     pub(super) radial_arm: SimCylinder,
@@ -142,42 +118,36 @@ impl Hydraulics {
         }
     }
 
-    /// Moves everything for one tick; `leak` is the fault of lost pressure.
-    pub(super) fn step(&mut self, valves: &HydraulicOutputs, leak: bool, tick: StepTimes, chance: &mut SplitMix64) {
+    /// Moves everything for one tick under the outputs; `leak` is the fault of lost pressure.
+    pub(super) fn step(&mut self, on: OutputSet, leak: bool, tick: StepTimes, chance: &mut SplitMix64) {
         if tick.dt_s.total_cmp(&self.decay.0).is_ne() {
             self.decay = (tick.dt_s, (-tick.dt_s / self.file.time_constant_s).exp());
         }
-        let target = if valves.pump && !leak { self.file.pressure_mpa } else { 0.0 };
+        let target = if on.has(Output::Hydraulic) && !leak { self.file.pressure_mpa } else { 0.0 };
         self.pressure_mpa = target + (self.pressure_mpa - target) * self.decay.1;
         let edge = if self.pressure_switch { self.file.switch_off_mpa } else { self.file.switch_on_mpa };
         self.pressure_switch = self.pressure_mpa >= edge;
         let moves = self.pressure_mpa >= self.file.moves_from_mpa;
         let two_way = |front: bool| if front { CylinderCommand::Forward } else { CylinderCommand::Backward };
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.step(if moves { two_way(valves.tailstock) } else { CylinderCommand::Hold }, tick, chance);
+            tailstock.step(
+                if moves { two_way(on.has(Output::Tailstock)) } else { CylinderCommand::Hold },
+                tick,
+                chance,
+            );
         }
-        self.radial_arm.step(two_way(valves.radial_gauge), tick, chance);
-        self.axial_arm.step(two_way(valves.axial_gauge), tick, chance);
-        let oscillation = match (valves.oscillation_forward, valves.oscillation_backward) {
+        self.radial_arm.step(two_way(on.has(Output::RadialGauge)), tick, chance);
+        self.axial_arm.step(two_way(on.has(Output::AxialGauge)), tick, chance);
+        let oscillation = match (on.has(Output::OscillationForward), on.has(Output::OscillationBackward)) {
             (true, false) => CylinderCommand::Forward,
             (false, true) => CylinderCommand::Backward,
             (true, true) | (false, false) => CylinderCommand::Hold,
         };
         self.oscillation.step(oscillation, tick, chance);
-        count_down(&mut self.coolant_delay_s, valves.coolant, self.file.coolant_s, tick.dt_s);
-        for (left, on) in self.gear_delay_s.iter_mut().zip(valves.gears) {
-            count_down(left, on, self.file.gear_s, tick.dt_s);
+        count_down(&mut self.coolant_delay_s, on.has(Output::Coolant), self.file.coolant_s, tick.dt_s);
+        for (left, gear) in self.gear_delay_s.iter_mut().zip(Output::GEARS) {
+            count_down(left, on.has(gear), self.file.gear_s, tick.dt_s);
         }
-    }
-
-    /// Present pressure, MPa.
-    pub(super) const fn pressure_mpa(&self) -> f64 {
-        self.pressure_mpa
-    }
-
-    /// State of the pressure switch.
-    pub(super) const fn pressure_switch(&self) -> bool {
-        self.pressure_switch
     }
 
     /// Whether coolant flows.
@@ -193,7 +163,7 @@ impl Hydraulics {
     /// Distance of the tailstock from its advanced position, mm.
     pub(super) fn tailstock_retracted_mm(&self) -> f64 {
         let quill = self.tailstock.as_ref().zip(self.file.tailstock.as_ref());
-        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.position()) * file.travel_mm)
+        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.position) * file.travel_mm)
     }
 }
 

@@ -47,7 +47,8 @@ pub(super) struct SimLathe {
     turret: ToolTurretFile,
     /// Latched direction of the spindle: +1 forward, −1 reverse, 0 off.
     direction: f64,
-    rpm: f64,
+    /// Speed of the spindle, rpm, forward positive.
+    pub(super) rpm: f64,
     turns: f64,
     /// Station in cutting position, from 0; the fraction is the progress to the next one.
     station: f64,
@@ -116,11 +117,6 @@ impl SimLathe {
         } else if on.has(Output::TurretReverse) {
             self.station = self.station.round().rem_euclid(STATIONS);
         }
-    }
-
-    /// Speed of the spindle, rpm, forward positive.
-    pub(super) const fn rpm(&self) -> f64 {
-        self.rpm
     }
 
     /// Encoder reading: revolutions since power-on, in encoder steps.

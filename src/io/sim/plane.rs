@@ -26,7 +26,7 @@ pub(super) struct PlaneSurface {
     /// Heights in columns along Z, ordered along X.
     height_mm: Box<[f64]>,
     /// Height of the highest cell.
-    highest_mm: f64,
+    pub(super) highest_mm: f64,
     /// Height of the highest cell of each column; columns below the wheel are skipped.
     column_top_mm: Box<[f64]>,
     /// Wear of the rim over each row in this tick; valid only for the rows under the wheel.
@@ -97,17 +97,12 @@ impl PlaneSurface {
         Some(Self { x, z, height_mm, highest_mm, column_top_mm: column_mm, rim_wear_mm: row.clone(), removed_mm: row })
     }
 
-    /// Height of the highest cell, mm.
-    pub(super) const fn highest_mm(&self) -> f64 {
-        self.highest_mm
-    }
-
     /// The ranges of cells along X and Z that the wheel may touch in this tick.
     fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (Range<usize>, Range<usize>) {
         let half = 0.5 * pass.traverse.contact_mm + wheel.half_chord_mm(self.highest_mm - pass.front_mm);
         let (least, most) = pass.sweep_mm();
         let x = self.x.cells(least - half, most + half);
-        let z = self.z.cells(pass.left_mm, pass.left_mm + wheel.width_mm());
+        let z = self.z.cells(pass.left_mm, pass.left_mm + wheel.width_mm);
         (x, z)
     }
 
@@ -116,7 +111,7 @@ impl PlaneSurface {
     fn sweep_over(&self, x: usize, pass: &WheelMotion, wheel: &GrindingWheel) -> (f64, f64) {
         let (middle, flat, (least, most)) = (self.x.middle(x), 0.5 * pass.traverse.contact_mm, pass.sweep_mm());
         let off = ((least - middle).max(middle - most) - flat).max(0.0);
-        let radius = wheel.radius_mm();
+        let radius = wheel.radius_mm;
         let lift = radius - (radius * radius - off * off).max(0.0).sqrt();
         let way = most.min(middle + flat) - least.max(middle - flat);
         (lift, way.max(0.0))
@@ -133,7 +128,7 @@ impl PlaneSurface {
         }
         for z in zs.clone() {
             let slice = wheel.slice_at(self.z.middle(z) - pass.left_mm);
-            self.rim_wear_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_wear_mm(slice));
+            self.rim_wear_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_wear_mm[slice]);
         }
         let mut greatest = 0.0_f64;
         for x in xs {

@@ -189,17 +189,17 @@ impl ProfileSurface {
     fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (std::ops::Range<usize>, f64) {
         match self.shape {
             ProfileShape::Diameter => {
-                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
+                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm);
                 (cells, pass.front_mm)
             }
             ProfileShape::Bore { .. } => {
-                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
+                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm);
                 // The wheel's centre is off the part's axis; the rim on the far side touches the bore.
-                (cells, -(pass.front_mm + wheel.radius_mm()).abs() - wheel.radius_mm())
+                (cells, -(pass.front_mm + wheel.radius_mm).abs() - wheel.radius_mm)
             }
             ProfileShape::Disc => {
                 // Beyond the table's centre the wheel covers radii on the other side.
-                let right = pass.left_mm + wheel.width_mm();
+                let right = pass.left_mm + wheel.width_mm;
                 let (from, to) = if pass.left_mm >= 0.0 {
                     (pass.left_mm, right)
                 } else if right <= 0.0 {
@@ -213,7 +213,7 @@ impl ProfileSurface {
                 let from = self.cell_from(pass.front_mm + wheel.corner_wear_mm(side));
                 let surface = match side {
                     Side::Left => pass.left_mm + wheel.side_wear_mm(side),
-                    Side::Right => wheel.side_wear_mm(side) - pass.left_mm - wheel.width_mm(),
+                    Side::Right => wheel.side_wear_mm(side) - pass.left_mm - wheel.width_mm,
                 };
                 (from..self.height_mm.len(), surface)
             }
@@ -227,7 +227,7 @@ impl ProfileSurface {
         match self.shape {
             ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Face { .. } => slice,
             ProfileShape::Disc => match (slice, wheel.slice_at(-middle - pass.left_mm)) {
-                (Some(a), Some(b)) => Some(if wheel.rim_wear_mm(a) <= wheel.rim_wear_mm(b) { a } else { b }),
+                (Some(a), Some(b)) => Some(if wheel.rim_wear_mm[a] <= wheel.rim_wear_mm[b] { a } else { b }),
                 (a, b) => a.or(b),
             },
         }
@@ -245,11 +245,11 @@ impl ProfileSurface {
     pub(super) fn overlap_mm(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> f64 {
         let quick = match self.shape {
             // Limit of the rim, swivelled or not: no slice reaches further.
-            ProfileShape::Diameter | ProfileShape::Disc => pass.front_mm - pass.swivel_tan.max(0.0) * wheel.width_mm(),
+            ProfileShape::Diameter | ProfileShape::Disc => pass.front_mm - pass.swivel_tan.max(0.0) * wheel.width_mm,
             ProfileShape::Bore { thickness_mm } if pass.front_mm >= self.outside_mm(thickness_mm) => return 0.0,
-            ProfileShape::Bore { .. } => self.cells_under(pass, wheel).1 + pass.swivel_tan.min(0.0) * wheel.width_mm(),
+            ProfileShape::Bore { .. } => self.cells_under(pass, wheel).1 + pass.swivel_tan.min(0.0) * wheel.width_mm,
             ProfileShape::Face { side: Side::Left, .. } => pass.left_mm,
-            ProfileShape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm(),
+            ProfileShape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm,
         };
         if quick >= self.highest_mm || self.covered_share(pass, wheel) <= 0.0 {
             return 0.0;
@@ -261,14 +261,14 @@ impl ProfileSurface {
                 for cell in cells {
                     let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
                     let rim = self.rim_over(cell, surface, pass);
-                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_wear_mm(slice));
+                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_wear_mm[slice]);
                 }
             }
             ProfileShape::Face { thickness_mm, .. } => {
                 for h in &self.height_mm[cells] {
                     greatest = greatest.max(h - surface);
                 }
-                if greatest >= thickness_mm + wheel.width_mm() {
+                if greatest >= thickness_mm + wheel.width_mm {
                     return 0.0; // the whole wheel is behind the face's body
                 }
             }
@@ -294,7 +294,7 @@ impl ProfileSurface {
         for cell in cells {
             let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
             let h = self.height_mm[cell];
-            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_wear_mm(slice);
+            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_wear_mm[slice];
             if overlap <= 0.0 {
                 continue;
             }
