@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive};
+use super::file_error::{SimFileError, refuse_value, require_positive};
 use crate::units::Axis;
 
 /// Greatest number of rows of an error table over position.
@@ -351,9 +351,7 @@ pub struct ProbeFile {
 
 impl AxisFile {
     pub(super) fn check(&self, letter: &str) -> Result<(), SimFileError> {
-        let wrong = |field: &str, value: f64, rule: &'static str| {
-            Err(SimFileError::Value { field: format!("{letter}.{field}"), value, rule })
-        };
+        let wrong = |field: &str, value, rule| refuse_value(format!("{letter}.{field}"), value, rule);
         for (field, value) in [
             ("following_rad_s", self.following_rad_s),
             ("accel_mm_s2", self.accel_mm_s2),
@@ -384,8 +382,7 @@ impl DriveFile {
         require_positive(&format!("{name}.low_rpm"), self.low_rpm)?;
         require_positive(&format!("{name}.run_up_s"), self.run_up_s)?;
         if self.least_rpm > self.greatest_rpm {
-            let (field, value) = (format!("{name}.least_rpm"), self.least_rpm);
-            return Err(SimFileError::Value { field, value, rule: "must not exceed greatest_rpm" });
+            refuse_value(format!("{name}.least_rpm"), self.least_rpm, "must not exceed greatest_rpm")?;
         }
         Ok(())
     }

@@ -2,11 +2,12 @@
 //! [`Backend::read`] advances the model from the last `now` to this one under the outputs last written (axes, spindles,
 //! hydraulics, contact of wheel and part), then returns terminals and encoders.
 //! Files: `axis` drives and switches, `spindle`, `hydraulics`, `magnet`, `gauge`, `wheel` shape and wear, `surface` the
-//! contact law, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
+//! contact law, `cell_row`, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
 //! variation, `wiring` terminals, `lathe` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
 //! faults, `measure` and `report` queries and results. The machine file alone defines which axes and spindles exist.
 
 mod axis;
+mod cell_row;
 mod contact;
 mod contact_law;
 mod fault;

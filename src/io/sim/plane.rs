@@ -9,6 +9,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use super::cell_row::CellRow;
 use super::contact_law::{Cut, WheelMotion, removed_share};
 use super::part_file::SurfaceFile;
 use super::report::{HeightAt, PartReport};
@@ -33,48 +34,6 @@ pub(super) struct PlaneSurface {
     rim_wear_mm: Box<[f64]>,
     /// Depth removed from each row in this tick, mm.
     removed_mm: Box<[f64]>,
-}
-
-/// Cells along one direction.
-#[derive(Clone, Copy, Debug)]
-struct CellRow {
-    from_mm: f64,
-    cell_mm: f64,
-    count: usize,
-}
-
-impl CellRow {
-    fn new(from: f64, to: f64, cell: f64) -> Self {
-        let count = ((to - from) / cell).round().max(1.0) as usize;
-        Self { from_mm: from, cell_mm: (to - from) / count as f64, count }
-    }
-
-    fn middle(self, cell: usize) -> f64 {
-        self.from_mm + (cell as f64 + 0.5) * self.cell_mm
-    }
-
-    fn length_mm(self) -> f64 {
-        self.cell_mm * self.count as f64
-    }
-
-    /// The cells whose centres lie from `from_mm` to below `to_mm`.
-    fn cells(self, from_mm: f64, to_mm: f64) -> Range<usize> {
-        let cell =
-            |place: f64| (((place - self.from_mm) / self.cell_mm - 0.5).ceil().max(0.0) as usize).min(self.count);
-        cell(from_mm)..cell(to_mm)
-    }
-
-    /// The two cells next to a position and the weight of the second; `None` outside the row.
-    fn neighbours(self, place_mm: f64) -> Option<(usize, usize, f64)> {
-        let cells = (place_mm - self.from_mm) / self.cell_mm;
-        if !(0.0..=self.count as f64).contains(&cells) {
-            return None;
-        }
-        let last = self.count - 1;
-        let along = (cells - 0.5).clamp(0.0, last as f64);
-        let first = along.floor() as usize;
-        Some((first, (first + 1).min(last), along - along.floor()))
-    }
 }
 
 impl PlaneSurface {
