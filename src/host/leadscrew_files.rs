@@ -10,7 +10,7 @@ use crate::defs::date::DateTime;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::text::LocalizedText;
 use crate::link::files::{FileAnswer, Refusal};
-use crate::store::{UsbDrive, decode, read_file};
+use crate::store::{UsbDrive, decode, read_regular_file};
 use crate::units::Axis;
 
 /// Maximum file size, bytes: a hundred lines and comments.
@@ -40,7 +40,7 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
     let missing = || refusal(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium"));
     let name = file.map(|file| file.name).ok_or_else(missing)?;
     let wrong = |zh: String, en: String| refusal(format!("{name} {zh}"), format!("{name} {en}"));
-    let bytes = read_file(&stick.root().join(&name), FILE_LIMIT)?;
+    let bytes = read_regular_file(&stick.root().join(&name), FILE_LIMIT)?;
     let text = decode(&bytes)
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = LeadscrewCompensation::parse(&text.text).map_err(|fault| {

@@ -379,12 +379,6 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         &self.controller
     }
 
-    /// The machine.
-    #[must_use]
-    pub const fn plant(&self) -> &P {
-        &self.plant
-    }
-
     /// Voltage of the second analog output, 0 to 10 V.
     #[must_use]
     pub const fn analog_2_volts(&self) -> f64 {

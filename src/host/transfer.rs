@@ -15,7 +15,7 @@ use crate::link::files::{FileAnswer, Refusal, RestoredValues};
 use crate::link::media::{Direction, MediaFile, MediaView, Screenshot, TransferRequest, TransferSet};
 use crate::store::{
     CommentSource, FileClass, FileContent, Folder, FolderEntry, FolderError, ListedFile, PAGE_TEXT, PICTURE, PROGRAM,
-    ProgramFolder, UsbDrive, Values, read_file, stamp, write_atomic,
+    ProgramFolder, UsbDrive, Values, read_regular_file, stamp, write_atomic,
 };
 
 /// Names of the value files on a USB drive.
@@ -269,7 +269,7 @@ impl UsbTransfer<'_> {
         let bytes = archive.into_inner().map_err(error_refusal)?;
         let path = self.usb_drive.root().join(&name);
         write_atomic(&path, &bytes)?;
-        let back = read_file(&path, ARCHIVE_LIMIT)?;
+        let back = read_regular_file(&path, ARCHIVE_LIMIT)?;
         check_read_back(&name, stamp(&back) == stamp(&bytes))?;
         Ok(done(format!("已备份到 {name}"), format!("backup written: {name}")))
     }
@@ -286,7 +286,7 @@ impl UsbTransfer<'_> {
         if ask.overwrite.is_none() {
             return Err(Refusal::Overwrite(vec![name.clone()]));
         }
-        let bytes = read_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT)?;
+        let bytes = read_regular_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT)?;
         let shelf = self.folders.program_folder();
         let (values, contents) = unpack_archive(name, &bytes, &shelf)?;
         let restored = self.check_values(&values)?;
