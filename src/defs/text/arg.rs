@@ -179,18 +179,6 @@ impl From<f64> for Arg {
     }
 }
 
-impl From<&str> for Arg {
-    fn from(name: &str) -> Self {
-        format_args!("{name}").into()
-    }
-}
-
-impl From<String> for Arg {
-    fn from(name: String) -> Self {
-        name.as_str().into()
-    }
-}
-
 impl From<fmt::Arguments<'_>> for Arg {
     fn from(name: fmt::Arguments<'_>) -> Self {
         let mut short = ShortName::default();
@@ -218,17 +206,24 @@ impl Write for ShortName {
     }
 }
 
-impl From<Cow<'_, str>> for Arg {
-    fn from(name: Cow<'_, str>) -> Self {
-        name.as_ref().into()
-    }
-}
-
 impl From<usize> for Arg {
     fn from(value: usize) -> Self {
         Self::Integer(value as i64)
     }
 }
+
+/// Types that are names.
+macro_rules! names {
+    ($($from:ty),+) => {
+        $(impl From<$from> for Arg {
+            fn from(name: $from) -> Self {
+                format_args!("{name}").into()
+            }
+        })+
+    };
+}
+
+names!(&str, String, Cow<'_, str>);
 
 /// Types that an argument holds as they are.
 macro_rules! arguments {
