@@ -7,6 +7,7 @@ use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
 use super::spindle::rpm_of;
+use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::units::{MachinePos, PerAxis};
 
 /// Present state of the wheel.
@@ -129,8 +130,8 @@ impl SimulatedMachine {
 
     /// Bar, chuck and tool of a lathe for the drawing; `None` without a bar.
     #[must_use]
-    pub fn lathe_scene(&self) -> Option<super::LatheScene<'_>> {
-        self.lathe.as_ref()?.scene()
+    pub fn lathe_workspace(&self) -> Option<LatheWorkspace> {
+        self.lathe.as_ref()?.workspace()
     }
 
     /// Speed of a lathe's main spindle, rpm, forward positive.

@@ -53,7 +53,6 @@ use crate::units::{Axis, MachinePos, Micros, PerAxis};
 pub use self::fault::FaultError;
 pub use self::file_error::SimFileError;
 pub use self::interference_check::InterferenceCheck;
-pub use self::lathe::LatheScene;
 pub use self::machine_file::MachineFile;
 pub use self::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
