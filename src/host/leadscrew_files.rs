@@ -2,10 +2,8 @@
 //! that this control wrote with date and time in its name.
 //! Source: spec B7.
 
-use std::path::Path;
-
 use super::job_answer::{JobResult, no_usb_drive, refusal};
-use super::transfer::save_file_as;
+use super::transfer::SaveTarget;
 use crate::defs::date::DateTime;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::text::LocalizedText;
@@ -55,16 +53,16 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
     Ok(FileAnswer::Leadscrew(axis, table, name))
 }
 
-/// Writes the table of an axis to the USB drive, or to the screenshot folder if there is no drive.
+/// Writes the table of an axis.
 ///
 /// # Errors
 /// No target folder, or a disk error.
-pub fn write(
-    (axis, table): (Axis, &LeadscrewCompensation),
+pub(super) fn write(
+    axis: Axis,
+    table: &LeadscrewCompensation,
     date: DateTime,
-    folder: Option<&Path>,
-    stick: Option<&UsbDrive>,
+    target: SaveTarget<'_>,
 ) -> Result<LocalizedText, Refusal> {
     let text = format!("\u{FEFF}{HEADER}{}", table.to_text().replace('\n', "\r\n"));
-    save_file_as(text.as_bytes(), (&format!("{}-{}", file_stem(axis), date.compact()), "CSV"), folder, stick)
+    target.save(text.as_bytes(), (&format!("{}-{}", file_stem(axis), date.compact()), "CSV"))
 }
