@@ -69,16 +69,8 @@ impl Mode {
     /// The mode of a word in a story (`mode jog` is manual).
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
-        Some(match id {
-            "edit" => Self::Edit,
-            "auto" => Self::Auto,
-            "mdi" => Self::Mdi,
-            "home" => Self::Home,
-            "handwheel" => Self::Handwheel,
-            "step" => Self::Step,
-            "jog" | "manual" => Self::Manual,
-            _ => return None,
-        })
+        let id = if id == "jog" { "manual" } else { id };
+        Self::ALL.into_iter().find(|mode| mode.key().id().strip_prefix("mode-") == Some(id))
     }
 
     /// The key that selects the mode.
