@@ -29,22 +29,20 @@ pub(super) enum CylinderCommand {
 }
 
 impl SimCylinder {
+    /// At the back end; `whole_s` is the time for the whole way.
     fn new(whole_s: f64) -> Self {
-        Self {
-            position: 0.0,
-            rate_per_s: whole_s.recip(),
-            front_contact: BouncingContact::at_rest(false),
-            back_contact: BouncingContact::at_rest(true),
-            front_switch: false,
-            back_switch: true,
-        }
+        Self::at_end(whole_s.recip(), false)
     }
 
-    fn set_at(&mut self, front: bool) {
-        self.position = if front { 1.0 } else { 0.0 };
-        self.front_contact = BouncingContact::at_rest(front);
-        self.back_contact = BouncingContact::at_rest(!front);
-        (self.front_switch, self.back_switch) = (front, !front);
+    fn at_end(rate_per_s: f64, front: bool) -> Self {
+        Self {
+            position: if front { 1.0 } else { 0.0 },
+            rate_per_s,
+            front_contact: BouncingContact::at_rest(front),
+            back_contact: BouncingContact::at_rest(!front),
+            front_switch: front,
+            back_switch: !front,
+        }
     }
 
     fn step(&mut self, push: CylinderCommand, tick: StepTimes, chance: &mut SplitMix64) {
@@ -114,7 +112,7 @@ impl Hydraulics {
     /// Puts the tailstock at one end position.
     pub(super) fn place_tailstock(&mut self, advanced: bool) {
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.set_at(advanced);
+            *tailstock = SimCylinder::at_end(tailstock.rate_per_s, advanced);
         }
     }
 
