@@ -5,7 +5,7 @@
 use super::panel::{MachineUnit, MachineUnits, TRIAL};
 use super::ui::{JOG_Y, KindUi, same};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{MainSpindle, ToolTurret};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::table;
@@ -34,7 +34,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, false, true]),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     wheel_axis: Axis::X,
-    equipment: &[Equipment::MainSpindle, Equipment::ToolTurret],
+    equipment: &[MainSpindle, ToolTurret],
     page_files: &[],
     factory: KindFactory {
         numbers: &[

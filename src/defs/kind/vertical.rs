@@ -5,7 +5,7 @@
 use super::panel::{DRESSING, FLUIDS, GAUGES, MachineUnits, SECOND_SPINDLE, TABLE, TRIAL, WHEEL, WHEEL_ALONE};
 use super::ui::{GRINDER, GrindingForm, JOG_X, JOG_Y, JOG_Z, KindUi, WheelPose};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{Gauges, Hydraulics, RotaryTable, Wheel};
 use crate::defs::page::Page;
 use crate::defs::param::table;
 use crate::defs::r_parameter_name;
@@ -35,7 +35,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, false, true]),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     wheel_axis: Axis::X,
-    equipment: &[Equipment::Wheel, Equipment::RotaryTable, Equipment::Hydraulics, Equipment::Gauges],
+    equipment: &[Wheel, RotaryTable, Hydraulics, Gauges],
     page_files: &[801, 802, 803],
     factory: KindFactory {
         numbers: &[
