@@ -1,7 +1,7 @@
 //! The M codes: action, name, help and specification row of each.
 //! Source: spec K3, B4.
 
-use super::equipment::{ANY, Needs, TAILSTOCK};
+use super::equipment::{Equipment, Needs};
 use super::kind::Dialect;
 use super::signal::{Input, Output};
 use super::text::Text;
@@ -96,7 +96,7 @@ impl MCodeAction {
     #[must_use]
     pub const fn needs(self) -> Needs {
         match self {
-            Self::Request(Request::TailstockAdvance | Request::TailstockRetract) => TAILSTOCK,
+            Self::Request(Request::TailstockAdvance | Request::TailstockRetract) => Some(Equipment::Tailstock),
             Self::Request(_)
             | Self::ProgramStop
             | Self::OptionalStop
@@ -105,7 +105,7 @@ impl MCodeAction {
             | Self::Port(_)
             | Self::Pulse
             | Self::AwaitInput(_)
-            | Self::ProgramFlow => ANY,
+            | Self::ProgramFlow => None,
         }
     }
 }
