@@ -11,7 +11,7 @@ use super::contact_law::{TraverseLengths, WheelMotion};
 use super::machine_file::MachineFile;
 use super::machine_sections::{CuttingFile, DresserFile, LayoutFile, PlateFile, ProbeFile};
 use super::obstacle::Obstacle;
-use super::part_file::{GaugeSetupFile, PartFile, SlidePosition};
+use super::part_file::{GaugeSetupFile, PartFile};
 use super::report::{EventKind, EventLog, PartReport, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
@@ -47,7 +47,8 @@ pub(super) struct MachineState {
 #[derive(Clone, Debug)]
 pub(super) struct Grinding {
     machine: MachineConstants,
-    work_zero: SlidePosition,
+    /// Work zero with the reference point of a new wheel, machine coordinates, mm.
+    work_zero_mm: PerAxis<f64>,
     surfaces: Vec<Surface>,
     obstacles: Vec<Obstacle>,
     gauge: Option<GaugeSetupFile>,
@@ -85,14 +86,9 @@ struct MachineConstants {
 
 impl MachineConstants {
     /// Position of the slides with the reference point of a new wheel at the work zero.
-    const fn wheel_reference_at(&self, mut work: SlidePosition) -> SlidePosition {
-        let radius_mm = if self.layout.centre { self.wheel_radius_mm } else { 0.0 };
-        match self.layout.infeed {
-            Axis::X => work.x += radius_mm,
-            Axis::Y => work.y += radius_mm,
-            Axis::Z => work.z += radius_mm,
-        }
-        work
+    fn wheel_reference_at(&self, mut work_zero_mm: PerAxis<f64>) -> PerAxis<f64> {
+        work_zero_mm[self.layout.infeed] += if self.layout.centre { self.wheel_radius_mm } else { 0.0 };
+        work_zero_mm
     }
 }
 
@@ -118,7 +114,7 @@ impl Grinding {
         };
         Self {
             machine,
-            work_zero: SlidePosition::default(),
+            work_zero_mm: PerAxis::default(),
             surfaces: Vec::new(),
             obstacles: Vec::new(),
             gauge: None,
@@ -141,7 +137,7 @@ impl Grinding {
         self.gauge = None;
         self.part_lost = false;
         if let Some(part) = part {
-            self.work_zero = self.machine.wheel_reference_at(part.g54_mm);
+            self.work_zero_mm = self.machine.wheel_reference_at(part.g54_mm.displacement());
             self.swivel_tan = part.head_deg.to_radians().tan();
             self.gauge = part.gauge;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
@@ -149,7 +145,7 @@ impl Grinding {
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
             self.obstacles.extend(part.tailstock.as_ref().map(Obstacle::of_tailstock));
         }
-        let zero = self.machine.layout.wheel_at(self.work_zero.machine());
+        let zero = self.machine.layout.wheel_at(MachinePos::new(self.work_zero_mm.0));
         self.obstacles.extend(self.machine.plate.as_ref().map(|plate| Obstacle::of_plate(plate, &zero)));
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
         let obstacles = self.obstacles.iter().map(|obstacle| obstacle.top_mm);
@@ -178,7 +174,7 @@ impl Grinding {
 
     /// An event at the current time and position.
     pub(super) fn event(&self, kind: EventKind, place: &'static str, scene: &MachineState) -> SimEvent {
-        let at = WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis));
+        let at = WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis]);
         let layout = self.machine.layout;
         let whole = scene.speed_mm_s.0.iter().map(|v| v * v).sum::<f64>().sqrt();
         SimEvent {
@@ -193,18 +189,10 @@ impl Grinding {
         }
     }
 
-    const fn work_zero_mm(&self, axis: Axis) -> f64 {
-        match axis {
-            Axis::X => self.work_zero.x,
-            Axis::Y => self.work_zero.y,
-            Axis::Z => self.work_zero.z,
-        }
-    }
-
     /// Position and motion of the wheel, part coordinates.
     fn wheel_motion(&mut self, scene: &MachineState) -> WheelMotion {
         let layout = self.machine.layout;
-        let mut pass = layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis)));
+        let mut pass = layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis]));
         let far = (pass.stroke_mm - self.previous_stroke_mm).abs() > SWEEP_LIMIT_MM;
         pass.previous_stroke_mm = if far { pass.stroke_mm } else { self.previous_stroke_mm };
         self.previous_stroke_mm = pass.stroke_mm;
@@ -274,7 +262,7 @@ impl Grinding {
             return None;
         }
         let tip = self.probe_tip(
-            self.machine.layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis))),
+            self.machine.layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis])),
         );
         let inside = self.surfaces().iter().filter_map(|surface| surface.penetration_mm(&tip));
         inside.filter(|mm| *mm >= 0.0).max_by(f64::total_cmp)

@@ -22,10 +22,8 @@ pub struct MachineFile {
     /// Axis X.
     pub x: AxisFile,
     /// Axis Y, if the machine always has one.
-    #[serde(default)]
     pub y: Option<AxisFile>,
     /// Axis Y, if it is an option (P6.6).
-    #[serde(default)]
     pub y_optional: Option<AxisFile>,
     /// Axis Z.
     pub z: AxisFile,
@@ -34,33 +32,26 @@ pub struct MachineFile {
     /// The wheel and its drive.
     pub wheel: WheelFile,
     /// The workhead, if the part rotates between centres or in a chuck.
-    #[serde(default)]
     pub workhead: Option<DriveFile>,
     /// The drive of a rotary table.
-    #[serde(default)]
     pub table: Option<DriveFile>,
     /// The main spindle of a lathe.
-    #[serde(default)]
     pub main_spindle: Option<MainSpindleFile>,
     /// The tool turret of a lathe.
-    #[serde(default)]
     pub tool_post: Option<ToolTurretFile>,
     /// The second spindle.
     pub second_spindle: SecondSpindleFile,
     /// Pump and the actuators that it moves.
     pub hydraulics: HydraulicsFile,
     /// The magnetic chuck, if there is one.
-    #[serde(default)]
     pub magnet: Option<MagnetFile>,
     /// The gauges.
     pub gauges: GaugesFile,
     /// How the wheel cuts.
     pub cutting: CuttingFile,
     /// The dresser, if there is one.
-    #[serde(default)]
     pub dresser: Option<DresserFile>,
     /// Seeded variation of the machine. Without it only contacts, gauges and parts depend on the seed.
-    #[serde(default)]
     pub scatter: Option<ScatterFile>,
 }
 

@@ -57,7 +57,6 @@ pub struct PartFile {
     #[serde(default)]
     pub tailstock_advanced: bool,
     /// The tailstock when advanced.
-    #[serde(default)]
     pub tailstock: Option<TailstockFile>,
     /// Round bodies that the wheel must not touch: chuck, fixture.
     #[serde(default)]
@@ -66,10 +65,8 @@ pub struct PartFile {
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
     /// Set size and measuring point of the radial (thickness) gauge.
-    #[serde(default)]
     pub gauge: Option<GaugeSetupFile>,
     /// The bar of a lathe.
-    #[serde(default)]
     pub bar: Option<BarFile>,
     /// The surfaces to be ground.
     #[serde(default)]
@@ -78,7 +75,6 @@ pub struct PartFile {
     #[serde(default)]
     pub head_deg: f64,
     /// The finished size, if variables of the program define it.
-    #[serde(default)]
     pub finished: Option<FinishedSizeFile>,
 }
 
@@ -99,7 +95,6 @@ pub struct FinishedSizeFile {
     #[serde(default)]
     pub inside: bool,
     /// A cone: numbers of the variables with its angle (degrees, growing downwards) and the Z of the finished size.
-    #[serde(default)]
     pub cone: Option<(u16, u16)>,
 }
 
@@ -191,7 +186,6 @@ pub struct BlockFile {
     /// From and to along X; on a rotary table radii.
     pub x: (f64, f64),
     /// From and to along Z; none on a rotary table.
-    #[serde(default)]
     pub z: Option<(f64, f64)>,
     /// Its height.
     pub top: f64,
