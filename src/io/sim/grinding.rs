@@ -9,7 +9,7 @@
 
 use super::contact_law::{TraverseLengths, WheelMotion};
 use super::machine_file::MachineFile;
-use super::machine_sections::{CuttingFile, DresserFile, LayoutFile, PlateFile, ProbeFile};
+use super::machine_sections::{CuttingFile, LayoutFile};
 use super::obstacle::Obstacle;
 use super::part_file::{GaugeSetupFile, PartFile};
 use super::report::{EventKind, EventLog, PartReport, SimEvent};
@@ -46,7 +46,8 @@ pub(super) struct MachineState {
 /// Part, obstacles, dresser and the tip of the axial (plane) gauge.
 #[derive(Clone, Debug)]
 pub(super) struct Grinding {
-    machine: MachineConstants,
+    machine: MachineFile,
+    traverse: TraverseLengths,
     /// Work zero with the reference point of a new wheel, machine coordinates, mm.
     work_zero_mm: PerAxis<f64>,
     surfaces: Vec<Surface>,
@@ -70,28 +71,6 @@ pub(super) struct Grinding {
     pub(super) load_percent: f64,
 }
 
-/// Values from the machine file.
-#[derive(Clone, Debug)]
-struct MachineConstants {
-    layout: LayoutFile,
-    cutting: CuttingFile,
-    dresser: Option<DresserFile>,
-    plate: Option<PlateFile>,
-    probe: ProbeFile,
-    traverse: TraverseLengths,
-    idle_percent: f64,
-    power_w: f64,
-    wheel_radius_mm: f64,
-}
-
-impl MachineConstants {
-    /// Position of the slides with the reference point of a new wheel at the work zero.
-    fn wheel_reference_at(&self, mut work_zero_mm: PerAxis<f64>) -> PerAxis<f64> {
-        work_zero_mm[self.layout.infeed] += if self.layout.centre { self.wheel_radius_mm } else { 0.0 };
-        work_zero_mm
-    }
-}
-
 impl Grinding {
     /// A machine without a part.
     pub(super) fn new(file: &MachineFile) -> Self {
@@ -101,19 +80,9 @@ impl Grinding {
             plane_mm: file.cutting.traverse_plane_mm,
             contact_mm: file.cutting.contact_mm,
         };
-        let machine = MachineConstants {
-            layout: file.layout,
-            cutting: file.cutting.clone(),
-            dresser: file.dresser.clone(),
-            plate: file.magnet.as_ref().map(|magnet| magnet.plate.clone()),
-            probe: file.gauges.probe.clone(),
-            traverse,
-            idle_percent: file.wheel.idle_load_percent,
-            power_w: file.wheel.power_w,
-            wheel_radius_mm: file.wheel.diameter_mm / 2.0,
-        };
         Self {
-            machine,
+            machine: file.clone(),
+            traverse,
             work_zero_mm: PerAxis::default(),
             surfaces: Vec::new(),
             obstacles: Vec::new(),
@@ -137,7 +106,11 @@ impl Grinding {
         self.gauge = None;
         self.part_lost = false;
         if let Some(part) = part {
-            self.work_zero_mm = self.machine.wheel_reference_at(part.g54_mm.displacement());
+            // Position of the slides with the reference point of a new wheel at the work zero.
+            self.work_zero_mm = part.g54_mm.displacement();
+            if self.machine.layout.centre {
+                self.work_zero_mm[self.machine.layout.infeed] += self.machine.wheel.diameter_mm / 2.0;
+            }
             self.swivel_tan = part.head_deg.to_radians().tan();
             self.gauge = part.gauge;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
@@ -146,7 +119,7 @@ impl Grinding {
             self.obstacles.extend(part.tailstock.as_ref().map(Obstacle::of_tailstock));
         }
         let zero = self.machine.layout.wheel_at(MachinePos::new(self.work_zero_mm.0));
-        self.obstacles.extend(self.machine.plate.as_ref().map(|plate| Obstacle::of_plate(plate, &zero)));
+        self.obstacles.extend(self.machine.magnet.iter().map(|magnet| Obstacle::of_plate(&magnet.plate, &zero)));
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
         let obstacles = self.obstacles.iter().map(|obstacle| obstacle.top_mm);
         self.highest_mm = surfaces.chain(obstacles).fold(f64::NEG_INFINITY, f64::max);
@@ -172,9 +145,14 @@ impl Grinding {
         Some((found - gauge.set) * 1_000.0)
     }
 
+    /// Position of the slides, part coordinates.
+    fn work_pos(&self, scene: &MachineState) -> WorkPos {
+        WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis])
+    }
+
     /// An event at the current time and position.
     pub(super) fn event(&self, kind: EventKind, place: &'static str, scene: &MachineState) -> SimEvent {
-        let at = WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis]);
+        let at = self.work_pos(scene);
         let layout = self.machine.layout;
         let whole = scene.speed_mm_s.0.iter().map(|v| v * v).sum::<f64>().sqrt();
         SimEvent {
@@ -192,7 +170,7 @@ impl Grinding {
     /// Position and motion of the wheel, part coordinates.
     fn wheel_motion(&mut self, scene: &MachineState) -> WheelMotion {
         let layout = self.machine.layout;
-        let mut pass = layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis]));
+        let mut pass = layout.wheel_at(self.work_pos(scene));
         let far = (pass.stroke_mm - self.previous_stroke_mm).abs() > SWEEP_LIMIT_MM;
         pass.previous_stroke_mm = if far { pass.stroke_mm } else { self.previous_stroke_mm };
         self.previous_stroke_mm = pass.stroke_mm;
@@ -201,13 +179,13 @@ impl Grinding {
         pass.stroke_mm_s = layout.stroke.map_or(0.0, |axis| scene.speed_mm_s[axis].abs());
         pass.dt_s = scene.dt_s;
         pass.swivel_tan = self.swivel_tan;
-        pass.traverse = self.machine.traverse;
+        pass.traverse = self.traverse;
         pass
     }
 
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
-        self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.idle_percent } else { 0.0 };
+        self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.wheel.idle_load_percent } else { 0.0 };
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
@@ -234,7 +212,7 @@ impl Grinding {
         if volume > 0.0 {
             // J/mm³ · mm³/s = W.
             let watts = self.machine.cutting.energy_j_mm3 * volume / scene.dt_s;
-            self.load_percent += 100.0 * watts / self.machine.power_w;
+            self.load_percent += 100.0 * watts / self.machine.wheel.power_w;
         }
         crashed
     }
@@ -261,23 +239,17 @@ impl Grinding {
         if !scene.probe_out {
             return None;
         }
-        let tip = self.probe_tip(
-            self.machine.layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis])),
-        );
+        let (mut tip, probe) = (self.machine.layout.wheel_at(self.work_pos(scene)), &self.machine.gauges.probe);
+        tip.front_mm += probe.infeed_mm;
+        tip.left_mm += probe.across_mm;
+        tip.stroke_mm += probe.stroke_mm;
         let inside = self.surfaces().iter().filter_map(|surface| surface.penetration_mm(&tip));
         inside.filter(|mm| *mm >= 0.0).max_by(f64::total_cmp)
     }
 
-    fn probe_tip(&self, mut at: WheelMotion) -> WheelMotion {
-        at.front_mm += self.machine.probe.infeed_mm;
-        at.left_mm += self.machine.probe.across_mm;
-        at.stroke_mm += self.machine.probe.stroke_mm;
-        at
-    }
-
     /// Breaks the plane gauge if its tip is deflected beyond its travel.
     fn check_probe(&mut self, scene: &MachineState, log: &mut EventLog) -> bool {
-        let broken = self.probe_deflection_mm(scene).is_some_and(|mm| mm > self.machine.probe.travel_mm);
+        let broken = self.probe_deflection_mm(scene).is_some_and(|mm| mm > self.machine.gauges.probe.travel_mm);
         let newly = broken && !self.probe_broken;
         self.probe_broken = broken;
         newly && log.push(self.event(EventKind::Crash, "gauge", scene))
