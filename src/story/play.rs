@@ -34,11 +34,8 @@ const PART_TIMEOUT: Micros = Micros::from_millis(2_000);
 /// Maximum duration of homing.
 const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
-/// Reads the texts of a page for `expect page … shows`. A build without the screen has no implementation.
-pub trait PageReader {
-    /// The texts on the open page.
-    fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
-}
+/// Reads the texts of the open page for `expect page … shows`. A build without the screen has none.
+pub type PageReader = Box<dyn Fn(&Snapshot) -> Vec<String>>;
 
 /// What a story is played on: a host that is stepped, or one turn of a host on a thread.
 pub trait Stage {
@@ -87,7 +84,7 @@ impl<S: Storage> Stage for HostThread<HostedSimulation, S> {
 /// Plays a story. Waiting ends at once when the stage is interrupted.
 pub struct Player<'a, G: Stage> {
     stage: &'a mut G,
-    page_reader: Option<Box<dyn PageReader>>,
+    page_reader: Option<PageReader>,
     folder: PathBuf,
     /// Jog keys that are held: `Hold` is repeated as by the screen, until they are released.
     held_keys: Vec<Key>,
@@ -108,7 +105,7 @@ impl<'a, G: Stage> Player<'a, G> {
     /// Creates a player. Files named in the story are searched in `folder`. `part_given`: a part is mounted already, so
     /// loading a program does not mount another.
     #[must_use]
-    pub fn new(stage: &'a mut G, eyes: Option<Box<dyn PageReader>>, folder: &Path, part_given: bool) -> Self {
+    pub fn new(stage: &'a mut G, eyes: Option<PageReader>, folder: &Path, part_given: bool) -> Self {
         stage.host().set_part_rule(if part_given { PartRule::Keep } else { PartRule::FollowProgram });
         Self { stage, page_reader: eyes, folder: folder.to_owned(), held_keys: Vec::new(), next_hold: Micros::ZERO }
     }
@@ -473,10 +470,10 @@ impl<'a, G: Stage> Player<'a, G> {
         if snapshot.page != page {
             return Err(format!("the open page is {}", snapshot.page.id()));
         }
-        let Some(eyes) = &mut self.page_reader else {
+        let Some(texts_on) = &self.page_reader else {
             return Err("this build has no screen: pages cannot be looked at".to_owned());
         };
-        let texts = eyes.texts(snapshot);
+        let texts = texts_on(snapshot);
         // Labels may be split into several texts; spaces are ignored.
         let squeeze = |text: &str| text.split_whitespace().collect::<String>();
         let shown = squeeze(&texts.join("\n")).contains(&squeeze(text));
