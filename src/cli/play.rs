@@ -14,8 +14,6 @@ use crate::defs::text::Lang;
 use crate::host::headless::HeadlessHost;
 use crate::host::storage::DirectStorage;
 use crate::io::trace;
-#[cfg(feature = "hmi")]
-use crate::link::snapshot::Snapshot;
 use crate::link::snapshot::Tone;
 #[cfg(feature = "hmi")]
 use crate::story::PageReader;
@@ -36,21 +34,10 @@ impl StoryFile {
     /// A player that reads pages in a language, if the build has the screen. `part_given` as in [`Player::new`].
     pub fn player<'a, G: Stage>(&self, stage: &'a mut G, lang: Lang, part_given: bool) -> Player<'a, G> {
         #[cfg(feature = "hmi")]
-        let reader: Option<Box<dyn PageReader>> = Some(Box::new(PaintedPageReader(lang)));
+        let reader: Option<PageReader> = Some(Box::new(move |snapshot| crate::hmi::page_text(snapshot, lang)));
         #[cfg(not(feature = "hmi"))]
         let (reader, _) = (None, lang);
         Player::new(stage, reader, &self.folder, part_given)
-    }
-}
-
-/// Reads the texts of a page by painting it.
-#[cfg(feature = "hmi")]
-struct PaintedPageReader(Lang);
-
-#[cfg(feature = "hmi")]
-impl PageReader for PaintedPageReader {
-    fn texts(&mut self, snapshot: &Snapshot) -> Vec<String> {
-        crate::hmi::page_text(snapshot, self.0)
     }
 }
 

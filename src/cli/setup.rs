@@ -67,18 +67,14 @@ pub fn folders(shared: &SharedArgs) -> Result<Folders, CallError> {
 /// # Errors
 /// As [`apply_overrides`].
 pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
-    let kept = shared.data.is_some().then(|| {
-        RetainedStore::open(data_dir(shared)?.root(), shared.kind)
-            .map(|(_, found)| found.retained)
-            .map_err(CallError::new)
-    });
-    let retained = match kept {
-        Some(Ok(retained)) => retained,
+    let factory = || PowerOnState::factory(shared.kind);
+    let retained = match named_data(shared)?.map(|data| RetainedStore::open(data.root(), shared.kind)) {
+        Some(Ok((_, found))) => found.retained,
         Some(Err(error)) => {
             eprintln!("kt830: {error}; the check goes by factory values");
-            PowerOnState::factory(shared.kind)
+            factory()
         }
-        None => PowerOnState::factory(shared.kind),
+        None => factory(),
     };
     apply_overrides(shared, retained)
 }

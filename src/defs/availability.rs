@@ -1,7 +1,6 @@
 //! Which axes, keys, signals, M codes and pages a kind of machine has, and how it names them: derived from its row.
 //! Source: spec K1, K2.1, K5.3, K7.1, L9.
 
-use super::equipment::Needs;
 use super::key::Key;
 use super::kind::{Kind, KindRow};
 use super::mcode::{self, MCode};
@@ -10,10 +9,6 @@ use super::param::{self, Params};
 use super::signal::{Input, Output};
 use super::text::Text;
 use crate::units::{Axis, PerAxis};
-
-fn exists(needs: Needs, kind: Kind) -> bool {
-    kind.row().meets(needs)
-}
 
 impl KindRow {
     /// The axes of a machine of this kind with these parameters.
@@ -27,7 +22,7 @@ impl Output {
     /// Whether a kind has the function. Of the functions that share a parameter, a kind has at most one.
     #[must_use]
     pub fn exists_on(self, kind: Kind) -> bool {
-        exists(self.needs(), kind)
+        kind.row().meets(self.needs())
     }
 }
 
@@ -35,7 +30,7 @@ impl Input {
     /// Whether a kind has the switch; pages show only those.
     #[must_use]
     pub fn exists_on(self, kind: Kind) -> bool {
-        exists(self.needs(), kind)
+        kind.row().meets(self.needs())
     }
 }
 
@@ -44,7 +39,7 @@ impl Page {
     #[must_use]
     pub fn exists_on(self, kind: Kind) -> bool {
         let has_offsets = kind.dialect().has_tool_offsets() || !matches!(self, Self::Dressing | Self::Offset);
-        exists(self.needs(), kind) && has_offsets
+        kind.row().meets(self.needs()) && has_offsets
     }
 
     /// The title on a kind.
@@ -57,14 +52,14 @@ impl Page {
 
 /// The M codes of a kind of machine.
 pub fn m_codes(kind: Kind) -> impl Iterator<Item = &'static MCode> {
-    mcode::rows_of(kind.dialect()).filter(move |row| exists(row.action.needs(), kind))
+    mcode::rows_of(kind.dialect()).filter(move |row| kind.row().meets(row.action.needs()))
 }
 
 impl Key {
     /// Whether a kind has the key.
     #[must_use]
     pub fn exists_on(self, kind: Kind) -> bool {
-        exists(self.row().needs, kind)
+        kind.row().meets(self.row().needs)
     }
 
     /// The full label on a kind.

@@ -15,14 +15,6 @@ pub struct DialectWord {
     pub help: Text,
 }
 
-impl DialectWord {
-    /// The number of a G code.
-    #[must_use]
-    pub fn g_code(&self) -> Option<u32> {
-        self.word.strip_prefix('G')?.parse().ok()
-    }
-}
-
 macro_rules! words {
     ($table:ident: $($word:literal, $zh:literal, $en:literal, $help_zh:literal, $help_en:literal;)*) => {
         const $table: &[DialectWord] = &[$(DialectWord {

@@ -29,25 +29,13 @@ pub enum Equipment {
 /// The device that a key, a signal or a page needs; `None` if every machine has it.
 pub type Needs = Option<Equipment>;
 
-/// Every machine has it.
-pub const ANY: Needs = None;
-/// See [`Equipment::Wheel`].
-pub const WHEEL: Needs = Some(Equipment::Wheel);
-/// See [`Equipment::Headstock`].
-pub const HEADSTOCK: Needs = Some(Equipment::Headstock);
-/// See [`Equipment::DresserRoll`].
-pub const ROLL: Needs = Some(Equipment::DresserRoll);
-/// See [`Equipment::RotaryTable`].
-pub const TABLE: Needs = Some(Equipment::RotaryTable);
-/// See [`Equipment::MainSpindle`].
-pub const SPINDLE: Needs = Some(Equipment::MainSpindle);
-/// See [`Equipment::Tailstock`].
-pub const TAILSTOCK: Needs = Some(Equipment::Tailstock);
-/// See [`Equipment::MagneticChuck`].
-pub const MAGNET: Needs = Some(Equipment::MagneticChuck);
-/// See [`Equipment::Hydraulics`].
-pub const HYDRAULICS: Needs = Some(Equipment::Hydraulics);
-/// See [`Equipment::Gauges`].
-pub const GAUGES: Needs = Some(Equipment::Gauges);
-/// See [`Equipment::ToolTurret`].
-pub const TURRET: Needs = Some(Equipment::ToolTurret);
+/// What a row of a table needs: a device, or `ANY` if every machine has it.
+macro_rules! needs {
+    (ANY) => {
+        None
+    };
+    ($device:ident) => {
+        Some($crate::defs::equipment::Equipment::$device)
+    };
+}
+pub(super) use needs;

@@ -3,9 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::equipment::{
-    ANY, GAUGES, HEADSTOCK, HYDRAULICS, MAGNET, Needs, ROLL, SPINDLE, TABLE, TAILSTOCK, TURRET, WHEEL,
-};
+use super::equipment::{Needs, needs};
 use super::signal::Output;
 use super::text::Text;
 use crate::units::Axis;
@@ -69,16 +67,8 @@ impl Mode {
     /// The mode of a word in a story (`mode jog` is manual).
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
-        Some(match id {
-            "edit" => Self::Edit,
-            "auto" => Self::Auto,
-            "mdi" => Self::Mdi,
-            "home" => Self::Home,
-            "handwheel" => Self::Handwheel,
-            "step" => Self::Step,
-            "jog" | "manual" => Self::Manual,
-            _ => return None,
-        })
+        let id = if id == "jog" { "manual" } else { id };
+        Self::ALL.into_iter().find(|mode| mode.key().id().strip_prefix("mode-") == Some(id))
     }
 
     /// The key that selects the mode.
@@ -162,7 +152,7 @@ macro_rules! keys {
                 match self {
                     $(Self::$variant => KeyRow {
                         id: $id, label: Text::new($zh, $en), group: KeyGroup::$group,
-                        needs: $needs, active_in_run: $in_run, lamp: $lamp,
+                        needs: needs!($needs), active_in_run: $in_run, lamp: $lamp,
                         help: Text::new($help_zh, $help_en),
                     },)*
                 }
@@ -250,53 +240,53 @@ keys! {
         "手轮、单步每格 0.01 mm。", "Handwheel and step: 0.01 mm.";
     Step01 = "step-0.1", "×0.1", "×0.1", Handwheel, ANY, false, Control,
         "手轮、单步每格 0.1 mm；砂轮转动时慢方向的轴不能用。", "Handwheel and step: 0.1 mm; refused on the infeed axis while the wheel turns.";
-    WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, WHEEL, false, Out(Output::Wheel),
+    WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, Wheel, false, Out(Output::Wheel),
         "启动砂轮：液压开并有压力、需要时已充磁、防护门关。不满足时报警 180 或说明原因。", "Starts the wheel: hydraulics on with pressure, magnetised where asked for, guard closed. Else alarm 180 or the reason.";
-    WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, WHEEL, false, OutputOff(Output::Wheel),
+    WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, Wheel, false, OutputOff(Output::Wheel),
         "断开砂轮，惯性停转；灯亮表示已断开。", "Wheel off; it coasts. Lit while it is off.";
-    SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, WHEEL, false, Out(Output::SecondSpindle),
+    SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, Wheel, false, Out(Output::SecondSpindle),
         "第二主轴启动、停止。", "Second spindle on and off.";
-    SpindleForward = "spindle-forward", "主轴正转", "SPDL CW", Workpiece, SPINDLE, false, Control,
+    SpindleForward = "spindle-forward", "主轴正转", "SPDL CW", Workpiece, MainSpindle, false, Control,
         "主轴正转。", "Spindle forward.";
-    SpindleReverse = "spindle-reverse", "主轴反转", "SPDL CCW", Workpiece, SPINDLE, false, Control,
+    SpindleReverse = "spindle-reverse", "主轴反转", "SPDL CCW", Workpiece, MainSpindle, false, Control,
         "主轴反转。", "Spindle in reverse.";
-    SpindleStop = "spindle-stop", "主轴停止", "SPDL STOP", Workpiece, SPINDLE, false, Control,
+    SpindleStop = "spindle-stop", "主轴停止", "SPDL STOP", Workpiece, MainSpindle, false, Control,
         "主轴停止。", "Spindle off.";
-    ToolTurret = "tool-post", "换刀", "TOOL", Clamping, TURRET, false, Control,
+    ToolTurret = "tool-post", "换刀", "TOOL", Clamping, ToolTurret, false, Control,
         "刀架转到下一刀位；轴静止时有效。", "The tool post turns to the next station.";
-    HeadstockHigh = "headstock-high", "头架高速", "HEAD HIGH", Workpiece, HEADSTOCK, false, Out(Output::HeadstockHigh),
+    HeadstockHigh = "headstock-high", "头架高速", "HEAD HIGH", Workpiece, Headstock, false, Out(Output::HeadstockHigh),
         "头架高速；尾座动作中报警 181。", "Headstock at high speed; alarm 181 while the tailstock moves.";
-    HeadstockLow = "headstock-low", "头架低速", "HEAD LOW", Workpiece, HEADSTOCK, false, Out(Output::HeadstockLow),
+    HeadstockLow = "headstock-low", "头架低速", "HEAD LOW", Workpiece, Headstock, false, Out(Output::HeadstockLow),
         "头架低速；尾座动作中报警 181。", "Headstock at low speed; alarm 181 while the tailstock moves.";
-    HeadstockStop = "headstock-stop", "头架停止", "HEAD STOP", Workpiece, HEADSTOCK, false, Control,
+    HeadstockStop = "headstock-stop", "头架停止", "HEAD STOP", Workpiece, Headstock, false, Control,
         "头架停止。", "Headstock off.";
-    DresserRoll = "dresser-roll", "滚轮", "ROLL", Workpiece, ROLL, false, Out(Output::DresserRoll),
+    DresserRoll = "dresser-roll", "滚轮", "ROLL", Workpiece, DresserRoll, false, Out(Output::DresserRoll),
         "滚轮启动、停止。", "Dresser roll on and off.";
-    TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, TABLE, false, Out(Output::TableRotation),
+    TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, RotaryTable, false, Out(Output::TableRotation),
         "台面旋转启动、停止；圆台磨须先充磁。", "Table on and off; GA must be magnetised first.";
-    TailstockAdvance = "tailstock-advance", "尾座进", "TAIL IN", Clamping, TAILSTOCK, false, Out(Output::Tailstock),
+    TailstockAdvance = "tailstock-advance", "尾座进", "TAIL IN", Clamping, Tailstock, false, Out(Output::Tailstock),
         "尾座前进夹紧，P16.2=1 有效；头架转动时报警 181。", "Tailstock clamps, with P16.2=1; alarm 181 while the headstock turns.";
-    TailstockRetract = "tailstock-retract", "尾座退", "TAIL OUT", Clamping, TAILSTOCK, false, OutputOff(Output::Tailstock),
+    TailstockRetract = "tailstock-retract", "尾座退", "TAIL OUT", Clamping, Tailstock, false, OutputOff(Output::Tailstock),
         "尾座退回；头架转动时报警 181。", "Tailstock back; alarm 181 while the headstock turns.";
-    Magnetise = "magnetise", "充磁", "MAGNET", Clamping, MAGNET, false, Out(Output::Magnetise),
+    Magnetise = "magnetise", "充磁", "MAGNET", Clamping, MagneticChuck, false, Out(Output::Magnetise),
         "充磁，P81 后为已充磁；再按断磁。", "Magnet on, it holds after P81; pressed again, off.";
-    Demagnetise = "demagnetise", "退磁", "DEMAG", Clamping, MAGNET, false, Out(Output::Demagnetise),
+    Demagnetise = "demagnetise", "退磁", "DEMAG", Clamping, MagneticChuck, false, Out(Output::Demagnetise),
         "退磁 P82 后断开；台面或砂轮转动时拒绝。", "Demagnetises for P82, then off; refused while table or wheel turn.";
     Coolant = "coolant", "冷却", "COOLANT", Fluids, ANY, true, Out(Output::Coolant),
         "冷却液开关，运行中也有效。", "Coolant on and off, in a run too.";
     Lubrication = "lubrication", "润滑", "LUBE", Fluids, ANY, true, Out(Output::Lubrication),
         "润滑开关，运行中也有效。", "Lubrication on and off, in a run too.";
-    Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, HYDRAULICS, false, Out(Output::Hydraulic),
+    Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, Hydraulics, false, Out(Output::Hydraulic),
         "液压泵开关；砂轮转动时无效。复位和急停不关液压。", "Hydraulic pump on and off; no effect while the wheel runs. RESET and emergency stop leave it.";
-    RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, GAUGES, false, Out(Output::RadialGauge),
+    RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, Gauges, false, Out(Output::RadialGauge),
         "径向（平磨、圆台磨：厚度）量仪伸出、缩回，同 M70 M75。", "Radial (GS, GA: thickness) gauge out and in, as M70, M75.";
-    AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, GAUGES, false, Out(Output::AxialGauge),
+    AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, Gauges, false, Out(Output::AxialGauge),
         "轴向（平磨、圆台磨：平面）量仪伸出、缩回，同 M78 M79。", "Axial (GS, GA: plane) gauge out and in, as M78, M79.";
-    Oscillation = "oscillation", "振荡", "OSCILL", Dressing, WHEEL, false, Control,
+    Oscillation = "oscillation", "振荡", "OSCILL", Dressing, Wheel, false, Control,
         "振荡开关：轴 P238、位置 P239、次数 P240、时间常数 P241。灯亮时启动新程序报警 182。", "Oscillation on and off: axis P238, place P239, strokes P240, time constant P241. Starting a program meanwhile is alarm 182.";
-    DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, WHEEL, false, Control,
+    DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, Wheel, false, Control,
         "灯亮后按轴键，该轴以 P243 回修整点；再按、换方式或复位灯灭。灯灭时轴键是手动。", "Lit: an axis key leads the axis to its dressing point at P243. Again, another mode or RESET: dark, and axis keys jog.";
-    WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, WHEEL, true, Control,
+    WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, Wheel, true, Control,
         "P4.4=1：停程序并执行 O9000 退砂轮；再按执行 O9001 回来，循环启动继续。", "With P4.4=1: holds the run and runs O9000, the wheel goes back; again O9001 brings it, cycle start goes on.";
     AddressX = "address-x", "X", "X", Screen, ANY, true, Dark,
         "地址键 X：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address X: chooses the axis for the dressing point on the page of relative positions.";

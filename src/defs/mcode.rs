@@ -1,7 +1,7 @@
 //! The M codes: action, name, help and specification row of each.
 //! Source: spec K3, B4.
 
-use super::equipment::{ANY, Needs, TAILSTOCK};
+use super::equipment::{Equipment, Needs};
 use super::kind::Dialect;
 use super::signal::{Input, Output};
 use super::text::Text;
@@ -96,7 +96,7 @@ impl MCodeAction {
     #[must_use]
     pub const fn needs(self) -> Needs {
         match self {
-            Self::Request(Request::TailstockAdvance | Request::TailstockRetract) => TAILSTOCK,
+            Self::Request(Request::TailstockAdvance | Request::TailstockRetract) => Some(Equipment::Tailstock),
             Self::Request(_)
             | Self::ProgramStop
             | Self::OptionalStop
@@ -105,7 +105,7 @@ impl MCodeAction {
             | Self::Port(_)
             | Self::Pulse
             | Self::AwaitInput(_)
-            | Self::ProgramFlow => ANY,
+            | Self::ProgramFlow => None,
         }
     }
 }
@@ -152,41 +152,6 @@ impl Request {
         }
     }
 }
-
-/// One example of every request with its name, for tables and tests.
-pub const REQUEST_EXAMPLES: &[(Request, Text)] = &[
-    (Request::WheelStart, Text::new("砂轮启动", "wheel start")),
-    (Request::WheelStop, Text::new("砂轮停止", "wheel stop")),
-    (Request::TailstockAdvance, Text::new("尾座进", "tailstock advance")),
-    (Request::TailstockRetract, Text::new("尾座退", "tailstock retract")),
-    (Request::WorkDriveHigh, Text::new("头架高速/滚轮/台面", "headstock high, roll, table")),
-    (Request::WorkDriveLow, Text::new("头架低速", "headstock low")),
-    (Request::WorkDriveStop, Text::new("头架/滚轮/台面停止", "headstock, roll, table stop")),
-    (Request::HydraulicOn, Text::new("液压开", "hydraulics on")),
-    (Request::HydraulicOff, Text::new("液压关", "hydraulics off")),
-    (Request::Magnetise, Text::new("充磁", "magnetise")),
-    (Request::Demagnetise, Text::new("退磁", "demagnetise")),
-    (Request::MagnetOff, Text::new("断磁", "magnet off")),
-    (Request::SecondSpindleStart(false), Text::new("第二主轴启动", "second spindle start")),
-    (Request::SecondSpindleStop, Text::new("第二主轴停止", "second spindle stop")),
-    (Request::Gauge(Gauge::Radial, true), Text::new("量仪伸出", "gauge out")),
-    (Request::Gauge(Gauge::Radial, false), Text::new("量仪缩回", "gauge in")),
-    (Request::Gear(0), Text::new("换档", "gear change")),
-    (Request::Switch(Output::Coolant, true), Text::new("冷却开", "coolant on")),
-    (Request::Switch(Output::Coolant, false), Text::new("冷却关", "coolant off")),
-    (Request::Switch(Output::Lubrication, true), Text::new("润滑开", "lubrication on")),
-    (Request::Switch(Output::User1, true), Text::new("用户输出开", "user output on")),
-    (Request::Port(1, true), Text::new("输出口开/关 (M21 M22)", "port on or off (M21, M22)")),
-    (Request::Pulse(1, 1), Text::new("输出口脉冲 (M20)", "port pulse (M20)")),
-    (Request::CylinderOn, Text::new("振荡气缸启动", "oscillation cylinder on")),
-    (Request::SpindleStart(false), Text::new("主轴启动", "main spindle start")),
-    (Request::SpindleStop, Text::new("主轴停止", "main spindle stop")),
-    (Request::ToolTurret(1), Text::new("换刀", "tool post")),
-    (Request::CycleStart, Text::new("循环启动", "cycle start")),
-    (Request::MdiStart, Text::new("录入执行", "MDI line")),
-    (Request::HomeAxes, Text::new("回零", "homing")),
-    (Request::Jog, Text::new("手动移动", "moving by hand")),
-];
 
 /// The two gauge arms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -373,18 +338,13 @@ mcodes! {
         "子程序返回。", "Back from the subprogram.";
 }
 
-/// M codes that only the SINUMERIK dialect has.
-const EXTRA_802D: &[MCode] = &[
+// M codes that only the SINUMERIK dialect has.
+mcodes! {
+    EXTRA_802D:
     // The grinding head has one direction; M4 is the same as M3.
-    MCode {
-        code: 4,
-        action: MCodeAction::Request(Request::WheelStart),
-        waits: true,
-        name: Text::new("砂轮启动", "wheel start"),
-        help: Text::new("磨头只有一个转向：同 M3。", "The grinding head turns one way: as M3."),
-        spec_row: "S1",
-    },
-];
+    4, "S1", true, MCodeAction::Request(Request::WheelStart), "砂轮启动", "wheel start",
+        "磨头只有一个转向：同 M3。", "The grinding head turns one way: as M3.";
+}
 
 /// The M code table of a dialect.
 #[must_use]

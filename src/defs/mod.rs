@@ -11,6 +11,7 @@ pub mod equipment;
 pub mod gcode;
 pub mod key;
 pub mod kind;
+pub mod lathe_workspace;
 pub mod leadscrew;
 pub mod mcode;
 pub mod page;

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::equipment::{ANY, Needs, SPINDLE, WHEEL};
+use super::equipment::{Needs, needs};
 use super::text::Text;
 
 macro_rules! pages {
@@ -26,7 +26,7 @@ macro_rules! pages {
             /// The device that it belongs to.
             #[must_use]
             pub const fn needs(self) -> Needs {
-                match self { $(Self::$variant => $needs,)* }
+                match self { $(Self::$variant => needs!($needs),)* }
             }
 
             /// The title in the header.
@@ -60,16 +60,16 @@ pages! {
     Position = "position", ANY, "位置", "position",
         "轴在哪里：相对、综合、机床坐标，余移动量，生效的代码和程序段。", "Where the axes stand: relative, all, machine; what is left to go, codes in force, the running block.",
         "F1 相对、F2 综合、F3 机床。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。", "F1 RELATIVE, F2 ALL, F3 MACHINE. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
-    Grinding = "grinding", WHEEL, "磨削", "grinding",
+    Grinding = "grinding", Wheel, "磨削", "grinding",
         "O1001–O1020 的磨削参数：左栏、右栏最多各十项，右边是图；键入的值下一次运行生效。", "The values of O1001 to O1020, up to ten in each column beside the picture; the next run grinds to what is typed.",
         "点一项或用方向键选择，键入数值，按输入；取消恢复原值。运行中不能改（P6.3=1 可改）。#570–#579 只能是 0 或 1。", "Touch a field or choose it by the arrows, type, INPUT; CANCEL leaves the old value. Not in a run unless P6.3=1. #570 to #579 are 0 or 1.";
-    Dressing = "dressing", WHEEL, "砂轮修整", "dressing",
+    Dressing = "dressing", Wheel, "砂轮修整", "dressing",
         "磨耗表与修整图：与刀补页是同一份数据。", "The wear table beside the picture of dressing: the same data as on the offsets page.",
         "点一格键入：绝对值；增量键后为累加。运行中不能改（P6.3=1 可改）。", "Touch a cell and type its value; with the key for increments it is added. Not in a run unless P6.3=1.";
     Program = "program", ANY, "程序", "program",
         "当前程序：运行的段有标记；编辑方式下可以改。", "The current program with the running block marked; changed in mode EDIT.",
         "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：从光标行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。", "EDIT (asks the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM N runs from the cursor's line, RESUME goes on after a power cut. A red bar marks a mistake: touch the line to read it.";
-    Designer = "designer", WHEEL, "页面设计", "page designer",
+    Designer = "designer", Wheel, "页面设计", "page designer",
         "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。", "The text C00nn.TXT and the picture B00nn.BMP of a grinding page: its text on the left, the page as it will look on the right.",
         "编辑（编辑方式、密码同程序）后键入；红条为错误行。变量：程序用了而页面没有的，加入即成一行。图片：任意 PNG、JPEG、BMP 换用时转换为 200×400、24 位。", "EDIT (mode and password as for programs), then type; a red bar marks a mistake. VARIABLES: ADD makes a line for one that the program reads and the page lacks. PICTURES: any PNG, JPEG, BMP is converted to 200×400 in 24 bits.";
     Mdi = "mdi", ANY, "录入", "MDI",
@@ -81,16 +81,16 @@ pages! {
     Offset = "offset", ANY, "刀补", "offsets",
         "刀补 1–16：几何和磨耗。", "Offsets 1 to 16: geometry and wear.",
         "绝对值、增量或测量输入；修改磨耗和测量要 P22.0=1。测量要求轴已回零并静止，并清除该轴磨耗。", "Values, increments or measurements; wear and measuring want P22.0=1. Measuring asks for homed axes at rest and clears the wear of that axis.";
-    Macro = "macro", WHEEL, "宏变量", "macro variables",
+    Macro = "macro", Wheel, "宏变量", "macro variables",
         "宏变量，名称来自当前页面文字；显示的是执行到的值。", "Macro variables, named by the current page text; shown as executed.",
         "查找号码或名称，键入数值，按输入。要 P22.0=1。", "Search by number or name, type, INPUT. Wants P22.0=1.";
-    Teach = "teach", SPINDLE, "录返", "teach-in",
+    Teach = "teach", MainSpindle, "录返", "teach-in",
         "录返：把手动走的动作记录成程序段。", "Teach-in: moves made by hand become blocks of a program.",
         "按开始录返，用手动、单步或手轮移动；停止后存为程序，即可在自动方式运行。", "START, move by JOG, steps or handwheel, STOP, KEEP: then it runs in mode AUTO.";
-    Tools = "tools", SPINDLE, "刀具棒料", "tools, bar",
+    Tools = "tools", MainSpindle, "刀具棒料", "tools, bar",
         "刀架上的刀具和卡盘里的棒料：图形页据此画出切削，并检查干涉。", "The tools on the post and the bar in the chuck: the graphic page cuts with them and looks for collisions.",
         "点一项键入数值，按输入。毫米，直径值。", "Touch a field, type, INPUT. Millimetres; diameters.";
-    Wheel = "wheel", WHEEL, "换砂轮", "wheel change",
+    Wheel = "wheel", Wheel, "换砂轮", "wheel change",
         "换砂轮：直径、宽度、额定线速度。", "Wheel change: diameter, width, rated speed.",
         "换上后在第一次修整之前只能运行修整程序。", "After it only dressing programs start until the wheel has been dressed.";
     Params = "params", ANY, "参数", "parameters",
@@ -105,7 +105,7 @@ pages! {
     Transfer = "transfer", ANY, "U盘/通信", "USB transfer",
         "U 盘与控制器之间拷贝程序、页面文件、参数、变量、全部备份；RS232 收发程序。", "Copies programs, page files, parameters, values, a full backup to and from a USB stick; programs over RS232.",
         "选类别和方向，选文件，开始。同名文件会询问；不合格式的图片可以转换为 200×400、24 位。", "Choose what and which way, choose files, start. It asks before files are replaced; pictures of another form can be converted.";
-    Process = "process", WHEEL, "过程", "process",
+    Process = "process", Wheel, "过程", "process",
         "运行曲线：轴位置、进给、砂轮负载、量仪；工件趋势；砂轮和修整。", "Live curves of axes, feed, wheel load, gauge; the trend of the parts; wheel and dressings.",
         "拖动、双指缩放曲线；存为 CSV 供电脑分析；清除从头开始。", "Drag and pinch the curves; SAVE CSV for a computer; CLEAR begins anew.";
     Alarm = "alarm", ANY, "报警", "alarms",

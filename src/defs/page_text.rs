@@ -96,13 +96,13 @@ pub fn parse_all(text: &str) -> ParsedPageText {
     match entries.next() {
         None if reading.faults.iter().all(|fault| fault.line > 1) => {
             let (zh, en) = ("文件是空的：第一行应为标题和 ;", "the file is empty: the first line is the title and ;");
-            reading.faults.insert(0, fault(1, 1, zh, en));
+            reading.faults.insert(0, fault((1, 1), zh, en));
             return reading;
         }
         None => return reading,
         Some(title) if title.text.is_empty() => {
-            if reading.faults.iter().all(|fault| fault.line != title.line) {
-                reading.faults.push(fault(title.line, title.column, "标题是空的", "the title is empty"));
+            if reading.faults.iter().all(|fault| fault.line != title.at.0) {
+                reading.faults.push(fault(title.at, "标题是空的", "the title is empty"));
             }
         }
         Some(title) => title.text.clone_into(&mut reading.page.title),
@@ -113,12 +113,8 @@ pub fn parse_all(text: &str) -> ParsedPageText {
             0..COLUMN_ROWS => &mut reading.page.left[count],
             _ if count < 2 * COLUMN_ROWS => &mut reading.page.right[count - COLUMN_ROWS],
             _ => {
-                reading.faults.push(fault(
-                    entry.line,
-                    entry.column,
-                    "多于 20 行：左栏 10 行、右栏 10 行后应为 %",
-                    "more than 20 entries: % is expected after ten for the left and ten for the right column",
-                ));
+                let en = "more than 20 entries: % is expected after ten for the left and ten for the right column";
+                reading.faults.push(fault(entry.at, "多于 20 行：左栏 10 行、右栏 10 行后应为 %", en));
                 break;
             }
         };
@@ -126,17 +122,13 @@ pub fn parse_all(text: &str) -> ParsedPageText {
             Ok(row) => *slot = row,
             Err(wrong) => reading.faults.push(wrong),
         }
-        reading.entry_positions.push((entry.line, entry.column));
+        reading.entry_positions.push(entry.at);
         count += 1;
     }
     if count < COLUMN_ROWS && reading.faults.is_empty() {
         let line = text.lines().count().max(1) as u32;
-        reading.faults.push(fault(
-            line,
-            1,
-            &format!("左栏应有 10 行，只有 {count} 行；空行写一个 ;"),
-            &format!("the left column has ten entries, here are {count}; write ; for an empty one"),
-        ));
+        let en = format!("the left column has ten entries, here are {count}; write ; for an empty one");
+        reading.faults.push(fault((line, 1), format!("左栏应有 10 行，只有 {count} 行；空行写一个 ;"), en));
     }
     reading.faults.sort_by_key(|fault| (fault.line, fault.column));
     reading
@@ -145,8 +137,8 @@ pub fn parse_all(text: &str) -> ParsedPageText {
 /// One entry of the text, ended by `;`.
 struct PageTextEntry<'a> {
     text: &'a str,
-    line: u32,
-    column: u32,
+    /// Line and column of its start.
+    at: (u32, u32),
 }
 
 /// Splits the text at `;` up to the `%`. A line with an error counts as one entry.
@@ -161,26 +153,26 @@ fn entries<'a>(text: &'a str, reading: &mut ParsedPageText) -> Vec<PageTextEntry
             column += skip_blanks(&mut rest);
             if let Some(after) = rest.strip_prefix('%') {
                 if !after.trim().is_empty() {
-                    faults.push(fault(number, column + 1, "% 之后不能有内容", "nothing may follow %"));
+                    faults.push(fault((number, column + 1), "% 之后不能有内容", "nothing may follow %"));
                 }
                 reading.end = Some((number, column));
                 return found;
             }
-            let wide = full_width(rest, number, column).err();
-            let missing = || fault(number, column, "缺少行末的 ;", "the ; at the end of the entry is missing");
+            let wide = full_width(rest, (number, column)).err();
+            let missing = || fault((number, column), "缺少行末的 ;", "the ; at the end of the entry is missing");
             let cut = rest.split_once(';');
             let (Some((piece, after)), None) = (cut, &wide) else {
                 faults.push(wide.unwrap_or_else(missing));
-                found.push(PageTextEntry { text: "", line: number, column });
+                found.push(PageTextEntry { text: "", at: (number, column) });
                 break;
             };
-            found.push(PageTextEntry { text: piece.trim(), line: number, column });
+            found.push(PageTextEntry { text: piece.trim(), at: (number, column) });
             column += piece.chars().count() as u32 + 1;
             rest = after;
         }
     }
     let line = text.lines().count().max(1) as u32;
-    faults.push(fault(line, 1, "缺少文件末尾的 %", "the % at the end of the file is missing"));
+    faults.push(fault((line, 1), "缺少文件末尾的 %", "the % at the end of the file is missing"));
     found
 }
 
@@ -192,27 +184,19 @@ fn skip_blanks(rest: &mut &str) -> u32 {
 }
 
 /// Finds full-width punctuation and digits, the most common error with a Chinese keyboard.
-fn full_width(piece: &str, line: u32, column: u32) -> Result<(), PageTextFault> {
+fn full_width(piece: &str, (line, column): (u32, u32)) -> Result<(), PageTextFault> {
     let signs = [('；', ';'), ('＃', '#'), ('％', '%')];
     for (offset, sign) in piece.chars().enumerate() {
+        let at = (line, column + offset as u32);
         if let Some((wide, narrow)) = signs.into_iter().find(|(wide, _)| *wide == sign) {
-            return Err(fault(
-                line,
-                column + offset as u32,
-                &format!("全角符号“{wide}”：请改用英文符号 {narrow}"),
-                &format!("full-width '{wide}': type the ASCII '{narrow}'"),
-            ));
+            let en = format!("full-width '{wide}': type the ASCII '{narrow}'");
+            return Err(fault(at, format!("全角符号“{wide}”：请改用英文符号 {narrow}"), en));
         }
         if sign.is_ascii_digit() || sign == ';' && offset > 0 {
             continue;
         }
         if ('０'..='９').contains(&sign) && piece.contains('#') {
-            return Err(fault(
-                line,
-                column + offset as u32,
-                "全角数字：请改用英文数字",
-                "full-width digit: type ASCII digits",
-            ));
+            return Err(fault(at, "全角数字：请改用英文数字", "full-width digit: type ASCII digits"));
         }
     }
     Ok(())
@@ -226,39 +210,24 @@ fn row(entry: &PageTextEntry<'_>) -> Result<Option<PageTextRow>, PageTextFault> 
         return named(entry, label, variable);
     }
     let Some((label, number)) = entry.text.rsplit_once('#') else {
-        return Err(fault(
-            entry.line,
-            entry.column,
-            "缺少宏变量号：应为“名称 #号;”",
-            "no macro variable: an entry reads 'label #number;'",
-        ));
+        let en = "no macro variable: an entry reads 'label #number;'";
+        return Err(fault(entry.at, "缺少宏变量号：应为“名称 #号;”", en));
     };
-    let column = entry.column + label.chars().count() as u32 + 1;
-    let variable: u16 = match number.trim().parse() {
-        Ok(variable) => variable,
-        Err(_) => {
-            return Err(fault(
-                entry.line,
-                column,
-                &format!("宏变量号“{}”不是数字", number.trim()),
-                &format!("'{}' is not a variable number", number.trim()),
-            ));
-        }
+    let (at, number) = ((entry.at.0, entry.at.1 + label.chars().count() as u32 + 1), number.trim());
+    let Ok(variable) = number.parse() else {
+        let en = format!("'{number}' is not a variable number");
+        return Err(fault(at, format!("宏变量号“{number}”不是数字"), en));
     };
     if !is_allowed_on_page(variable) {
-        return Err(fault(
-            entry.line,
-            column,
-            &format!("宏变量 #{variable} 不能在页面上修改：可用 #100-#433、#500-#999"),
-            &format!("#{variable} cannot stand on a page: use #100-#433 or #500-#999"),
-        ));
+        let zh = format!("宏变量 #{variable} 不能在页面上修改：可用 #100-#433、#500-#999");
+        return Err(fault(at, zh, format!("#{variable} cannot stand on a page: use #100-#433 or #500-#999")));
     }
     named(entry, label, variable)
 }
 
 fn named(entry: &PageTextEntry<'_>, label: &str, variable: u16) -> Result<Option<PageTextRow>, PageTextFault> {
     if label.trim().is_empty() {
-        return Err(fault(entry.line, entry.column, "缺少名称", "the label is missing"));
+        return Err(fault(entry.at, "缺少名称", "the label is missing"));
     }
     Ok(Some(PageTextRow { label: label.trim().to_owned(), variable }))
 }
@@ -269,6 +238,6 @@ fn r_row(text: &str) -> Option<(&str, u16)> {
     Some((label, variable_name::parse(word).filter(|_| word.starts_with(['R', 'r']))?))
 }
 
-fn fault(line: u32, column: u32, zh: &str, en: &str) -> PageTextFault {
+fn fault((line, column): (u32, u32), zh: impl Into<String>, en: impl Into<String>) -> PageTextFault {
     PageTextFault { line, column, message: LocalizedText::new(zh, en) }
 }

@@ -2,7 +2,7 @@
 //! Source: spec B6, K6.1; the rows are defined in `param` and `signal`.
 
 use super::kind::Kind;
-use super::param::{AccessLevel, BITS, NUMBERS, ParamAddress, Params};
+use super::param::{AccessLevel, BITS, NUMBERS, ParamAddress, Params, is_port};
 use super::signal::{Input, Output, PORTS};
 use super::text::{LocalizedText, Text};
 
@@ -62,35 +62,21 @@ impl ParamRow {
 #[must_use]
 pub fn rows(kind: Kind) -> Vec<ParamRow> {
     let factory = Params::factory(kind);
-    // `read` uses the same tables, so every address is found.
-    let factory = |at| factory.read(at).unwrap_or(f64::NAN);
-    let mut rows: Vec<ParamRow> = BITS
-        .iter()
-        .map(|row| {
-            let at = ParamAddress { number: row.number, bit: Some(row.bit) };
-            let (name, level, sort) = (row.name.into(), row.level, ParamType::Bit);
-            ParamRow { address: at, name, unit: "", min: 0.0, max: 1.0, factory: factory(at), level, param_type: sort }
-        })
-        .collect();
-    let numbers = NUMBERS.iter().map(|row| {
-        let at = ParamAddress { number: row.number, bit: None };
-        let ((min, max), name, sort) = (row.range_on(kind), row.name.into(), ParamType::Number);
-        ParamRow {
-            address: at,
-            name,
-            unit: row.unit,
-            min,
-            max,
-            factory: factory(at),
-            level: row.level,
-            param_type: sort,
-        }
+    let row = |address, name: LocalizedText, (min, max), level, param_type| {
+        // `read` uses the same tables, so every address is found.
+        let factory = factory.read(address).unwrap_or(f64::NAN);
+        ParamRow { address, name, unit: "", min, max, factory, level, param_type }
+    };
+    let bits = BITS.iter().map(|bit| row(bit.address(), bit.name.into(), (0.0, 1.0), bit.level, ParamType::Bit));
+    let mut rows: Vec<ParamRow> = bits.collect();
+    let numbers = NUMBERS.iter().map(|number| {
+        let range = number.range_on(kind);
+        let shown = row(number.address(), number.name.into(), range, number.level, ParamType::Number);
+        ParamRow { unit: number.unit, ..shown }
     });
     let port = |number, name: Text, way: Text, sort| {
-        let at = ParamAddress { number, bit: None };
         let name = LocalizedText::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en));
-        let (max, level) = (f64::from(PORTS), AccessLevel::Builder);
-        ParamRow { address: at, name, unit: "", min: 0.0, max, factory: factory(at), level, param_type: sort }
+        row(ParamAddress { number, bit: None }, name, (0.0, f64::from(PORTS)), AccessLevel::Builder, sort)
     };
     let (into, out_of) = (Text::new("输入口", "input port"), Text::new("输出口", "output port"));
     let inputs = Input::ALL.iter().map(|input| port(input.port_param(), input.name(), into, ParamType::Input(*input)));
@@ -110,11 +96,10 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
 pub fn access_level(at: ParamAddress) -> Option<AccessLevel> {
     match at.bit {
         Some(bit) => BITS.iter().find(|row| (row.number, row.bit) == (at.number, bit)).map(|row| row.level),
-        None => NUMBERS.iter().find(|row| row.number == at.number).map(|row| row.level).or_else(|| {
-            let port = Input::ALL.iter().any(|input| input.port_param() == at.number)
-                || Output::ALL.iter().any(|output| output.port_param() == at.number);
-            port.then_some(AccessLevel::Builder)
-        }),
+        None => {
+            let number = NUMBERS.iter().find(|row| row.number == at.number).map(|row| row.level);
+            number.or_else(|| is_port(at.number).then_some(AccessLevel::Builder))
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::equipment::{ANY, GAUGES, HEADSTOCK, HYDRAULICS, Needs, ROLL, SPINDLE, TABLE, TAILSTOCK, TURRET, WHEEL};
+use super::equipment::{Needs, needs};
 use super::text::Text;
 
 /// Number of ports of a terminal block. Ports are numbered from 1; 0 is "not connected".
@@ -37,7 +37,7 @@ macro_rules! signals {
             /// The device that it belongs to.
             #[must_use]
             pub const fn needs(self) -> Needs {
-                match self { $(Self::$variant => $needs,)* }
+                match self { $(Self::$variant => needs!($needs),)* }
             }
 
             /// Display name.
@@ -62,18 +62,18 @@ macro_rules! signals {
 signals! {
     /// A switch, drive or gauge that the control reads.
     Input {
-        OscillationForwardEnd = "oscillation-forward-end", 228, WHEEL, "振荡前进到位", "oscillation forward end";
-        OscillationBackwardEnd = "oscillation-backward-end", 229, WHEEL, "振荡后退到位", "oscillation backward end";
-        HydraulicPressure = "hydraulic-pressure", 269, HYDRAULICS, "液压压力", "hydraulic pressure";
+        OscillationForwardEnd = "oscillation-forward-end", 228, Wheel, "振荡前进到位", "oscillation forward end";
+        OscillationBackwardEnd = "oscillation-backward-end", 229, Wheel, "振荡后退到位", "oscillation backward end";
+        HydraulicPressure = "hydraulic-pressure", 269, Hydraulics, "液压压力", "hydraulic pressure";
         EmergencyStop = "emergency-stop", 320, ANY, "急停", "emergency stop";
-        TailstockAdvanced = "tailstock-advanced", 321, TAILSTOCK, "尾座进到位", "tailstock advanced";
-        TailstockRetracted = "tailstock-retracted", 322, TAILSTOCK, "尾座退到位", "tailstock retracted";
-        Gauge1 = "gauge-1", 323, GAUGES, "量仪信号 1", "gauge signal 1";
-        Gauge2 = "gauge-2", 324, GAUGES, "量仪信号 2", "gauge signal 2";
-        Gauge3 = "gauge-3", 325, GAUGES, "量仪信号 3", "gauge signal 3";
-        Gauge4 = "gauge-4", 326, GAUGES, "量仪信号 4", "gauge signal 4";
-        Gauge5 = "gauge-5", 327, GAUGES, "量仪信号 5", "gauge signal 5";
-        Gauge6 = "gauge-6", 328, GAUGES, "量仪信号 6", "gauge signal 6";
+        TailstockAdvanced = "tailstock-advanced", 321, Tailstock, "尾座进到位", "tailstock advanced";
+        TailstockRetracted = "tailstock-retracted", 322, Tailstock, "尾座退到位", "tailstock retracted";
+        Gauge1 = "gauge-1", 323, Gauges, "量仪信号 1", "gauge signal 1";
+        Gauge2 = "gauge-2", 324, Gauges, "量仪信号 2", "gauge signal 2";
+        Gauge3 = "gauge-3", 325, Gauges, "量仪信号 3", "gauge signal 3";
+        Gauge4 = "gauge-4", 326, Gauges, "量仪信号 4", "gauge signal 4";
+        Gauge5 = "gauge-5", 327, Gauges, "量仪信号 5", "gauge signal 5";
+        Gauge6 = "gauge-6", 328, Gauges, "量仪信号 6", "gauge signal 6";
         User1 = "user-1", 279, ANY, "用户输入 1 (M80)", "user input 1 (M80)";
         User2 = "user-2", 280, ANY, "用户输入 2 (M81)", "user input 2 (M81)";
         User3 = "user-3", 281, ANY, "用户输入 3 (M82)", "user input 3 (M82)";
@@ -92,10 +92,10 @@ signals! {
         LubricationLevel = "lubrication-level", 334, ANY, "润滑油位", "lubrication level";
         ExternalStart = "external-start", 335, ANY, "外接启动", "external start";
         ExternalHold = "external-hold", 336, ANY, "外接暂停", "external hold";
-        RadialArmOut = "radial-arm-out", 337, GAUGES, "径向量仪伸出到位", "radial gauge arm out";
-        RadialArmIn = "radial-arm-in", 338, GAUGES, "径向量仪缩回到位", "radial gauge arm in";
-        AxialArmOut = "axial-arm-out", 339, GAUGES, "轴向量仪伸出到位", "axial gauge arm out";
-        AxialArmIn = "axial-arm-in", 340, GAUGES, "轴向量仪缩回到位", "axial gauge arm in";
+        RadialArmOut = "radial-arm-out", 337, Gauges, "径向量仪伸出到位", "radial gauge arm out";
+        RadialArmIn = "radial-arm-in", 338, Gauges, "径向量仪缩回到位", "radial gauge arm in";
+        AxialArmOut = "axial-arm-out", 339, Gauges, "轴向量仪伸出到位", "axial gauge arm out";
+        AxialArmIn = "axial-arm-in", 340, Gauges, "轴向量仪缩回到位", "axial gauge arm in";
         DriveX = "drive-x", 341, ANY, "X 驱动报警", "drive fault X";
         DriveY = "drive-y", 342, ANY, "Y 驱动报警", "drive fault Y";
         DriveZ = "drive-z", 343, ANY, "Z 驱动报警", "drive fault Z";
@@ -109,34 +109,34 @@ signals! {
         Gear2In = "gear-2-in", 351, ANY, "2 档到位", "gear 2 in";
         Gear3In = "gear-3-in", 352, ANY, "3 档到位", "gear 3 in";
         Gear4In = "gear-4-in", 353, ANY, "4 档到位", "gear 4 in";
-        Station1 = "station-1", 365, TURRET, "1 号刀位", "tool post station 1";
-        Station2 = "station-2", 366, TURRET, "2 号刀位", "tool post station 2";
-        Station3 = "station-3", 367, TURRET, "3 号刀位", "tool post station 3";
-        Station4 = "station-4", 368, TURRET, "4 号刀位", "tool post station 4";
+        Station1 = "station-1", 365, ToolTurret, "1 号刀位", "tool post station 1";
+        Station2 = "station-2", 366, ToolTurret, "2 号刀位", "tool post station 2";
+        Station3 = "station-3", 367, ToolTurret, "3 号刀位", "tool post station 3";
+        Station4 = "station-4", 368, ToolTurret, "4 号刀位", "tool post station 4";
     }
 }
 
 signals! {
     /// A contactor, valve or lamp that the control switches.
     Output {
-        Wheel = "wheel", 300, WHEEL, "砂轮", "wheel";
+        Wheel = "wheel", 300, Wheel, "砂轮", "wheel";
         Coolant = "coolant", 301, ANY, "冷却", "coolant";
         Lubrication = "lubrication", 302, ANY, "润滑", "lubrication";
-        Tailstock = "tailstock", 303, TAILSTOCK, "尾座", "tailstock";
+        Tailstock = "tailstock", 303, Tailstock, "尾座", "tailstock";
         // P16.0 fits a magnet to any kind.
         Magnetise = "magnetise", 304, ANY, "充磁", "magnetise";
         Demagnetise = "demagnetise", 305, ANY, "退磁", "demagnetise";
-        SecondSpindle = "second-spindle", 306, WHEEL, "第二主轴正转", "second spindle cw";
-        SecondSpindleCcw = "second-spindle-ccw", 307, WHEEL, "第二主轴反转", "second spindle ccw";
-        OscillationForward = "oscillation-forward", 226, WHEEL, "振荡前进", "oscillation forward";
-        OscillationBackward = "oscillation-backward", 227, WHEEL, "振荡后退", "oscillation backward";
-        Hydraulic = "hydraulic", 273, HYDRAULICS, "液压", "hydraulic";
-        RadialGauge = "radial-gauge", 271, GAUGES, "径向(厚度)量仪", "radial (thickness) gauge";
-        AxialGauge = "axial-gauge", 272, GAUGES, "轴向(平面)量仪", "axial (plane) gauge";
-        HeadstockHigh = "headstock-high", 153, HEADSTOCK, "头架高速", "headstock high";
-        HeadstockLow = "headstock-low", 154, HEADSTOCK, "头架低速", "headstock low";
-        DresserRoll = "dresser-roll", 153, ROLL, "滚轮", "dresser roll";
-        TableRotation = "table-rotation", 153, TABLE, "台面旋转", "table rotation";
+        SecondSpindle = "second-spindle", 306, Wheel, "第二主轴正转", "second spindle cw";
+        SecondSpindleCcw = "second-spindle-ccw", 307, Wheel, "第二主轴反转", "second spindle ccw";
+        OscillationForward = "oscillation-forward", 226, Wheel, "振荡前进", "oscillation forward";
+        OscillationBackward = "oscillation-backward", 227, Wheel, "振荡后退", "oscillation backward";
+        Hydraulic = "hydraulic", 273, Hydraulics, "液压", "hydraulic";
+        RadialGauge = "radial-gauge", 271, Gauges, "径向(厚度)量仪", "radial (thickness) gauge";
+        AxialGauge = "axial-gauge", 272, Gauges, "轴向(平面)量仪", "axial (plane) gauge";
+        HeadstockHigh = "headstock-high", 153, Headstock, "头架高速", "headstock high";
+        HeadstockLow = "headstock-low", 154, Headstock, "头架低速", "headstock low";
+        DresserRoll = "dresser-roll", 153, DresserRoll, "滚轮", "dresser roll";
+        TableRotation = "table-rotation", 153, RotaryTable, "台面旋转", "table rotation";
         Gear1 = "gear-1", 308, ANY, "1 档", "gear 1";
         Gear2 = "gear-2", 309, ANY, "2 档", "gear 2";
         Gear3 = "gear-3", 310, ANY, "3 档", "gear 3";
@@ -149,11 +149,11 @@ signals! {
         TowerRed = "tower-red", 312, ANY, "三色灯红", "tower light red";
         TowerYellow = "tower-yellow", 313, ANY, "三色灯黄", "tower light yellow";
         TowerGreen = "tower-green", 314, ANY, "三色灯绿", "tower light green";
-        SpindleForward = "spindle-forward", 360, SPINDLE, "主轴正转", "spindle forward";
-        SpindleReverse = "spindle-reverse", 361, SPINDLE, "主轴反转", "spindle reverse";
-        SpindleStop = "spindle-stop", 362, SPINDLE, "主轴停止", "spindle stop";
-        TurretForward = "post-forward", 363, TURRET, "刀架正转", "tool post forward";
-        TurretReverse = "post-reverse", 364, TURRET, "刀架反转锁紧", "tool post reverse, clamps";
+        SpindleForward = "spindle-forward", 360, MainSpindle, "主轴正转", "spindle forward";
+        SpindleReverse = "spindle-reverse", 361, MainSpindle, "主轴反转", "spindle reverse";
+        SpindleStop = "spindle-stop", 362, MainSpindle, "主轴停止", "spindle stop";
+        TurretForward = "post-forward", 363, ToolTurret, "刀架正转", "tool post forward";
+        TurretReverse = "post-reverse", 364, ToolTurret, "刀架反转锁紧", "tool post reverse, clamps";
     }
 }
 

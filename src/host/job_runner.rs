@@ -17,7 +17,7 @@ use super::serial::format::SerialProgram;
 use super::serial::port::{SerialLine, port_names};
 use super::serial::transfer::SerialTransfer;
 use super::toolpath;
-use super::transfer::{self, UsbTransfer};
+use super::transfer::{self, SaveTarget, UsbTransfer};
 use crate::controller::files::BackgroundJob;
 use crate::defs::date::DateTime;
 use crate::defs::text::LocalizedText;
@@ -164,13 +164,12 @@ impl JobRunner {
 
     /// Writes a picture or a table to the folder of screenshots or the USB drive.
     fn export(&self, job: &BackgroundJob) -> Result<LocalizedText, Refusal> {
-        let (date, folder, usb) = (file_date(job), self.prints.as_deref(), self.usb_drive());
+        let (date, usb) = (file_date(job), self.usb_drive());
+        let target = SaveTarget { folder: self.prints.as_deref(), usb_drive: usb.as_ref() };
         match &job.request {
-            FileRequest::SaveScreenshot(picture) => transfer::save_screenshot(picture, date, folder, usb.as_ref()),
-            FileRequest::SaveTable(text) => transfer::save_file(text.as_bytes(), (date, "CSV"), folder, usb.as_ref()),
-            FileRequest::ExportLeadscrew(axis, table) => {
-                leadscrew_files::write((*axis, table), date, folder, usb.as_ref())
-            }
+            FileRequest::SaveScreenshot(picture) => target.save_screenshot(picture, date),
+            FileRequest::SaveTable(text) => target.save_dated(text.as_bytes(), date, "CSV"),
+            FileRequest::ExportLeadscrew(axis, table) => leadscrew_files::write(*axis, table, date, target),
             other => Err(refusal("不能导出", format!("{other:?} exports nothing"))),
         }
     }

@@ -2,15 +2,13 @@
 //! that this control wrote with date and time in its name.
 //! Source: spec B7.
 
-use std::path::Path;
-
 use super::job_answer::{JobResult, no_usb_drive, refusal};
-use super::transfer::save_file_as;
+use super::transfer::SaveTarget;
 use crate::defs::date::DateTime;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::text::LocalizedText;
 use crate::link::files::{FileAnswer, Refusal};
-use crate::store::{UsbDrive, decode, read_file};
+use crate::store::{UsbDrive, decode, read_regular_file};
 use crate::units::Axis;
 
 /// Maximum file size, bytes: a hundred lines and comments.
@@ -40,7 +38,7 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
     let missing = || refusal(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium"));
     let name = file.map(|file| file.name).ok_or_else(missing)?;
     let wrong = |zh: String, en: String| refusal(format!("{name} {zh}"), format!("{name} {en}"));
-    let bytes = read_file(&stick.root().join(&name), FILE_LIMIT)?;
+    let bytes = read_regular_file(&stick.root().join(&name), FILE_LIMIT)?;
     let text = decode(&bytes)
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = LeadscrewCompensation::parse(&text.text).map_err(|fault| {
@@ -55,16 +53,16 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
     Ok(FileAnswer::Leadscrew(axis, table, name))
 }
 
-/// Writes the table of an axis to the USB drive, or to the screenshot folder if there is no drive.
+/// Writes the table of an axis.
 ///
 /// # Errors
 /// No target folder, or a disk error.
-pub fn write(
-    (axis, table): (Axis, &LeadscrewCompensation),
+pub(super) fn write(
+    axis: Axis,
+    table: &LeadscrewCompensation,
     date: DateTime,
-    folder: Option<&Path>,
-    stick: Option<&UsbDrive>,
+    target: SaveTarget<'_>,
 ) -> Result<LocalizedText, Refusal> {
     let text = format!("\u{FEFF}{HEADER}{}", table.to_text().replace('\n', "\r\n"));
-    save_file_as(text.as_bytes(), (&format!("{}-{}", file_stem(axis), date.compact()), "CSV"), folder, stick)
+    target.save(text.as_bytes(), (&format!("{}-{}", file_stem(axis), date.compact()), "CSV"))
 }

@@ -322,11 +322,6 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.controller.report_alarm(alarm::RETAINED_DATA_DAMAGED, Some(LocalizedText::same(what)));
     }
 
-    /// Raises the alarm for late ticks.
-    fn report_late_ticks(&mut self) {
-        self.controller.report_alarm(alarm::LATE_TICKS, None);
-    }
-
     /// Writes the safe image without a tick: spindles, fluids, drives and analog outputs off, clamps hold. Also after a
     /// panic of control or machine.
     pub fn leave_safe(&mut self) {
@@ -377,12 +372,6 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     #[must_use]
     pub const fn controller(&self) -> &Controller {
         &self.controller
-    }
-
-    /// The machine.
-    #[must_use]
-    pub const fn plant(&self) -> &P {
-        &self.plant
     }
 
     /// Voltage of the second analog output, 0 to 10 V.

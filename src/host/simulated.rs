@@ -7,9 +7,9 @@ use super::hosted_machine::HostedMachine;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
-use crate::io::sim::{LatheScene, PartFile, SimulatedMachine};
+use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::simulation::{LatheWorkspaceView, SimCommand, SimView};
+use crate::link::simulation::{SimCommand, SimView};
 use crate::units::Micros;
 
 /// Maximum number of events shown.
@@ -77,7 +77,7 @@ impl HostedSimulation {
             wheel_load_percent: wheel.load_percent,
             sizes: diameters.chain(faces).chain(heights).take(MAX_SIZES).collect(),
             events: events.collect(),
-            lathe_workspace: machine.lathe_scene().map(lathe_workspace),
+            lathe_workspace: machine.lathe_workspace(),
         }
     }
 }
@@ -140,20 +140,5 @@ impl HostedMachine for HostedSimulation {
             }
         }
         Some(Arc::clone(&self.view))
-    }
-}
-
-/// The workspace of a lathe for the drawing.
-fn lathe_workspace(scene: LatheScene<'_>) -> LatheWorkspaceView {
-    let pair = |(a, b): (f64, f64)| (a as f32, b as f32);
-    LatheWorkspaceView {
-        zero_mm: pair(scene.zero_mm),
-        chuck_face_z_mm: scene.z_from_mm as f32,
-        cell_mm: scene.cell_mm as f32,
-        radius_mm: scene.radius_mm.iter().map(|radius| *radius as f32).collect(),
-        stock_radius_mm: scene.stock_mm as f32,
-        bodies: scene.bodies.iter().map(|(from, to, radius)| (*from as f32, *to as f32, *radius as f32)).collect(),
-        tip_mm: pair(scene.tip_mm),
-        outline_mm: scene.outline_mm.into_iter().map(pair).collect(),
     }
 }

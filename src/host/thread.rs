@@ -16,6 +16,7 @@ use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
 use super::pace::{Pace, TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
+use crate::defs::alarm;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
 
@@ -117,7 +118,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         match self.schedule.woke_up(self.started.elapsed(), tick) {
             WakeUp::OnTime => return,
             WakeUp::Late => {}
-            WakeUp::TooOftenLate => self.host.report_late_ticks(),
+            WakeUp::TooOftenLate => self.host.controller.report_alarm(alarm::LATE_TICKS, None),
         }
         self.health.late.fetch_add(1, Ordering::Relaxed);
     }

@@ -15,7 +15,7 @@ use crate::link::files::{FileAnswer, Refusal, RestoredValues};
 use crate::link::media::{Direction, MediaFile, MediaView, Screenshot, TransferRequest, TransferSet};
 use crate::store::{
     CommentSource, FileClass, FileContent, Folder, FolderEntry, FolderError, ListedFile, PAGE_TEXT, PICTURE, PROGRAM,
-    ProgramFolder, UsbDrive, Values, read_file, stamp, write_atomic,
+    ProgramFolder, UsbDrive, Values, read_regular_file, stamp, write_atomic,
 };
 
 /// Names of the value files on a USB drive.
@@ -269,7 +269,7 @@ impl UsbTransfer<'_> {
         let bytes = archive.into_inner().map_err(error_refusal)?;
         let path = self.usb_drive.root().join(&name);
         write_atomic(&path, &bytes)?;
-        let back = read_file(&path, ARCHIVE_LIMIT)?;
+        let back = read_regular_file(&path, ARCHIVE_LIMIT)?;
         check_read_back(&name, stamp(&back) == stamp(&bytes))?;
         Ok(done(format!("已备份到 {name}"), format!("backup written: {name}")))
     }
@@ -286,7 +286,7 @@ impl UsbTransfer<'_> {
         if ask.overwrite.is_none() {
             return Err(Refusal::Overwrite(vec![name.clone()]));
         }
-        let bytes = read_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT)?;
+        let bytes = read_regular_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT)?;
         let shelf = self.folders.program_folder();
         let (values, contents) = unpack_archive(name, &bytes, &shelf)?;
         let restored = self.check_values(&values)?;
@@ -457,64 +457,49 @@ fn unpack_archive(name: &str, bytes: &[u8], shelf: &ProgramFolder) -> Result<(Va
     Ok((values.ok_or_else(|| damaged("values.ron"))?, contents))
 }
 
-/// Saves a screenshot on the USB drive, or in the screenshot folder if there is no drive; returns its path.
-///
-/// # Errors
-/// The picture has no valid size, or a disk error.
-pub fn save_screenshot(
-    picture: &Screenshot,
-    date: DateTime,
-    folder: Option<&Path>,
-    stick: Option<&UsbDrive>,
-) -> Result<LocalizedText, Refusal> {
-    let wanted = picture.width as usize * picture.height as usize * 3;
-    if wanted == 0 || wanted != picture.rgb.len() || wanted > PRINT_LIMIT {
-        return Err(refusal("没有图像", "there is no picture"));
+/// Where a file of this control goes: the USB drive, or the folder of screenshots if there is no drive.
+#[derive(Clone, Copy)]
+pub(super) struct SaveTarget<'a> {
+    pub folder: Option<&'a Path>,
+    pub usb_drive: Option<&'a UsbDrive>,
+}
+
+impl SaveTarget<'_> {
+    /// Saves a screenshot; returns its path.
+    pub(super) fn save_screenshot(self, picture: &Screenshot, date: DateTime) -> Result<LocalizedText, Refusal> {
+        let wanted = picture.width as usize * picture.height as usize * 3;
+        if wanted == 0 || wanted != picture.rgb.len() || wanted > PRINT_LIMIT {
+            return Err(refusal("没有图像", "there is no picture"));
+        }
+        let mut bytes = Vec::new();
+        let (width, height, colour) = (picture.width, picture.height, image::ExtendedColorType::Rgb8);
+        let encoded = if picture.as_bmp {
+            image::codecs::bmp::BmpEncoder::new(&mut bytes).encode(&picture.rgb, width, height, colour)
+        } else {
+            let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+            image::ImageEncoder::write_image(encoder, &picture.rgb, width, height, colour)
+        };
+        encoded.map_err(error_refusal)?;
+        self.save_dated(&bytes, date, if picture.as_bmp { "BMP" } else { "PNG" })
     }
-    let mut bytes = Vec::new();
-    let (width, height, colour) = (picture.width, picture.height, image::ExtendedColorType::Rgb8);
-    let encoded = if picture.as_bmp {
-        image::codecs::bmp::BmpEncoder::new(&mut bytes).encode(&picture.rgb, width, height, colour)
-    } else {
-        let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-        image::ImageEncoder::write_image(encoder, &picture.rgb, width, height, colour)
-    };
-    encoded.map_err(error_refusal)?;
-    save_file(&bytes, (date, if picture.as_bmp { "BMP" } else { "PNG" }), folder, stick)
-}
 
-/// Saves a file on the USB drive, or in the folder if there is no drive; returns its path.
-///
-/// # Errors
-/// No target folder, or a disk error.
-pub fn save_file(
-    bytes: &[u8],
-    (date, extension): (DateTime, &str),
-    folder: Option<&Path>,
-    stick: Option<&UsbDrive>,
-) -> Result<LocalizedText, Refusal> {
-    save_file_as(bytes, (&format!("KT830-{}", date.compact()), extension), folder, stick)
-}
+    /// Saves a file with date and time in its name; returns its path.
+    pub(super) fn save_dated(self, bytes: &[u8], date: DateTime, kind: &str) -> Result<LocalizedText, Refusal> {
+        self.save(bytes, (&format!("KT830-{}", date.compact()), kind))
+    }
 
-/// The same with a given name; if it exists, a counter from 1 to 100 is appended.
-///
-/// # Errors
-/// No target folder, or a disk error.
-pub(super) fn save_file_as(
-    bytes: &[u8],
-    (stem, extension): (&str, &str),
-    folder: Option<&Path>,
-    stick: Option<&UsbDrive>,
-) -> Result<LocalizedText, Refusal> {
-    let present = stick.filter(|stick| stick.is_present()).map(UsbDrive::root);
-    let Some(folder) = present.or(folder) else {
-        return Err(refusal("没有保存位置：请插入 U 盘", "nowhere to keep it: plug a USB medium in"));
-    };
-    let free =
-        |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };
-    let name = (0..100).map(free).find(|name| !folder.join(name).exists()).unwrap_or_else(|| free(100));
-    std::fs::create_dir_all(folder).map_err(error_refusal)?;
-    write_atomic(&folder.join(&name), bytes)?;
-    let place = folder.join(&name);
-    Ok(LocalizedText::new(format!("已保存：{}", place.display()), format!("saved: {}", place.display())))
+    /// Saves a file with a given name; if it exists, a counter from 1 to 100 is appended. Returns its path.
+    pub(super) fn save(self, bytes: &[u8], (stem, extension): (&str, &str)) -> Result<LocalizedText, Refusal> {
+        let present = self.usb_drive.filter(|stick| stick.is_present()).map(UsbDrive::root);
+        let Some(folder) = present.or(self.folder) else {
+            return Err(refusal("没有保存位置：请插入 U 盘", "nowhere to keep it: plug a USB medium in"));
+        };
+        let free =
+            |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };
+        let name = (0..100).map(free).find(|name| !folder.join(name).exists()).unwrap_or_else(|| free(100));
+        std::fs::create_dir_all(folder).map_err(error_refusal)?;
+        let place = folder.join(&name);
+        write_atomic(&place, bytes)?;
+        Ok(LocalizedText::new(format!("已保存：{}", place.display()), format!("saved: {}", place.display())))
+    }
 }

@@ -1,6 +1,7 @@
 //! Requests and data of the simulator page. On a real machine there is no simulated machine.
 //! Source: spec P1–P8; tools.md (faults).
 
+use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 
@@ -15,27 +16,6 @@ pub enum SimCommand {
     NewPart,
     /// Restores the freshly dressed wheel.
     SharpenWheel,
-}
-
-/// The working area of a lathe as drawn. Lengths in mm, radius; positions on the bar in workpiece coordinates.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LatheWorkspaceView {
-    /// Workpiece zero, machine coordinates X, Z.
-    pub zero_mm: (f32, f32),
-    /// Z where the bar leaves the chuck.
-    pub chuck_face_z_mm: f32,
-    /// Length of a cell along Z.
-    pub cell_mm: f32,
-    /// Radius of each cell from the chuck to the end face.
-    pub radius_mm: Vec<f32>,
-    /// Radius of the raw bar.
-    pub stock_radius_mm: f32,
-    /// The chuck: Z from, Z to, radius.
-    pub bodies: Vec<(f32, f32, f32)>,
-    /// Offset of the active tool tip from the reference point of the slides, X, Z.
-    pub tip_mm: (f32, f32),
-    /// Outline of the tool: Z from the tip, height above it.
-    pub outline_mm: Vec<(f32, f32)>,
 }
 
 /// The simulated machine as the page shows it.
@@ -56,5 +36,5 @@ pub struct SimView {
     /// Events of the workpiece, newest last.
     pub events: Vec<LocalizedText>,
     /// The working area of a lathe (L10).
-    pub lathe_workspace: Option<LatheWorkspaceView>,
+    pub lathe_workspace: Option<LatheWorkspace>,
 }

@@ -145,7 +145,7 @@ pub struct AlarmView {
 }
 
 /// The unlocked access level and the result of the last password.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AccessView {
     /// The unlocked level.
     pub level: AccessLevel,
@@ -157,18 +157,6 @@ pub struct AccessView {
     pub answer_count: u32,
     /// Why the last password was refused.
     pub refused: Option<Text>,
-}
-
-impl Default for AccessView {
-    fn default() -> Self {
-        Self {
-            level: AccessLevel::Operator,
-            program_unlocked: false,
-            password_pending: false,
-            answer_count: 0,
-            refused: None,
-        }
-    }
 }
 
 /// Severity of a message.

@@ -59,7 +59,10 @@ pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
 }
 
 /// Replaces or creates a file atomically: after a power cut it is the old or the new file.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
+///
+/// # Errors
+/// A disk error; an old file stays.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
     replace_with(path, |file| file.write_all(bytes))
 }
 
@@ -121,7 +124,11 @@ mod tests {
             Err(io::ErrorKind::StorageFull.into())
         };
         let fault = replace_with(&path, full).expect_err("no room");
-        assert!(fault.is_full() && fault.zh().contains("O1001.NC：磁盘已满"), "{}", fault.zh());
+        assert!(
+            fault.cause.kind() == io::ErrorKind::StorageFull && fault.zh().contains("O1001.NC：磁盘已满"),
+            "{}",
+            fault.zh()
+        );
         assert!(fault.to_string().contains("make room on the disk"), "{fault}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "old");
         assert_eq!(fs::read_dir(folder.path()).expect("listed").count(), 1, "no temporary file is left");

@@ -87,16 +87,3 @@ pub(super) fn first_comment(head: &str) -> String {
     }
     String::new()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_comment_line_is_the_first_comment_or_the_title() {
-        assert_eq!(PROGRAM.comment_in("%\nO1001 (JAW FACE)\nG0 X1 ; no"), "JAW FACE");
-        assert_eq!(PROGRAM.comment_in("G0 X1;\nG1 ; 快进"), "快进");
-        assert_eq!(PROGRAM.comment_in("G0 X1"), "");
-        assert_eq!(PAGE_TEXT.comment_in("外圆磨;\n起点 #500;"), "外圆磨");
-    }
-}

@@ -293,7 +293,11 @@ fn check_plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, Fol
     if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.file_name(1001) }) } else { Ok(name) }
 }
 
-pub(super) fn read_regular_file(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
+/// Reads a regular file of at most `limit` bytes; links and devices are refused.
+///
+/// # Errors
+/// Why it was not read.
+pub fn read_regular_file(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
     let here = || path.to_path_buf();
     atomic_file::read(path, limit).map_err(|refused| match refused {
         ReadError::Io(fault) if fault.is_missing() => {

@@ -41,12 +41,6 @@ impl IoFault {
         format!("{}：{} ({})", self.name(), remedy(self.cause.kind()).zh, self.cause)
     }
 
-    /// Whether the disk is full.
-    #[must_use]
-    pub fn is_full(&self) -> bool {
-        matches!(self.cause.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
-    }
-
     /// Whether the file or folder does not exist.
     #[must_use]
     pub fn is_missing(&self) -> bool {

@@ -29,13 +29,14 @@ mod settings;
 mod usb_drive;
 mod values;
 
+pub use atomic_file::replace as write_atomic;
 pub use checksum::checksum as stamp;
 pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode, encode};
 pub use file_class::{
     CommentSource, FileClass, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT,
 };
-pub use folder::{FileContent, Folder, FolderError};
+pub use folder::{FileContent, Folder, FolderError, read_regular_file};
 pub use folder_watch::{FolderChange, FolderWatch, POLL_INTERVAL};
 pub use io_fault::IoFault;
 pub use listing::{FolderEntry, FolderListing, IgnoredFile, LISTING_LIMIT};
@@ -46,5 +47,5 @@ pub use retained::{
     StorageFault, ToolOffset,
 };
 pub use settings::StoredSettings;
-pub use usb_drive::{ListedFile, UsbDrive, read_file, write_atomic};
+pub use usb_drive::{ListedFile, UsbDrive};
 pub use values::Values;

@@ -4,8 +4,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::atomic_file;
-use super::folder::{self, FolderError};
 use super::io_fault::IoFault;
 
 /// Folders below which operating systems mount drives, one or two levels down.
@@ -106,20 +104,4 @@ fn is_mount_point(folder: &Path) -> bool {
 #[cfg(not(unix))]
 fn is_mount_point(_folder: &Path) -> bool {
     false
-}
-
-/// Replaces or creates a file atomically: after a power cut it is the old one or the new one.
-///
-/// # Errors
-/// A disk error; an old file stays.
-pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
-    atomic_file::replace(path, bytes)
-}
-
-/// Reads a regular file of at most `limit` bytes; links and devices are refused.
-///
-/// # Errors
-/// Why it was not read.
-pub fn read_file(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
-    folder::read_regular_file(path, limit)
 }

@@ -41,11 +41,8 @@ pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<StoryLine>), StoryErro
         let statement = words.statement(kind)?;
         if let Statement::Kind(named) = statement {
             if !lines.is_empty() {
-                return Err(StoryError {
-                    line: number,
-                    column: 1,
-                    cause: "`kind` is the first line of a story".into(),
-                });
+                let cause = "`kind` is the first line of a story".into();
+                return Err(StoryError { line: number, column: 1, cause });
             }
             kind = named;
         }
@@ -110,26 +107,24 @@ impl LineParser {
 
     /// An error at the last word read.
     fn error(&self, cause: impl Into<String>) -> StoryError {
-        let column = self.next.checked_sub(1).and_then(|last| self.words.get(last)).map_or(1, |(column, _)| *column);
+        let last = self.next.checked_sub(1).and_then(|last| self.words.get(last));
+        self.error_at(last.map_or(1, |(column, _)| *column), cause)
+    }
+
+    fn error_at(&self, column: u32, cause: impl Into<String>) -> StoryError {
         StoryError { line: self.line, column, cause: cause.into() }
     }
 
     fn word(&mut self, wanted: &str) -> Result<String, StoryError> {
         let word = self.words.get(self.next).map(|(_, word)| word.clone());
         self.next += 1;
-        word.ok_or_else(|| StoryError {
-            line: self.line,
-            column: self.text.chars().count() as u32 + 1,
-            cause: format!("{wanted} is missing"),
-        })
+        word.ok_or_else(|| self.error_at(self.text.chars().count() as u32 + 1, format!("{wanted} is missing")))
     }
 
     fn expect_end(&self) -> Result<(), StoryError> {
         match self.words.get(self.next) {
             None => Ok(()),
-            Some((column, word)) => {
-                Err(StoryError { line: self.line, column: *column, cause: format!("'{word}' is too much here") })
-            }
+            Some((column, word)) => Err(self.error_at(*column, format!("'{word}' is too much here"))),
         }
     }
 

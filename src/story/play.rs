@@ -12,11 +12,11 @@ use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::part::PartRule;
 use crate::host::simulated::HostedSimulation;
-use crate::host::storage::Storage;
+use crate::host::storage::{DirectStorage, Storage};
 use crate::host::thread::HostThread;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
-use crate::link::snapshot::{RunState, Snapshot};
+use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
 
 /// Ticks after every statement.
@@ -34,11 +34,8 @@ const PART_TIMEOUT: Micros = Micros::from_millis(2_000);
 /// Maximum duration of homing.
 const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
-/// Reads the texts of a page for `expect page … shows`. A build without the screen has no implementation.
-pub trait PageReader {
-    /// The texts on the open page.
-    fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
-}
+/// Reads the texts of the open page for `expect page … shows`. A build without the screen has none.
+pub type PageReader = Box<dyn Fn(&Snapshot) -> Vec<String>>;
 
 /// What a story is played on: a host that is stepped, or one turn of a host on a thread.
 pub trait Stage {
@@ -53,7 +50,7 @@ pub trait Stage {
 }
 
 impl Stage for HeadlessHost {
-    type Storage = crate::host::storage::DirectStorage;
+    type Storage = DirectStorage;
 
     fn host(&mut self) -> &mut Self {
         self
@@ -87,7 +84,7 @@ impl<S: Storage> Stage for HostThread<HostedSimulation, S> {
 /// Plays a story. Waiting ends at once when the stage is interrupted.
 pub struct Player<'a, G: Stage> {
     stage: &'a mut G,
-    page_reader: Option<Box<dyn PageReader>>,
+    page_reader: Option<PageReader>,
     folder: PathBuf,
     /// Jog keys that are held: `Hold` is repeated as by the screen, until they are released.
     held_keys: Vec<Key>,
@@ -108,7 +105,7 @@ impl<'a, G: Stage> Player<'a, G> {
     /// Creates a player. Files named in the story are searched in `folder`. `part_given`: a part is mounted already, so
     /// loading a program does not mount another.
     #[must_use]
-    pub fn new(stage: &'a mut G, eyes: Option<Box<dyn PageReader>>, folder: &Path, part_given: bool) -> Self {
+    pub fn new(stage: &'a mut G, eyes: Option<PageReader>, folder: &Path, part_given: bool) -> Self {
         stage.host().set_part_rule(if part_given { PartRule::Keep } else { PartRule::FollowProgram });
         Self { stage, page_reader: eyes, folder: folder.to_owned(), held_keys: Vec::new(), next_hold: Micros::ZERO }
     }
@@ -135,13 +132,13 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::PowerOn => self.power_on(),
             Statement::PowerCut => {
                 self.held_keys.clear();
-                self.stage.host().power_cut();
+                self.host().power_cut();
                 Ok(())
             }
             Statement::Param(at, value) => self.set(Command::SetParam(*at, *value)),
             Statement::Set(number, value) => self.set(Command::SetVariable(*number, *value)),
             Statement::Load(number) => self.load(*number),
-            Statement::LoadNamed(name) => match self.stage.host().find_program(name) {
+            Statement::LoadNamed(name) => match self.host().find_program(name) {
                 Some(number) => self.load(number),
                 None => Err(format!("程序目录中没有 {name}; the programs folder has no {name}")),
             },
@@ -162,7 +159,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),
             Statement::Fault(text) => {
-                self.stage.host().machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
+                self.host().machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
                 self.wait_for_answer()
             }
             Statement::FaultList => Ok(()),
@@ -172,7 +169,7 @@ impl<'a, G: Stage> Player<'a, G> {
             }
             Statement::WaitUntil(until, most) => self.wait_until(*until, Micros::from_secs_f64(*most)),
             Statement::Seed(seed) => {
-                self.stage.host().reseed(*seed);
+                self.host().reseed(*seed);
                 Ok(())
             }
             Statement::Part(file) => self.part(file),
@@ -183,7 +180,7 @@ impl<'a, G: Stage> Player<'a, G> {
 
     fn power_on(&mut self) -> Result<(), String> {
         self.held_keys.clear();
-        self.stage.host().power_on();
+        self.host().power_on();
         self.wait_for_answer()
     }
 
@@ -199,7 +196,7 @@ impl<'a, G: Stage> Player<'a, G> {
             InputForce::To(on) => Some(on),
             InputForce::Released => None,
         };
-        self.stage.host().machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
+        self.host().machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
         self.ticks(INPUT_TICKS);
         Ok(())
     }
@@ -207,8 +204,8 @@ impl<'a, G: Stage> Player<'a, G> {
     /// Steps by one tick and repeats `Hold` for held keys.
     fn step(&mut self) {
         self.stage.step();
-        if !self.held_keys.is_empty() && self.stage.host().now() >= self.next_hold {
-            self.next_hold = self.stage.host().now() + HOLD_INTERVAL;
+        if !self.held_keys.is_empty() && self.host().now() >= self.next_hold {
+            self.next_hold = self.host().now() + HOLD_INTERVAL;
             for key in &self.held_keys {
                 self.stage.host().send(Command::StillHeld(*key));
             }
@@ -229,23 +226,23 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn send(&mut self, command: Command) -> Result<(), String> {
-        self.stage.host().send(command);
+        self.host().send(command);
         self.wait_for_answer()
     }
 
     /// Changes a setting without the panel. A refusal by the control is an error of the story (T5).
     fn set(&mut self, command: Command) -> Result<(), String> {
-        self.stage.host().send(command);
+        self.host().send(command);
         self.wait_for_setting()
     }
 
     /// Waits for the answer to settings; the error is the control's refusal.
     fn wait_for_setting(&mut self) -> Result<(), String> {
-        if !self.stage.host().is_powered() {
+        if !self.host().is_powered() {
             return Err("the control has no power".to_owned());
         }
         self.step();
-        let refused = self.stage.host().controller().refusal().map(|said| format!("{}; {}", said.zh(), said.en()));
+        let refused = self.host().controller().refusal().map(|said| format!("{}; {}", said.zh(), said.en()));
         self.ticks(ANSWER_TICKS - 1);
         self.run_until(ANSWER_TIMEOUT, |host| !host.controller().is_braking());
         refused.map_or(Ok(()), Err)
@@ -254,17 +251,17 @@ impl<'a, G: Stage> Player<'a, G> {
     /// The command of a pressed key. The mushroom of the emergency stop is turned out when it is latched.
     fn press_command(&mut self, key: Key) -> Command {
         match key {
-            Key::EmergencyStop => self.stage.host().snapshot().press_command(key),
+            Key::EmergencyStop => self.host().snapshot().press_command(key),
             key => Command::Press(key),
         }
     }
 
     fn press_and_hold(&mut self, key: Key) {
         let command = self.press_command(key);
-        self.stage.host().send(command);
+        self.host().send(command);
         if key.jog_direction().is_some() && !self.held_keys.contains(&key) {
             if self.held_keys.is_empty() {
-                self.next_hold = self.stage.host().now() + HOLD_INTERVAL;
+                self.next_hold = self.host().now() + HOLD_INTERVAL;
             }
             self.held_keys.push(key);
         }
@@ -282,8 +279,8 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn wait(&mut self, span: Micros) {
-        let end = self.stage.host().now() + span;
-        while self.stage.host().now() < end && !self.stage.is_interrupted() {
+        let end = self.host().now() + span;
+        while self.host().now() < end && !self.stage.is_interrupted() {
             self.step();
         }
     }
@@ -294,9 +291,9 @@ impl<'a, G: Stage> Player<'a, G> {
         most: Micros,
         mut done: impl FnMut(&mut Host<HostedSimulation, G::Storage>) -> bool,
     ) -> bool {
-        let end = self.stage.host().now() + most;
-        while !done(self.stage.host()) {
-            if self.stage.host().now() >= end || self.stage.is_interrupted() {
+        let end = self.host().now() + most;
+        while !done(self.host()) {
+            if self.host().now() >= end || self.stage.is_interrupted() {
                 return false;
             }
             self.step();
@@ -312,10 +309,10 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn load(&mut self, number: u32) -> Result<(), String> {
-        let changes = self.stage.host().part_changes();
+        let changes = self.host().part_changes();
         self.set(Command::LoadProgram(number))?;
         self.run_until(PART_TIMEOUT, |host| !host.awaits_part());
-        if self.stage.host().part_changes() != changes {
+        if self.host().part_changes() != changes {
             self.wait_for_setting()?;
         }
         Ok(())
@@ -331,8 +328,8 @@ impl<'a, G: Stage> Player<'a, G> {
     fn part(&mut self, file: &str) -> Result<(), String> {
         let (place, text) = self.read(file)?;
         let part = PartFile::parse(&text).map_err(|error| format!("{place}: {error}"))?;
-        self.stage.host().set_part_rule(PartRule::Keep);
-        self.stage.host().mount_part(&part);
+        self.host().set_part_rule(PartRule::Keep);
+        self.host().mount_part(&part);
         self.wait_for_setting()
     }
 
@@ -345,7 +342,7 @@ impl<'a, G: Stage> Player<'a, G> {
     /// Homes all axes as an operator does: mode home, then one axis key after the other.
     fn home_all(&mut self) -> Result<(), String> {
         self.press(Mode::Home.key())?;
-        let axes: Vec<Axis> = self.stage.host().controller().axes_present().collect();
+        let axes: Vec<Axis> = self.host().controller().axes_present().collect();
         for axis in axes {
             self.press(Key::from_jog(axis, true))?;
         }
@@ -353,7 +350,7 @@ impl<'a, G: Stage> Player<'a, G> {
         if !self.run_until(HOMING_TIMEOUT, homing) {
             return Err("homing did not end".to_owned());
         }
-        let snapshot = self.stage.host().snapshot();
+        let snapshot = self.host().snapshot();
         let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
         match missing {
             None => Ok(()),
@@ -368,7 +365,7 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn handwheel(&mut self, axis: Axis, detents: i32, step: Key) -> Result<(), String> {
-        if !self.stage.host().snapshot().axes[axis].present {
+        if !self.host().snapshot().axes[axis].present {
             return Err(format!("this machine has no {axis}"));
         }
         let chosen = match axis {
@@ -401,52 +398,45 @@ impl<'a, G: Stage> Player<'a, G> {
             if is == wanted { Ok(()) } else { Err(format!("{name} is {}", on_off(is))) }
         };
         match expectation {
-            Expectation::Output(output, on) => {
-                switched(output.id(), self.stage.host().snapshot().outputs.has(*output), *on)
-            }
-            Expectation::Input(input, on) => switched(input.id(), self.stage.host().snapshot().inputs.has(*input), *on),
-            Expectation::Lamp(key, on) => switched(key.id(), self.stage.host().snapshot().key(*key).lamp, *on),
+            Expectation::Output(output, on) => switched(output.id(), self.host().snapshot().outputs.has(*output), *on),
+            Expectation::Input(input, on) => switched(input.id(), self.host().snapshot().inputs.has(*input), *on),
+            Expectation::Lamp(key, on) => switched(key.id(), self.host().snapshot().key(*key).lamp, *on),
             Expectation::Alarm(number) => {
                 self.alarm(|alarm| alarm.number == *number, &format!("alarm {number} is not present"))
             }
             Expectation::AnyAlarm => self.alarm(|_| true, "no alarm is present"),
             Expectation::AlarmText(text) => {
-                let has = |alarm: &crate::link::snapshot::AlarmView| {
-                    alarm.text.zh().contains(text) || alarm.text.en().contains(text)
-                };
+                let has = |alarm: &AlarmView| alarm.text.zh().contains(text) || alarm.text.en().contains(text);
                 self.alarm(has, "no alarm has this text")
             }
-            Expectation::NoAlarm => match self.stage.host().snapshot().alarms.first() {
+            Expectation::NoAlarm => match self.host().snapshot().alarms.first() {
                 None => Ok(()),
                 Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh())),
             },
             Expectation::Event(kind) => {
-                let seen: Vec<_> = self.stage.host().machine().events().iter().map(|event| event.kind).collect();
+                let seen: Vec<_> = self.host().machine().events().iter().map(|event| event.kind).collect();
                 if seen.contains(kind) { Ok(()) } else { Err(format!("events: {seen:?}")) }
             }
-            Expectation::NoEvent => match self.stage.host().machine().events().first() {
+            Expectation::NoEvent => match self.host().machine().events().first() {
                 None => Ok(()),
                 Some(event) => Err(format!("event {} at {:.3} s on {}", event.kind.id(), event.seconds, event.place)),
             },
             Expectation::State(state) => {
-                let is = self.stage.host().controller().state();
+                let is = self.host().controller().state();
                 if is == *state { Ok(()) } else { Err(format!("state is {}", is.id())) }
             }
             Expectation::Value { of, is, tolerance } => self.value(*of, *is, *tolerance),
             Expectation::Message(text) => {
-                let message = &self.stage.host().snapshot().message.text;
-                if message.zh().contains(text) || message.en().contains(text) {
-                    Ok(())
-                } else {
-                    Err(format!("the message is \"{}\"", message.zh()))
-                }
+                let message = &self.host().snapshot().message.text;
+                let shown = message.zh().contains(text) || message.en().contains(text);
+                if shown { Ok(()) } else { Err(format!("the message is \"{}\"", message.zh())) }
             }
             Expectation::Page(page, text) => self.page_shows(*page, text),
         }
     }
 
-    fn alarm(&mut self, is: impl Fn(&crate::link::snapshot::AlarmView) -> bool, no: &str) -> Result<(), String> {
-        let alarms = &self.stage.host().snapshot().alarms;
+    fn alarm(&mut self, is: impl Fn(&AlarmView) -> bool, no: &str) -> Result<(), String> {
+        let alarms = &self.host().snapshot().alarms;
         if alarms.iter().any(is) {
             return Ok(());
         }
@@ -456,16 +446,16 @@ impl<'a, G: Stage> Player<'a, G> {
 
     fn value(&mut self, of: Quantity, is: f64, tolerance: f64) -> Result<(), String> {
         let found = match of {
-            Quantity::Work(axis) => Some(self.stage.host().snapshot().axes[axis].work),
-            Quantity::Machine(axis) => Some(self.stage.host().snapshot().axes[axis].machine),
+            Quantity::Work(axis) => Some(self.host().snapshot().axes[axis].work),
+            Quantity::Machine(axis) => Some(self.host().snapshot().axes[axis].machine),
             Quantity::Variable(number) => {
-                let values = &self.stage.host().snapshot().variables;
+                let values = &self.host().snapshot().variables;
                 values.get(usize::from(number)).copied().flatten()
             }
-            Quantity::Wear(number, axis) => self.stage.host().controller().wear(number, axis),
-            Quantity::PartDiameter(z) => self.stage.host().machine().diameter_at(z),
-            Quantity::PartFace(x) => self.stage.host().machine().face_at(x, None),
-            Quantity::PartHeight(x, z) => self.stage.host().machine().height_at(x, z),
+            Quantity::Wear(number, axis) => self.host().controller().wear(number, axis),
+            Quantity::PartDiameter(z) => self.host().machine().diameter_at(z),
+            Quantity::PartFace(x) => self.host().machine().face_at(x, None),
+            Quantity::PartHeight(x, z) => self.host().machine().height_at(x, z),
         };
         match found {
             // 1e-9 compensates binary rounding of the tolerance.
@@ -480,17 +470,14 @@ impl<'a, G: Stage> Player<'a, G> {
         if snapshot.page != page {
             return Err(format!("the open page is {}", snapshot.page.id()));
         }
-        let Some(eyes) = &mut self.page_reader else {
+        let Some(texts_on) = &self.page_reader else {
             return Err("this build has no screen: pages cannot be looked at".to_owned());
         };
-        let texts = eyes.texts(snapshot);
+        let texts = texts_on(snapshot);
         // Labels may be split into several texts; spaces are ignored.
         let squeeze = |text: &str| text.split_whitespace().collect::<String>();
-        if squeeze(&texts.join("\n")).contains(&squeeze(text)) {
-            Ok(())
-        } else {
-            Err(format!("the page shows: {}", texts.join(" | ")))
-        }
+        let shown = squeeze(&texts.join("\n")).contains(&squeeze(text));
+        if shown { Ok(()) } else { Err(format!("the page shows: {}", texts.join(" | "))) }
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use kt830::defs::alarm::ALARMS;
 use kt830::defs::gcode::G_CODES;
 use kt830::defs::key::Key;
-use kt830::defs::mcode::{MCODES, REQUEST_EXAMPLES};
+use kt830::defs::mcode::{Gauge, MCODES, Request};
 use kt830::defs::param::{BITS, NUMBERS, Params};
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::sim_fault::FAULTS;
@@ -14,6 +14,41 @@ use kt830::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
 use kt830::defs::text::Text;
 use kt830::defs::{kind::Kind, program_error::ProgramError};
 use kt830::machine::{interlock::RuleOutcome, rules::RULES};
+
+/// One example of every request with its name.
+const REQUEST_EXAMPLES: &[(Request, Text)] = &[
+    (Request::WheelStart, Text::new("砂轮启动", "wheel start")),
+    (Request::WheelStop, Text::new("砂轮停止", "wheel stop")),
+    (Request::TailstockAdvance, Text::new("尾座进", "tailstock advance")),
+    (Request::TailstockRetract, Text::new("尾座退", "tailstock retract")),
+    (Request::WorkDriveHigh, Text::new("头架高速/滚轮/台面", "headstock high, roll, table")),
+    (Request::WorkDriveLow, Text::new("头架低速", "headstock low")),
+    (Request::WorkDriveStop, Text::new("头架/滚轮/台面停止", "headstock, roll, table stop")),
+    (Request::HydraulicOn, Text::new("液压开", "hydraulics on")),
+    (Request::HydraulicOff, Text::new("液压关", "hydraulics off")),
+    (Request::Magnetise, Text::new("充磁", "magnetise")),
+    (Request::Demagnetise, Text::new("退磁", "demagnetise")),
+    (Request::MagnetOff, Text::new("断磁", "magnet off")),
+    (Request::SecondSpindleStart(false), Text::new("第二主轴启动", "second spindle start")),
+    (Request::SecondSpindleStop, Text::new("第二主轴停止", "second spindle stop")),
+    (Request::Gauge(Gauge::Radial, true), Text::new("量仪伸出", "gauge out")),
+    (Request::Gauge(Gauge::Radial, false), Text::new("量仪缩回", "gauge in")),
+    (Request::Gear(0), Text::new("换档", "gear change")),
+    (Request::Switch(Output::Coolant, true), Text::new("冷却开", "coolant on")),
+    (Request::Switch(Output::Coolant, false), Text::new("冷却关", "coolant off")),
+    (Request::Switch(Output::Lubrication, true), Text::new("润滑开", "lubrication on")),
+    (Request::Switch(Output::User1, true), Text::new("用户输出开", "user output on")),
+    (Request::Port(1, true), Text::new("输出口开/关 (M21 M22)", "port on or off (M21, M22)")),
+    (Request::Pulse(1, 1), Text::new("输出口脉冲 (M20)", "port pulse (M20)")),
+    (Request::CylinderOn, Text::new("振荡气缸启动", "oscillation cylinder on")),
+    (Request::SpindleStart(false), Text::new("主轴启动", "main spindle start")),
+    (Request::SpindleStop, Text::new("主轴停止", "main spindle stop")),
+    (Request::ToolTurret(1), Text::new("换刀", "tool post")),
+    (Request::CycleStart, Text::new("循环启动", "cycle start")),
+    (Request::MdiStart, Text::new("录入执行", "MDI line")),
+    (Request::HomeAxes, Text::new("回零", "homing")),
+    (Request::Jog, Text::new("手动移动", "moving by hand")),
+];
 
 fn tables() -> String {
     let mut text = String::from("# 表 Tables\n\n本页由 `defs/` 生成，请勿手改。Generated from `defs/`; do not edit.\n");

@@ -17,8 +17,10 @@ mod requirements;
 #[cfg(unix)]
 mod serial;
 mod serial_format;
+mod storage;
 mod store_files;
 mod store_retained;
 mod story_lines;
 mod structure;
 mod tidy;
+mod toolpath;

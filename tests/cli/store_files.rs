@@ -9,8 +9,8 @@ use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::text::Lang;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
-    DataDir, Encoding, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL, PROGRAM,
-    StoredSettings, decode, password, program_stem, stamp,
+    DataDir, Encoding, FileClass, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL,
+    PROGRAM, StoredSettings, decode, password, program_stem, stamp,
 };
 use serde::{Deserialize, Serialize};
 
@@ -410,4 +410,18 @@ fn names_are_told_without_regard_to_case_and_nothing_else_passes() {
         assert_eq!(PROGRAM.parse(other), None, "{other}");
     }
     assert_eq!(PROGRAM.file_name(7), "O0007.NC");
+}
+
+#[test]
+fn the_comment_line_is_the_first_comment_or_the_title() {
+    let folder = tempfile::tempdir().unwrap();
+    let comment = |class: &FileClass, text: &str| {
+        let files = Folder::new(folder.path());
+        files.write(class, 1, text.as_bytes()).unwrap();
+        files.find(class, 1).unwrap().comment
+    };
+    assert_eq!(comment(&PROGRAM, "%\nO1001 (JAW FACE)\nG0 X1 ; no"), "JAW FACE");
+    assert_eq!(comment(&PROGRAM, "G0 X1;\nG1 ; 快进"), "快进");
+    assert_eq!(comment(&PROGRAM, "G0 X1"), "");
+    assert_eq!(comment(&PAGE_TEXT, "外圆磨;\n起点 #500;"), "外圆磨");
 }

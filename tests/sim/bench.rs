@@ -67,7 +67,14 @@ pub fn cold_of(kind: Kind) -> Rig {
 
 /// A cold machine with its drives on.
 pub fn driven_of(kind: Kind) -> Rig {
-    let mut rig = cold_of(kind);
+    driven_with(kind, |_| ())
+}
+
+/// The same after a change of the machine.
+pub fn driven_with(kind: Kind, change: impl FnOnce(&mut MachineFile)) -> Rig {
+    let mut machine = MachineFile::builtin(kind).unwrap();
+    change(&mut machine);
+    let mut rig = rig(machine, None, Params::factory(kind));
     rig.out.drives_on = true;
     rig.step();
     rig

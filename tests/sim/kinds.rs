@@ -535,3 +535,31 @@ fn p1_a_cold_machine_of_every_kind_stands_in_mid_travel_with_nothing_pressed() {
         assert_eq!(rig.sim.axes()[Axis::Y], kind == Kind::Gs);
     }
 }
+
+#[test]
+fn p3_a_demagnetising_that_is_broken_off_leaves_its_share() {
+    let mut rig = cold_of(Kind::Gs);
+    rig.switch(Output::Magnetise, true);
+    rig.wait(1.0);
+    rig.switch(Output::Magnetise, false);
+    rig.switch(Output::Demagnetise, true);
+    rig.wait(3.0);
+    rig.switch(Output::Demagnetise, false);
+    rig.wait(1.0);
+    // Half of the time: half of 0.15.
+    assert!((rig.sim.magnet_force() - 0.075).abs() < 1e-3, "{}", rig.sim.magnet_force());
+}
+
+#[test]
+fn p3_both_outputs_at_once_give_no_current() {
+    let mut rig = cold_of(Kind::Gs);
+    rig.switch(Output::Magnetise, true);
+    rig.wait(1.0);
+    rig.switch(Output::Demagnetise, true);
+    rig.wait(0.3);
+    // Only the remanence is left, and no reversal.
+    assert!((rig.sim.magnet_force() - 0.15).abs() < 1e-9, "{}", rig.sim.magnet_force());
+    rig.switch(Output::Magnetise, false);
+    rig.wait(0.25);
+    assert!(rig.sim.magnet_force() > 0.9, "Demagnetise alone reverses the current");
+}

@@ -1,8 +1,10 @@
 //! The machine around the wheel: switches, stops, spindles, hydraulics, faults (rows P1, P2, P3, P8).
 
-use crate::bench::{Rig, cold, ready};
+use crate::bench::{Rig, cold, ready, ready_with};
 use kt830::defs::signal::{Input, Output, Terminals};
+use kt830::defs::sim_fault::FAULTS;
 use kt830::io::Backend;
+use kt830::io::sim::SimulatedMachine;
 use kt830::units::{Axis, EncoderPos};
 
 /// Cold machine with its drives on.
@@ -263,4 +265,117 @@ fn p8_whatever_the_control_does_the_machine_stays_in_its_bounds() {
         assert!(rig.sim.measure().diameters.iter().all(|at| (0.0..=40.4).contains(&at.d)));
     }
     assert!(!rig.events().is_empty());
+}
+
+fn run(rig: &mut Rig, ticks: u32) {
+    (0..ticks).for_each(|_| rig.step());
+}
+
+#[test]
+fn p3_pressure_comes_after_its_time_constant() {
+    let mut rig = cold();
+    rig.switch(Output::Hydraulic, true);
+    // 2.5 of 3.0 MPa: 0.6·ln(3/0.5) = 1.075 s.
+    run(&mut rig, 1_074);
+    assert!(!rig.input(Input::HydraulicPressure));
+    run(&mut rig, 2);
+    assert!(rig.input(Input::HydraulicPressure));
+    run(&mut rig, 10_000);
+    rig.sim.inject_fault("pressure-loss").unwrap();
+    // Down to 2.2: 0.6·ln(3/2.2) = 0.186 s.
+    run(&mut rig, 185);
+    assert!(rig.input(Input::HydraulicPressure));
+    run(&mut rig, 3);
+    assert!(!rig.input(Input::HydraulicPressure));
+}
+
+#[test]
+fn p3_the_tailstock_takes_a_second_and_needs_pressure() {
+    let ends = |rig: &Rig| (rig.input(Input::TailstockAdvanced), rig.input(Input::TailstockRetracted));
+    let mut rig = cold();
+    rig.switch(Output::Tailstock, true);
+    run(&mut rig, 3_000);
+    assert_eq!(ends(&rig), (false, true), "no pressure, no movement");
+    // With pressure, retracted; it has moved for one tick.
+    let mut rig = ready_with(1002, |_, part| part.tailstock_advanced = false);
+    run(&mut rig, 997);
+    assert_eq!(ends(&rig), (false, false));
+    run(&mut rig, 10);
+    assert_eq!(ends(&rig), (true, false));
+}
+
+#[test]
+fn p3_the_oscillation_cylinder_runs_at_two_tenths_of_a_metre_a_second() {
+    let mut rig = cold();
+    rig.switch(Output::OscillationForward, true);
+    run(&mut rig, 490);
+    assert!(!rig.input(Input::OscillationForwardEnd));
+    run(&mut rig, 20);
+    assert!(rig.input(Input::OscillationForwardEnd) && !rig.input(Input::OscillationBackwardEnd));
+}
+
+#[test]
+fn p2_a_voltage_sets_the_speed_and_none_is_the_mains() {
+    let mut rig = cold();
+    let wheel_rpm = |rig: &mut Rig, volts: f64| {
+        rig.out.wheel_volts = volts;
+        rig.switch(Output::Wheel, true);
+        rig.wait(60.0);
+        rig.sim.wheel().rpm
+    };
+    assert!((wheel_rpm(&mut rig, 5.0) - 630.0).abs() < 1e-9);
+    assert!((wheel_rpm(&mut rig, 0.0) - 1_000.0).abs() < 1e-9);
+    rig.out.wheel_volts = 5.0;
+    rig.switch(Output::Wheel, false);
+    rig.wait(61.0);
+    assert!(rig.sim.wheel().rpm <= 0.0);
+    rig.out.analog_2_volts = 0.5;
+    rig.switch(Output::HeadstockLow, true);
+    rig.wait(2.0);
+    assert!((rig.sim.workhead_rpm() - 30.0).abs() < 1e-9, "15 rpm is below its least");
+    rig.out.analog_2_volts = 0.0;
+    rig.switch(Output::HeadstockLow, false);
+    rig.switch(Output::HeadstockHigh, true);
+    rig.wait(2.0);
+    assert!((rig.sim.workhead_rpm() - 200.0).abs() < 1e-9);
+}
+
+#[test]
+fn p2_the_second_spindle_turns_both_ways_and_neither_at_once() {
+    let mut rig = cold();
+    rig.switch(Output::SecondSpindle, true);
+    run(&mut rig, 1_000);
+    assert!((rig.sim.second_spindle_rpm() - 1_500.0).abs() < 1e-6);
+    // Down to rest and up the other way: 2 s. The change of the outputs takes a tick.
+    rig.out.terminals.set(rig.params.output_port(Output::SecondSpindle), false);
+    rig.switch(Output::SecondSpindleCcw, true);
+    run(&mut rig, 1_990);
+    assert!(rig.sim.second_spindle_rpm() < 0.0 && rig.sim.second_spindle_rpm() > -1_500.0);
+    run(&mut rig, 11);
+    assert!((rig.sim.second_spindle_rpm() + 1_500.0).abs() < 1e-6);
+    rig.switch(Output::SecondSpindle, true);
+    run(&mut rig, 1_001);
+    assert!(rig.sim.second_spindle_rpm().abs() <= 1e-9);
+}
+
+#[test]
+fn p8_every_name_listed_can_be_said() {
+    for row in FAULTS {
+        let text = row.usage().replace("NAME", "home-x").replace(" N", " 3");
+        assert!(SimulatedMachine::check_fault(&text).is_ok(), "{text}");
+    }
+    let mut rig = cold();
+    rig.sim.inject_fault("Drive-X").unwrap();
+    rig.step();
+    assert!(rig.input(Input::DriveX) && !rig.input(Input::DriveZ));
+}
+
+#[test]
+fn p8_a_wrong_fault_says_what_is_wrong() {
+    let said = |text| SimulatedMachine::check_fault(text).unwrap_err().to_string();
+    assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` tells them all");
+    assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
+    assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
+    assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");
+    assert_eq!(cold().sim.clear_fault("bus-late"), Ok(()), "the number is not needed to end a fault");
 }

@@ -1,7 +1,8 @@
 //! Machine files: the figures of the built-in ones, and those refused.
 
 use kt830::defs::kind::Kind;
-use kt830::io::sim::{MachineFile, SimFileError};
+use kt830::defs::param::{self, Params};
+use kt830::io::sim::{MachineFile, SimFileError, SimulatedMachine};
 
 #[test]
 fn p1_the_built_in_machine_has_the_figures_of_the_specification() {
@@ -41,6 +42,23 @@ fn p3_p7_every_kind_has_the_figures_of_the_specification() {
             assert_eq!((magnet.magnetise_s, magnet.demagnetise_s), (1.0, 6.0));
         }
     }
+}
+
+#[test]
+fn p1_every_kind_has_its_own_axes_and_gear() {
+    let [gc, gs, ga] = [Kind::Gc, Kind::Gs, Kind::Ga].map(|kind| MachineFile::builtin(kind).unwrap());
+    let there = |file: &MachineFile, fitted: bool| {
+        let mut params = Params::factory(file.kind);
+        params.write(param::Y_FITTED.address(), f64::from(u8::from(fitted))).unwrap();
+        SimulatedMachine::new(file.clone(), None, &params, 1).axes().0
+    };
+    assert_eq!((there(&gc, false), there(&gc, true)), ([true, false, true], [true; 3]));
+    assert_eq!((there(&gs, false), there(&gs, true)), ([true; 3], [true; 3]));
+    assert_eq!((there(&ga, false), there(&ga, true)), ([true, false, true], [true; 3]));
+    assert!(gc.workhead.is_some() && gc.table.is_none() && gc.magnet.is_none() && gc.hydraulics.tailstock.is_some());
+    assert!(gs.workhead.is_none() && gs.table.is_none() && gs.magnet.is_some() && gs.hydraulics.tailstock.is_none());
+    assert!(ga.workhead.is_none() && ga.table.is_some() && ga.magnet.is_some() && ga.hydraulics.tailstock.is_none());
+    assert!(gs.dresser.unwrap().roll.is_some());
 }
 
 #[test]

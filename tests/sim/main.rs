@@ -5,9 +5,11 @@
 #[path = "../common/stories.rs"]
 mod stories;
 
+mod axis;
 mod bench;
 mod grinding;
 mod injector;
+mod interference;
 mod kinds;
 mod machine;
 mod machine_file;
@@ -15,3 +17,4 @@ mod part_file;
 mod story;
 mod table;
 mod trace;
+mod wiring;

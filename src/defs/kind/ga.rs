@@ -4,7 +4,7 @@
 use super::panel::{DRESSING, FLUIDS, GAUGES, MAGNET, MachineUnits, SECOND_SPINDLE, TABLE, TRIAL, WHEEL, WHEEL_ALONE};
 use super::ui::{GRINDER, GrindingForm, JOG_X, JOG_Y, JOG_Z, KindUi, PLANE_GAUGES, WheelPose};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{Gauges, Hydraulics, MagneticChuck, RotaryTable, Wheel};
 use crate::defs::param::table;
 use crate::defs::text::Text;
 use crate::units::{Axis, PerAxis};
@@ -19,13 +19,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, false, true]),
     home_order: &[Axis::Z, Axis::X, Axis::Y],
     wheel_axis: Axis::Z,
-    equipment: &[
-        Equipment::Wheel,
-        Equipment::RotaryTable,
-        Equipment::MagneticChuck,
-        Equipment::Hydraulics,
-        Equipment::Gauges,
-    ],
+    equipment: &[Wheel, RotaryTable, MagneticChuck, Hydraulics, Gauges],
     page_files: &[],
     factory: KindFactory {
         numbers: &[

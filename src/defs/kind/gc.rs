@@ -4,7 +4,7 @@
 use super::panel::{DRESSING, FLUIDS, GAUGES, MachineUnit, MachineUnits, SECOND_SPINDLE, TRIAL, WHEEL, WHEEL_ALONE};
 use super::ui::{GRINDER, GrindingForm, JOG_Y, KindUi, WheelPose};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{Gauges, Headstock, Hydraulics, Tailstock, Wheel};
 use crate::defs::key::Key;
 use crate::defs::text::Text;
 use crate::units::{Axis, PerAxis};
@@ -24,13 +24,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, false, true]),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     wheel_axis: Axis::X,
-    equipment: &[
-        Equipment::Wheel,
-        Equipment::Headstock,
-        Equipment::Tailstock,
-        Equipment::Hydraulics,
-        Equipment::Gauges,
-    ],
+    equipment: &[Wheel, Headstock, Tailstock, Hydraulics, Gauges],
     page_files: &[],
     factory: KindFactory::TABLE,
     machine_file: include_str!("../../../assets/machines/gc.ron"),

@@ -6,7 +6,7 @@ use super::panel::{
 };
 use super::ui::{GRINDER, GrindingForm, JOG_X, JOG_Y, JOG_Z, KindUi, PLANE_GAUGES, WheelPose};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{DresserRoll, Gauges, Hydraulics, MagneticChuck, Wheel};
 use crate::defs::key::Key;
 use crate::defs::param::table;
 use crate::defs::text::Text;
@@ -24,13 +24,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, true, true]),
     home_order: &[Axis::Y, Axis::Z, Axis::X],
     wheel_axis: Axis::Y,
-    equipment: &[
-        Equipment::Wheel,
-        Equipment::DresserRoll,
-        Equipment::MagneticChuck,
-        Equipment::Hydraulics,
-        Equipment::Gauges,
-    ],
+    equipment: &[Wheel, DresserRoll, MagneticChuck, Hydraulics, Gauges],
     page_files: &[],
     factory: KindFactory {
         numbers: &[

@@ -5,7 +5,7 @@
 use super::panel::{MachineUnit, MachineUnits, TRIAL};
 use super::ui::{JOG_Y, KindUi, same};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{MainSpindle, ToolTurret};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::table;
@@ -34,7 +34,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, false, true]),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     wheel_axis: Axis::X,
-    equipment: &[Equipment::MainSpindle, Equipment::ToolTurret],
+    equipment: &[MainSpindle, ToolTurret],
     page_files: &[],
     factory: KindFactory {
         numbers: &[
@@ -60,17 +60,7 @@ pub(super) static ROW: KindRow = KindRow {
             Text::new("模拟量 2", "analog 2"),
         ],
         part_tab: Text::new("工件与刀具", "PART, TOOL"),
-        mdi_codes: &[
-            same("G00"),
-            same("G01"),
-            same("G22"),
-            same("G23"),
-            same("G33"),
-            same("G92"),
-            same("M03"),
-            same("M05"),
-            same("T10"),
-        ],
+        mdi_codes: same!["G00" "G01" "G22" "G23" "G33" "G92" "M03" "M05" "T10"],
         has_macros: false,
         page_titles: &[(Page::Mdi, Text::new("立即执行", "MDI"))],
         key_labels: &[],

@@ -138,17 +138,7 @@ pub enum Dialect {
 
 impl Kind {
     /// The KT-830 kinds, with the customer's codes, keys and pages (K1).
-    pub const KT830: [Self; KT830_COUNT] = {
-        let (mut found, mut next, mut index) = ([Self::ALL[0]; KT830_COUNT], 0, 0);
-        while index < Self::ALL.len() {
-            if Self::ALL[index].dialect().is_kt830() {
-                found[next] = Self::ALL[index];
-                next += 1;
-            }
-            index += 1;
-        }
-        found
-    };
+    pub const KT830: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
 
     /// The word used on the command line and in stories.
     #[must_use]
@@ -192,16 +182,6 @@ impl Kind {
         Self::ALL.into_iter().find(|kind| kind.id().eq_ignore_ascii_case(id))
     }
 }
-
-/// Number of KT-830 kinds.
-const KT830_COUNT: usize = {
-    let (mut count, mut index) = (0, 0);
-    while index < Kind::ALL.len() {
-        count += Kind::ALL[index].dialect().is_kt830() as usize;
-        index += 1;
-    }
-    count
-};
 
 impl KindRow {
     /// Whether it has a device.
@@ -316,5 +296,6 @@ mod tests {
             assert_eq!(row.programs.folder.is_empty(), row.programs.shipped.is_empty(), "{kind:?}");
         }
         assert!(Kind::default().row().demo_story.is_some());
+        assert!(Kind::ALL.into_iter().filter(|kind| kind.dialect().is_kt830()).eq(Kind::KT830));
     }
 }

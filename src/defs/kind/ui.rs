@@ -76,10 +76,11 @@ pub struct WheelPose {
     pub position_is_centre: bool,
 }
 
-/// A text that is the same in both languages.
-pub(super) const fn same(word: &'static str) -> Text {
-    Text::new(word, word)
+/// Words that are the same in both languages.
+macro_rules! same {
+    ($($word:literal)*) => { &[$(Text::new($word, $word)),*] };
 }
+pub(super) use same;
 
 /// The jog keys of each axis in the order of [`KindUi::jog_cross`].
 pub(super) const JOG_X: [Key; 2] = [Key::XMinus, Key::XPlus];
@@ -95,17 +96,7 @@ pub(super) const GRINDER: KindUi = KindUi {
         Text::new("模拟量 2 工件转速", "analog 2 work speed"),
     ],
     part_tab: Text::new("工件与砂轮", "PART, WHEEL"),
-    mdi_codes: &[
-        same("G00"),
-        same("G01"),
-        same("G04"),
-        same("G50"),
-        same("G54"),
-        same("M03"),
-        same("M05"),
-        same("M08"),
-        same("M09"),
-    ],
+    mdi_codes: same!["G00" "G01" "G04" "G50" "G54" "M03" "M05" "M08" "M09"],
     has_macros: true,
     page_titles: &[],
     key_labels: &[],

@@ -5,9 +5,10 @@
 use super::panel::{DRESSING, FLUIDS, GAUGES, MachineUnits, SECOND_SPINDLE, TABLE, TRIAL, WHEEL, WHEEL_ALONE};
 use super::ui::{GRINDER, GrindingForm, JOG_X, JOG_Y, JOG_Z, KindUi, WheelPose};
 use super::{Dialect, KindFactory, KindPrograms, KindRow};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::Equipment::{Gauges, Hydraulics, RotaryTable, Wheel};
 use crate::defs::page::Page;
 use crate::defs::param::table;
+use crate::defs::r_parameter_name;
 use crate::defs::text::Text;
 use crate::units::{Axis, PerAxis};
 
@@ -16,49 +17,6 @@ macro_rules! shipped {
         &[$(($name, include_bytes!(concat!("../../../programs/802d/", $name)))),*]
     };
 }
-
-/// R parameters of the grinding program: table of seed 002, a ring of 200.5 mm ground to 200 mm (S4, S5).
-/// R11 and R12 follow from the machine data: the wheel touches the diamond at X machine −50, Z machine −300; G54 is
-/// X −450, Z −500.
-const R: &[(u16, f64)] = &[
-    (1, 220.0),    // least wheel diameter
-    (2, 300.0),    // greatest
-    (3, 300.0),    // wheel diameter
-    (4, 40.0),     // wheel width
-    (5, 0.0),      // least speed, rpm; 0 none
-    (6, 2_200.0),  // greatest speed, rpm
-    (7, 30.0),     // rim speed, m/s
-    (9, 0.0),      // radius of the wheel's edge
-    (10, 0.5),     // radius of the diamond
-    (11, 1_100.0), // 2 · (450 − 50) + 300
-    (12, 200.0),   // 500 − 300
-    (13, 40.0),    // height of the blocks under the part
-    (14, 0.0),     // angle of the grinding carriage
-    (15, 0.2),     // dwell at the ends, s
-    (16, 35.0),    // rim speed that the wheel is made for, m/s (P79)
-    (18, 200.0),
-    (19, 35.0),
-    (20, 200.5),
-    (21, 105.0),
-    (22, 0.005),
-    (23, 1_200.0),
-    (24, 4.0),
-    (25, 0.05),
-    (28, 0.02),
-    (29, 800.0),
-    (30, 25.0),
-    (32, 3.0),
-    (33, 1_200.0),
-    (36, 0.03),
-    (37, 0.02),
-    (38, 600.0),
-    (39, 0.1),
-    (42, 0.1),
-    (43, 0.1),
-    (44, 1_500.0),
-    (46, 700.0),
-    (47, 250.0),
-];
 
 pub(super) static ROW: KindRow = KindRow {
     id: "vertical",
@@ -77,7 +35,7 @@ pub(super) static ROW: KindRow = KindRow {
     axes: PerAxis([true, false, true]),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     wheel_axis: Axis::X,
-    equipment: &[Equipment::Wheel, Equipment::RotaryTable, Equipment::Hydraulics, Equipment::Gauges],
+    equipment: &[Wheel, RotaryTable, Hydraulics, Gauges],
     page_files: &[801, 802, 803],
     factory: KindFactory {
         numbers: &[
@@ -91,7 +49,7 @@ pub(super) static ROW: KindRow = KindRow {
             (table::HEADSTOCK_RPM_HIGH, 60.0),
             (table::HEADSTOCK_RPM_LOW, 60.0),
         ],
-        r_parameters: R,
+        r_parameters: r_parameter_name::R_FACTORY,
         ..KindFactory::TABLE
     },
     machine_file: include_str!("../../../assets/machines/vertical.ron"),

@@ -191,7 +191,12 @@ fn find_number(number: u16, kind: Kind) -> Option<(f64, f64, bool)> {
         let (min, max) = row.range_on(kind);
         return Some((min, max, row.unit.is_empty()));
     }
-    let port = Input::ALL.iter().any(|input| input.port_param() == number)
-        || Output::ALL.iter().any(|output| output.port_param() == number);
-    port.then_some((0.0, f64::from(PORTS), true))
+    is_port(number).then_some((0.0, f64::from(PORTS), true))
+}
+
+/// Whether a parameter assigns a port.
+#[must_use]
+pub fn is_port(number: u16) -> bool {
+    Input::ALL.iter().any(|input| input.port_param() == number)
+        || Output::ALL.iter().any(|output| output.port_param() == number)
 }

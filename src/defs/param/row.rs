@@ -6,9 +6,10 @@ use crate::defs::equipment::Equipment;
 use crate::defs::text::Text;
 
 /// Who may change a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum AccessLevel {
     /// Anyone at the panel.
+    #[default]
     Operator,
     /// The user's password.
     User,

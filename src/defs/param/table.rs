@@ -199,10 +199,8 @@ pub(super) const fn factory_input_port(input: Input) -> u8 {
         229 => 2,
         269 => 3,
         279..=288 => (number - 279) as u8 + 13,
-        320..=331 => match number {
-            320..=328 => (number - 320) as u8 + 4,
-            _ => (number - 329) as u8 + 23,
-        },
+        320..=328 => (number - 320) as u8 + 4,
+        329..=331 => (number - 329) as u8 + 23,
         341..=349 => (number - 341) as u8 + 31,
         365..=368 => (number - 365) as u8 + 26,
         _ => 0,

@@ -179,18 +179,6 @@ impl From<f64> for Arg {
     }
 }
 
-impl From<&str> for Arg {
-    fn from(name: &str) -> Self {
-        format_args!("{name}").into()
-    }
-}
-
-impl From<String> for Arg {
-    fn from(name: String) -> Self {
-        name.as_str().into()
-    }
-}
-
 impl From<fmt::Arguments<'_>> for Arg {
     fn from(name: fmt::Arguments<'_>) -> Self {
         let mut short = ShortName::default();
@@ -218,17 +206,24 @@ impl Write for ShortName {
     }
 }
 
-impl From<Cow<'_, str>> for Arg {
-    fn from(name: Cow<'_, str>) -> Self {
-        name.as_ref().into()
-    }
-}
-
 impl From<usize> for Arg {
     fn from(value: usize) -> Self {
         Self::Integer(value as i64)
     }
 }
+
+/// Types that are names.
+macro_rules! names {
+    ($($from:ty),+) => {
+        $(impl From<$from> for Arg {
+            fn from(name: $from) -> Self {
+                format_args!("{name}").into()
+            }
+        })+
+    };
+}
+
+names!(&str, String, Cow<'_, str>);
 
 /// Types that an argument holds as they are.
 macro_rules! arguments {
@@ -255,34 +250,3 @@ arguments! {
 
 // A phrase keeps several of them in place.
 const _: () = assert!(size_of::<Arg>() <= 16);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_number_is_written_as_format_writes_it() {
-        let write = |arg: Arg, form: &str| {
-            let mut out = String::new();
-            arg.write(&mut out, Lang::En, NumberForm::parse(form)).unwrap();
-            out
-        };
-        assert_eq!(write(0.5.into(), ""), format!("{}", 0.5));
-        assert_eq!(write((-0.0).into(), ".3"), format!("{:.3}", -0.0));
-        assert_eq!(write(2.5.into(), ".0"), format!("{:.0}", 2.5));
-        assert_eq!(write(0.1.into(), "+.3"), format!("{:+.3}", 0.1));
-        assert_eq!(write(1e21.into(), ""), format!("{}", 1e21));
-        assert_eq!(write(7_u8.into(), "04"), format!("{:04}", 7));
-        assert_eq!(write(12_345_u32.into(), "04"), format!("{:04}", 12_345));
-    }
-
-    #[test]
-    fn a_name_of_any_length_stays_itself() {
-        for name in ["", "O1001", "一键回退", "VGRIND_ROUGHING", "fourteen_bytes"] {
-            assert_eq!(Arg::from(name).as_name(), name);
-            assert_eq!(Arg::from(format_args!("{name}{}", 1)).as_name(), format!("{name}1"));
-            assert_eq!(matches!(Arg::from(name), Arg::ShortName(..)), name.len() <= SHORT_NAME);
-        }
-        assert!(Arg::from("").is_empty() && !Arg::from("N").is_empty());
-    }
-}

@@ -114,34 +114,3 @@ impl StorageWorker {
         Ok(Arrival::Command(Command::ScreensLoaded(Arc::new(screens))))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::defs::kind::Dialect;
-    use crate::host::folders::Folders;
-
-    #[test]
-    fn a_folder_that_cannot_be_read_after_a_job_is_told() {
-        let missing = || "no/such/folder".into();
-        let folders = Folders { programs: missing(), screens: missing(), by_name: false, dialect: Dialect::LatheA };
-        let mut told = Vec::new();
-        let changed = ChangedFolders { programs: true, screens: true };
-        StorageWorker::new(JobRunner::new(folders)).read(changed, &mut |arrival| told.push(arrival));
-        assert_eq!(told.len(), 2);
-        assert!(told.iter().all(|arrival| matches!(arrival, Arrival::Command(Command::DiskFailed(_)))));
-    }
-
-    #[test]
-    fn without_a_store_passwords_are_checked_and_nothing_is_acknowledged() {
-        use crate::link::page_command::{PasswordScope, Secret};
-        let ask = SettingsRequest::CheckPassword(PasswordScope::User, Secret::new("123456".into()));
-        let requests = [StorageRequest::PartCount(3), StorageRequest::Page(ask)];
-        let mut told = Vec::new();
-        RetainedWorker::new(None).handle(&requests, &mut |arrival| told.push(arrival));
-        let [Arrival::Command(Command::Page(PageCommand::StorageAnswered(answer)))] = told.as_slice() else {
-            panic!("{} answers", told.len());
-        };
-        assert!(matches!(answer, StorageAnswer::PasswordChecked(PasswordScope::User, true)), "{answer:?}");
-    }
-}

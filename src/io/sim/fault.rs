@@ -2,6 +2,7 @@
 
 use super::SimulatedMachine;
 use crate::defs::signal::{Input, PORTS};
+use crate::defs::sim_fault::{FAULTS, FaultArgument};
 use crate::units::{Axis, PerAxis};
 
 /// Longest bus fault, ticks.
@@ -53,31 +54,32 @@ impl SimFault {
             _ if rest.is_empty() && ticks_optional => Ok(1),
             _ => Err(FaultError::Ticks(rest.to_owned())),
         };
-        let alone = |name: &'static str, fault: Self| {
-            if rest.is_empty() { Ok(fault) } else { Err(FaultError::UnexpectedArgument(name, rest.to_owned())) }
-        };
-        match word {
-            "stuck-on" => input().map(Self::StuckOn),
-            "stuck-off" => input().map(Self::StuckOff),
-            "bounce" => input().map(Self::Bounce),
-            "bus-late" => ticks().map(Self::BusLate),
-            "bus-silent" => ticks().map(Self::BusSilent),
-            "pressure-loss" => alone("pressure-loss", Self::PressureLoss),
-            "gauge-dead" => alone("gauge-dead", Self::GaugeDead),
-            "coolant-missing" => alone("coolant-missing", Self::CoolantMissing),
-            "lubrication-missing" => alone("lubrication-missing", Self::LubricationMissing),
-            "supply-loss" => alone("supply-loss", Self::SupplyLoss),
-            "drive-x" => alone("drive-x", Self::Drive(Axis::X)),
-            "drive-y" => alone("drive-y", Self::Drive(Axis::Y)),
-            "drive-z" => alone("drive-z", Self::Drive(Axis::Z)),
-            "following-x" => alone("following-x", Self::Following(Axis::X)),
-            "following-y" => alone("following-y", Self::Following(Axis::Y)),
-            "following-z" => alone("following-z", Self::Following(Axis::Z)),
-            "worn-screw-x" => alone("worn-screw-x", Self::WornScrew(Axis::X)),
-            "worn-screw-y" => alone("worn-screw-y", Self::WornScrew(Axis::Y)),
-            "worn-screw-z" => alone("worn-screw-z", Self::WornScrew(Axis::Z)),
-            _ => Err(FaultError::Unknown(word.to_owned())),
+        let row = FAULTS.iter().find(|row| row.name == word).ok_or_else(|| FaultError::Unknown(word.to_owned()))?;
+        if row.argument == FaultArgument::None && !rest.is_empty() {
+            return Err(FaultError::UnexpectedArgument(row.name, rest.to_owned()));
         }
+        Ok(match word {
+            "stuck-on" => Self::StuckOn(input()?),
+            "stuck-off" => Self::StuckOff(input()?),
+            "bounce" => Self::Bounce(input()?),
+            "bus-late" => Self::BusLate(ticks()?),
+            "bus-silent" => Self::BusSilent(ticks()?),
+            "pressure-loss" => Self::PressureLoss,
+            "gauge-dead" => Self::GaugeDead,
+            "coolant-missing" => Self::CoolantMissing,
+            "lubrication-missing" => Self::LubricationMissing,
+            "supply-loss" => Self::SupplyLoss,
+            "drive-x" => Self::Drive(Axis::X),
+            "drive-y" => Self::Drive(Axis::Y),
+            "drive-z" => Self::Drive(Axis::Z),
+            "following-x" => Self::Following(Axis::X),
+            "following-y" => Self::Following(Axis::Y),
+            "following-z" => Self::Following(Axis::Z),
+            "worn-screw-x" => Self::WornScrew(Axis::X),
+            "worn-screw-y" => Self::WornScrew(Axis::Y),
+            "worn-screw-z" => Self::WornScrew(Axis::Z),
+            _ => return Err(FaultError::Unknown(word.to_owned())),
+        })
     }
 }
 
@@ -100,26 +102,6 @@ pub(super) struct ActiveFaults {
     pub was_late: bool,
     /// Remaining ticks in which the bus is silent.
     pub silent_ticks: u32,
-}
-
-/// The target of a story's `input` statement: an input id or a port.
-pub(super) enum InputName {
-    Input(Input),
-    Port(u8),
-}
-
-impl InputName {
-    /// Parses `hydraulic-pressure` or `12`.
-    pub(super) fn parse(text: &str) -> Result<Self, FaultError> {
-        let text = text.trim();
-        if let Some(input) = Input::from_id(&text.to_ascii_lowercase()) {
-            return Ok(Self::Input(input));
-        }
-        match text.parse::<u8>() {
-            Ok(port) if (1..=PORTS).contains(&port) => Ok(Self::Port(port)),
-            Ok(_) | Err(_) => Err(FaultError::Input(text.to_owned())),
-        }
-    }
 }
 
 impl SimulatedMachine {
@@ -154,9 +136,12 @@ impl SimulatedMachine {
     /// # Errors
     /// The text is neither an input id nor a port.
     pub fn force_input(&mut self, name_or_port: &str, on: Option<bool>) -> Result<(), FaultError> {
-        match InputName::parse(name_or_port)? {
-            InputName::Input(input) => self.wiring.force(input, on),
-            InputName::Port(port) => self.wiring.force_port(port, on),
+        let word = name_or_port.trim();
+        let port = word.parse().ok().filter(|port| (1..=PORTS).contains(port));
+        match (Input::from_id(&word.to_ascii_lowercase()), port) {
+            (Some(input), _) => self.wiring.force(input, on),
+            (None, Some(port)) => self.wiring.force_port(port, on),
+            (None, None) => return Err(FaultError::Input(word.to_owned())),
         }
         Ok(())
     }
@@ -169,7 +154,7 @@ impl SimulatedMachine {
             SimFault::PressureLoss => self.active_faults.pressure_loss = present,
             SimFault::Drive(axis) => self.active_faults.drive[axis] = present,
             SimFault::Following(axis) => self.active_faults.following[axis] = present,
-            SimFault::WornScrew(axis) => self.axes[axis].iter_mut().for_each(|axis| axis.set_screw_worn(present)),
+            SimFault::WornScrew(axis) => self.axes[axis].iter_mut().for_each(|axis| axis.screw_worn = present),
             SimFault::GaugeDead => self.active_faults.gauge_dead = present,
             SimFault::CoolantMissing => self.active_faults.coolant_missing = present,
             SimFault::LubricationMissing => self.active_faults.lubrication_missing = present,
@@ -177,30 +162,5 @@ impl SimulatedMachine {
             SimFault::BusLate(ticks) => self.active_faults.late_ticks = if present { ticks } else { 0 },
             SimFault::BusSilent(ticks) => self.active_faults.silent_ticks = if present { ticks } else { 0 },
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::defs::sim_fault::FAULTS;
-
-    #[test]
-    fn p8_every_name_listed_can_be_said() {
-        for row in FAULTS {
-            let text = row.usage().replace("NAME", "home-x").replace(" N", " 3");
-            assert!(SimFault::parse(&text, false).is_ok(), "{text}");
-        }
-        assert_eq!(SimFault::parse("Drive-X", false), Ok(SimFault::Drive(Axis::X)));
-    }
-
-    #[test]
-    fn p8_a_wrong_fault_says_what_is_wrong() {
-        let said = |text| SimFault::parse(text, false).unwrap_err().to_string();
-        assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` tells them all");
-        assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
-        assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
-        assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");
-        assert_eq!(SimFault::parse("bus-late", true), Ok(SimFault::BusLate(1)));
     }
 }

@@ -26,10 +26,15 @@ pub enum SimFileError {
     },
 }
 
+/// Refuses a value of a field.
+pub(super) fn refuse_value(field: impl Into<String>, value: f64, rule: &'static str) -> Result<(), SimFileError> {
+    Err(SimFileError::Value { field: field.into(), value, rule })
+}
+
 /// Refuses a value that is not positive and finite.
 pub(super) fn require_positive(field: &str, value: f64) -> Result<(), SimFileError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(SimFileError::Value { field: field.to_owned(), value, rule: "must be above zero" })
+    refuse_value(field, value, "must be above zero")
 }

@@ -9,9 +9,9 @@
 
 use super::contact_law::{TraverseLengths, WheelMotion};
 use super::machine_file::MachineFile;
-use super::machine_sections::{CuttingFile, DresserFile, LayoutFile, PlateFile, ProbeFile};
+use super::machine_sections::{CuttingFile, LayoutFile};
 use super::obstacle::Obstacle;
-use super::part_file::{GaugeSetupFile, PartFile, SlidePosition};
+use super::part_file::{GaugeSetupFile, PartFile};
 use super::report::{EventKind, EventLog, PartReport, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
@@ -46,8 +46,10 @@ pub(super) struct MachineState {
 /// Part, obstacles, dresser and the tip of the axial (plane) gauge.
 #[derive(Clone, Debug)]
 pub(super) struct Grinding {
-    machine: MachineConstants,
-    work_zero: SlidePosition,
+    machine: MachineFile,
+    traverse: TraverseLengths,
+    /// Work zero with the reference point of a new wheel, machine coordinates, mm.
+    work_zero_mm: PerAxis<f64>,
     surfaces: Vec<Surface>,
     obstacles: Vec<Obstacle>,
     gauge: Option<GaugeSetupFile>,
@@ -60,39 +62,13 @@ pub(super) struct Grinding {
     recent_cut_mm: f64,
     probe_broken: bool,
     /// Random depth of the diamond, stroke by stroke.
-    diamond: Option<DiamondScatter>,
+    pub(super) diamond: Option<DiamondScatter>,
     /// The part was not held and was thrown out.
     part_lost: bool,
     /// Position of the stroke axis one tick ago, mm.
     previous_stroke_mm: f64,
-    load_percent: f64,
-}
-
-/// Values from the machine file.
-#[derive(Clone, Debug)]
-struct MachineConstants {
-    layout: LayoutFile,
-    cutting: CuttingFile,
-    dresser: Option<DresserFile>,
-    plate: Option<PlateFile>,
-    probe: ProbeFile,
-    traverse: TraverseLengths,
-    idle_percent: f64,
-    power_w: f64,
-    wheel_radius_mm: f64,
-}
-
-impl MachineConstants {
-    /// Position of the slides with the reference point of a new wheel at the work zero.
-    const fn wheel_reference_at(&self, mut work: SlidePosition) -> SlidePosition {
-        let radius_mm = if self.layout.centre { self.wheel_radius_mm } else { 0.0 };
-        match self.layout.infeed {
-            Axis::X => work.x += radius_mm,
-            Axis::Y => work.y += radius_mm,
-            Axis::Z => work.z += radius_mm,
-        }
-        work
-    }
+    /// Load of the wheel motor, percent.
+    pub(super) load_percent: f64,
 }
 
 impl Grinding {
@@ -104,20 +80,10 @@ impl Grinding {
             plane_mm: file.cutting.traverse_plane_mm,
             contact_mm: file.cutting.contact_mm,
         };
-        let machine = MachineConstants {
-            layout: file.layout,
-            cutting: file.cutting.clone(),
-            dresser: file.dresser.clone(),
-            plate: file.magnet.as_ref().map(|magnet| magnet.plate.clone()),
-            probe: file.gauges.probe.clone(),
-            traverse,
-            idle_percent: file.wheel.idle_load_percent,
-            power_w: file.wheel.power_w,
-            wheel_radius_mm: file.wheel.diameter_mm / 2.0,
-        };
         Self {
-            machine,
-            work_zero: SlidePosition::default(),
+            machine: file.clone(),
+            traverse,
+            work_zero_mm: PerAxis::default(),
             surfaces: Vec::new(),
             obstacles: Vec::new(),
             gauge: None,
@@ -133,11 +99,6 @@ impl Grinding {
         }
     }
 
-    /// Sets the random depth of the diamond.
-    pub(super) fn set_scatter(&mut self, diamond: DiamondScatter) {
-        self.diamond = Some(diamond);
-    }
-
     /// Loads a new part from its file, or removes the part.
     pub(super) fn set_part(&mut self, part: Option<&PartFile>, chance: &mut SplitMix64) {
         self.surfaces.clear();
@@ -145,7 +106,11 @@ impl Grinding {
         self.gauge = None;
         self.part_lost = false;
         if let Some(part) = part {
-            self.work_zero = self.machine.wheel_reference_at(part.g54_mm);
+            // Position of the slides with the reference point of a new wheel at the work zero.
+            self.work_zero_mm = part.g54_mm.displacement();
+            if self.machine.layout.centre {
+                self.work_zero_mm[self.machine.layout.infeed] += self.machine.wheel.diameter_mm / 2.0;
+            }
             self.swivel_tan = part.head_deg.to_radians().tan();
             self.gauge = part.gauge;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
@@ -153,16 +118,11 @@ impl Grinding {
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
             self.obstacles.extend(part.tailstock.as_ref().map(Obstacle::of_tailstock));
         }
-        let zero = self.machine.layout.wheel_at(self.work_zero.machine());
-        self.obstacles.extend(self.machine.plate.as_ref().map(|plate| Obstacle::of_plate(plate, &zero)));
+        let zero = self.machine.layout.wheel_at(MachinePos::new(self.work_zero_mm.0));
+        self.obstacles.extend(self.machine.magnet.iter().map(|magnet| Obstacle::of_plate(&magnet.plate, &zero)));
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
-        let obstacles = self.obstacles.iter().map(Obstacle::top_mm);
+        let obstacles = self.obstacles.iter().map(|obstacle| obstacle.top_mm);
         self.highest_mm = surfaces.chain(obstacles).fold(f64::NEG_INFINITY, f64::max);
-    }
-
-    /// Load of the wheel motor, percent.
-    pub(super) const fn load_percent(&self) -> f64 {
-        self.load_percent
     }
 
     /// The surfaces to be measured; empty once the part is lost.
@@ -185,9 +145,14 @@ impl Grinding {
         Some((found - gauge.set) * 1_000.0)
     }
 
+    /// Position of the slides, part coordinates.
+    fn work_pos(&self, scene: &MachineState) -> WorkPos {
+        WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm[axis])
+    }
+
     /// An event at the current time and position.
     pub(super) fn event(&self, kind: EventKind, place: &'static str, scene: &MachineState) -> SimEvent {
-        let at = WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis));
+        let at = self.work_pos(scene);
         let layout = self.machine.layout;
         let whole = scene.speed_mm_s.0.iter().map(|v| v * v).sum::<f64>().sqrt();
         SimEvent {
@@ -202,18 +167,10 @@ impl Grinding {
         }
     }
 
-    const fn work_zero_mm(&self, axis: Axis) -> f64 {
-        match axis {
-            Axis::X => self.work_zero.x,
-            Axis::Y => self.work_zero.y,
-            Axis::Z => self.work_zero.z,
-        }
-    }
-
     /// Position and motion of the wheel, part coordinates.
     fn wheel_motion(&mut self, scene: &MachineState) -> WheelMotion {
         let layout = self.machine.layout;
-        let mut pass = layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis)));
+        let mut pass = layout.wheel_at(self.work_pos(scene));
         let far = (pass.stroke_mm - self.previous_stroke_mm).abs() > SWEEP_LIMIT_MM;
         pass.previous_stroke_mm = if far { pass.stroke_mm } else { self.previous_stroke_mm };
         self.previous_stroke_mm = pass.stroke_mm;
@@ -222,18 +179,18 @@ impl Grinding {
         pass.stroke_mm_s = layout.stroke.map_or(0.0, |axis| scene.speed_mm_s[axis].abs());
         pass.dt_s = scene.dt_s;
         pass.swivel_tan = self.swivel_tan;
-        pass.traverse = self.machine.traverse;
+        pass.traverse = self.traverse;
         pass
     }
 
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
-        self.load_percent = if scene.wheel.rpm() > 0.0 { self.machine.idle_percent } else { 0.0 };
+        self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.wheel.idle_load_percent } else { 0.0 };
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
         crashed |= self.check_probe(scene, log);
-        if pass.front_mm - self.swivel_tan.abs() * wheel.width_mm() >= self.highest_mm {
+        if pass.front_mm - self.swivel_tan.abs() * wheel.width_mm >= self.highest_mm {
             self.clear_contacts();
             return crashed;
         }
@@ -255,7 +212,7 @@ impl Grinding {
         if volume > 0.0 {
             // J/mm³ · mm³/s = W.
             let watts = self.machine.cutting.energy_j_mm3 * volume / scene.dt_s;
-            self.load_percent += 100.0 * watts / self.machine.power_w;
+            self.load_percent += 100.0 * watts / self.machine.wheel.power_w;
         }
         crashed
     }
@@ -264,7 +221,7 @@ impl Grinding {
         for surface in &mut self.surfaces {
             surface.contact = ContactFlags::default();
         }
-        self.obstacles.iter_mut().for_each(Obstacle::clear_contact);
+        self.obstacles.iter_mut().for_each(|obstacle| obstacle.touched = false);
     }
 
     /// Throws the part off a rotating table if it is not held.
@@ -282,23 +239,17 @@ impl Grinding {
         if !scene.probe_out {
             return None;
         }
-        let tip = self.probe_tip(
-            self.machine.layout.wheel_at(WorkPos::from_fn(|axis| scene.slide_mm[axis] - self.work_zero_mm(axis))),
-        );
+        let (mut tip, probe) = (self.machine.layout.wheel_at(self.work_pos(scene)), &self.machine.gauges.probe);
+        tip.front_mm += probe.infeed_mm;
+        tip.left_mm += probe.across_mm;
+        tip.stroke_mm += probe.stroke_mm;
         let inside = self.surfaces().iter().filter_map(|surface| surface.penetration_mm(&tip));
         inside.filter(|mm| *mm >= 0.0).max_by(f64::total_cmp)
     }
 
-    fn probe_tip(&self, mut at: WheelMotion) -> WheelMotion {
-        at.front_mm += self.machine.probe.infeed_mm;
-        at.left_mm += self.machine.probe.across_mm;
-        at.stroke_mm += self.machine.probe.stroke_mm;
-        at
-    }
-
     /// Breaks the plane gauge if its tip is deflected beyond its travel.
     fn check_probe(&mut self, scene: &MachineState, log: &mut EventLog) -> bool {
-        let broken = self.probe_deflection_mm(scene).is_some_and(|mm| mm > self.machine.probe.travel_mm);
+        let broken = self.probe_deflection_mm(scene).is_some_and(|mm| mm > self.machine.gauges.probe.travel_mm);
         let newly = broken && !self.probe_broken;
         self.probe_broken = broken;
         newly && log.push(self.event(EventKind::Crash, "gauge", scene))
@@ -311,10 +262,10 @@ impl Grinding {
         let (width_mm, roll_mm) =
             dresser.roll.as_ref().map_or((0.0, 0.0), |roll| (roll.width_mm, roll.diameter_mm / 2.0));
         // Two circles: offset along the stroke, the wheel reaches less deep.
-        let (both, off) = (wheel.radius_mm() + roll_mm, at.stroke_mm - dresser.stroke_mm);
+        let (both, off) = (wheel.radius_mm + roll_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
         let towards = if dresser.behind { -1.0 } else { 1.0 };
-        let deeper = self.diamond.as_ref().map_or(0.0, DiamondScatter::extra_depth_mm);
+        let deeper = self.diamond.as_ref().map_or(0.0, |diamond| diamond.extra_depth_mm);
         // The rim of a swivelled wheel is set back at the dresser's position along it.
         let back = self.swivel_tan * (dresser.across_mm - at.left_mm);
         let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
@@ -330,7 +281,7 @@ impl Grinding {
             return false;
         }
         self.recent_cut_mm *= 1.0 - (scene.dt_s / CUT_WINDOW_S).min(1.0);
-        let depth = slices.clone().map(|slice| reach - wheel.rim_wear_mm(slice)).fold(0.0, f64::max);
+        let depth = slices.clone().map(|slice| reach - wheel.rim_wear_mm[slice]).fold(0.0, f64::max);
         if depth <= 0.0 || self.dresser_broken {
             return false;
         }
@@ -346,7 +297,7 @@ impl Grinding {
         }
         if !standing {
             for slice in slices {
-                let depth = reach - wheel.rim_wear_mm(slice);
+                let depth = reach - wheel.rim_wear_mm[slice];
                 // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.
                 let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
                 if depth > 0.0 {

@@ -3,6 +3,7 @@
 
 use super::contact::BouncingContact;
 use super::machine_sections::HydraulicsFile;
+use crate::defs::signal::{Output, OutputSet};
 use crate::io::random::SplitMix64;
 
 /// A cylinder or arm that moves between two end positions, with a switch at each.
@@ -13,8 +14,10 @@ pub(super) struct SimCylinder {
     rate_per_s: f64,
     front_contact: BouncingContact,
     back_contact: BouncingContact,
-    /// States of the switches: front, back.
-    switches: (bool, bool),
+    /// State of the front switch.
+    pub(super) front_switch: bool,
+    /// State of the back switch.
+    pub(super) back_switch: bool,
 }
 
 /// Command to a cylinder.
@@ -26,21 +29,20 @@ pub(super) enum CylinderCommand {
 }
 
 impl SimCylinder {
+    /// At the back end; `whole_s` is the time for the whole way.
     fn new(whole_s: f64) -> Self {
-        Self {
-            position: 0.0,
-            rate_per_s: whole_s.recip(),
-            front_contact: BouncingContact::at_rest(false),
-            back_contact: BouncingContact::at_rest(true),
-            switches: (false, true),
-        }
+        Self::at_end(whole_s.recip(), false)
     }
 
-    fn set_at(&mut self, front: bool) {
-        self.position = if front { 1.0 } else { 0.0 };
-        self.front_contact = BouncingContact::at_rest(front);
-        self.back_contact = BouncingContact::at_rest(!front);
-        self.switches = (front, !front);
+    fn at_end(rate_per_s: f64, front: bool) -> Self {
+        Self {
+            position: if front { 1.0 } else { 0.0 },
+            rate_per_s,
+            front_contact: BouncingContact::at_rest(front),
+            back_contact: BouncingContact::at_rest(!front),
+            front_switch: front,
+            back_switch: !front,
+        }
     }
 
     fn step(&mut self, push: CylinderCommand, tick: StepTimes, chance: &mut SplitMix64) {
@@ -49,30 +51,13 @@ impl SimCylinder {
             CylinderCommand::Backward => self.position = (self.position - self.rate_per_s * tick.dt_s).max(0.0),
             CylinderCommand::Hold => {}
         }
-        self.switches = (
-            self.front_contact.step(self.position >= 1.0, tick.dt_s, tick.bounce_s, chance),
-            self.back_contact.step(self.position <= 0.0, tick.dt_s, tick.bounce_s, chance),
-        );
-    }
-
-    /// State of the front switch.
-    pub(super) const fn front_switch(&self) -> bool {
-        self.switches.0
-    }
-
-    /// State of the back switch.
-    pub(super) const fn back_switch(&self) -> bool {
-        self.switches.1
+        self.front_switch = self.front_contact.step(self.position >= 1.0, tick.dt_s, tick.bounce_s, chance);
+        self.back_switch = self.back_contact.step(self.position <= 0.0, tick.dt_s, tick.bounce_s, chance);
     }
 
     /// Whether it is at the front end, regardless of the switch.
     pub(super) fn is_at_front(&self) -> bool {
         self.position >= 1.0
-    }
-
-    /// Position: 0 at the back end, 1 at the front end.
-    pub(super) const fn position(&self) -> f64 {
-        self.position
     }
 }
 
@@ -83,25 +68,14 @@ pub(super) struct StepTimes {
     pub bounce_s: f64,
 }
 
-/// The outputs used here.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct HydraulicOutputs {
-    pub pump: bool,
-    pub tailstock: bool,
-    pub radial_gauge: bool,
-    pub axial_gauge: bool,
-    pub oscillation_forward: bool,
-    pub oscillation_backward: bool,
-    pub coolant: bool,
-    pub gears: [bool; 4],
-}
-
 /// Pump, pressure and cylinders.
 #[derive(Clone, Debug)]
 pub(super) struct Hydraulics {
     file: HydraulicsFile,
-    pressure_mpa: f64,
-    pressure_switch: bool,
+    /// Present pressure, MPa.
+    pub(super) pressure_mpa: f64,
+    /// State of the pressure switch.
+    pub(super) pressure_switch: bool,
     decay: (f64, f64),
     pub(super) tailstock: Option<SimCylinder>,
     pub(super) radial_arm: SimCylinder,
@@ -138,46 +112,40 @@ impl Hydraulics {
     /// Puts the tailstock at one end position.
     pub(super) fn place_tailstock(&mut self, advanced: bool) {
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.set_at(advanced);
+            *tailstock = SimCylinder::at_end(tailstock.rate_per_s, advanced);
         }
     }
 
-    /// Moves everything for one tick; `leak` is the fault of lost pressure.
-    pub(super) fn step(&mut self, valves: &HydraulicOutputs, leak: bool, tick: StepTimes, chance: &mut SplitMix64) {
+    /// Moves everything for one tick under the outputs; `leak` is the fault of lost pressure.
+    pub(super) fn step(&mut self, on: OutputSet, leak: bool, tick: StepTimes, chance: &mut SplitMix64) {
         if tick.dt_s.total_cmp(&self.decay.0).is_ne() {
             self.decay = (tick.dt_s, (-tick.dt_s / self.file.time_constant_s).exp());
         }
-        let target = if valves.pump && !leak { self.file.pressure_mpa } else { 0.0 };
+        let target = if on.has(Output::Hydraulic) && !leak { self.file.pressure_mpa } else { 0.0 };
         self.pressure_mpa = target + (self.pressure_mpa - target) * self.decay.1;
         let edge = if self.pressure_switch { self.file.switch_off_mpa } else { self.file.switch_on_mpa };
         self.pressure_switch = self.pressure_mpa >= edge;
         let moves = self.pressure_mpa >= self.file.moves_from_mpa;
         let two_way = |front: bool| if front { CylinderCommand::Forward } else { CylinderCommand::Backward };
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.step(if moves { two_way(valves.tailstock) } else { CylinderCommand::Hold }, tick, chance);
+            tailstock.step(
+                if moves { two_way(on.has(Output::Tailstock)) } else { CylinderCommand::Hold },
+                tick,
+                chance,
+            );
         }
-        self.radial_arm.step(two_way(valves.radial_gauge), tick, chance);
-        self.axial_arm.step(two_way(valves.axial_gauge), tick, chance);
-        let oscillation = match (valves.oscillation_forward, valves.oscillation_backward) {
+        self.radial_arm.step(two_way(on.has(Output::RadialGauge)), tick, chance);
+        self.axial_arm.step(two_way(on.has(Output::AxialGauge)), tick, chance);
+        let oscillation = match (on.has(Output::OscillationForward), on.has(Output::OscillationBackward)) {
             (true, false) => CylinderCommand::Forward,
             (false, true) => CylinderCommand::Backward,
             (true, true) | (false, false) => CylinderCommand::Hold,
         };
         self.oscillation.step(oscillation, tick, chance);
-        count_down(&mut self.coolant_delay_s, valves.coolant, self.file.coolant_s, tick.dt_s);
-        for (left, on) in self.gear_delay_s.iter_mut().zip(valves.gears) {
-            count_down(left, on, self.file.gear_s, tick.dt_s);
+        count_down(&mut self.coolant_delay_s, on.has(Output::Coolant), self.file.coolant_s, tick.dt_s);
+        for (left, gear) in self.gear_delay_s.iter_mut().zip(Output::GEARS) {
+            count_down(left, on.has(gear), self.file.gear_s, tick.dt_s);
         }
-    }
-
-    /// Present pressure, MPa.
-    pub(super) const fn pressure_mpa(&self) -> f64 {
-        self.pressure_mpa
-    }
-
-    /// State of the pressure switch.
-    pub(super) const fn pressure_switch(&self) -> bool {
-        self.pressure_switch
     }
 
     /// Whether coolant flows.
@@ -193,77 +161,11 @@ impl Hydraulics {
     /// Distance of the tailstock from its advanced position, mm.
     pub(super) fn tailstock_retracted_mm(&self) -> f64 {
         let quill = self.tailstock.as_ref().zip(self.file.tailstock.as_ref());
-        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.position()) * file.travel_mm)
+        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.position) * file.travel_mm)
     }
 }
 
 /// Counts a delay down while on and restarts it when off.
 fn count_down(left_s: &mut f64, on: bool, whole_s: f64, dt_s: f64) {
     *left_s = if on { (*left_s - dt_s).max(0.0) } else { whole_s };
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::defs::kind::Kind;
-    use crate::io::sim::MachineFile;
-
-    const TICK: StepTimes = StepTimes { dt_s: 0.001, bounce_s: 0.005 };
-
-    fn run(hydraulics: &mut Hydraulics, valves: HydraulicOutputs, leak: bool, ticks: u32) {
-        let mut chance = SplitMix64::new(1);
-        (0..ticks).for_each(|_| hydraulics.step(&valves, leak, TICK, &mut chance));
-    }
-
-    fn hydraulics() -> Hydraulics {
-        Hydraulics::new(MachineFile::builtin(Kind::Gc).unwrap().hydraulics)
-    }
-
-    #[test]
-    fn p3_pressure_comes_after_its_time_constant() {
-        let pump = HydraulicOutputs { pump: true, ..HydraulicOutputs::default() };
-        let mut h = hydraulics();
-        // 2.5 of 3.0 MPa: 0.6·ln(3/0.5) = 1.075 s.
-        run(&mut h, pump, false, 1_074);
-        assert!(!h.pressure_switch());
-        run(&mut h, pump, false, 2);
-        assert!(h.pressure_switch());
-        run(&mut h, pump, false, 10_000);
-        // Down to 2.2: 0.6·ln(3/2.2) = 0.186 s.
-        run(&mut h, pump, true, 185);
-        assert!(h.pressure_switch());
-        run(&mut h, pump, true, 3);
-        assert!(!h.pressure_switch());
-    }
-
-    fn front(h: &Hydraulics) -> bool {
-        h.tailstock.unwrap().front_switch()
-    }
-
-    fn back(h: &Hydraulics) -> bool {
-        h.tailstock.unwrap().back_switch()
-    }
-
-    #[test]
-    fn p3_the_tailstock_takes_a_second_and_needs_pressure() {
-        let wish = HydraulicOutputs { tailstock: true, ..HydraulicOutputs::default() };
-        let mut h = hydraulics();
-        run(&mut h, wish, false, 3_000);
-        assert!(back(&h) && !front(&h), "no pressure, no movement");
-        h.make_ready(false);
-        let wish = HydraulicOutputs { pump: true, ..wish };
-        run(&mut h, wish, false, 998);
-        assert!(!front(&h) && !back(&h));
-        run(&mut h, wish, false, 10);
-        assert!(front(&h) && h.tailstock_retracted_mm() <= 0.0);
-    }
-
-    #[test]
-    fn p3_the_oscillation_cylinder_runs_at_two_tenths_of_a_metre_a_second() {
-        let mut h = hydraulics();
-        run(&mut h, HydraulicOutputs { oscillation_forward: true, ..HydraulicOutputs::default() }, false, 490);
-        assert!(!h.oscillation.front_switch());
-        run(&mut h, HydraulicOutputs { oscillation_forward: true, ..HydraulicOutputs::default() }, false, 20);
-        assert!(h.oscillation.front_switch() && !h.oscillation.back_switch());
-    }
 }

@@ -14,9 +14,6 @@ const AXIS_INPUTS: PerAxis<[Input; 4]> = PerAxis([
     [Input::HomeZ, Input::LimitZPlus, Input::LimitZMinus, Input::DriveZ],
 ]);
 
-/// The in-position inputs of the gears.
-const GEARS: [Input; 4] = [Input::Gear1In, Input::Gear2In, Input::Gear3In, Input::Gear4In];
-
 impl SimulatedMachine {
     /// The image of this tick, without the handwheel.
     pub(super) fn input_image(&mut self, dt: Micros) -> InputImage {
@@ -27,7 +24,7 @@ impl SimulatedMachine {
         }
         InputImage {
             terminals,
-            encoder_mm: EncoderPos::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_mm)),
+            encoder_mm: EncoderPos::from_fn(|axis| self.axis_value(axis, SimAxis::encoder_mm)),
             spindle_turns: self.lathe.as_ref().map_or(0.0, SimLathe::encoder_turns),
             handwheel_detents: 0,
             bus_alive: true,
@@ -45,19 +42,19 @@ impl SimulatedMachine {
             }
         }
         let h = &self.hydraulics;
-        set.set(Input::HydraulicPressure, h.pressure_switch());
-        set.set(Input::TailstockAdvanced, h.tailstock.is_some_and(|tailstock| tailstock.front_switch()));
-        set.set(Input::TailstockRetracted, h.tailstock.is_some_and(|tailstock| tailstock.back_switch()));
-        set.set(Input::RadialArmOut, h.radial_arm.front_switch());
-        set.set(Input::RadialArmIn, h.radial_arm.back_switch());
-        set.set(Input::AxialArmOut, h.axial_arm.front_switch());
-        set.set(Input::AxialArmIn, h.axial_arm.back_switch());
-        set.set(Input::OscillationForwardEnd, h.oscillation.front_switch());
-        set.set(Input::OscillationBackwardEnd, h.oscillation.back_switch());
+        set.set(Input::HydraulicPressure, h.pressure_switch);
+        set.set(Input::TailstockAdvanced, h.tailstock.is_some_and(|tailstock| tailstock.front_switch));
+        set.set(Input::TailstockRetracted, h.tailstock.is_some_and(|tailstock| tailstock.back_switch));
+        set.set(Input::RadialArmOut, h.radial_arm.front_switch);
+        set.set(Input::RadialArmIn, h.radial_arm.back_switch);
+        set.set(Input::AxialArmOut, h.axial_arm.front_switch);
+        set.set(Input::AxialArmIn, h.axial_arm.back_switch);
+        set.set(Input::OscillationForwardEnd, h.oscillation.front_switch);
+        set.set(Input::OscillationBackwardEnd, h.oscillation.back_switch);
         set.set(Input::CoolantFlow, h.coolant_flows() && !self.active_faults.coolant_missing);
         set.set(Input::LubricationLevel, !self.active_faults.lubrication_missing);
         set.set(Input::GuardClosed, true);
-        for (gear, input) in GEARS.into_iter().enumerate() {
+        for (gear, input) in Input::GEARS.into_iter().enumerate() {
             set.set(input, h.gear_in(gear));
         }
         if let Some(turning) = &self.lathe {

@@ -1,9 +1,9 @@
 //! Interference check of a lathe program before anything moves: finds what its tools would crash into (L9). It uses the
 //! same bar, tools and rules as cutting, without time and acceleration.
 
-use super::lathe::{Bar, touches_any, turret_with_tools};
+use super::lathe::{Material, turret_with_tools};
 use super::machine_sections::{ToolFile, ToolTurretFile};
-use super::part_file::{BodyFile, PartFile};
+use super::part_file::PartFile;
 use crate::defs::param::Params;
 use crate::units::{Axis, PerAxis, WorkPos};
 
@@ -15,8 +15,7 @@ const MAX_STEPS: u64 = 4_000_000;
 /// Tools and bar at the present point of the program.
 #[derive(Clone, Debug)]
 pub struct InterferenceCheck {
-    bar: Bar,
-    bodies: Vec<BodyFile>,
+    material: Material,
     tools: Vec<ToolFile>,
     crash_mm: f64,
     station: usize,
@@ -24,26 +23,21 @@ pub struct InterferenceCheck {
     part_from_work: Option<(f64, f64)>,
     spindle_on: bool,
     steps: u64,
-    active_crash: Option<&'static str>,
 }
 
 impl InterferenceCheck {
     /// A new bar, the tools that the parameters define, station 1 in cutting position. `None` without a bar.
     #[must_use]
     pub fn new(part: &PartFile, post: &ToolTurretFile, params: &Params) -> Option<Self> {
-        let tools = turret_with_tools(post, params).tools.to_vec();
-        let bar = part.bar.as_ref().map(Bar::new)?;
-        let (bodies, crash_mm) = (part.bodies.clone(), post.crash_mm);
+        part.bar?;
         Some(Self {
-            bar,
-            bodies,
-            tools,
-            crash_mm,
+            material: Material::of_part(part),
+            tools: turret_with_tools(post, params).tools.to_vec(),
+            crash_mm: post.crash_mm,
             station: 0,
             part_from_work: None,
             spindle_on: false,
             steps: 0,
-            active_crash: None,
         })
     }
 
@@ -88,10 +82,8 @@ impl InterferenceCheck {
         let (mut before, mut newly) = (at(0.0), None);
         for piece in 1..=pieces {
             let here = at(piece as f64 / pieces as f64);
-            let chuck = touches_any(&tool, here, &self.bodies).then_some("chuck");
-            let met = chuck.or(self.bar.cut(&tool, (before, here), self.crash_mm, (rapid, !self.spindle_on)));
-            newly = newly.or(met.filter(|_| self.active_crash.is_none()));
-            self.active_crash = met;
+            let met = self.material.cut(&tool, (before, here), self.crash_mm, (rapid, !self.spindle_on));
+            newly = newly.or(met);
             before = here;
         }
         newly

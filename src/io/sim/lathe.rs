@@ -7,6 +7,7 @@ use super::grinding::MachineState;
 use super::machine_sections::{MainSpindleFile, TablePoint, ToolFile, ToolTurretFile};
 use super::part_file::{BarFile, BodyFile, PartFile, SlidePosition};
 use super::report::{DiameterAt, PartReport};
+use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::defs::param::Params;
 use crate::defs::signal::{Output, OutputSet};
 use crate::defs::turning_tool::TurningTool;
@@ -32,7 +33,7 @@ const STATIONS: f64 = 4.0;
 
 /// Present shape of the bar, part coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Bar {
+struct Bar {
     z_from: f64,
     cell: f64,
     /// Radius of each cell, mm.
@@ -47,16 +48,23 @@ pub(super) struct SimLathe {
     turret: ToolTurretFile,
     /// Latched direction of the spindle: +1 forward, −1 reverse, 0 off.
     direction: f64,
-    rpm: f64,
+    /// Speed of the spindle, rpm, forward positive.
+    pub(super) rpm: f64,
     turns: f64,
     /// Station in cutting position, from 0; the fraction is the progress to the next one.
     station: f64,
     work_zero: SlidePosition,
-    bar: Option<Bar>,
-    bodies: Vec<BodyFile>,
+    material: Material,
     /// X and Z of the tip one step ago, part coordinates.
     previous_tip: Option<(f64, f64)>,
-    /// Crash in progress, already logged.
+}
+
+/// What a tool meets: the bar and the chuck.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Material {
+    bar: Option<Bar>,
+    bodies: Vec<BodyFile>,
+    /// Crash in progress, already reported.
     active_crash: Option<&'static str>,
 }
 
@@ -71,10 +79,8 @@ impl SimLathe {
             turns: 0.0,
             station: 0.0,
             work_zero: SlidePosition { x: 0.0, y: 0.0, z: 0.0 },
-            bar: None,
-            bodies: Vec::new(),
+            material: Material { bar: None, bodies: Vec::new(), active_crash: None },
             previous_tip: None,
-            active_crash: None,
         }
     }
 
@@ -85,11 +91,9 @@ impl SimLathe {
 
     /// Loads a bar, or removes it.
     pub(super) fn set_part(&mut self, part: Option<&PartFile>) {
-        self.bar = part.and_then(|part| part.bar.as_ref()).map(Bar::new);
-        self.bodies = part.map_or_else(Vec::new, |part| part.bodies.clone());
+        self.material = part.map(Material::of_part).unwrap_or_default();
         self.work_zero = part.map_or_else(SlidePosition::default, |part| part.g54_mm);
         self.previous_tip = None;
-        self.active_crash = None;
     }
 
     /// One step of spindle and tool turret.
@@ -118,11 +122,6 @@ impl SimLathe {
         }
     }
 
-    /// Speed of the spindle, rpm, forward positive.
-    pub(super) const fn rpm(&self) -> f64 {
-        self.rpm
-    }
-
     /// Encoder reading: revolutions since power-on, in encoder steps.
     pub(super) fn encoder_turns(&self) -> f64 {
         (self.turns * self.spindle.encoder_steps).floor() / self.spindle.encoder_steps
@@ -148,41 +147,37 @@ impl SimLathe {
         let inwards = -scene.speed_mm_s[Axis::X];
         let rapid = inwards > RAPID_X_MM_S || scene.speed_mm_s[Axis::Z].abs() > RAPID_Z_MM_S;
         let stands = self.rpm.abs() < STANDSTILL_RPM;
-        let mut met = touches_any(&tool, (x, z), &self.bodies).then_some("chuck");
-        if let Some(bar) = &mut self.bar {
-            let from = self.previous_tip.filter(|before| (before.1 - z).abs() < MAX_STEP_MM).unwrap_or((x, z));
-            met = met.or(bar.cut(&tool, (from, (x, z)), self.turret.crash_mm, (rapid, stands)));
-        }
+        let from = self.previous_tip.filter(|before| (before.1 - z).abs() < MAX_STEP_MM).unwrap_or((x, z));
         self.previous_tip = Some((x, z));
-        let newly = met.filter(|_| self.active_crash.is_none());
-        self.active_crash = met;
-        newly
+        self.material.cut(&tool, (from, (x, z)), self.turret.crash_mm, (rapid, stands))
     }
 
     /// Diameter of the bar at Z, mm; `None` outside the bar.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
-        self.bar.as_ref()?.diameter_at(z)
+        self.material.bar.as_ref()?.diameter_at(z)
     }
 
     /// Bar, chuck and tool for the drawing; `None` without a bar.
-    pub(super) fn scene(&self) -> Option<LatheScene<'_>> {
-        let bar = self.bar.as_ref()?;
+    pub(super) fn workspace(&self) -> Option<LatheWorkspace> {
+        let bar = self.material.bar.as_ref()?;
         let tool = self.tool();
-        Some(LatheScene {
-            zero_mm: (self.work_zero.x, self.work_zero.z),
-            z_from_mm: bar.z_from,
-            cell_mm: bar.cell,
-            radius_mm: &bar.radius,
-            stock_mm: bar.stock,
-            bodies: self.bodies.iter().map(|body| (body.z_from, body.z_to, body.diameter / 2.0)).collect(),
-            tip_mm: tool.tip_mm,
-            outline_mm: tool.outline_mm.iter().map(|point| (point.0, point.1)).collect(),
+        let pair = |a: f64, b: f64| (a as f32, b as f32);
+        let body = |body: &BodyFile| (body.z_from as f32, body.z_to as f32, (body.diameter / 2.0) as f32);
+        Some(LatheWorkspace {
+            zero_mm: pair(self.work_zero.x, self.work_zero.z),
+            chuck_face_z_mm: bar.z_from as f32,
+            cell_mm: bar.cell as f32,
+            radius_mm: bar.radius.iter().map(|radius| *radius as f32).collect(),
+            stock_radius_mm: bar.stock as f32,
+            bodies: self.material.bodies.iter().map(body).collect(),
+            tip_mm: pair(tool.tip_mm.0, tool.tip_mm.1),
+            outline_mm: tool.outline_mm.iter().map(|point| pair(point.0, point.1)).collect(),
         })
     }
 
     /// Adds the diameters of the bar to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
-        let Some(bar) = &self.bar else { return };
+        let Some(bar) = &self.material.bar else { return };
         let length = bar.radius.len() as f64 * bar.cell;
         let places = ((length / REPORT_SPACING_MM) as usize).min(MAX_REPORT_PLACES);
         for place in 0..places {
@@ -192,27 +187,6 @@ impl SimLathe {
             }
         }
     }
-}
-
-/// Bar, chuck and tool of a lathe for the drawing. Lengths in mm, X as radius; the bar in part coordinates.
-#[derive(Clone, Debug)]
-pub struct LatheScene<'a> {
-    /// Work zero, machine coordinates X, Z.
-    pub zero_mm: (f64, f64),
-    /// Z at which the bar leaves the chuck.
-    pub z_from_mm: f64,
-    /// Length of a cell.
-    pub cell_mm: f64,
-    /// Radius of each cell from the chuck to the face.
-    pub radius_mm: &'a [f64],
-    /// Radius of the stock.
-    pub stock_mm: f64,
-    /// The chuck: from Z, to Z, radius.
-    pub bodies: Vec<(f64, f64, f64)>,
-    /// Offset of the active tool's tip from the slides' reference point, X, Z.
-    pub tip_mm: (f64, f64),
-    /// Outline of the tool: Z from the tip, height above the tip.
-    pub outline_mm: Vec<(f64, f64)>,
 }
 
 /// The tool turret with the tools that the parameters define.
@@ -226,9 +200,25 @@ pub(super) fn turret_with_tools(post: &ToolTurretFile, params: &Params) -> ToolT
     post
 }
 
-/// Whether a tool with its tip at this position touches a body.
-pub(super) fn touches_any(tool: &ToolFile, (x, z): (f64, f64), bodies: &[BodyFile]) -> bool {
-    bodies.iter().any(|body| tool.touches(x, z, body))
+impl Material {
+    /// The bar and the chuck of a part.
+    pub(super) fn of_part(part: &PartFile) -> Self {
+        Self { bar: part.bar.as_ref().map(Bar::new), bodies: part.bodies.clone(), active_crash: None }
+    }
+
+    /// Cuts along a path of the tip; returns a newly started crash.
+    pub(super) fn cut(
+        &mut self,
+        tool: &ToolFile,
+        (from, (x, z)): ((f64, f64), (f64, f64)),
+        crash_mm: f64,
+        how: (bool, bool),
+    ) -> Option<&'static str> {
+        let chuck = self.bodies.iter().any(|body| tool.touches(x, z, body)).then_some("chuck");
+        let bar = self.bar.as_mut().and_then(|bar| bar.cut(tool, (from, (x, z)), crash_mm, how));
+        let before = std::mem::replace(&mut self.active_crash, chuck.or(bar));
+        self.active_crash.filter(|_| before.is_none())
+    }
 }
 
 impl ToolFile {
@@ -258,7 +248,7 @@ impl ToolFile {
 }
 
 impl Bar {
-    pub(super) fn new(file: &BarFile) -> Self {
+    fn new(file: &BarFile) -> Self {
         let cells = ((file.z_to - file.z_from) / file.cell).round().max(1.0) as usize;
         let stock = file.diameter / 2.0;
         Self { z_from: file.z_from, cell: file.cell, radius: vec![stock; cells], stock }
@@ -270,7 +260,7 @@ impl Bar {
     }
 
     /// Cuts with the edge; returns the first crash.
-    pub(super) fn cut(
+    fn cut(
         &mut self,
         tool: &ToolFile,
         (from, (x, z)): ((f64, f64), (f64, f64)),
@@ -324,43 +314,18 @@ impl Bar {
 mod tests {
     use super::*;
 
-    fn tool() -> ToolFile {
-        let outline_mm = vec![TablePoint(0.0, 0.0), TablePoint(8.0, 1.5), TablePoint(8.1, 8.1), TablePoint(25.0, 8.1)];
-        ToolFile { tip_mm: (0.0, 0.0), edge_mm: 8.0, outline_mm }
-    }
-
-    fn bar() -> Bar {
-        Bar::new(&BarFile { diameter: 45.0, z_from: -100.0, z_to: 0.0, cell: 0.1 })
-    }
-
     #[test]
     fn l10_a_tool_that_goes_along_leaves_its_diameter() {
-        let mut bar = bar();
+        let outline_mm = vec![TablePoint(0.0, 0.0), TablePoint(8.0, 1.5), TablePoint(8.1, 8.1), TablePoint(25.0, 8.1)];
+        let tool = ToolFile { tip_mm: (0.0, 0.0), edge_mm: 8.0, outline_mm };
+        let mut bar = Bar::new(&BarFile { diameter: 45.0, z_from: -100.0, z_to: 0.0, cell: 0.1 });
         // Radius 20 from the face to Z −30 in steps of 0.1 mm.
         for step in 0..=320 {
             let z = 2.0 - 0.1 * f64::from(step);
-            assert_eq!(bar.cut(&tool(), ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
+            assert_eq!(bar.cut(&tool, ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
         }
         assert_eq!(bar.diameter_at(-20.0), Some(40.0));
         assert_eq!(bar.diameter_at(-40.0), Some(45.0));
         assert_eq!(bar.diameter_at(1.0), None);
-    }
-
-    #[test]
-    fn l9_rapid_a_standing_spindle_and_the_shank_are_interference() {
-        let at = |x: f64, z: f64, how: (bool, bool)| bar().cut(&tool(), ((x, z), (x, z)), 0.05, how);
-        assert_eq!(at(20.0, -10.0, (true, false)), Some("part, rapid traverse"));
-        assert_eq!(at(20.0, -10.0, (false, true)), Some("part, spindle standing"));
-        // 12 mm deep: the shank is 8.1 mm above the tip.
-        assert_eq!(at(10.0, -30.0, (false, false)), Some("part, shank of the tool"));
-        assert_eq!(at(23.0, -10.0, (true, true)), None);
-    }
-
-    #[test]
-    fn l9_the_outline_meets_the_chuck() {
-        let chuck = BodyFile { what: super::super::Body::Chuck, z_from: -200.0, z_to: -100.0, diameter: 120.0 };
-        assert!(tool().touches(55.0, -105.0, &chuck) && !tool().touches(55.0, -99.0, &chuck));
-        // The shank alone: it extends 25 mm towards plus from the tip.
-        assert!(tool().touches(50.0, -120.0, &chuck) && !tool().touches(61.0, -120.0, &chuck));
     }
 }

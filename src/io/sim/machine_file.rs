@@ -22,10 +22,8 @@ pub struct MachineFile {
     /// Axis X.
     pub x: AxisFile,
     /// Axis Y, if the machine always has one.
-    #[serde(default)]
     pub y: Option<AxisFile>,
     /// Axis Y, if it is an option (P6.6).
-    #[serde(default)]
     pub y_optional: Option<AxisFile>,
     /// Axis Z.
     pub z: AxisFile,
@@ -34,33 +32,26 @@ pub struct MachineFile {
     /// The wheel and its drive.
     pub wheel: WheelFile,
     /// The workhead, if the part rotates between centres or in a chuck.
-    #[serde(default)]
     pub workhead: Option<DriveFile>,
     /// The drive of a rotary table.
-    #[serde(default)]
     pub table: Option<DriveFile>,
     /// The main spindle of a lathe.
-    #[serde(default)]
     pub main_spindle: Option<MainSpindleFile>,
     /// The tool turret of a lathe.
-    #[serde(default)]
     pub tool_post: Option<ToolTurretFile>,
     /// The second spindle.
     pub second_spindle: SecondSpindleFile,
     /// Pump and the actuators that it moves.
     pub hydraulics: HydraulicsFile,
     /// The magnetic chuck, if there is one.
-    #[serde(default)]
     pub magnet: Option<MagnetFile>,
     /// The gauges.
     pub gauges: GaugesFile,
     /// How the wheel cuts.
     pub cutting: CuttingFile,
     /// The dresser, if there is one.
-    #[serde(default)]
     pub dresser: Option<DresserFile>,
     /// Seeded variation of the machine. Without it only contacts, gauges and parts depend on the seed.
-    #[serde(default)]
     pub scatter: Option<ScatterFile>,
 }
 
@@ -160,29 +151,5 @@ impl MachineFile {
             ("cutting.traverse_plane_mm", self.cutting.traverse_plane_mm),
             ("cutting.contact_mm", self.cutting.contact_mm),
         ]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn p1_every_kind_has_its_own_axes_and_gear() {
-        let [gc, gs, ga] = [Kind::Gc, Kind::Gs, Kind::Ga].map(|kind| MachineFile::builtin(kind).unwrap());
-        let there = |file: &MachineFile, fitted| file.axes(fitted).map(|axis| axis.is_some()).0;
-        assert_eq!((there(&gc, false), there(&gc, true)), ([true, false, true], [true; 3]));
-        assert_eq!((there(&gs, false), there(&gs, true)), ([true; 3], [true; 3]));
-        assert_eq!((there(&ga, false), there(&ga, true)), ([true, false, true], [true; 3]));
-        assert!(
-            gc.workhead.is_some() && gc.table.is_none() && gc.magnet.is_none() && gc.hydraulics.tailstock.is_some()
-        );
-        assert!(
-            gs.workhead.is_none() && gs.table.is_none() && gs.magnet.is_some() && gs.hydraulics.tailstock.is_none()
-        );
-        assert!(
-            ga.workhead.is_none() && ga.table.is_some() && ga.magnet.is_some() && ga.hydraulics.tailstock.is_none()
-        );
-        assert!(gs.dresser.unwrap().roll.is_some());
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive};
+use super::file_error::{SimFileError, refuse_value, require_positive};
 use crate::units::Axis;
 
 /// Greatest number of rows of an error table over position.
@@ -22,7 +22,6 @@ pub struct LayoutFile {
     /// Runs along the wheel's axis, across its width; the wheel extends from its reference point towards plus.
     pub across: Axis,
     /// Strokes the part under the wheel, if the part does not rotate.
-    #[serde(default)]
     pub stroke: Option<Axis>,
     /// Work coordinates of the infeed refer to the wheel's centre; otherwise to its reference point.
     #[serde(default)]
@@ -48,7 +47,6 @@ pub struct AxisFile {
     /// Edge of the home switch, mm.
     pub home_edge_mm: f64,
     /// Length of the home switch cam from the edge on, mm; without it the switch stays active to the end.
-    #[serde(default)]
     pub home_width_mm: Option<f64>,
     /// The home switch is active from its edge to the plus end; otherwise to the minus end.
     pub home_at_plus: bool,
@@ -175,7 +173,6 @@ pub struct HydraulicsFile {
     /// Least pressure that moves the tailstock, MPa.
     pub moves_from_mpa: f64,
     /// The tailstock, where there is one.
-    #[serde(default)]
     pub tailstock: Option<QuillFile>,
     /// Time of a gauge arm from end to end, s.
     pub gauge_arm_s: f64,
@@ -267,7 +264,6 @@ pub struct DresserFile {
     /// Depth from which a pass sharpens, mm.
     pub sharpens_mm: f64,
     /// The roll, if it is one.
-    #[serde(default)]
     pub roll: Option<RollFile>,
 }
 
@@ -312,7 +308,6 @@ pub struct PlateFile {
     /// From and to along the wheel's axis, mm.
     pub across_mm: (f64, f64),
     /// From and to along the stroke, mm; none on a rotary table.
-    #[serde(default)]
     pub stroke_mm: Option<(f64, f64)>,
 }
 
@@ -351,9 +346,7 @@ pub struct ProbeFile {
 
 impl AxisFile {
     pub(super) fn check(&self, letter: &str) -> Result<(), SimFileError> {
-        let wrong = |field: &str, value: f64, rule: &'static str| {
-            Err(SimFileError::Value { field: format!("{letter}.{field}"), value, rule })
-        };
+        let wrong = |field: &str, value, rule| refuse_value(format!("{letter}.{field}"), value, rule);
         for (field, value) in [
             ("following_rad_s", self.following_rad_s),
             ("accel_mm_s2", self.accel_mm_s2),
@@ -384,8 +377,7 @@ impl DriveFile {
         require_positive(&format!("{name}.low_rpm"), self.low_rpm)?;
         require_positive(&format!("{name}.run_up_s"), self.run_up_s)?;
         if self.least_rpm > self.greatest_rpm {
-            let (field, value) = (format!("{name}.least_rpm"), self.least_rpm);
-            return Err(SimFileError::Value { field, value, rule: "must not exceed greatest_rpm" });
+            refuse_value(format!("{name}.least_rpm"), self.least_rpm, "must not exceed greatest_rpm")?;
         }
         Ok(())
     }

@@ -145,20 +145,4 @@ mod tests {
         assert!(crest.windows(2).all(|pair| pair[1] < pair[0]), "each weaker than the one before: {crest:?}");
         assert!(m.force() < 1e-6, "{}", m.force());
     }
-
-    #[test]
-    fn p3_a_demagnetising_that_is_broken_off_leaves_its_share() {
-        let mut m = magnet();
-        run(&mut m, CoilCommand::Magnetise, 1_001);
-        run(&mut m, CoilCommand::Demagnetise, 3_000);
-        run(&mut m, CoilCommand::Off, 1_000);
-        // Half of the time: half of 0.15.
-        assert!((m.force() - 0.075).abs() < 1e-3, "{}", m.force());
-    }
-
-    #[test]
-    fn p3_both_outputs_at_once_give_no_current() {
-        assert_eq!(CoilCommand::from_outputs(true, true), CoilCommand::Off);
-        assert_eq!(CoilCommand::from_outputs(false, true), CoilCommand::Demagnetise);
-    }
 }

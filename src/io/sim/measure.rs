@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use super::SimulatedMachine;
-use super::axis::SimAxis;
-use super::lathe::SimLathe;
 use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
+use super::spindle::rpm_of;
+use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::units::{MachinePos, PerAxis};
 
 /// Present state of the wheel.
@@ -33,27 +33,27 @@ impl SimulatedMachine {
     /// Machine position of each axis at encoder zero, mm; homing must determine it.
     #[must_use]
     pub fn encoder_zero_mm(&self) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_zero_mm))
+        PerAxis::from_fn(|axis| self.axis_value(axis, |sim| sim.encoder_zero_mm))
     }
 
     /// Actual position of each slide, machine coordinates, mm of slide travel.
     #[must_use]
     pub fn slide_mm(&self) -> MachinePos {
-        MachinePos::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm))
+        MachinePos::from_fn(|axis| self.axis_value(axis, |sim| sim.slide_mm))
     }
 
     /// Present state of the wheel.
     #[must_use]
     pub fn wheel(&self) -> WheelState {
-        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindles.wheel.rpm());
+        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindles.wheel.rpm);
         WheelState {
             diameter_mm,
-            width_mm: self.wheel.width_mm(),
+            width_mm: self.wheel.width_mm,
             rated_m_s: self.file.wheel.rated_m_s,
             rpm,
             peripheral_m_s: PI * diameter_mm / 1_000.0 * rpm / 60.0,
-            load_percent: self.grinding.load_percent(),
-            dullness: self.wheel.rim_dullness(),
+            load_percent: self.grinding.load_percent,
+            dullness: self.wheel.rim_dullness,
         }
     }
 
@@ -61,7 +61,7 @@ impl SimulatedMachine {
     /// profile.
     #[must_use]
     pub fn rim_wear_mm(&self) -> &[f64] {
-        self.wheel.rim_profile_mm()
+        &self.wheel.rim_wear_mm
     }
 
     /// Sets the dullness of the whole wheel, 0 sharp to 1 dull.
@@ -72,25 +72,25 @@ impl SimulatedMachine {
     /// Speed of the workhead, rpm; zero where there is none.
     #[must_use]
     pub fn workhead_rpm(&self) -> f64 {
-        self.spindles.workhead_rpm()
+        rpm_of(self.spindles.workhead)
     }
 
     /// Speed of the rotary table, rpm; zero where there is none.
     #[must_use]
     pub fn table_rpm(&self) -> f64 {
-        self.spindles.table_rpm()
+        rpm_of(self.spindles.table)
     }
 
     /// Speed of the dressing roll, rpm; zero where there is none.
     #[must_use]
     pub fn roll_rpm(&self) -> f64 {
-        self.spindles.roll_rpm()
+        rpm_of(self.spindles.roll)
     }
 
     /// Speed of the second spindle, rpm, clockwise positive.
     #[must_use]
     pub const fn second_spindle_rpm(&self) -> f64 {
-        self.spindles.second_rpm()
+        self.spindles.second.rpm
     }
 
     /// Holding force of the magnet, 0 to 1 of its full force; zero where there is none.
@@ -108,7 +108,7 @@ impl SimulatedMachine {
     /// Hydraulic pressure, MPa.
     #[must_use]
     pub const fn pressure_mpa(&self) -> f64 {
-        self.hydraulics.pressure_mpa()
+        self.hydraulics.pressure_mpa
     }
 
     /// Measures the workpiece.
@@ -130,14 +130,14 @@ impl SimulatedMachine {
 
     /// Bar, chuck and tool of a lathe for the drawing; `None` without a bar.
     #[must_use]
-    pub fn lathe_scene(&self) -> Option<super::LatheScene<'_>> {
-        self.lathe.as_ref()?.scene()
+    pub fn lathe_workspace(&self) -> Option<LatheWorkspace> {
+        self.lathe.as_ref()?.workspace()
     }
 
     /// Speed of a lathe's main spindle, rpm, forward positive.
     #[must_use]
     pub fn main_spindle_rpm(&self) -> f64 {
-        self.lathe.as_ref().map_or(0.0, SimLathe::rpm)
+        self.lathe.as_ref().map_or(0.0, |turning| turning.rpm)
     }
 
     /// Z of the first face at X, of the given direction if one is given. X is a diameter on GC, the radius on GA, the
@@ -156,6 +156,6 @@ impl SimulatedMachine {
     /// The events so far, oldest first; at most 256.
     #[must_use]
     pub fn events(&self) -> &[SimEvent] {
-        self.log.events()
+        &self.log.events
     }
 }

@@ -2,11 +2,12 @@
 //! [`Backend::read`] advances the model from the last `now` to this one under the outputs last written (axes, spindles,
 //! hydraulics, contact of wheel and part), then returns terminals and encoders.
 //! Files: `axis` drives and switches, `spindle`, `hydraulics`, `magnet`, `gauge`, `wheel` shape and wear, `surface` the
-//! contact law, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
+//! contact law, `cell_row`, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
 //! variation, `wiring` terminals, `lathe` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
 //! faults, `measure` and `report` queries and results. The machine file alone defines which axes and spindles exist.
 
 mod axis;
+mod cell_row;
 mod contact;
 mod contact_law;
 mod fault;
@@ -36,7 +37,7 @@ use self::axis::{AxisCommand, SimAxis};
 use self::fault::ActiveFaults;
 use self::gauge::{GaugeContact, Gauges};
 use self::grinding::{Grinding, MachineState};
-use self::hydraulics::{HydraulicOutputs, Hydraulics, StepTimes};
+use self::hydraulics::{Hydraulics, StepTimes};
 use self::lathe::SimLathe;
 use self::magnet::{CoilCommand, SimMagnet};
 use self::report::EventLog;
@@ -52,7 +53,6 @@ use crate::units::{Axis, MachinePos, Micros, PerAxis};
 pub use self::fault::FaultError;
 pub use self::file_error::SimFileError;
 pub use self::interference_check::InterferenceCheck;
-pub use self::lathe::LatheScene;
 pub use self::machine_file::MachineFile;
 pub use self::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
@@ -112,7 +112,7 @@ impl SimulatedMachine {
     pub fn new(machine: MachineFile, part: Option<&PartFile>, wiring: &Params, seed: u64) -> Self {
         let axes = fitted_axes(&machine, wiring);
         let mut sim = Self {
-            start_mm: MachinePos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, SimAxis::encoder_zero_mm)),
+            start_mm: MachinePos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, |sim| sim.encoder_zero_mm)),
             axes,
             spindles: Spindles::new(&machine),
             hydraulics: Hydraulics::new(machine.hydraulics.clone()),
@@ -222,12 +222,12 @@ impl SimulatedMachine {
     }
 
     fn step(&mut self, dt_s: f64) {
-        self.log.set_slides(MachinePos::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm)));
+        self.log.set_slides(self.slide_mm());
         let mut crashed = self.move_axes(dt_s);
         let on = self.active_outputs;
         self.spindles.step(&self.file, on, (self.outputs.wheel_volts, self.outputs.analog_2_volts), dt_s);
         let tick = StepTimes { dt_s, bounce_s: self.file.bounce_s };
-        self.hydraulics.step(&hydraulic_outputs(on), self.active_faults.pressure_loss, tick, &mut self.rng);
+        self.hydraulics.step(on, self.active_faults.pressure_loss, tick, &mut self.rng);
         if let Some(magnet) = &mut self.magnet {
             magnet.step(CoilCommand::from_outputs(on.has(Output::Magnetise), on.has(Output::Demagnetise)), dt_s);
         }
@@ -251,17 +251,21 @@ impl SimulatedMachine {
         self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
     }
 
+    /// A value of an axis; zero if the machine does not have it.
+    fn axis_value(&self, axis: Axis, value: impl Fn(&SimAxis) -> f64) -> f64 {
+        self.axes[axis].as_ref().map_or(0.0, value)
+    }
+
     fn machine_state(&self, dt_s: f64) -> MachineState {
-        let of = |axis: Axis, value: fn(&SimAxis) -> f64| self.axes[axis].as_ref().map_or(0.0, value);
         MachineState {
             seconds: self.seconds,
             dt_s,
-            slide_mm: MachinePos::from_fn(|axis| of(axis, SimAxis::slide_mm)),
-            speed_mm_s: PerAxis::from_fn(|axis| of(axis, SimAxis::velocity_mm_s)),
+            slide_mm: self.slide_mm(),
+            speed_mm_s: PerAxis::from_fn(|axis| self.axis_value(axis, |sim| sim.velocity_mm_s)),
             wheel: self.spindles.wheel,
             wheel_m_s: self.wheel().peripheral_m_s,
             part_rpm: self.spindles.part_rpm(),
-            roll_rpm: self.spindles.roll_rpm(),
+            roll_rpm: self.roll_rpm(),
             tailstock_retracted_mm: self.hydraulics.tailstock_retracted_mm(),
             part_held: self.magnet.as_ref().is_none_or(SimMagnet::holds),
             probe_out: self.hydraulics.axial_arm.is_at_front(),
@@ -369,18 +373,5 @@ const fn stop_name(axis: Axis, plus: bool) -> &'static str {
         (Axis::Y, false) => "hard stop Y-",
         (Axis::Z, true) => "hard stop Z+",
         (Axis::Z, false) => "hard stop Z-",
-    }
-}
-
-fn hydraulic_outputs(on: OutputSet) -> HydraulicOutputs {
-    HydraulicOutputs {
-        pump: on.has(Output::Hydraulic),
-        tailstock: on.has(Output::Tailstock),
-        radial_gauge: on.has(Output::RadialGauge),
-        axial_gauge: on.has(Output::AxialGauge),
-        oscillation_forward: on.has(Output::OscillationForward),
-        oscillation_backward: on.has(Output::OscillationBackward),
-        coolant: on.has(Output::Coolant),
-        gears: [Output::Gear1, Output::Gear2, Output::Gear3, Output::Gear4].map(|gear| on.has(gear)),
     }
 }

@@ -14,8 +14,9 @@ pub(super) struct Obstacle {
     /// From and to along the stroke; `None` if it rotates, or on a machine without stroke axis.
     stroke: Option<(f64, f64)>,
     /// Its highest point along the infeed.
-    top: f64,
-    touched: bool,
+    pub(super) top_mm: f64,
+    /// The wheel has been in it since it was last clear.
+    pub(super) touched: bool,
     /// It moves with the tailstock.
     on_tailstock: bool,
 }
@@ -28,8 +29,8 @@ const fn name(what: Body) -> &'static str {
 }
 
 impl Obstacle {
-    const fn new(name: &'static str, across: (f64, f64), stroke: Option<(f64, f64)>, top: f64) -> Self {
-        Self { name, across, stroke, top, touched: false, on_tailstock: false }
+    const fn new(name: &'static str, across: (f64, f64), stroke: Option<(f64, f64)>, top_mm: f64) -> Self {
+        Self { name, across, stroke, top_mm, touched: false, on_tailstock: false }
     }
 
     pub(super) const fn of_body(body: &BodyFile) -> Self {
@@ -57,23 +58,13 @@ impl Obstacle {
         Self::new("magnet", shifted(plate.across_mm, zero.left_mm), stroke, plate.top_mm - zero.front_mm)
     }
 
-    /// Its highest point along the infeed.
-    pub(super) const fn top_mm(&self) -> f64 {
-        self.top
-    }
-
-    /// Notes that the wheel is clear.
-    pub(super) const fn clear_contact(&mut self) {
-        self.touched = false;
-    }
-
     /// Whether the wheel has newly entered it in this tick.
     pub(super) fn newly_touched(&mut self, pass: &WheelMotion, wheel: &GrindingWheel, tailstock_back_mm: f64) -> bool {
         let back = if self.on_tailstock { tailstock_back_mm } else { 0.0 };
-        let half = || wheel.half_chord_mm(self.top - pass.front_mm);
-        let inside = pass.front_mm < self.top
+        let half = || wheel.half_chord_mm(self.top_mm - pass.front_mm);
+        let inside = pass.front_mm < self.top_mm
             && pass.left_mm < self.across.1 + back
-            && pass.left_mm + wheel.width_mm() > self.across.0 + back
+            && pass.left_mm + wheel.width_mm > self.across.0 + back
             && self.stroke.is_none_or(|(from, to)| pass.stroke_mm + half() > from && pass.stroke_mm - half() < to);
         let newly = inside && !self.touched;
         self.touched = inside;

@@ -8,9 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive};
-use crate::defs::kind::GrindingForm;
-use crate::defs::kind::Kind;
+use super::file_error::{SimFileError, refuse_value, require_positive};
+use crate::defs::kind::{GrindingForm, Kind};
 use crate::defs::program_number;
 use crate::units::{MachinePos, PerAxis};
 
@@ -33,6 +32,7 @@ const NAMED: &[(&str, &str)] = parts! { "SHAFT" = "SHAFT"; };
 
 /// Greatest number of cells of one surface.
 const CELL_LIMIT: f64 = 100_000.0;
+const CELL_RULE: &str = "there must be 1 to 100000 cells from the one end to the other";
 
 /// A part in the machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -57,7 +57,6 @@ pub struct PartFile {
     #[serde(default)]
     pub tailstock_advanced: bool,
     /// The tailstock when advanced.
-    #[serde(default)]
     pub tailstock: Option<TailstockFile>,
     /// Round bodies that the wheel must not touch: chuck, fixture.
     #[serde(default)]
@@ -66,10 +65,8 @@ pub struct PartFile {
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
     /// Set size and measuring point of the radial (thickness) gauge.
-    #[serde(default)]
     pub gauge: Option<GaugeSetupFile>,
     /// The bar of a lathe.
-    #[serde(default)]
     pub bar: Option<BarFile>,
     /// The surfaces to be ground.
     #[serde(default)]
@@ -78,7 +75,6 @@ pub struct PartFile {
     #[serde(default)]
     pub head_deg: f64,
     /// The finished size, if variables of the program define it.
-    #[serde(default)]
     pub finished: Option<FinishedSizeFile>,
 }
 
@@ -99,7 +95,6 @@ pub struct FinishedSizeFile {
     #[serde(default)]
     pub inside: bool,
     /// A cone: numbers of the variables with its angle (degrees, growing downwards) and the Z of the finished size.
-    #[serde(default)]
     pub cone: Option<(u16, u16)>,
 }
 
@@ -191,7 +186,6 @@ pub struct BlockFile {
     /// From and to along X; on a rotary table radii.
     pub x: (f64, f64),
     /// From and to along Z; none on a rotary table.
-    #[serde(default)]
     pub z: Option<(f64, f64)>,
     /// Its height.
     pub top: f64,
@@ -412,13 +406,11 @@ impl PartFile {
             require_positive("bar.cell", bar.cell)?;
             let cells = (bar.z_to - bar.z_from) / bar.cell;
             if !(1.0..=CELL_LIMIT).contains(&cells) {
-                let rule = "there must be 1 to 100000 cells from the one end to the other";
-                return Err(SimFileError::Value { field: "bar: cells".to_owned(), value: cells, rule });
+                refuse_value("bar: cells", cells, CELL_RULE)?;
             }
         }
         if let Some(offset) = file.offsets.iter().find(|offset| !(1..=16).contains(&offset.number)) {
-            let (field, value) = ("offsets.number".to_owned(), f64::from(offset.number));
-            return Err(SimFileError::Value { field, value, rule: "takes 1 to 16" });
+            refuse_value("offsets.number", f64::from(offset.number), "takes 1 to 16")?;
         }
         Ok(file)
     }
@@ -439,10 +431,8 @@ impl SurfaceFile {
         // The lengths give the number of cells in each direction.
         let (cell, stock, lengths) = match *self {
             Self::Diameter { z_from, z_to, cell, stock, .. } => (cell, stock, [z_to - z_from, cell]),
-            Self::Cone { z_from, z_to, cell, stock_from, stock_to, .. } => {
-                (cell, stock_from + stock_to, [z_to - z_from, cell])
-            }
-            Self::Bore { z_from, z_to, cell, stock_from, stock_to, .. } => {
+            Self::Cone { z_from, z_to, cell, stock_from, stock_to, .. }
+            | Self::Bore { z_from, z_to, cell, stock_from, stock_to, .. } => {
                 (cell, stock_from + stock_to, [z_to - z_from, cell])
             }
             Self::Face { x_from, x_to, cell, stock, .. } => (cell, stock, [(x_to - x_from) / 2.0, cell]),
@@ -455,13 +445,12 @@ impl SurfaceFile {
         let name = |field: &str| format!("surface {number}: {field}");
         require_positive(&name("cell"), cell)?;
         if !stock.is_finite() {
-            return Err(SimFileError::Value { field: name("stock"), value: stock, rule: "must be a number" });
+            return refuse_value(name("stock"), stock, "must be a number");
         }
         let cells = lengths.map(|length| length / cell);
         let many = cells[0].max(0.0) * cells[1].max(0.0);
         if cells.iter().any(|cells| !(1.0..=CELL_LIMIT).contains(cells)) || many > CELL_LIMIT {
-            let rule = "there must be 1 to 100000 cells from the one end to the other";
-            return Err(SimFileError::Value { field: name("cells"), value: many, rule });
+            return refuse_value(name("cells"), many, CELL_RULE);
         }
         match *self {
             Self::Face { width, thickness, .. } => {
@@ -474,7 +463,7 @@ impl SurfaceFile {
                 require_positive(&name("thickness"), thickness)
             }
             Self::Disc { x_from, .. } if x_from < 0.0 => {
-                Err(SimFileError::Value { field: name("x_from"), value: x_from, rule: "a radius is not below zero" })
+                refuse_value(name("x_from"), x_from, "a radius is not below zero")
             }
             Self::Diameter { .. } | Self::Cone { .. } | Self::Plane { .. } | Self::Disc { .. } => Ok(()),
         }

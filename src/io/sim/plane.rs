@@ -9,6 +9,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use super::cell_row::CellRow;
 use super::contact_law::{Cut, WheelMotion, removed_share};
 use super::part_file::SurfaceFile;
 use super::report::{HeightAt, PartReport};
@@ -26,55 +27,13 @@ pub(super) struct PlaneSurface {
     /// Heights in columns along Z, ordered along X.
     height_mm: Box<[f64]>,
     /// Height of the highest cell.
-    highest_mm: f64,
+    pub(super) highest_mm: f64,
     /// Height of the highest cell of each column; columns below the wheel are skipped.
     column_top_mm: Box<[f64]>,
     /// Wear of the rim over each row in this tick; valid only for the rows under the wheel.
     rim_wear_mm: Box<[f64]>,
     /// Depth removed from each row in this tick, mm.
     removed_mm: Box<[f64]>,
-}
-
-/// Cells along one direction.
-#[derive(Clone, Copy, Debug)]
-struct CellRow {
-    from_mm: f64,
-    cell_mm: f64,
-    count: usize,
-}
-
-impl CellRow {
-    fn new(from: f64, to: f64, cell: f64) -> Self {
-        let count = ((to - from) / cell).round().max(1.0) as usize;
-        Self { from_mm: from, cell_mm: (to - from) / count as f64, count }
-    }
-
-    fn middle(self, cell: usize) -> f64 {
-        self.from_mm + (cell as f64 + 0.5) * self.cell_mm
-    }
-
-    fn length_mm(self) -> f64 {
-        self.cell_mm * self.count as f64
-    }
-
-    /// The cells whose centres lie from `from_mm` to below `to_mm`.
-    fn cells(self, from_mm: f64, to_mm: f64) -> Range<usize> {
-        let cell =
-            |place: f64| (((place - self.from_mm) / self.cell_mm - 0.5).ceil().max(0.0) as usize).min(self.count);
-        cell(from_mm)..cell(to_mm)
-    }
-
-    /// The two cells next to a position and the weight of the second; `None` outside the row.
-    fn neighbours(self, place_mm: f64) -> Option<(usize, usize, f64)> {
-        let cells = (place_mm - self.from_mm) / self.cell_mm;
-        if !(0.0..=self.count as f64).contains(&cells) {
-            return None;
-        }
-        let last = self.count - 1;
-        let along = (cells - 0.5).clamp(0.0, last as f64);
-        let first = along.floor() as usize;
-        Some((first, (first + 1).min(last), along - along.floor()))
-    }
 }
 
 impl PlaneSurface {
@@ -97,17 +56,12 @@ impl PlaneSurface {
         Some(Self { x, z, height_mm, highest_mm, column_top_mm: column_mm, rim_wear_mm: row.clone(), removed_mm: row })
     }
 
-    /// Height of the highest cell, mm.
-    pub(super) const fn highest_mm(&self) -> f64 {
-        self.highest_mm
-    }
-
     /// The ranges of cells along X and Z that the wheel may touch in this tick.
     fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (Range<usize>, Range<usize>) {
         let half = 0.5 * pass.traverse.contact_mm + wheel.half_chord_mm(self.highest_mm - pass.front_mm);
         let (least, most) = pass.sweep_mm();
         let x = self.x.cells(least - half, most + half);
-        let z = self.z.cells(pass.left_mm, pass.left_mm + wheel.width_mm());
+        let z = self.z.cells(pass.left_mm, pass.left_mm + wheel.width_mm);
         (x, z)
     }
 
@@ -116,7 +70,7 @@ impl PlaneSurface {
     fn sweep_over(&self, x: usize, pass: &WheelMotion, wheel: &GrindingWheel) -> (f64, f64) {
         let (middle, flat, (least, most)) = (self.x.middle(x), 0.5 * pass.traverse.contact_mm, pass.sweep_mm());
         let off = ((least - middle).max(middle - most) - flat).max(0.0);
-        let radius = wheel.radius_mm();
+        let radius = wheel.radius_mm;
         let lift = radius - (radius * radius - off * off).max(0.0).sqrt();
         let way = most.min(middle + flat) - least.max(middle - flat);
         (lift, way.max(0.0))
@@ -133,7 +87,7 @@ impl PlaneSurface {
         }
         for z in zs.clone() {
             let slice = wheel.slice_at(self.z.middle(z) - pass.left_mm);
-            self.rim_wear_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_wear_mm(slice));
+            self.rim_wear_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_wear_mm[slice]);
         }
         let mut greatest = 0.0_f64;
         for x in xs {

@@ -6,6 +6,7 @@
 
 use std::f64::consts::PI;
 
+use super::cell_row::CellRow;
 use super::contact_law::{Cut, WheelMotion, removed_share};
 use super::part_file::{FaceDirection, SurfaceFile};
 use super::report::{DiameterAt, FaceAt, PartReport};
@@ -24,8 +25,7 @@ pub(super) struct ProfileSurface {
     floor_mm: Box<[f64]>,
     /// Height of the highest cell.
     highest_mm: f64,
-    from_mm: f64,
-    cell_mm: f64,
+    row: CellRow,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +118,8 @@ impl ProfileSurface {
     /// The surface before grinding; the phase of its waviness is random. `None` if the file describes a plane.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
         let ProfileSpec { from, to, cell, normal, stock, rise, waviness, runout, shape } = profile_spec(file)?;
-        let count = ((to - from) / cell).round().max(1.0) as usize;
+        let row = CellRow::new(from, to, cell);
+        let count = row.count;
         let phase = chance.next_unit();
         let wave = |i: usize| waviness * (2.0 * PI * (i as f64 * cell / WAVE_MM + phase)).sin();
         let height = |i: usize| normal * stock + rise * (i as f64 + 0.5) / count as f64;
@@ -129,8 +130,7 @@ impl ProfileSurface {
             highest_mm: height_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max),
             floor_mm: mean.iter().map(|h| h - runout / 2.0).collect(),
             height_mm,
-            from_mm: from,
-            cell_mm: (to - from) / count as f64,
+            row,
         })
     }
 
@@ -155,19 +155,8 @@ impl ProfileSurface {
         match self.shape {
             ProfileShape::Diameter | ProfileShape::Disc => self.highest_mm,
             ProfileShape::Bore { thickness_mm } => self.outside_mm(thickness_mm),
-            ProfileShape::Face { .. } => self.from_mm + self.length_mm(),
+            ProfileShape::Face { .. } => self.row.from_mm + self.row.length_mm(),
         }
-    }
-
-    fn middle(&self, cell: usize) -> f64 {
-        self.from_mm + (cell as f64 + 0.5) * self.cell_mm
-    }
-
-    /// First cell whose centre lies at or beyond a position.
-    fn cell_from(&self, place_mm: f64) -> usize {
-        let cell = ((place_mm - self.from_mm) / self.cell_mm - 0.5).ceil();
-        // Positions before the first cell give the first cell, positions beyond the end none.
-        (cell.max(0.0) as usize).min(self.height_mm.len())
     }
 
     /// Outer radius of the material around a bore, mm.
@@ -178,7 +167,7 @@ impl ProfileSurface {
 
     /// Unworn rim over a cell, along the normal, mm.
     fn rim_over(&self, cell: usize, surface: f64, pass: &WheelMotion) -> f64 {
-        let back = pass.swivel_tan * (self.middle(cell) - pass.left_mm);
+        let back = pass.swivel_tan * (self.row.middle(cell) - pass.left_mm);
         match self.shape {
             ProfileShape::Bore { .. } => surface + back,
             ProfileShape::Diameter | ProfileShape::Disc | ProfileShape::Face { .. } => surface - back,
@@ -189,17 +178,17 @@ impl ProfileSurface {
     fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (std::ops::Range<usize>, f64) {
         match self.shape {
             ProfileShape::Diameter => {
-                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
+                let cells = self.row.cells(pass.left_mm, pass.left_mm + wheel.width_mm);
                 (cells, pass.front_mm)
             }
             ProfileShape::Bore { .. } => {
-                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
+                let cells = self.row.cells(pass.left_mm, pass.left_mm + wheel.width_mm);
                 // The wheel's centre is off the part's axis; the rim on the far side touches the bore.
-                (cells, -(pass.front_mm + wheel.radius_mm()).abs() - wheel.radius_mm())
+                (cells, -(pass.front_mm + wheel.radius_mm).abs() - wheel.radius_mm)
             }
             ProfileShape::Disc => {
                 // Beyond the table's centre the wheel covers radii on the other side.
-                let right = pass.left_mm + wheel.width_mm();
+                let right = pass.left_mm + wheel.width_mm;
                 let (from, to) = if pass.left_mm >= 0.0 {
                     (pass.left_mm, right)
                 } else if right <= 0.0 {
@@ -207,27 +196,27 @@ impl ProfileSurface {
                 } else {
                     (0.0, right.max(-pass.left_mm))
                 };
-                (self.cell_from(from)..self.cell_from(to), pass.front_mm)
+                (self.row.cells(from, to), pass.front_mm)
             }
             ProfileShape::Face { side, .. } => {
-                let from = self.cell_from(pass.front_mm + wheel.corner_wear_mm(side));
+                let cells = self.row.cells(pass.front_mm + wheel.corner_wear_mm(side), f64::INFINITY);
                 let surface = match side {
                     Side::Left => pass.left_mm + wheel.side_wear_mm(side),
-                    Side::Right => wheel.side_wear_mm(side) - pass.left_mm - wheel.width_mm(),
+                    Side::Right => wheel.side_wear_mm(side) - pass.left_mm - wheel.width_mm,
                 };
-                (from..self.height_mm.len(), surface)
+                (cells, surface)
             }
         }
     }
 
     /// The slice of the rim over a cell; of two, on both sides of the table's centre, the less worn one.
     fn slice_over(&self, cell: usize, pass: &WheelMotion, wheel: &GrindingWheel) -> Option<usize> {
-        let middle = self.middle(cell);
+        let middle = self.row.middle(cell);
         let slice = wheel.slice_at(middle - pass.left_mm);
         match self.shape {
             ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Face { .. } => slice,
             ProfileShape::Disc => match (slice, wheel.slice_at(-middle - pass.left_mm)) {
-                (Some(a), Some(b)) => Some(if wheel.rim_wear_mm(a) <= wheel.rim_wear_mm(b) { a } else { b }),
+                (Some(a), Some(b)) => Some(if wheel.rim_wear_mm[a] <= wheel.rim_wear_mm[b] { a } else { b }),
                 (a, b) => a.or(b),
             },
         }
@@ -245,11 +234,11 @@ impl ProfileSurface {
     pub(super) fn overlap_mm(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> f64 {
         let quick = match self.shape {
             // Limit of the rim, swivelled or not: no slice reaches further.
-            ProfileShape::Diameter | ProfileShape::Disc => pass.front_mm - pass.swivel_tan.max(0.0) * wheel.width_mm(),
+            ProfileShape::Diameter | ProfileShape::Disc => pass.front_mm - pass.swivel_tan.max(0.0) * wheel.width_mm,
             ProfileShape::Bore { thickness_mm } if pass.front_mm >= self.outside_mm(thickness_mm) => return 0.0,
-            ProfileShape::Bore { .. } => self.cells_under(pass, wheel).1 + pass.swivel_tan.min(0.0) * wheel.width_mm(),
+            ProfileShape::Bore { .. } => self.cells_under(pass, wheel).1 + pass.swivel_tan.min(0.0) * wheel.width_mm,
             ProfileShape::Face { side: Side::Left, .. } => pass.left_mm,
-            ProfileShape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm(),
+            ProfileShape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm,
         };
         if quick >= self.highest_mm || self.covered_share(pass, wheel) <= 0.0 {
             return 0.0;
@@ -261,14 +250,14 @@ impl ProfileSurface {
                 for cell in cells {
                     let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
                     let rim = self.rim_over(cell, surface, pass);
-                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_wear_mm(slice));
+                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_wear_mm[slice]);
                 }
             }
             ProfileShape::Face { thickness_mm, .. } => {
                 for h in &self.height_mm[cells] {
                     greatest = greatest.max(h - surface);
                 }
-                if greatest >= thickness_mm + wheel.width_mm() {
+                if greatest >= thickness_mm + wheel.width_mm {
                     return 0.0; // the whole wheel is behind the face's body
                 }
             }
@@ -294,18 +283,18 @@ impl ProfileSurface {
         for cell in cells {
             let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
             let h = self.height_mm[cell];
-            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_wear_mm(slice);
+            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_wear_mm[slice];
             if overlap <= 0.0 {
                 continue;
             }
             let depth = overlap * taken;
             let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
-            let radius = if matches!(self.shape, ProfileShape::Disc) { self.middle(cell) } else { h.abs() };
-            let cell_volume = share * 2.0 * PI * radius * self.cell_mm * depth;
+            let radius = if matches!(self.shape, ProfileShape::Disc) { self.row.middle(cell) } else { h.abs() };
+            let cell_volume = share * 2.0 * PI * radius * self.row.cell_mm * depth;
             self.height_mm[cell] = h - depth;
             wheel.wear_rim(slice, cell_volume);
             volume += cell_volume;
-            touched += self.cell_mm;
+            touched += self.row.cell_mm;
         }
         Cut { volume_mm3: volume, specific_mm2: if touched > 0.0 { volume / touched } else { 0.0 } }
     }
@@ -331,13 +320,13 @@ impl ProfileSurface {
                 continue;
             }
             let depth = overlap * taken;
-            let across = if turns { 2.0 * PI * self.middle(cell) } else { width_mm };
+            let across = if turns { 2.0 * PI * self.row.middle(cell) } else { width_mm };
             self.height_mm[cell] -= depth;
-            volume += across * self.cell_mm * depth;
-            engaged += self.cell_mm;
+            volume += across * self.row.cell_mm * depth;
+            engaged += self.row.cell_mm;
         }
         wheel.wear_side(side, engaged, volume);
-        let contact = if turns { engaged.max(self.cell_mm) } else { width_mm };
+        let contact = if turns { engaged.max(self.row.cell_mm) } else { width_mm };
         Cut { volume_mm3: volume, specific_mm2: volume / contact }
     }
 
@@ -393,7 +382,7 @@ impl ProfileSurface {
         }
         let place = match wall {
             None => x / 2.0,
-            Some(wall) if (wall.from_mm..=wall.to_mm).contains(&x) => self.from_mm + 0.5 * self.length_mm(),
+            Some(wall) if (wall.from_mm..=wall.to_mm).contains(&x) => self.row.from_mm + 0.5 * self.row.length_mm(),
             Some(_) => return None,
         };
         self.interpolate(place, |s, cell| normal * s.height_mm[cell])
@@ -407,25 +396,15 @@ impl ProfileSurface {
         }
     }
 
-    fn length_mm(&self) -> f64 {
-        self.cell_mm * self.height_mm.len() as f64
-    }
-
+    /// A value between the two cells next to a position; `None` outside the surface.
     fn interpolate(&self, place_mm: f64, value: impl Fn(&Self, usize) -> f64) -> Option<f64> {
-        let last = self.height_mm.len() - 1;
-        let cells = (place_mm - self.from_mm) / self.cell_mm;
-        if !(0.0..=self.height_mm.len() as f64).contains(&cells) {
-            return None;
-        }
-        let along = (cells - 0.5).clamp(0.0, last as f64);
-        let (a, b) = (along.floor() as usize, (along.floor() as usize + 1).min(last));
-        let part = along - along.floor();
-        Some(value(self, a) * (1.0 - part) + value(self, b) * part)
+        let (a, b, share) = self.row.neighbours(place_mm)?;
+        Some(value(self, a) * (1.0 - share) + value(self, b) * share)
     }
 
     /// Adds the measurements of this surface to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
-        let place = |tenths: f64| self.from_mm + self.length_mm() * tenths / 10.0;
+        let place = |tenths: f64| self.row.from_mm + self.row.length_mm() * tenths / 10.0;
         let thirds = [1.0, 5.0, 9.0];
         match self.shape {
             ProfileShape::Diameter | ProfileShape::Bore { .. } => {

@@ -70,7 +70,7 @@ pub struct SimEvent {
 /// The event log, of limited length.
 #[derive(Clone, Debug)]
 pub(super) struct EventLog {
-    events: Vec<SimEvent>,
+    pub(super) events: Vec<SimEvent>,
     /// Present positions of the slides.
     slide_mm: MachinePos,
     /// Crashes whose contact has not ended.
@@ -118,18 +118,10 @@ impl EventLog {
             }
             self.active_crashes.push(ActiveCrash { place: event.place, slide_mm, touched: true });
         }
-        self.store(event);
-        true
-    }
-
-    fn store(&mut self, event: SimEvent) {
         if self.events.len() < EVENT_LIMIT {
             self.events.push(event);
         }
-    }
-
-    pub(super) fn events(&self) -> &[SimEvent] {
-        &self.events
+        true
     }
 }
 

@@ -48,7 +48,8 @@ impl SlideScatter {
 #[derive(Clone, Debug)]
 pub(super) struct DiamondScatter {
     amplitude_mm: f64,
-    extra_depth_mm: f64,
+    /// Extra depth of cut in this stroke, mm.
+    pub(super) extra_depth_mm: f64,
     rng: SplitMix64,
 }
 
@@ -56,11 +57,6 @@ impl DiamondScatter {
     /// Draws the depth of the next stroke.
     pub(super) fn next_stroke(&mut self) {
         self.extra_depth_mm = self.amplitude_mm * symmetric_unit(&mut self.rng);
-    }
-
-    /// Extra depth of cut in this stroke, mm.
-    pub(super) const fn extra_depth_mm(&self) -> f64 {
-        self.extra_depth_mm
     }
 }
 
@@ -74,14 +70,11 @@ impl SimulatedMachine {
         for axis in Axis::ALL {
             let slide = SlideScatter::new(file, chance);
             if let Some(sim) = &mut self.axes[axis] {
-                sim.set_scatter(slide);
+                sim.scatter = Some(slide);
             }
         }
-        let most_mm = file.dressing_um / 1_000.0;
-        self.grinding.set_scatter(DiamondScatter {
-            amplitude_mm: most_mm,
-            extra_depth_mm: 0.0,
-            rng: SplitMix64::new(chance.next()),
-        });
+        let amplitude_mm = file.dressing_um / 1_000.0;
+        let rng = SplitMix64::new(chance.next());
+        self.grinding.diamond = Some(DiamondScatter { amplitude_mm, extra_depth_mm: 0.0, rng });
     }
 }

@@ -12,7 +12,8 @@ const FULL_VOLTS: f64 = 10.0;
 /// A motor with its run-up and coast-down.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spindle {
-    rpm: f64,
+    /// Present speed, rpm.
+    pub(super) rpm: f64,
     /// Last commanded speed above zero, rpm.
     commanded_rpm: f64,
     accel_rpm_s: f64,
@@ -48,11 +49,6 @@ impl Spindle {
         };
     }
 
-    /// Speed now, rpm.
-    pub(super) const fn rpm(&self) -> f64 {
-        self.rpm
-    }
-
     /// Whether it is fast enough to cut: at least half of the last commanded speed.
     pub(super) fn can_cut(&self) -> bool {
         self.rpm >= 0.5 * self.commanded_rpm
@@ -84,7 +80,7 @@ pub(super) fn drive_target_rpm(file: &DriveFile, high: bool, low: bool, volts: f
 pub(super) struct ReversibleSpindle {
     file: SecondSpindleFile,
     /// Present speed, rpm, clockwise positive.
-    rpm: f64,
+    pub(super) rpm: f64,
 }
 
 impl ReversibleSpindle {
@@ -104,10 +100,10 @@ impl ReversibleSpindle {
 #[derive(Clone, Debug)]
 pub(super) struct Spindles {
     pub(super) wheel: Spindle,
-    workhead: Option<Spindle>,
-    table: Option<Spindle>,
-    roll: Option<Spindle>,
-    second: ReversibleSpindle,
+    pub(super) workhead: Option<Spindle>,
+    pub(super) table: Option<Spindle>,
+    pub(super) roll: Option<Spindle>,
+    pub(super) second: ReversibleSpindle,
 }
 
 impl Spindles {
@@ -138,30 +134,15 @@ impl Spindles {
         self.second.step(on.has(Output::SecondSpindle), on.has(Output::SecondSpindleCcw), dt_s);
     }
 
-    /// Speed of the workhead, rpm; zero where there is none.
-    pub(super) fn workhead_rpm(&self) -> f64 {
-        self.workhead.map_or(0.0, |spindle| spindle.rpm())
-    }
-
-    /// Speed of the rotary table, rpm; zero where there is none.
-    pub(super) fn table_rpm(&self) -> f64 {
-        self.table.map_or(0.0, |spindle| spindle.rpm())
-    }
-
-    /// Speed of the dressing roll, rpm; zero where there is none.
-    pub(super) fn roll_rpm(&self) -> f64 {
-        self.roll.map_or(0.0, |spindle| spindle.rpm())
-    }
-
-    /// Speed of the second spindle, rpm, clockwise positive.
-    pub(super) const fn second_rpm(&self) -> f64 {
-        self.second.rpm
-    }
-
     /// Speed of the part, rpm, on workhead or table.
     pub(super) fn part_rpm(&self) -> f64 {
-        self.workhead_rpm().max(self.table_rpm())
+        rpm_of(self.workhead).max(rpm_of(self.table))
     }
+}
+
+/// The speed of a spindle, rpm; zero where there is none.
+pub(super) fn rpm_of(spindle: Option<Spindle>) -> f64 {
+    spindle.map_or(0.0, |spindle| spindle.rpm)
 }
 
 fn roll(file: &MachineFile) -> Option<&RollFile> {
@@ -180,44 +161,18 @@ mod tests {
         for _ in 0..7_900 {
             wheel.step(1_000.0, 0.001);
         }
-        assert!(wheel.rpm() < 1_000.0 && wheel.can_cut());
+        assert!(wheel.rpm < 1_000.0 && wheel.can_cut());
         for _ in 0..200 {
             wheel.step(1_000.0, 0.001);
         }
-        assert!((wheel.rpm() - 1_000.0).abs() < 1e-9);
+        assert!((wheel.rpm - 1_000.0).abs() < 1e-9);
         for _ in 0..59_900 {
             wheel.step(0.0, 0.001);
         }
-        assert!(wheel.rpm() > 0.0 && !wheel.can_cut(), "it still turns");
+        assert!(wheel.rpm > 0.0 && !wheel.can_cut(), "it still turns");
         for _ in 0..200 {
             wheel.step(0.0, 0.001);
         }
-        assert!(wheel.rpm() <= 0.0);
-    }
-
-    #[test]
-    fn p2_a_voltage_sets_the_speed_and_none_is_the_mains() {
-        let file = MachineFile::builtin(Kind::Gc).unwrap();
-        assert!((wheel_target_rpm(&file.wheel, true, 5.0) - 630.0).abs() < 1e-9);
-        assert!((wheel_target_rpm(&file.wheel, true, 0.0) - 1_000.0).abs() < 1e-9);
-        assert!(wheel_target_rpm(&file.wheel, false, 5.0) <= 0.0);
-        let head = file.workhead.unwrap();
-        assert!((drive_target_rpm(&head, false, true, 0.5) - 30.0).abs() < 1e-9, "15 rpm is below its least");
-        assert!((drive_target_rpm(&head, true, false, 0.0) - 200.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn p2_the_second_spindle_turns_both_ways_and_neither_at_once() {
-        let file = SecondSpindleFile { rpm: 1_500.0, run_up_s: 1.0 };
-        let mut second = ReversibleSpindle { file, rpm: 0.0 };
-        (0..1_000).for_each(|_| second.step(true, false, 0.001));
-        assert!((second.rpm - 1_500.0).abs() < 1e-6);
-        // Down to rest and up the other way: 2 s.
-        (0..1_990).for_each(|_| second.step(false, true, 0.001));
-        assert!(second.rpm < 0.0 && second.rpm > -1_500.0);
-        (0..11).for_each(|_| second.step(false, true, 0.001));
-        assert!((second.rpm + 1_500.0).abs() < 1e-6);
-        (0..1_001).for_each(|_| second.step(true, true, 0.001));
-        assert!(second.rpm.abs() <= 1e-9);
+        assert!(wheel.rpm <= 0.0);
     }
 }

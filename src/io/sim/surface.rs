@@ -59,7 +59,7 @@ impl Surface {
     pub(super) fn reach_mm(&self) -> f64 {
         match &self.cells {
             Cells::Profile(line) => line.reach_mm(),
-            Cells::Plane(field) => field.highest_mm(),
+            Cells::Plane(field) => field.highest_mm,
         }
     }
 

@@ -27,19 +27,22 @@ pub(super) enum Side {
 /// The wheel.
 #[derive(Clone, Debug)]
 pub(super) struct GrindingWheel {
-    radius_mm: f64,
-    width_mm: f64,
+    /// Radius when new, mm.
+    pub(super) radius_mm: f64,
+    /// Width when new, mm.
+    pub(super) width_mm: f64,
     slices_per_mm: f64,
     grinding_ratio: f64,
     /// Wear of a slice per removed volume, mm/mm³.
     rim_wear_per_mm3: f64,
     dullness_per_mm3: f64,
     /// Wear of each slice of the rim (dressing included), from −Z to +Z, mm.
-    rim_wear_mm: [f64; SLICES],
-    /// Sum of `rim_mm`, mm.
+    pub(super) rim_wear_mm: [f64; SLICES],
+    /// Sum of `rim_wear_mm`, mm.
     rim_wear_sum_mm: f64,
     side_wear_mm: [f64; 2],
-    rim_dullness: f64,
+    /// Dullness of the rim, 0 to 1.
+    pub(super) rim_dullness: f64,
     side_dullness: [f64; 2],
     sharp_s: f64,
     dull_s: f64,
@@ -74,16 +77,6 @@ impl GrindingWheel {
         self.dullness_per_mm3 = whole.dullness_per_mm3 / factors[1];
     }
 
-    /// Width when new, mm.
-    pub(super) const fn width_mm(&self) -> f64 {
-        self.width_mm
-    }
-
-    /// Radius when new, mm.
-    pub(super) const fn radius_mm(&self) -> f64 {
-        self.radius_mm
-    }
-
     /// Half the chord of the wheel at a height above its lowest point, mm.
     pub(super) fn half_chord_mm(&self, up_mm: f64) -> f64 {
         let up = up_mm.clamp(0.0, self.radius_mm);
@@ -111,16 +104,6 @@ impl GrindingWheel {
         (first.max(0.0) as usize)..(last as usize + 1).min(SLICES)
     }
 
-    /// Wear of the rim in a slice, mm.
-    pub(super) fn rim_wear_mm(&self, slice: usize) -> f64 {
-        self.rim_wear_mm[slice]
-    }
-
-    /// Wear of the rim in each slice, mm.
-    pub(super) const fn rim_profile_mm(&self) -> &[f64] {
-        &self.rim_wear_mm
-    }
-
     /// Wear of the rim at the corner next to a side, mm.
     pub(super) fn corner_wear_mm(&self, side: Side) -> f64 {
         match side {
@@ -142,11 +125,6 @@ impl GrindingWheel {
     /// Time constant of the contact at a side, s.
     pub(super) fn side_time_constant_s(&self, side: Side) -> f64 {
         self.sharp_s + (self.dull_s - self.sharp_s) * self.side_dullness[side as usize]
-    }
-
-    /// Dullness of the rim, 0 to 1.
-    pub(super) const fn rim_dullness(&self) -> f64 {
-        self.rim_dullness
     }
 
     /// Ratio of a time constant to that of a sharp wheel.

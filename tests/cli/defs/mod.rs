@@ -18,5 +18,6 @@ mod r_parameter_name;
 mod signal;
 mod soft_key;
 mod system_variable;
+mod text;
 mod turning_tool;
 mod variable_name;

@@ -5,8 +5,8 @@ use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Color32, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
 use super::camera::{Camera, GraphicScene};
+use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::hmi::{View, format_length, theme};
-use crate::link::simulation::LatheWorkspaceView;
 use crate::link::toolpath::BoundingBox;
 use crate::units::Axis;
 
@@ -16,12 +16,12 @@ const SHANK_MM: f32 = 40.0;
 const SAME_MM: f32 = 0.000_5;
 
 /// Working area of the simulated lathe.
-pub fn work_area<'a>(view: &'a View<'_>) -> Option<&'a LatheWorkspaceView> {
+pub fn work_area<'a>(view: &'a View<'_>) -> Option<&'a LatheWorkspace> {
     view.snapshot.simulated.as_deref()?.lathe_workspace.as_ref()
 }
 
 /// Offset from part to work coordinates, X and Z, mm.
-fn work_from_part(view: &View<'_>, room: &LatheWorkspaceView) -> (f32, f32) {
+fn work_from_part(view: &View<'_>, room: &LatheWorkspace) -> (f32, f32) {
     let minus = |axis: Axis| {
         let factor = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
         let state = &view.snapshot.axes[axis];

@@ -1,0 +1,77 @@
+//! Storage in the step: what it answers to jobs and requests.
+
+use std::sync::Arc;
+
+use kt830::controller::files::BackgroundJob;
+use kt830::controller::{PowerOnState, StorageRequest, nc_settings};
+use kt830::defs::kind::Kind;
+use kt830::host::folders::Folders;
+use kt830::host::job_runner::JobRunner;
+use kt830::host::storage::{Arrival, DirectStorage, RetainedWorker, Storage};
+use kt830::link::Command;
+use kt830::link::files::{FileRequest, Requester, Ticket};
+use kt830::link::media::{Direction, TransferRequest, TransferSet};
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use tempfile::TempDir;
+
+/// Storage in memory with empty folders and a USB drive, and what it has told so far taken.
+fn storage() -> (DirectStorage, TempDir) {
+    let files = tempfile::tempdir().unwrap();
+    let [programs, screens, stick] = ["programs", "screens", "stick"].map(|name| files.path().join(name));
+    for folder in [&programs, &screens, &stick] {
+        std::fs::create_dir(folder).unwrap();
+    }
+    let folders = Folders { programs, screens, by_name: false, dialect: Kind::Gc.dialect() };
+    let jobs = JobRunner::new(folders).with_drives(None, Some(stick));
+    let mut storage = DirectStorage::new(RetainedWorker::new(None), jobs).unwrap();
+    assert_eq!(answers(&mut storage, Vec::new()).len(), 2, "programs and page files");
+    (storage, files)
+}
+
+fn answers(storage: &mut DirectStorage, mut requests: Vec<StorageRequest>) -> Vec<Arrival> {
+    let mut told = Vec::new();
+    storage.submit(&mut requests);
+    storage.poll(&mut told);
+    told
+}
+
+#[test]
+fn a_folder_that_cannot_be_read_after_a_job_is_told() {
+    let (mut storage, files) = storage();
+    for folder in ["programs", "screens"] {
+        std::fs::remove_dir(files.path().join(folder)).unwrap();
+    }
+    // There is no backup on the drive; both folders are read again nevertheless.
+    let restore = TransferRequest {
+        set: TransferSet::Backup,
+        direction: Direction::Import,
+        names: Vec::new(),
+        overwrite: None,
+        convert: None,
+    };
+    let job = BackgroundJob {
+        ticket: Ticket::without_reply(Requester::Transfer),
+        request: FileRequest::Transfer(restore),
+        settings: nc_settings(Kind::Gc, &PowerOnState::factory(Kind::Gc).params),
+        programs: Arc::default(),
+        transfer_values: None,
+        start: None,
+        date: None,
+    };
+    let told = answers(&mut storage, vec![StorageRequest::Job(Box::new(job))]);
+    let [first, second, Arrival::Command(Command::Page(_))] = told.as_slice() else {
+        panic!("{} answers", told.len());
+    };
+    assert!([first, second].iter().all(|arrival| matches!(arrival, Arrival::Command(Command::DiskFailed(_)))));
+}
+
+#[test]
+fn without_a_store_passwords_are_checked_and_nothing_is_acknowledged() {
+    let (mut storage, _files) = storage();
+    let ask = SettingsRequest::CheckPassword(PasswordScope::User, Secret::new("123456".into()));
+    let told = answers(&mut storage, vec![StorageRequest::PartCount(3), StorageRequest::Page(ask)]);
+    let [Arrival::Command(Command::Page(PageCommand::StorageAnswered(answer)))] = told.as_slice() else {
+        panic!("{} answers", told.len());
+    };
+    assert!(matches!(answer, StorageAnswer::PasswordChecked(PasswordScope::User, true)), "{answer:?}");
+}
