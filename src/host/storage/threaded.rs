@@ -203,6 +203,7 @@ impl StorageThread {
             let tell = &self.tell;
             self.worker.read(ChangedFolders { programs, screens: !programs }, &mut |arrival| drop(tell.send(arrival)));
         }
+        self.worker.free_unused();
         true
     }
 

@@ -1,7 +1,8 @@
 //! Carries out storage requests. Called in the step of a headless host, or by the storage threads.
 //! Source: spec B3, B6, K7.3.
 
-use std::sync::Arc;
+use std::any::Any;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Arrival;
 use crate::controller::StorageRequest;
@@ -64,13 +65,28 @@ pub struct StorageWorker {
     pub jobs: JobRunner,
     /// Programs that are not in the folder: files named on the command line.
     pub added: Vec<StoredProgram>,
+    pub(super) delivered: Delivered,
+}
+
+/// What the control was given. Storage keeps it until nobody else has it, so that its memory is never freed in a tick.
+#[derive(Clone, Default)]
+pub(super) struct Delivered(Arc<Mutex<Vec<Arc<dyn Any + Send + Sync>>>>);
+
+impl Delivered {
+    fn keep(&self, items: impl IntoIterator<Item = Arc<dyn Any + Send + Sync>>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).extend(items);
+    }
+
+    fn free_unused(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|item| Arc::strong_count(item) > 1);
+    }
 }
 
 impl StorageWorker {
     /// A worker without added programs.
     #[must_use]
-    pub const fn new(jobs: JobRunner) -> Self {
-        Self { jobs, added: Vec::new() }
+    pub fn new(jobs: JobRunner) -> Self {
+        Self { jobs, added: Vec::new(), delivered: Delivered::default() }
     }
 
     /// Runs a job. Folders that it changed are read before its final answer is told.
@@ -92,6 +108,7 @@ impl StorageWorker {
 
     /// Reads the changed folders. A folder that cannot be read raises an alarm.
     pub(super) fn read(&self, changed: ChangedFolders, tell: &mut dyn FnMut(Arrival)) {
+        self.free_unused();
         let failed = |error: FolderError| Arrival::Command(Command::DiskFailed(error.message()));
         if changed.programs {
             tell(self.programs().unwrap_or_else(failed));
@@ -101,16 +118,43 @@ impl StorageWorker {
         }
     }
 
+    /// Frees what was delivered and is used by nobody any more.
+    pub(super) fn free_unused(&self) {
+        self.delivered.free_unused();
+    }
+
     /// The programs of the folder and the added ones.
     pub(super) fn programs(&self) -> Result<Arrival, FolderError> {
         let (mut programs, directory) = self.jobs.folders().read_programs()?;
         programs.replace(self.added.clone());
-        Ok(Arrival::Programs(Arc::new(programs), Arc::new(directory)))
+        let (programs, directory) = (Arc::new(programs), Arc::new(directory));
+        self.delivered.keep([Arc::clone(&programs) as _, Arc::clone(&directory) as _]);
+        Ok(Arrival::Programs(programs, directory))
     }
 
     /// The page files.
     pub(super) fn screens(&self) -> Result<Arrival, FolderError> {
-        let screens = self.jobs.folders().read_screens()?;
-        Ok(Arrival::Command(Command::ScreensLoaded(Arc::new(screens))))
+        let screens = Arc::new(self.jobs.folders().read_screens()?);
+        self.delivered.keep([Arc::clone(&screens) as _]);
+        Ok(Arrival::Command(Command::ScreensLoaded(screens)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_delivered_is_freed_by_storage_when_nobody_uses_it() {
+        let delivered = Delivered::default();
+        let used = Arc::new(1_u8);
+        let (unused, watched) = (Arc::new(2_u8), Arc::downgrade(&used));
+        delivered.keep([Arc::clone(&used) as _, unused as _]);
+        delivered.free_unused();
+        assert_eq!(delivered.0.lock().unwrap().len(), 1);
+        drop(used);
+        assert!(watched.upgrade().is_some(), "the last user frees nothing");
+        delivered.free_unused();
+        assert!(watched.upgrade().is_none());
     }
 }
