@@ -105,7 +105,7 @@ pub trait PageUi: Any + fmt::Debug + Send {
     }
 }
 
-/// Fields of a snapshot that only some pages show: a change of them is painted on those pages alone (H8).
+/// Fields of a snapshot that only some pages show: a change of them is painted on those pages alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldGroup {
     /// Strokes and time of the cycle, in the position column.
