@@ -114,7 +114,7 @@ pub enum FieldGroup {
     Variables,
     /// Inputs.
     Inputs,
-    /// Outputs, terminals, internal signals.
+    /// Outputs, terminals, analog outputs, internal signals.
     Diagnosis,
     /// The simulated machine.
     Simulated,
@@ -135,14 +135,14 @@ pub enum FieldGroup {
 }
 
 macro_rules! page_rows {
-    ($($page:ident => $state:ty $(, shows $group:ident $($more:ident)*)?;)*) => {
+    ($($page:ident => $state:ty $(, shows $($group:ident)+)?;)*) => {
         fn new_page(page: Page) -> Box<dyn PageUi> {
             match page { $(Page::$page => Box::<$state>::default(),)* }
         }
 
         /// What a page shows beside the fields that all pages show.
         pub(super) const fn shown_fields(page: Page) -> &'static [FieldGroup] {
-            match page { $(Page::$page => &[$(FieldGroup::$group, $(FieldGroup::$more),*)?],)* }
+            match page { $(Page::$page => &[$($(FieldGroup::$group),+)?],)* }
         }
     };
 }
