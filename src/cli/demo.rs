@@ -110,7 +110,7 @@ mod live {
     const PAUSE: Micros = Micros::from_millis(5_000);
 
     pub fn play(shared: &SharedArgs, told: StoryFile) -> Result<u8, CallError> {
-        let host = setup::threaded_host(shared, false)?;
+        let host = setup::threaded_host(shared, false, setup::simulated_for_display)?;
         let script = move |thread: &mut HostThread<HostedSimulation, ThreadedStorage>| {
             while !thread.is_stopped() {
                 show(thread, &told);

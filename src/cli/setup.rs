@@ -1,13 +1,15 @@
-//! Creates a control with its simulated machine from the arguments of the call.
+//! Creates a control with its machine from the arguments of the call.
 
 use std::path::Path;
 
 use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::PowerOnState;
+use crate::defs::param::Params;
 use crate::host::Host;
 use crate::host::folders::{Folders, named_programs_beside, program_from_bytes};
 use crate::host::headless::HeadlessHost;
+use crate::host::hosted_machine::HostedMachine;
 use crate::host::job_runner::JobRunner;
 use crate::host::retained_store::RetainedStore;
 use crate::host::simulated::HostedSimulation;
@@ -128,20 +130,33 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
     shared.data.is_some().then(|| data_dir(shared)).transpose()
 }
 
-/// Connects a control with its simulated machine and its storage.
-fn connect<S: Storage>(
+/// Connects a control with its machine and its storage.
+fn connect<P: HostedMachine, S: Storage>(
     shared: &SharedArgs,
     retained: PowerOnState,
     (storage, damaged): (S, Option<String>),
-    view_interval: Micros,
-) -> Result<Host<HostedSimulation, S>, CallError> {
-    let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
-    let machine = SimulatedMachine::new(file, None, &retained.params, shared.seed);
-    let mut host = Host::connect(shared.kind, retained, HostedSimulation::new(machine, view_interval), storage);
+    machine: P,
+) -> Host<P, S> {
+    let mut host = Host::connect(shared.kind, retained, machine, storage);
     if let Some(damaged) = damaged {
         host.report_damage(&damaged);
     }
-    Ok(host)
+    host
+}
+
+/// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.
+fn simulated(shared: &SharedArgs, params: &Params, view_interval: Micros) -> Result<HostedSimulation, CallError> {
+    let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
+    Ok(HostedSimulation::new(SimulatedMachine::new(file, None, params, shared.seed), view_interval))
+}
+
+/// The simulated machine of the call, for a display.
+///
+/// # Errors
+/// The machine file is invalid.
+#[cfg(feature = "hmi")]
+pub fn simulated_for_display(shared: &SharedArgs, params: &Params) -> Result<HostedSimulation, CallError> {
+    simulated(shared, params, SIM_VIEW_INTERVAL)
 }
 
 /// Creates a host for a headless job; it uses retained data only with `--data`.
@@ -151,19 +166,21 @@ fn connect<S: Storage>(
 pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
     let parts = host_parts(shared, named_data(shared)?)?;
     let storage = DirectStorage::new(RetainedWorker::new(parts.store), parts.jobs).map_err(CallError::new)?;
-    connect(shared, parts.retained, (storage, parts.damaged), Micros::ZERO)
+    let machine = simulated(shared, &parts.retained.params, Micros::ZERO)?;
+    Ok(connect(shared, parts.retained, (storage, parts.damaged), machine))
 }
 
-/// Creates a host for a display, with storage on threads. The control itself always has a data directory, the demo only
-/// with `--data`.
+/// Creates a host for a display, with storage on threads; `machine` opens its machine. The control itself always has a
+/// data directory, the demo only with `--data`.
 ///
 /// # Errors
 /// Data, folders or the machine cannot be opened.
 #[cfg(feature = "hmi")]
-pub fn threaded_host(
+pub fn threaded_host<P: HostedMachine>(
     shared: &SharedArgs,
     opens_control: bool,
-) -> Result<Host<HostedSimulation, ThreadedStorage>, CallError> {
+    machine: fn(&SharedArgs, &Params) -> Result<P, CallError>,
+) -> Result<Host<P, ThreadedStorage>, CallError> {
     let data = match opens_control {
         true => Some(data_dir(shared)?),
         false => named_data(shared)?,
@@ -171,15 +188,16 @@ pub fn threaded_host(
     let parts = host_parts(shared, data)?;
     let worker = StorageWorker::new(parts.jobs);
     let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;
-    connect(shared, parts.retained, (storage, parts.damaged), SIM_VIEW_INTERVAL)
+    let machine = machine(shared, &parts.retained.params)?;
+    Ok(connect(shared, parts.retained, (storage, parts.damaged), machine))
 }
 
 /// The part: `--part`, otherwise the part of the program.
 ///
 /// # Errors
 /// The file cannot be read.
-pub fn part<S: Storage>(
-    host: &Host<HostedSimulation, S>,
+pub fn part<P: HostedMachine, S: Storage>(
+    host: &Host<P, S>,
     shared: &SharedArgs,
     number: u32,
 ) -> Result<Option<PartFile>, CallError> {

@@ -4,8 +4,10 @@ use std::sync::atomic::Ordering;
 
 use super::args::SharedArgs;
 use super::{CallError, SUCCESS, setup};
+use crate::defs::param::Params;
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
+use crate::host::hosted_machine::HostedMachine;
 use crate::host::link::HostLink;
 use crate::host::pace::Pace;
 use crate::host::part::PartRule;
@@ -17,13 +19,23 @@ use crate::link::{Command, Snapshot};
 /// # Errors
 /// There is no display, or data and folders cannot be opened.
 pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
-    let mut host = setup::threaded_host(shared, true)?;
+    open_with(setup::simulated_for_display, Pace::Simulated, shared, fullscreen)
+}
+
+/// Opens the control on a machine; another backend is another `machine` with its pace.
+fn open_with<P: HostedMachine + Send + 'static>(
+    machine: fn(&SharedArgs, &Params) -> Result<P, CallError>,
+    pace: Pace,
+    shared: &SharedArgs,
+    fullscreen: bool,
+) -> Result<u8, CallError> {
+    let mut host = setup::threaded_host(shared, true, machine)?;
     // The retained work offset and tool geometry hold; they may be the operator's own.
     if let Some(part) = setup::part(&host, shared, host.retained().current_program)? {
         host.place_part(&part);
     }
     host.set_part_rule(if shared.part.is_some() { PartRule::Keep } else { PartRule::FollowProgram });
-    let link = start(host, Pace::Simulated, run_until_stopped).map_err(CallError::new)?;
+    let link = start(host, pace, run_until_stopped).map_err(CallError::new)?;
     show(link, shared, fullscreen)
 }
 

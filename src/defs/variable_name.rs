@@ -20,18 +20,15 @@ const ERROR_FLAG: u32 = 62;
 /// The variable in which programs of a kind store their error number; `None` if there is none.
 #[must_use]
 pub const fn error_variable(kind: Kind) -> Option<u32> {
-    match kind.dialect() {
-        Dialect::Sinumerik => variable_of_r(ERROR_FLAG),
-        Dialect::LatheA | Dialect::Mill | Dialect::SuperMan => None,
-    }
+    if kind.dialect().has_r_parameters() { variable_of_r(ERROR_FLAG) } else { None }
 }
 
 /// The name of a variable in a dialect.
 #[must_use]
 pub fn variable_name(number: u32, system: Dialect) -> String {
-    match system {
-        Dialect::Sinumerik if (R_FIRST..R_FIRST + R_COUNT).contains(&number) => format!("R{}", number - R_FIRST),
-        Dialect::LatheA | Dialect::Mill | Dialect::Sinumerik | Dialect::SuperMan => format!("#{number}"),
+    match number.checked_sub(R_FIRST) {
+        Some(n) if n < R_COUNT && system.has_r_parameters() => format!("R{n}"),
+        _ => format!("#{number}"),
     }
 }
 

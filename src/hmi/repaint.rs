@@ -1,12 +1,13 @@
 //! Which change of the machine asks for a frame: the newest snapshot is compared with the painted one, field by field.
 //!
-//! A row for each field decides on which pages a change shows and how it is compared. Values are compared as the pages
-//! write them: a change that no digit shows asks for no frame. A field without a row does not compile.
+//! A row for each field decides how it is compared; the row of a page says what it shows. Values are compared as the
+//! pages write them: a change that no digit shows asks for no frame. A field without a row does not compile.
 //! Source: spec H5, H8.
 
 use std::sync::Arc;
 
 use super::app::Hmi;
+use super::page::{FieldGroup, shown_fields};
 use super::page_frame::message_is_fresh;
 use super::{blink_phase, clock_time, format_cycle_time, format_length, format_strokes, format_volts, format_whole};
 use crate::defs::key::Key;
@@ -14,23 +15,6 @@ use crate::defs::page::Page;
 use crate::link::snapshot::{AxisView, ProgramView, VARIABLE_COUNT};
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
-
-/// Pages with the position column, or that show the cycle.
-const CYCLE: &[Page] = &[Page::Position, Page::Panel, Page::Grinding];
-/// Pages that show values of macro variables.
-const VARIABLES: &[Page] = &[Page::Grinding, Page::Designer, Page::Macro];
-/// Pages that show inputs.
-const INPUTS: &[Page] = &[Page::Diagnosis, Page::Simulator, Page::Process];
-/// Pages that show the simulated machine.
-const SIMULATED: &[Page] = &[Page::Simulator, Page::Process, Page::Graphic];
-const DIAGNOSIS: &[Page] = &[Page::Diagnosis];
-const OFFSETS: &[Page] = &[Page::Offset, Page::Dressing];
-const DRESSING: &[Page] = &[Page::Dressing];
-const GRAPHIC: &[Page] = &[Page::Graphic];
-const PARAMS: &[Page] = &[Page::Params];
-const PROGRAM: &[Page] = &[Page::Program];
-const MDI: &[Page] = &[Page::Mdi];
-const TEACH: &[Page] = &[Page::Teach];
 
 macro_rules! compared_fields {
     ($($field:ident: $rule:expr;)*) => {
@@ -77,38 +61,40 @@ compared_fields! {
         page == Page::Wheel && old.to_bits() != new.to_bits() || format_whole(*old) != format_whole(*new)
     };
     tool_station: differ;
-    teach: on(TEACH, differ);
-    strokes_per_min: on(CYCLE, |old, new, _| format_strokes(*old) != format_strokes(*new));
+    teach: on(FieldGroup::Teach, differ);
+    strokes_per_min: on(FieldGroup::Cycle, |old, new, _| format_strokes(*old) != format_strokes(*new));
     parts_counted: differ;
-    cycle_seconds: on(CYCLE, |old, new, _| format_cycle_time(*old) != format_cycle_time(*new));
-    inputs: on(INPUTS, differ);
-    outputs: on(DIAGNOSIS, differ);
+    cycle_seconds: on(FieldGroup::Cycle, |old, new, _| format_cycle_time(*old) != format_cycle_time(*new));
+    inputs: on(FieldGroup::Inputs, differ);
+    outputs: on(FieldGroup::Diagnosis, differ);
     keys: differ;
-    variables: |old, new, page| VARIABLES.contains(&page) && variables_differ(old, new);
-    restart: on(PROGRAM, differ);
-    interrupted: on(PROGRAM, differ);
+    variables: |old, new, page| shown_fields(page).contains(&FieldGroup::Variables) && variables_differ(old, new);
+    restart: on(FieldGroup::Restart, differ);
+    interrupted: on(FieldGroup::Restart, differ);
     alarms: differ;
     message: differ;
     waiting_for: differ;
-    input_terminals: on(DIAGNOSIS, differ);
-    output_terminals: on(DIAGNOSIS, differ);
-    analog_volts: on(DIAGNOSIS, |old, new, _| volts_differ(old, new));
-    internals: on(DIAGNOSIS, differ);
+    input_terminals: on(FieldGroup::Diagnosis, differ);
+    output_terminals: on(FieldGroup::Diagnosis, differ);
+    analog_volts: on(FieldGroup::Diagnosis, |old, new, _| volts_differ(old, new));
+    internals: on(FieldGroup::Diagnosis, differ);
     alarm_history: replaced;
-    leadscrews: on(PARAMS, differ);
+    leadscrews: on(FieldGroup::Leadscrews, differ);
     params: replaced;
     // Without a simulated machine every page has one row of soft keys less.
-    simulated: |old, new, page| old.is_some() != new.is_some() || SIMULATED.contains(&page) && old != new;
-    stock: on(GRAPHIC, differ);
+    simulated: |old, new, page| {
+        old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Simulated) && old != new
+    };
+    stock: on(FieldGroup::Stock, differ);
     files: replaced;
     access: differ;
     next_kind: differ;
     edit_answer: differ;
-    offsets: on(OFFSETS, differ);
+    offsets: on(FieldGroup::Offsets, differ);
     active_offset: differ;
-    modals: on(MDI, differ);
-    prepared_mdi: on(MDI, differ);
-    dressing_point: on(DRESSING, differ);
+    modals: on(FieldGroup::Mdi, differ);
+    prepared_mdi: on(FieldGroup::Mdi, differ);
+    dressing_point: on(FieldGroup::DressingPoint, differ);
     kind_page: differ;
     grinding_sheet: differ;
     screens: replaced;
@@ -130,9 +116,9 @@ fn replaced<T>(painted: &Arc<T>, newest: &Arc<T>, _page: Page) -> bool {
     !Arc::ptr_eq(painted, newest)
 }
 
-/// A rule for some pages; the others do not show the value.
-fn on<T>(pages: &'static [Page], rule: impl Fn(&T, &T, Page) -> bool) -> impl Fn(&T, &T, Page) -> bool {
-    move |painted, newest, page| pages.contains(&page) && rule(painted, newest, page)
+/// A rule for the pages that show a group of fields.
+fn on<T>(group: FieldGroup, rule: impl Fn(&T, &T, Page) -> bool) -> impl Fn(&T, &T, Page) -> bool {
+    move |painted, newest, page| shown_fields(page).contains(&group) && rule(painted, newest, page)
 }
 
 fn axes_differ(painted: &PerAxis<AxisView>, newest: &PerAxis<AxisView>) -> bool {

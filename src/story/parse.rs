@@ -131,7 +131,10 @@ impl LineParser {
     fn statement(mut self, kind: Kind) -> Result<Statement, StoryError> {
         let verb = self.word("a statement")?;
         let statement = match verb.as_str() {
-            "kind" => Statement::Kind(self.one_of("a kind: gc, gs, ga, vertical, lathe", Kind::from_id)?),
+            "kind" => {
+                let kinds = Kind::ALL.map(Kind::id).join(", ");
+                Statement::Kind(self.one_of(&format!("a kind: {kinds}"), Kind::from_id)?)
+            }
             "power" => self.one_of("`on` or `cut`", |word| match word {
                 "on" => Some(Statement::PowerOn),
                 "cut" => Some(Statement::PowerCut),

@@ -105,38 +105,72 @@ pub trait PageUi: Any + fmt::Debug + Send {
     }
 }
 
+/// Fields of a snapshot that only some pages show: a change of them is painted on those pages alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldGroup {
+    /// Strokes and time of the cycle, in the position column.
+    Cycle,
+    /// Values of macro variables.
+    Variables,
+    /// Inputs.
+    Inputs,
+    /// Outputs, terminals, analog outputs, internal signals.
+    Diagnosis,
+    /// The simulated machine.
+    Simulated,
+    /// The stock of the drawing.
+    Stock,
+    /// Tool offsets.
+    Offsets,
+    /// The dressing point.
+    DressingPoint,
+    /// Tables of the ball screws.
+    Leadscrews,
+    /// Restart and interrupted program.
+    Restart,
+    /// Codes in force and the prepared MDI line.
+    Mdi,
+    /// Teach-in.
+    Teach,
+}
+
 macro_rules! page_rows {
-    ($($page:ident => $state:ty,)*) => {
+    ($($page:ident => $state:ty $(, shows $($group:ident)+)?;)*) => {
         fn new_page(page: Page) -> Box<dyn PageUi> {
             match page { $(Page::$page => Box::<$state>::default(),)* }
+        }
+
+        /// What a page shows beside the fields that all pages show.
+        pub(super) const fn shown_fields(page: Page) -> &'static [FieldGroup] {
+            match page { $(Page::$page => &[$($(FieldGroup::$group),+)?],)* }
         }
     };
 }
 
 // One row per page; a page without a row does not compile.
 page_rows! {
-    Position => position::PositionPage,
-    Panel => position::PositionPage,
-    Grinding => grinding::GrindingPage,
-    Dressing => dressing::DressingPage,
-    Program => program::ProgramPage,
-    Designer => designer::DesignerPage,
-    Mdi => mdi::MdiPage,
-    Directory => directory::DirectoryPage,
-    Offset => offset::OffsetPage,
-    Macro => variables::VariablesPage,
-    Teach => teach::TeachPage,
-    Tools => tools::ToolsPage,
-    Wheel => wheel::WheelPage,
-    Params => params::ParamPage,
-    Diagnosis => diagnosis::DiagnosisPage,
-    Graphic => graphic::GraphicPage,
-    Transfer => transfer::TransferPage,
-    Process => process::ProcessPage,
-    Alarm => alarm::AlarmPage,
-    Settings => settings::SettingsPage,
-    Simulator => simulator::SimulatorPage,
-    Help => help::Help,
+    Position => position::PositionPage, shows Cycle;
+    Panel => position::PositionPage, shows Cycle;
+    Grinding => grinding::GrindingPage, shows Cycle Variables;
+    Dressing => dressing::DressingPage, shows Offsets DressingPoint;
+    Program => program::ProgramPage, shows Restart;
+    Designer => designer::DesignerPage, shows Variables;
+    Mdi => mdi::MdiPage, shows Mdi;
+    Directory => directory::DirectoryPage;
+    Offset => offset::OffsetPage, shows Offsets;
+    Macro => variables::VariablesPage, shows Variables;
+    Teach => teach::TeachPage, shows Teach;
+    Tools => tools::ToolsPage;
+    Wheel => wheel::WheelPage;
+    Params => params::ParamPage, shows Leadscrews;
+    Diagnosis => diagnosis::DiagnosisPage, shows Inputs Diagnosis;
+    Graphic => graphic::GraphicPage, shows Simulated Stock;
+    Transfer => transfer::TransferPage;
+    Process => process::ProcessPage, shows Inputs Simulated;
+    Alarm => alarm::AlarmPage;
+    Settings => settings::SettingsPage;
+    Simulator => simulator::SimulatorPage, shows Inputs Simulated;
+    Help => help::Help;
 }
 
 /// State of all pages.

@@ -35,8 +35,3 @@ pub(super) fn axis_value(running: &BlockContext<'_, '_>, axis: Axis, word: Word)
 pub(super) fn modal_feed(running: &BlockContext<'_, '_>) -> ReadResult<Feed> {
     motion::modal_feed(running, &SYNTAX)
 }
-
-/// The byte of a G code of the block.
-pub(super) fn code_offset(running: &BlockContext<'_, '_>, number: u32) -> usize {
-    running.words.g.iter().find(|code| code.number == number).map_or(running.at, |code| code.at as usize)
-}

@@ -4,14 +4,14 @@
 //! A first block of G71 to G75 stores modal settings (`G71 U2 R1`); a second block executes the cycle
 //! (`G71 P10 Q50 U0.4 W0.1 F80`). Source: spec B2, K1.
 
-use super::coordinates::{axis_value, code_offset, modal_feed, target};
-use super::{MAX_VALUE, integer, length_mm, out_of_range};
+use super::coordinates::{axis_value, modal_feed, target};
+use super::{MAX_VALUE, OneShot, integer, length_mm, out_of_range};
 use crate::nc::contour::{ContourCycle, CycleKind};
 use crate::nc::dialect::motion::MoveTarget;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};
-use crate::nc::words::{ValueKind, Word};
+use crate::nc::words::{Code, ValueKind, Word};
 use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Most passes of G73.
@@ -68,14 +68,22 @@ fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) ->
     Ok(())
 }
 
+/// How the one-shot functions of this file are read.
+pub(super) fn reading_of(code: u32) -> Option<OneShot> {
+    Some(match code {
+        74 | 75 => grooving_cycle,
+        _ => return None,
+    })
+}
+
 /// Whether a code is a contour cycle.
 pub(super) const fn is_contour_cycle(code: u32) -> bool {
     matches!(code, 70..=73)
 }
 
 /// G70 to G73: stores the settings of the block, or returns the cycle to execute.
-pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<Option<Box<ContourCycle>>> {
-    let at = code_offset(running, code);
+pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Option<Box<ContourCycle>>> {
+    let (code, at) = (code.number, code.at as usize);
     let name = format!("G{code}");
     let (first, last) = (running.words.take(b'P'), running.words.take(b'Q'));
     let (first, last) = match (first, last) {
@@ -142,8 +150,8 @@ fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> R
 }
 
 /// G74 pecks along Z and steps along X; G75 pecks along X and steps along Z.
-pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
-    let at = code_offset(running, code);
+fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+    let (code, at) = (code.number, code.at as usize);
     let (peck, step) = if code == 74 { (Axis::Z, Axis::X) } else { (Axis::X, Axis::Z) };
     let MoveTarget { from, to, words, .. } = target(running)?;
     let relief = running.words.take(b'R');

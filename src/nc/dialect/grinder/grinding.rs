@@ -1,20 +1,32 @@
 //! The grinding functions: G10 wear, G27 dressing point, G35/G36 oscillation, G78 gauge positioning. Source: spec K4.
 
 use super::coordinates::axis_value;
-use super::{MAX_VALUE, axis_letters, integer, length_mm, out_of_range};
+use super::{MAX_VALUE, OneShot, axis_letters, integer, length_mm, out_of_range};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, GaugeMove, Op};
-use crate::nc::words::{ValueKind, Word};
+use crate::nc::words::{Code, ValueKind, Word};
 use crate::units::{Axis, PerAxis};
 
 /// Number of gauge inputs.
 const GAUGE_INPUTS: u32 = 6;
 
+/// How the one-shot functions of this file are read.
+pub(super) fn reading_of(code: u32) -> Option<OneShot> {
+    Some(match code {
+        10 => add_wear,
+        27 => dress_return,
+        35 => oscillation_on,
+        36 => oscillation_off,
+        78 => gauge_move,
+        _ => return None,
+    })
+}
+
 /// G10 `D_ U_ W_ V_`: adds to the wear of offset D (K4.1).
-pub(super) fn add_wear(running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
+fn add_wear(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
-    let Some(number) = words.take(b'D') else { return fail2(at, E::MissingWord, "G10", "D") };
+    let Some(number) = words.take(b'D') else { return fail2(code.at as usize, E::MissingWord, "G10", "D") };
     let number = integer(number, 1, running.settings.tool_count)? as u8;
     let mut by = PerAxis::default();
     let mut named = false;
@@ -25,14 +37,14 @@ pub(super) fn add_wear(running: &mut BlockContext<'_, '_>, at: usize) -> ReadRes
         by[axis] = axis_value(running, axis, word)?;
     }
     if !named {
-        return fail2(at, E::MissingWord, "G10", "U / W");
+        return fail2(code.at as usize, E::MissingWord, "G10", "U / W");
     }
     running.ops.push(Op::AddWear { number, by });
     Ok(())
 }
 
 /// G27 `X Z F_`: axes without numbers; X if there is none, P243 if there is no F (K4.2).
-pub(super) fn dress_return(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+fn dress_return(running: &mut BlockContext<'_, '_>, _code: Code) -> ReadResult<()> {
     let words = running.words;
     let mut axes = AxisSet::NONE;
     for axis in Axis::ALL {
@@ -55,7 +67,7 @@ pub(super) fn dress_return(running: &mut BlockContext<'_, '_>) -> ReadResult<()>
 }
 
 /// G35 `X_|Z_ D_ Q_` (K4.3); with a cylinder it has no words (K4.4).
-pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
+pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
     if running.settings.oscillation_by_cylinder {
         running.ops.push(Op::OscillationOn { stroke: None, ramp_ms: None, strokes_min: None });
@@ -63,7 +75,7 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> R
     }
     let named = |axis: &Axis| words.take(axis_letters(*axis)[0]).map(|word| (*axis, word));
     let mut ends = [Axis::X, Axis::Z].iter().filter_map(named);
-    let Some((axis, word)) = ends.next() else { return fail2(at, E::MissingWord, "G35", "X / Z") };
+    let Some((axis, word)) = ends.next() else { return fail2(code.at as usize, E::MissingWord, "G35", "X / Z") };
     if let Some((other, second)) = ends.next() {
         let (first, other) = (axis.letter().to_string(), other.letter().to_string());
         return fail2(second.at as usize, E::NotTogether, first, other);
@@ -79,10 +91,16 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> R
     Ok(())
 }
 
+/// G36.
+fn oscillation_off(running: &mut BlockContext<'_, '_>, _code: Code) -> ReadResult<()> {
+    running.ops.push(Op::OscillationOff);
+    Ok(())
+}
+
 /// G78 `Z_ F_ J_ P_ Q_ L_`; on GS the axis may be Y (K4.5).
-pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
+fn gauge_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
-    let missing = |name: &str| fail2(at, E::MissingWord, "G78", name);
+    let missing = |name: &str| fail2(code.at as usize, E::MissingWord, "G78", name);
     let other = running.settings.is_mill().then(|| words.take(b'Y')).flatten();
     let (axis, word) = match (words.take(b'Z'), other) {
         (Some(word), None) => (Axis::Z, word),

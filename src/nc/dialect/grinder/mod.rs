@@ -20,9 +20,8 @@ use crate::defs::kind::Dialect;
 use crate::nc::fault::{E, ReadResult, fail1};
 use crate::nc::flow::{CallLimit, Callee};
 use crate::nc::modal::ModalCodes;
-use crate::nc::op::Op;
 use crate::nc::settings::NcSettings;
-use crate::nc::words::{BlockWords, ValueKind, Word, letter_mask};
+use crate::nc::words::{BlockWords, Code, ValueKind, Word, letter_mask};
 use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
 /// GC: lathe system A. With `MILL`, GS and GA: modal G90 and G91, three axes in radius.
@@ -100,8 +99,8 @@ const AXIS_WORDS: u32 = letter_mask(b"XYZUVW");
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     auxiliary::spindle_speed(running, plan)?;
     let mut flow = auxiliary::before_motion(running)?;
-    match plan.one_shot.map(|once| once.number) {
-        Some(code) if cycles::is_contour_cycle(code) => {
+    match plan.one_shot {
+        Some(code) if cycles::is_contour_cycle(code.number) => {
             if let Some(cycle) = cycles::contour_cycle(running, code)? {
                 flow = FlowAction::Contour(cycle);
             }
@@ -152,26 +151,20 @@ fn changes_coordinates(running: &BlockContext<'_, '_>, plan: &BlockCodes) -> boo
 }
 
 fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
-    match plan.one_shot.map(|once| once.number) {
+    match plan.one_shot {
         // M35 has used the axis words.
         None if running.words.m.iter().any(|code| code.number == 35) => Ok(()),
         None => motion::modal_move(running, plan),
-        Some(4) => motion::dwell(running),
-        Some(10) => grinding::add_wear(running, coordinates::code_offset(running, 10)),
-        Some(27) => grinding::dress_return(running),
-        Some(35) => grinding::oscillation_on(running, coordinates::code_offset(running, 35)),
-        Some(36) => {
-            running.ops.push(Op::OscillationOff);
-            Ok(())
-        }
-        Some(code @ (74 | 75)) => cycles::grooving_cycle(running, code),
-        Some(78) => grinding::gauge_move(running, coordinates::code_offset(running, 78)),
-        Some(code @ (28 | 30)) => motion::return_to_reference(running, code),
-        Some(31) => motion::skip(running),
-        Some(50) => motion::set_coordinate_system(running),
-        Some(53) => motion::machine_move(running),
-        Some(_) => Ok(()),
+        Some(code) => reading_of(code.number).map_or(Ok(()), |read| read(running, code)),
     }
+}
+
+/// Reads the words of a one-shot function and pushes its operations.
+type OneShot = fn(&mut BlockContext<'_, '_>, Code) -> ReadResult<()>;
+
+/// How a one-shot function is read; each file knows its own. Contour cycles and calls change the flow: not here.
+fn reading_of(code: u32) -> Option<OneShot> {
+    motion::reading_of(code).or_else(|| grinding::reading_of(code)).or_else(|| cycles::reading_of(code))
 }
 
 /// The length of a word in millimetres; applies inches and least increment.
@@ -217,5 +210,21 @@ const fn axis_letters(axis: Axis) -> [u8; 2] {
         Axis::X => [b'X', b'U'],
         Axis::Y => [b'Y', b'V'],
         Axis::Z => [b'Z', b'W'],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cycles, reading_of};
+    use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
+
+    #[test]
+    fn b2_every_one_shot_function_of_the_table_has_a_reading() {
+        for row in G_CODES.iter().filter(|row| row.group == GCodeGroup::NonModal) {
+            let code = u32::from(row.code);
+            let read = reading_of(code).is_some() || cycles::is_contour_cycle(code) || code == 65;
+            let exists = [row.lathe, row.mill].contains(&Availability::Yes);
+            assert_eq!(read, exists, "G{code:02}");
+        }
     }
 }

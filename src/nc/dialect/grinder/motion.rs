@@ -1,7 +1,7 @@
 //! Lines, arcs, dwell, skip, G50 and moves to reference points. Source: spec B2, K1, K5.10, K5.11.
 
-use super::coordinates::{SYNTAX, code_offset, modal_feed, target};
-use super::{MAX_VALUE, cycles, integer, out_of_range};
+use super::coordinates::{SYNTAX, modal_feed, target};
+use super::{MAX_VALUE, OneShot, cycles, integer, out_of_range};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::motion::{self, MoveTarget};
@@ -9,11 +9,23 @@ use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Op, REFERENCE_POINTS};
-use crate::nc::words::ValueKind;
+use crate::nc::words::{Code, ValueKind};
 use crate::units::PerAxis;
 
 /// Number of skip signals of G31.
 const SKIP_SIGNALS: u32 = 6;
+
+/// How the one-shot functions of this file are read.
+pub(super) fn reading_of(code: u32) -> Option<OneShot> {
+    Some(match code {
+        4 => dwell,
+        28 | 30 => return_to_reference,
+        31 => skip,
+        50 => set_coordinate_system,
+        53 => machine_move,
+        _ => return None,
+    })
+}
 
 /// The move of the active function of group 01.
 pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
@@ -29,11 +41,11 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
 }
 
 /// G04: P milliseconds, X or U seconds.
-pub(super) fn dwell(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
     let found = [b'P', b'X', b'U'].map(|letter| words.take(letter));
     let mut given = found.into_iter().flatten();
-    let Some(word) = given.next() else { return fail2(code_offset(running, 4), E::MissingWord, "G04", "P / X / U") };
+    let Some(word) = given.next() else { return fail2(code.at as usize, E::MissingWord, "G04", "P / X / U") };
     if let Some(second) = given.next() {
         return fail2(second.at as usize, E::NotTogether, char::from(word.letter), char::from(second.letter));
     }
@@ -51,14 +63,14 @@ pub(super) fn dwell(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 }
 
 /// G28: via the intermediate point to the machine zero; G30 P2 to P4: to another reference point.
-pub(super) fn return_to_reference(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
+fn return_to_reference(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
     if words.is_empty() {
-        return fail2(code_offset(running, code), E::MissingWord, format_args!("G{code}"), "X / Z");
+        return fail2(code.at as usize, E::MissingWord, format_args!("G{}", code.number), "X / Z");
     }
-    let number = match running.words.take(b'P').filter(|_| code == 30) {
+    let number = match running.words.take(b'P').filter(|_| code.number == 30) {
         Some(word) => integer(word, 2, REFERENCE_POINTS as u32)? as u8,
-        None if code == 30 => 2,
+        None if code.number == 30 => 2,
         None => 1,
     };
     running.ops.push(Op::ReturnToReference { number, via: to, words, incremental });
@@ -66,10 +78,10 @@ pub(super) fn return_to_reference(running: &mut BlockContext<'_, '_>, code: u32)
 }
 
 /// G31: feeds until skip signal P is active (1–6, default 1).
-pub(super) fn skip(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+fn skip(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
     if words.is_empty() {
-        return fail2(code_offset(running, 31), E::MissingWord, "G31", "X / Z");
+        return fail2(code.at as usize, E::MissingWord, "G31", "X / Z");
     }
     let signal = running.words.take(b'P').map_or(Ok(1), |word| integer(word, 1, SKIP_SIGNALS))? as u8;
     let feed = modal_feed(running)?;
@@ -78,18 +90,17 @@ pub(super) fn skip(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 }
 
 /// G50: assigns work coordinates X Z to the present position; U and W shift them; S limits the speed under G96.
-pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
-    let at = code_offset(running, 50);
+fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, .. } = target(running)?;
     let limit = running.words.take(b'S');
     if let Some(word) = limit {
         running.ops.push(Op::SpeedLimit { rpm: in_range(word, (0.0, MAX_VALUE), "")? });
     }
     if words.is_empty() {
-        return if limit.is_some() { Ok(()) } else { fail2(at, E::MissingWord, "G50", "X / Z / S") };
+        return if limit.is_some() { Ok(()) } else { fail2(code.at as usize, E::MissingWord, "G50", "X / Z / S") };
     }
     if running.modals.several_tools {
-        return fail(at, E::G50WithTools);
+        return fail(code.at as usize, E::G50WithTools);
     }
     running.modals.g50_used = true;
     running
@@ -99,11 +110,10 @@ pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>) -> ReadR
 }
 
 /// G53: machine coordinates for this block.
-pub(super) fn machine_move(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
-    let at = code_offset(running, 53);
+fn machine_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
     if words.is_empty() {
-        return fail2(at, E::MissingWord, "G53", "X / Z");
+        return fail2(code.at as usize, E::MissingWord, "G53", "X / Z");
     }
     if !incremental.is_empty() {
         return fail2(motion::first_offset(running, &SYNTAX), E::NotTogether, "G53", "U V W G91");
@@ -111,7 +121,7 @@ pub(super) fn machine_move(running: &mut BlockContext<'_, '_>) -> ReadResult<()>
     let feed = match running.modals.motion {
         MotionMode::Rapid => None,
         MotionMode::Feed => Some(modal_feed(running)?),
-        motion => return fail2(at, E::NotTogether, "G53", format_args!("G{:02}", motion.g())),
+        motion => return fail2(code.at as usize, E::NotTogether, "G53", format_args!("G{:02}", motion.g())),
     };
     running.ops.push(Op::MachineMove { to: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])), feed });
     Ok(())
