@@ -4,7 +4,7 @@
 use super::equipment::Needs;
 use super::key::Key;
 use super::kind::{Kind, KindRow};
-use super::mcode::{self, MCode};
+use super::mcode::MCode;
 use super::page::Page;
 use super::param::{self, Params};
 use super::signal::{Input, Output};
@@ -57,7 +57,7 @@ impl Page {
 
 /// The M codes of a kind of machine.
 pub fn m_codes(kind: Kind) -> impl Iterator<Item = &'static MCode> {
-    mcode::rows_of(kind.dialect()).filter(move |row| exists(row.action.needs(), kind))
+    kind.dialect().m_codes().filter(move |row| exists(row.action.needs(), kind))
 }
 
 impl Key {

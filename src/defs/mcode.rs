@@ -2,7 +2,6 @@
 //! Source: spec K3, B4.
 
 use super::equipment::{ANY, Needs, TAILSTOCK};
-use super::kind::Dialect;
 use super::signal::{Input, Output};
 use super::text::Text;
 
@@ -374,7 +373,7 @@ mcodes! {
 }
 
 /// M codes that only the SINUMERIK dialect has.
-const EXTRA_802D: &[MCode] = &[
+pub(super) const EXTRA_802D: &[MCode] = &[
     // The grinding head has one direction; M4 is the same as M3.
     MCode {
         code: 4,
@@ -386,31 +385,8 @@ const EXTRA_802D: &[MCode] = &[
     },
 ];
 
-/// The M code table of a dialect.
-#[must_use]
-pub const fn table(system: Dialect) -> &'static [MCode] {
-    match system {
-        Dialect::LatheA | Dialect::Mill | Dialect::Sinumerik => MCODES,
-        Dialect::SuperMan => LATHE_MCODES,
-    }
-}
-
 /// M codes that the SINUMERIK dialect does not have: ports, oscillation, jumps and calls.
-const EXCLUDED_802D: &[u16] = &[20, 21, 22, 35, 36, 91, 92, 98, 99];
-
-/// All M codes of a dialect.
-pub fn rows_of(system: Dialect) -> impl Iterator<Item = &'static MCode> {
-    let sinumerik = matches!(system, Dialect::Sinumerik);
-    let more = if sinumerik { EXTRA_802D } else { &[] };
-    let rows = table(system).iter().chain(more);
-    rows.filter(move |row| !sinumerik || !EXCLUDED_802D.contains(&row.code))
-}
-
-/// The row of a code in a dialect.
-#[must_use]
-pub fn find_in(system: Dialect, code: u16) -> Option<&'static MCode> {
-    rows_of(system).find(|row| row.code == code)
-}
+pub(super) const EXCLUDED_802D: &[u16] = &[20, 21, 22, 35, 36, 91, 92, 98, 99];
 
 /// Codes that this version reads but does not execute: the program stops before their block. None at present.
 pub const NOT_IMPLEMENTED: &[u16] = &[];
