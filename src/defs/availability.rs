@@ -3,7 +3,7 @@
 
 use super::key::Key;
 use super::kind::{Kind, KindRow};
-use super::mcode::{self, MCode};
+use super::mcode::MCode;
 use super::page::Page;
 use super::param::{self, Params};
 use super::signal::{Input, Output};
@@ -52,7 +52,7 @@ impl Page {
 
 /// The M codes of a kind of machine.
 pub fn m_codes(kind: Kind) -> impl Iterator<Item = &'static MCode> {
-    mcode::rows_of(kind.dialect()).filter(move |row| kind.row().meets(row.action.needs()))
+    kind.dialect().m_codes().filter(move |row| kind.row().meets(row.action.needs()))
 }
 
 impl Key {

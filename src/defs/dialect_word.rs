@@ -1,7 +1,6 @@
 //! The words of the two dialects with their own G codes and statements, for help and manual.
 //! Source: spec superman-lathe.md L2–L8, sinumerik-802d.md S1.
 
-use super::kind::Dialect;
 use super::text::Text;
 
 /// One word of a dialect.
@@ -17,7 +16,7 @@ pub struct DialectWord {
 
 macro_rules! words {
     ($table:ident: $($word:literal, $zh:literal, $en:literal, $help_zh:literal, $help_en:literal;)*) => {
-        const $table: &[DialectWord] = &[$(DialectWord {
+        pub(super) const $table: &[DialectWord] = &[$(DialectWord {
             word: $word, text: Text::new($zh, $en), help: Text::new($help_zh, $help_en),
         },)*];
     };
@@ -113,14 +112,4 @@ words! {
     "G95", "每转进给", "feed per revolution", "F 为每转毫米；必须重新给 F。", "F is millimetres a revolution; a new F is asked for.";
     "G96", "恒线速", "constant surface speed", "S 为砂轮圆周 m/min。", "S is m/min at the wheel's rim.";
     "G97", "恒转速", "constant speed of rotation", "S 为转/分。", "S is rpm.";
-}
-
-/// The words of a dialect; empty for dialects that use the `gcode` table.
-#[must_use]
-pub const fn words_of(system: Dialect) -> &'static [DialectWord] {
-    match system {
-        Dialect::LatheA | Dialect::Mill => &[],
-        Dialect::SuperMan => SUPERMAN,
-        Dialect::Sinumerik => SINUMERIK,
-    }
 }

@@ -2,7 +2,6 @@
 //! Source: spec K3, B4.
 
 use super::equipment::{Equipment, Needs};
-use super::kind::Dialect;
 use super::signal::{Input, Output};
 use super::text::Text;
 
@@ -346,31 +345,8 @@ mcodes! {
         "磨头只有一个转向：同 M3。", "The grinding head turns one way: as M3.";
 }
 
-/// The M code table of a dialect.
-#[must_use]
-pub const fn table(system: Dialect) -> &'static [MCode] {
-    match system {
-        Dialect::LatheA | Dialect::Mill | Dialect::Sinumerik => MCODES,
-        Dialect::SuperMan => LATHE_MCODES,
-    }
-}
-
 /// M codes that the SINUMERIK dialect does not have: ports, oscillation, jumps and calls.
-const EXCLUDED_802D: &[u16] = &[20, 21, 22, 35, 36, 91, 92, 98, 99];
-
-/// All M codes of a dialect.
-pub fn rows_of(system: Dialect) -> impl Iterator<Item = &'static MCode> {
-    let sinumerik = matches!(system, Dialect::Sinumerik);
-    let more = if sinumerik { EXTRA_802D } else { &[] };
-    let rows = table(system).iter().chain(more);
-    rows.filter(move |row| !sinumerik || !EXCLUDED_802D.contains(&row.code))
-}
-
-/// The row of a code in a dialect.
-#[must_use]
-pub fn find_in(system: Dialect, code: u16) -> Option<&'static MCode> {
-    rows_of(system).find(|row| row.code == code)
-}
+pub(super) const EXCLUDED_802D: &[u16] = &[20, 21, 22, 35, 36, 91, 92, 98, 99];
 
 /// Codes that this version reads but does not execute: the program stops before their block. None at present.
 pub const NOT_IMPLEMENTED: &[u16] = &[];

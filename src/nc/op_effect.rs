@@ -5,7 +5,7 @@
 use super::op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
 use super::work_offsets::WorkOffsets;
 use crate::defs::kind::Dialect;
-use crate::defs::mcode::{self, SwitchedUnit};
+use crate::defs::mcode::SwitchedUnit;
 use crate::defs::text::arg::Arg;
 use crate::units::{Axis, MachinePos, PerAxis, Plane, WorkPos};
 
@@ -411,6 +411,6 @@ impl MCodeWords {
     /// The unit that the code switches in a dialect, and whether on.
     #[must_use]
     pub fn switched_unit(&self, dialect: Dialect) -> Option<(SwitchedUnit, bool)> {
-        mcode::find_in(dialect, u16::from(self.code)).and_then(|row| row.action.switched_unit())
+        dialect.m_code(u16::from(self.code)).and_then(|row| row.action.switched_unit())
     }
 }

@@ -110,14 +110,11 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
 
 #[test]
 fn b6_the_help_knows_the_g_codes_that_the_language_knows() {
-    use kt830::defs::dialect_word;
     use kt830::nc::{NcSettings, Source, check::check_syntax};
     let unknown = [ProgramError::UnknownG.number(), ProgramError::UnknownCode.number()];
     for (kind, system) in [(Kind::Lathe, Dialect::SuperMan), (Kind::Vertical, Dialect::Sinumerik)] {
-        let listed: Vec<u32> = dialect_word::words_of(system)
-            .iter()
-            .filter_map(|word| word.word.strip_prefix('G')?.parse().ok())
-            .collect();
+        let listed: Vec<u32> =
+            system.words().iter().filter_map(|word| word.word.strip_prefix('G')?.parse().ok()).collect();
         for code in 0..=120 {
             let source = std::sync::Arc::new(Source::new(1, "", format!("N0010 G{code}\n").into_bytes(), system));
             let faults = check_syntax(&source, &NcSettings::for_dialect(system));

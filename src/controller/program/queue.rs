@@ -5,7 +5,7 @@ use super::move_refusal::MoveRefusal;
 use crate::controller::axes::oscillation::OscillationStroke;
 use crate::controller::axes::{SECONDS_PER_MINUTE, soft_limits};
 use crate::defs::kind::Dialect;
-use crate::defs::mcode::{self, MCode, MCodeAction, Request};
+use crate::defs::mcode::{MCode, MCodeAction, Request};
 use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
@@ -114,7 +114,7 @@ impl MCall {
     /// The row and the words of a code; `None` if the dialect does not have the code.
     #[must_use]
     pub fn new(dialect: Dialect, words: &MCodeWords) -> Option<Self> {
-        let row = mcode::find_in(dialect, u16::from(words.code))?;
+        let row = dialect.m_code(u16::from(words.code))?;
         Some(Self { row, s: words.s, p: words.p.unwrap_or(0.0) as u8, l_ms: words.l.unwrap_or(0.0) as u32 })
     }
 

@@ -1,5 +1,4 @@
-//! The kinds of machine, one file per kind, and the dialects of their programs. Other modules read the row of a kind and
-//! do not ask for the kind. A new kind is its file here, its machine file in `assets/machines` and its row in `kinds!`.
+//! The kinds of machine, one file per kind. Other modules read the row of a kind and do not ask for the kind. A new kind is its file here, its machine file in `assets/machines` and its row in `kinds!`.
 //! Source: spec K1, S1.
 
 mod ga;
@@ -10,6 +9,7 @@ mod panel;
 mod ui;
 mod vertical;
 
+pub use super::dialect::Dialect;
 pub use panel::{MachineUnit, MachineUnits};
 pub use ui::{GrindingForm, KeyLabel, KindUi, WheelPose};
 
@@ -123,19 +123,6 @@ impl KindFactory {
     const TABLE: Self = Self { numbers: &[], bits: &[], ranges: &[], r_parameters: &[] };
 }
 
-/// The dialect of the programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dialect {
-    /// GC: U, V, W are incremental; G90 and G94 are cycles.
-    LatheA,
-    /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
-    Mill,
-    /// SINUMERIK 802D: R parameters, `X=R20`, labels, G90 and G91 modal (S1).
-    Sinumerik,
-    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arc direction reversed (L1–L8).
-    SuperMan,
-}
-
 impl Kind {
     /// The KT-830 kinds, with the customer's codes, keys and pages (K1).
     pub const KT830: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
@@ -245,38 +232,6 @@ impl Equipment {
             | Self::Gauges
             | Self::ToolTurret => None,
         }
-    }
-}
-
-impl Dialect {
-    /// The milling dialect: G90 and G91 are modal (GS, GA).
-    #[must_use]
-    pub const fn is_mill(self) -> bool {
-        matches!(self, Self::Mill)
-    }
-
-    /// It uses the G codes of the `gcode` table; the other dialects have their own words.
-    #[must_use]
-    pub const fn is_kt830(self) -> bool {
-        matches!(self, Self::LatheA | Self::Mill)
-    }
-
-    /// T selects a tool offset (S1: not in SINUMERIK programs).
-    #[must_use]
-    pub const fn has_tool_offsets(self) -> bool {
-        !matches!(self, Self::Sinumerik)
-    }
-
-    /// Round brackets enclose comments. With R parameters they belong to expressions (S1).
-    #[must_use]
-    pub const fn has_bracket_comments(self) -> bool {
-        !self.has_r_parameters()
-    }
-
-    /// R parameters exist, and round brackets belong to expressions (S1).
-    #[must_use]
-    pub const fn has_r_parameters(self) -> bool {
-        matches!(self, Self::Sinumerik)
     }
 }
 

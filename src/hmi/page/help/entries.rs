@@ -4,7 +4,6 @@
 use super::keyboard_map;
 use crate::defs::alarm::{self, ALARMS, Reaction, ResetRule};
 use crate::defs::availability;
-use crate::defs::dialect_word;
 use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
 use crate::defs::key::{self, Key};
 use crate::defs::kind::Kind;
@@ -329,7 +328,7 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
         let sign = format!("G{:02}", row.code);
         all.push(HelpEntry::new(HelpTopic::GCode, format!("g-{sign}"), sign, row.text.into(), parts));
     }
-    for word in dialect_word::words_of(system) {
+    for word in system.words() {
         let (id, sign) = (format!("g-{}", word.word), word.word.to_owned());
         all.push(HelpEntry::new(HelpTopic::GCode, id, sign, word.text.into(), vec![(PURPOSE, word.help.into())]));
     }

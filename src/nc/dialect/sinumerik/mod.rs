@@ -15,7 +15,6 @@ use super::codes::{self as shared_codes, BlockCodes};
 use super::common;
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};
 use crate::defs::kind::Dialect;
-use crate::defs::mcode;
 use crate::defs::program_number::{self, L_MAX};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
@@ -192,8 +191,7 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) {
 
 /// Accepts the M codes of the machine and M17; the error lists the valid codes.
 fn check_m_code(code: Code) -> ReadResult<()> {
-    let exists =
-        |number: u32| u16::try_from(number).is_ok_and(|code| mcode::find_in(Dialect::Sinumerik, code).is_some());
+    let exists = |number: u32| u16::try_from(number).is_ok_and(|code| Dialect::Sinumerik.m_code(code).is_some());
     if code.number == RETURN_M_CODE || exists(code.number) {
         return Ok(());
     }

@@ -2,7 +2,7 @@
 
 use super::{MAX_BLOCK_NUMBER, integer, out_of_range};
 use crate::defs::kind::Dialect;
-use crate::defs::mcode::{self, MCode};
+use crate::defs::mcode::MCode;
 use crate::nc::dialect::codes;
 use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::rules::{BlockContext, FlowAction, UnexecutedBlock};
@@ -20,7 +20,7 @@ const MAX_REPEATS: u32 = 9_999;
 
 /// The row of an M code.
 fn m_code_row(code: Code) -> Option<&'static MCode> {
-    mcode::find_in(Dialect::SuperMan, u16::try_from(code.number).ok()?)
+    Dialect::SuperMan.m_code(u16::try_from(code.number).ok()?)
 }
 
 /// Refuses an M code that the dialect does not have; the error lists the valid codes.
@@ -28,7 +28,7 @@ pub(super) fn check_exists(code: Code) -> ReadResult<()> {
     if m_code_row(code).is_some() {
         return Ok(());
     }
-    codes::refuse_unknown(code, 'M', 2, mcode::table(Dialect::SuperMan).iter().map(|row| u32::from(row.code)))
+    codes::refuse_unknown(code, 'M', 2, Dialect::SuperMan.m_codes().map(|row| u32::from(row.code)))
 }
 
 /// Checks an M code of a block that is not executed, and its jump target.
