@@ -45,7 +45,7 @@ pub(crate) use login::Login;
 pub use offscreen::{page_text, screenshot};
 pub use page::help::{HelpEntry, Section as HelpSection, entries as help_entries};
 pub(crate) use question::{Question, QuestionDialog};
-pub(crate) use requests::{PendingRequests, ProtectedRequests, RequestEvent, RequestReason, file_command};
+pub(crate) use requests::{PendingRequests, RequestEvent, file_command};
 pub(crate) use search_field::{Search, SearchTouch};
 pub(crate) use view::{
     View, blink_phase, clock_time, format_cycle_time, format_date_time, format_length, format_size, format_strokes,

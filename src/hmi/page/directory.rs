@@ -10,7 +10,7 @@ use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeyboardFocus, KeycapState, Login, PageKey, PendingRequests, Question, QuestionDialog,
-    RequestReason, View, format_size, keycap, page_frame as lines, pictogram, round_to_lines, theme, widget,
+    View, format_size, keycap, page_frame as lines, pictogram, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -29,14 +29,6 @@ enum DirectoryAction {
     Delete,
 }
 
-/// Request to create, copy, rename or delete a program.
-#[derive(Debug)]
-struct DirectoryRequest;
-
-impl RequestReason for DirectoryRequest {
-    const REQUESTER: Requester = Requester::Directory;
-}
-
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct DirectoryPage {
@@ -50,7 +42,7 @@ pub struct DirectoryPage {
     /// Request that waits for an answer or for the password.
     request: Option<FileRequest>,
     awaiting_password: bool,
-    asking: PendingRequests<DirectoryRequest>,
+    asking: PendingRequests<()>,
     walk: KeyboardFocus,
     keys_focused: bool,
     /// The page was just opened: scroll to the selected row.
@@ -102,7 +94,7 @@ impl PageUi for DirectoryPage {
 impl DirectoryPage {
     fn send(&mut self, out: &mut Vec<Command>) {
         if let Some(request) = &self.request {
-            out.push(self.asking.send(DirectoryRequest, request.clone()));
+            out.push(self.asking.send(Requester::Directory, (), request.clone()));
         }
     }
 
@@ -112,8 +104,8 @@ impl DirectoryPage {
             self.awaiting_password = false;
             if view.snapshot.access.program_unlocked { self.send(out) } else { self.request = None }
         }
-        let answer = self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some());
-        match answer.map(|(DirectoryRequest, answer)| answer) {
+        let answer = self.asking.poll(Requester::Directory, &view.snapshot.files).filter(|_| self.request.is_some());
+        match answer.map(|((), answer)| answer) {
             None => return,
             Some(Err(Refusal::Password)) => {
                 self.awaiting_password = true;

@@ -10,8 +10,8 @@ use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
-    Area, KeyboardFocus, Login, PageKey, PendingRequests, Question, QuestionDialog, RequestReason, View, file_command,
-    format_size, page_frame as lines, round_to_lines, theme, widget,
+    Area, KeyboardFocus, Login, PageKey, PendingRequests, Question, QuestionDialog, View, file_command, format_size,
+    page_frame as lines, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -24,14 +24,6 @@ const KEYS_HEIGHT: f32 = 52.0;
 const OVERWRITE_KEY: usize = 0;
 /// Seconds between two checks of the USB drive while the page is open.
 const MEDIUM_POLL_SECONDS: f64 = 2.0;
-
-/// Request to transfer files.
-#[derive(Debug)]
-struct MediaRequest;
-
-impl RequestReason for MediaRequest {
-    const REQUESTER: Requester = Requester::Transfer;
-}
 
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +47,7 @@ pub struct TransferPage {
     awaiting_password: Option<PasswordScope>,
     question: QuestionDialog<TransferQuestion>,
     message: Option<(LocalizedText, bool)>,
-    asking: PendingRequests<MediaRequest>,
+    asking: PendingRequests<()>,
     last_poll: f64,
     /// The RS232 half.
     serial: SerialPane,
@@ -143,10 +135,8 @@ impl TransferPage {
                 self.request = None;
             }
         }
-        let Some((MediaRequest, answer)) = self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some())
-        else {
-            return;
-        };
+        let answer = self.asking.poll(Requester::Transfer, &view.snapshot.files);
+        let Some(((), answer)) = answer.filter(|_| self.request.is_some()) else { return };
         self.last_poll = f64::NEG_INFINITY;
         match answer {
             Ok(deed) => {
@@ -198,7 +188,7 @@ impl TransferPage {
     fn send_request(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
         if let Some(ask) = &mut self.request {
             ask.overwrite = overwrite;
-            out.push(self.asking.send(MediaRequest, FileRequest::Transfer(ask.clone())));
+            out.push(self.asking.send(Requester::Transfer, (), FileRequest::Transfer(ask.clone())));
         }
     }
 

@@ -16,8 +16,8 @@ use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, ProtectedRequests, QuestionDialog,
-    RequestEvent, RequestReason, View, file_command, letter_pad, pictogram, requests, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PendingRequests, QuestionDialog,
+    RequestEvent, View, file_command, letter_pad, pictogram, requests, theme, widget,
 };
 use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -56,10 +56,6 @@ enum DesignerRequest {
     Picture,
 }
 
-impl RequestReason for DesignerRequest {
-    const REQUESTER: Requester = Requester::Designer;
-}
-
 /// Subject of a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum DesignerQuestion {
@@ -93,7 +89,7 @@ pub struct DesignerPage {
     stale: bool,
     /// Page of the last file request, its time in s, and the number of tries.
     last_request: (u32, f64, u8),
-    asking: ProtectedRequests<DesignerRequest>,
+    asking: PendingRequests<DesignerRequest>,
     question: QuestionDialog<DesignerQuestion>,
     message: Option<(LocalizedText, bool)>,
     walk: KeyboardFocus,
@@ -186,7 +182,7 @@ impl DesignerPage {
 
     /// Handles the answers of the core.
     fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        while let Some(heard) = self.asking.poll(view, login) {
+        while let Some(heard) = self.asking.poll_protected(Requester::Designer, view, login) {
             match heard {
                 RequestEvent::Unlocked => self.request_edit(view, out),
                 RequestEvent::Answer(DesignerRequest::Edit, Ok(_)) => (self.editing, self.message) = (true, None),
@@ -255,14 +251,14 @@ impl DesignerPage {
         if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
             return self.refuse(Text::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
         }
-        let number = self.number(view.snapshot);
-        out.push(self.asking.send(DesignerRequest::Edit, FileRequest::CheckEditable(number)));
+        let request = FileRequest::CheckEditable(self.number(view.snapshot));
+        out.push(self.asking.send(Requester::Designer, DesignerRequest::Edit, request));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
         let (page, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
         let request = FileRequest::SavePage { page, text, base_stamp: base, overwrite: force };
-        out.push(self.asking.send(DesignerRequest::Save(self.document.version), request));
+        out.push(self.asking.send(Requester::Designer, DesignerRequest::Save(self.document.version), request));
     }
 
     /// Handles a key of a question other than 取消, by its index.
@@ -281,8 +277,8 @@ impl DesignerPage {
                 (self.editing, self.keyboard_open, self.stale) = (false, false, true);
             }
             DesignerQuestion::Picture(from, name) => {
-                let page = self.document.number;
-                out.push(self.asking.send(DesignerRequest::Picture, FileRequest::ImportPicture { page, from, name }));
+                let request = FileRequest::ImportPicture { page: self.document.number, from, name };
+                out.push(self.asking.send(Requester::Designer, DesignerRequest::Picture, request));
             }
         }
     }

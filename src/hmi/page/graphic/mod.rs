@@ -13,8 +13,8 @@ use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 use super::{PageContext, PageUi, empty};
 use crate::defs::text::Text;
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, RequestReason, View, file_command,
-    format_length, page_frame as lines, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, View, file_command, format_length,
+    page_frame as lines, theme, widget,
 };
 use crate::link::files::{FileRequest, Requester};
 use crate::link::snapshot::RunState;
@@ -40,14 +40,6 @@ const PAN_STEP: f32 = 0.15;
 /// View plane: the axis to the right and the axis upwards.
 pub type ViewPlane = (Axis, Axis);
 
-/// Request for a tool path.
-#[derive(Debug)]
-struct DrawingRequest;
-
-impl RequestReason for DrawingRequest {
-    const REQUESTER: Requester = Requester::Graphic;
-}
-
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct GraphicPage {
@@ -56,7 +48,7 @@ pub struct GraphicPage {
     canvas: Canvas,
     /// Program and text stamp of the last request, and its time in s.
     last_request: Option<((u32, u64), f64)>,
-    asking: PendingRequests<DrawingRequest>,
+    asking: PendingRequests<()>,
     /// Actual path X Y Z, mm, work coordinates, X as radius.
     actual_path: Vec<[f32; 3]>,
     /// Period of the clock in which the machine position was looked at last.
@@ -103,7 +95,7 @@ impl PageUi for GraphicPage {
         let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
         let wanted = (program.number, program.stamp);
         let now = view.ui.input(|input| input.time);
-        while self.asking.poll(&view.snapshot.files).is_some() {}
+        while self.asking.poll(Requester::Graphic, &view.snapshot.files).is_some() {}
         // An unanswered request is repeated; a refused or cancelled one is not.
         let due = self
             .last_request
@@ -131,7 +123,7 @@ impl PageUi for GraphicPage {
 impl GraphicPage {
     fn request_drawing(&mut self, wanted: (u32, u64), now: f64, out: &mut Vec<Command>) {
         self.last_request = Some((wanted, now));
-        out.push(self.asking.send(DrawingRequest, FileRequest::ComputeToolpath(wanted.0)));
+        out.push(self.asking.send(Requester::Graphic, (), FileRequest::ComputeToolpath(wanted.0)));
     }
 
     fn canvas(

@@ -11,7 +11,7 @@ use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::{
     Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, Login, PageKey, PendingRequests, Question, QuestionDialog,
-    RequestReason, View, theme, widget,
+    View, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Requester};
@@ -39,14 +39,6 @@ enum PendingEdit {
     Import,
 }
 
-/// Request to export or import a table.
-#[derive(Debug)]
-struct LeadscrewRequest;
-
-impl RequestReason for LeadscrewRequest {
-    const REQUESTER: Requester = Requester::Leadscrew;
-}
-
 /// What the tab edits in this frame, and where its commands go.
 struct TabContext<'a> {
     view: &'a View<'a>,
@@ -69,7 +61,8 @@ pub struct LeadscrewTab {
     pub typing: FieldEditor,
     pending_edit: Option<PendingEdit>,
     question: QuestionDialog<()>,
-    asking: PendingRequests<LeadscrewRequest>,
+    /// Exports and imports.
+    asking: PendingRequests<()>,
     message: Option<(LocalizedText, bool)>,
 }
 
@@ -117,7 +110,7 @@ impl LeadscrewTab {
                 self.pending_edit = Some(wish);
             }
         }
-        while let Some((LeadscrewRequest, answer)) = self.asking.poll(&ctx.view.snapshot.files) {
+        while let Some(((), answer)) = self.asking.poll(Requester::Leadscrew, &ctx.view.snapshot.files) {
             self.message = Some(match answer {
                 Ok(deed) => (deed.message, false),
                 Err(refusal) => (refusal.message(), true),
@@ -142,7 +135,7 @@ impl LeadscrewTab {
                 self.typing.send_text(field, text);
                 Command::Page(PageCommand::EditLeadscrew(ctx.axis, table))
             }
-            PendingEdit::Import => self.asking.send(LeadscrewRequest, FileRequest::ImportLeadscrew(ctx.axis)),
+            PendingEdit::Import => self.asking.send(Requester::Leadscrew, (), FileRequest::ImportLeadscrew(ctx.axis)),
         });
     }
 
@@ -383,7 +376,7 @@ impl LeadscrewTab {
             3 => self.request_edit(PendingEdit::Import, ctx),
             _ => {
                 let export = FileRequest::ExportLeadscrew(ctx.axis, ctx.table.clone());
-                ctx.out.push(self.asking.send(LeadscrewRequest, export));
+                ctx.out.push(self.asking.send(Requester::Leadscrew, (), export));
             }
         }
     }

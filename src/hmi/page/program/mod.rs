@@ -16,8 +16,8 @@ use super::{PageContext, PageUi, ScrollList, empty};
 use crate::defs::key::Mode;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, ProtectedRequests, QuestionDialog, RequestEvent,
-    RequestReason, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PendingRequests, QuestionDialog, RequestEvent, View,
+    file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
@@ -54,10 +54,6 @@ enum EditorRequest {
     Save(u64),
 }
 
-impl RequestReason for EditorRequest {
-    const REQUESTER: Requester = Requester::Editor;
-}
-
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum EditorQuestion {
@@ -79,7 +75,7 @@ pub struct ProgramPage {
     /// Replacing one by one: the next key decides about this match.
     replacing: bool,
     task: Option<TextTask>,
-    asking: ProtectedRequests<EditorRequest>,
+    asking: PendingRequests<EditorRequest>,
     question: QuestionDialog<EditorQuestion>,
     message: Option<(LocalizedText, bool)>,
     last_check: (u64, usize, f64),
@@ -151,7 +147,7 @@ impl ProgramPage {
 
     /// Handles the answers of the core.
     fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        while let Some(heard) = self.asking.poll(view, login) {
+        while let Some(heard) = self.asking.poll_protected(Requester::Editor, view, login) {
             match heard {
                 RequestEvent::Unlocked => self.request_edit(out),
                 RequestEvent::Answer(EditorRequest::Edit, Ok(_)) => {
@@ -208,13 +204,14 @@ impl ProgramPage {
     }
 
     fn request_edit(&mut self, out: &mut Vec<Command>) {
-        out.push(self.asking.send(EditorRequest::Edit, FileRequest::CheckEditable(self.document.number)));
+        let request = FileRequest::CheckEditable(self.document.number);
+        out.push(self.asking.send(Requester::Editor, EditorRequest::Edit, request));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
         let (number, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
         let request = FileRequest::Save { number, text, base_stamp: base, overwrite: force };
-        out.push(self.asking.send(EditorRequest::Save(self.document.version), request));
+        out.push(self.asking.send(Requester::Editor, EditorRequest::Save(self.document.version), request));
     }
 
     /// Handles a key of a question other than 取消, by its index.
