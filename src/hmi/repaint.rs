@@ -19,18 +19,11 @@ use crate::units::PerAxis;
 const CYCLE: &[Page] = &[Page::Position, Page::Panel, Page::Grinding];
 /// Pages that show values of macro variables.
 const VARIABLES: &[Page] = &[Page::Grinding, Page::Designer, Page::Macro];
-/// Pages that show inputs.
-const INPUTS: &[Page] = &[Page::Diagnosis, Page::Simulator, Page::Process];
 /// Pages that show the simulated machine.
 const SIMULATED: &[Page] = &[Page::Simulator, Page::Process, Page::Graphic];
 const DIAGNOSIS: &[Page] = &[Page::Diagnosis];
-const OFFSETS: &[Page] = &[Page::Offset, Page::Dressing];
-const DRESSING: &[Page] = &[Page::Dressing];
-const GRAPHIC: &[Page] = &[Page::Graphic];
-const PARAMS: &[Page] = &[Page::Params];
 const PROGRAM: &[Page] = &[Page::Program];
 const MDI: &[Page] = &[Page::Mdi];
-const TEACH: &[Page] = &[Page::Teach];
 
 macro_rules! compared_fields {
     ($($field:ident: $rule:expr;)*) => {
@@ -77,11 +70,11 @@ compared_fields! {
         page == Page::Wheel && old.to_bits() != new.to_bits() || format_whole(*old) != format_whole(*new)
     };
     tool_station: differ;
-    teach: on(TEACH, differ);
+    teach: on(&[Page::Teach], differ);
     strokes_per_min: on(CYCLE, |old, new, _| format_strokes(*old) != format_strokes(*new));
     parts_counted: differ;
     cycle_seconds: on(CYCLE, |old, new, _| format_cycle_time(*old) != format_cycle_time(*new));
-    inputs: on(INPUTS, differ);
+    inputs: on(&[Page::Diagnosis, Page::Simulator, Page::Process], differ);
     outputs: on(DIAGNOSIS, differ);
     keys: differ;
     variables: |old, new, page| VARIABLES.contains(&page) && variables_differ(old, new);
@@ -95,20 +88,20 @@ compared_fields! {
     analog_volts: on(DIAGNOSIS, |old, new, _| volts_differ(old, new));
     internals: on(DIAGNOSIS, differ);
     alarm_history: replaced;
-    leadscrews: on(PARAMS, differ);
+    leadscrews: on(&[Page::Params], differ);
     params: replaced;
     // Without a simulated machine every page has one row of soft keys less.
     simulated: |old, new, page| old.is_some() != new.is_some() || SIMULATED.contains(&page) && old != new;
-    stock: on(GRAPHIC, differ);
+    stock: on(&[Page::Graphic], differ);
     files: replaced;
     access: differ;
     next_kind: differ;
     edit_answer: differ;
-    offsets: on(OFFSETS, differ);
+    offsets: on(&[Page::Offset, Page::Dressing], differ);
     active_offset: differ;
     modals: on(MDI, differ);
     prepared_mdi: on(MDI, differ);
-    dressing_point: on(DRESSING, differ);
+    dressing_point: on(&[Page::Dressing], differ);
     kind_page: differ;
     grinding_sheet: differ;
     screens: replaced;
