@@ -107,6 +107,9 @@ pub fn conflict_question() -> Question {
     Question::with_keys(Text::new("文件已被别处改动", "the file was changed elsewhere"), body, &keys)
 }
 
+/// The text of the disk has replaced the changed one.
+pub const READ_FROM_DISK: Text = Text::new("已读磁盘上的文件", "read from the disk");
+
 /// Asks whether the changes of a text are discarded.
 pub fn discard_question(name: &str) -> Question {
     let body = LocalizedText::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));

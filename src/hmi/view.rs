@@ -16,7 +16,7 @@ use crate::defs::date::DateTime;
 use crate::defs::text::{Lang, Text};
 use crate::defs::variable_name;
 use crate::link::Snapshot;
-use crate::units::Micros;
+use crate::units::{Axis, Micros};
 
 /// How far the font draws its glyphs below the middle of the line, as a share of the line height.
 const FONT_SAG: f32 = 0.045;
@@ -49,6 +49,11 @@ impl View<'_> {
     #[must_use]
     pub const fn text(&self, zh: &'static str, en: &'static str) -> &'static str {
         Text::new(zh, en).get(self.lang)
+    }
+
+    /// The axes of the machine.
+    pub fn axes(&self) -> impl Iterator<Item = Axis> + use<'_> {
+        Axis::ALL.into_iter().filter(|axis| self.snapshot.axes[*axis].present)
     }
 
     /// Value of a macro variable as executed; a null variable is a dash.
@@ -200,6 +205,11 @@ impl View<'_> {
     /// Paints wrapped text from the top left corner of a rectangle; returns the area it covers.
     pub fn paragraph(&self, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
         paragraph(&self.painter, rect, text, size, colour)
+    }
+
+    /// Paints a quiet paragraph: a hint, or what a list is empty of.
+    pub fn note(&self, rect: Rect, text: &str) {
+        self.paragraph(rect, text, theme::LABEL, self.theme.muted);
     }
 
     /// Paints wrapped text of at most `most` lines, vertically centred in a rectangle.

@@ -28,6 +28,7 @@ mod screw;
 mod service;
 mod shift;
 mod simulator;
+mod text_editor;
 mod transfer;
 mod values;
 mod vertical;

@@ -131,10 +131,7 @@ impl DirectoryPage {
         match edit {
             EditKey::Cancel => (self.action, self.typing) = (None, FieldEditor::default()),
             EditKey::Enter => self.enter(view, out),
-            _ => {
-                self.typing.clear_refused(edit);
-                self.typing.handle_key(edit);
-            }
+            _ => drop(self.typing.handle_key(edit)),
         }
     }
 

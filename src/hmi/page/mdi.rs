@@ -165,8 +165,7 @@ impl MdiPage {
         if self.history.is_empty() {
             let words = view
                 .text("执行过的行列在这里，触摸可再用", "lines that were used stand here; touch one to use it again");
-            view.paragraph(list.shrink2(vec2(theme::PAD, 4.0)), words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(list.shrink2(vec2(theme::PAD, 4.0)), words);
         }
         let rect = widget::round_to_lines(list, widget::ROW_HEIGHT);
         let list = ScrollList { id: "mdi-history", rect, row: widget::ROW_HEIGHT, gap: 2.0, count: self.history.len() };

@@ -70,8 +70,7 @@ impl TeachPage {
                 "按“开始录返”，然后用手动、单步或手轮移动刀具。\n每段直线、主轴、冷却、换刀都会记成程序段。",
                 "Press START, then move the tool by jog keys, steps or handwheel.\nEvery straight way, spindle, coolant and tool change becomes a block.",
             );
-            view.paragraph(inside, words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(inside, words);
         }
         let inside = widget::round_to_lines(inside, LINE_HEIGHT);
         if blocks.len() != self.block_count {

@@ -10,8 +10,8 @@ use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
-    Area, KeyboardFocus, Login, PageKey, PendingRequests, Question, QuestionDialog, View, file_command, format_size,
-    page_frame as lines, round_to_lines, theme, widget,
+    Area, KeyboardFocus, Login, PageKey, PageMessage, PendingRequests, Question, QuestionDialog, View, file_command,
+    format_size, page_frame as lines, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -46,7 +46,7 @@ pub struct TransferPage {
     /// The transfer waits for a password.
     awaiting_password: Option<PasswordScope>,
     question: QuestionDialog<TransferQuestion>,
-    message: Option<(LocalizedText, bool)>,
+    message: PageMessage,
     asking: PendingRequests<()>,
     last_poll: f64,
     /// The RS232 half.
@@ -67,8 +67,7 @@ impl PageUi for TransferPage {
     }
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
-        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((String::new(), said.get(lang).into_owned()))
+        self.message.refusal(lang).map(|why| (String::new(), why))
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
@@ -142,7 +141,7 @@ impl TransferPage {
             Ok(deed) => {
                 self.request = None;
                 self.chosen = Default::default();
-                self.message = Some((deed.message, false));
+                self.message.tell(deed.message);
             }
             Err(refusal @ (Refusal::Password | Refusal::Builder)) => {
                 let guard = if refusal == Refusal::Builder { PasswordScope::Builder } else { PasswordScope::Program };
@@ -156,7 +155,7 @@ impl TransferPage {
             Err(Refusal::Convert(faults)) => self.question.ask(TransferQuestion::Convert, conversion_question(&faults)),
             Err(refusal) => {
                 self.request = None;
-                self.message = Some((refusal.message(), true));
+                self.message.refuse(refusal.message());
             }
         }
     }
@@ -197,12 +196,12 @@ impl TransferPage {
         let names = match (self.set, direction) {
             (TransferSet::Serial, Direction::Import) => match self.serial.file_name(kind) {
                 Ok(name) => name.into_iter().collect(),
-                Err(said) => return self.message = Some((said, true)),
+                Err(said) => return self.message.refuse(said),
             },
             _ => self.chosen[side].iter().cloned().collect(),
         };
         self.serial.pad = false;
-        self.message = None;
+        self.message.clear();
         self.request = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
         self.send_request(None, out);
     }
@@ -284,20 +283,16 @@ impl TransferPage {
             view.fit_left(line, &words, theme::LABEL, view.theme.text);
             return;
         }
-        let (words, ink) = match &self.message {
-            Some((said, refused)) => {
-                (said.get(view.lang), if *refused { view.theme.alarm_text } else { view.theme.run })
-            }
-            None if self.set == TransferSet::Serial => {
-                (view.text("触摸选择要发送的程序", "touch to choose the programs to send").into(), view.theme.muted)
-            }
-            None if self.set.has_file_list() => (
-                view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all").into(),
-                view.theme.muted,
-            ),
-            None => return,
+        let hint = match self.set {
+            TransferSet::Serial => Some(view.text("触摸选择要发送的程序", "touch to choose the programs to send")),
+            set => set
+                .has_file_list()
+                .then(|| view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all")),
         };
-        view.fit_left(rect, &words, theme::LABEL, ink);
+        let hint = hint.map(|words| (words.to_owned(), view.theme.muted));
+        if let Some((words, ink)) = self.message.shown(view, view.theme.run).or(hint) {
+            view.fit_left(rect, &words, theme::LABEL, ink);
+        }
     }
 
     /// Remaining time, once 2 % of the work are done since its start was seen (H8).
@@ -329,7 +324,7 @@ impl TransferPage {
                     true => Text::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
                     false => Text::new("没有 U 盘", "no USB medium"),
                 };
-                self.message = Some((said.into(), true));
+                self.message.refuse(said);
             }
             Some(0) if !busy => self.start(view.snapshot.kind, Direction::Export, out),
             Some(_) if !busy => self.start(view.snapshot.kind, Direction::Import, out),

@@ -9,8 +9,8 @@ use super::{DesignerPage, DesignerQuestion};
 use crate::defs::page::Page;
 use crate::defs::page_text::PageTextFault;
 use crate::defs::text::{Lang, LocalizedText, Text};
-use crate::hmi::page::program::listing;
-use crate::hmi::page::program::listing::LineMarks;
+use crate::hmi::page::program::keys::EDIT_FIRST;
+use crate::hmi::page::program::listing::{self, LineMarks};
 use crate::hmi::page::{ScrollList, VisibleRows, empty, grinding};
 use crate::hmi::{Area, PageKey, Question, View, page_frame as lines, pictogram, round_to_lines, theme, widget};
 use crate::link::Command;
@@ -113,8 +113,8 @@ impl DesignerPage {
     pub(super) fn message_line(&self, rect: Rect, view: &View<'_>) {
         let faults = &self.reading.faults;
         let of_file = self.file.as_ref().is_some_and(|file| file.has_invalid_bytes);
-        let (words, ink) = if let Some((said, refused)) = &self.message {
-            (said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
+        let (words, ink) = if let Some(shown) = self.message.shown(view, view.theme.text) {
+            shown
         } else if of_file {
             let words = view.text("含有不是 GBK 或 UTF-8 的字节：只能查看", "bytes neither GBK nor UTF-8: shown only");
             (words.to_owned(), view.theme.hold)
@@ -180,7 +180,7 @@ impl DesignerPage {
         }
         let Some(chosen) = taken.map(|index| &file.pictures[index]) else { return };
         if !self.editing {
-            return self.refuse(LocalizedText::new("先按“编辑”", "press EDIT first"));
+            return self.message.refuse(EDIT_FIRST);
         }
         let name = &chosen.name;
         let body = LocalizedText::new(

@@ -247,8 +247,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
     view.card(rect);
     let inside = rect.shrink2(vec2(10.0, 8.0));
     let Some(drawing) = drawing else {
-        view.paragraph(inside, view.text("还没有轨迹", "no path yet"), theme::LABEL, view.theme.muted);
-        return;
+        return view.note(inside, view.text("还没有轨迹", "no path yet"));
     };
     let mut rows = vec![
         (view.text("时间", "time").to_owned(), duration(drawing.duration_s)),
@@ -256,7 +255,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
         (view.text("行数", "lines").to_owned(), drawing.lines.to_string()),
     ];
     if let Some((low, high)) = drawing.extents {
-        for axis in Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present) {
+        for axis in view.axes() {
             let factor = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
             rows.push((format!("{} {}", axis.letter(), view.text("最小", "min")), format_length(low[axis] * factor)));
             rows.push((format!("{} {}", axis.letter(), view.text("最大", "max")), format_length(high[axis] * factor)));

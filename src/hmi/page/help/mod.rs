@@ -137,7 +137,7 @@ impl Help {
 
     fn tabs(&mut self, view: &View<'_>, bar: Rect) {
         let mut keys: Vec<_> =
-            Section::ALL.iter().map(|section| (section.id(), section.name().get(view.lang).to_owned())).collect();
+            Section::ALL.iter().map(|section| (section.id(), section.label().get(view.lang).to_owned())).collect();
         keys.push(("help-map", view.text("键盘", "KEYBOARD").to_owned()));
         let here = Section::ALL.iter().position(|section| *section == self.section).unwrap_or(0);
         let chosen = match (self.keyboard_map_open, self.search.text.is_empty()) {
@@ -216,8 +216,7 @@ impl Help {
         let count = self.visible.len();
         if count == 0 {
             let words = view.text("没有找到，换一个词或号码", "nothing found: another word or number");
-            view.paragraph(list.band(theme::PAD, 60.0), words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(list.band(theme::PAD, 60.0), words);
         }
         if !self.scroll.user_scrolled {
             self.scroll.scroll_to(self.cursor, list, widget::ROW_HEIGHT);

@@ -45,8 +45,7 @@ pub struct OffsetTableSpec<'a> {
 
 /// The columns of the parts: one for each axis of the machine.
 pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<(OffsetPart, Axis)> {
-    let axes = || Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present);
-    parts.iter().flat_map(|part| axes().map(|axis| (*part, axis))).collect()
+    parts.iter().flat_map(|part| view.axes().map(|axis| (*part, axis))).collect()
 }
 
 /// State of the table.

@@ -10,8 +10,8 @@ use crate::defs::param::AccessLevel;
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, Login, PageKey, PendingRequests, Question, QuestionDialog,
-    View, theme, widget,
+    Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, Login, PageKey, PageMessage, PendingRequests, Question,
+    QuestionDialog, View, parse_number, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Requester};
@@ -63,14 +63,14 @@ pub struct LeadscrewTab {
     question: QuestionDialog<()>,
     /// Exports and imports.
     asking: PendingRequests<()>,
-    message: Option<(LocalizedText, bool)>,
+    message: PageMessage,
 }
 
 impl LeadscrewTab {
     /// Draws the tab below the tabs of the page.
     pub fn ui(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
-        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present).collect();
+        let axes: Vec<Axis> = view.axes().collect();
         self.axis = self.axis.min(axes.len().saturating_sub(1));
         let Some(axis) = axes.get(self.axis).copied() else { return out };
         if let CoreAnswer::Refused(field) = self.typing.poll_answer(&view.snapshot.edit_answer) {
@@ -111,15 +111,12 @@ impl LeadscrewTab {
             }
         }
         while let Some(((), answer)) = self.asking.poll(Requester::Leadscrew, &ctx.view.snapshot.files) {
-            self.message = Some(match answer {
-                Ok(deed) => (deed.message, false),
-                Err(refusal) => (refusal.message(), true),
-            });
+            self.message.tell_answer(answer);
         }
     }
 
     fn request_edit(&mut self, wish: PendingEdit, ctx: &mut TabContext<'_>) {
-        self.message = None;
+        self.message.clear();
         if ctx.view.snapshot.access.level >= AccessLevel::Builder {
             self.send(wish, ctx);
         } else {
@@ -149,7 +146,6 @@ impl LeadscrewTab {
             }
             return;
         }
-        self.typing.clear_refused(edit);
         if self.typing.handle_key(edit) {
             return;
         }
@@ -200,8 +196,9 @@ impl LeadscrewTab {
 
     /// Checks the whole table with the typed value and sends it.
     fn enter(&mut self, ctx: &mut TabContext<'_>) {
-        let Ok(value) = self.typing.text.parse::<f64>() else {
-            return self.typing.refused = Some(LocalizedText::new("不是数字", "not a number"));
+        let value = match parse_number(&self.typing.text) {
+            Ok(value) => value,
+            Err(said) => return self.typing.refused = Some(said),
         };
         let mut points = ctx.table.points().to_vec();
         let Some(point) = points.get_mut(self.row) else {
@@ -224,7 +221,7 @@ impl LeadscrewTab {
         match LeadscrewCompensation::from_points(points) {
             Ok(table) => self.request_edit(PendingEdit::Table(table, None), ctx),
             Err(said) => {
-                self.message = Some((said, true));
+                self.message.refuse(said);
                 return false;
             }
         }
@@ -236,7 +233,7 @@ impl LeadscrewTab {
         let mut points = ctx.table.points().to_vec();
         if points.len() >= MAX_POINTS {
             let said = LocalizedText::new(format!("最多 {MAX_POINTS} 点"), format!("at most {MAX_POINTS} points"));
-            return self.message = Some((said, true));
+            return self.message.refuse(said);
         }
         let position_mm = match (points.get(self.row), points.get(self.row + 1)) {
             (Some(here), Some(next)) => (here.position_mm + next.position_mm) / 2.0,
@@ -282,8 +279,7 @@ impl LeadscrewTab {
                 "没有补偿点：丝杠按无误差处理。按 加点 输入，或按 导入 从 U 盘读入 KT830-SCREW-轴.CSV。",
                 "No points: the screw counts as true. Touch ADD POINT, or IMPORT to read KT830-SCREW-AXIS.CSV from the USB medium.",
             );
-            view.paragraph(body.shrink(theme::PAD), words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(body.shrink(theme::PAD), words);
         }
         let rect = widget::round_to_lines(body, widget::ROW_HEIGHT);
         let list = ScrollList { id: "screw", rect, row: widget::ROW_HEIGHT, gap: 3.0, count: points.len() };
@@ -319,27 +315,19 @@ impl LeadscrewTab {
     }
 
     fn hint(&self, rect: Rect, view: &View<'_>, axis: Axis) {
-        let (words, ink) = match &self.message {
-            Some((said, true)) => (said.get(view.lang), view.theme.alarm_text),
-            Some((said, false)) => (said.get(view.lang), view.theme.run),
-            None if !view.snapshot.axes[axis].homed => (
-                view.text(
-                    "回零后生效。机床坐标，X 为半径。",
-                    "In force after homing. Machine coordinates, X a radius.",
-                )
-                .into(),
-                view.theme.hold,
-            ),
-            None => (
-                view.text(
-                    "输入即生效，轴慢速补到位。机床坐标，X 为半径。",
-                    "In force as it is typed; the axis is led there slowly. Machine coordinates, X a radius.",
-                )
-                .into(),
-                view.theme.muted,
-            ),
-        };
-        view.paragraph(rect, &words, theme::LABEL, ink);
+        if let Some((words, ink)) = self.message.shown(view, view.theme.run) {
+            view.paragraph(rect, &words, theme::LABEL, ink);
+        } else if view.snapshot.axes[axis].homed {
+            let words = view.text(
+                "输入即生效，轴慢速补到位。机床坐标，X 为半径。",
+                "In force as it is typed; the axis is led there slowly. Machine coordinates, X a radius.",
+            );
+            view.note(rect, words);
+        } else {
+            let words = view
+                .text("回零后生效。机床坐标，X 为半径。", "In force after homing. Machine coordinates, X a radius.");
+            view.paragraph(rect, words, theme::LABEL, view.theme.hold);
+        }
     }
 
     fn keys(&mut self, rect: Rect, ctx: &mut TabContext<'_>) {

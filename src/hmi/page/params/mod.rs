@@ -12,8 +12,8 @@ use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
 use crate::defs::text::LocalizedText;
 use crate::hmi::{
-    CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad, theme,
-    widget,
+    CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad,
+    parse_number, theme, widget,
 };
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
@@ -278,9 +278,7 @@ impl ParamPage {
 /// # Errors
 /// The reason, in both languages.
 pub fn parse_value(row: &ParamRow, text: &str) -> Result<f64, LocalizedText> {
-    let Ok(value) = text.parse::<f64>() else {
-        return Err(LocalizedText::new("不是数字", "not a number"));
-    };
+    let value = parse_number(text)?;
     let whole = !matches!(row.param_type, ParamType::Number);
     if whole && value.fract().abs() > 0.0 {
         return Err(LocalizedText::new("只能输入整数", "whole numbers only"));

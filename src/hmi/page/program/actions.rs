@@ -33,7 +33,9 @@ impl ProgramPage {
                 let mut words = text.split([' ', ',', '/']).filter(|word| !word.is_empty()).map(str::parse::<u64>);
                 match (words.next().unwrap_or(Ok(10)), words.next().unwrap_or(Ok(10))) {
                     (Ok(first), Ok(by)) if by > 0 => self.task = Some(TextTask::renumber(first, by)),
-                    _ => self.refuse(Text::new("格式：起始 步长，例如 10 10", "first number and step, such as 10 10")),
+                    _ => self
+                        .message
+                        .refuse(Text::new("格式：起始 步长，例如 10 10", "first number and step, such as 10 10")),
                 }
             }
         }
@@ -45,7 +47,9 @@ impl ProgramPage {
         if let Ok(line) = text.parse::<usize>() {
             if line == 0 || line > self.document.lines() {
                 let last = self.document.lines();
-                return self.refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
+                return self
+                    .message
+                    .refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
             }
             self.document.move_to(line - 1, 0);
             self.reveal_cursor();
@@ -67,29 +71,30 @@ impl ProgramPage {
         match step {
             TaskStep::Running(share) => {
                 let done = |name: &str| format!("{name} {:.0} %", f32::from(share) / 10.0);
-                return self.message = Some((LocalizedText::new(done(name.zh), done(name.en)), false));
+                return self.message.tell(LocalizedText::new(done(name.zh), done(name.en)));
             }
             TaskStep::Found(found) => {
                 self.document.cursor = found.end.min(self.document.rope.len_chars());
-                self.message = self.replacing.then(|| {
+                self.message.clear();
+                if self.replacing {
                     let (with, what) = (&self.prompt_text, &self.pattern);
-                    (LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")), false)
-                });
+                    self.message.tell(LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")));
+                }
                 self.position.first_column = 0;
                 self.reveal_cursor();
             }
             TaskStep::NotFound => {
                 self.replacing = false;
                 let what = &self.pattern;
-                self.refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} is not in the text")));
+                self.message
+                    .refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} is not in the text")));
             }
             TaskStep::Changed(rope, count) => {
                 self.document.replace_all(rope);
                 self.replacing = false;
-                self.message =
-                    Some((LocalizedText::new(format!("改了 {count} 处"), format!("{count} places changed")), false));
+                self.message.tell(LocalizedText::new(format!("改了 {count} 处"), format!("{count} places changed")));
             }
-            TaskStep::Refused(why) => self.refuse(why),
+            TaskStep::Refused(why) => self.message.refuse(why),
         }
         self.task = None;
     }
@@ -98,13 +103,14 @@ impl ProgramPage {
         if self.task.is_some() && act != EditorAction::StopTask || login.is_open() {
             return;
         }
-        self.message = None;
+        self.message.clear();
         if act.needs_editing() && !self.editing {
-            return self.refuse(super::keys::EDIT_FIRST);
+            return self.message.refuse(super::keys::EDIT_FIRST);
         }
         match act {
             EditorAction::Edit if view.snapshot.program.has_invalid_bytes => {
-                self.refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+                self.message
+                    .refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
             }
             EditorAction::Edit => self.request_edit(out),
             EditorAction::End => self.stop_editing(),
@@ -124,7 +130,7 @@ impl ProgramPage {
             EditorAction::Up => self.edit(EditKey::Up, out),
             EditorAction::Down => self.edit(EditKey::Down, out),
             EditorAction::Save if !self.document.changed => {
-                self.message = Some((LocalizedText::new("没有改动", "nothing to save"), false))
+                self.message.tell(LocalizedText::new("没有改动", "nothing to save"));
             }
             EditorAction::Save => self.save(false, out),
             EditorAction::Discard if !self.document.changed => self.stop_editing(),
@@ -135,7 +141,7 @@ impl ProgramPage {
             EditorAction::StopTask => self.task = None,
             // B5: the core reads the program up to the line and reports the modal state there.
             EditorAction::RestartHere if self.document.changed => {
-                self.refuse(LocalizedText::new("先保存改动", "save the changes first"))
+                self.message.refuse(LocalizedText::new("先保存改动", "save the changes first"))
             }
             EditorAction::RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
             EditorAction::Resume => out.push(Command::ResumeInterrupted),
@@ -182,8 +188,8 @@ impl ProgramPage {
     fn change_text(&mut self, act: EditorAction) {
         let document = &mut self.document;
         match act {
-            EditorAction::Undo => drop(document.undo()),
-            EditorAction::Redo => drop(document.redo()),
+            EditorAction::Undo => document.undo(),
+            EditorAction::Redo => document.redo(),
             EditorAction::Mark => document.block_anchor = Some(document.cursor_position().0),
             EditorAction::Unmark => document.block_anchor = None,
             EditorAction::CopyBlock | EditorAction::Cut => {
@@ -197,13 +203,12 @@ impl ProgramPage {
                 } else {
                     document.block_anchor = None
                 }
-                self.message =
-                    Some((LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")), false));
+                self.message.tell(LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")));
             }
             EditorAction::DeleteBlock => document.delete_block(),
             EditorAction::Paste => match &self.clipboard {
                 Some(clip) => document.paste(clip),
-                None => self.refuse(LocalizedText::new("先复制一块", "copy a block first")),
+                None => self.message.refuse(LocalizedText::new("先复制一块", "copy a block first")),
             },
             _ => {}
         }

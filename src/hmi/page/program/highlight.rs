@@ -83,33 +83,3 @@ fn first_token(text: &str, first: bool) -> (TokenKind, usize) {
     };
     (kind, 1 + number)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn b6_every_byte_of_a_line_is_painted_once() {
-        for text in
-            ["N10 G01 X-1.5 (到位) M03", "WHILE[#1 LT 5]DO1", "#100=#101+2*[3]", "// 注", "；全角", "", "X1//y", "/G00"]
-        {
-            assert_eq!(layout_line(text, 15.0, &theme::DARK).text, text);
-        }
-        assert_eq!(first_token("G01X1", true), (TokenKind::Code, 3));
-        assert_eq!(first_token("(a)b", false), (TokenKind::Quiet, 3));
-        assert_eq!(first_token("#100=1", true), (TokenKind::Macro, 4));
-        assert_eq!(first_token("EQ5", true), (TokenKind::Macro, 2));
-        assert_eq!(first_token("X1Y2", true), (TokenKind::Plain, 2));
-    }
-
-    #[test]
-    fn s1_labels_and_jumps_to_them_are_of_one_colour() {
-        assert_eq!(first_token("AA1:IF R60<R18 GOTOF BB2", false), (TokenKind::Macro, 4));
-        assert_eq!(first_token("_A1: G0", true), (TokenKind::Macro, 4));
-        assert_eq!(first_token("BB2", false), (TokenKind::Macro, 3));
-        assert_eq!(first_token("GOTOF BB2", false), (TokenKind::Macro, 5));
-        for text in ["N210 AA1:IF R60<R18+R25 GOTOF AA2", "LSA1: L3 P=R32", "_9:", "标签:"] {
-            assert_eq!(layout_line(text, 15.0, &theme::DARK).text, text);
-        }
-    }
-}

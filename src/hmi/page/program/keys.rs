@@ -6,61 +6,50 @@ use egui::Rect;
 use super::ProgramPage;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
-use crate::hmi::{Area, PageKey, View, widget};
+use crate::hmi::widget::{self, page_keys};
+use crate::hmi::{Area, PageKey, View};
 
 /// Why a text that is not being edited does not change.
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
 
-macro_rules! acts {
-    ($($variant:ident = $name:literal, $zh:literal, $en:literal;)*) => {
-        /// Action of a key.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum EditorAction { $($variant,)* }
-
-        impl EditorAction {
-            /// Accessible name and label.
-            const fn id_and_label(self) -> (&'static str, Text) {
-                match self { $(Self::$variant => ($name, Text::new($zh, $en)),)* }
-            }
-        }
-    };
-}
-
-acts! {
-    Edit = "edit-begin", "编辑", "EDIT";
-    End = "edit-end", "结束", "END";
-    Keyboard = "edit-board", "键盘", "KEYS";
-    Find = "edit-find", "查找", "FIND";
-    FindNext = "edit-again", "下一个", "NEXT";
-    Replace = "edit-replace", "替换", "REPLACE";
-    GoTo = "edit-go", "定位", "GO TO";
-    Renumber = "edit-renumber", "重排 N", "RENUM";
-    First = "edit-first", "首行", "FIRST";
-    Last = "edit-last", "末行", "LAST";
-    Left = "edit-left", "←", "←";
-    Right = "edit-right", "→", "→";
-    Up = "edit-up", "↑", "↑";
-    Down = "edit-down", "↓", "↓";
-    Undo = "edit-undo", "撤销", "UNDO";
-    Redo = "edit-redo", "重做", "REDO";
-    Save = "edit-save", "保存", "SAVE";
-    Discard = "edit-discard", "放弃", "DISCARD";
-    Mark = "edit-mark", "块首", "BLOCK";
-    Unmark = "edit-unmark", "取消块", "UNMARK";
-    CopyBlock = "edit-copy", "复制", "COPY";
-    Cut = "edit-cut", "剪切", "CUT";
-    DeleteBlock = "edit-delete", "删除", "DELETE";
-    Paste = "edit-paste", "粘贴", "PASTE";
-    ReplaceThis = "replace-this", "替换", "REPLACE";
-    Skip = "replace-skip", "跳过", "SKIP";
-    ReplaceAll = "replace-all", "全部", "ALL";
-    EndReplace = "replace-end", "结束", "END";
-    PromptAccept = "ask-done", "确定", "OK";
-    PromptCancel = "ask-end", "取消", "CANCEL";
-    StopTask = "work-stop", "停止", "STOP";
-    RestartHere = "run-here", "从此段", "FROM N";
-    Resume = "run-resume", "断电续", "RESUME";
-    OpenDesigner = "design-page", "页面", "PAGE";
+page_keys! {
+    /// Action of a key.
+    EditorAction {
+        Edit = "edit-begin", "编辑", "EDIT";
+        End = "edit-end", "结束", "END";
+        Keyboard = "edit-board", "键盘", "KEYS";
+        Find = "edit-find", "查找", "FIND";
+        FindNext = "edit-again", "下一个", "NEXT";
+        Replace = "edit-replace", "替换", "REPLACE";
+        GoTo = "edit-go", "定位", "GO TO";
+        Renumber = "edit-renumber", "重排 N", "RENUM";
+        First = "edit-first", "首行", "FIRST";
+        Last = "edit-last", "末行", "LAST";
+        Left = "edit-left", "←", "←";
+        Right = "edit-right", "→", "→";
+        Up = "edit-up", "↑", "↑";
+        Down = "edit-down", "↓", "↓";
+        Undo = "edit-undo", "撤销", "UNDO";
+        Redo = "edit-redo", "重做", "REDO";
+        Save = "edit-save", "保存", "SAVE";
+        Discard = "edit-discard", "放弃", "DISCARD";
+        Mark = "edit-mark", "块首", "BLOCK";
+        Unmark = "edit-unmark", "取消块", "UNMARK";
+        CopyBlock = "edit-copy", "复制", "COPY";
+        Cut = "edit-cut", "剪切", "CUT";
+        DeleteBlock = "edit-delete", "删除", "DELETE";
+        Paste = "edit-paste", "粘贴", "PASTE";
+        ReplaceThis = "replace-this", "替换", "REPLACE";
+        Skip = "replace-skip", "跳过", "SKIP";
+        ReplaceAll = "replace-all", "全部", "ALL";
+        EndReplace = "replace-end", "结束", "END";
+        PromptAccept = "ask-done", "确定", "OK";
+        PromptCancel = "ask-end", "取消", "CANCEL";
+        StopTask = "work-stop", "停止", "STOP";
+        RestartHere = "run-here", "从此段", "FROM N";
+        Resume = "run-resume", "断电续", "RESUME";
+        OpenDesigner = "design-page", "页面", "PAGE";
+    }
 }
 
 impl EditorAction {
@@ -126,9 +115,8 @@ pub fn ui(view: &View<'_>, rect: Rect, page: &mut ProgramPage) -> Option<EditorA
         let line = rect.band(row as f32 * widget::KEYS_HEIGHT, widget::KEYS_HEIGHT - 2.0);
         for (index, act) in acts.iter().enumerate() {
             let place = line.cell(index, acts.len().max(6));
-            let (name, label) = act.id_and_label();
             let (on, locked) = page.look_of(*act);
-            let key = PageKey::new(name, label.get(view.lang)).on(on).locked(locked);
+            let key = PageKey::new(act.id(), act.label().get(view.lang)).on(on).locked(locked);
             let touched = if on_keys { page.walk.button(view, place, key) } else { widget::button(view, place, key) };
             if touched {
                 pressed = Some(*act);

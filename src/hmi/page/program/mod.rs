@@ -5,7 +5,7 @@
 mod actions;
 pub mod document;
 mod highlight;
-mod keys;
+pub mod keys;
 pub mod listing;
 mod restart;
 mod text_task;
@@ -14,10 +14,10 @@ use egui::{Id, Rect, Sense, Ui, pos2, vec2};
 
 use super::{PageContext, PageUi, ScrollList, empty};
 use crate::defs::key::Mode;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PendingRequests, QuestionDialog, RequestEvent, View,
-    file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageMessage, PendingRequests, QuestionDialog,
+    RequestEvent, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
@@ -77,7 +77,7 @@ pub struct ProgramPage {
     task: Option<TextTask>,
     asking: PendingRequests<EditorRequest>,
     question: QuestionDialog<EditorQuestion>,
-    message: Option<(LocalizedText, bool)>,
+    message: PageMessage,
     last_check: (u64, usize, f64),
     walk: KeyboardFocus,
     /// The keyboard moves over the keys instead of the text.
@@ -95,8 +95,7 @@ impl PageUi for ProgramPage {
     }
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
-        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((self.document.rope.to_string(), said.get(lang).into_owned()))
+        self.message.refusal(lang).map(|why| (self.document.rope.to_string(), why))
     }
 
     fn accepts_text(&self) -> bool {
@@ -151,19 +150,18 @@ impl ProgramPage {
             match heard {
                 RequestEvent::Unlocked => self.request_edit(out),
                 RequestEvent::Answer(EditorRequest::Edit, Ok(_)) => {
-                    (self.editing, self.message, self.editing_began) = (true, None, true);
+                    (self.editing, self.editing_began) = (true, true);
+                    self.message.clear();
                     self.position.scroll.user_scrolled = true;
                 }
                 RequestEvent::Answer(EditorRequest::Save(version), Ok(deed)) => {
                     self.document.mark_saved(version, &deed);
-                    self.message = Some((deed.message, false));
+                    self.message.tell(deed.message);
                 }
                 RequestEvent::Answer(EditorRequest::Save(_), Err(Refusal::Conflict)) => {
                     self.question.ask(EditorQuestion::Conflict, requests::conflict_question());
                 }
-                RequestEvent::Answer(EditorRequest::Edit | EditorRequest::Save(_), Err(refusal)) => {
-                    self.refuse(refusal.message())
-                }
+                RequestEvent::Answer(_, Err(refusal)) => self.message.refuse(refusal.message()),
             }
         }
     }
@@ -199,10 +197,6 @@ impl ProgramPage {
         self.position.first_column = 0;
     }
 
-    fn refuse(&mut self, why: impl Into<LocalizedText>) {
-        self.message = Some((why.into(), true));
-    }
-
     fn request_edit(&mut self, out: &mut Vec<Command>) {
         let request = FileRequest::CheckEditable(self.document.number);
         out.push(self.asking.send(Requester::Editor, EditorRequest::Edit, request));
@@ -221,7 +215,7 @@ impl ProgramPage {
             (EditorQuestion::Conflict, requests::OVERWRITE_KEY) => self.save(true, out),
             (EditorQuestion::Conflict, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
-                self.message = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+                self.message.tell(requests::READ_FROM_DISK);
             }
             (EditorQuestion::Discard, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
@@ -248,7 +242,7 @@ impl ProgramPage {
         } else if typed.text.contains('/') {
             self.perform(EditorAction::Find, view, login, out);
         } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
-            self.refuse(keys::EDIT_FIRST);
+            self.message.refuse(keys::EDIT_FIRST);
         }
         for edit in &typed.edits {
             match edit {
@@ -258,14 +252,14 @@ impl ProgramPage {
                 }
                 EditKey::Cancel if self.keys_focused => self.keys_focused = false,
                 _ if text => self.edit(*edit, out),
-                EditKey::Cancel => self.message = None,
+                EditKey::Cancel => self.message.clear(),
                 _ => {}
             }
         }
     }
 
     fn type_char(&mut self, sign: char) {
-        self.message = None;
+        self.message.clear();
         if self.prompt.is_some() {
             if self.prompt_text.chars().count() < MAX_PROMPT_CHARS {
                 self.prompt_text.extend(sign.to_uppercase());
@@ -298,7 +292,7 @@ impl ProgramPage {
             }
             return;
         }
-        self.message = None;
+        self.message.clear();
         if self.task.is_some() {
             if edit == EditKey::Cancel {
                 self.task = None;
@@ -455,8 +449,8 @@ impl ProgramPage {
                 Prompt::Renumber => view.text("重排段号，起始 步长：", "renumber, first and step:"),
             };
             (format!("{what} {}_", self.prompt_text), view.theme.info)
-        } else if let Some((said, refused)) = &self.message {
-            (said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
+        } else if let Some(shown) = self.message.shown(view, view.theme.text) {
+            shown
         } else if let Some(said) = self.fault_in_line(view, line) {
             (said.get(view.lang).into_owned(), view.theme.alarm_text)
         } else if view.snapshot.program.has_invalid_bytes && !self.document.changed {
