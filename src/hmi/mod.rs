@@ -5,9 +5,7 @@
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;
-mod area;
 pub mod core_fault;
-mod edit_key;
 pub mod field_editor;
 mod key_press;
 mod keyboard;
@@ -27,7 +25,6 @@ pub mod rasterizer;
 pub mod repaint;
 mod requests;
 mod search_field;
-mod soft_key_row;
 pub mod theme;
 pub mod variable_entry;
 pub mod view;
@@ -35,12 +32,11 @@ mod widget;
 pub mod window;
 
 pub use app::Hmi;
-pub(crate) use area::Area;
-pub(crate) use edit_key::EditKey;
 pub(crate) use field_editor::{CoreAnswer, FieldEditor, param_range, parse_number};
-pub(crate) use keyboard::KeyboardInput;
+pub(crate) use keyboard::{EditKey, KeyboardInput};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub(crate) use keycap::KeycapState;
+pub(crate) use layout::Area;
 pub(crate) use letter_pad::LetterKey;
 pub(crate) use login::Login;
 pub use offscreen::{page_text, screenshot};

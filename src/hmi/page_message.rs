@@ -5,7 +5,6 @@ use egui::Color32;
 
 use super::View;
 use crate::defs::text::{Lang, LocalizedText};
-use crate::link::files::{Completion, Refusal};
 
 /// The message with its tone; empty until there is one.
 #[derive(Debug, Default)]
@@ -20,14 +19,6 @@ impl PageMessage {
     /// Tells why something was not done.
     pub fn refuse(&mut self, why: impl Into<LocalizedText>) {
         self.0 = Some((why.into(), true));
-    }
-
-    /// Tells the answer to a request.
-    pub fn tell_answer(&mut self, answer: Result<Completion, Refusal>) {
-        match answer {
-            Ok(deed) => self.tell(deed.message),
-            Err(refusal) => self.refuse(refusal.message()),
-        }
     }
 
     /// Removes the message.

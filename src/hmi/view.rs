@@ -242,6 +242,14 @@ impl View<'_> {
         self.filled_card(rect, self.theme.surface, self.theme.line);
     }
 
+    /// Paints the card of a row of a list, framed if it is the selected one.
+    pub fn row_card(&self, rect: Rect, chosen: bool) {
+        self.filled_card(rect, if chosen { self.theme.raised } else { self.theme.surface }, self.theme.line);
+        if chosen {
+            self.frame(rect, self.theme.focus);
+        }
+    }
+
     /// Paints a filled area with a hairline around it.
     pub fn filled_card(&self, rect: Rect, fill: Color32, line: Color32) {
         self.painter.rect(rect, theme::RADIUS, fill, Stroke::new(theme::HAIRLINE, line), StrokeKind::Inside);

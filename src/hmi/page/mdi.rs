@@ -169,9 +169,9 @@ impl MdiPage {
         }
         let rect = widget::round_to_lines(list, widget::ROW_HEIGHT);
         let list = ScrollList { id: "mdi-history", rect, row: widget::ROW_HEIGHT, gap: 2.0, count: self.history.len() };
-        let (view, mut touched) = (&view.clipped(rect), None);
-        for (index, place) in self.scroll.rows(view, &list, pages) {
-            let response = keycap::plain(view, place, ("mdi-line", index), format!("mdi-line-{index}"));
+        let ((view, rows), mut touched) = (self.scroll.rows(view, &list, pages), None);
+        for (index, place) in rows {
+            let response = keycap::plain(&view, place, ("mdi-line", index), format!("mdi-line-{index}"));
             view.fit_left(place.trim_sides(theme::PAD), &self.history[index], theme::TITLE, view.theme.text);
             if self.recalled == Some(index) {
                 view.frame(place, view.theme.focus);

@@ -78,8 +78,8 @@ impl TeachPage {
             self.scroll.scroll_to(blocks.len(), inside, LINE_HEIGHT);
         }
         let list = ScrollList { id: "teach-blocks", rect: inside, row: LINE_HEIGHT, gap: 0.0, count: blocks.len() };
-        let clipped = view.clipped(inside);
-        for (index, line) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (index, line) in rows {
             let newest = index + 1 == blocks.len() && view.snapshot.teach.recording;
             let ink = if newest { view.theme.info } else { view.theme.text };
             clipped.line_left(line.trim_right(6.0), &blocks[index], theme::TITLE, ink);

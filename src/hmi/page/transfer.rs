@@ -11,7 +11,7 @@ use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
     Area, KeyboardFocus, Login, PageKey, PageMessage, PendingRequests, Question, QuestionDialog, View, file_command,
-    format_size, page_frame as lines, round_to_lines, theme, widget,
+    format_size, page_frame as lines, requests, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -20,8 +20,6 @@ use crate::link::page_command::PasswordScope;
 
 /// Height of the keys below.
 const KEYS_HEIGHT: f32 = 52.0;
-/// Index of the overwrite key in its question.
-const OVERWRITE_KEY: usize = 0;
 /// Seconds between two checks of the USB drive while the page is open.
 const MEDIUM_POLL_SECONDS: f64 = 2.0;
 
@@ -110,10 +108,12 @@ impl PageUi for TransferPage {
         match self.question.ui(rect, view, &typed.edits) {
             Some((TransferQuestion::Convert, Some(_))) => {
                 self.request.iter_mut().for_each(|ask| ask.convert = Some(true));
-                let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
-                self.send_request(overwrite, out);
+                self.send_request(out);
             }
-            Some((TransferQuestion::Overwrite, Some(key))) => self.send_request(Some(key == OVERWRITE_KEY), out),
+            Some((TransferQuestion::Overwrite, Some(key))) => {
+                self.request.iter_mut().for_each(|ask| ask.overwrite = Some(key == requests::OVERWRITE_KEY));
+                self.send_request(out);
+            }
             Some((_, None)) => self.request = None,
             None => {}
         }
@@ -127,12 +127,7 @@ impl TransferPage {
             self.awaiting_password = None;
             let open =
                 if guard == PasswordScope::Program { access.program_unlocked } else { access.level >= guard.level() };
-            if open {
-                let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
-                self.send_request(overwrite, out);
-            } else {
-                self.request = None;
-            }
+            if open { self.send_request(out) } else { self.request = None }
         }
         let answer = self.asking.poll(Requester::Transfer, &view.snapshot.files);
         let Some(((), answer)) = answer.filter(|_| self.request.is_some()) else { return };
@@ -184,9 +179,8 @@ impl TransferPage {
         }
     }
 
-    fn send_request(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
-        if let Some(ask) = &mut self.request {
-            ask.overwrite = overwrite;
+    fn send_request(&mut self, out: &mut Vec<Command>) {
+        if let Some(ask) = &self.request {
             out.push(self.asking.send(Requester::Transfer, (), FileRequest::Transfer(ask.clone())));
         }
     }
@@ -203,7 +197,7 @@ impl TransferPage {
         self.serial.pad = false;
         self.message.clear();
         self.request = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
-        self.send_request(None, out);
+        self.send_request(out);
     }
 
     fn tabs(&mut self, rect: Rect, view: &View<'_>) {
@@ -245,9 +239,9 @@ impl TransferPage {
         }
         let list = round_to_lines(body.shrink(4.0), widget::ROW_HEIGHT);
         let id = if side == 0 { "files-here" } else { "files-there" };
-        let clipped = view.clipped(list);
         let list = ScrollList { id, rect: list, row: widget::ROW_HEIGHT, gap: 2.0, count: files.len() };
-        for (index, place) in self.scroll[side].rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll[side].rows(view, &list, pages);
+        for (index, place) in rows {
             self.file(place, &clipped, side, files[index]);
         }
     }

@@ -187,8 +187,8 @@ impl VariablesPage {
         }
         let count = numbers.len().div_ceil(columns);
         let list = ScrollList { id: "variables", rect, row: widget::ROW_HEIGHT, gap: 2.0, count };
-        let clipped = view.clipped(rect);
-        for (line, place) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (line, place) in rows {
             let width = place.width() / columns as f32;
             for (column, variable) in numbers.iter().skip(line * columns).take(columns).enumerate() {
                 let corner = place.min + vec2(column as f32 * width, 0.0);

@@ -8,7 +8,7 @@ use crate::defs::page::Page;
 use crate::defs::page_text::COLUMN_ROWS;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::variable_name;
-use crate::hmi::page::program::keys::EDIT_FIRST;
+use crate::hmi::page::program::actions::EDIT_FIRST;
 use crate::hmi::widget::{self, page_keys};
 use crate::hmi::{Area, PageKey, View, requests};
 use crate::link::Command;

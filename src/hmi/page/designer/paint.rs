@@ -9,7 +9,7 @@ use super::{DesignerPage, DesignerQuestion};
 use crate::defs::page::Page;
 use crate::defs::page_text::PageTextFault;
 use crate::defs::text::{Lang, LocalizedText, Text};
-use crate::hmi::page::program::keys::EDIT_FIRST;
+use crate::hmi::page::program::actions::EDIT_FIRST;
 use crate::hmi::page::program::listing::{self, LineMarks};
 use crate::hmi::page::{ScrollList, VisibleRows, empty, grinding};
 use crate::hmi::{Area, PageKey, Question, View, page_frame as lines, pictogram, round_to_lines, theme, widget};
@@ -92,12 +92,11 @@ impl DesignerPage {
         tap.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "page-text"));
         let rope = self.document.rope.clone();
         let spec = ScrollList { id: "page-lines", rect: list, row: height, gap: 0.0, count };
-        let (rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, NUMBER_WIDTH);
+        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, NUMBER_WIDTH);
         if let Some((line, column)) = tapped {
             self.document.move_to(line, column);
             self.keys_focused = false;
         }
-        let clipped = view.clipped(list);
         for (row, place) in rows {
             // Page texts need two-digit line numbers only; the unused width lies left of the list.
             let wide = place.trim_left(NUMBER_WIDTH - listing::NUMBER_WIDTH);
@@ -229,13 +228,14 @@ impl DesignerPage {
     /// The visible rows of the list on the right, index and place, and the view clipped to them. A touched row is selected.
     fn visible_rows<'v>(&mut self, rect: Rect, view: &View<'v>, count: usize) -> (View<'v>, VisibleRows) {
         let rect = round_to_lines(rect, ROW_HEIGHT);
-        let rows = self.list.rows(view, &ScrollList { id: "page-list", rect, row: ROW_HEIGHT, gap: 4.0, count }, 0);
+        let list = ScrollList { id: "page-list", rect, row: ROW_HEIGHT, gap: 4.0, count };
+        let (clipped, rows) = self.list.rows(view, &list, 0);
         for (index, place) in &rows {
             if view.ui.interact(place.intersect(rect), Id::unique(("page-row", *index)), Sense::CLICK).clicked() {
                 self.selected_row = *index;
             }
         }
-        (view.clipped(rect), rows)
+        (clipped, rows)
     }
 }
 
@@ -249,15 +249,6 @@ fn fault_text(view: &View<'_>, fault: &PageTextFault) -> String {
 }
 
 impl DesignerPage {
-    /// Paints the card of a row, framed if selected.
-    fn row_plate(&self, view: &View<'_>, place: Rect, index: usize) {
-        let chosen = self.selected_row == index;
-        view.filled_card(place, if chosen { view.theme.raised } else { view.theme.surface }, view.theme.line);
-        if chosen {
-            view.frame(place, view.theme.focus);
-        }
-    }
-
     /// The key at the end of a row; true if it is touched.
     fn row_key(&mut self, view: &View<'_>, row: Rect, key: PageKey<'_>) -> bool {
         let place = row.split_right(KEY_WIDTH).1.intersect(view.painter.clip_rect());
@@ -267,7 +258,7 @@ impl DesignerPage {
     /// Number, use by the program, label on the page; true when it is to be added.
     fn variable_row(&mut self, view: &View<'_>, place: Rect, index: usize, row: &VariableRow) -> bool {
         let plate = place.trim_right(if row.missing { KEY_WIDTH + theme::GAP } else { 0.0 });
-        self.row_plate(view, plate, index);
+        view.row_card(plate, self.selected_row == index);
         let (number, words) = plate.shrink2(vec2(10.0, 3.0)).split_left(56.0);
         let name = view.variable_name(row.variable);
         let ink = if row.missing { view.theme.alarm_text } else { view.theme.macros };
@@ -300,7 +291,7 @@ impl DesignerPage {
     /// Name, folder and size of a picture; true when it is to be used.
     fn picture_row(&mut self, view: &View<'_>, place: Rect, index: usize, file: &PictureFile) -> bool {
         let plate = place.trim_right(KEY_WIDTH + theme::GAP);
-        self.row_plate(view, plate, index);
+        view.row_card(plate, self.selected_row == index);
         let (top, below) = plate.shrink2(vec2(10.0, 3.0)).split_top_bottom_at_fraction(0.52);
         view.fit_left(top, &file.name, theme::LABEL, view.theme.text);
         let from = match file.location {

@@ -221,9 +221,9 @@ impl Help {
         if !self.scroll.user_scrolled {
             self.scroll.scroll_to(self.cursor, list, widget::ROW_HEIGHT);
         }
-        let clipped = view.clipped(list);
         let list = ScrollList { id: "help-list", rect: list, row: widget::ROW_HEIGHT, gap: 4.0, count };
-        for (row, place) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (row, place) in rows {
             self.row(&clipped, place, row);
         }
     }
@@ -233,11 +233,7 @@ impl Help {
         let chosen = row == self.cursor;
         let name = format!("{} {}", entry.name.get(view.lang), entry.id);
         let response = view.touch_row(place, ("help-entry", row), chosen, name);
-        let fill = if chosen { view.theme.raised } else { view.theme.surface };
-        view.filled_card(place, fill, view.theme.line);
-        if chosen {
-            view.frame(place, view.theme.focus);
-        }
+        view.row_card(place, chosen);
         let inside = place.shrink2(vec2(10.0, 2.0));
         let sign_width = match entry.section {
             Section::Pages => 0.0,
@@ -276,7 +272,7 @@ impl Help {
         // Some glyphs start left of their position.
         let clipped = view.clipped(list.expand2(vec2(2.0, 0.0)));
         let spec = ScrollList { id: "help-text", rect: list, row: TEXT_LINE, gap: 0.0, count: lines.len() };
-        for (at, place) in scroll.rows(view, &spec, 0) {
+        for (at, place) in scroll.rows(view, &spec, 0).1 {
             let (words, size, ink) = &lines[at];
             // A caption is aligned to the text below it.
             let align = if *size < theme::LABEL { Align2::LEFT_BOTTOM } else { Align2::LEFT_CENTER };

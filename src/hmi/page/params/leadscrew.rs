@@ -111,7 +111,10 @@ impl LeadscrewTab {
             }
         }
         while let Some(((), answer)) = self.asking.poll(Requester::Leadscrew, &ctx.view.snapshot.files) {
-            self.message.tell_answer(answer);
+            match answer {
+                Ok(deed) => self.message.tell(deed.message),
+                Err(refusal) => self.message.refuse(refusal.message()),
+            }
         }
     }
 
@@ -283,8 +286,8 @@ impl LeadscrewTab {
         }
         let rect = widget::round_to_lines(body, widget::ROW_HEIGHT);
         let list = ScrollList { id: "screw", rect, row: widget::ROW_HEIGHT, gap: 3.0, count: points.len() };
-        let clipped = view.clipped(rect);
-        for (index, line) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (index, line) in rows {
             self.line(line, &clipped, index, &points[index]);
         }
     }

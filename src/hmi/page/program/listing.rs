@@ -1,13 +1,15 @@
-//! Painting of program lines; only visible lines are laid out.
-//! Source: spec B6, K7.
+//! Painting of program lines; only visible lines are laid out. Where a restart would begin.
+//! Source: spec B5, B6, K7.
 
 use egui::{Color32, Id, Painter, Rect, Response, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::content_len;
 use super::highlight;
+use crate::defs::text::LocalizedText;
 use crate::hmi::page::{Scroll, ScrollList, VisibleRows};
 use crate::hmi::{Area, View, theme};
+use crate::link::Snapshot;
 use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
@@ -110,16 +112,17 @@ impl ListingPosition {
         painter.galley(pos2(words.min.x, top), galley, view.theme.text);
     }
 
-    /// Scrolls by finger and mouse wheel; returns the visible lines, and the line and column that was tapped.
-    pub fn handle_input(
+    /// Scrolls by finger and mouse wheel; returns the view clipped to the list, the visible lines, and the line and
+    /// column that was tapped.
+    pub fn handle_input<'v>(
         &mut self,
-        view: &View<'_>,
+        view: &View<'v>,
         list: &ScrollList<'_>,
         rope: &Rope,
         tap: &Response,
         number_width: f32,
-    ) -> (VisibleRows, Option<(usize, usize)>) {
-        let rows = self.scroll.rows(view, list, 0);
+    ) -> (View<'v>, VisibleRows, Option<(usize, usize)>) {
+        let (clipped, rows) = self.scroll.rows(view, list, 0);
         let first = rows.first().map_or(0, |(first, _)| *first);
         self.drag_sideways(view.ui, list.id, rope, first..first + rows.len());
         let tapped = tap.interact_pointer_pos().filter(|_| tap.clicked()).and_then(|at| {
@@ -127,7 +130,7 @@ impl ListingPosition {
             let x = at.x - list.rect.min.x - number_width;
             (line < list.count).then(|| (line, self.column_at(view, rope, line, x)))
         });
-        (rows, tapped)
+        (clipped, rows, tapped)
     }
 
     /// The column at a horizontal position in a line.
@@ -168,4 +171,31 @@ impl ListingPosition {
         self.drag_remainder -= columns * COLUMN_WIDTH;
         self.first_column = self.first_column.saturating_add_signed(columns as isize).min(longest.saturating_sub(1));
     }
+}
+
+/// Height of the two lines that tell of a restart.
+const RESTART_HEIGHT: f32 = 52.0;
+
+/// Shows below the listing the block at which cycle start would begin, with its modal state, or the run that a power
+/// cut ended (B5); returns the rectangle left for the listing.
+pub fn restart_note(rect: Rect, view: &View<'_>) -> Rect {
+    let Some(told) = restart_text(view.snapshot) else { return rect };
+    let (list, below) = rect.split_bottom(RESTART_HEIGHT + theme::GAP);
+    let place = below.trim_top(theme::GAP);
+    view.filled_card(place, view.theme.surface, view.theme.hold);
+    view.text_rows(place.shrink2(vec2(theme::PAD, 3.0)), &told.get(view.lang), theme::LABEL, view.theme.hold, 2);
+    list
+}
+
+/// A chosen block comes before an interrupted run: cycle start begins there.
+fn restart_text(snapshot: &Snapshot) -> Option<LocalizedText> {
+    if let Some(restart) = &snapshot.restart {
+        return Some(restart.summary());
+    }
+    let (program, line) = snapshot.interrupted?;
+    let name = snapshot.title(program);
+    Some(LocalizedText::new(
+        format!("{name} 在第 {line} 行断电中断：回零后按“断电续”，从该段继续"),
+        format!("{name} was cut off at line {line}: home the axes, then RESUME goes on from that block"),
+    ))
 }

@@ -2,12 +2,10 @@
 //! responsive: it is shared with the core, only visible lines are laid out, and whole-text work is done in slices.
 //! Source: spec B6 (程序), K6.2, H6, H8.
 
-mod actions;
+pub mod actions;
 pub mod document;
 mod highlight;
-pub mod keys;
 pub mod listing;
-mod restart;
 mod text_task;
 
 use egui::{Id, Rect, Sense, Ui, pos2, vec2};
@@ -22,8 +20,9 @@ use crate::hmi::{
 use crate::link::Command;
 use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
 use crate::link::snapshot::RunState;
+use actions::EditorAction;
 use document::{Document, content_len};
-use keys::EditorAction;
+
 use listing::{LINE_HEIGHT, LineMarks};
 use ropey::Rope;
 use text_task::TextTask;
@@ -117,12 +116,12 @@ impl PageUi for ProgramPage {
         let rows = if self.editing && !self.keyboard_open && self.prompt.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_bottom(board);
         let (list, below) = rest.split_bottom(rows * widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
-        let list = restart::ui(list, view);
+        let list = listing::restart_note(list, view);
         self.title(title, view);
         self.listing(list, view, typed.scroll_pages);
         let (told, keys) = below.split_top(MESSAGE_HEIGHT);
         self.message_line(told, view);
-        if let Some(act) = keys::ui(view, keys, self) {
+        if let Some(act) = actions::ui(view, keys, self) {
             self.perform(act, view, login, out);
         }
         if self.keyboard_open
@@ -227,7 +226,7 @@ impl ProgramPage {
     /// Handles keyboard input.
     fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, login: &mut Login, out: &mut Vec<Command>) {
         for control in &typed.ctrl_keys {
-            if let Some(act) = keys::from_shortcut(*control) {
+            if let Some(act) = actions::from_shortcut(*control) {
                 self.perform(act, view, login, out);
             }
         }
@@ -242,7 +241,7 @@ impl ProgramPage {
         } else if typed.text.contains('/') {
             self.perform(EditorAction::Find, view, login, out);
         } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
-            self.message.refuse(keys::EDIT_FIRST);
+            self.message.refuse(actions::EDIT_FIRST);
         }
         for edit in &typed.edits {
             match edit {
@@ -384,7 +383,7 @@ impl ProgramPage {
         let tap = view.ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
         let rope = self.document.rope.clone();
         let spec = ScrollList { id: "listing", rect: list, row: LINE_HEIGHT, gap: 0.0, count };
-        let (rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, listing::NUMBER_WIDTH);
+        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, listing::NUMBER_WIDTH);
         if let Some((line, column)) = tapped {
             self.document.move_to(line, column);
             self.keys_focused = false;
@@ -392,7 +391,6 @@ impl ProgramPage {
         let block = self.document.block();
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         let running = current && !self.document.changed;
-        let clipped = view.clipped(list);
         for (row, place) in rows {
             let mark = LineMarks {
                 running: running && row + 1 == program.line as usize,
