@@ -20,6 +20,7 @@ mod live_screen;
 mod operators;
 mod pages;
 mod panel;
+mod params;
 mod process;
 mod reach;
 mod repaint;
