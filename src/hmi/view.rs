@@ -146,6 +146,15 @@ impl View<'_> {
         response
     }
 
+    /// The factor of a zoom in this frame: two fingers, or the mouse wheel.
+    #[must_use]
+    pub fn zoom_factor(&self) -> f32 {
+        self.ui.input(|input| {
+            let pinch = input.multi_touch().map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta);
+            pinch * (input.smooth_scroll_delta().y / 240.0).exp()
+        })
+    }
+
     /// Lays out one line of text, truncated with … at a width.
     #[must_use]
     pub fn layout_line(&self, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {

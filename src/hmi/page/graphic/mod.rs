@@ -142,17 +142,12 @@ impl GraphicPage {
         let response =
             view.ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "图形 graphic-canvas"));
-        let (pinch, scroll, at) = view.ui.input(|input| {
-            let touch = input.multi_touch();
-            let zoom = touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta);
-            (zoom, input.smooth_scroll_delta().y, input.pointer.hover_pos())
-        });
-        let at = at.filter(|at| inside.contains(*at));
+        let at = view.ui.input(|input| input.pointer.hover_pos()).filter(|at| inside.contains(*at));
         if response.dragged() {
             camera.pan(response.drag_delta());
         }
         if let Some(at) = at {
-            camera.zoom(pinch * (scroll / 240.0).exp(), at - inside.center());
+            camera.zoom(view.zoom_factor(), at - inside.center());
         }
         if let Some(at) =
             response.interact_pointer_pos().filter(|_| response.clicked() && lathe::work_area(view).is_some())

@@ -159,15 +159,11 @@ impl ProcessPage {
     fn drag(&mut self, rect: Rect, view: &View<'_>) {
         let response = view.ui.interact(rect, Id::unique("process-curves"), Sense::DRAG | Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 process-curves"));
-        let (zoom, scroll) = view.ui.input(|input| {
-            let touch = input.multi_touch();
-            (touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta), input.smooth_scroll_delta().y)
-        });
         let width = f64::from((rect.width() - NAME_WIDTH).max(1.0));
         let (mut end, mut span) = (self.window_end(view).as_secs_f64(), self.span());
         if response.hovered() || response.dragged() {
             let longest = SPANS_SECONDS[SPANS_SECONDS.len() - 1];
-            span = (span / f64::from(zoom * (scroll / 240.0).exp())).clamp(MIN_SPAN_SECONDS, longest);
+            span = (span / f64::from(view.zoom_factor())).clamp(MIN_SPAN_SECONDS, longest);
         }
         let drawn = (span - self.span()).abs() > 1e-9;
         if drawn && self.window_end.is_some() {
