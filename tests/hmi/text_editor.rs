@@ -219,8 +219,10 @@ fn painted(lines: &[&str]) -> Vec<(String, Vec<(String, Color32)>)> {
     texts.map(|job| (job.text.clone(), tokens(job))).collect()
 }
 
+type Colour = fn(&Theme) -> Color32;
+
 /// Each line is painted whole, and begins with this text in one colour: a token, or neighbours of the same colour.
-fn begins_with(lines: &[(&str, &str, fn(&Theme) -> Color32)]) {
+fn begins_with(lines: &[(&str, &str, Colour)]) {
     let all = painted(&lines.iter().map(|(line, ..)| *line).collect::<Vec<_>>());
     for (line, token, colour) in lines {
         let (_, tokens) = all.iter().find(|(text, _)| text == line).expect(line);

@@ -4,7 +4,6 @@
 
 pub mod actions;
 pub mod document;
-mod highlight;
 pub mod listing;
 mod text_task;
 
