@@ -7,10 +7,9 @@ use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
 
 use super::key_press::KeyPresses;
 use super::layout::Regions;
-use super::page_frame::{self, FrameTouch};
+use super::page_frame::{self, FrameTouch, SoftKeyPress};
 use super::panel::Panel;
 use super::panel::layout::panel_layout;
-use super::soft_key_row::{self, SoftKeyPress};
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
 use super::{KeyboardInput, View, blink_phase, clock_time, file_command, keyboard, numeric_pad};
@@ -225,9 +224,9 @@ impl Hmi {
             SoftKeyAction::Position(other) => page == Page::Position && other == shown,
             SoftKeyAction::Print => false,
         };
-        let rows = soft_key_row::row_count(view);
+        let rows = page_frame::soft_key_row_count(view);
         let row = view.snapshot.soft_key_row % rows;
-        let touched = soft_key_row::ui(view, regions.soft, row, chosen);
+        let touched = page_frame::soft_keys(view, regions.soft, row, chosen);
         // The label shown counts, even if the core has changed the row since.
         let by_key = asked.soft_key.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
         match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {

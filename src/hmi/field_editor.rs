@@ -53,8 +53,9 @@ impl FieldEditor {
         }
     }
 
-    /// Handles digits, sign, backspace and cancel; false for any other key.
+    /// Handles digits, sign, backspace and cancel; false for any other key. Every key clears a refusal.
     pub fn handle_key(&mut self, edit: EditKey) -> bool {
+        self.clear_refused(edit);
         match edit {
             EditKey::Char(sign) => {
                 let point_again = sign == '.' && self.text.contains('.');
@@ -82,13 +83,7 @@ impl FieldEditor {
     /// # Errors
     /// The reason, in both languages.
     pub fn number(&self, most: f64) -> Result<f64, LocalizedText> {
-        let Ok(value) = self.text.parse::<f64>() else {
-            return Err(LocalizedText::new("不是数字", "not a number"));
-        };
-        if !value.is_finite() || value.abs() > most {
-            return Err(LocalizedText::new(format!("超出范围 ±{most:.3}"), format!("out of range ±{most:.3}")));
-        }
-        Ok(value)
+        parse_within(&self.text, most)
     }
 
     /// Marks the text of a field as sent to the core.
@@ -137,6 +132,19 @@ impl FieldEditor {
         }
     }
 
+    /// Paints the value of a field in its plate, in a text size. The selected field, with its editor in `typing`, has a
+    /// frame and shows the typed text instead.
+    pub fn paint(typing: Option<&Self>, view: &View<'_>, [plate, value]: [Rect; 2], size: f32, old: (String, Color32)) {
+        let (words, ink) = match typing {
+            Some(typing) => typing.shown(view, old),
+            None => old,
+        };
+        view.fit_right(value, &words, size, ink);
+        if let Some(typing) = typing {
+            typing.frame(view, plate);
+        }
+    }
+
     /// Paints the frame of the selected field, red after a refusal.
     pub fn frame(&self, view: &View<'_>, rect: Rect) {
         view.frame(rect, if self.refused.is_some() { view.theme.alarm } else { view.theme.focus });
@@ -149,36 +157,28 @@ impl FieldEditor {
     }
 }
 
+/// Parses a text as a number.
+///
+/// # Errors
+/// It is not a number; in both languages.
+pub fn parse_number(text: &str) -> Result<f64, LocalizedText> {
+    text.parse().map_err(|_| LocalizedText::new("不是数字", "not a number"))
+}
+
+/// Parses a text as a number within ± `most`.
+///
+/// # Errors
+/// The reason, in both languages.
+pub fn parse_within(text: &str, most: f64) -> Result<f64, LocalizedText> {
+    let value = parse_number(text)?;
+    if !value.is_finite() || value.abs() > most {
+        return Err(LocalizedText::new(format!("超出范围 ±{most:.3}"), format!("out of range ±{most:.3}")));
+    }
+    Ok(value)
+}
+
 /// Range and unit of a parameter, as shown.
 #[must_use]
 pub fn param_range(row: NumberParam) -> String {
     format!("{} … {} {}", row.min, row.max, row.unit)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn h6_what_the_core_refuses_comes_back_with_its_reason() {
-        let mut typing = FieldEditor { text: "1.5".into(), ..FieldEditor::default() };
-        typing.send(7);
-        assert!(typing.text.is_empty());
-        let no = EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) };
-        assert_eq!(typing.poll_answer(&no), CoreAnswer::Refused(7));
-        assert_eq!((typing.text.as_str(), typing.refusal(Lang::En).as_deref()), ("1.5", Some("no")));
-        assert_eq!(typing.poll_answer(&no), CoreAnswer::Nothing, "an answer counts once");
-    }
-
-    #[test]
-    fn h6_a_refusal_does_not_disturb_what_is_being_typed() {
-        let mut typing = FieldEditor { text: "1".into(), ..FieldEditor::default() };
-        typing.send(0);
-        typing.handle_key(EditKey::Char('9'));
-        assert_eq!(
-            typing.poll_answer(&EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) }),
-            CoreAnswer::Nothing
-        );
-        assert_eq!((typing.text.as_str(), typing.refused), ("9", None));
-    }
 }

@@ -114,18 +114,10 @@ impl PasswordDialog {
             EditKey::Char(sign) if sign.is_ascii_digit() && self.text.len() < *PASSWORD_LENGTH.end() => {
                 self.text.push(sign);
             }
-            EditKey::Backspace | EditKey::Delete => {
-                self.text.pop();
-            }
+            EditKey::Backspace | EditKey::Delete => drop(self.text.pop()),
             EditKey::Cancel => return true,
             EditKey::Enter if !self.text.is_empty() => self.enter(out),
-            EditKey::Enter | EditKey::Char(_) | EditKey::Sign | EditKey::Up | EditKey::Down => {}
-            EditKey::Left
-            | EditKey::Right
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Next
-            | EditKey::Previous => {}
+            _ => {}
         }
         false
     }

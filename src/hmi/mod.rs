@@ -5,9 +5,7 @@
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;
-mod area;
 pub mod core_fault;
-mod edit_key;
 pub mod field_editor;
 mod key_press;
 mod keyboard;
@@ -19,6 +17,7 @@ mod numeric_pad;
 pub mod offscreen;
 mod page;
 mod page_frame;
+mod page_message;
 pub mod panel;
 pub mod pictogram;
 mod question;
@@ -26,7 +25,6 @@ pub mod rasterizer;
 pub mod repaint;
 mod requests;
 mod search_field;
-mod soft_key_row;
 pub mod theme;
 pub mod variable_entry;
 pub mod view;
@@ -34,18 +32,18 @@ mod widget;
 pub mod window;
 
 pub use app::Hmi;
-pub(crate) use area::Area;
-pub(crate) use edit_key::EditKey;
-pub(crate) use field_editor::{CoreAnswer, FieldEditor, param_range};
-pub(crate) use keyboard::KeyboardInput;
+pub(crate) use field_editor::{CoreAnswer, FieldEditor, param_range, parse_number};
+pub(crate) use keyboard::{EditKey, KeyboardInput};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub(crate) use keycap::KeycapState;
+pub(crate) use layout::Area;
 pub(crate) use letter_pad::LetterKey;
 pub(crate) use login::Login;
 pub use offscreen::{page_text, screenshot};
 pub use page::help::{HelpEntry, Section as HelpSection, entries as help_entries};
+pub(crate) use page_message::PageMessage;
 pub(crate) use question::{Question, QuestionDialog};
-pub(crate) use requests::{PendingRequests, ProtectedRequests, RequestEvent, RequestReason, file_command};
+pub(crate) use requests::{PendingRequests, RequestEvent, file_command};
 pub(crate) use search_field::{Search, SearchTouch};
 pub(crate) use view::{
     View, blink_phase, clock_time, format_cycle_time, format_date_time, format_length, format_size, format_strokes,

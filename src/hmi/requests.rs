@@ -16,68 +16,13 @@ pub const fn file_command(requester: Requester, request: FileRequest) -> Command
     Command::Page(PageCommand::File(Ticket::without_reply(requester), request))
 }
 
-/// The reason of a request, returned with its answer.
-pub trait RequestReason {
-    /// The page that sends the request.
-    const REQUESTER: Requester;
-}
-
-/// The pending requests of a page, oldest first.
+/// The pending requests of a page, oldest first, each with its reason.
 #[derive(Debug)]
 pub struct PendingRequests<W> {
     last: u32,
     waiting: Vec<(u32, W)>,
-}
-
-impl<W> Default for PendingRequests<W> {
-    fn default() -> Self {
-        Self { last: 0, waiting: Vec::new() }
-    }
-}
-
-impl<W: RequestReason> PendingRequests<W> {
-    /// Creates a request; [`Self::poll`] returns the reason with the answer.
-    pub fn send(&mut self, why: W, request: FileRequest) -> Command {
-        if self.waiting.len() >= MAX_PENDING {
-            self.waiting.remove(0);
-        }
-        self.last = self.last.wrapping_add(1);
-        self.waiting.push((self.last, why));
-        Command::Page(PageCommand::File(Ticket { requester: W::REQUESTER, number: self.last }, request))
-    }
-
-    /// Whether an answer is pending.
-    pub const fn is_waiting(&self) -> bool {
-        !self.waiting.is_empty()
-    }
-
-    /// The next answer to a request of this page.
-    pub fn poll(&mut self, files: &FilesView) -> Option<(W, Result<Completion, Refusal>)> {
-        let own = files.answers.iter().filter(|answer| answer.ticket.requester == W::REQUESTER);
-        for answer in own {
-            let number = answer.ticket.number;
-            // The core may have answered an earlier screen: continue after its numbers.
-            self.last = self.last.max(number);
-            if let Some(at) = self.waiting.iter().position(|(waiting, _)| *waiting == number) {
-                return Some((self.waiting.remove(at).1, answer.result.clone()));
-            }
-        }
-        None
-    }
-}
-
-/// The requests of a page that edits a text; they may need the program password first (K6.2).
-#[derive(Debug)]
-pub struct ProtectedRequests<W> {
-    requests: PendingRequests<W>,
-    /// The password dialog is open.
+    /// The password dialog is open for a request (K6.2).
     password_asked: bool,
-}
-
-impl<W> Default for ProtectedRequests<W> {
-    fn default() -> Self {
-        Self { requests: PendingRequests::default(), password_asked: false }
-    }
 }
 
 /// What a page that edits a text receives.
@@ -89,21 +34,56 @@ pub enum RequestEvent<W> {
     Answer(W, Result<Completion, Refusal>),
 }
 
-impl<W: RequestReason> ProtectedRequests<W> {
+impl<W> Default for PendingRequests<W> {
+    fn default() -> Self {
+        Self { last: 0, waiting: Vec::new(), password_asked: false }
+    }
+}
+
+impl<W> PendingRequests<W> {
     /// Creates a request; [`Self::poll`] returns the reason with the answer.
-    pub fn send(&mut self, why: W, request: FileRequest) -> Command {
-        self.requests.send(why, request)
+    pub fn send(&mut self, requester: Requester, why: W, request: FileRequest) -> Command {
+        if self.waiting.len() >= MAX_PENDING {
+            self.waiting.remove(0);
+        }
+        self.last = self.last.wrapping_add(1);
+        self.waiting.push((self.last, why));
+        Command::Page(PageCommand::File(Ticket { requester, number: self.last }, request))
     }
 
-    /// The next answer; opens the password dialog if the password is required.
-    pub fn poll(&mut self, view: &View<'_>, login: &mut Login) -> Option<RequestEvent<W>> {
+    /// Whether an answer is pending.
+    pub const fn is_waiting(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    /// The next answer to a request of this page.
+    pub fn poll(&mut self, requester: Requester, files: &FilesView) -> Option<(W, Result<Completion, Refusal>)> {
+        let own = files.answers.iter().filter(|answer| answer.ticket.requester == requester);
+        for answer in own {
+            let number = answer.ticket.number;
+            // The core may have answered an earlier screen: continue after its numbers.
+            self.last = self.last.max(number);
+            if let Some(at) = self.waiting.iter().position(|(waiting, _)| *waiting == number) {
+                return Some((self.waiting.remove(at).1, answer.result.clone()));
+            }
+        }
+        None
+    }
+
+    /// The next answer; opens the password dialog if the program password is required (K6.2).
+    pub fn poll_protected(
+        &mut self,
+        requester: Requester,
+        view: &View<'_>,
+        login: &mut Login,
+    ) -> Option<RequestEvent<W>> {
         if self.password_asked && !login.is_open() {
             self.password_asked = false;
             if view.snapshot.access.program_unlocked {
                 return Some(RequestEvent::Unlocked);
             }
         }
-        let (why, answer) = self.requests.poll(&view.snapshot.files)?;
+        let (why, answer) = self.poll(requester, &view.snapshot.files)?;
         if answer == Err(Refusal::Password) {
             self.password_asked = true;
             login.unlock(view, PasswordScope::Program);
@@ -127,6 +107,9 @@ pub fn conflict_question() -> Question {
     Question::with_keys(Text::new("文件已被别处改动", "the file was changed elsewhere"), body, &keys)
 }
 
+/// The text of the disk has replaced the changed one.
+pub const READ_FROM_DISK: Text = Text::new("已读磁盘上的文件", "read from the disk");
+
 /// Asks whether the changes of a text are discarded.
 pub fn discard_question(name: &str) -> Question {
     let body = LocalizedText::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
@@ -138,12 +121,7 @@ pub fn discard_question(name: &str) -> Question {
 mod tests {
     use super::*;
 
-    #[derive(Debug, PartialEq)]
-    struct TestReason(u8);
-
-    impl RequestReason for TestReason {
-        const REQUESTER: Requester = Requester::Transfer;
-    }
+    const PAGE: Requester = Requester::Transfer;
 
     fn ticket(command: &Command) -> Ticket {
         match command {
@@ -156,17 +134,17 @@ mod tests {
     fn h8_every_answer_comes_to_its_own_request_in_any_order() {
         let (mut asking, mut view) = (PendingRequests::default(), FilesView::default());
         // An earlier screen has already sent request 1.
-        view.add_answer(Ticket { requester: Requester::Transfer, number: 1 }, Ok(Completion::default()));
-        assert!(asking.poll(&view).is_none());
-        let first = ticket(&asking.send(TestReason(1), FileRequest::ListMedia));
-        let second = ticket(&asking.send(TestReason(2), FileRequest::ListMedia));
+        view.add_answer(Ticket { requester: PAGE, number: 1 }, Ok(Completion::default()));
+        assert!(asking.poll(PAGE, &view).is_none());
+        let first = ticket(&asking.send(PAGE, 1, FileRequest::ListMedia));
+        let second = ticket(&asking.send(PAGE, 2, FileRequest::ListMedia));
         assert!(first.number == 2 && second.number == 3 && asking.is_waiting());
         view.add_answer(Ticket { requester: Requester::Editor, number: first.number }, Err(Refusal::Conflict));
-        assert!(asking.poll(&view).is_none(), "another page's answer");
+        assert!(asking.poll(PAGE, &view).is_none(), "another page's answer");
         view.add_answer(second, Err(Refusal::Password));
         view.add_answer(first, Ok(Completion::default()));
-        assert_eq!(asking.poll(&view), Some((TestReason(2), Err(Refusal::Password))));
-        assert_eq!(asking.poll(&view), Some((TestReason(1), Ok(Completion::default()))));
-        assert!(asking.poll(&view).is_none() && !asking.is_waiting(), "each one once");
+        assert_eq!(asking.poll(PAGE, &view), Some((2, Err(Refusal::Password))));
+        assert_eq!(asking.poll(PAGE, &view), Some((1, Ok(Completion::default()))));
+        assert!(asking.poll(PAGE, &view).is_none() && !asking.is_waiting(), "each one once");
     }
 }

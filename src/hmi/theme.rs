@@ -149,45 +149,10 @@ pub const LIGHT: Theme = Theme {
     ..DARK
 };
 
-impl Theme {
-    /// Every text colour with its backgrounds, for the contrast test: each pair has 4.5 : 1 or more.
-    #[must_use]
-    pub fn text_pairs(&self) -> Vec<(&'static str, Color32, Color32)> {
-        let grounds = [self.background, self.surface, self.raised];
-        let on_grounds = |name, ink: Color32| grounds.into_iter().map(move |ground| (name, ink, ground));
-        let mut pairs: Vec<_> = on_grounds("text", self.text).chain(on_grounds("quiet", self.muted)).collect();
-        pairs.extend(on_grounds("hold", self.hold).chain(on_grounds("info", self.info)));
-        pairs.extend(on_grounds("run", self.run).chain(on_grounds("alarm text", self.alarm_text)));
-        pairs.extend(on_grounds("macros", self.macros));
-        let fills = [self.run, self.hold, self.alarm, self.info, self.focus];
-        pairs.extend(fills.into_iter().map(|fill| ("ink", self.on_accent, fill)));
-        pairs.push(("emergency stop", self.stop_text, self.stop_background));
-        // Blocked keys are flat on the surface; their labels must stay readable.
-        pairs.extend([self.background, self.surface].into_iter().map(|ground| ("dim", self.disabled, ground)));
-        pairs.extend([self.paper_ink, self.paper_accent].into_iter().map(|ink| ("paper", ink, self.paper)));
-        pairs
-    }
-}
-
 /// The dark overlay that reduces the picture to `percent` of its brightness; all contrasts shrink equally.
 #[must_use]
 pub fn dimming_overlay(percent: u8) -> Color32 {
     Color32::from_black_alpha((255.0 * (1.0 - f32::from(percent.min(100)) / 100.0)).round() as u8)
-}
-
-/// Contrast of two colours, 1 to 21.
-/// Source: WCAG 2.1, relative luminance.
-#[must_use]
-pub fn contrast(a: Color32, b: Color32) -> f64 {
-    let luminance = |colour: Color32| {
-        let linear = |channel: u8| {
-            let value = f64::from(channel) / 255.0;
-            if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-        };
-        0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
-    };
-    let (a, b) = (luminance(a), luminance(b));
-    (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
 /// Display scale relative to 1024 × 768 px, in steps of 0.1: 1.4 at 1920 × 1080 px.

@@ -16,7 +16,7 @@ use crate::defs::date::DateTime;
 use crate::defs::text::{Lang, Text};
 use crate::defs::variable_name;
 use crate::link::Snapshot;
-use crate::units::Micros;
+use crate::units::{Axis, Micros};
 
 /// How far the font draws its glyphs below the middle of the line, as a share of the line height.
 const FONT_SAG: f32 = 0.045;
@@ -49,6 +49,11 @@ impl View<'_> {
     #[must_use]
     pub const fn text(&self, zh: &'static str, en: &'static str) -> &'static str {
         Text::new(zh, en).get(self.lang)
+    }
+
+    /// The axes of the machine.
+    pub fn axes(&self) -> impl Iterator<Item = Axis> + use<'_> {
+        Axis::ALL.into_iter().filter(|axis| self.snapshot.axes[*axis].present)
     }
 
     /// Value of a macro variable as executed; a null variable is a dash.
@@ -141,6 +146,15 @@ impl View<'_> {
         response
     }
 
+    /// The factor of a zoom in this frame: two fingers, or the mouse wheel.
+    #[must_use]
+    pub fn zoom_factor(&self) -> f32 {
+        self.ui.input(|input| {
+            let pinch = input.multi_touch().map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta);
+            pinch * (input.smooth_scroll_delta().y / 240.0).exp()
+        })
+    }
+
     /// Lays out one line of text, truncated with … at a width.
     #[must_use]
     pub fn layout_line(&self, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
@@ -202,6 +216,11 @@ impl View<'_> {
         paragraph(&self.painter, rect, text, size, colour)
     }
 
+    /// Paints a quiet paragraph: a hint, or what a list is empty of.
+    pub fn note(&self, rect: Rect, text: &str) {
+        self.paragraph(rect, text, theme::LABEL, self.theme.muted);
+    }
+
     /// Paints wrapped text of at most `most` lines, vertically centred in a rectangle.
     pub fn text_rows(&self, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
         let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
@@ -230,6 +249,14 @@ impl View<'_> {
     /// Paints a card of the page: surface with a hairline around it.
     pub fn card(&self, rect: Rect) {
         self.filled_card(rect, self.theme.surface, self.theme.line);
+    }
+
+    /// Paints the card of a row of a list, framed if it is the selected one.
+    pub fn row_card(&self, rect: Rect, chosen: bool) {
+        self.filled_card(rect, if chosen { self.theme.raised } else { self.theme.surface }, self.theme.line);
+        if chosen {
+            self.frame(rect, self.theme.focus);
+        }
     }
 
     /// Paints a filled area with a hairline around it.

@@ -37,6 +37,28 @@ impl<'a> PageKey<'a> {
     }
 }
 
+/// A table of keys: each with the accessible name and the label.
+macro_rules! page_keys {
+    ($(#[$outer:meta])* $keys:ident { $($(#[$inner:meta])* $key:ident = $name:literal, $zh:literal, $en:literal;)* }) => {
+        $(#[$outer])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $keys { $($(#[$inner])* $key,)* }
+
+        impl $keys {
+            /// The accessible name.
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$key => $name,)* }
+            }
+
+            /// The label.
+            pub const fn label(self) -> Text {
+                match self { $(Self::$key => Text::new($zh, $en),)* }
+            }
+        }
+    };
+}
+pub(crate) use page_keys;
+
 /// Draws a key of a page; true if it is touched.
 pub fn button(view: &View<'_>, rect: Rect, key: PageKey<'_>) -> bool {
     let PageKey { name, label, on, locked } = key;

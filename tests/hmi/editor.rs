@@ -17,13 +17,13 @@ use tempfile::TempDir;
 const TEXT: &str = "O1234 (A)\r\nN10 G00 X10\r\nN20 M30\r\n";
 
 /// A folder of programs with O1234, and a control with it.
-struct Shop {
+pub struct Shop {
     folder: TempDir,
-    bench: Bench,
+    pub bench: Bench,
 }
 
 impl Shop {
-    fn new(text: &[u8]) -> Self {
+    pub fn new(text: &[u8]) -> Self {
         Self::with("O1234.NC", text)
     }
 
@@ -49,11 +49,11 @@ impl Shop {
         fs::read_to_string(self.path()).unwrap()
     }
 
-    fn text(&self) -> String {
+    pub fn text(&self) -> String {
         self.bench.screen.state().hmi.program_text().unwrap().to_string()
     }
 
-    fn tell(&mut self, story: &str) {
+    pub fn tell(&mut self, story: &str) {
         crate::stories::tell(&mut self.bench.rig, story);
         self.bench.turn();
     }
@@ -69,11 +69,11 @@ impl Shop {
         assert!(self.bench.screen.query_by_label("保存 edit-save").is_some(), "not editing");
     }
 
-    fn refusal(&self) -> String {
+    pub fn refusal(&self) -> String {
         self.bench.screen.state().hmi.refusal(Lang::Zh).map(|(_, why)| why).unwrap_or_default()
     }
 
-    fn key(&mut self, key: egui::Key, modifiers: egui::Modifiers) {
+    pub fn key(&mut self, key: egui::Key, modifiers: egui::Modifiers) {
         self.bench.screen.key_press_modifiers(modifiers, key);
         self.bench.turn();
     }

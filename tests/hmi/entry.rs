@@ -8,10 +8,12 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::page_text;
 use kt830::defs::soft_key::{CoordinateView, ROWS as SOFT_ROWS, SoftKeyAction, row as soft_row};
-use kt830::defs::text::Lang;
-use kt830::hmi::variable_entry::parse_value;
+use kt830::defs::text::{Lang, LocalizedText};
+use kt830::hmi::field_editor::{CoreAnswer, FieldEditor};
+use kt830::hmi::variable_entry::{VariableEntry, parse_value};
 use kt830::link::Snapshot;
 use kt830::link::command::{ScreenFiles, Screens};
+use kt830::link::edit::EditAnswer;
 use std::sync::Arc;
 
 fn touch(screen: &mut Screen, label: &str) {
@@ -32,6 +34,20 @@ fn write(screen: &mut Screen, text: &str) {
     screen.step();
 }
 
+/// The grinding page of this text.
+fn open_page(text: &str) -> Screen {
+    let mut machine = snapshot(Page::Grinding);
+    let text = page_text::parse(text).map(Arc::new).expect("the sample is right");
+    let picture = crate::sample::picture("B0001.BMP");
+    let files = ScreenFiles { text: Ok(text), picture: Ok(picture) };
+    machine.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: None });
+    open(machine)
+}
+
+fn entry(screen: &Screen) -> &VariableEntry {
+    screen.state().hmi.variable_entry().unwrap()
+}
+
 fn sent(screen: &mut Screen) -> Vec<String> {
     std::mem::take(&mut screen.state_mut().sent).iter().map(|command| format!("{command:?}")).collect()
 }
@@ -43,11 +59,11 @@ fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
     for key in ["pad-0", "pad-point", "pad-0", "pad-3", "pad-5", "pad-back", "pad-sign"] {
         touch(&mut screen, key);
     }
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "-0.03");
+    assert_eq!(entry(&screen).editor.text, "-0.03");
     assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
     touch(&mut screen, "输入 input");
     assert_eq!(sent(&mut screen), ["EnterVariable(505, Some(-0.03))"]);
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().cursor, 5, "the next field is chosen");
+    assert_eq!(entry(&screen).cursor, 5, "the next field is chosen");
 }
 
 #[test]
@@ -56,7 +72,7 @@ fn h6_cancel_restores_then_closes_the_pad() {
     touch(&mut screen, "卡尺X轴始磨位置 #500");
     touch(&mut screen, "pad-9");
     touch(&mut screen, "取消 cancel");
-    assert!(screen.state().hmi.variable_entry().unwrap().editor.text.is_empty());
+    assert!(entry(&screen).editor.text.is_empty());
     touch(&mut screen, "取消 cancel");
     assert!(screen.query_by_label("pad-9").is_none());
     assert!(sent(&mut screen).is_empty());
@@ -77,33 +93,25 @@ fn h6_physical_keys_do_the_same() {
     press(&mut screen, egui::Key::Escape);
     press(&mut screen, egui::Key::ArrowRight);
     assert_eq!(sent(&mut screen), ["EnterVariable(501, Some(-12.75))", "EnterVariable(504, Some(8.0))"]);
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().cursor, 12, "the arrow goes to the field beside it");
+    assert_eq!(entry(&screen).cursor, 12, "the arrow goes to the field beside it");
 }
 
 #[test]
 fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
-    let mut machine = snapshot(Page::Grinding);
-    let text = page_text::parse(&C0001.replace("#508", "#570")).map(Arc::new).expect("the sample is right");
-    let picture = crate::sample::picture("B0001.BMP");
-    let files = ScreenFiles { text: Ok(text), picture: Ok(picture) };
-    machine.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: None });
-    let mut screen = open(machine);
+    let mut screen = open_page(&C0001.replace("#508", "#570"));
     touch(&mut screen, "精磨进给方式 #570");
     write(&mut screen, "2");
     press(&mut screen, egui::Key::Enter);
     assert!(sent(&mut screen).is_empty());
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh).as_deref(), Some("只能输入 0 或 1"));
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "2");
+    assert_eq!(entry(&screen).editor.refusal(Lang::Zh).as_deref(), Some("只能输入 0 或 1"));
+    assert_eq!(entry(&screen).editor.text, "2");
     write(&mut screen, "1");
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh), None);
+    assert_eq!(entry(&screen).editor.refusal(Lang::Zh), None);
     press(&mut screen, egui::Key::Enter);
     assert_eq!(sent(&mut screen), ["EnterVariable(570, Some(1.0))"]);
     write(&mut screen, "100000");
     press(&mut screen, egui::Key::Enter);
-    assert_eq!(
-        screen.state().hmi.variable_entry().unwrap().refusal(Lang::En).as_deref(),
-        Some("out of range ±99999.999")
-    );
+    assert_eq!(entry(&screen).editor.refusal(Lang::En).as_deref(), Some("out of range ±99999.999"));
     assert!(sent(&mut screen).is_empty());
 }
 
@@ -121,7 +129,7 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
     screen.step();
     screen.step();
     assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
-    assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "");
+    assert_eq!(entry(&screen).editor.text, "");
 }
 
 #[test]
@@ -246,4 +254,65 @@ fn h6_range_and_form_are_checked() {
         assert!(parse_value(575, bad).is_err(), "{bad:?}");
     }
     assert!(parse_value(575, "0").is_ok() && parse_value(579, "1").is_ok());
+}
+
+/// Three fields on the left, one on the right.
+const FOUR_FIELDS: &str = "试;\n甲 #500;\n乙 #570;\n丙 #502;\n;\n;\n;\n;\n;\n;\n;\n丁 #510;\n%\n";
+
+#[test]
+fn h6_enter_stores_and_moves_on() {
+    let mut screen = open_page(FOUR_FIELDS);
+    write(&mut screen, "-40.25");
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(sent(&mut screen), ["EnterVariable(500, Some(-40.25))"]);
+    assert_eq!((entry(&screen).cursor, entry(&screen).editor.text.as_str()), (1, ""));
+}
+
+#[test]
+fn k7_5_switches_take_zero_or_one_and_the_refused_text_stays() {
+    let mut screen = open_page(FOUR_FIELDS);
+    press(&mut screen, egui::Key::ArrowDown);
+    write(&mut screen, "2");
+    press(&mut screen, egui::Key::Enter);
+    assert!(sent(&mut screen).is_empty());
+    let editor = &entry(&screen).editor;
+    assert_eq!((editor.text.as_str(), editor.refusal(Lang::En).as_deref()), ("2", Some("only 0 or 1")));
+    write(&mut screen, "1");
+    let editor = &entry(&screen).editor;
+    assert_eq!((editor.text.as_str(), editor.refused.is_none()), ("1", true));
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(sent(&mut screen), ["EnterVariable(570, Some(1.0))"]);
+}
+
+#[test]
+fn h6_arrows_reach_every_field() {
+    use egui::Key::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp};
+    let mut screen = open_page(FOUR_FIELDS);
+    for (key, field) in [(ArrowRight, 3), (ArrowLeft, 0), (ArrowUp, 3), (ArrowDown, 0)] {
+        press(&mut screen, key);
+        assert_eq!(entry(&screen).cursor, field, "{key:?}");
+    }
+}
+
+#[test]
+fn h6_what_the_core_refuses_comes_back_with_its_reason() {
+    let mut typing = FieldEditor::default();
+    typing.text.push_str("1.5");
+    typing.send(7);
+    assert!(typing.text.is_empty());
+    let no = EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) };
+    assert_eq!(typing.poll_answer(&no), CoreAnswer::Refused(7));
+    assert_eq!((typing.text.as_str(), typing.refusal(Lang::En).as_deref()), ("1.5", Some("no")));
+    assert_eq!(typing.poll_answer(&no), CoreAnswer::Nothing, "an answer counts once");
+}
+
+#[test]
+fn h6_a_refusal_does_not_disturb_what_is_being_typed() {
+    let mut typing = FieldEditor::default();
+    typing.text.push('1');
+    typing.send(0);
+    typing.text.push('9');
+    let no = EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) };
+    assert_eq!(typing.poll_answer(&no), CoreAnswer::Nothing);
+    assert_eq!((typing.text.as_str(), typing.refused), ("9", None));
 }

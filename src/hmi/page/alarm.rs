@@ -79,9 +79,9 @@ impl PageUi for AlarmPage {
         if let Some(at) = rows.iter().position(|row| Some(*row) == chosen).filter(|_| !self.scroll.user_scrolled) {
             self.scroll.reveal(at, list, line);
         }
-        let clipped = view.clipped(list);
         let list = ScrollList { id: "alarms", rect: list, row: line, gap: theme::GAP, count: rows.len() };
-        for (index, place) in self.scroll.rows(view, &list, typed.scroll_pages) {
+        let (clipped, places) = self.scroll.rows(view, &list, typed.scroll_pages);
+        for (index, place) in places {
             self.row(&clipped, place, rows[index]);
         }
     }

@@ -8,9 +8,10 @@ use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, empty, input_l
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::widget::page_keys;
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeyboardFocus, KeycapState, Login, PageKey, PendingRequests, Question, QuestionDialog,
-    RequestReason, View, format_size, keycap, page_frame as lines, pictogram, round_to_lines, theme, widget,
+    View, format_size, keycap, page_frame as lines, pictogram, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -20,22 +21,17 @@ use crate::link::snapshot::{DirectoryRow, RunState};
 /// Height of a row.
 const ROW_HEIGHT: f32 = 50.0;
 
-/// Actions on a program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum DirectoryAction {
-    New,
-    Copy,
-    Rename,
-    Delete,
+page_keys! {
+    /// Actions on a program.
+    DirectoryAction {
+        New = "program-new", "新建", "NEW";
+        Copy = "program-copy", "复制", "COPY";
+        Rename = "program-rename", "改号", "RENAME";
+        Delete = "program-delete", "删除", "DELETE";
+    }
 }
-
-/// Request to create, copy, rename or delete a program.
-#[derive(Debug)]
-struct DirectoryRequest;
-
-impl RequestReason for DirectoryRequest {
-    const REQUESTER: Requester = Requester::Directory;
-}
+const ACTIONS: [DirectoryAction; 4] =
+    [DirectoryAction::New, DirectoryAction::Copy, DirectoryAction::Rename, DirectoryAction::Delete];
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -50,7 +46,7 @@ pub struct DirectoryPage {
     /// Request that waits for an answer or for the password.
     request: Option<FileRequest>,
     awaiting_password: bool,
-    asking: PendingRequests<DirectoryRequest>,
+    asking: PendingRequests<()>,
     walk: KeyboardFocus,
     keys_focused: bool,
     /// The page was just opened: scroll to the selected row.
@@ -102,7 +98,7 @@ impl PageUi for DirectoryPage {
 impl DirectoryPage {
     fn send(&mut self, out: &mut Vec<Command>) {
         if let Some(request) = &self.request {
-            out.push(self.asking.send(DirectoryRequest, request.clone()));
+            out.push(self.asking.send(Requester::Directory, (), request.clone()));
         }
     }
 
@@ -112,8 +108,8 @@ impl DirectoryPage {
             self.awaiting_password = false;
             if view.snapshot.access.program_unlocked { self.send(out) } else { self.request = None }
         }
-        let answer = self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some());
-        match answer.map(|(DirectoryRequest, answer)| answer) {
+        let answer = self.asking.poll(Requester::Directory, &view.snapshot.files).filter(|_| self.request.is_some());
+        match answer.map(|((), answer)| answer) {
             None => return,
             Some(Err(Refusal::Password)) => {
                 self.awaiting_password = true;
@@ -130,19 +126,16 @@ impl DirectoryPage {
                 };
                 self.typing.refused = Some(refusal.message());
             }
-            Some(Ok(_)) => (self.action, self.typing) = (None, FieldEditor::default()),
+            Some(Ok(_)) => self.close_line(),
         }
         self.request = None;
     }
 
     fn edit(&mut self, edit: EditKey, view: &View<'_>, out: &mut Vec<Command>) {
         match edit {
-            EditKey::Cancel => (self.action, self.typing) = (None, FieldEditor::default()),
+            EditKey::Cancel => self.close_line(),
             EditKey::Enter => self.enter(view, out),
-            _ => {
-                self.typing.clear_refused(edit);
-                self.typing.handle_key(edit);
-            }
+            _ => drop(self.typing.handle_key(edit)),
         }
     }
 
@@ -153,9 +146,7 @@ impl DirectoryPage {
             Some(DirectoryAction::Copy) => |from, to| FileRequest::Copy { from, to },
             Some(DirectoryAction::Rename) => |from, to| FileRequest::Rename { from, to },
             // A refused deletion takes no number: INPUT closes its line.
-            Some(DirectoryAction::Delete) | None => {
-                return (self.action, self.typing) = (None, FieldEditor::default());
-            }
+            Some(DirectoryAction::Delete) | None => return self.close_line(),
         };
         let from = view.snapshot.directory.get(self.cursor).map_or(0, |row| row.number);
         match self.typing.text.parse::<u32>() {
@@ -167,6 +158,11 @@ impl DirectoryPage {
                 self.typing.refused = Some(LocalizedText::new("程序号应为 1-9999", "program numbers are 1 to 9999"));
             }
         }
+    }
+
+    /// Closes the line of the program number.
+    fn close_line(&mut self) {
+        (self.action, self.typing) = (None, FieldEditor::default());
     }
 
     fn begin_action(&mut self, deed: DirectoryAction, view: &View<'_>) {
@@ -207,23 +203,17 @@ impl DirectoryPage {
             return false;
         }
         self.walk.begin_frame(if self.keys_focused { edits } else { &[] });
-        let keys = [
-            (DirectoryAction::New, "program-new", Text::new("新建", "NEW")),
-            (DirectoryAction::Copy, "program-copy", Text::new("复制", "COPY")),
-            (DirectoryAction::Rename, "program-rename", Text::new("改号", "RENAME")),
-            (DirectoryAction::Delete, "program-delete", Text::new("删除", "DELETE")),
-        ];
         let has_pages = Page::Designer.exists_on(view.snapshot.kind);
-        let (row, count) = (rect.trim_bottom(theme::GAP), keys.len() + usize::from(has_pages));
+        let (row, count) = (rect.trim_bottom(theme::GAP), ACTIONS.len() + usize::from(has_pages));
         let locked = view.snapshot.mode != Mode::Edit;
-        for (index, (deed, name, label)) in keys.into_iter().enumerate() {
-            let key = PageKey::new(name, label.get(view.lang)).locked(locked);
+        for (index, deed) in ACTIONS.into_iter().enumerate() {
+            let key = PageKey::new(deed.id(), deed.label().get(view.lang)).locked(locked);
             if self.walk.button(view, row.cell(index, count), key) {
                 self.begin_action(deed, view);
             }
         }
         let key = PageKey::new("design-page", view.text("页面设计", "PAGE"));
-        has_pages && self.walk.button(view, row.cell(keys.len(), count), key)
+        has_pages && self.walk.button(view, row.cell(ACTIONS.len(), count), key)
     }
 
     fn list(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey], pages: i32) -> Vec<Command> {
@@ -258,10 +248,9 @@ impl DirectoryPage {
             self.scroll.scroll_to(self.cursor, list, ROW_HEIGHT);
         }
         let spec = ScrollList { id: "directory", rect: list, row: ROW_HEIGHT, gap: 4.0, count: rows.len() };
-        let places = self.scroll.rows(view, &spec, pages);
+        let (clipped, places) = self.scroll.rows(view, &spec, pages);
         let named = places.iter().any(|(index, _)| rows[*index].name.len() > 6);
         self.name_width = if named { 150.0 } else { 88.0 };
-        let clipped = view.clipped(list);
         for (index, place) in places {
             load |= self.row(place, &clipped, index, &rows[index]);
         }

@@ -38,14 +38,13 @@ pub struct GrindingPage {
 
 impl PageUi for GrindingPage {
     fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
-        self.entry.restart();
+        self.entry = VariableEntry::default();
     }
 
     fn record(&mut self, snapshot: &Snapshot) {
         let shown = (snapshot.program.number, snapshot.grinding_page_number());
         if self.shown != shown {
-            self.shown = shown;
-            self.entry.restart();
+            (self.shown, self.entry) = (shown, VariableEntry::default());
         }
     }
 
@@ -260,15 +259,7 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
     view.fit_left(label, &label_of(view, row), small, ink);
-    let old = (view.variable(row.variable), view.theme.text);
-    let (words, colour) = match chosen {
-        Some(typing) => typing.shown(view, old),
-        None => old,
-    };
-    view.fit_right(value, &words, large, colour);
-    if let Some(typing) = chosen {
-        typing.frame(view, place);
-    }
+    FieldEditor::paint(chosen, view, [place, value], large, (view.variable(row.variable), view.theme.text));
 }
 
 /// `数据输入: #500=40.2   卡尺X轴始磨位置   范围 ±99999.999 · 原值 40.000`
@@ -277,7 +268,7 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: 
     let Some(row) = columns.into_iter().flatten().flatten().nth(entry.cursor) else { return };
     let (left, rest) = line.split_left_right_at_fraction(0.34);
     let ink = input_line::typed_text(view, left, &format!("{}=", view.variable_name(row.variable)), &entry.editor);
-    let told = match entry.refusal(view.lang) {
+    let told = match entry.editor.refusal(view.lang) {
         Some(reason) => reason.into_owned(),
         None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.variable(row.variable)),
     };

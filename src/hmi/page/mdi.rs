@@ -165,14 +165,13 @@ impl MdiPage {
         if self.history.is_empty() {
             let words = view
                 .text("执行过的行列在这里，触摸可再用", "lines that were used stand here; touch one to use it again");
-            view.paragraph(list.shrink2(vec2(theme::PAD, 4.0)), words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(list.shrink2(vec2(theme::PAD, 4.0)), words);
         }
         let rect = widget::round_to_lines(list, widget::ROW_HEIGHT);
         let list = ScrollList { id: "mdi-history", rect, row: widget::ROW_HEIGHT, gap: 2.0, count: self.history.len() };
-        let (view, mut touched) = (&view.clipped(rect), None);
-        for (index, place) in self.scroll.rows(view, &list, pages) {
-            let response = keycap::plain(view, place, ("mdi-line", index), format!("mdi-line-{index}"));
+        let ((view, rows), mut touched) = (self.scroll.rows(view, &list, pages), None);
+        for (index, place) in rows {
+            let response = keycap::plain(&view, place, ("mdi-line", index), format!("mdi-line-{index}"));
             view.fit_left(place.trim_sides(theme::PAD), &self.history[index], theme::TITLE, view.theme.text);
             if self.recalled == Some(index) {
                 view.frame(place, view.theme.focus);

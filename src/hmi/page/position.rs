@@ -43,7 +43,7 @@ fn coordinates(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let (title, axes) = main.trim_right(theme::PAD).split_top(34.0);
     lines::title(view, title, shown.title().get(view.lang));
     view.line_right(title, view.position_unit(), theme::LABEL, view.theme.muted);
-    let present: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present).collect();
+    let present: Vec<Axis> = view.axes().collect();
     let keys = shown == CoordinateView::Relative;
     let room = axes.height() - if keys { 60.0 } else { 0.0 };
     let height = ((room - theme::GAP * 2.0) / present.len().max(2) as f32 - theme::GAP).clamp(90.0, 190.0);

@@ -31,11 +31,12 @@ pub struct ScrollList<'a> {
 pub type VisibleRows = Vec<(usize, Rect)>;
 
 impl Scroll {
-    /// Scrolls by pages, finger and mouse wheel, and draws the bar; returns the visible rows.
-    pub fn rows(&mut self, view: &View<'_>, list: &ScrollList<'_>, pages: i32) -> VisibleRows {
+    /// Scrolls by pages, finger and mouse wheel, and draws the bar; returns the view clipped to the list, and the
+    /// visible rows.
+    pub fn rows<'v>(&mut self, view: &View<'v>, list: &ScrollList<'_>, pages: i32) -> (View<'v>, VisibleRows) {
         let rows = self.visible_rows(view, list, pages);
         self.draw_bar(view, list.rect, list.row, list.count);
-        rows
+        (view.clipped(list.rect), rows)
     }
 
     /// Scrolls by pages, finger and mouse wheel; returns the visible rows.

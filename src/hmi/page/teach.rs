@@ -70,8 +70,7 @@ impl TeachPage {
                 "按“开始录返”，然后用手动、单步或手轮移动刀具。\n每段直线、主轴、冷却、换刀都会记成程序段。",
                 "Press START, then move the tool by jog keys, steps or handwheel.\nEvery straight way, spindle, coolant and tool change becomes a block.",
             );
-            view.paragraph(inside, words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(inside, words);
         }
         let inside = widget::round_to_lines(inside, LINE_HEIGHT);
         if blocks.len() != self.block_count {
@@ -79,8 +78,8 @@ impl TeachPage {
             self.scroll.scroll_to(blocks.len(), inside, LINE_HEIGHT);
         }
         let list = ScrollList { id: "teach-blocks", rect: inside, row: LINE_HEIGHT, gap: 0.0, count: blocks.len() };
-        let clipped = view.clipped(inside);
-        for (index, line) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (index, line) in rows {
             let newest = index + 1 == blocks.len() && view.snapshot.teach.recording;
             let ink = if newest { view.theme.info } else { view.theme.text };
             clipped.line_left(line.trim_right(6.0), &blocks[index], theme::TITLE, ink);

@@ -78,7 +78,6 @@ impl PageUi for ToolsPage {
 
 impl ToolsPage {
     fn edit(&mut self, edit: EditKey, out: &mut Vec<Command>) {
-        self.typing.clear_refused(edit);
         if self.typing.handle_key(edit) {
             return;
         }
@@ -152,12 +151,8 @@ impl ToolsPage {
             shape if is_shape(field) => TurningToolShape::ALL[shape].name().get(view.lang).to_owned(),
             _ => value.to_string(),
         };
-        let (chosen, old) = (self.cursor == field, (old, view.theme.text));
-        let (words, ink) = if chosen { self.typing.shown(view, old) } else { old };
-        view.fit_right(shown, &words, theme::TITLE, ink);
-        if chosen {
-            self.typing.frame(view, rect);
-        }
+        let typing = (self.cursor == field).then_some(&self.typing);
+        FieldEditor::paint(typing, view, [rect, shown], theme::TITLE, (old, view.theme.text));
         if !response.clicked() {
             return;
         }

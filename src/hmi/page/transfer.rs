@@ -10,8 +10,8 @@ use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
-    Area, KeyboardFocus, Login, PageKey, PendingRequests, Question, QuestionDialog, RequestReason, View, file_command,
-    format_size, page_frame as lines, round_to_lines, theme, widget,
+    Area, KeyboardFocus, Login, PageKey, PageMessage, PendingRequests, Question, QuestionDialog, View, file_command,
+    format_size, page_frame as lines, requests, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -20,18 +20,8 @@ use crate::link::page_command::PasswordScope;
 
 /// Height of the keys below.
 const KEYS_HEIGHT: f32 = 52.0;
-/// Index of the overwrite key in its question.
-const OVERWRITE_KEY: usize = 0;
 /// Seconds between two checks of the USB drive while the page is open.
 const MEDIUM_POLL_SECONDS: f64 = 2.0;
-
-/// Request to transfer files.
-#[derive(Debug)]
-struct MediaRequest;
-
-impl RequestReason for MediaRequest {
-    const REQUESTER: Requester = Requester::Transfer;
-}
 
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,8 +44,8 @@ pub struct TransferPage {
     /// The transfer waits for a password.
     awaiting_password: Option<PasswordScope>,
     question: QuestionDialog<TransferQuestion>,
-    message: Option<(LocalizedText, bool)>,
-    asking: PendingRequests<MediaRequest>,
+    message: PageMessage,
+    asking: PendingRequests<()>,
     last_poll: f64,
     /// The RS232 half.
     serial: SerialPane,
@@ -75,8 +65,7 @@ impl PageUi for TransferPage {
     }
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
-        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((String::new(), said.get(lang).into_owned()))
+        self.message.refusal(lang).map(|why| (String::new(), why))
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
@@ -119,10 +108,12 @@ impl PageUi for TransferPage {
         match self.question.ui(rect, view, &typed.edits) {
             Some((TransferQuestion::Convert, Some(_))) => {
                 self.request.iter_mut().for_each(|ask| ask.convert = Some(true));
-                let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
-                self.send_request(overwrite, out);
+                self.send_request(out);
             }
-            Some((TransferQuestion::Overwrite, Some(key))) => self.send_request(Some(key == OVERWRITE_KEY), out),
+            Some((TransferQuestion::Overwrite, Some(key))) => {
+                self.request.iter_mut().for_each(|ask| ask.overwrite = Some(key == requests::OVERWRITE_KEY));
+                self.send_request(out);
+            }
             Some((_, None)) => self.request = None,
             None => {}
         }
@@ -136,23 +127,16 @@ impl TransferPage {
             self.awaiting_password = None;
             let open =
                 if guard == PasswordScope::Program { access.program_unlocked } else { access.level >= guard.level() };
-            if open {
-                let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
-                self.send_request(overwrite, out);
-            } else {
-                self.request = None;
-            }
+            if open { self.send_request(out) } else { self.request = None }
         }
-        let Some((MediaRequest, answer)) = self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some())
-        else {
-            return;
-        };
+        let answer = self.asking.poll(Requester::Transfer, &view.snapshot.files);
+        let Some(((), answer)) = answer.filter(|_| self.request.is_some()) else { return };
         self.last_poll = f64::NEG_INFINITY;
         match answer {
             Ok(deed) => {
                 self.request = None;
                 self.chosen = Default::default();
-                self.message = Some((deed.message, false));
+                self.message.tell(deed.message);
             }
             Err(refusal @ (Refusal::Password | Refusal::Builder)) => {
                 let guard = if refusal == Refusal::Builder { PasswordScope::Builder } else { PasswordScope::Program };
@@ -166,7 +150,7 @@ impl TransferPage {
             Err(Refusal::Convert(faults)) => self.question.ask(TransferQuestion::Convert, conversion_question(&faults)),
             Err(refusal) => {
                 self.request = None;
-                self.message = Some((refusal.message(), true));
+                self.message.refuse(refusal.message());
             }
         }
     }
@@ -195,10 +179,9 @@ impl TransferPage {
         }
     }
 
-    fn send_request(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
-        if let Some(ask) = &mut self.request {
-            ask.overwrite = overwrite;
-            out.push(self.asking.send(MediaRequest, FileRequest::Transfer(ask.clone())));
+    fn send_request(&mut self, out: &mut Vec<Command>) {
+        if let Some(ask) = &self.request {
+            out.push(self.asking.send(Requester::Transfer, (), FileRequest::Transfer(ask.clone())));
         }
     }
 
@@ -207,14 +190,14 @@ impl TransferPage {
         let names = match (self.set, direction) {
             (TransferSet::Serial, Direction::Import) => match self.serial.file_name(kind) {
                 Ok(name) => name.into_iter().collect(),
-                Err(said) => return self.message = Some((said, true)),
+                Err(said) => return self.message.refuse(said),
             },
             _ => self.chosen[side].iter().cloned().collect(),
         };
         self.serial.pad = false;
-        self.message = None;
+        self.message.clear();
         self.request = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
-        self.send_request(None, out);
+        self.send_request(out);
     }
 
     fn tabs(&mut self, rect: Rect, view: &View<'_>) {
@@ -256,9 +239,9 @@ impl TransferPage {
         }
         let list = round_to_lines(body.shrink(4.0), widget::ROW_HEIGHT);
         let id = if side == 0 { "files-here" } else { "files-there" };
-        let clipped = view.clipped(list);
         let list = ScrollList { id, rect: list, row: widget::ROW_HEIGHT, gap: 2.0, count: files.len() };
-        for (index, place) in self.scroll[side].rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll[side].rows(view, &list, pages);
+        for (index, place) in rows {
             self.file(place, &clipped, side, files[index]);
         }
     }
@@ -294,20 +277,16 @@ impl TransferPage {
             view.fit_left(line, &words, theme::LABEL, view.theme.text);
             return;
         }
-        let (words, ink) = match &self.message {
-            Some((said, refused)) => {
-                (said.get(view.lang), if *refused { view.theme.alarm_text } else { view.theme.run })
-            }
-            None if self.set == TransferSet::Serial => {
-                (view.text("触摸选择要发送的程序", "touch to choose the programs to send").into(), view.theme.muted)
-            }
-            None if self.set.has_file_list() => (
-                view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all").into(),
-                view.theme.muted,
-            ),
-            None => return,
+        let hint = match self.set {
+            TransferSet::Serial => Some(view.text("触摸选择要发送的程序", "touch to choose the programs to send")),
+            set => set
+                .has_file_list()
+                .then(|| view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all")),
         };
-        view.fit_left(rect, &words, theme::LABEL, ink);
+        let hint = hint.map(|words| (words.to_owned(), view.theme.muted));
+        if let Some((words, ink)) = self.message.shown(view, view.theme.run).or(hint) {
+            view.fit_left(rect, &words, theme::LABEL, ink);
+        }
     }
 
     /// Remaining time, once 2 % of the work are done since its start was seen (H8).
@@ -339,7 +318,7 @@ impl TransferPage {
                     true => Text::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
                     false => Text::new("没有 U 盘", "no USB medium"),
                 };
-                self.message = Some((said.into(), true));
+                self.message.refuse(said);
             }
             Some(0) if !busy => self.start(view.snapshot.kind, Direction::Export, out),
             Some(_) if !busy => self.start(view.snapshot.kind, Direction::Import, out),

@@ -187,8 +187,8 @@ impl VariablesPage {
         }
         let count = numbers.len().div_ceil(columns);
         let list = ScrollList { id: "variables", rect, row: widget::ROW_HEIGHT, gap: 2.0, count };
-        let clipped = view.clipped(rect);
-        for (line, place) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (line, place) in rows {
             let width = place.width() / columns as f32;
             for (column, variable) in numbers.iter().skip(line * columns).take(columns).enumerate() {
                 let corner = place.min + vec2(column as f32 * width, 0.0);
@@ -213,13 +213,10 @@ impl VariablesPage {
         let (label, value) = rest.split_right(106.0);
         let words = if blocked { read_only_name(view, variable) } else { label_of(view, variable) };
         view.fit_left(label.trim_right(theme::GAP), words, theme::LABEL, view.theme.text);
-        let (chosen, old) = (self.selected == variable, (view.variable(variable), view.theme.text));
-        let typing = chosen && !self.searching;
-        let (words, ink) = if typing { self.typing.shown(view, old) } else { old };
-        view.fit_right(value, &words, theme::TITLE, ink);
-        if typing {
-            self.typing.frame(view, place);
-        } else if chosen {
+        let chosen = self.selected == variable;
+        let typing = (chosen && !self.searching).then_some(&self.typing);
+        FieldEditor::paint(typing, view, [place, value], theme::TITLE, (view.variable(variable), view.theme.text));
+        if chosen && self.searching {
             view.frame(place, view.theme.focus);
         }
     }

@@ -88,7 +88,6 @@ impl WheelPage {
             }
             return;
         }
-        self.typing.clear_refused(edit);
         if self.cursor != CONFIRM && self.typing.handle_key(edit) {
             return;
         }
@@ -206,11 +205,7 @@ impl WheelPage {
         let (chosen, entered) = (self.cursor == index, self.entered[index]);
         let ink = if entered.is_some() { view.theme.info } else { view.theme.muted };
         let old = (entered.unwrap_or_else(|| view.snapshot.params.get(row)).to_string(), ink);
-        let (words, ink) = if chosen { self.typing.shown(view, old) } else { old };
-        view.fit_right(value, &words, theme::SECONDARY, ink);
-        if chosen {
-            self.typing.frame(view, rect);
-        }
+        FieldEditor::paint(chosen.then_some(&self.typing), view, [rect, value], theme::SECONDARY, old);
         response.clicked()
     }
 

@@ -8,36 +8,24 @@ use crate::defs::page::Page;
 use crate::defs::page_text::COLUMN_ROWS;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::variable_name;
-use crate::hmi::{Area, PageKey, View, requests, widget};
+use crate::hmi::page::program::actions::EDIT_FIRST;
+use crate::hmi::widget::{self, page_keys};
+use crate::hmi::{Area, PageKey, View, requests};
 use crate::link::Command;
 use crate::link::command::ScreenFiles;
 
-/// Action of a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DesignerAction {
-    Edit,
-    Keyboard,
-    Undo,
-    Redo,
-    Save,
-    Discard,
-    End,
-    /// Opens the grinding page.
-    OpenGrinding,
-}
-
-impl DesignerAction {
-    const fn id_and_label(self) -> (&'static str, Text) {
-        match self {
-            Self::Edit => ("page-edit", Text::new("编辑", "EDIT")),
-            Self::Keyboard => ("page-board", Text::new("键盘", "KEYS")),
-            Self::Undo => ("page-undo", Text::new("撤销", "UNDO")),
-            Self::Redo => ("page-redo", Text::new("重做", "REDO")),
-            Self::Save => ("page-save", Text::new("保存", "SAVE")),
-            Self::Discard => ("page-discard", Text::new("放弃", "DISCARD")),
-            Self::End => ("page-end", Text::new("结束", "END")),
-            Self::OpenGrinding => ("page-show", Text::new("磨削页面", "GRINDING")),
-        }
+page_keys! {
+    /// Action of a key.
+    DesignerAction {
+        Edit = "page-edit", "编辑", "EDIT";
+        Keyboard = "page-board", "键盘", "KEYS";
+        Undo = "page-undo", "撤销", "UNDO";
+        Redo = "page-redo", "重做", "REDO";
+        Save = "page-save", "保存", "SAVE";
+        Discard = "page-discard", "放弃", "DISCARD";
+        End = "page-end", "结束", "END";
+        /// Opens the grinding page.
+        OpenGrinding = "page-show", "磨削页面", "GRINDING";
     }
 }
 
@@ -69,11 +57,10 @@ pub fn ui(view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<Design
     let row = rect.band(0.0, widget::KEYS_HEIGHT - 2.0);
     let mut pressed = None;
     for (index, act) in acts.iter().enumerate() {
-        let (name, label) = act.id_and_label();
         let on = (*act == DesignerAction::Keyboard && page.keyboard_open)
             || (*act == DesignerAction::Save && page.document.changed);
         let locked = (*act == DesignerAction::Undo && !undo) || (*act == DesignerAction::Redo && !redo);
-        let key = PageKey::new(name, label.get(view.lang)).on(on).locked(locked);
+        let key = PageKey::new(act.id(), act.label().get(view.lang)).on(on).locked(locked);
         if page.key(view, row.cell(index, EDITING.len()), key) {
             pressed = Some(*act);
         }
@@ -142,17 +129,17 @@ impl DesignerPage {
     }
 
     pub(super) fn perform(&mut self, act: DesignerAction, view: &View<'_>, out: &mut Vec<Command>) {
-        self.message = None;
+        self.message.clear();
         if !self.editing && !matches!(act, DesignerAction::Edit | DesignerAction::OpenGrinding) {
-            return self.refuse(LocalizedText::new("先按“编辑”", "press EDIT first"));
+            return self.message.refuse(EDIT_FIRST);
         }
         match act {
             DesignerAction::Edit => self.request_edit(view, out),
             DesignerAction::Keyboard => self.keyboard_open = !self.keyboard_open,
-            DesignerAction::Undo => drop(self.document.undo()),
-            DesignerAction::Redo => drop(self.document.redo()),
+            DesignerAction::Undo => self.document.undo(),
+            DesignerAction::Redo => self.document.redo(),
             DesignerAction::Save if !self.document.changed => {
-                self.message = Some((LocalizedText::new("没有改动", "nothing to save"), false));
+                self.message.tell(LocalizedText::new("没有改动", "nothing to save"));
             }
             DesignerAction::Save => self.save(false, out),
             DesignerAction::Discard if self.document.changed => {
@@ -169,7 +156,7 @@ impl DesignerPage {
     /// Adds a page entry for a variable: in the first empty entry, else before the `%`.
     pub(super) fn add_variable(&mut self, view: &View<'_>, row: &VariableRow) {
         if !self.editing {
-            return self.refuse(LocalizedText::new("先按“编辑”", "press EDIT first"));
+            return self.message.refuse(EDIT_FIRST);
         }
         let name = variable_name::variable_name_on(u32::from(row.variable), view.snapshot.kind);
         let label: String = row.comment.chars().filter(|sign| !";#%；＃％".contains(*sign)).take(16).collect();
@@ -196,9 +183,10 @@ impl DesignerPage {
                 self.document.replace(at, at, &text);
                 self.position.scroll.user_scrolled = false;
                 let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} is added: give it its name"));
-                (self.message, self.tab) = (Some((LocalizedText::new(zh, en), false)), DesignerTab::Variables);
+                self.message.tell(LocalizedText::new(zh, en));
+                self.tab = DesignerTab::Variables;
             }
-            Err(why) => self.refuse(why),
+            Err(why) => self.message.refuse(why),
         }
     }
 }

@@ -14,10 +14,10 @@ use super::program::listing;
 use super::{PageContext, PageUi, Scroll, empty};
 use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Lang, Text};
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, ProtectedRequests, QuestionDialog,
-    RequestEvent, RequestReason, View, file_command, letter_pad, pictogram, requests, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PageMessage, PendingRequests,
+    QuestionDialog, RequestEvent, View, file_command, letter_pad, pictogram, requests, theme, widget,
 };
 use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -56,10 +56,6 @@ enum DesignerRequest {
     Picture,
 }
 
-impl RequestReason for DesignerRequest {
-    const REQUESTER: Requester = Requester::Designer;
-}
-
 /// Subject of a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum DesignerQuestion {
@@ -93,9 +89,9 @@ pub struct DesignerPage {
     stale: bool,
     /// Page of the last file request, its time in s, and the number of tries.
     last_request: (u32, f64, u8),
-    asking: ProtectedRequests<DesignerRequest>,
+    asking: PendingRequests<DesignerRequest>,
     question: QuestionDialog<DesignerQuestion>,
-    message: Option<(LocalizedText, bool)>,
+    message: PageMessage,
     walk: KeyboardFocus,
     /// The keyboard moves over the keys instead of the text.
     keys_focused: bool,
@@ -113,8 +109,7 @@ impl PageUi for DesignerPage {
     }
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
-        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((self.document.rope.to_string(), said.get(lang).into_owned()))
+        self.message.refusal(lang).map(|why| (self.document.rope.to_string(), why))
     }
 
     fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
@@ -186,21 +181,24 @@ impl DesignerPage {
 
     /// Handles the answers of the core.
     fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        while let Some(heard) = self.asking.poll(view, login) {
+        while let Some(heard) = self.asking.poll_protected(Requester::Designer, view, login) {
             match heard {
                 RequestEvent::Unlocked => self.request_edit(view, out),
-                RequestEvent::Answer(DesignerRequest::Edit, Ok(_)) => (self.editing, self.message) = (true, None),
-                RequestEvent::Answer(DesignerRequest::Save(version), Ok(deed)) => {
-                    self.document.mark_saved(version, &deed);
-                    (self.message, self.stale) = (Some((deed.message, false)), true);
+                RequestEvent::Answer(DesignerRequest::Edit, Ok(_)) => {
+                    self.editing = true;
+                    self.message.clear();
                 }
-                RequestEvent::Answer(DesignerRequest::Picture, Ok(deed)) => {
-                    (self.message, self.stale) = (Some((deed.message, false)), true);
+                RequestEvent::Answer(why, Ok(deed)) => {
+                    if let DesignerRequest::Save(version) = why {
+                        self.document.mark_saved(version, &deed);
+                    }
+                    self.message.tell(deed.message);
+                    self.stale = true;
                 }
                 RequestEvent::Answer(DesignerRequest::Save(_), Err(Refusal::Conflict)) => {
                     self.question.ask(DesignerQuestion::Conflict, requests::conflict_question());
                 }
-                RequestEvent::Answer(_, Err(refusal)) => self.refuse(refusal.message()),
+                RequestEvent::Answer(_, Err(refusal)) => self.message.refuse(refusal.message()),
             }
         }
     }
@@ -247,22 +245,20 @@ impl DesignerPage {
         }
     }
 
-    fn refuse(&mut self, why: impl Into<LocalizedText>) {
-        self.message = Some((why.into(), true));
-    }
-
     fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
         if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
-            return self.refuse(Text::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+            return self
+                .message
+                .refuse(Text::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
         }
-        let number = self.number(view.snapshot);
-        out.push(self.asking.send(DesignerRequest::Edit, FileRequest::CheckEditable(number)));
+        let request = FileRequest::CheckEditable(self.number(view.snapshot));
+        out.push(self.asking.send(Requester::Designer, DesignerRequest::Edit, request));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
         let (page, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
         let request = FileRequest::SavePage { page, text, base_stamp: base, overwrite: force };
-        out.push(self.asking.send(DesignerRequest::Save(self.document.version), request));
+        out.push(self.asking.send(Requester::Designer, DesignerRequest::Save(self.document.version), request));
     }
 
     /// Handles a key of a question other than 取消, by its index.
@@ -272,7 +268,7 @@ impl DesignerPage {
             // The requested file replaces a text without changes.
             DesignerQuestion::Conflict => {
                 (self.document.changed, self.stale) = (false, true);
-                self.message = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+                self.message.tell(requests::READ_FROM_DISK);
             }
             DesignerQuestion::Discard => {
                 if let Some(file) = &self.file {
@@ -281,8 +277,8 @@ impl DesignerPage {
                 (self.editing, self.keyboard_open, self.stale) = (false, false, true);
             }
             DesignerQuestion::Picture(from, name) => {
-                let page = self.document.number;
-                out.push(self.asking.send(DesignerRequest::Picture, FileRequest::ImportPicture { page, from, name }));
+                let request = FileRequest::ImportPicture { page: self.document.number, from, name };
+                out.push(self.asking.send(Requester::Designer, DesignerRequest::Picture, request));
             }
         }
     }
@@ -309,14 +305,14 @@ impl DesignerPage {
                 }
                 EditKey::Cancel if self.keys_focused => self.keys_focused = false,
                 _ if text => self.edit(*edit),
-                EditKey::Cancel => self.message = None,
+                EditKey::Cancel => self.message.clear(),
                 _ => {}
             }
         }
     }
 
     fn type_char(&mut self, sign: char) {
-        self.message = None;
+        self.message.clear();
         self.document.insert_char(sign);
         self.position.scroll.user_scrolled = false;
     }
@@ -332,7 +328,7 @@ impl DesignerPage {
     }
 
     fn edit(&mut self, edit: EditKey) {
-        self.message = None;
+        self.message.clear();
         if self.document.edit(edit) {
             self.position.scroll.user_scrolled = false;
         }

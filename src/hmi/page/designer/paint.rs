@@ -9,8 +9,8 @@ use super::{DesignerPage, DesignerQuestion};
 use crate::defs::page::Page;
 use crate::defs::page_text::PageTextFault;
 use crate::defs::text::{Lang, LocalizedText, Text};
-use crate::hmi::page::program::listing;
-use crate::hmi::page::program::listing::LineMarks;
+use crate::hmi::page::program::actions::EDIT_FIRST;
+use crate::hmi::page::program::listing::{self, LineMarks};
 use crate::hmi::page::{ScrollList, VisibleRows, empty, grinding};
 use crate::hmi::{Area, PageKey, Question, View, page_frame as lines, pictogram, round_to_lines, theme, widget};
 use crate::link::Command;
@@ -92,12 +92,11 @@ impl DesignerPage {
         tap.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "page-text"));
         let rope = self.document.rope.clone();
         let spec = ScrollList { id: "page-lines", rect: list, row: height, gap: 0.0, count };
-        let (rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, NUMBER_WIDTH);
+        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, NUMBER_WIDTH);
         if let Some((line, column)) = tapped {
             self.document.move_to(line, column);
             self.keys_focused = false;
         }
-        let clipped = view.clipped(list);
         for (row, place) in rows {
             // Page texts need two-digit line numbers only; the unused width lies left of the list.
             let wide = place.trim_left(NUMBER_WIDTH - listing::NUMBER_WIDTH);
@@ -113,8 +112,8 @@ impl DesignerPage {
     pub(super) fn message_line(&self, rect: Rect, view: &View<'_>) {
         let faults = &self.reading.faults;
         let of_file = self.file.as_ref().is_some_and(|file| file.has_invalid_bytes);
-        let (words, ink) = if let Some((said, refused)) = &self.message {
-            (said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
+        let (words, ink) = if let Some(shown) = self.message.shown(view, view.theme.text) {
+            shown
         } else if of_file {
             let words = view.text("含有不是 GBK 或 UTF-8 的字节：只能查看", "bytes neither GBK nor UTF-8: shown only");
             (words.to_owned(), view.theme.hold)
@@ -180,7 +179,7 @@ impl DesignerPage {
         }
         let Some(chosen) = taken.map(|index| &file.pictures[index]) else { return };
         if !self.editing {
-            return self.refuse(LocalizedText::new("先按“编辑”", "press EDIT first"));
+            return self.message.refuse(EDIT_FIRST);
         }
         let name = &chosen.name;
         let body = LocalizedText::new(
@@ -229,13 +228,14 @@ impl DesignerPage {
     /// The visible rows of the list on the right, index and place, and the view clipped to them. A touched row is selected.
     fn visible_rows<'v>(&mut self, rect: Rect, view: &View<'v>, count: usize) -> (View<'v>, VisibleRows) {
         let rect = round_to_lines(rect, ROW_HEIGHT);
-        let rows = self.list.rows(view, &ScrollList { id: "page-list", rect, row: ROW_HEIGHT, gap: 4.0, count }, 0);
+        let list = ScrollList { id: "page-list", rect, row: ROW_HEIGHT, gap: 4.0, count };
+        let (clipped, rows) = self.list.rows(view, &list, 0);
         for (index, place) in &rows {
             if view.ui.interact(place.intersect(rect), Id::unique(("page-row", *index)), Sense::CLICK).clicked() {
                 self.selected_row = *index;
             }
         }
-        (view.clipped(rect), rows)
+        (clipped, rows)
     }
 }
 
@@ -249,15 +249,6 @@ fn fault_text(view: &View<'_>, fault: &PageTextFault) -> String {
 }
 
 impl DesignerPage {
-    /// Paints the card of a row, framed if selected.
-    fn row_plate(&self, view: &View<'_>, place: Rect, index: usize) {
-        let chosen = self.selected_row == index;
-        view.filled_card(place, if chosen { view.theme.raised } else { view.theme.surface }, view.theme.line);
-        if chosen {
-            view.frame(place, view.theme.focus);
-        }
-    }
-
     /// The key at the end of a row; true if it is touched.
     fn row_key(&mut self, view: &View<'_>, row: Rect, key: PageKey<'_>) -> bool {
         let place = row.split_right(KEY_WIDTH).1.intersect(view.painter.clip_rect());
@@ -267,7 +258,7 @@ impl DesignerPage {
     /// Number, use by the program, label on the page; true when it is to be added.
     fn variable_row(&mut self, view: &View<'_>, place: Rect, index: usize, row: &VariableRow) -> bool {
         let plate = place.trim_right(if row.missing { KEY_WIDTH + theme::GAP } else { 0.0 });
-        self.row_plate(view, plate, index);
+        view.row_card(plate, self.selected_row == index);
         let (number, words) = plate.shrink2(vec2(10.0, 3.0)).split_left(56.0);
         let name = view.variable_name(row.variable);
         let ink = if row.missing { view.theme.alarm_text } else { view.theme.macros };
@@ -300,7 +291,7 @@ impl DesignerPage {
     /// Name, folder and size of a picture; true when it is to be used.
     fn picture_row(&mut self, view: &View<'_>, place: Rect, index: usize, file: &PictureFile) -> bool {
         let plate = place.trim_right(KEY_WIDTH + theme::GAP);
-        self.row_plate(view, plate, index);
+        view.row_card(plate, self.selected_row == index);
         let (top, below) = plate.shrink2(vec2(10.0, 3.0)).split_top_bottom_at_fraction(0.52);
         view.fit_left(top, &file.name, theme::LABEL, view.theme.text);
         let from = match file.location {

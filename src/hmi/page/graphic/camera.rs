@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use egui::{Pos2, Rect, Vec2, pos2};
+use egui::epaint::{Mesh, Vertex, WHITE_UV};
+use egui::{Color32, Pos2, Rect, Vec2, pos2};
 
 use super::{ViewPlane, index};
 use crate::link::toolpath::{BoundingBox, Toolpath};
@@ -81,6 +82,20 @@ pub struct GraphicScene<'a> {
     pub actual_path: &'a [[f32; 3]],
     /// Touched Z positions to measure, mm (L10).
     pub measured_at: &'a [f32],
+}
+
+impl GraphicScene<'_> {
+    /// Canvas position of a point X Y Z, mm.
+    pub fn place(&self, rect: Rect, at: [f32; 3]) -> Pos2 {
+        self.camera.to_canvas(rect, at[index(self.plane.0)], at[index(self.plane.1)])
+    }
+}
+
+/// Adds a quadrilateral to a mesh, as two triangles; corners in order.
+pub fn add_quad(mesh: &mut Mesh, corners: [Pos2; 4], color: Color32) {
+    let first = mesh.vertices.len() as u32;
+    mesh.vertices.extend(corners.map(|pos| Vertex { pos, uv: WHITE_UV, color }));
+    mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Lathe scene in the drawing: bar as it is cut, chuck, active tool, and diameters and lengths measured by touch.
 //! Source: spec L9 (live while cutting), L10 (a finished part can be measured).
 
-use egui::epaint::{Mesh, Vertex, WHITE_UV};
-use egui::{Color32, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use egui::epaint::Mesh;
+use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
-use super::camera::{Camera, GraphicScene};
+use super::camera::{Camera, GraphicScene, add_quad};
 use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::hmi::{View, format_length, theme};
 use crate::link::toolpath::BoundingBox;
@@ -65,7 +65,9 @@ pub fn paint(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
         let same = room.radius_mm[first..].iter().take_while(|other| (**other - radius).abs() < SAME_MM).count();
         let place = |cell: usize| room.chuck_face_z_mm + room.cell_mm * cell as f32;
         let (from, to) = (place(first), place(first + same));
-        quad(&mut mesh, both(from, to, radius), fill);
+        let cell = both(from, to, radius);
+        let corners = [cell.left_top(), cell.right_top(), cell.right_bottom(), cell.left_bottom()];
+        add_quad(&mut mesh, corners, fill);
         upper.extend([at(from, radius), at(to, radius)]);
         lower.extend([at(from, -radius), at(to, -radius)]);
         first += same;
@@ -139,12 +141,4 @@ pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &
             &format!("L {}", format_length(f64::from((b - a).abs()))),
         );
     }
-}
-
-fn quad(mesh: &mut Mesh, place: Rect, color: Color32) {
-    let first = mesh.vertices.len() as u32;
-    for pos in [place.left_top(), place.right_top(), place.right_bottom(), place.left_bottom()] {
-        mesh.vertices.push(Vertex { pos, uv: WHITE_UV, color });
-    }
-    mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
 }

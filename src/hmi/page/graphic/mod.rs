@@ -13,8 +13,8 @@ use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 use super::{PageContext, PageUi, empty};
 use crate::defs::text::Text;
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, RequestReason, View, file_command,
-    format_length, page_frame as lines, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, View, file_command, format_length,
+    page_frame as lines, theme, widget,
 };
 use crate::link::files::{FileRequest, Requester};
 use crate::link::snapshot::RunState;
@@ -40,14 +40,6 @@ const PAN_STEP: f32 = 0.15;
 /// View plane: the axis to the right and the axis upwards.
 pub type ViewPlane = (Axis, Axis);
 
-/// Request for a tool path.
-#[derive(Debug)]
-struct DrawingRequest;
-
-impl RequestReason for DrawingRequest {
-    const REQUESTER: Requester = Requester::Graphic;
-}
-
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct GraphicPage {
@@ -56,7 +48,7 @@ pub struct GraphicPage {
     canvas: Canvas,
     /// Program and text stamp of the last request, and its time in s.
     last_request: Option<((u32, u64), f64)>,
-    asking: PendingRequests<DrawingRequest>,
+    asking: PendingRequests<()>,
     /// Actual path X Y Z, mm, work coordinates, X as radius.
     actual_path: Vec<[f32; 3]>,
     /// Period of the clock in which the machine position was looked at last.
@@ -103,7 +95,7 @@ impl PageUi for GraphicPage {
         let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
         let wanted = (program.number, program.stamp);
         let now = view.ui.input(|input| input.time);
-        while self.asking.poll(&view.snapshot.files).is_some() {}
+        while self.asking.poll(Requester::Graphic, &view.snapshot.files).is_some() {}
         // An unanswered request is repeated; a refused or cancelled one is not.
         let due = self
             .last_request
@@ -131,7 +123,7 @@ impl PageUi for GraphicPage {
 impl GraphicPage {
     fn request_drawing(&mut self, wanted: (u32, u64), now: f64, out: &mut Vec<Command>) {
         self.last_request = Some((wanted, now));
-        out.push(self.asking.send(DrawingRequest, FileRequest::ComputeToolpath(wanted.0)));
+        out.push(self.asking.send(Requester::Graphic, (), FileRequest::ComputeToolpath(wanted.0)));
     }
 
     fn canvas(
@@ -150,17 +142,12 @@ impl GraphicPage {
         let response =
             view.ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "图形 graphic-canvas"));
-        let (pinch, scroll, at) = view.ui.input(|input| {
-            let touch = input.multi_touch();
-            let zoom = touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta);
-            (zoom, input.smooth_scroll_delta().y, input.pointer.hover_pos())
-        });
-        let at = at.filter(|at| inside.contains(*at));
+        let at = view.ui.input(|input| input.pointer.hover_pos()).filter(|at| inside.contains(*at));
         if response.dragged() {
             camera.pan(response.drag_delta());
         }
         if let Some(at) = at {
-            camera.zoom(pinch * (scroll / 240.0).exp(), at - inside.center());
+            camera.zoom(view.zoom_factor(), at - inside.center());
         }
         if let Some(at) =
             response.interact_pointer_pos().filter(|_| response.clicked() && lathe::work_area(view).is_some())
@@ -255,8 +242,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
     view.card(rect);
     let inside = rect.shrink2(vec2(10.0, 8.0));
     let Some(drawing) = drawing else {
-        view.paragraph(inside, view.text("还没有轨迹", "no path yet"), theme::LABEL, view.theme.muted);
-        return;
+        return view.note(inside, view.text("还没有轨迹", "no path yet"));
     };
     let mut rows = vec![
         (view.text("时间", "time").to_owned(), duration(drawing.duration_s)),
@@ -264,7 +250,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
         (view.text("行数", "lines").to_owned(), drawing.lines.to_string()),
     ];
     if let Some((low, high)) = drawing.extents {
-        for axis in Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present) {
+        for axis in view.axes() {
             let factor = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
             rows.push((format!("{} {}", axis.letter(), view.text("最小", "min")), format_length(low[axis] * factor)));
             rows.push((format!("{} {}", axis.letter(), view.text("最大", "max")), format_length(high[axis] * factor)));

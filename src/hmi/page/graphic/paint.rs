@@ -4,10 +4,10 @@
 
 use std::sync::Arc;
 
-use egui::epaint::{Mesh, Vertex, WHITE_UV};
+use egui::epaint::Mesh;
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::camera::{Camera, GraphicScene};
+use super::camera::{Camera, GraphicScene, add_quad};
 use super::{ViewPlane, index, lathe, machine_position};
 use crate::defs::kind::WheelPose;
 use crate::defs::param;
@@ -191,8 +191,7 @@ fn path_mesh(drawing: &Toolpath, scene: &GraphicScene<'_>, rect: Rect, view: &Vi
                 MoveKind::Feed => colours[1],
             };
             let Some(before) = at.checked_sub(1).map(|before| level.points[before].at) else { continue };
-            let from = scene.camera.to_canvas(rect, before[right], before[up]);
-            let to = scene.camera.to_canvas(rect, point.at[right], point.at[up]);
+            let (from, to) = (scene.place(rect, before), scene.place(rect, point.at));
             let width = if point.kind == MoveKind::Feed { 1.6 } else { 1.0 };
             if let Some((from, to)) = clipped(from, to, rect) {
                 segment(&mut mesh, from, to, width, colour);
@@ -231,20 +230,14 @@ fn segment(mesh: &mut Mesh, from: Pos2, to: Pos2, width: f32, colour: Color32) {
     let along = if way.length() < 0.01 { vec2(1.0, 0.0) } else { way.normalized() };
     let side = along.rot90() * (width / 2.0);
     let (from, to) = (from - along * 0.3, to + along * 0.3);
-    let first = mesh.vertices.len() as u32;
-    for pos in [from + side, to + side, to - side, from - side] {
-        mesh.vertices.push(Vertex { pos, uv: WHITE_UV, color: colour });
-    }
-    mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
+    add_quad(mesh, [from + side, to + side, to - side, from - side], colour);
 }
 
 /// Paints the actual path of the machine.
 fn paint_actual_path(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
-    let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let mut mesh = Mesh::default();
-    let place = |at: &[f32; 3]| scene.camera.to_canvas(rect, at[right], at[up]);
     for pair in scene.actual_path.windows(2) {
-        if let Some((from, to)) = clipped(place(&pair[0]), place(&pair[1]), rect) {
+        if let Some((from, to)) = clipped(scene.place(rect, pair[0]), scene.place(rect, pair[1]), rect) {
             segment(&mut mesh, from, to, 2.0, view.theme.run);
         }
     }
@@ -254,10 +247,9 @@ fn paint_actual_path(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
 /// Marks each collision of the check run with a cross (L9).
 fn paint_collisions(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let Some(drawing) = scene.drawing else { return };
-    let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let stroke = Stroke::new(theme::FRAME, view.theme.alarm);
     for at in &drawing.crashes {
-        let here = scene.camera.to_canvas(rect, at[right], at[up]);
+        let here = scene.place(rect, *at);
         if rect.contains(here) {
             view.painter.circle_stroke(here, 9.0, stroke);
             view.painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
@@ -272,7 +264,7 @@ fn paint_wheel(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = scene.plane;
     let params = &view.snapshot.params;
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
-    let here = scene.camera.to_canvas(rect, at[index(right)], at[index(up)]);
+    let here = scene.place(rect, at);
     // `body`: axis towards which the wheel's body lies; `spindle`: axis along its spindle.
     let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.ui().wheel_pose else {
         // Without a bar a turning tool is shown as its tip.
@@ -305,9 +297,7 @@ fn paint_wheel(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
             let across = if spindle == right { up } else { right };
             far[index(across)] += diameter / 2.0;
         }
-        let corner = scene.camera.to_canvas(rect, far[index(right)], far[index(up)]);
-        let here = scene.camera.to_canvas(rect, near[index(right)], near[index(up)]);
-        let place = Rect::from_two_pos(here, corner).intersect(rect.expand(8.0));
+        let place = Rect::from_two_pos(scene.place(rect, near), scene.place(rect, far)).intersect(rect.expand(8.0));
         if place.is_positive() {
             view.painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
         }

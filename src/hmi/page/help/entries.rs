@@ -2,7 +2,7 @@
 //! Source: spec B6, K2.4, B8; the tables in `defs`.
 
 use super::keyboard_map;
-use crate::defs::alarm::{self, ALARMS, Reaction, ResetRule};
+use crate::defs::alarm::{self, ALARMS};
 use crate::defs::availability;
 use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
 use crate::defs::key::{self, Key};
@@ -15,57 +15,34 @@ use crate::defs::program_error::ProgramError;
 use crate::defs::soft_key::{self, SoftKeyAction};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::keyboard::SHORTCUTS;
+use crate::hmi::widget::page_keys;
 
-/// A section of the help.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Section {
-    /// The pages.
-    #[default]
-    Pages,
-    /// The soft keys.
-    SoftKeys,
-    /// The keys of the panel.
-    Keys,
-    /// The alarms.
-    Alarms,
-    /// G codes; on other dialects all words of their own.
-    GCodes,
-    /// M codes.
-    MCodes,
-    /// The parameters.
-    Params,
+page_keys! {
+    /// A section of the help.
+    #[derive(Default)]
+    Section {
+        /// The pages.
+        #[default]
+        Pages = "help-pages", "页面", "PAGES";
+        /// The soft keys.
+        SoftKeys = "help-soft", "软键", "SOFT KEYS";
+        /// The keys of the panel.
+        Keys = "help-keys", "按键", "KEYS";
+        /// The alarms.
+        Alarms = "help-alarms", "报警", "ALARMS";
+        /// G codes; on other dialects all words of their own.
+        GCodes = "help-g", "G 代码", "G CODES";
+        /// M codes.
+        MCodes = "help-m", "M 代码", "M CODES";
+        /// The parameters.
+        Params = "help-params", "参数", "PARAMS";
+    }
 }
 
 impl Section {
     /// All sections.
     pub const ALL: [Self; 7] =
         [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes, Self::Params];
-
-    /// The label of its tab.
-    pub const fn name(self) -> Text {
-        match self {
-            Self::Pages => Text::new("页面", "PAGES"),
-            Self::SoftKeys => Text::new("软键", "SOFT KEYS"),
-            Self::Keys => Text::new("按键", "KEYS"),
-            Self::Alarms => Text::new("报警", "ALARMS"),
-            Self::GCodes => Text::new("G 代码", "G CODES"),
-            Self::MCodes => Text::new("M 代码", "M CODES"),
-            Self::Params => Text::new("参数", "PARAMS"),
-        }
-    }
-
-    /// The id of its tab.
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Pages => "help-pages",
-            Self::SoftKeys => "help-soft",
-            Self::Keys => "help-keys",
-            Self::Alarms => "help-alarms",
-            Self::GCodes => "help-g",
-            Self::MCodes => "help-m",
-            Self::Params => "help-params",
-        }
-    }
 }
 
 /// The subject of an entry; the machine adds live text to some subjects.
@@ -278,38 +255,35 @@ pub fn alarm_entry(number: u16) -> Option<HelpEntry> {
 }
 
 fn alarms(all: &mut Vec<HelpEntry>) {
-    let add =
-        |number: u16, sign: String, name: LocalizedText, texts: [LocalizedText; 2], acts: (Reaction, ResetRule)| {
-            let [cause, remedy] = texts;
-            let mut parts = Vec::with_capacity(4);
-            if !cause.zh().is_empty() {
-                parts.push((CAUSE, cause));
-            }
-            parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED_BY, acts.1.name().into())]);
-            HelpEntry::new(HelpTopic::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
-        };
+    let add = |number: u16, sign: String, name: LocalizedText, [cause, remedy]: [LocalizedText; 2]| {
+        let mut parts = Vec::with_capacity(4);
+        if !cause.zh().is_empty() {
+            parts.push((CAUSE, cause));
+        }
+        let (reaction, reset) = (alarm::reaction(number).name(), alarm::reset_rule(number).name());
+        parts.extend([(REMEDY, remedy), (REACTION, reaction.into()), (CLEARED_BY, reset.into())]);
+        HelpEntry::new(HelpTopic::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
+    };
     let from = all.len();
     for row in ALARMS {
         let texts = [row.cause.into(), row.remedy.into()];
-        all.push(add(row.number, format!("{:03}", row.number), row.text.into(), texts, (row.reaction, row.reset)));
+        all.push(add(row.number, format!("{:03}", row.number), row.text.into(), texts));
     }
     for error in ProgramError::ALL {
         // The alarm itself gives the details.
         let open = |text: &str| text.replace("{2}", "…").replace("{}", "…");
         let said = |text: Text| LocalizedText::new(open(text.zh), open(text.en));
         let number = error.number();
-        let acts = (alarm::reaction(number), alarm::reset_rule(number));
         let cause = Text::new(
             "程序段中有错误；报警带程序、行、列",
             "a mistake in a block; the alarm names program, line, column",
         );
-        all.push(add(number, format!("{number:03}"), said(error.text()), [cause.into(), said(error.remedy())], acts));
+        all.push(add(number, format!("{number:03}"), said(error.text()), [cause.into(), said(error.remedy())]));
     }
     all[from..].sort_by(|a, b| a.code.cmp(&b.code));
     let (text, remedy) = alarm::USER_ALARM_TEXTS;
-    let acts = (alarm::reaction(alarm::USER_ALARM_FIRST), alarm::reset_rule(alarm::USER_ALARM_FIRST));
     let texts = [LocalizedText::default(), remedy.into()];
-    all.push(add(alarm::USER_ALARM_FIRST, "3000–3999".to_owned(), text.into(), texts, acts));
+    all.push(add(alarm::USER_ALARM_FIRST, "3000–3999".to_owned(), text.into(), texts));
 }
 
 fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {

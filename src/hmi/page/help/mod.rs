@@ -137,7 +137,7 @@ impl Help {
 
     fn tabs(&mut self, view: &View<'_>, bar: Rect) {
         let mut keys: Vec<_> =
-            Section::ALL.iter().map(|section| (section.id(), section.name().get(view.lang).to_owned())).collect();
+            Section::ALL.iter().map(|section| (section.id(), section.label().get(view.lang).to_owned())).collect();
         keys.push(("help-map", view.text("键盘", "KEYBOARD").to_owned()));
         let here = Section::ALL.iter().position(|section| *section == self.section).unwrap_or(0);
         let chosen = match (self.keyboard_map_open, self.search.text.is_empty()) {
@@ -216,15 +216,14 @@ impl Help {
         let count = self.visible.len();
         if count == 0 {
             let words = view.text("没有找到，换一个词或号码", "nothing found: another word or number");
-            view.paragraph(list.band(theme::PAD, 60.0), words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(list.band(theme::PAD, 60.0), words);
         }
         if !self.scroll.user_scrolled {
             self.scroll.scroll_to(self.cursor, list, widget::ROW_HEIGHT);
         }
-        let clipped = view.clipped(list);
         let list = ScrollList { id: "help-list", rect: list, row: widget::ROW_HEIGHT, gap: 4.0, count };
-        for (row, place) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (row, place) in rows {
             self.row(&clipped, place, row);
         }
     }
@@ -234,11 +233,7 @@ impl Help {
         let chosen = row == self.cursor;
         let name = format!("{} {}", entry.name.get(view.lang), entry.id);
         let response = view.touch_row(place, ("help-entry", row), chosen, name);
-        let fill = if chosen { view.theme.raised } else { view.theme.surface };
-        view.filled_card(place, fill, view.theme.line);
-        if chosen {
-            view.frame(place, view.theme.focus);
-        }
+        view.row_card(place, chosen);
         let inside = place.shrink2(vec2(10.0, 2.0));
         let sign_width = match entry.section {
             Section::Pages => 0.0,
@@ -277,7 +272,7 @@ impl Help {
         // Some glyphs start left of their position.
         let clipped = view.clipped(list.expand2(vec2(2.0, 0.0)));
         let spec = ScrollList { id: "help-text", rect: list, row: TEXT_LINE, gap: 0.0, count: lines.len() };
-        for (at, place) in scroll.rows(view, &spec, 0) {
+        for (at, place) in scroll.rows(view, &spec, 0).1 {
             let (words, size, ink) = &lines[at];
             // A caption is aligned to the text below it.
             let align = if *size < theme::LABEL { Align2::LEFT_BOTTOM } else { Align2::LEFT_CENTER };

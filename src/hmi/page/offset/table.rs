@@ -4,7 +4,9 @@
 
 use egui::{Rect, pos2, vec2};
 
+use crate::defs::text::Text;
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
+use crate::hmi::widget::page_keys;
 use crate::hmi::{
     Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, View, format_length, keycap, pictogram, theme, widget,
 };
@@ -19,16 +21,18 @@ const NUMBER_WIDTH: f32 = 46.0;
 /// Maximum number of columns: two parts of three axes.
 const MAX_COLUMNS: usize = 6;
 
-/// How a typed value is applied.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum EntryMode {
-    /// Replaces the old value.
-    #[default]
-    Absolute,
-    /// Is added to the old value: U, V, W.
-    Increment,
-    /// Is the present work coordinate of the axis.
-    Measured,
+page_keys! {
+    /// How a typed value is applied.
+    #[derive(Default)]
+    EntryMode {
+        /// Replaces the old value.
+        #[default]
+        Absolute = "how-absolute", "绝对值", "VALUE";
+        /// Is added to the old value: U, V, W.
+        Increment = "how-increment", "增量 U/W", "INCREMENT";
+        /// Is the present work coordinate of the axis.
+        Measured = "how-measured", "测量值", "MEASURED";
+    }
 }
 
 /// Configuration of the table by its page.
@@ -45,8 +49,7 @@ pub struct OffsetTableSpec<'a> {
 
 /// The columns of the parts: one for each axis of the machine.
 pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<(OffsetPart, Axis)> {
-    let axes = || Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present);
-    parts.iter().flat_map(|part| axes().map(|axis| (*part, axis))).collect()
+    parts.iter().flat_map(|part| view.axes().map(|axis| (*part, axis))).collect()
 }
 
 /// State of the table.
@@ -172,12 +175,7 @@ impl OffsetTable {
 
     /// The keys that select the entry mode of the next value.
     pub fn mode_keys(&mut self, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
-        let key = |how: &EntryMode| match how {
-            EntryMode::Absolute => ("how-absolute", view.text("绝对值", "VALUE").to_owned()),
-            EntryMode::Increment => ("how-increment", view.text("增量 U/W", "INCREMENT").to_owned()),
-            EntryMode::Measured => ("how-measured", view.text("测量值", "MEASURED").to_owned()),
-        };
-        let keys: Vec<_> = form.modes.iter().map(key).collect();
+        let keys: Vec<_> = form.modes.iter().map(|how| (how.id(), how.label().get(view.lang).to_owned())).collect();
         let chosen = form.modes.iter().position(|how| *how == self.mode).unwrap_or(0);
         if let Some(index) = widget::tabs(view, rect, &keys, chosen) {
             self.typing.clear();
@@ -195,8 +193,8 @@ impl OffsetTable {
             self.scroll.scroll_to(self.row, rect, widget::ROW_HEIGHT);
         }
         let list = ScrollList { id: form.id, rect, row: widget::ROW_HEIGHT, gap: 2.0, count: OFFSET_COUNT };
-        let clipped = view.clipped(rect);
-        for (row, place) in self.scroll.rows(view, &list, typed.scroll_pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, typed.scroll_pages);
+        for (row, place) in rows {
             self.line(place, &clipped, row, form);
         }
     }

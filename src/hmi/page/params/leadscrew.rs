@@ -10,8 +10,8 @@ use crate::defs::param::AccessLevel;
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, Login, PageKey, PendingRequests, Question, QuestionDialog,
-    RequestReason, View, theme, widget,
+    Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, Login, PageKey, PageMessage, PendingRequests, Question,
+    QuestionDialog, View, parse_number, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, Requester};
@@ -39,14 +39,6 @@ enum PendingEdit {
     Import,
 }
 
-/// Request to export or import a table.
-#[derive(Debug)]
-struct LeadscrewRequest;
-
-impl RequestReason for LeadscrewRequest {
-    const REQUESTER: Requester = Requester::Leadscrew;
-}
-
 /// What the tab edits in this frame, and where its commands go.
 struct TabContext<'a> {
     view: &'a View<'a>,
@@ -69,15 +61,16 @@ pub struct LeadscrewTab {
     pub typing: FieldEditor,
     pending_edit: Option<PendingEdit>,
     question: QuestionDialog<()>,
-    asking: PendingRequests<LeadscrewRequest>,
-    message: Option<(LocalizedText, bool)>,
+    /// Exports and imports.
+    asking: PendingRequests<()>,
+    message: PageMessage,
 }
 
 impl LeadscrewTab {
     /// Draws the tab below the tabs of the page.
     pub fn ui(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
-        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present).collect();
+        let axes: Vec<Axis> = view.axes().collect();
         self.axis = self.axis.min(axes.len().saturating_sub(1));
         let Some(axis) = axes.get(self.axis).copied() else { return out };
         if let CoreAnswer::Refused(field) = self.typing.poll_answer(&view.snapshot.edit_answer) {
@@ -117,16 +110,16 @@ impl LeadscrewTab {
                 self.pending_edit = Some(wish);
             }
         }
-        while let Some((LeadscrewRequest, answer)) = self.asking.poll(&ctx.view.snapshot.files) {
-            self.message = Some(match answer {
-                Ok(deed) => (deed.message, false),
-                Err(refusal) => (refusal.message(), true),
-            });
+        while let Some(((), answer)) = self.asking.poll(Requester::Leadscrew, &ctx.view.snapshot.files) {
+            match answer {
+                Ok(deed) => self.message.tell(deed.message),
+                Err(refusal) => self.message.refuse(refusal.message()),
+            }
         }
     }
 
     fn request_edit(&mut self, wish: PendingEdit, ctx: &mut TabContext<'_>) {
-        self.message = None;
+        self.message.clear();
         if ctx.view.snapshot.access.level >= AccessLevel::Builder {
             self.send(wish, ctx);
         } else {
@@ -142,7 +135,7 @@ impl LeadscrewTab {
                 self.typing.send_text(field, text);
                 Command::Page(PageCommand::EditLeadscrew(ctx.axis, table))
             }
-            PendingEdit::Import => self.asking.send(LeadscrewRequest, FileRequest::ImportLeadscrew(ctx.axis)),
+            PendingEdit::Import => self.asking.send(Requester::Leadscrew, (), FileRequest::ImportLeadscrew(ctx.axis)),
         });
     }
 
@@ -156,7 +149,6 @@ impl LeadscrewTab {
             }
             return;
         }
-        self.typing.clear_refused(edit);
         if self.typing.handle_key(edit) {
             return;
         }
@@ -207,8 +199,9 @@ impl LeadscrewTab {
 
     /// Checks the whole table with the typed value and sends it.
     fn enter(&mut self, ctx: &mut TabContext<'_>) {
-        let Ok(value) = self.typing.text.parse::<f64>() else {
-            return self.typing.refused = Some(LocalizedText::new("不是数字", "not a number"));
+        let value = match parse_number(&self.typing.text) {
+            Ok(value) => value,
+            Err(said) => return self.typing.refused = Some(said),
         };
         let mut points = ctx.table.points().to_vec();
         let Some(point) = points.get_mut(self.row) else {
@@ -231,7 +224,7 @@ impl LeadscrewTab {
         match LeadscrewCompensation::from_points(points) {
             Ok(table) => self.request_edit(PendingEdit::Table(table, None), ctx),
             Err(said) => {
-                self.message = Some((said, true));
+                self.message.refuse(said);
                 return false;
             }
         }
@@ -243,7 +236,7 @@ impl LeadscrewTab {
         let mut points = ctx.table.points().to_vec();
         if points.len() >= MAX_POINTS {
             let said = LocalizedText::new(format!("最多 {MAX_POINTS} 点"), format!("at most {MAX_POINTS} points"));
-            return self.message = Some((said, true));
+            return self.message.refuse(said);
         }
         let position_mm = match (points.get(self.row), points.get(self.row + 1)) {
             (Some(here), Some(next)) => (here.position_mm + next.position_mm) / 2.0,
@@ -289,13 +282,12 @@ impl LeadscrewTab {
                 "没有补偿点：丝杠按无误差处理。按 加点 输入，或按 导入 从 U 盘读入 KT830-SCREW-轴.CSV。",
                 "No points: the screw counts as true. Touch ADD POINT, or IMPORT to read KT830-SCREW-AXIS.CSV from the USB medium.",
             );
-            view.paragraph(body.shrink(theme::PAD), words, theme::LABEL, view.theme.muted);
-            return;
+            return view.note(body.shrink(theme::PAD), words);
         }
         let rect = widget::round_to_lines(body, widget::ROW_HEIGHT);
         let list = ScrollList { id: "screw", rect, row: widget::ROW_HEIGHT, gap: 3.0, count: points.len() };
-        let clipped = view.clipped(rect);
-        for (index, line) in self.scroll.rows(view, &list, pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, pages);
+        for (index, line) in rows {
             self.line(line, &clipped, index, &points[index]);
         }
     }
@@ -326,27 +318,19 @@ impl LeadscrewTab {
     }
 
     fn hint(&self, rect: Rect, view: &View<'_>, axis: Axis) {
-        let (words, ink) = match &self.message {
-            Some((said, true)) => (said.get(view.lang), view.theme.alarm_text),
-            Some((said, false)) => (said.get(view.lang), view.theme.run),
-            None if !view.snapshot.axes[axis].homed => (
-                view.text(
-                    "回零后生效。机床坐标，X 为半径。",
-                    "In force after homing. Machine coordinates, X a radius.",
-                )
-                .into(),
-                view.theme.hold,
-            ),
-            None => (
-                view.text(
-                    "输入即生效，轴慢速补到位。机床坐标，X 为半径。",
-                    "In force as it is typed; the axis is led there slowly. Machine coordinates, X a radius.",
-                )
-                .into(),
-                view.theme.muted,
-            ),
-        };
-        view.paragraph(rect, &words, theme::LABEL, ink);
+        if let Some((words, ink)) = self.message.shown(view, view.theme.run) {
+            view.paragraph(rect, &words, theme::LABEL, ink);
+        } else if view.snapshot.axes[axis].homed {
+            let words = view.text(
+                "输入即生效，轴慢速补到位。机床坐标，X 为半径。",
+                "In force as it is typed; the axis is led there slowly. Machine coordinates, X a radius.",
+            );
+            view.note(rect, words);
+        } else {
+            let words = view
+                .text("回零后生效。机床坐标，X 为半径。", "In force after homing. Machine coordinates, X a radius.");
+            view.paragraph(rect, words, theme::LABEL, view.theme.hold);
+        }
     }
 
     fn keys(&mut self, rect: Rect, ctx: &mut TabContext<'_>) {
@@ -383,7 +367,7 @@ impl LeadscrewTab {
             3 => self.request_edit(PendingEdit::Import, ctx),
             _ => {
                 let export = FileRequest::ExportLeadscrew(ctx.axis, ctx.table.clone());
-                ctx.out.push(self.asking.send(LeadscrewRequest, export));
+                ctx.out.push(self.asking.send(Requester::Leadscrew, (), export));
             }
         }
     }

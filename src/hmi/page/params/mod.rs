@@ -12,22 +12,21 @@ use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
 use crate::defs::text::LocalizedText;
 use crate::hmi::{
-    CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad, theme,
-    widget,
+    CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad,
+    parse_number, theme, widget,
 };
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
-use list::{ParamFilter, ParamList};
+use list::{FILTERS, ParamList};
 
 /// Maximum length of a search, characters.
 const MAX_SEARCH_CHARS: usize = 14;
-/// Filters of the tabs.
-const FILTERS: [ParamFilter; 4] = [ParamFilter::All, ParamFilter::Bits, ParamFilter::Numbers, ParamFilter::Ports];
 
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct ParamPage {
-    filter: ParamFilter,
+    /// Index of the tab in `FILTERS`.
+    filter: usize,
     search: Search,
     list: ParamList,
     scroll: Scroll,
@@ -119,13 +118,8 @@ impl ParamPage {
 
     /// Tabs, search field and access level.
     fn header(&mut self, places: &paint::ParamLayout, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        let keys = [
-            ("params-all", view.text("全部", "ALL").to_owned()),
-            ("params-bits", view.text("位", "BITS").to_owned()),
-            ("params-numbers", view.text("数值", "VALUES").to_owned()),
-            ("params-ports", view.text("端口", "PORTS").to_owned()),
-            ("params-screws", view.text("丝杠", "SCREWS").to_owned()),
-        ];
+        let mut keys: Vec<_> = FILTERS.iter().map(|(id, label, _)| (*id, label.get(view.lang).to_owned())).collect();
+        keys.push(("params-screws", view.text("丝杠", "SCREWS").to_owned()));
         if let Some(index) = widget::tabs(view, places.tabs, &keys, self.tab()) {
             self.select_tab(index);
         }
@@ -140,15 +134,14 @@ impl ParamPage {
     }
 
     /// The selected tab.
-    fn tab(&self) -> usize {
-        let filter = FILTERS.iter().position(|part| *part == self.filter).unwrap_or(0);
-        if self.shows_leadscrews { FILTERS.len() } else { filter }
+    const fn tab(&self) -> usize {
+        if self.shows_leadscrews { FILTERS.len() } else { self.filter }
     }
 
     /// Selects a tab; the last one is that of the leadscrews.
     fn select_tab(&mut self, tab: usize) {
         self.shows_leadscrews = tab == FILTERS.len();
-        self.filter = FILTERS.get(tab).copied().unwrap_or(self.filter);
+        self.filter = if self.shows_leadscrews { self.filter } else { tab };
         (self.typing.pad_open, self.leadscrew.typing.pad_open) = (false, false);
     }
 
@@ -177,8 +170,9 @@ impl ParamPage {
         let (rect, count) = (widget::round_to_lines(places.list, paint::LINE_HEIGHT), self.list.lines.len());
         let list = ScrollList { id: "params", rect, row: paint::LINE_HEIGHT, gap: 4.0, count };
         let drawn = paint::ParamListView { list: &self.list, cursor: self.cursor, typing: &self.typing };
-        let (clipped, mut touched) = (view.clipped(rect), None);
-        for (index, place) in self.scroll.rows(view, &list, typed.scroll_pages) {
+        let (clipped, rows) = self.scroll.rows(view, &list, typed.scroll_pages);
+        let mut touched = None;
+        for (index, place) in rows {
             touched = paint::line(&clipped, place, index, &drawn).or(touched);
         }
         if let Some(row) = touched {
@@ -278,9 +272,7 @@ impl ParamPage {
 /// # Errors
 /// The reason, in both languages.
 pub fn parse_value(row: &ParamRow, text: &str) -> Result<f64, LocalizedText> {
-    let Ok(value) = text.parse::<f64>() else {
-        return Err(LocalizedText::new("不是数字", "not a number"));
-    };
+    let value = parse_number(text)?;
     let whole = !matches!(row.param_type, ParamType::Number);
     if whole && value.fract().abs() > 0.0 {
         return Err(LocalizedText::new("只能输入整数", "whole numbers only"));

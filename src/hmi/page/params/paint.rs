@@ -1,7 +1,7 @@
 //! Drawing of the parameters: rows of bits, rows of numbers, details of the selected one, the input line.
 //! Source: spec B6, H4, H6.
 
-use egui::{Color32, Rect, vec2};
+use egui::{Rect, vec2};
 
 use super::list::{ParamLine, ParamList};
 use super::{BIT_NAMES, ROW_GAP};
@@ -113,9 +113,10 @@ fn bit_cells(view: &View<'_>, cells: Rect, bits: &[Option<usize>; 8], drawn: &Pa
         view.line_centre(tag, BIT_NAMES[column], theme::SMALL, view.theme.muted);
         let old = value_text(view, at);
         let ink = if drawn.list.matches[row] { view.theme.text } else { view.theme.muted };
-        let (words, ink) = drawn.shown(view, row, (old, ink));
+        let typing = drawn.typing_in(row);
+        let (words, ink) = typing.map_or((old.clone(), ink), |typing| typing.shown(view, (old, ink)));
         view.line_centre(value, &words, theme::SECONDARY, ink);
-        drawn.frame(view, cell, row);
+        typing.inspect(|typing| typing.frame(view, cell));
     }
     touched
 }
@@ -128,8 +129,8 @@ fn number_line(view: &View<'_>, place: Rect, row: usize, drawn: &ParamListView<'
     let (words, right) = rest.split_right(268.0);
     view.fit_left(words.trim_right(theme::GAP), &known.name.get(view.lang), theme::LABEL, view.theme.text);
     let (value, unit) = right.split_left(130.0);
-    let (text, ink) = drawn.shown(view, row, (value_text(view, known.address), view.theme.text));
-    view.fit_right(value, &text, theme::SECONDARY, ink);
+    let old = (value_text(view, known.address), view.theme.text);
+    FieldEditor::paint(drawn.typing_in(row), view, [place, value], theme::SECONDARY, old);
     let unit = unit.trim_left(8.0);
     if let Some((port, _)) = shared_port(view, known) {
         view.fit_left(unit, &format!("⚠ {} {port}", view.text("冲突", "conflict")), theme::LABEL, view.theme.hold);
@@ -138,21 +139,13 @@ fn number_line(view: &View<'_>, place: Rect, row: usize, drawn: &ParamListView<'
         view.fit_right(mark, known.level.name().get(view.lang), theme::SMALL, view.theme.muted);
         view.fit_left(unit, known.unit, theme::LABEL, view.theme.muted);
     }
-    drawn.frame(view, place, row);
     response.clicked()
 }
 
 impl ParamListView<'_> {
-    /// The old value of a row, or the text typed over it.
-    fn shown(&self, view: &View<'_>, row: usize, old: (String, Color32)) -> (String, Color32) {
-        if row == self.cursor { self.typing.shown(view, old) } else { old }
-    }
-
-    /// Paints the frame of the selected row.
-    fn frame(&self, view: &View<'_>, place: Rect, row: usize) {
-        if row == self.cursor {
-            self.typing.frame(view, place);
-        }
+    /// The editor of a row, if the row is selected.
+    fn typing_in(&self, row: usize) -> Option<&FieldEditor> {
+        (row == self.cursor).then_some(self.typing)
     }
 }
 

@@ -56,7 +56,7 @@ struct ProcessCurve {
 }
 
 /// State of the page.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct ProcessPage {
     samples: VecDeque<Sample>,
     parts: VecDeque<FinishedPart>,
@@ -64,28 +64,12 @@ pub struct ProcessPage {
     /// Dressing count and wheel diameter, mm, as last seen; what the last dressing took off the diameter, mm.
     last_dressing: Option<(f64, f64)>,
     dressing_removed_mm: Option<f64>,
-    /// Displayed time span, s, and its end; none: now.
-    span_seconds: f64,
+    /// Displayed time span, s; none: the shortest of `SPANS_SECONDS`. Its end; none: now.
+    span_seconds: Option<f64>,
     window_end: Option<Micros>,
     /// Question whether to clear the data.
     question: QuestionDialog<()>,
     walk: KeyboardFocus,
-}
-
-impl Default for ProcessPage {
-    fn default() -> Self {
-        Self {
-            samples: VecDeque::new(),
-            parts: VecDeque::new(),
-            last_part_count: None,
-            last_dressing: None,
-            dressing_removed_mm: None,
-            span_seconds: SPANS_SECONDS[0],
-            window_end: None,
-            question: QuestionDialog::default(),
-            walk: KeyboardFocus::default(),
-        }
-    }
 }
 
 impl PageUi for ProcessPage {
@@ -161,6 +145,11 @@ impl ProcessPage {
         }
     }
 
+    /// The displayed time span, s.
+    fn span(&self) -> f64 {
+        self.span_seconds.unwrap_or(SPANS_SECONDS[0])
+    }
+
     /// End of the displayed time span.
     fn window_end(&self, view: &View<'_>) -> Micros {
         self.window_end.map_or(view.snapshot.now, |end| Micros(end.0.min(view.snapshot.now.0)))
@@ -170,24 +159,20 @@ impl ProcessPage {
     fn drag(&mut self, rect: Rect, view: &View<'_>) {
         let response = view.ui.interact(rect, Id::unique("process-curves"), Sense::DRAG | Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 process-curves"));
-        let (zoom, scroll) = view.ui.input(|input| {
-            let touch = input.multi_touch();
-            (touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta), input.smooth_scroll_delta().y)
-        });
         let width = f64::from((rect.width() - NAME_WIDTH).max(1.0));
-        let (mut end, mut span) = (self.window_end(view).as_secs_f64(), self.span_seconds);
+        let (mut end, mut span) = (self.window_end(view).as_secs_f64(), self.span());
         if response.hovered() || response.dragged() {
             let longest = SPANS_SECONDS[SPANS_SECONDS.len() - 1];
-            span = (span / f64::from(zoom * (scroll / 240.0).exp())).clamp(MIN_SPAN_SECONDS, longest);
+            span = (span / f64::from(view.zoom_factor())).clamp(MIN_SPAN_SECONDS, longest);
         }
-        let drawn = (span - self.span_seconds).abs() > 1e-9;
+        let drawn = (span - self.span()).abs() > 1e-9;
         if drawn && self.window_end.is_some() {
             // Zooms around the middle of the displayed span.
-            end += (span - self.span_seconds) / 2.0;
+            end += (span - self.span()) / 2.0;
         }
         let moved = if response.dragged() { f64::from(response.drag_delta().x) } else { 0.0 };
         end -= moved / width * span;
-        self.span_seconds = span;
+        self.span_seconds = Some(span);
         if moved.abs() < f64::EPSILON && !(drawn && self.window_end.is_some()) {
             return;
         }
@@ -203,7 +188,7 @@ impl ProcessPage {
         let mut add = |name: String, colour: Color32, value: Box<dyn Fn(&Sample) -> f64>| {
             rows.push(ProcessCurve { name, colour, value });
         };
-        for axis in Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present) {
+        for axis in view.axes() {
             let index = axis as usize;
             add(format!("{} mm", axis.letter()), colours[index], Box::new(move |sample| sample.axes[index]));
         }
@@ -225,18 +210,18 @@ impl ProcessPage {
     fn curves_move(&self, now: Micros) -> bool {
         let mut visible = self.visible_samples(now);
         let Some(first) = visible.next() else { return true };
-        let filled = now.since(first.at).as_secs_f64() + 2.0 * SAMPLE_PERIOD.as_secs_f64() > self.span_seconds;
+        let filled = now.since(first.at).as_secs_f64() + 2.0 * SAMPLE_PERIOD.as_secs_f64() > self.span();
         !filled || visible.any(|sample| Sample { at: first.at, ..*sample } != *first)
     }
 
     fn visible_samples(&self, end: Micros) -> impl Iterator<Item = &Sample> {
-        let from = end.0.saturating_sub((self.span_seconds * 1e6) as u64);
+        let from = end.0.saturating_sub((self.span() * 1e6) as u64);
         let first = self.samples.partition_point(|sample| sample.at.0 < from);
         self.samples.iter().skip(first).take_while(move |sample| sample.at.0 <= end.0)
     }
 
     fn curve(&self, rect: Rect, view: &View<'_>, curve: &ProcessCurve) {
-        let span = self.span_seconds;
+        let span = self.span();
         let (colour, value) = (curve.colour, curve.value.as_ref());
         view.card(rect);
         let now = self.window_end(view);
@@ -268,7 +253,7 @@ impl ProcessPage {
     /// The gauge signals as bars.
     fn gauges(&self, rect: Rect, view: &View<'_>) {
         let (words, plot) = rect.trim_sides(8.0).split_left_right_at_x(rect.min.x + NAME_WIDTH);
-        let span = self.span_seconds;
+        let span = self.span();
         view.fit_left(words, view.text("量仪 1–6", "gauge 1–6"), theme::SMALL, view.theme.muted);
         let now = self.window_end(view);
         let height = plot.height() / GAUGES.len() as f32;
@@ -287,7 +272,7 @@ impl ProcessPage {
     }
 
     fn keys(&mut self, rect: Rect, view: &View<'_>) -> Option<Command> {
-        let words = format!("{} {:.0} s", view.text("时间", "SPAN"), self.span_seconds);
+        let words = format!("{} {:.0} s", view.text("时间", "SPAN"), self.span());
         let live = match self.window_end {
             None => view.text("实时", "LIVE").to_owned(),
             Some(end) => format!("{} {}", view.text("回到实时", "TO LIVE"), view.time(end)),
@@ -300,8 +285,8 @@ impl ProcessPage {
         ];
         match self.walk.keys(view, rect, &keys) {
             Some(0) => {
-                let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span_seconds + 0.5);
-                self.span_seconds = longer.unwrap_or(SPANS_SECONDS[0]);
+                let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span() + 0.5);
+                self.span_seconds = longer;
             }
             Some(1) => self.window_end = None,
             Some(2) => self.question.ask((), self.clear_question()),

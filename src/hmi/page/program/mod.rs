@@ -2,28 +2,26 @@
 //! responsive: it is shared with the core, only visible lines are laid out, and whole-text work is done in slices.
 //! Source: spec B6 (程序), K6.2, H6, H8.
 
-mod actions;
+pub mod actions;
 pub mod document;
-mod highlight;
-mod keys;
 pub mod listing;
-mod restart;
 mod text_task;
 
 use egui::{Id, Rect, Sense, Ui, pos2, vec2};
 
 use super::{PageContext, PageUi, ScrollList, empty};
 use crate::defs::key::Mode;
-use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, ProtectedRequests, QuestionDialog, RequestEvent,
-    RequestReason, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageMessage, PendingRequests, QuestionDialog,
+    RequestEvent, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
 use crate::link::snapshot::RunState;
+use actions::EditorAction;
 use document::{Document, content_len};
-use keys::EditorAction;
+
 use listing::{LINE_HEIGHT, LineMarks};
 use ropey::Rope;
 use text_task::TextTask;
@@ -54,10 +52,6 @@ enum EditorRequest {
     Save(u64),
 }
 
-impl RequestReason for EditorRequest {
-    const REQUESTER: Requester = Requester::Editor;
-}
-
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum EditorQuestion {
@@ -79,9 +73,9 @@ pub struct ProgramPage {
     /// Replacing one by one: the next key decides about this match.
     replacing: bool,
     task: Option<TextTask>,
-    asking: ProtectedRequests<EditorRequest>,
+    asking: PendingRequests<EditorRequest>,
     question: QuestionDialog<EditorQuestion>,
-    message: Option<(LocalizedText, bool)>,
+    message: PageMessage,
     last_check: (u64, usize, f64),
     walk: KeyboardFocus,
     /// The keyboard moves over the keys instead of the text.
@@ -99,8 +93,7 @@ impl PageUi for ProgramPage {
     }
 
     fn refusal(&self, lang: Lang) -> Option<(String, String)> {
-        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
-        Some((self.document.rope.to_string(), said.get(lang).into_owned()))
+        self.message.refusal(lang).map(|why| (self.document.rope.to_string(), why))
     }
 
     fn accepts_text(&self) -> bool {
@@ -122,12 +115,12 @@ impl PageUi for ProgramPage {
         let rows = if self.editing && !self.keyboard_open && self.prompt.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_bottom(board);
         let (list, below) = rest.split_bottom(rows * widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
-        let list = restart::ui(list, view);
+        let list = listing::restart_note(list, view);
         self.title(title, view);
         self.listing(list, view, typed.scroll_pages);
         let (told, keys) = below.split_top(MESSAGE_HEIGHT);
         self.message_line(told, view);
-        if let Some(act) = keys::ui(view, keys, self) {
+        if let Some(act) = actions::ui(view, keys, self) {
             self.perform(act, view, login, out);
         }
         if self.keyboard_open
@@ -151,23 +144,22 @@ impl ProgramPage {
 
     /// Handles the answers of the core.
     fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        while let Some(heard) = self.asking.poll(view, login) {
+        while let Some(heard) = self.asking.poll_protected(Requester::Editor, view, login) {
             match heard {
                 RequestEvent::Unlocked => self.request_edit(out),
                 RequestEvent::Answer(EditorRequest::Edit, Ok(_)) => {
-                    (self.editing, self.message, self.editing_began) = (true, None, true);
+                    (self.editing, self.editing_began) = (true, true);
+                    self.message.clear();
                     self.position.scroll.user_scrolled = true;
                 }
                 RequestEvent::Answer(EditorRequest::Save(version), Ok(deed)) => {
                     self.document.mark_saved(version, &deed);
-                    self.message = Some((deed.message, false));
+                    self.message.tell(deed.message);
                 }
                 RequestEvent::Answer(EditorRequest::Save(_), Err(Refusal::Conflict)) => {
                     self.question.ask(EditorQuestion::Conflict, requests::conflict_question());
                 }
-                RequestEvent::Answer(EditorRequest::Edit | EditorRequest::Save(_), Err(refusal)) => {
-                    self.refuse(refusal.message())
-                }
+                RequestEvent::Answer(_, Err(refusal)) => self.message.refuse(refusal.message()),
             }
         }
     }
@@ -203,18 +195,15 @@ impl ProgramPage {
         self.position.first_column = 0;
     }
 
-    fn refuse(&mut self, why: impl Into<LocalizedText>) {
-        self.message = Some((why.into(), true));
-    }
-
     fn request_edit(&mut self, out: &mut Vec<Command>) {
-        out.push(self.asking.send(EditorRequest::Edit, FileRequest::CheckEditable(self.document.number)));
+        let request = FileRequest::CheckEditable(self.document.number);
+        out.push(self.asking.send(Requester::Editor, EditorRequest::Edit, request));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
         let (number, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
         let request = FileRequest::Save { number, text, base_stamp: base, overwrite: force };
-        out.push(self.asking.send(EditorRequest::Save(self.document.version), request));
+        out.push(self.asking.send(Requester::Editor, EditorRequest::Save(self.document.version), request));
     }
 
     /// Handles a key of a question other than 取消, by its index.
@@ -224,7 +213,7 @@ impl ProgramPage {
             (EditorQuestion::Conflict, requests::OVERWRITE_KEY) => self.save(true, out),
             (EditorQuestion::Conflict, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
-                self.message = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+                self.message.tell(requests::READ_FROM_DISK);
             }
             (EditorQuestion::Discard, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
@@ -236,7 +225,7 @@ impl ProgramPage {
     /// Handles keyboard input.
     fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, login: &mut Login, out: &mut Vec<Command>) {
         for control in &typed.ctrl_keys {
-            if let Some(act) = keys::from_shortcut(*control) {
+            if let Some(act) = actions::from_shortcut(*control) {
                 self.perform(act, view, login, out);
             }
         }
@@ -251,7 +240,7 @@ impl ProgramPage {
         } else if typed.text.contains('/') {
             self.perform(EditorAction::Find, view, login, out);
         } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
-            self.refuse(keys::EDIT_FIRST);
+            self.message.refuse(actions::EDIT_FIRST);
         }
         for edit in &typed.edits {
             match edit {
@@ -261,14 +250,14 @@ impl ProgramPage {
                 }
                 EditKey::Cancel if self.keys_focused => self.keys_focused = false,
                 _ if text => self.edit(*edit, out),
-                EditKey::Cancel => self.message = None,
+                EditKey::Cancel => self.message.clear(),
                 _ => {}
             }
         }
     }
 
     fn type_char(&mut self, sign: char) {
-        self.message = None;
+        self.message.clear();
         if self.prompt.is_some() {
             if self.prompt_text.chars().count() < MAX_PROMPT_CHARS {
                 self.prompt_text.extend(sign.to_uppercase());
@@ -301,7 +290,7 @@ impl ProgramPage {
             }
             return;
         }
-        self.message = None;
+        self.message.clear();
         if self.task.is_some() {
             if edit == EditKey::Cancel {
                 self.task = None;
@@ -393,7 +382,7 @@ impl ProgramPage {
         let tap = view.ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
         let rope = self.document.rope.clone();
         let spec = ScrollList { id: "listing", rect: list, row: LINE_HEIGHT, gap: 0.0, count };
-        let (rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, listing::NUMBER_WIDTH);
+        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, listing::NUMBER_WIDTH);
         if let Some((line, column)) = tapped {
             self.document.move_to(line, column);
             self.keys_focused = false;
@@ -401,7 +390,6 @@ impl ProgramPage {
         let block = self.document.block();
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         let running = current && !self.document.changed;
-        let clipped = view.clipped(list);
         for (row, place) in rows {
             let mark = LineMarks {
                 running: running && row + 1 == program.line as usize,
@@ -458,8 +446,8 @@ impl ProgramPage {
                 Prompt::Renumber => view.text("重排段号，起始 步长：", "renumber, first and step:"),
             };
             (format!("{what} {}_", self.prompt_text), view.theme.info)
-        } else if let Some((said, refused)) = &self.message {
-            (said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
+        } else if let Some(shown) = self.message.shown(view, view.theme.text) {
+            shown
         } else if let Some(said) = self.fault_in_line(view, line) {
             (said.get(view.lang).into_owned(), view.theme.alarm_text)
         } else if view.snapshot.program.has_invalid_bytes && !self.document.changed {

@@ -118,46 +118,47 @@ fn find_in_line(text: &str, what: &str, from: usize) -> Option<usize> {
     (from..=text.len().checked_sub(what.len())?).find(|at| text[*at..*at + what.len()].eq_ignore_ascii_case(what))
 }
 
-fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> TaskStep {
-    let lines = text.len_lines();
-    let (start, column) = {
-        let line = text.char_to_line(from.min(text.len_chars()));
-        (line, from - text.line_to_char(line))
-    };
-    // Once around: the cursor's line comes first, from the cursor on, and last, from its start.
+/// Searches one slice of a text in so many turns, `done` so far; `found` looks at the line of a turn.
+fn search(text: &Rope, turns: usize, done: &mut usize, found: impl Fn(usize) -> Option<Range<usize>>) -> TaskStep {
     for _ in 0..SLICE_LINES {
-        if *done > lines {
+        if *done >= turns {
             return TaskStep::NotFound;
         }
-        let line = (start + *done) % lines;
-        let slice = text.line(line);
-        let part: String = slice.slice(..content_len(slice).min(MAX_SEARCHED_CHARS)).into();
-        let begin = if *done == 0 { part.char_indices().nth(column).map_or(part.len(), |(at, _)| at) } else { 0 };
         *done += 1;
-        if let Some(at) = find_in_line(&part, what, begin) {
-            let from = text.line_to_char(line) + part[..at].chars().count();
-            return TaskStep::Found(from..from + what.chars().count());
+        if let Some(place) = found(*done - 1) {
+            return TaskStep::Found(place);
         }
     }
-    TaskStep::Running(permille(*done, lines))
+    TaskStep::Running(permille(*done, text.len_lines()))
+}
+
+/// The searched part of a line.
+fn searched(text: &Rope, line: usize) -> String {
+    let slice = text.line(line);
+    slice.slice(..content_len(slice).min(MAX_SEARCHED_CHARS)).into()
+}
+
+/// Searches a word once around: the cursor's line comes first, from the cursor on, and last, from its start.
+fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> TaskStep {
+    let lines = text.len_lines();
+    let start = text.char_to_line(from.min(text.len_chars()));
+    let column = from - text.line_to_char(start);
+    search(text, lines + 1, done, |turn| {
+        let line = (start + turn) % lines;
+        let part = searched(text, line);
+        let begin = if turn == 0 { part.char_indices().nth(column).map_or(part.len(), |(at, _)| at) } else { 0 };
+        let at = find_in_line(&part, what, begin)?;
+        let from = text.line_to_char(line) + part[..at].chars().count();
+        Some(from..from + what.chars().count())
+    })
 }
 
 /// Searches a block: N is its first word, `N0040` is 40. A longer number with the same digits in front does not match.
 fn find_block(text: &Rope, number: u64, line: &mut usize) -> TaskStep {
-    let lines = text.len_lines();
-    for _ in 0..SLICE_LINES {
-        if *line >= lines {
-            return TaskStep::NotFound;
-        }
-        let slice = text.line(*line);
-        let part: String = slice.slice(..content_len(slice).min(MAX_SEARCHED_CHARS)).into();
-        if split_block_number(&part).1 == Some(number) {
-            let at = text.line_to_char(*line);
-            return TaskStep::Found(at..at);
-        }
-        *line += 1;
-    }
-    TaskStep::Running(permille(*line, lines))
+    search(text, text.len_lines(), line, |line| {
+        let at = text.line_to_char(line);
+        (split_block_number(&searched(text, line)).1 == Some(number)).then_some(at..at)
+    })
 }
 
 /// Appends a line with all matches replaced; returns their number.
@@ -318,78 +319,4 @@ fn without_comments(text: &str) -> String {
         }
     }
     plain
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn run(mut work: TextTask, text: &str) -> TaskStep {
-        let rope = Rope::from_str(text);
-        for _ in 0..10_000 {
-            match work.step(&rope) {
-                TaskStep::Running(_) => {}
-                done => return done,
-            }
-        }
-        panic!("it does not end")
-    }
-
-    fn changed(work: TextTask, text: &str) -> String {
-        match run(work, text) {
-            TaskStep::Changed(rope, _) => rope.to_string(),
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
-    fn b6_a_word_is_found_once_around_in_any_case() {
-        let text = "N10 G00 X1\nN20 g01 X2 (磨)\nN30 M30\n";
-        let mut document = Document::open(1, 0, &Rope::from_str(text));
-        let found = |document: &Document, what: &str| match run(TextTask::find(what, document), text) {
-            TaskStep::Found(found) => Some((found.start, found.end)),
-            _ => None,
-        };
-        assert_eq!(found(&document, "G01"), Some((15, 18)));
-        document.cursor = 18;
-        assert_eq!(found(&document, "g01"), Some((15, 18)), "around the end");
-        assert_eq!(
-            (found(&document, "磨"), found(&document, "G02"), found(&document, "")),
-            (Some((23, 24)), None, None)
-        );
-    }
-
-    #[test]
-    fn b6_a_block_is_found_by_its_number_not_by_what_begins_alike() {
-        let text = "(N20)\nN200 G00\nGOTO 20\n/N0020 X1\n";
-        assert!(
-            matches!(run(TextTask::find_block(20), text), TaskStep::Found(found) if found == (23..23)),
-            "the fourth line"
-        );
-        assert!(matches!(run(TextTask::find_block(2), text), TaskStep::NotFound));
-    }
-
-    #[test]
-    fn b6_replace_all_counts() {
-        assert_eq!(changed(TextTask::replace("x1", "X20"), "X1 X1.\nY\nX10"), "X20 X20.\nY\nX200");
-        assert!(matches!(run(TextTask::replace("Q", "R"), "X1"), TaskStep::NotFound));
-    }
-
-    #[test]
-    fn b6_renumbering_takes_the_jumps_along() {
-        let text = "O1001\nN5 G00 X1\n/N7 IF[#1 EQ 0] GOTO 5\nG01 X2\nN9 GOTO N7\nM30\n%";
-        assert_eq!(
-            changed(TextTask::renumber(10, 10), text),
-            "O1001\nN0010 G00 X1\n/N0020 IF[#1 EQ 0] GOTO 10\nG01 X2\nN0030 GOTO N20\nM30\n%"
-        );
-        // If no block has a number, all get one.
-        assert_eq!(changed(TextTask::renumber(1, 1), "O1\nG00\n(a)\nM30\n%"), "O1\nN0001 G00\n(a)\nN0002 M30\n%");
-    }
-
-    #[test]
-    fn b6_renumbering_refuses_what_it_cannot_follow() {
-        for text in ["N1 GOTO #1", "N1 M99 P1", "N1 G65 H80 P1", "N1 G0\nN1 G1", "N1 M01 L5"] {
-            assert!(matches!(run(TextTask::renumber(10, 10), text), TaskStep::Refused(_)), "{text}");
-        }
-    }
 }
