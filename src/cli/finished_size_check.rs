@@ -191,7 +191,7 @@ mod tests {
 
     /// The size check of a bore-free part of 100 mm from Z0 to Z50 with a wheel of 0 mm, from X60 Z100.
     fn overshoot_after(ops: Vec<Op>) -> Option<Overshoot> {
-        let settings = NcSettings::sinumerik();
+        let settings = NcSettings::for_dialect(Dialect::Sinumerik);
         let finished = FinishedSizeFile { size: 620, wheel: 621, z_from: 0.0, z_to: 50.0, inside: false, cone: None };
         let world = OfflineMachine::new(&settings).with_position(WorkPos::new([60.0, 0.0, 100.0]));
         let mut values = CommonVariables::default();

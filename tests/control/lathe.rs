@@ -448,7 +448,7 @@ fn l4_l9_two_hundred_fifty_five_levels_of_loops_run_and_one_more_is_an_error() {
         let text = format!("{open}N0003G01U-0.02F300\n{close}N0004M02\n");
         let source = Arc::new(Source::new(1, "", text.into_bytes(), Dialect::SuperMan));
         let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
-        check(&source, &library, &NcSettings::superman())
+        check(&source, &library, &NcSettings::for_dialect(Dialect::SuperMan))
     };
     let deep = nested(255);
     assert!(deep.faults.is_empty() && deep.finished && deep.blocks == 2, "{:?}", deep.faults);
@@ -466,7 +466,7 @@ fn l9_a_million_blocks_are_checked_and_loops_do_not_grow() {
     text.push_str("N0030G22L0500\nN0040G22L0500\nN0050W-1\nN0060W1\nN0070G80\nN0080G80\nN0090M02\n");
     let source = Arc::new(Source::new(1, "", text.into_bytes(), Dialect::SuperMan));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
-    let settings = NcSettings::superman();
+    let settings = NcSettings::for_dialect(Dialect::SuperMan);
     let mut world = OfflineMachine::new(&settings);
     let checked =
         ProgramCheck::new(&source, &library, &settings, CommonVariables::default()).run(&mut world, &mut |_| {});

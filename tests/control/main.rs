@@ -7,9 +7,11 @@ mod command;
 #[path = "../common/stories.rs"]
 mod stories;
 
+mod alarms;
 mod allocation;
 mod grinding_functions;
 mod held_run;
+mod interlock;
 mod lathe;
 mod lathe_hand;
 mod machine_rules;
@@ -21,5 +23,6 @@ mod panel_keys;
 mod restart;
 mod retract;
 mod run_control;
+mod run_phase;
 mod vertical;
 mod wheel_size;

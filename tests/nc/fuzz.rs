@@ -58,7 +58,7 @@ proptest! {
 }
 
 fn exercise(bytes: &[u8]) {
-    for settings in [NcSettings::lathe_a(), NcSettings::mill()] {
+    for settings in [NcSettings::lathe_a(), NcSettings::for_dialect(Dialect::Mill)] {
         let (mut interpreter, mut world, mut block) = start(bytes, settings.clone());
         for _ in 0..50 {
             match interpreter.next(&mut world, &mut block) {

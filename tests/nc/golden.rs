@@ -20,7 +20,7 @@ impl Library for Folder {
 }
 
 fn settings_for(text: &str) -> NcSettings {
-    if text.contains("(MILL") { NcSettings::mill() } else { NcSettings::lathe_a() }
+    if text.contains("(MILL") { NcSettings::for_dialect(Dialect::Mill) } else { NcSettings::lathe_a() }
 }
 
 fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
@@ -95,7 +95,7 @@ fn l1_to_l8_the_manuals_examples_give_their_operations() {
     let programs = files("programs/lathe", "NC");
     assert!(programs.len() >= 12);
     for path in programs {
-        let (ops, checked) = run_as(&path, Some(NcSettings::superman()));
+        let (ops, checked) = run_as(&path, Some(NcSettings::for_dialect(Dialect::SuperMan)));
         let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
         assert!(faults.is_empty() && checked.finished, "{}: {faults:#?}", path.display());
         let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/nc/lathe");
@@ -111,7 +111,7 @@ fn l1_to_l8_wrong_programs_name_every_error_with_line_and_column() {
     let programs = files("tests/nc/lathe/bad", "NC");
     assert!(programs.len() >= 10);
     for path in programs {
-        let (_, checked) = run_as(&path, Some(NcSettings::superman()));
+        let (_, checked) = run_as(&path, Some(NcSettings::for_dialect(Dialect::SuperMan)));
         let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
         let expected = text.lines().next().unwrap().trim_start_matches("; ");
         let told = |fault: &kt830::nc::ProgramFault| {
@@ -141,7 +141,7 @@ fn l1_remedies_name_what_this_language_has() {
         let text = format!("N0010G01U-1F300\nN0015M03\nN0020{block}\nN0030M02\n");
         let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
         let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes(), Dialect::SuperMan));
-        let checked = kt830::nc::check(&source, &library, &NcSettings::superman());
+        let checked = kt830::nc::check(&source, &library, &NcSettings::for_dialect(Dialect::SuperMan));
         let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
         assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
         assert!(fault.remedy(Lang::Zh).contains(zh), "{block}: {}", fault.remedy(Lang::Zh));
@@ -150,7 +150,7 @@ fn l1_remedies_name_what_this_language_has() {
     let text = format!("{}{}N0003M02\n", "N0001G22L0001\n".repeat(256), "N0002G80\n".repeat(256));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes(), Dialect::SuperMan));
-    let checked = kt830::nc::check(&source, &library, &NcSettings::superman());
+    let checked = kt830::nc::check(&source, &library, &NcSettings::for_dialect(Dialect::SuperMan));
     assert_eq!(checked.faults[0].cause(Lang::En), "G22 nested deeper than 255");
     assert_eq!(checked.faults[0].cause(Lang::Zh), "G22 嵌套超过 255 层");
 }

@@ -34,7 +34,7 @@ fn source(path: &Path) -> Arc<Source> {
 }
 
 fn run(source: &Arc<Source>) -> (String, CheckReport) {
-    let settings = NcSettings::sinumerik();
+    let settings = NcSettings::for_dialect(Dialect::Sinumerik);
     let subs = files("tests/nc/802d/sub", "SPF").iter().map(|path| source_of(path)).collect();
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(subs));
     let mut world = OfflineMachine::new(&settings);

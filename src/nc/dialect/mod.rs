@@ -105,24 +105,6 @@ impl NcSettings {
     pub fn lathe_a() -> Self {
         Self::for_dialect(Dialect::LatheA)
     }
-
-    /// Factory settings of GS and GA: X, Y, Z in radius.
-    #[must_use]
-    pub fn mill() -> Self {
-        Self::for_dialect(Dialect::Mill)
-    }
-
-    /// Factory settings of the vertical lathe-grinder: X (diameter) and Z.
-    #[must_use]
-    pub fn sinumerik() -> Self {
-        Self::for_dialect(Dialect::Sinumerik)
-    }
-
-    /// Factory settings of the 超人 lathe: X (diameter) and Z.
-    #[must_use]
-    pub fn superman() -> Self {
-        Self::for_dialect(Dialect::SuperMan)
-    }
 }
 
 /// The initial text of a new program with this number.

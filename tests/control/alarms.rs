@@ -1,0 +1,103 @@
+//! The list of active alarms and their history.
+
+use std::sync::Arc;
+
+use kt830::controller::AlarmList;
+use kt830::defs::alarm;
+use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY};
+use kt830::defs::date::DateTime;
+use kt830::defs::text::LocalizedText;
+use kt830::units::Micros;
+
+#[test]
+fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
+    let mut alarms = AlarmList::default();
+    alarms.raise(alarm::EMERGENCY_STOP, None, Micros::ZERO, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros::ZERO, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(1), None);
+    assert_eq!(alarms.present().len(), 2);
+    alarms.reset(|number| number == alarm::EMERGENCY_STOP);
+    assert!(alarms.has(alarm::EMERGENCY_STOP) && !alarms.has(alarm::TAILSTOCK_INTERLOCK) && alarms.blocks_start());
+}
+
+#[test]
+fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
+    let mut alarms = AlarmList::default();
+    alarms.set_time(Micros(5), DateTime(105));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(5), Some((1_001, 7)));
+    let shown = Arc::clone(alarms.history());
+    alarms.set_time(Micros(9), DateTime(109));
+    alarms.clear(alarm::HYDRAULIC_PRESSURE);
+    assert!(Arc::ptr_eq(&shown, alarms.history()), "nothing went: the list is not replaced");
+    alarms.reset(|_| false);
+    alarms.set_time(Micros(12), DateTime(112));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(12), None);
+    alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(12), None);
+    let times: Vec<_> = alarms.history().iter().map(|past| (past.came, past.ended)).collect();
+    assert_eq!(times, [(DateTime(105), Some((AlarmEnd::Reset, Some(DateTime(109))))), (DateTime(112), None)]);
+    assert_eq!(alarms.history()[0].place, Some((1_001, 7)));
+    alarms.set_time(Micros(13), DateTime(113));
+    alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+    assert_eq!(alarms.history()[1].ended, Some((AlarmEnd::Itself, Some(DateTime(113)))));
+    let changed: Vec<_> = alarms.take_changed().iter().map(|past| past.count).collect();
+    assert_eq!(changed, [1, 2]);
+    assert!(alarms.take_changed().is_empty(), "the disk is told once");
+}
+
+#[test]
+fn b6_what_came_before_the_clock_was_known_has_its_date() {
+    let mut alarms = AlarmList::default();
+    alarms.set_time(Micros(2_000_000), DateTime(2));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(2_000_000), None);
+    alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+    let mut alarms = AlarmList::new(alarms.take_changed());
+    alarms.set_time(Micros(3_000_000), DateTime(3));
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros(3_000_000), None);
+    alarms.set_power_on_date(DateTime(1_000));
+    alarms.clear(alarm::HYDRAULIC_PRESSURE);
+    let times: Vec<_> = alarms.history().iter().map(|past| (past.came.0, past.ended)).collect();
+    // The alarm of the previous power cycle keeps its stamp: its date is unknown.
+    assert_eq!(times[0], (2, Some((AlarmEnd::Itself, Some(DateTime(2))))));
+    assert_eq!(times[1], (1_003, Some((AlarmEnd::Itself, Some(DateTime(1_003))))));
+}
+
+#[test]
+fn b6_the_history_outlives_the_power_and_keeps_a_thousand() {
+    let mut alarms = AlarmList::default();
+    for round in 0..1_200 {
+        alarms.set_time(Micros(20 + round), DateTime(round as i64));
+        alarms.clear(alarm::HYDRAULIC_PRESSURE);
+        alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros(20 + round), None);
+        alarms.clear(alarm::HYDRAULIC_PRESSURE);
+        alarms.set_time(Micros(20 + round) + Micros(1), DateTime(round as i64));
+    }
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(5_000), None);
+    assert_eq!(alarms.history().len(), MAX_ALARM_HISTORY);
+    let slots: std::collections::BTreeSet<_> = alarms.history().iter().map(|past| past.slot()).collect();
+    assert_eq!(slots.len(), MAX_ALARM_HISTORY, "each has a place of its own in the store");
+    let kept: Vec<_> = alarms.history().iter().map(|past| (**past).clone()).collect();
+    let mut alarms = AlarmList::new(kept);
+    let last = Arc::clone(&alarms.history()[MAX_ALARM_HISTORY - 1]);
+    assert_eq!((last.number, last.ended), (alarm::TAILSTOCK_INTERLOCK, Some((AlarmEnd::PowerOff, None))));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros::ZERO, None);
+    assert_eq!(alarms.history().last().map(|past| past.count), Some(last.count + 1));
+}
+
+#[test]
+fn k3_7_alarm_180_is_not_reset_by_the_list() {
+    let mut alarms = AlarmList::default();
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros::ZERO, None);
+    alarms.reset(|_| false);
+    assert!(alarms.has(alarm::HYDRAULIC_PRESSURE));
+    alarms.clear(alarm::HYDRAULIC_PRESSURE);
+    assert!(!alarms.blocks_start());
+}
+
+#[test]
+fn k7_3_page_files_never_block_a_run() {
+    let mut alarms = AlarmList::default();
+    alarms.raise(alarm::PAGE_FILES_INVALID, Some(LocalizedText::new("B0002.BMP", "B0002.BMP")), Micros::ZERO, None);
+    assert!(!alarms.blocks_start());
+    assert!(alarms.present()[0].text.zh().ends_with("B0002.BMP"));
+}
