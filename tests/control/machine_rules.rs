@@ -1,9 +1,13 @@
 //! The rules of the machine (K2, K3, K5) as stories on the simulated cylindrical grinder.
 
 use crate::stories::{ready, ready_with, refused, story, story_on, tell};
+use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
-use kt830::defs::signal::Output;
+use kt830::defs::signal::{Input, Output};
 use kt830::host::headless::HeadlessHost;
+use kt830::link::Command;
+use kt830::link::simulation::SimCommand;
+use kt830::link::snapshot::RunState;
 
 /// Hydraulics on, pressure there, its delay gone by, nothing homed.
 const HYDRAULICS: &str = "key hydraulic\nwait 4 s\nexpect no alarm\n";
@@ -576,6 +580,28 @@ fn b5_external_start_and_hold_act_as_the_keys_do() {
     tell(&mut rig, "input external-start off\ninput external-hold on\nwait 0.3 s\nexpect state held");
     tell(&mut rig, "key cycle-start\nexpect state held\nexpect message \"外接暂停\"\ninput external-hold off");
     tell(&mut rig, "key cycle-start\nexpect state running");
+}
+
+/// RESET voids every start of its tick (B5), also the one from outside that comes after it in the tick.
+#[test]
+fn b5_reset_voids_an_external_start_of_its_tick() {
+    let pressed = || {
+        let mut rig = ready_with("G98 G01 X-200 F60\nM30");
+        tell(&mut rig, "param P335 60\nmode auto");
+        rig.send(Command::Simulate(SimCommand::Force(Input::ExternalStart, Some(true))));
+        rig
+    };
+    let mut rig = pressed();
+    let ticks = (1..100).find(|_| {
+        rig.step();
+        rig.controller().state() == RunState::Running
+    });
+    let mut rig = pressed();
+    (1..ticks.unwrap()).for_each(|_| rig.step());
+    assert_eq!(rig.controller().state(), RunState::Idle);
+    rig.send(Command::Press(Key::Reset));
+    rig.step();
+    tell(&mut rig, "expect message \"启动无效\"\nwait 0.2 s\nexpect state idle");
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! SINUMERIK expressions, evaluated while they are read: `+ − * / DIV MOD`, round brackets, functions, R parameters
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
-use super::index::identifier;
 use crate::defs::variable_name;
 use crate::nc::expression::{CoordinateFrame, Scope, enter, finite, function_value, signs};
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
@@ -299,4 +298,14 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         self.close(open)?;
         Ok(y.atan2(x).to_degrees())
     }
+}
+
+/// The identifier at the start of a text: two letters or `_`, then letters, digits and `_`.
+pub(super) fn identifier(text: &[u8]) -> Option<&[u8]> {
+    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    if !text.get(..2)?.iter().all(letter) {
+        return None;
+    }
+    let length = text.iter().take_while(|byte| letter(byte) || byte.is_ascii_digit()).count();
+    text.get(..length)
 }

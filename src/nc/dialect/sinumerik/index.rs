@@ -1,5 +1,6 @@
 //! The index of an 802D program: its jump labels and the texts that it shows. Source: spec S1.
 
+use super::expression::identifier;
 use super::read::message_range;
 use crate::nc::lexer::Cursor;
 use crate::nc::source_index::{SourceIndex, TextLines, after_blanks, block_head, starts_with_word};
@@ -20,16 +21,6 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
     }
     index.jump_labels.sort_unstable();
     index.message_texts.sort_unstable();
-}
-
-/// The identifier at the start of a text: two letters or `_`, then letters, digits and `_`.
-pub(super) fn identifier(text: &[u8]) -> Option<&[u8]> {
-    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
-    if !text.get(..2)?.iter().all(letter) {
-        return None;
-    }
-    let length = text.iter().take_while(|byte| letter(byte) || byte.is_ascii_digit()).count();
-    text.get(..length)
 }
 
 /// The label at the start of a block, and the text behind its `:`.

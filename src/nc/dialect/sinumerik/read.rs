@@ -3,9 +3,8 @@
 use std::ops::Range;
 
 use super::expression::{
-    accept_keyword, evaluate, evaluate_with, function_names, parameter_number, skip_blanks, unexpected,
+    accept_keyword, evaluate, evaluate_with, function_names, identifier, parameter_number, skip_blanks, unexpected,
 };
-use super::index::identifier;
 use super::{CR_ADDRESS, RETURN_M_CODE};
 use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
