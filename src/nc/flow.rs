@@ -17,19 +17,17 @@ const USUAL_DEPTH: usize = 16;
 pub(crate) type Locals = [Value; 33];
 
 /// A G66 macro: called after every block with motion.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct ModalCall {
     pub program: u32,
     pub times: u32,
-    pub arguments: Locals,
 }
 
 /// The kind of a call: a subprogram shares its caller's local variables, a macro has its own.
-#[derive(Clone, Debug)]
-#[allow(clippy::large_enum_variant, reason = "a call of a macro allocates nothing")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Callee {
     Sub,
-    Macro(Locals),
+    Macro,
 }
 
 /// Deepest nesting of a kind of call, and its name.
@@ -39,8 +37,8 @@ pub(crate) struct CallLimit {
     pub name: &'static str,
 }
 
-/// A call as programmed.
-#[derive(Clone, Debug)]
+/// A call as programmed. The arguments of a macro stand beside it, so that it is cheap to pass on.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Call {
     pub program: u32,
     pub times: u32,
@@ -83,7 +81,10 @@ struct CallFrame {
     depth: usize,
     repeats_left: u32,
     callee: Callee,
-    modal_call: Option<ModalCall>,
+    /// The arguments of a macro, for its repetitions.
+    arguments: Locals,
+    /// The G66 call of the caller, and its arguments.
+    modal_call: Option<(ModalCall, Locals)>,
     /// Number of counted loops that belong to the caller's callers.
     counted_base: usize,
     /// The first block number of a subprogram in the same text.
@@ -97,8 +98,9 @@ pub(crate) struct Flow {
     pub place: Place,
     /// M99 restarted the main program.
     pub restarted: bool,
-    /// The active G66 call.
+    /// The active G66 call, and its arguments.
     pub modal_call: Option<ModalCall>,
+    pub modal_arguments: Locals,
     loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
     call_stack: Vec<CallFrame>,
@@ -137,6 +139,7 @@ impl Flow {
             source,
             restarted: false,
             modal_call: None,
+            modal_arguments: [None; 33],
             loops: [OpenLoop::default(); LOOP_DEPTH],
             depth: 0,
             call_stack,
@@ -256,20 +259,28 @@ impl Flow {
         true
     }
 
-    /// Calls a program, as deep as the limit. The flow is already past the calling block.
-    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool, limit: CallLimit) -> ReadResult<()> {
-        let is_macro = matches!(call.callee, Callee::Macro(_));
-        let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
+    /// Calls a program, as deep as the limit. `arguments` are those of a macro. The flow is already past the calling
+    /// block.
+    pub fn call(&mut self, source: Arc<Source>, call: Call, arguments: &Locals, limit: CallLimit) -> ReadResult<()> {
+        let same = |level: &&CallFrame| level.callee == call.callee;
         if self.call_stack.iter().filter(same).count() >= limit.depth {
             return fail2(call.at, E::TooDeep, limit.name, format_args!("{}", limit.depth));
         }
-        if let Callee::Macro(arguments) = &call.callee {
+        if call.callee == Callee::Macro {
             self.locals.push(*arguments);
         }
-        let frame = CallFrame { repeats_left: call.times - 1, ..self.frame(call.callee) };
-        // Moves of a G66 macro do not call it again.
-        let modal_call = if modal { self.modal_call.take() } else { None };
-        self.enter(source, CallFrame { modal_call, ..frame }, 0);
+        let frame = CallFrame { repeats_left: call.times - 1, arguments: *arguments, ..self.frame(call.callee) };
+        self.enter(source, frame, 0);
+        Ok(())
+    }
+
+    /// Calls the macro of the active G66. Moves of the macro do not call it again.
+    pub fn call_modal(&mut self, source: Arc<Source>, call: Call, limit: CallLimit) -> ReadResult<()> {
+        let arguments = self.modal_arguments;
+        self.call(source, call, &arguments, limit)?;
+        if let Some(frame) = self.call_stack.last_mut() {
+            frame.modal_call = self.modal_call.take().map(|modal| (modal, arguments));
+        }
         Ok(())
     }
 
@@ -282,6 +293,7 @@ impl Flow {
             depth: self.depth,
             repeats_left: 0,
             callee,
+            arguments: [None; 33],
             modal_call: None,
             counted_base: self.counted_base,
             local_entry: None,
@@ -393,17 +405,17 @@ impl Flow {
         }
         if level.repeats_left > 0 && target.is_none() {
             level.repeats_left -= 1;
-            if let Callee::Macro(arguments) = &level.callee
+            if level.callee == Callee::Macro
                 && let Some(locals) = self.locals.last_mut()
             {
-                *locals = *arguments;
+                *locals = level.arguments;
             }
             self.depth = 0;
             self.go_to_line(0);
             return Ok(());
         }
         let Some(level) = self.call_stack.pop() else { return Ok(()) };
-        if matches!(level.callee, Callee::Macro(_)) {
+        if level.callee == Callee::Macro {
             self.locals.pop();
         }
         self.counted_loops.truncate(self.counted_base);
@@ -411,8 +423,8 @@ impl Flow {
         self.source = level.source;
         self.place = level.place;
         (self.loops, self.depth) = (level.loops, level.depth);
-        if level.modal_call.is_some() {
-            self.modal_call = level.modal_call;
+        if let Some((modal, arguments)) = level.modal_call {
+            (self.modal_call, self.modal_arguments) = (Some(modal), arguments);
         }
         target.map_or(Ok(()), |n| self.go_to_block(n, at))
     }

@@ -9,7 +9,7 @@ use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
 use super::external_state::ExternalState;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
-use super::flow::{Call, Callee, Flow, Place};
+use super::flow::{Call, Callee, Flow, Locals, Place};
 use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::op::Op;
@@ -93,6 +93,8 @@ pub struct Interpreter {
     pub(super) block_words: BlockWords,
     pub(super) ended: bool,
     pub(super) second_half: bool,
+    /// The arguments of the macro call that the present block makes.
+    call_arguments: Locals,
     /// The block number read last (#4114).
     pub(super) last_block_number: Option<u32>,
     /// A value that a condition may depend on has changed since the last query.
@@ -132,6 +134,7 @@ impl Interpreter {
             block_words: BlockWords::default(),
             ended: false,
             second_half: false,
+            call_arguments: [None; 33],
             last_block_number: None,
             condition_changed: false,
             pending_cycle: None,
@@ -311,6 +314,7 @@ impl Interpreter {
                 text,
                 at,
                 flow: &self.flow,
+                arguments: &mut self.call_arguments,
                 second_half: self.second_half,
             };
             let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
@@ -439,7 +443,7 @@ impl Interpreter {
                 if let Some(modal) = &modal {
                     self.find_program(modal.program, self.flow.place.at)?;
                 }
-                self.flow.modal_call = modal;
+                (self.flow.modal_call, self.flow.modal_arguments) = (modal, self.call_arguments);
                 self.advance_past_block(cursor);
             }
             FlowAction::Contour(cycle) => {
@@ -467,14 +471,13 @@ impl Interpreter {
     /// Goes to the next block. After a block with motion, calls the macro of G66 first.
     #[inline]
     fn call_modal_macro(&mut self, moves: bool, cursor: &Cursor<'_>) -> ReadResult<()> {
-        let modal = if moves { self.flow.modal_call.clone() } else { None };
+        let modal = self.flow.modal_call.filter(|_| moves);
         let at = self.flow.place.at;
         let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
         self.advance_past_block(cursor);
         if let (Some(modal), Some(source)) = (modal, source) {
-            let callee = Callee::Macro(modal.arguments);
-            let limit = (dialect::rules(self.settings.dialect).call_limit)(&callee);
-            self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
+            let call = Call { program: modal.program, times: modal.times, callee: Callee::Macro, at };
+            self.flow.call_modal(source, call, (dialect::rules(self.settings.dialect).call_limit)(call.callee))?;
         }
         Ok(())
     }
@@ -512,8 +515,8 @@ impl Interpreter {
             FlowAction::Call(call) => {
                 let source = self.find_program(call.program, call.at)?;
                 self.advance_past_block(cursor);
-                let limit = (dialect::rules(self.settings.dialect).call_limit)(&call.callee);
-                self.flow.call(source, call, false, limit)?;
+                let limit = (dialect::rules(self.settings.dialect).call_limit)(call.callee);
+                self.flow.call(source, call, &self.call_arguments, limit)?;
             }
             FlowAction::Return { target, at } => {
                 self.second_half = false;

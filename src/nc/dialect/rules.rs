@@ -3,7 +3,7 @@
 use crate::nc::contour::ContourCycle;
 use crate::nc::expression::{Scope, Value};
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::{Call, CallLimit, Callee, Flow, ModalCall};
+use crate::nc::flow::{Call, CallLimit, Callee, Flow, Locals, ModalCall};
 use crate::nc::modal::{ModalCodes, ModalState};
 use crate::nc::op::Op;
 use crate::nc::scope::LiveScope;
@@ -27,12 +27,13 @@ pub(crate) struct BlockContext<'r, 'w> {
     pub at: usize,
     /// The position in the program: in the started program or in a subprogram of the same text (L7).
     pub flow: &'r Flow,
+    /// Where a call of a macro puts its arguments.
+    pub arguments: &'r mut Locals,
     /// This is the second half of a block that `FlowAction::SecondHalf` split.
     pub second_half: bool,
 }
 
 /// How the program continues after a block of words.
-#[allow(clippy::large_enum_variant, reason = "a call of a macro allocates nothing")]
 pub(crate) enum FlowAction {
     /// The next block.
     Next,
@@ -48,9 +49,9 @@ pub(crate) enum FlowAction {
     BeginCountedLoop { times: u32, at: usize },
     /// Ends a counted loop.
     EndCountedLoop { at: usize },
-    /// Calls another program.
+    /// Calls another program; a macro with the arguments of the context.
     Call(Call),
-    /// G66, or G67 with `None`.
+    /// G66 with the arguments of the context, or G67 with `None`.
     SetModalCall(Option<ModalCall>),
     /// M99.
     Return { target: Option<u32>, at: usize },
@@ -101,7 +102,7 @@ pub(crate) struct DialectRow {
     /// The initial text of a new program with this number.
     pub new_program_text: fn(u32) -> String,
     /// Deepest nesting of a call, and the name of the call.
-    pub call_limit: fn(&Callee) -> CallLimit,
+    pub call_limit: fn(Callee) -> CallLimit,
     /// How much of a program can be checked before it starts.
     pub preflight_scope: PreflightScope,
     /// The code that ends a program, if a program without blocks is a mistake; not for a single MDI line (L1).

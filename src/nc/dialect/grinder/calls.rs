@@ -35,15 +35,15 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name, "P") };
     let program = integer(p, 1, 9_999)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
-    let mut arguments = arguments(&words.list)?;
+    *running.arguments = arguments(&words.list)?;
     if let Some(m) = words.m.first() {
-        arguments[12] = Some(f64::from(m.number));
+        running.arguments[12] = Some(f64::from(m.number));
     }
     words.mark_all_used();
     Ok(if name == "G65" {
-        FlowAction::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
+        FlowAction::Call(Call { program, times, callee: Callee::Macro, at: p.at as usize })
     } else {
-        FlowAction::SetModalCall(Some(ModalCall { program, times, arguments }))
+        FlowAction::SetModalCall(Some(ModalCall { program, times }))
     })
 }
 

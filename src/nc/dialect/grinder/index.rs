@@ -8,17 +8,16 @@ use crate::nc::statement;
 /// Indexes a text.
 pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
     let mut open = OpenLoops::default();
-    let (divided, has_variables) = (lines.text.contains(&b';'), lines.text.contains(&b'#'));
+    let divided = lines.text.contains(&b';');
     for (_, start, line) in lines.iter() {
         let (n, rest) = block_head(line, true);
         open.closed = None;
         index.block_numbers.extend(n.map(|n| (n, start as u32)));
         let end = start + line.len();
-        if matches!(rest.first(), Some(b'W' | b'w' | b'E' | b'e')) {
-            open.visit_block(&mut index.while_loops, rest, start, end);
-        }
-        if has_variables && line.contains(&b'#') {
-            index_messages(index, line, start);
+        match rest.first() {
+            Some(b'W' | b'w' | b'E' | b'e') => open.visit_block(&mut index.while_loops, rest, start, end),
+            Some(b'#' | b'I' | b'i') => index_messages(index, rest, end - rest.len()),
+            _ => {}
         }
         if divided && line.contains(&b';') {
             index_rest_of_line(index, &lines.text[..end], start, &mut open);
@@ -28,8 +27,11 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
     index.inner_block_numbers.sort_unstable();
 }
 
-/// The texts of `#3000=n(text)` and `#3006=n(text)` in a line.
+/// The texts of `#3000=n(text)` and `#3006=n(text)` in a line that begins with them or with IF.
 fn index_messages(index: &mut SourceIndex, line: &[u8], start: usize) {
+    if line[0] == b'#' && !line.starts_with(b"#300") {
+        return;
+    }
     let is_message = |word: &[u8]| word == b"#3000" || word == b"#3006";
     let mut at = 0;
     while let Some(found) = line[at..].windows(5).position(is_message) {

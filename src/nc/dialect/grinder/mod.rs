@@ -41,7 +41,7 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
         call_text: |program| Some(format!("M98 P{program}")),
         new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
         call_limit: |callee| match callee {
-            Callee::Macro(_) => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },
+            Callee::Macro => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },
             Callee::Sub => CallLimit { depth: SUB_DEPTH, name: "M98" },
         },
         preflight_scope: PreflightScope::Unsupported,
