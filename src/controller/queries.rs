@@ -13,11 +13,11 @@ use crate::nc::BlockLocation;
 use crate::units::{Axis, MachinePos, Micros};
 
 impl Controller {
-    /// Work units of the last tick: reading of blocks, look-ahead and feed scaling. Counted, not timed, and never above
-    /// [`WORK_PER_TICK`](super::WORK_PER_TICK).
+    /// Work units of the last tick: reading of blocks, look-ahead and feed scaling. Counted, not timed, and not above
+    /// [`WORK_PER_TICK`](super::WORK_PER_TICK) but for the contour of one cycle (G70–G73).
     #[must_use]
     pub const fn work_of_last_tick(&self) -> usize {
-        super::WORK_PER_TICK - self.plant.tick_budget.left()
+        self.plant.tick_budget.spent()
     }
 
     /// Why a command of the last tick was refused; `None` if all were executed.

@@ -15,8 +15,10 @@ const RATE_CHANGE_FRACTIONS: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2,
 const TARGET_FRACTIONS: [f64; 3] = [1.0, 0.97, 0.85];
 /// Work units of a simulated tick.
 const STEP_WORK: usize = 40;
-/// Maximum work units per tick; then no further candidate is tried.
-pub const MAX_FEED_SCALING_WORK: usize = 1_200 * STEP_WORK;
+/// Work units per tick after which no further candidate is tried.
+const TRY_WORK: usize = 1_200 * STEP_WORK;
+/// Maximum work units per tick: those, and the last candidate to its end.
+pub const MAX_FEED_SCALING_WORK: usize = TRY_WORK + MAX_CANDIDATE_TICKS * STEP_WORK;
 /// Maximum simulated length of a candidate, ticks.
 const MAX_CANDIDATE_TICKS: usize = 4_096;
 /// Number of set-points ahead whose speed sets the scale of the candidates.
@@ -164,10 +166,9 @@ impl FeedScaling {
     /// slightly lower rate ([`TARGET_FRACTIONS`]) is used on the way up.
     pub fn change_to(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
         let (slope, bend) = scales(ahead);
-        let mut share = budget.share(MAX_FEED_SCALING_WORK);
-        let granted = share.left();
+        let mut share = budget.share(TRY_WORK);
         self.try_changes(target, (slope, bend), ahead, &mut share);
-        budget.spend(granted - share.left());
+        budget.spend(share.spent());
     }
 
     /// Tries candidates until one is valid or the budget is spent.

@@ -151,7 +151,7 @@ impl SetpointPlanner {
         self.planned_moves = self.planned_moves.saturating_sub(1);
     }
 
-    /// Units of planning work in the last tick.
+    /// Units of planning work in the last tick, without what the last step took beyond its grant.
     pub const fn work(&self) -> usize {
         self.work
     }
@@ -168,7 +168,6 @@ impl SetpointPlanner {
         let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, buffer, spot));
         let units = if calm { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK };
         let mut budget = tick_budget.share(units);
-        let granted = budget.left();
         self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };
         self.last_queue_length = moves.len();
         for _ in 0..EMPTY_MOVES_PER_TICK {
@@ -191,8 +190,8 @@ impl SetpointPlanner {
                 break;
             }
         }
-        self.work = granted - budget.left();
-        tick_budget.spend(self.work);
+        self.work = budget.spent().min(units);
+        tick_budget.spend(budget.spent());
     }
 
     /// Applies a feed override above 100 % to an active stroke at once.

@@ -122,8 +122,8 @@ impl TrajectoryPlanner {
         self.tick_within(requested, &mut WorkBudget::new(MAX_TRAJECTORY_WORK))
     }
 
-    /// As [`Self::tick`]; the work is charged to a budget that other parts of the tick share. With less than
-    /// [`MAX_TRAJECTORY_WORK`] left the set-points are the same as long as planning keeps ahead of them.
+    /// As [`Self::tick`], within a budget. The caller grants [`MAX_TRAJECTORY_WORK`]: with less, plans and changes of
+    /// rate come later.
     pub fn tick_within(&mut self, requested: Override, budget: &mut WorkBudget) -> Setpoint {
         let requested = Override {
             feed: clamp_factor(requested.feed, MAX_FEED_OVERRIDE),

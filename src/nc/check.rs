@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::common_variables::CommonVariables;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
-use super::interpreter::{BLOCK_WORK, Block, Interpreter};
+use super::interpreter::{Block, Interpreter};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
@@ -183,6 +183,7 @@ impl ProgramCheck {
     pub fn leave(&mut self, program: (Arc<Source>, SharedLibrary)) {
         self.source = Arc::clone(&program.0);
         self.interpreter.leave(program);
+        self.block.restart(*self.interpreter.modals());
     }
 
     /// Sets how many blocks without a new line make a loop endless; the check stops at the first such loop.
@@ -243,7 +244,6 @@ impl ProgramCheck {
             return more;
         }
         while !budget.is_spent() {
-            budget.spend(BLOCK_WORK);
             if self.interpreter.ended {
                 return self.finish_run(true);
             }
@@ -257,6 +257,7 @@ impl ProgramCheck {
                 continue;
             }
             let read = self.interpreter.read_one(world, &mut self.block);
+            self.interpreter.charge_blocks(budget);
             self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
             match read {
                 Ok(more) => {

@@ -93,6 +93,8 @@ pub struct Interpreter {
     pub(super) block_words: BlockWords,
     pub(super) ended: bool,
     pub(super) second_half: bool,
+    /// Blocks read since [`Self::charge_blocks`]; a cycle reads its contour in one step.
+    blocks_read: usize,
     /// The arguments of the macro call that the present block makes.
     call_arguments: Locals,
     /// The block number read last (#4114).
@@ -134,6 +136,7 @@ impl Interpreter {
             block_words: BlockWords::default(),
             ended: false,
             second_half: false,
+            blocks_read: 0,
             call_arguments: [None; 33],
             last_block_number: None,
             condition_changed: false,
@@ -162,16 +165,10 @@ impl Interpreter {
         self.flow.begin(source);
         self.library = library;
         self.pending_cycle = None;
+        self.null_uses.iter_mut().for_each(Vec::clear);
     }
 
     /// Continues with an earlier modal state: MDI blocks, a restart from a chosen block.
-    #[must_use]
-    pub fn with_modals(mut self, modals: ModalState) -> Self {
-        self.set_modals(modals);
-        self
-    }
-
-    /// See [`Self::with_modals`].
     pub const fn set_modals(&mut self, modals: ModalState) {
         self.modals = ModalState { g50_used: false, several_tools: false, modal_call: false, ..modals };
     }
@@ -227,9 +224,10 @@ impl Interpreter {
         // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it twice within a tick gives the same result.
         let mut idle = false;
         while !budget.is_spent() {
-            budget.spend(BLOCK_WORK);
             let from = self.flow.place.at;
-            match self.step(world, block) {
+            let stepped = self.step(world, block);
+            self.charge_blocks(budget);
+            match stepped {
                 Ok(StepStatus::Empty) => {
                     idle &= !std::mem::take(&mut self.condition_changed);
                     if self.flow.place.at <= from {
@@ -257,6 +255,11 @@ impl Interpreter {
         Ok(NextStatus::Busy)
     }
 
+    /// Charges the blocks read since the last call.
+    pub(super) fn charge_blocks(&mut self, budget: &mut WorkBudget) {
+        budget.spend(std::mem::take(&mut self.blocks_read).max(1) * BLOCK_WORK);
+    }
+
     pub(super) fn locate(&self, wrong: ErrorAt) -> ProgramFault {
         self.flow.source.fault(self.block_words.block_number, wrong)
     }
@@ -272,6 +275,7 @@ impl Interpreter {
         if self.ended {
             return Ok(StepStatus::End);
         }
+        self.blocks_read += 1;
         let source = Arc::clone(&self.flow.source);
         let (text, at, line) = (source.bytes(), self.flow.place.at, self.flow.place.line + 1);
         let mut cursor = Cursor::window(text, at);

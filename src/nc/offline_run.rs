@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
-use super::interpreter::{BLOCK_WORK, Block, Interpreter, NextStatus, StepStatus};
+use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
 use super::op::Op;
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
@@ -25,7 +25,6 @@ impl Interpreter {
     ) -> Result<NextStatus, ProgramFault> {
         let mut block = Block::new(&self.settings);
         while !budget.is_spent() {
-            budget.spend(BLOCK_WORK);
             let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
             if there && self.flow.is_main() && !self.ended {
                 return Ok(NextStatus::Block);
@@ -33,6 +32,7 @@ impl Interpreter {
             if self.ended || !self.read_one(world, &mut block)? {
                 return Ok(NextStatus::End);
             }
+            self.charge_blocks(budget);
             for op in &block.ops {
                 world.apply(op);
                 sink(op);

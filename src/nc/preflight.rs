@@ -145,12 +145,13 @@ impl TextPreflight {
         if more {
             return PreflightStatus::Busy;
         }
-        self.pending_programs.extend(self.unread.calls.drain(..).map(|(number, _)| number));
+        for (number, _) in self.unread.calls.drain(..) {
+            if self.visited_programs.len() < MAX_TEXTS && self.visited_programs.insert(number) {
+                self.pending_programs.push(number);
+            }
+        }
         while let Some(number) = self.pending_programs.pop() {
-            if self.visited_programs.len() < MAX_TEXTS
-                && self.visited_programs.insert(number)
-                && let Some(source) = self.library.find(number)
-            {
+            if let Some(source) = self.library.find(number) {
                 self.unread.begin(source.line_count());
                 (self.source, self.text_checked) = (source, false);
                 return PreflightStatus::Busy;

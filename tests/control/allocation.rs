@@ -11,12 +11,16 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param;
 use kt830::defs::text::Lang;
+use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::io::sim::PartFile;
 use kt830::link::command::Command;
+use kt830::link::edit::OffsetCommand;
+use kt830::link::page_command::PageCommand;
 use kt830::link::snapshot::RunState;
+use kt830::units::{Axis, PerAxis};
 
-use crate::stories::ready_of;
+use crate::stories::{ready_of, ready_with};
 
 /// Most ticks of a program, an hour of machine time.
 const MOST_TICKS: u64 = 3_600_000;
@@ -186,12 +190,32 @@ fn t5_the_tick_allocates_nothing_for_an_mdi_line_and_a_change_of_program() {
 }
 
 #[test]
+fn t5_the_tick_allocates_nothing_for_the_one_key_retract() {
+    let mut host = ready_with("G98 G01 W-40 F600\nM30");
+    host.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U4\nM99".to_vec(), host.kind().dialect()));
+    host.send(Command::SetParam(param::WHEEL_RETRACT.address(), 1.0));
+    host.send(Command::Press(Mode::Auto.key()));
+    (0..10).for_each(|_| host.step());
+    assert_eq!(calls_for(&mut host, Command::Press(Key::CycleStart)), 0);
+    assert_eq!((0..1_000).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0);
+    let x = host.controller().set_point()[Axis::X];
+    assert_eq!(calls_for(&mut host, Command::Press(Key::WheelRetract)), 0);
+    assert_eq!((0..3_000).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0);
+    assert!((host.controller().set_point()[Axis::X] - x - 2.0).abs() < 1e-3, "U4 on the diameter");
+}
+
+#[test]
 fn t5_the_tick_allocates_nothing_for_keys_overrides_and_edits() {
     let mut host = with_part_of(1001);
     let rapid = param::RAPID_X.address();
     let commands = [
         Command::SetParam(rapid, 5_000.0),
         Command::SetVariable(500, Some(1.5)),
+        Command::Page(PageCommand::EditParam(rapid, 5_500.0)),
+        Command::EnterVariable(500, Some(2.5)),
+        Command::AddWear { number: 1, axis: Axis::X, increment: 0.01 },
+        Command::Offset(OffsetCommand::AddGeometry { number: 1, axis: Axis::X, increment: 0.5 }),
+        Command::SetWorkOffset(1, PerAxis([1.0, 0.0, 2.0])),
         Command::OpenPage(Page::Offset),
         Command::OpenPage(Page::Grinding),
         Command::Press(Mode::Manual.key()),

@@ -150,3 +150,13 @@ fn k3_b5_a_run_from_a_block_on_the_grinder_reads_coolant_and_workpiece_drive() {
         assert_eq!((view.wheel_turns, view.workpiece_turns, view.coolant_on), (false, turns, coolant), "line {line}");
     }
 }
+
+/// A search for a block takes the whole reading budget; a retract meanwhile reads its program first.
+#[test]
+fn b5_k6_4_a_retract_does_not_wait_for_the_search_for_a_block() {
+    let mut rig = ready_with("N10 #1=#1+1\nIF[#1 LT 2000000]GOTO 10\nG98 G01 W-5 F600\nM30");
+    rig.add_program(program_from_bytes(9_000, "O9000.NC", b"G00 U4\nM99".to_vec(), rig.kind().dialect()));
+    tell(&mut rig, "param P4.4 1\nmode auto");
+    rig.send(Command::RestartAt(3));
+    tell(&mut rig, "wait 0.1 s\nkey wheel-retract\nwait 0.5 s\nexpect X -76 ±0.001");
+}

@@ -65,7 +65,7 @@ const CHANGES: &[Change] = &[
     ("waiting_for", Page::Mdi, |machine| machine.waiting_for = Some(LocalizedText::new("等待", "waits"))),
     ("input_terminals", Page::Diagnosis, |machine| machine.input_terminals.set(3, true)),
     ("output_terminals", Page::Diagnosis, |machine| machine.output_terminals.set(3, true)),
-    ("analog_volts", Page::Diagnosis, |machine| machine.analog_volts.iter_mut().for_each(|volts| *volts += 0.01)),
+    ("analog_volts", Page::Diagnosis, |machine| machine.analog_volts[1] += 0.01),
     ("internals", Page::Diagnosis, |machine| machine.internals = machine.internals.with(InternalSignal::Held, true)),
     ("alarm_history", Page::Alarm, |machine| machine.alarm_history = Arc::default()),
     ("leadscrews", Page::Params, |machine| machine.leadscrews[Axis::Z] = leadscrew()),

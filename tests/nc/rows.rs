@@ -481,3 +481,10 @@ fn b2_inch_words_become_millimetres() {
     assert!((to[Axis::X] - 25.4).abs() < 1e-12 && (to[Axis::Z] + 25.4).abs() < 1e-12);
     assert_eq!(*feed, Feed::PerMinute(25.4));
 }
+
+/// A text in brackets is one text, whatever stands in it.
+#[test]
+fn b3_a_line_full_of_messages_is_loaded_at_once() {
+    let text = format!("M30\n{})", "#3000(".repeat(200_000));
+    assert_eq!(lines(&text, NcSettings::lathe_a()), ["m code=30"]);
+}

@@ -138,15 +138,18 @@ impl Plant {
         WorkBudget::new(self.tick_budget.left().saturating_sub(MAX_TRAJECTORY_WORK))
     }
 
-    /// Charges reading; `left` is what remains of [`Self::reading_budget`].
-    pub fn charge_reading(&mut self, left: WorkBudget) {
-        self.tick_budget.spend(self.reading_budget().left() - left.left());
+    /// Charges what was used of [`Self::reading_budget`].
+    pub const fn charge_reading(&mut self, used: WorkBudget) {
+        self.tick_budget.spend(used.spent());
     }
 
     /// Moves the axes by one tick.
     pub fn step_axes(&mut self) {
         let rate = self.override_factors();
-        self.axes.tick(rate, self.spindles.encoder.turns, &mut self.tick_budget);
+        // Planner and feed scaling have their share, whatever reading took.
+        let mut share = WorkBudget::new(MAX_TRAJECTORY_WORK);
+        self.axes.tick(rate, self.spindles.encoder.turns, &mut share);
+        self.tick_budget.spend(share.spent());
     }
 
     /// Changes a parameter, stores it and applies it.

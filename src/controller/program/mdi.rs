@@ -64,11 +64,12 @@ impl MdiLine {
 }
 
 impl Program {
-    /// Prepares a line after checking its first block; an empty line discards the prepared one.
+    /// Prepares a line after checking its first block. The line prepared before is discarded, also by an empty line or
+    /// one that is refused.
     pub fn prepare_mdi(&mut self, plant: &mut Plant, line: &str) -> Result<LocalizedText, LocalizedText> {
         let line = line.trim();
+        self.discard_mdi();
         if line.is_empty() {
-            self.discard_mdi();
             return Ok(phrase!("录入行已取消", "the MDI line is taken back"));
         }
         if plant.operator.mode != Mode::Mdi {
@@ -105,7 +106,7 @@ impl Program {
     /// Executes a line of MDI text.
     pub fn run_mdi(&mut self, plant: &mut Plant, line: &str) {
         if line.chars().count() > MAX_MDI_CHARS {
-            return plant.refuse(phrase!("录入行太长", "the MDI line is too long"));
+            return plant.refuse(TOO_LONG);
         }
         if matches!(plant.execution.phase, ControlPhase::Idle) {
             self.mdi.set(line);

@@ -14,7 +14,7 @@ use super::preflight::preflight_world;
 use super::queue::{PlannedMove, ProgrammedFeed, QueueItem, check_soft_limits};
 use super::run::{Origin, PreflightStart, ProgramRun, RunStart};
 use crate::controller::plant::system_variables::{PARAM_VARIABLES, nc_settings};
-use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
+use crate::controller::plant::{ControlEvent, ControlPhase, Plant, WORK_PER_TICK};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::key::Mode;
 use crate::defs::kind::Dialect;
@@ -238,8 +238,11 @@ impl Program {
 
     /// One tick of the search; shows the result.
     pub fn step_restart(&mut self, plant: &mut Plant) {
-        let Some(restart) = self.restart.as_mut().filter(|restart| !restart.block_found) else { return };
-        let mut budget = plant.reading_budget();
+        // A retract that was begun meanwhile reads its program first.
+        let waits = self.run.is_some();
+        let Some(restart) = self.restart.as_mut().filter(|restart| !restart.block_found && !waits) else { return };
+        // No program runs: the search may take the share of the planner, too.
+        let mut budget = plant.tick_budget.share(WORK_PER_TICK);
         let found = restart.search(plant.kind.row().dialect, &mut budget);
         plant.charge_reading(budget);
         match found {

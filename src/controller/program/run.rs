@@ -44,7 +44,7 @@ pub enum Origin {
 }
 
 /// The preflight of a run.
-pub struct PendingPreflight {
+pub struct RunPreflight {
     /// The preflight.
     pub preflight: nc::ProgramPreflight,
     /// The operator has been informed.
@@ -91,7 +91,7 @@ pub struct ProgramRun {
     /// Whether the moves are handed to the planner.
     pub handover: Handover,
     /// Preflight of the program before anything is executed.
-    pub preflight: Option<Box<PendingPreflight>>,
+    pub preflight: Option<Box<RunPreflight>>,
 }
 
 /// What a run begins with.
@@ -114,7 +114,7 @@ pub struct RunStart<'a> {
 pub struct RunPool {
     #[allow(clippy::vec_box, reason = "a run changes its owner without being moved or allocated")]
     free: Vec<Box<ProgramRun>>,
-    preflight: Option<Box<PendingPreflight>>,
+    preflight: Option<Box<RunPreflight>>,
     no_program: (Arc<Source>, nc::SharedLibrary),
     settings: nc::NcSettings,
 }
@@ -139,10 +139,10 @@ impl RunPool {
         pool
     }
 
-    fn new_preflight(&self) -> Box<PendingPreflight> {
+    fn new_preflight(&self) -> Box<RunPreflight> {
         let preflight = nc::ProgramPreflight::new(&self.no_program, &self.settings);
         let before = (WorkOffsets::default(), None);
-        Box::new(PendingPreflight { preflight, announced: false, done: false, before })
+        Box::new(RunPreflight { preflight, announced: false, done: false, before })
     }
 
     fn new_run(&self) -> ProgramRun {
@@ -193,6 +193,7 @@ impl RunPool {
             pending.preflight.leave(self.no_program.clone());
             self.preflight = Some(pending);
         }
+        run.block.restart(run.block.modals);
         run.interpreter.leave(self.no_program.clone());
         if self.free.len() < Self::RUNS {
             self.free.push(run);

@@ -65,14 +65,14 @@ pub struct StorageWorker {
     pub jobs: JobRunner,
     /// Programs that are not in the folder: files named on the command line.
     pub added: Vec<StoredProgram>,
-    pub(super) delivered: Delivered,
+    pub(super) delivered: KeptArrivals,
 }
 
 /// What the control was given. Storage keeps it until nobody else has it, so that its memory is never freed in a tick.
 #[derive(Clone, Default)]
-pub(super) struct Delivered(Arc<Mutex<Vec<Arc<dyn Any + Send + Sync>>>>);
+pub(super) struct KeptArrivals(Arc<Mutex<Vec<Arc<dyn Any + Send + Sync>>>>);
 
-impl Delivered {
+impl KeptArrivals {
     fn keep(&self, items: impl IntoIterator<Item = Arc<dyn Any + Send + Sync>>) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).extend(items);
     }
@@ -86,7 +86,7 @@ impl StorageWorker {
     /// A worker without added programs.
     #[must_use]
     pub fn new(jobs: JobRunner) -> Self {
-        Self { jobs, added: Vec::new(), delivered: Delivered::default() }
+        Self { jobs, added: Vec::new(), delivered: KeptArrivals::default() }
     }
 
     /// Runs a job. Folders that it changed are read before its final answer is told.
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn what_was_delivered_is_freed_by_storage_when_nobody_uses_it() {
-        let delivered = Delivered::default();
+        let delivered = KeptArrivals::default();
         let used = Arc::new(1_u8);
         let (unused, watched) = (Arc::new(2_u8), Arc::downgrade(&used));
         delivered.keep([Arc::clone(&used) as _, unused as _]);

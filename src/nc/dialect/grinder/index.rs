@@ -40,6 +40,7 @@ fn index_messages(index: &mut SourceIndex, line: &[u8], start: usize) {
         at += open + 1;
         let Some(length) = line[at..].iter().position(|byte| *byte == b')') else { return };
         index.message_texts.push(((start + at) as u32, (start + at + length) as u32));
+        at += length;
     }
 }
 
