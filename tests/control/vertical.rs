@@ -189,7 +189,7 @@ fn s6_the_check_stops_a_bore_that_would_become_too_large() {
     let out = kt830(&[&call[..], &values[..]].concat());
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(out.status.code(), Some(2), "{said}");
-    assert!(said.contains("N400 infeed passes R18: R50=") && said.contains("above R18="), "{said}");
+    assert!(said.contains("N400 infeed goes past R18: R50=") && said.contains("above R18="), "{said}");
 }
 
 #[test]
@@ -410,14 +410,14 @@ fn s5_the_check_names_the_infeed_and_not_the_feed() {
     let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", main.to_str().unwrap()];
     let out = kt830(&[&call[..], &SETS[..], &["--set", "R25=-0.1"]].concat());
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(said.contains("N325 infeed passes R18: R50=0.020 leads to") || said.contains("N340 infeed"), "{said}");
+    assert!(said.contains("N325 infeed goes past R18: R50=0.020 gives") || said.contains("N340 infeed"), "{said}");
     assert!(!said.contains("R51="), "{said}");
     // As printed with no allowance, the let-off behind the last rough stroke goes past the size: R43 in N390.
     let printed = "programs/802d/as-printed/PRINTED.MPF";
     let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", printed];
     let out = kt830(&[&call[..], &SETS[..], &["--set", "R25=0"]].concat());
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(said.contains("infeed passes R18: R50=") && !said.contains("R51="), "{said}");
+    assert!(said.contains("infeed goes past R18: R50=") && !said.contains("R51="), "{said}");
 }
 
 /// A subprogram of the 802D has a name: a report says L53, the text as the JSON.
