@@ -18,7 +18,7 @@ pub struct Args {
     /// What to do.
     #[command(subcommand)]
     pub verb: Option<CliCommand>,
-    /// What holds for every command.
+    /// Options of every command.
     #[command(flatten)]
     pub shared: SharedArgs,
     /// Open the control in a window.
@@ -62,7 +62,7 @@ pub struct SharedArgs {
     /// Set a macro variable, for example '#500=40.2'; may be repeated
     #[arg(long = "set", global = true, value_name = "#N=VALUE", value_parser = variable, allow_hyphen_values = true)]
     pub sets: Vec<(u16, f64)>,
-    /// Folder that stands for the USB medium [default: what is plugged in]
+    /// Folder used as the USB medium [default: the medium that is plugged in]
     #[arg(long, global = true, value_name = "DIR")]
     pub usb: Option<PathBuf>,
     /// RS232 port, such as /dev/ttyS0 or COM1 [default: as set on the machine]
@@ -71,10 +71,10 @@ pub struct SharedArgs {
     /// Part file of the simulated machine
     #[arg(long, global = true, value_name = "FILE")]
     pub part: Option<PathBuf>,
-    /// Seed of the simulated machine's chance
+    /// Seed of the random numbers of the simulated machine
     #[arg(long, global = true, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Form of the results
+    /// Output format
     #[arg(long, global = true, value_enum, default_value_t = OutputFormat::Text)]
     pub format: OutputFormat,
 }
@@ -93,11 +93,11 @@ pub enum OutputFormat {
 pub enum CliCommand {
     /// Open the control and play a story on the simulated machine
     Demo(DemoArgs),
-    /// Run a program on the simulated machine, as fast as it goes
+    /// Run a program on the simulated machine, as fast as possible
     Run(RunArgs),
     /// Check programs, page texts and pictures without running them
     Check(CheckArgs),
-    /// Play a story and print what came of each line
+    /// Play a story and print the result of each line
     Play(PlayArgs),
     /// Show, import or clear the table of a ball screw (backlash and pitch error over position)
     Screw(LeadscrewArgs),
@@ -110,7 +110,7 @@ pub enum CliCommand {
 pub struct DemoArgs {
     /// The story [default: cold start to a ground, measured part]
     pub story: Option<PathBuf>,
-    /// Where to write pictures of the pages visited, without a display
+    /// Folder for pictures of the pages visited; no display is needed
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -120,13 +120,13 @@ pub struct DemoArgs {
 pub struct RunArgs {
     /// A program of the folder (O1002) or a file
     pub program: String,
-    /// Go on through M00
+    /// Continue through M00 without a stop
     #[arg(long)]
     pub through_stops: bool,
-    /// Run it so many times, a fresh part in the machine each time; the report tells every part
+    /// Number of runs, each with a new part in the machine; the report lists every part
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub parts: u32,
-    /// Write one line a tick: time, set and actual positions, outputs, block
+    /// Write one line per tick: time, set and actual positions, outputs, block
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
 }
@@ -137,7 +137,7 @@ pub struct CheckArgs {
     /// Programs, page texts, pictures
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
-    /// Also run programs against their part
+    /// Also run the programs on the simulated machine with their part
     #[arg(long)]
     pub simulate: bool,
     /// Print the canonical operations
@@ -151,9 +151,9 @@ pub struct LeadscrewArgs {
     /// The axis: X, Y or Z
     #[arg(value_parser = axis)]
     pub axis: Axis,
-    /// A table to import: a line a point, `position, backlash[, pitch error]`, mm, machine coordinates of the slide
+    /// A table to import: one line per point, `position, backlash[, pitch error]`, mm, machine coordinates of the slide
     pub file: Option<PathBuf>,
-    /// Take the table out
+    /// Clear the table
     #[arg(long, conflicts_with = "file")]
     pub clear: bool,
 }
@@ -166,7 +166,7 @@ pub struct PlayArgs {
     /// Play to this simulated time and print the state, for example '12.5 s' or '800 ms'
     #[arg(long, value_name = "TIME", value_parser = time)]
     pub until: Option<Micros>,
-    /// Write one line a tick: time, inputs, encoders, outputs, set-points
+    /// Write one line per tick: time, inputs, encoders, outputs, set-points
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
 }
@@ -177,16 +177,16 @@ pub struct ShotArgs {
     /// The page
     #[arg(value_parser = page)]
     pub page: Page,
-    /// Where to write it
+    /// The file to write
     #[arg(long, value_name = "FILE.png")]
     pub out: PathBuf,
     /// Size of the screen in pixels
     #[arg(long, default_value = "1024x768", value_parser = size)]
     pub size: (u32, u32),
-    /// What the clock reads at power-on
+    /// Date and time of the clock at power-on
     #[arg(long, value_name = "DATE TIME", default_value = "2026-11-21 15:01:56", value_parser = clock)]
     pub clock: DateTime,
-    /// A story that leads to what is to be seen
+    /// A story that is played before the page is painted
     #[arg(long)]
     pub story: Option<PathBuf>,
 }
@@ -196,7 +196,7 @@ fn time(words: &str) -> Result<Micros, String> {
 }
 
 fn clock(words: &str) -> Result<DateTime, String> {
-    DateTime::parse(words).ok_or_else(|| "date and time read \"2026-11-21 15:01:56\"".to_owned())
+    DateTime::parse(words).ok_or_else(|| "write date and time as \"2026-11-21 15:01:56\"".to_owned())
 }
 
 fn kind_help() -> String {
@@ -236,20 +236,20 @@ fn page(word: &str) -> Result<Page, String> {
 fn size(word: &str) -> Result<(u32, u32), String> {
     const LEAST: u32 = 320;
     const MOST: u32 = 7_680;
-    let wrong = || format!("a size reads 1024x768, each side from {LEAST} to {MOST}");
+    let wrong = || format!("write the size as 1024x768, each side from {LEAST} to {MOST}");
     let (width, height) = word.split_once('x').ok_or_else(wrong)?;
     let side = |text: &str| text.parse().ok().filter(|side| (LEAST..=MOST).contains(side)).ok_or_else(wrong);
     Ok((side(width)?, side(height)?))
 }
 
 fn param(word: &str) -> Result<(ParamAddress, f64), String> {
-    let wrong = || "a parameter reads P270=0 or P16.0=1".to_owned();
+    let wrong = || "write a parameter as P270=0 or P16.0=1".to_owned();
     let (at, value) = word.split_once('=').ok_or_else(wrong)?;
     Ok((ParamAddress::parse(at.trim()).ok_or_else(wrong)?, value.trim().parse().map_err(|_| wrong())?))
 }
 
 fn variable(word: &str) -> Result<(u16, f64), String> {
-    let wrong = || "a variable reads '#500=40.2' or R18=200".to_owned();
+    let wrong = || "write a variable as '#500=40.2' or R18=200".to_owned();
     let (name, value) = word.split_once('=').ok_or_else(wrong)?;
     let number = crate::story::parse::variable(name.trim()).ok_or_else(wrong)?;
     let value: f64 = value.trim().parse().map_err(|_| wrong())?;

@@ -55,7 +55,7 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
     let mut status = SUCCESS;
     for path in &call.files {
         let bytes = std::fs::read(path).map_err(|error| {
-            CallError::new(format!("{}: {error}; check the path, or whether the file may be read", path.display()))
+            CallError::new(format!("{}: {error}; check the path and the permission to read the file", path.display()))
         })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let found = match file_kind(&name) {
@@ -218,7 +218,7 @@ impl<'a> FileCheck<'a> {
             let column = text.and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
             met.push(self.error(line, column.map_or(1, |at| at as u32 + 1), told));
         } else if ran.has_own_error {
-            let en = "the program has ended in an error of its own (R62)";
+            let en = "the program ended with an error of its own (R62)";
             met.push(self.error(0, 1, &LocalizedText::new("程序以自己的错误结束 (R62)", en)));
         }
         met
@@ -390,13 +390,16 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
             let by = |text: &str| if text.is_empty() { String::new() } else { format!(": {text}") };
             LocalizedText::new(
                 format!("未发现错误，但模拟运行没有到程序结束{}", by(&why.zh())),
-                format!("no error found, but the simulated run did not come to its end{}", by(&why.en())),
+                format!("no error found, but the simulated run did not reach the program end{}", by(&why.en())),
             )
         }
         // The run reached the end even if the check did not.
         Some(_) => OK.into(),
         None if checked.finished => OK.into(),
-        None => Text::new("未发现错误，但没有检查到结束", "no error found, but not checked to its end").into(),
+        None => {
+            Text::new("未发现错误，但没有检查到结束", "no error found, but the check did not reach the program end")
+                .into()
+        }
     }
 }
 
@@ -407,7 +410,7 @@ fn summary(checked: &CheckReport) -> LocalizedText {
         true => ("", ""),
         false => (
             "检查没有走到程序结束；到该循环开始重复为止 ",
-            "the check did not come to the program's end; until that loop repeats ",
+            "the check did not reach the program end; until that loop repeats ",
         ),
     };
     let path = format!("{:.3} mm  {seconds:.1} s", checked.length_mm);

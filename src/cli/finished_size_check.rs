@@ -125,7 +125,7 @@ impl FinishedSizeCheck {
         let said = LocalizedText::new(
             format!("进刀越过 {name}：{by}使直径到 {reached:.3}，{than_zh} {name}={size:.3}；没有运行"),
             format!(
-                "infeed passes {name}: {by}leads to the diameter {reached:.3}, {than_en} {name}={size:.3}; it was not run"
+                "infeed goes past {name}: {by}gives diameter {reached:.3}, {than_en} {name}={size:.3}; not executed"
             ),
         );
         Some(Overshoot { at, variable: latest.map(|(_, used)| used), message: said })

@@ -187,18 +187,18 @@ fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
         RunEnd::Pause => told,
         RunEnd::Held => Some(snapshot.message.text.clone()),
         RunEnd::Waiting => {
-            Some(told.unwrap_or_else(|| LocalizedText::new("等待的信号没有来", "what it waits for does not come")))
+            Some(told.unwrap_or_else(|| LocalizedText::new("等待的信号没有来", "the awaited signal does not come")))
         }
         RunEnd::TimedOut => {
             let seconds = MAX_RUN_TIME.as_secs_f64();
             Some(LocalizedText::new(
                 format!("模拟时间 {seconds} s 后停止：程序不会结束"),
-                format!("after {seconds} s of simulated time: the program does not end"),
+                format!("stopped after {seconds} s of simulated time: the program does not end"),
             ))
         }
         RunEnd::Stalled => Some(LocalizedText::new(
             "长时间没有任何移动：程序不会结束",
-            "nothing has moved for so long that the program does not end",
+            "nothing has moved for a long time: the program does not end",
         )),
     }
 }

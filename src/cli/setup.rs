@@ -73,7 +73,7 @@ pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
     let retained = match named_data(shared)?.map(|data| RetainedStore::open(data.root(), shared.kind)) {
         Some(Ok((_, found))) => found.retained,
         Some(Err(error)) => {
-            eprintln!("kt830: {error}; the check goes by factory values");
+            eprintln!("kt830: {error}; the check uses factory values");
             factory()
         }
         None => factory(),
@@ -116,10 +116,10 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
     };
     let (store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     for value in &found.dropped {
-        eprintln!("kt830: retained value {value} is not allowed any more and was left out");
+        eprintln!("kt830: retained value {value} is no longer allowed and was ignored");
     }
     if let Some(damaged) = &found.damaged {
-        eprintln!("kt830: the retained data were damaged; the copy is kept as {damaged}; factory values are in force");
+        eprintln!("kt830: the retained data were damaged; a copy is kept as {damaged}; factory values are used");
     }
     let retained = apply_overrides(shared, found.retained)?;
     Ok(HostParts { retained, store: Some(store), damaged: found.damaged, jobs })

@@ -140,7 +140,7 @@ impl<'a> InterlockCheck<'a> {
         let axis = self.oscillating?;
         let said = phrase!(
             "{asked}：{axis} 轴在振荡中，先用 G36 关闭",
-            "{asked}: {axis} oscillates, end it with G36 first",
+            "{asked}: {axis} is oscillating, stop it with G36 first",
             asked,
             axis
         );
@@ -196,7 +196,7 @@ impl<'a> InterlockCheck<'a> {
                 let before = self.wheel_diameter_mm;
                 let said = phrase!(
                     "#{number} = {value:.4}，现直径 {before:.4}",
-                    "#{number} = {value:.4}, the wheel has {before:.4}",
+                    "#{number} = {value:.4}, present diameter {before:.4}",
                     number,
                     value,
                     before

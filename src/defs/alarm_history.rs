@@ -25,7 +25,7 @@ impl AlarmEnd {
     pub const fn name(self) -> Text {
         match self {
             Self::Reset => Text::new("复位", "RESET"),
-            Self::Itself => Text::new("自动消除", "by itself"),
+            Self::Itself => Text::new("自动消除", "automatic"),
             Self::PowerOff => Text::new("断电", "power off"),
         }
     }

@@ -25,91 +25,91 @@ macro_rules! words {
 words! {
     SUPERMAN:
     "G00", "快速定位", "rapid traverse",
-        "G00 X_ Z_：两轴先联动，再走余下的一轴。F 2000–6000 只在本段有效，不写按 P30、P32。", "G00 X_ Z_: both axes first, then the rest on one. F 2000 to 6000 for this block, P30 and P32 without it.";
-    "G01", "直线插补", "straight line at feed",
-        "G01 X_ Z_ F_：X Z 绝对、U W 增量，可混用；F 6–2000，X 向最多为一半；不写 F 按 P380。", "G01 X_ Z_ F_: X, Z are places, U, W distances; F 6 to 2000, X at half of it at most; P380 without F.";
-    "G02", "圆弧（方向与通常相反）", "arc, in the opposite sense",
-        "G02 X_ Z_ I_ K_ 或 R_：I 为直径，从起点量；R 为负取优弧，整圆只能用 I K；F 6–600。P5.4=1 按 ISO 方向。", "G02 X_ Z_ I_ K_ or R_: I is a diameter, from the start; R below zero is the major arc, a full circle takes I, K; F 6 to 600. P5.4=1: the sense of ISO.";
-    "G03", "圆弧（方向与通常相反）", "arc, in the opposite sense",
-        "写法同 G02，方向相反。", "Written as G02, the other sense.";
+        "G00 X_ Z_：两轴先联动，再走余下的一轴。F 2000–6000 只在本段有效，不写按 P30、P32。", "G00 X_ Z_: both axes move together, then one axis the rest. F 2000 to 6000 for this block only; without F, P30 and P32.";
+    "G01", "直线插补", "linear interpolation",
+        "G01 X_ Z_ F_：X Z 绝对、U W 增量，可混用；F 6–2000，X 向最多为一半；不写 F 按 P380。", "G01 X_ Z_ F_: X, Z absolute, U, W incremental; F 6 to 2000, X at most half of it; P380 without F.";
+    "G02", "圆弧（方向与通常相反）", "arc, opposite direction",
+        "G02 X_ Z_ I_ K_ 或 R_：I 为直径，从起点量；R 为负取优弧，整圆只能用 I K；F 6–600。P5.4=1 按 ISO 方向。", "G02 X_ Z_ I_ K_ or R_: I is a diameter, from the start point; R negative is the major arc, a full circle needs I, K; F 6 to 600. P5.4=1: ISO direction.";
+    "G03", "圆弧（方向与通常相反）", "arc, opposite direction",
+        "写法同 G02，方向相反。", "Same format as G02, other direction.";
     "G04", "延时", "dwell",
         "G04 F_：秒，0.01–9999.99。", "G04 F_: seconds, 0.01 to 9999.99.";
     "G22", "循环开始", "loop",
-        "G22 L####：以下到 G80 执行 L 次，可嵌套 255 层；L0000 跳过。写在段首。", "G22 L####: what follows until G80, L times, 255 deep; L0000 leaves it out. It stands first in its block.";
+        "G22 L####：以下到 G80 执行 L 次，可嵌套 255 层；L0000 跳过。写在段首。", "G22 L####: repeats the blocks up to G80 L times, 255 levels at most; L0000 skips them. Must be first in its block.";
     "G23", "矩形循环", "rectangle cycle",
-        "G23 X_ Z_ F_：A→B X 快速，B→C Z，C→D X 按 F，D→A 快速；后续段只写对角点。边长为零报错。", "G23 X_ Z_ F_: X rapid, Z and X at F, back rapid; later blocks give the corner alone. A side of zero is an error.";
-    "G26", "回换刀点 X、Z", "to the tool-change point, X then Z",
-        "以快速回换刀点（程序起点），先 X 后 Z。", "At rapid speed to where the program began, X before Z.";
-    "G27", "X 回换刀点", "X to the tool-change point",
-        "只有 X 轴快速回换刀点。", "X alone goes to the tool-change point.";
-    "G29", "Z 回换刀点", "Z to the tool-change point",
-        "只有 Z 轴快速回换刀点。", "Z alone goes to the tool-change point.";
+        "G23 X_ Z_ F_：A→B X 快速，B→C Z，C→D X 按 F，D→A 快速；后续段只写对角点。边长为零报错。", "G23 X_ Z_ F_: X rapid, Z and X at F, return rapid; later blocks give only the corner. A side of zero is an error.";
+    "G26", "回换刀点 X、Z", "return to tool-change point, X then Z",
+        "以快速回换刀点（程序起点），先 X 后 Z。", "Rapid to the point where the program started, X before Z.";
+    "G27", "X 回换刀点", "return X to tool-change point",
+        "只有 X 轴快速回换刀点。", "Only X moves to the tool-change point.";
+    "G29", "Z 回换刀点", "return Z to tool-change point",
+        "只有 Z 轴快速回换刀点。", "Only Z moves to the tool-change point.";
     "G32", "英制螺纹", "inch thread",
-        "G32 U_ W_ F_：F 为每英寸牙数，3–33.2，小数为分母：33.2 = 33 1/2。之前要有 X 向进给；主轴 ≤ 1200/导程-80。", "G32 U_ W_ F_: F is threads an inch, 3 to 33.2, which is 33 1/2. A move of X must come before; spindle up to 1200/lead - 80.";
+        "G32 U_ W_ F_：F 为每英寸牙数，3–33.2，小数为分母：33.2 = 33 1/2。之前要有 X 向进给；主轴 ≤ 1200/导程-80。", "G32 U_ W_ F_: F is threads per inch, 3 to 33.2 (33.2 means 33 1/2). An X move must come before it; spindle at most 1200/lead - 80.";
     "G33", "公制螺纹", "metric thread",
-        "G33 U_ W_ F_：F 为导程 0.25–12 mm；退尾 X 2·导程+2 mm 在 Z 最后 1.2 mm 内。主轴过快报警 211，不转报警 212。", "G33 U_ W_ F_: F is the lead, 0.25 to 12 mm; it runs out by 2·lead + 2 mm of X within 1.2 mm of Z. Too fast: alarm 211, standing: 212.";
+        "G33 U_ W_ F_：F 为导程 0.25–12 mm；退尾 X 2·导程+2 mm 在 Z 最后 1.2 mm 内。主轴过快报警 211，不转报警 212。", "G33 U_ W_ F_: F is the lead, 0.25 to 12 mm; run-out 2·lead + 2 mm in X within the last 1.2 mm of Z. Spindle too fast: alarm 211, stopped: 212.";
     "G36", "回机械原点 X、Z", "machine origin, X then Z",
-        "快速到开关，慢速通过，退开再慢速找到开关；坐标由参数设定。先 X 后 Z。", "Fast to the switch, slowly over it and back onto it; the coordinate stands in the parameters. X before Z.";
+        "快速到开关，慢速通过，退开再慢速找到开关；坐标由参数设定。先 X 后 Z。", "Fast to the switch, slowly over it and back onto it; the coordinate is set by parameters. X before Z.";
     "G37", "X 回机械原点", "machine origin of X",
-        "只有 X 轴，过程同 G36。", "X alone, as G36.";
+        "只有 X 轴，过程同 G36。", "X only, as G36.";
     "G39", "Z 回机械原点", "machine origin of Z",
-        "只有 Z 轴，过程同 G36。", "Z alone, as G36.";
+        "只有 Z 轴，过程同 G36。", "Z only, as G36.";
     "G80", "循环结束", "end of a loop",
-        "结束最近的 G22；写在段首，没有配对报错。", "Ends the last G22; stands first in its block; without one it is an error.";
-    "G92", "设定坐标", "preset",
-        "G92 X_ Z_：当前点的坐标，不移动；X、Z 都要写，不能写 U W。", "G92 X_ Z_: calls the present point, without moving; both X and Z, never U, W.";
+        "结束最近的 G22；写在段首，没有配对报错。", "Ends the last G22; must be first in its block; an error without G22.";
+    "G92", "设定坐标", "set coordinates",
+        "G92 X_ Z_：当前点的坐标，不移动；X、Z 都要写，不能写 U W。", "G92 X_ Z_: sets the coordinates of the present point without moving; both X and Z, not U, W.";
     "T", "换刀", "tool",
-        "T2 换到 2 号刀位；T20 换刀并补偿，坐标不变。刀位信号 P388 内不到报警 210。", "T2 turns to station 2; T20 with offset, the coordinates stay. No station switch within P388: alarm 210.";
+        "T2 换到 2 号刀位；T20 换刀并补偿，坐标不变。刀位信号 P388 内不到报警 210。", "T2 indexes to station 2; T20 with offset, the coordinates stay. No station switch within P388: alarm 210.";
 }
 
 words! {
     SINUMERIK:
     "R", "R 参数", "R parameters",
-        "R0–R299，断电保持。R60=R60-R28，一段可写几个，从左到右。", "R0 to R299, kept over power-off. R60=R60-R28, several in a block, from the left.";
+        "R0–R299，断电保持。R60=R60-R28，一段可写几个，从左到右。", "R0 to R299, retained at power-off. R60=R60-R28, several in a block, from left to right.";
     "=", "表达式", "expressions",
-        "X=R20、F=R51、P=R32：除 N、G、L 外的地址都可以。+ - * / DIV MOD ( ) SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS TRUNC ROUND LN，角度为度。", "X=R20, F=R51, P=R32: any address but N, G, L. + - * / DIV MOD ( ) SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS TRUNC ROUND LN, angles in degrees.";
+        "X=R20、F=R51、P=R32：除 N、G、L 外的地址都可以。+ - * / DIV MOD ( ) SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS TRUNC ROUND LN，角度为度。", "X=R20, F=R51, P=R32: any address except N, G, L. + - * / DIV MOD ( ) SIN COS TAN ASIN ACOS ATAN2 SQRT POT ABS TRUNC ROUND LN, angles in degrees.";
     "IF", "条件跳转", "conditional jump",
-        "IF R60<R18 GOTOF AA1；比较 == <> > < >= <=。", "IF R60<R18 GOTOF AA1; it compares by == <> > < >= <=.";
-    "GOTOF", "向后跳转", "jump onwards",
-        "GOTOF AA1：跳到后面的标号 AA1:；没有该标号报错。", "GOTOF AA1: to the label AA1: further down; a missing one is an error.";
-    "GOTOB", "向前跳转", "jump back",
-        "GOTOB AA1：跳到前面的标号 AA1:；没有该标号报错。", "GOTOB AA1: to the label AA1: further up; a missing one is an error.";
+        "IF R60<R18 GOTOF AA1；比较 == <> > < >= <=。", "IF R60<R18 GOTOF AA1; comparisons: == <> > < >= <=.";
+    "GOTOF", "向后跳转", "jump forward",
+        "GOTOF AA1：跳到后面的标号 AA1:；没有该标号报错。", "GOTOF AA1: to the label AA1: further down; a missing label is an error.";
+    "GOTOB", "向前跳转", "jump backward",
+        "GOTOB AA1：跳到前面的标号 AA1:；没有该标号报错。", "GOTOB AA1: to the label AA1: further up; a missing label is an error.";
     "MSG", "信息", "message",
-        "MSG(\"文字\") 显示到 MSG() 为止；引号也可用 “ ”，不成对报错。", "MSG(\"text\") is shown until MSG(); the quotes “ ” do too, unbalanced ones are an error.";
+        "MSG(\"文字\") 显示到 MSG() 为止；引号也可用 “ ”，不成对报错。", "MSG(\"text\") is shown until MSG(); quotes “ ” are allowed too, unmatched ones are an error.";
     "L", "子程序", "subprogram",
-        "L10 P3 或 L10 P=R32：执行 L10.SPF P 次，P=0 不执行。", "L10 P3 or L10 P=R32: L10.SPF, P times, none with P=0.";
+        "L10 P3 或 L10 P=R32：执行 L10.SPF P 次，P=0 不执行。", "L10 P3 or L10 P=R32: runs L10.SPF P times, not at all with P=0.";
     "RET", "返回", "return",
         "RET、M17 或 M2 结束子程序。", "RET, M17 or M2 end a subprogram.";
     "M17", "子程序结束", "end of a subprogram",
-        "同 RET。", "As RET.";
+        "同 RET。", "Same as RET.";
     "STOPRE", "停止预读", "stop reading ahead",
         "等运动结束后再读下一段。R 参数总是按已执行的显示。", "Waits for the motion before the next block is read. R parameters are always shown as executed.";
     "$AA_IW", "实际位置", "actual position",
-        "R1=$AA_IW[X]：工件坐标；$AA_IM[X]：机床坐标。先等运动结束。", "R1=$AA_IW[X]: work coordinate; $AA_IM[X]: machine coordinate. It waits for the motion.";
+        "R1=$AA_IW[X]：工件坐标；$AA_IM[X]：机床坐标。先等运动结束。", "R1=$AA_IW[X]: work coordinate; $AA_IM[X]: machine coordinate. Waits for the motion to end.";
     "G0", "快速定位", "rapid traverse",
-        "G0 X_ Z_：各轴以快速到位。", "G0 X_ Z_: the named axes go at rapid speed.";
-    "G1", "直线插补", "straight line at feed",
+        "G0 X_ Z_：各轴以快速到位。", "G0 X_ Z_: the named axes move at rapid speed.";
+    "G1", "直线插补", "linear interpolation",
         "G1 X_ Z_ F_：按进给速度走直线。", "G1 X_ Z_ F_: a straight line at feed F.";
     "G2", "顺时针圆弧", "arc clockwise",
-        "G2 X_ Z_ CR=_ 或 I_ K_：I 为半径；CR 小于 0 为大圆弧。", "G2 X_ Z_ CR=_ or I_ K_: I is a radius; CR below 0 is the major arc.";
+        "G2 X_ Z_ CR=_ 或 I_ K_：I 为半径；CR 小于 0 为大圆弧。", "G2 X_ Z_ CR=_ or I_ K_: I is a radius; CR negative is the major arc.";
     "G3", "逆时针圆弧", "arc counter-clockwise",
-        "写法同 G2。", "Written as G2.";
+        "写法同 G2。", "Same format as G2.";
     "G4", "暂停", "dwell",
-        "G4 F_：秒；G4 S_：砂轮转数。", "G4 F_: seconds; G4 S_: turns of the wheel.";
-    "G18", "ZX 平面", "plane ZX",
-        "圆弧在 ZX 平面。", "Arcs lie in the plane ZX.";
-    "G54", "工件坐标系 1", "work frame 1", "从本段起有效；程序开始时为 G54。", "From this block on; a program begins with it.";
-    "G55", "工件坐标系 2", "work frame 2", "从本段起有效。", "From this block on.";
-    "G56", "工件坐标系 3", "work frame 3", "从本段起有效。", "From this block on.";
-    "G57", "工件坐标系 4", "work frame 4", "从本段起有效。", "From this block on.";
-    "G58", "工件坐标系 5", "work frame 5", "从本段起有效。", "From this block on.";
-    "G59", "工件坐标系 6", "work frame 6", "从本段起有效。", "From this block on.";
-    "G60", "准停方式", "exact stop", "每段终点准停；开机状态。", "Exact stop at the end of every block; in force at power-on.";
+        "G4 F_：秒；G4 S_：砂轮转数。", "G4 F_: seconds; G4 S_: revolutions of the wheel.";
+    "G18", "ZX 平面", "ZX plane",
+        "圆弧在 ZX 平面。", "Arcs are in the ZX plane.";
+    "G54", "工件坐标系 1", "work offset 1", "从本段起有效；程序开始时为 G54。", "From this block on; a program starts with G54.";
+    "G55", "工件坐标系 2", "work offset 2", "从本段起有效。", "From this block on.";
+    "G56", "工件坐标系 3", "work offset 3", "从本段起有效。", "From this block on.";
+    "G57", "工件坐标系 4", "work offset 4", "从本段起有效。", "From this block on.";
+    "G58", "工件坐标系 5", "work offset 5", "从本段起有效。", "From this block on.";
+    "G59", "工件坐标系 6", "work offset 6", "从本段起有效。", "From this block on.";
+    "G60", "准停方式", "exact stop", "每段终点准停；开机状态。", "Exact stop at the end of every block; active at power-on.";
     "G64", "连续方式", "continuous path", "拐角在公差内圆滑过渡。", "Corners are rounded within the tolerance.";
-    "G90", "绝对编程", "absolute", "以后的坐标为绝对值。", "Coordinates that follow are absolute.";
-    "G91", "增量编程", "incremental", "以后的坐标为增量值。", "Coordinates that follow are distances.";
-    "G94", "每分进给", "feed per minute", "F 为每分钟毫米。", "F is millimetres a minute.";
-    "G95", "每转进给", "feed per revolution", "F 为每转毫米；必须重新给 F。", "F is millimetres a revolution; a new F is asked for.";
-    "G96", "恒线速", "constant surface speed", "S 为砂轮圆周 m/min。", "S is m/min at the wheel's rim.";
-    "G97", "恒转速", "constant speed of rotation", "S 为转/分。", "S is rpm.";
+    "G90", "绝对编程", "absolute", "以后的坐标为绝对值。", "The following coordinates are absolute.";
+    "G91", "增量编程", "incremental", "以后的坐标为增量值。", "The following coordinates are incremental.";
+    "G94", "每分进给", "feed per minute", "F 为每分钟毫米。", "F is in mm/min.";
+    "G95", "每转进给", "feed per revolution", "F 为每转毫米；必须重新给 F。", "F is in mm/rev; a new F is required.";
+    "G96", "恒线速", "constant surface speed", "S 为砂轮圆周 m/min。", "S is the surface speed of the wheel in m/min.";
+    "G97", "恒转速", "constant spindle speed", "S 为转/分。", "S is in rpm.";
 }

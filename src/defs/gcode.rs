@@ -78,111 +78,111 @@ macro_rules! g_codes {
 
 g_codes! {
     0 "rapid" Motion Yes Yes "快速定位" "rapid traverse"
-        "G00 X_ Z_：各轴以快速到位，不切削；快速倍率有效，终点准停。" "G00 X_ Z_: the named axes go at rapid speed, without cutting; the rapid override acts, the end is an exact stop.";
-    1 "feed" Motion Yes Yes "直线插补" "straight line at feed"
+        "G00 X_ Z_：各轴以快速到位，不切削；快速倍率有效，终点准停。" "G00 X_ Z_: the named axes move at rapid speed, without cutting; the rapid override acts, with exact stop at the end.";
+    1 "feed" Motion Yes Yes "直线插补" "linear interpolation"
         "G01 X_ Z_ F_：按进给速度 F 走直线；F 保持到下一个 F，进给倍率有效。" "G01 X_ Z_ F_: a straight line at feed F; F stays in force, the feed override acts.";
     2 "arc-clockwise" Motion Yes Yes "顺时针圆弧" "arc clockwise"
-        "G02 X_ Z_ R_（或 I_ K_）F_：顺时针圆弧（Z 向右、X 向上看）。I 为半径值；R 为负走大圆弧，整圆用 I K。" "G02 X_ Z_ R_ (or I_ K_) F_: arc clockwise, seen with Z to the right and X up. I is a radius; R negative is the major arc; a full circle takes I, K.";
+        "G02 X_ Z_ R_（或 I_ K_）F_：顺时针圆弧（Z 向右、X 向上看）。I 为半径值；R 为负走大圆弧，整圆用 I K。" "G02 X_ Z_ R_ (or I_ K_) F_: arc clockwise, seen with Z to the right and X up. I is a radius; R negative is the major arc; a full circle needs I, K.";
     3 "arc-counter-clockwise" Motion Yes Yes "逆时针圆弧" "arc counter-clockwise"
-        "G03 X_ Z_ R_（或 I_ K_）F_：逆时针圆弧，写法同 G02。" "G03 X_ Z_ R_ (or I_ K_) F_: arc counter-clockwise, written as G02.";
+        "G03 X_ Z_ R_（或 I_ K_）F_：逆时针圆弧，写法同 G02。" "G03 X_ Z_ R_ (or I_ K_) F_: arc counter-clockwise, same format as G02.";
     4 "dwell" NonModal Yes Yes "暂停" "dwell"
-        "G04 P_（毫秒）或 G04 X_（秒）：暂停；进给保持时剩余时间停住。" "G04 P_ (milliseconds) or G04 X_ (seconds): waits; a feed hold stops the rest of the time.";
+        "G04 P_（毫秒）或 G04 X_（秒）：暂停；进给保持时剩余时间停住。" "G04 P_ (milliseconds) or G04 X_ (seconds): dwell; a feed hold stops the remaining time.";
     10 "wear-add" NonModal Yes Yes "修改刀补" "add to wear offset"
-        "G10 D_ U_ W_：把 U、W（平磨 V）加到刀补 D（1–16）的磨耗上，立即生效；D 不在 1–16 报警。" "G10 D_ U_ W_: adds U, W (GS: V) to the wear of offset D (1 to 16), at once; another D is an alarm.";
-    17 "plane-xy" Plane No Yes "XY 平面" "plane XY"
-        "G17：圆弧在 XY 平面。" "G17: arcs lie in the plane XY.";
-    18 "plane-zx" Plane Yes Yes "ZX 平面" "plane ZX"
-        "G18：圆弧在 ZX 平面。" "G18: arcs lie in the plane ZX.";
-    19 "plane-yz" Plane No Yes "YZ 平面" "plane YZ"
-        "G19：圆弧在 YZ 平面。" "G19: arcs lie in the plane YZ.";
+        "G10 D_ U_ W_：把 U、W（平磨 V）加到刀补 D（1–16）的磨耗上，立即生效；D 不在 1–16 报警。" "G10 D_ U_ W_: adds U, W (GS: V) to the wear of offset D (1 to 16), effective at once; another D is an alarm.";
+    17 "plane-xy" Plane No Yes "XY 平面" "XY plane"
+        "G17：圆弧在 XY 平面。" "G17: arcs are in the XY plane.";
+    18 "plane-zx" Plane Yes Yes "ZX 平面" "ZX plane"
+        "G18：圆弧在 ZX 平面。" "G18: arcs are in the ZX plane.";
+    19 "plane-yz" Plane No Yes "YZ 平面" "YZ plane"
+        "G19：圆弧在 YZ 平面。" "G19: arcs are in the YZ plane.";
     20 "inch" Units Yes Yes "英制" "inch"
-        "G20：以后的尺寸和速度按英寸读。" "G20: lengths and feeds that follow are read as inches.";
+        "G20：以后的尺寸和速度按英寸读。" "G20: the following lengths and feeds are in inches.";
     21 "millimetre" Units Yes Yes "公制" "millimetre"
-        "G21：以后的尺寸和速度按毫米读。" "G21: lengths and feeds that follow are read as millimetres.";
+        "G21：以后的尺寸和速度按毫米读。" "G21: the following lengths and feeds are in millimetres.";
     27 "dressing-point" NonModal Yes Yes "回砂轮修整点" "return to the dressing point"
-        "G27 X Z F_：写出的轴（不带数值）回修整点，不写轴为 X；F 缺省为 P243。轴未回零或没有设修整点时报警 196。" "G27 X Z F_: the axes named without numbers go to their dressing points, X if none is named; F is P243 if left out. Alarm 196 if an axis is not homed or has no point.";
+        "G27 X Z F_：写出的轴（不带数值）回修整点，不写轴为 X；F 缺省为 P243。轴未回零或没有设修整点时报警 196。" "G27 X Z F_: the axes named (without numbers) move to their dressing points, X if none is named; without F, P243. Alarm 196 if an axis is not homed or has no dressing point.";
     28 "reference" NonModal Yes Yes "回机械零点" "return to the machine zero"
-        "G28 X_ Z_：经过给定的中间点快速回机械零点（P45–P47）。" "G28 X_ Z_: over the given point to the machine zero (P45 to P47) at rapid speed.";
+        "G28 X_ Z_：经过给定的中间点快速回机械零点（P45–P47）。" "G28 X_ Z_: through the given point to the machine zero (P45 to P47) at rapid speed.";
     30 "other-reference" NonModal Yes Yes "回第 2–4 参考点" "return to reference point 2, 3 or 4"
-        "G30 P2–P4 X_ Z_：经过中间点回第 2–4 参考点（P161–P169）。" "G30 P2 to P4 X_ Z_: over the given point to reference point 2, 3 or 4 (P161 to P169).";
-    31 "skip" NonModal Yes Yes "跳转插补" "feed until a signal"
-        "G31 Z_ P_ F_：按 F 走到信号 P（1–6）为止，位置存入 #5061…；没有信号时停在终点。" "G31 Z_ P_ F_: at feed F until signal P (1 to 6); the place is kept in #5061 …; without a signal it ends at its end point.";
+        "G30 P2–P4 X_ Z_：经过中间点回第 2–4 参考点（P161–P169）。" "G30 P2 to P4 X_ Z_: through the given point to reference point 2, 3 or 4 (P161 to P169).";
+    31 "skip" NonModal Yes Yes "跳转插补" "feed until signal"
+        "G31 Z_ P_ F_：按 F 走到信号 P（1–6）为止，位置存入 #5061…；没有信号时停在终点。" "G31 Z_ P_ F_: at feed F until signal P (1 to 6); the position is stored in #5061 …; without a signal it stops at the end point.";
     32 "thread" Motion NotYet No "螺纹切削" "thread"
-        "螺纹切削，本版本不提供：程序在该段前停止并说明。" "Thread cutting, not in this version: the program stops before the block and says so.";
+        "螺纹切削，本版本不提供：程序在该段前停止并说明。" "Thread cutting, not in this version: the program stops before the block with a message.";
     33 "tapping" Motion NotYet No "攻丝" "tapping with Z"
-        "攻丝，本版本不提供：程序在该段前停止并说明。" "Tapping, not in this version: the program stops before the block and says so.";
+        "攻丝，本版本不提供：程序在该段前停止并说明。" "Tapping, not in this version: the program stops before the block with a message.";
     34 "variable-thread" Motion NotYet No "变螺距螺纹" "thread of variable lead"
-        "变螺距螺纹，本版本不提供：程序在该段前停止并说明。" "A thread of variable lead, not in this version: the program stops before the block and says so.";
+        "变螺距螺纹，本版本不提供：程序在该段前停止并说明。" "A thread of variable lead, not in this version: the program stops before the block with a message.";
     35 "oscillation-on" NonModal Yes Yes "振荡开启" "oscillation on"
-        "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P240、P241。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between here and the given place while the program goes on; Q strokes a minute, D time constant in ms (P240, P241 if left out). G36, the key, RESET or the emergency stop end it.";
+        "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P240、P241。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between the present and the given position while the program continues; Q strokes per minute, D time constant in ms (default P240, P241). G36, the key, RESET or the emergency stop ends it.";
     36 "oscillation-off" NonModal Yes Yes "振荡关闭" "oscillation off"
-        "G36：振荡回到起始端停止，然后执行下一段。" "G36: the oscillation ends at the end where it began, then the next block runs.";
+        "G36：振荡回到起始端停止，然后执行下一段。" "G36: the oscillation stops at the position where it started, then the next block runs.";
     40 "compensation-off" Compensation Yes Yes "取消半径补偿" "wheel radius compensation off"
-        "取消砂轮半径补偿：本版本没有半径补偿，可以写，无作用。" "Wheel radius compensation off: there is none in this version, so it changes nothing.";
+        "取消砂轮半径补偿：本版本没有半径补偿，可以写，无作用。" "Wheel radius compensation off: accepted without effect, as this version has no compensation.";
     41 "compensation-left" Compensation NotYet NotYet "左侧半径补偿" "wheel radius compensation left"
-        "左侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation left, not in this version: the program stops before the block.";
+        "左侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation left, not in this version: the program stops before the block with a message.";
     42 "compensation-right" Compensation NotYet NotYet "右侧半径补偿" "wheel radius compensation right"
-        "右侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation right, not in this version: the program stops before the block.";
-    50 "preset" NonModal Yes Yes "设定坐标系" "call the present position"
-        "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: calls the present place X Z, without moving; clears the wear of the offset in force. With several tools in the program it is an alarm.";
+        "右侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation right, not in this version: the program stops before the block with a message.";
+    50 "preset" NonModal Yes Yes "设定坐标系" "set work coordinates"
+        "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: sets the coordinates of the present position to X Z without moving; clears the wear of the active tool offset. An alarm if the program uses several tools.";
     53 "machine-move" NonModal Yes Yes "机床坐标定位" "machine coordinates"
         "G53 X_ Z_：本段坐标为机床坐标。" "G53 X_ Z_: the coordinates of this block are machine coordinates.";
-    54 "frame-1" WorkOffset Yes Yes "工件坐标系 1" "work frame 1"
-        "G54：工件坐标系 1，从本段起有效；程序开始时为 G54。" "G54: work frame 1, from this block on; a program begins with G54.";
-    55 "frame-2" WorkOffset Yes Yes "工件坐标系 2" "work frame 2"
-        "G55：工件坐标系 2，从本段起有效；程序开始时为 G54。" "G55: work frame 2, from this block on; a program begins with G54.";
-    56 "frame-3" WorkOffset Yes Yes "工件坐标系 3" "work frame 3"
-        "G56：工件坐标系 3，从本段起有效；程序开始时为 G54。" "G56: work frame 3, from this block on; a program begins with G54.";
-    57 "frame-4" WorkOffset Yes Yes "工件坐标系 4" "work frame 4"
-        "G57：工件坐标系 4，从本段起有效；程序开始时为 G54。" "G57: work frame 4, from this block on; a program begins with G54.";
-    58 "frame-5" WorkOffset Yes Yes "工件坐标系 5" "work frame 5"
-        "G58：工件坐标系 5，从本段起有效；程序开始时为 G54。" "G58: work frame 5, from this block on; a program begins with G54.";
-    59 "frame-6" WorkOffset Yes Yes "工件坐标系 6" "work frame 6"
-        "G59：工件坐标系 6，从本段起有效；程序开始时为 G54。" "G59: work frame 6, from this block on; a program begins with G54.";
+    54 "frame-1" WorkOffset Yes Yes "工件坐标系 1" "work offset 1"
+        "G54：工件坐标系 1，从本段起有效；程序开始时为 G54。" "G54: work offset 1, from this block on; a program starts with G54.";
+    55 "frame-2" WorkOffset Yes Yes "工件坐标系 2" "work offset 2"
+        "G55：工件坐标系 2，从本段起有效；程序开始时为 G54。" "G55: work offset 2, from this block on; a program starts with G54.";
+    56 "frame-3" WorkOffset Yes Yes "工件坐标系 3" "work offset 3"
+        "G56：工件坐标系 3，从本段起有效；程序开始时为 G54。" "G56: work offset 3, from this block on; a program starts with G54.";
+    57 "frame-4" WorkOffset Yes Yes "工件坐标系 4" "work offset 4"
+        "G57：工件坐标系 4，从本段起有效；程序开始时为 G54。" "G57: work offset 4, from this block on; a program starts with G54.";
+    58 "frame-5" WorkOffset Yes Yes "工件坐标系 5" "work offset 5"
+        "G58：工件坐标系 5，从本段起有效；程序开始时为 G54。" "G58: work offset 5, from this block on; a program starts with G54.";
+    59 "frame-6" WorkOffset Yes Yes "工件坐标系 6" "work offset 6"
+        "G59：工件坐标系 6，从本段起有效；程序开始时为 G54。" "G59: work offset 6, from this block on; a program starts with G54.";
     61 "exact-stop" PathMode Yes Yes "准停方式" "exact stop"
         "G61：每段终点准停。" "G61: exact stop at the end of every block.";
     64 "continuous" PathMode Yes Yes "连续方式" "continuous path"
-        "G64：连续方式，拐角在公差内圆滑过渡；开机状态。" "G64: continuous path, corners are rounded within the tolerance; in force at power-on.";
+        "G64：连续方式，拐角在公差内圆滑过渡；开机状态。" "G64: continuous path, corners are rounded within the tolerance; active at power-on.";
     65 "macro-call" NonModal Yes Yes "宏程序调用" "macro call"
-        "G65 P_ L_ 参数…：调用宏程序 P，字母参数成为局部变量；G65 Hm 为运算和跳转。" "G65 P_ L_ arguments …: calls macro P, its letters become local variables; G65 Hm calculates and jumps.";
+        "G65 P_ L_ 参数…：调用宏程序 P，字母参数成为局部变量；G65 Hm 为运算和跳转。" "G65 P_ L_ arguments …: calls macro P, the argument letters become local variables; G65 Hm calculates and jumps.";
     66 "modal-call" ModalCall Yes Yes "宏程序模态调用" "modal macro call"
-        "G66 P_ …：以后每个移动段之后调用宏程序 P，直到 G67。" "G66 P_ …: calls macro P after every move that follows, until G67.";
+        "G66 P_ …：以后每个移动段之后调用宏程序 P，直到 G67。" "G66 P_ …: calls macro P after every following move, until G67.";
     67 "modal-call-off" ModalCall Yes Yes "取消模态调用" "modal macro call off"
         "G67：取消 G66。" "G67: ends G66.";
     70 "finishing" NonModal Yes No "精加工循环" "finishing cycle"
-        "G70 P_ Q_：按程序段 P 到 Q 的轮廓精加工。" "G70 P_ Q_: finishing along the contour of the blocks P to Q.";
+        "G70 P_ Q_：按程序段 P 到 Q 的轮廓精加工。" "G70 P_ Q_: finishing pass along the contour of blocks P to Q.";
     71 "rough-turning" NonModal Yes No "轴向粗车循环" "roughing along Z"
-        "G71 U_ R_，G71 P_ Q_ U_ W_ F_：按轮廓沿 Z 分层切削，留余量 U W。" "G71 U_ R_, then G71 P_ Q_ U_ W_ F_: the contour in layers along Z, U and W are left for finishing.";
+        "G71 U_ R_，G71 P_ Q_ U_ W_ F_：按轮廓沿 Z 分层切削，留余量 U W。" "G71 U_ R_, then G71 P_ Q_ U_ W_ F_: cuts the contour in layers along Z, leaving U and W for finishing.";
     72 "rough-facing" NonModal Yes No "径向粗车循环" "roughing along X"
-        "G72 W_ R_，G72 P_ Q_ U_ W_ F_：按轮廓沿 X 分层切削，留余量 U W。" "G72 W_ R_, then G72 P_ Q_ U_ W_ F_: the contour in layers along X, U and W are left for finishing.";
+        "G72 W_ R_，G72 P_ Q_ U_ W_ F_：按轮廓沿 X 分层切削，留余量 U W。" "G72 W_ R_, then G72 P_ Q_ U_ W_ F_: cuts the contour in layers along X, leaving U and W for finishing.";
     73 "rough-contour" NonModal Yes No "封闭切削循环" "roughing along the contour"
         "G73 U_ W_ R_，G73 P_ Q_ U_ W_ F_：平行于轮廓分 R 次切削。" "G73 U_ W_ R_, then G73 P_ Q_ U_ W_ F_: R strokes parallel to the contour.";
     74 "face-grooving" NonModal Yes No "轴向切槽循环" "grooving along Z"
-        "G74 R_，G74 X_ Z_ P_ Q_ F_：沿 Z 断续进给，每次 Q，退 R。" "G74 R_, then G74 X_ Z_ P_ Q_ F_: along Z in steps of Q, each drawn back by R.";
+        "G74 R_，G74 X_ Z_ P_ Q_ F_：沿 Z 断续进给，每次 Q，退 R。" "G74 R_, then G74 X_ Z_ P_ Q_ F_: feeds along Z in steps of Q, with retract R after each.";
     75 "grooving" NonModal Yes No "径向切槽循环" "grooving along X"
-        "G75 R_，G75 X_ Z_ P_ Q_ F_：沿 X 断续进给，每次 P，退 R。" "G75 R_, then G75 X_ Z_ P_ Q_ F_: along X in steps of P, each drawn back by R.";
+        "G75 R_，G75 X_ Z_ P_ Q_ F_：沿 X 断续进给，每次 P，退 R。" "G75 R_, then G75 X_ Z_ P_ Q_ F_: feeds along X in steps of P, with retract R after each.";
     76 "threading-cycle" NonModal NotYet No "复合螺纹循环" "threading cycle"
         "复合螺纹循环，本版本不提供。" "Threading cycle, not in this version.";
     78 "gauge-positioning" NonModal Yes Yes "量仪对刀" "gauge positioning"
-        "G78 Z_ F_ J_ P_ Q_ L_：以 F 接近到信号 P，退 L，再以 J 接近并记录；#434 = X，#435 快速、#436 精确 Z，#437 为差。写 Q 时以 J 走到第二信号。到终点无信号报警 183。" "G78 Z_ F_ J_ P_ Q_ L_: approaches at F until signal P, back by L, again at J, and keeps the places: #434 X, #435 fast Z, #436 fine Z, #437 their difference. With Q it goes on at J to the second signal. No signal: alarm 183.";
+        "G78 Z_ F_ J_ P_ Q_ L_：以 F 接近到信号 P，退 L，再以 J 接近并记录；#434 = X，#435 快速、#436 精确 Z，#437 为差。写 Q 时以 J 走到第二信号。到终点无信号报警 183。" "G78 Z_ F_ J_ P_ Q_ L_: approaches at F until signal P, retracts by L, approaches again at J and stores the positions: #434 X, #435 fast Z, #436 fine Z, #437 their difference. With Q it continues at J to the second signal. No signal: alarm 183.";
     90 "longitudinal-cycle" Motion Yes Yes "轴向切削循环（平磨、圆台磨：绝对编程）" "longitudinal cycle (GS, GA: absolute)"
-        "外圆磨：G90 X_ Z_ F_ 轴向切削循环；与 G00–G03 同段时为绝对编程。平磨、圆台磨：以后的坐标为绝对值。" "GC: G90 X_ Z_ F_ is one longitudinal cycle; in a block with G00 to G03 it means absolute. GS, GA: coordinates that follow are absolute.";
+        "外圆磨：G90 X_ Z_ F_ 轴向切削循环；与 G00–G03 同段时为绝对编程。平磨、圆台磨：以后的坐标为绝对值。" "GC: G90 X_ Z_ F_ is one longitudinal cycle; in a block with G00 to G03 it means absolute. GS, GA: the following coordinates are absolute.";
     91 "incremental" DistanceMode No Yes "增量编程" "incremental"
-        "G91：以后的坐标为增量值。外圆磨用 U V W。" "G91: coordinates that follow are distances. On GC write U, V, W.";
+        "G91：以后的坐标为增量值。外圆磨用 U V W。" "G91: the following coordinates are incremental. On GC use U, V, W.";
     92 "thread-cycle" Motion NotYet No "螺纹切削循环" "thread cycle"
         "螺纹切削循环，本版本不提供。" "Thread cycle, not in this version.";
     94 "face-cycle" Motion Yes Yes "径向切削循环（平磨、圆台磨：每分进给）" "face cycle (GS, GA: feed per minute)"
-        "外圆磨：G94 X_ Z_ F_ 径向切削循环。平磨、圆台磨：F 为每分钟毫米。" "GC: G94 X_ Z_ F_ is one facing cycle. GS, GA: F is millimetres a minute.";
+        "外圆磨：G94 X_ Z_ F_ 径向切削循环。平磨、圆台磨：F 为每分钟毫米。" "GC: G94 X_ Z_ F_ is one facing cycle. GS, GA: F is in mm/min.";
     95 "feed-per-revolution-mill" FeedMode No Yes "每转进给" "feed per revolution"
-        "G95：F 为每转毫米；必须重新给 F。" "G95: F is millimetres a revolution; a new F is asked for.";
+        "G95：F 为每转毫米；必须重新给 F。" "G95: F is in mm/rev; a new F is required.";
     96 "surface-speed" SpindleSpeedMode Yes Yes "恒线速" "constant surface speed"
-        "G96 S_：恒线速，S 为砂轮圆周 m/min，随砂轮直径变化。" "G96 S_: constant surface speed, S is m/min at the wheel's rim and follows its diameter.";
-    97 "rotation-speed" SpindleSpeedMode Yes Yes "恒转速" "constant speed of rotation"
-        "G97 S_：恒转速，S 为转/分（P5.3=1 为 m/s）。" "G97 S_: constant speed of rotation, S is rpm (m/s with P5.3=1).";
+        "G96 S_：恒线速，S 为砂轮圆周 m/min，随砂轮直径变化。" "G96 S_: constant surface speed, S is the surface speed of the wheel in m/min and follows its diameter.";
+    97 "rotation-speed" SpindleSpeedMode Yes Yes "恒转速" "constant spindle speed"
+        "G97 S_：恒转速，S 为转/分（P5.3=1 为 m/s）。" "G97 S_: constant spindle speed, S in rpm (m/s with P5.3=1).";
     98 "feed-per-minute" FeedMode Yes Yes "每分进给" "feed per minute"
-        "G98：F 为每分钟毫米。" "G98: F is millimetres a minute.";
+        "G98：F 为每分钟毫米。" "G98: F is in mm/min.";
     99 "feed-per-revolution" FeedMode Yes Yes "每转进给" "feed per revolution"
-        "G99：F 为每转毫米；必须重新给 F。" "G99: F is millimetres a revolution; a new F is asked for.";
+        "G99：F 为每转毫米；必须重新给 F。" "G99: F is in mm/rev; a new F is required.";
 }
 
 const NONE: u8 = u8::MAX;

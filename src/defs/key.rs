@@ -165,69 +165,69 @@ use Lamp::{Control, None as Dark, Output as Out, OutputOff};
 
 keys! {
     ModeEdit = "mode-edit", "编辑", "EDIT", Mode, ANY, false, Control,
-        "编辑方式：在程序页和目录页改程序。", "Mode EDIT: programs are changed on the program page and in the directory.";
+        "编辑方式：在程序页和目录页改程序。", "Mode EDIT: edit programs on the program page and in the directory.";
     ModeAuto = "mode-auto", "自动", "AUTO", Mode, ANY, false, Control,
         "自动方式：循环启动执行当前程序。", "Mode AUTO: cycle start runs the current program.";
     ModeMdi = "mode-mdi", "录入", "MDI", Mode, ANY, false, Control,
-        "录入方式：在录入页输入一行，按输入备好，再按循环启动执行。", "Mode MDI: type a line on the page MDI, INPUT puts it ready, cycle start executes it.";
+        "录入方式：在录入页输入一行，按输入备好，再按循环启动执行。", "Mode MDI: type a line on the MDI page, INPUT makes it ready, cycle start executes it.";
     ModeHome = "mode-home", "机械零点", "HOME", Mode, ANY, false, Control,
-        "机械零点方式：按轴键回零；开机后先回零，软限位才有效。", "Mode HOME: the axis keys home; the soft limits hold only after it.";
+        "机械零点方式：按轴键回零；开机后先回零，软限位才有效。", "Mode HOME: the axis keys start homing; soft limits act only after homing.";
     ModeHandwheel = "mode-handwheel", "手轮", "HANDWHL", Mode, ANY, false, Control,
-        "手轮方式：选轴和倍率后转手轮。", "Mode HANDWHEEL: choose axis and step, then turn the wheel.";
+        "手轮方式：选轴和倍率后转手轮。", "Mode HANDWHEEL: choose axis and step, then turn the handwheel.";
     ModeStep = "mode-step", "单步", "STEP", Mode, ANY, false, Control,
         "单步方式：每按一次轴键走一个倍率步。", "Mode STEP: each press of an axis key moves one step.";
     ModeManual = "mode-manual", "手动", "JOG", Mode, ANY, false, Control,
         "手动方式：按住轴键移动，松开停止。", "Mode JOG: an axis moves while its key is held.";
     SingleBlock = "single-block", "单段", "SINGLE", Switch, ANY, true, Control,
-        "灯亮：每段后停，按循环启动走下一段。运行中可切换。", "Lit: the program stops after every block; cycle start does the next. Acts in a run.";
+        "灯亮：每段后停，按循环启动走下一段。运行中可切换。", "Lit: the program stops after every block; cycle start runs the next one. Can be switched during a run.";
     BlockSkip = "block-skip", "跳段", "SKIP", Switch, ANY, true, Control,
-        "灯亮：以 / 开头的程序段不执行。", "Lit: blocks that begin with / are left out.";
+        "灯亮：以 / 开头的程序段不执行。", "Lit: blocks that begin with / are skipped.";
     OptionalStop = "optional-stop", "选择停", "OPT STOP", Switch, ANY, true, Control,
         "灯亮：M01 处停止。", "Lit: the program stops at M01.";
     MachineLock = "machine-lock", "机床锁", "LOCK", Switch, ANY, false, Control,
-        "灯亮：坐标走、轴不动，用来试程序。轴静止且没有程序时才能切换。", "Lit: positions count, axes stand: for trying a program. Switched with no program open and the axes at rest.";
+        "灯亮：坐标走、轴不动，用来试程序。轴静止且没有程序时才能切换。", "Lit: positions count but the axes do not move, for testing a program. Switch it only with no program active and the axes at rest.";
     AuxFunctionLock = "mst-lock", "辅助锁", "MST LOCK", Switch, ANY, false, Control,
-        "灯亮：M、S、T 不输出（M00 M01 M30 M31 M98 M99 除外）。", "Lit: M, S and T are left out, but M00, M01, M30, M31, M98, M99.";
+        "灯亮：M、S、T 不输出（M00 M01 M30 M31 M98 M99 除外）。", "Lit: M, S and T codes are not executed, except M00, M01, M30, M31, M98, M99.";
     DryRun = "dry-run", "空运行", "DRY RUN", Switch, ANY, false, Control,
-        "灯亮：进给按 P89，砂轮不启动；砂轮停着才能启动。运行中不能切换。", "Lit: feeds at P89, the wheel does not start and must be off. Not changed in a run.";
+        "灯亮：进给按 P89，砂轮不启动；砂轮停着才能启动。运行中不能切换。", "Lit: feeds at P89, the wheel does not start and must be off. Cannot be switched during a run.";
     CycleStart = "cycle-start", "循环启动", "START", Run, ANY, true, Control,
-        "启动程序、备好的录入行，或继续暂停的程序。不能启动时信息行说明原因。", "Starts the program or the MDI line that is ready, or goes on after a hold. The message line says what is missing.";
+        "启动程序、备好的录入行，或继续暂停的程序。不能启动时信息行说明原因。", "Starts the program or the MDI line that is ready, or continues after a hold. The message line shows why it cannot start.";
     FeedHold = "feed-hold", "进给保持", "HOLD", Run, ANY, true, Control,
-        "轴减速停住，程序保持；循环启动继续。暂停中所有键有效。", "The axes stop, the program stays open; cycle start goes on. All keys act meanwhile.";
+        "轴减速停住，程序保持；循环启动继续。暂停中所有键有效。", "The axes stop, the program stays active; cycle start continues. All keys work during the hold.";
     Reset = "reset", "复位", "RESET", Run, ANY, true, Dark,
-        "结束程序、运动、振荡和头架，清除已排除原因的报警。砂轮、冷却、液压、磁力、尾座不变。", "Ends program, motion, oscillation and workpiece drive, clears alarms whose cause is gone. Wheel, fluids, magnet and tailstock stay.";
+        "结束程序、运动、振荡和头架，清除已排除原因的报警。砂轮、冷却、液压、磁力、尾座不变。", "Ends program, motion, oscillation and workpiece drive, clears alarms whose cause is gone. Wheel, fluids, magnet and tailstock stay as they are.";
     EmergencyStop = "emergency-stop", "急停", "E-STOP", Run, ANY, true, Control,
-        "立即停轴，关砂轮、头架、冷却、振荡；液压、磁力、尾座不变。再按一次松开，然后复位。", "Stops axes at once; wheel, workpiece drive, coolant, oscillation off; hydraulics, magnet, tailstock stay. Press again to let go, then RESET.";
+        "立即停轴，关砂轮、头架、冷却、振荡；液压、磁力、尾座不变。再按一次松开，然后复位。", "Stops axes at once; wheel, workpiece drive, coolant, oscillation off; hydraulics, magnet, tailstock stay. Press again to release, then RESET.";
     FeedOverrideUp = "feed-override-up", "进给倍率+", "FEED +", Override, ANY, true, Dark,
         "进给倍率加 10 %，最高 150 %。", "Feed override up by 10 %, to 150 %.";
     FeedOverrideDown = "feed-override-down", "进给倍率-", "FEED -", Override, ANY, true, Dark,
-        "进给倍率减 10 %，到 0 % 停。", "Feed override down by 10 %; at 0 % the axes stand.";
+        "进给倍率减 10 %，到 0 % 停。", "Feed override down by 10 %; at 0 % the axes stop.";
     RapidF0 = "rapid-f0", "快速F0", "RAPID F0", Override, ANY, true, Control,
-        "快速倍率 F0：按参数的最低快速。", "Rapid at its slowest, F0 of the parameters.";
+        "快速倍率 F0：按参数的最低快速。", "Rapid override F0: the lowest rapid speed, set by parameter.";
     Rapid25 = "rapid-25", "快速25%", "RAPID 25", Override, ANY, true, Control,
-        "快速倍率 25 %。", "Rapid at 25 %.";
+        "快速倍率 25 %。", "Rapid override 25 %.";
     Rapid50 = "rapid-50", "快速50%", "RAPID 50", Override, ANY, true, Control,
-        "快速倍率 50 %。", "Rapid at 50 %.";
+        "快速倍率 50 %。", "Rapid override 50 %.";
     Rapid100 = "rapid-100", "快速100%", "RAPID 100", Override, ANY, true, Control,
-        "快速倍率 100 %。", "Rapid at 100 %.";
+        "快速倍率 100 %。", "Rapid override 100 %.";
     SpindleOverrideUp = "spindle-override-up", "主轴倍率+", "SPDL +", Override, ANY, true, Dark,
         "主轴倍率加 10 %，最高 120 %。", "Spindle override up by 10 %, to 120 %.";
     SpindleOverrideDown = "spindle-override-down", "主轴倍率-", "SPDL -", Override, ANY, true, Dark,
         "主轴倍率减 10 %，最低 50 %。", "Spindle override down by 10 %, to 50 %.";
     XPlus = "x-plus", "X+", "X+", Jog, ANY, false, Dark,
-        "X 轴正向：手动按住移动，单步走一步，机械零点方式回零。", "X in plus: jogs while held, one step in STEP, homes in HOME.";
+        "X 轴正向：手动按住移动，单步走一步，机械零点方式回零。", "X plus: jogs while held, one step in STEP, homes in HOME.";
     XMinus = "x-minus", "X-", "X-", Jog, ANY, false, Dark,
-        "X 轴负向：手动按住移动，单步走一步，机械零点方式回零。", "X in minus: jogs while held, one step in STEP, homes in HOME.";
+        "X 轴负向：手动按住移动，单步走一步，机械零点方式回零。", "X minus: jogs while held, one step in STEP, homes in HOME.";
     YPlus = "y-plus", "Y+", "Y+", Jog, ANY, false, Dark,
-        "Y 轴正向：手动按住移动，单步走一步，机械零点方式回零。", "Y in plus: jogs while held, one step in STEP, homes in HOME.";
+        "Y 轴正向：手动按住移动，单步走一步，机械零点方式回零。", "Y plus: jogs while held, one step in STEP, homes in HOME.";
     YMinus = "y-minus", "Y-", "Y-", Jog, ANY, false, Dark,
-        "Y 轴负向：手动按住移动，单步走一步，机械零点方式回零。", "Y in minus: jogs while held, one step in STEP, homes in HOME.";
+        "Y 轴负向：手动按住移动，单步走一步，机械零点方式回零。", "Y minus: jogs while held, one step in STEP, homes in HOME.";
     ZPlus = "z-plus", "Z+", "Z+", Jog, ANY, false, Dark,
-        "Z 轴正向：手动按住移动，单步走一步，机械零点方式回零。", "Z in plus: jogs while held, one step in STEP, homes in HOME.";
+        "Z 轴正向：手动按住移动，单步走一步，机械零点方式回零。", "Z plus: jogs while held, one step in STEP, homes in HOME.";
     ZMinus = "z-minus", "Z-", "Z-", Jog, ANY, false, Dark,
-        "Z 轴负向：手动按住移动，单步走一步，机械零点方式回零。", "Z in minus: jogs while held, one step in STEP, homes in HOME.";
+        "Z 轴负向：手动按住移动，单步走一步，机械零点方式回零。", "Z minus: jogs while held, one step in STEP, homes in HOME.";
     Rapid = "rapid", "快速", "RAPID", Jog, ANY, false, Control,
-        "手动时与轴键同按：以快速移动。砂轮转动时慢方向无效。", "With an axis key: at rapid speed. Ignored towards the part while the wheel turns.";
+        "手动时与轴键同按：以快速移动。砂轮转动时慢方向无效。", "With an axis key: jogs at rapid speed. No effect towards the part while the wheel turns.";
     HandwheelX = "handwheel-x", "手轮X", "WHEEL X", Handwheel, ANY, false, Control,
         "手轮接 X 轴。", "The handwheel moves X.";
     HandwheelY = "handwheel-y", "手轮Y", "WHEEL Y", Handwheel, ANY, false, Control,
@@ -241,9 +241,9 @@ keys! {
     Step01 = "step-0.1", "×0.1", "×0.1", Handwheel, ANY, false, Control,
         "手轮、单步每格 0.1 mm；砂轮转动时慢方向的轴不能用。", "Handwheel and step: 0.1 mm; refused on the infeed axis while the wheel turns.";
     WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, Wheel, false, Out(Output::Wheel),
-        "启动砂轮：液压开并有压力、需要时已充磁、防护门关。不满足时报警 180 或说明原因。", "Starts the wheel: hydraulics on with pressure, magnetised where asked for, guard closed. Else alarm 180 or the reason.";
+        "启动砂轮：液压开并有压力、需要时已充磁、防护门关。不满足时报警 180 或说明原因。", "Starts the wheel. Needs hydraulics on with pressure, the part magnetised where required, guard closed; otherwise alarm 180 or the reason.";
     WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, Wheel, false, OutputOff(Output::Wheel),
-        "断开砂轮，惯性停转；灯亮表示已断开。", "Wheel off; it coasts. Lit while it is off.";
+        "断开砂轮，惯性停转；灯亮表示已断开。", "Wheel off; it coasts to a stop. Lit while it is off.";
     SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, Wheel, false, Out(Output::SecondSpindle),
         "第二主轴启动、停止。", "Second spindle on and off.";
     SpindleForward = "spindle-forward", "主轴正转", "SPDL CW", Workpiece, MainSpindle, false, Control,
@@ -263,51 +263,51 @@ keys! {
     DresserRoll = "dresser-roll", "滚轮", "ROLL", Workpiece, DresserRoll, false, Out(Output::DresserRoll),
         "滚轮启动、停止。", "Dresser roll on and off.";
     TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, RotaryTable, false, Out(Output::TableRotation),
-        "台面旋转启动、停止；圆台磨须先充磁。", "Table on and off; GA must be magnetised first.";
+        "台面旋转启动、停止；圆台磨须先充磁。", "Table on and off; GA: magnetise first.";
     TailstockAdvance = "tailstock-advance", "尾座进", "TAIL IN", Clamping, Tailstock, false, Out(Output::Tailstock),
-        "尾座前进夹紧，P16.2=1 有效；头架转动时报警 181。", "Tailstock clamps, with P16.2=1; alarm 181 while the headstock turns.";
+        "尾座前进夹紧，P16.2=1 有效；头架转动时报警 181。", "Tailstock advances and clamps, with P16.2=1; alarm 181 while the headstock turns.";
     TailstockRetract = "tailstock-retract", "尾座退", "TAIL OUT", Clamping, Tailstock, false, OutputOff(Output::Tailstock),
-        "尾座退回；头架转动时报警 181。", "Tailstock back; alarm 181 while the headstock turns.";
+        "尾座退回；头架转动时报警 181。", "Tailstock retracts; alarm 181 while the headstock turns.";
     Magnetise = "magnetise", "充磁", "MAGNET", Clamping, MagneticChuck, false, Out(Output::Magnetise),
-        "充磁，P81 后为已充磁；再按断磁。", "Magnet on, it holds after P81; pressed again, off.";
+        "充磁，P81 后为已充磁；再按断磁。", "Magnet on, it holds after P81; press again for off.";
     Demagnetise = "demagnetise", "退磁", "DEMAG", Clamping, MagneticChuck, false, Out(Output::Demagnetise),
-        "退磁 P82 后断开；台面或砂轮转动时拒绝。", "Demagnetises for P82, then off; refused while table or wheel turn.";
+        "退磁 P82 后断开；台面或砂轮转动时拒绝。", "Demagnetises for P82, then off; refused while table or wheel turns.";
     Coolant = "coolant", "冷却", "COOLANT", Fluids, ANY, true, Out(Output::Coolant),
-        "冷却液开关，运行中也有效。", "Coolant on and off, in a run too.";
+        "冷却液开关，运行中也有效。", "Coolant on and off, also during a run.";
     Lubrication = "lubrication", "润滑", "LUBE", Fluids, ANY, true, Out(Output::Lubrication),
-        "润滑开关，运行中也有效。", "Lubrication on and off, in a run too.";
+        "润滑开关，运行中也有效。", "Lubrication on and off, also during a run.";
     Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, Hydraulics, false, Out(Output::Hydraulic),
-        "液压泵开关；砂轮转动时无效。复位和急停不关液压。", "Hydraulic pump on and off; no effect while the wheel runs. RESET and emergency stop leave it.";
+        "液压泵开关；砂轮转动时无效。复位和急停不关液压。", "Hydraulic pump on and off; no effect while the wheel runs. RESET and emergency stop do not switch it off.";
     RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, Gauges, false, Out(Output::RadialGauge),
         "径向（平磨、圆台磨：厚度）量仪伸出、缩回，同 M70 M75。", "Radial (GS, GA: thickness) gauge out and in, as M70, M75.";
     AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, Gauges, false, Out(Output::AxialGauge),
         "轴向（平磨、圆台磨：平面）量仪伸出、缩回，同 M78 M79。", "Axial (GS, GA: plane) gauge out and in, as M78, M79.";
     Oscillation = "oscillation", "振荡", "OSCILL", Dressing, Wheel, false, Control,
-        "振荡开关：轴 P238、位置 P239、次数 P240、时间常数 P241。灯亮时启动新程序报警 182。", "Oscillation on and off: axis P238, place P239, strokes P240, time constant P241. Starting a program meanwhile is alarm 182.";
+        "振荡开关：轴 P238、位置 P239、次数 P240、时间常数 P241。灯亮时启动新程序报警 182。", "Oscillation on and off: axis P238, position P239, strokes P240, time constant P241. Starting a program while it is on: alarm 182.";
     DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, Wheel, false, Control,
-        "灯亮后按轴键，该轴以 P243 回修整点；再按、换方式或复位灯灭。灯灭时轴键是手动。", "Lit: an axis key leads the axis to its dressing point at P243. Again, another mode or RESET: dark, and axis keys jog.";
+        "灯亮后按轴键，该轴以 P243 回修整点；再按、换方式或复位灯灭。灯灭时轴键是手动。", "Lit: an axis key moves the axis to its dressing point at P243. Off: press again, another mode or RESET; axis keys then jog.";
     WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, Wheel, true, Control,
-        "P4.4=1：停程序并执行 O9000 退砂轮；再按执行 O9001 回来，循环启动继续。", "With P4.4=1: holds the run and runs O9000, the wheel goes back; again O9001 brings it, cycle start goes on.";
+        "P4.4=1：停程序并执行 O9000 退砂轮；再按执行 O9001 回来，循环启动继续。", "With P4.4=1: holds the program and runs O9000 to retract the wheel; press again: O9001 returns it, cycle start continues.";
     AddressX = "address-x", "X", "X", Screen, ANY, true, Dark,
-        "地址键 X：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address X: chooses the axis for the dressing point on the page of relative positions.";
+        "地址键 X：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address X: selects the axis for the dressing point on the relative position page.";
     AddressY = "address-y", "Y", "Y", Screen, ANY, true, Dark,
-        "地址键 Y：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address Y: chooses the axis for the dressing point on the page of relative positions.";
+        "地址键 Y：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address Y: selects the axis for the dressing point on the relative position page.";
     AddressZ = "address-z", "Z", "Z", Screen, ANY, true, Dark,
-        "地址键 Z：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address Z: chooses the axis for the dressing point on the page of relative positions.";
+        "地址键 Z：位置页相对坐标上设修整点、清相对坐标时选轴。", "Address Z: selects the axis for the dressing point on the relative position page.";
     Input = "input", "输入", "INPUT", Screen, ANY, true, Dark,
-        "输入：确认所键入的值，或回答问题。", "INPUT: takes what was typed, or answers a question.";
+        "输入：确认所键入的值，或回答问题。", "INPUT: accepts the typed value, or answers a question.";
     Cancel = "cancel", "取消", "CANCEL", Screen, ANY, true, Dark,
-        "取消：清除所键入的值，恢复原值。", "CANCEL: forgets what was typed, the old value stays.";
+        "取消：清除所键入的值，恢复原值。", "CANCEL: discards the typed value, the old value stays.";
     F1 = "f1", "F1", "F1", Screen, ANY, true, Dark,
-        "当前软键行的第 1 个键。", "Key 1 of the row of soft keys.";
+        "当前软键行的第 1 个键。", "Key 1 of the present soft key row.";
     F2 = "f2", "F2", "F2", Screen, ANY, true, Dark,
-        "当前软键行的第 2 个键。", "Key 2 of the row of soft keys.";
+        "当前软键行的第 2 个键。", "Key 2 of the present soft key row.";
     F3 = "f3", "F3", "F3", Screen, ANY, true, Dark,
-        "当前软键行的第 3 个键。", "Key 3 of the row of soft keys.";
+        "当前软键行的第 3 个键。", "Key 3 of the present soft key row.";
     F4 = "f4", "F4", "F4", Screen, ANY, true, Dark,
-        "当前软键行的第 4 个键。", "Key 4 of the row of soft keys.";
+        "当前软键行的第 4 个键。", "Key 4 of the present soft key row.";
     F5 = "f5", "F5", "F5", Screen, ANY, true, Dark,
-        "当前软键行的第 5 个键。", "Key 5 of the row of soft keys.";
+        "当前软键行的第 5 个键。", "Key 5 of the present soft key row.";
     NextRow = "next-row", "▶", "NEXT", Screen, ANY, true, Dark,
         "软键翻到下一行。", "The next row of soft keys.";
 }

@@ -70,7 +70,10 @@ impl LeadscrewCompensation {
                 let steep = |a: f64, b: f64| (a - b).abs() > MAX_SLOPE * (point.position_mm - last.position_mm);
                 if steep(point.backlash_mm, last.backlash_mm) || steep(point.pitch_error_mm, last.pitch_error_mm) {
                     let zh = format!("与上一行相差太大，每毫米不超过 {MAX_SLOPE} mm");
-                    return wrong(zh, format!("too steep after the line before: at most {MAX_SLOPE} mm a mm"));
+                    return wrong(
+                        zh,
+                        format!("too large a change from the line before: at most {MAX_SLOPE} mm per mm"),
+                    );
                 }
             }
             if points.len() == MAX_POINTS {
@@ -146,7 +149,7 @@ fn point(row: &str) -> Result<LeadscrewPoint, (String, String)> {
     let columns: Vec<&str> = row.split([',', ';', '\t']).map(str::trim).collect();
     if !(2..=3).contains(&columns.len()) {
         let zh = "每行应为：位置,反向间隙[,螺距误差]".to_owned();
-        return Err((zh, "a line reads: position, backlash[, pitch error]".to_owned()));
+        return Err((zh, "write a line as: position, backlash[, pitch error]".to_owned()));
     }
     let number = |text: &str, low: f64, high: f64| match text.parse::<f64>() {
         Ok(value) if (low..=high).contains(&value) => Ok(value),

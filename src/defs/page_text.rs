@@ -95,7 +95,8 @@ pub fn parse_all(text: &str) -> ParsedPageText {
     let mut entries = entries(text, &mut reading).into_iter();
     match entries.next() {
         None if reading.faults.iter().all(|fault| fault.line > 1) => {
-            let (zh, en) = ("文件是空的：第一行应为标题和 ;", "the file is empty: the first line is the title and ;");
+            let (zh, en) =
+                ("文件是空的：第一行应为标题和 ;", "the file is empty: the first line must be the title and ;");
             reading.faults.insert(0, fault((1, 1), zh, en));
             return reading;
         }
@@ -127,7 +128,7 @@ pub fn parse_all(text: &str) -> ParsedPageText {
     }
     if count < COLUMN_ROWS && reading.faults.is_empty() {
         let line = text.lines().count().max(1) as u32;
-        let en = format!("the left column has ten entries, here are {count}; write ; for an empty one");
+        let en = format!("the left column needs ten entries, found {count}; write ; for an empty one");
         reading.faults.push(fault((line, 1), format!("左栏应有 10 行，只有 {count} 行；空行写一个 ;"), en));
     }
     reading.faults.sort_by_key(|fault| (fault.line, fault.column));
@@ -210,7 +211,7 @@ fn row(entry: &PageTextEntry<'_>) -> Result<Option<PageTextRow>, PageTextFault> 
         return named(entry, label, variable);
     }
     let Some((label, number)) = entry.text.rsplit_once('#') else {
-        let en = "no macro variable: an entry reads 'label #number;'";
+        let en = "no macro variable: write the entry as 'label #number;'";
         return Err(fault(entry.at, "缺少宏变量号：应为“名称 #号;”", en));
     };
     let (at, number) = ((entry.at.0, entry.at.1 + label.chars().count() as u32 + 1), number.trim());
@@ -220,7 +221,7 @@ fn row(entry: &PageTextEntry<'_>) -> Result<Option<PageTextRow>, PageTextFault> 
     };
     if !is_allowed_on_page(variable) {
         let zh = format!("宏变量 #{variable} 不能在页面上修改：可用 #100-#433、#500-#999");
-        return Err(fault(at, zh, format!("#{variable} cannot stand on a page: use #100-#433 or #500-#999")));
+        return Err(fault(at, zh, format!("#{variable} cannot be used on a page: use #100-#433 or #500-#999")));
     }
     named(entry, label, variable)
 }

@@ -60,31 +60,31 @@ macro_rules! program_errors {
 program_errors! {
     /// A word that no function of the block uses.
     UnknownWord = 1, "unknown-word", "无法识别的字 '{}'", "unknown word '{}'",
-        "该程序段中没有指令使用此字，请删除或更正", "nothing in this block takes it: correct or delete it";
+        "该程序段中没有指令使用此字，请删除或更正", "no code in this block uses it: correct or delete it";
     BadNumber = 2, "bad-number", "数字格式错误 '{}'", "bad number '{}'",
-        "数字只能含一个小数点和最多 40 位", "write digits with at most one decimal point, 40 at most";
+        "数字只能含一个小数点和最多 40 位", "write at most 40 digits with at most one decimal point";
     MissingNumber = 3, "missing-number", "'{}' 后缺少数字", "number missing after '{}'",
-        "请在其后写出数值", "write its value";
+        "请在其后写出数值", "write the value";
     NonAsciiCharacter = 4, "foreign-character", "注释以外出现字符 '{}'", "character '{}' outside a comment",
         "请改用半角英文字符 {2}", "type {2} instead";
     UnexpectedCharacter = 5, "unexpected-character", "此处不应出现 '{}'", "unexpected '{}'",
-        "请检查程序段的写法", "look at how the block is written";
+        "请检查程序段的写法", "check how the block is written";
     UnbalancedBracket = 6, "unbalanced-bracket", "方括号不匹配", "square brackets do not match",
-        "每个 [ 都要有对应的 ]", "give every [ its ]";
+        "每个 [ 都要有对应的 ]", "every [ needs a ]";
     UnbalancedComment = 7, "unbalanced-comment", "注释括号不匹配", "comment brackets do not match",
         "在同一行内用 ( 和 ) 括起注释", "open with ( and close with ) on the same line";
     UnknownG = 8, "unknown-g", "没有 {} 指令", "unknown code {}",
-        "请查阅 G 代码表", "look it up in the table of G codes";
+        "请查阅 G 代码表", "see the table of G codes";
     UnavailableG = 9, "g-not-available", "本版本不支持 {} ({2})", "{} ({2}) is not available in this version",
         "请改用其他指令或升级软件", "use another function or a newer version";
     WrongKindG = 10, "g-not-on-this-machine", "本机床没有 {} ({2})", "{} ({2}) does not exist on this machine",
-        "请查阅本机床的 G 代码表", "look at the table of G codes of this machine";
+        "请查阅本机床的 G 代码表", "see the table of G codes of this machine";
     /// An M code above 99 or not a whole number.
     UnknownM = 11, "unknown-m", "没有 {} 指令", "unknown code {}",
-        "请查阅 M 代码表 (M00–M99 的整数)", "look it up in the table of M codes, whole numbers from 0 to 99";
+        "请查阅 M 代码表 (M00–M99 的整数)", "see the table of M codes, whole numbers from 0 to 99";
     DoubleWord = 12, "double-word", "同一程序段中 '{}' 重复", "'{}' appears twice in the block",
         "每个地址在一段中只能出现一次", "write an address once in a block";
-    DoubleGroup = 13, "double-group", "{} 与 {2} 属于同一组", "{} and {2} exclude each other in one block",
+    DoubleGroup = 13, "double-group", "{} 与 {2} 属于同一组", "{} and {2} cannot be combined in one block",
         "请分成两个程序段", "write them in two blocks";
     AbsoluteAndIncremental = 14, "absolute-and-incremental", "{} 与 {2} 指同一轴", "{} and {2} name the same axis",
         "绝对与增量只能选一个", "use one of the two";
@@ -92,156 +92,156 @@ program_errors! {
         "请删除该字", "delete the word";
     ArcWithoutCentre = 16, "arc-without-centre", "圆弧缺少圆心或半径", "arc without centre or radius",
         "请写半径 {}，或圆心坐标 {2}", "write the radius {}, or the centre {2}";
-    ArcEndOffCircle = 17, "arc-end-off", "圆弧终点偏离圆周 {} mm", "the arc's end lies {} mm off the circle",
-        "请核对终点与圆心", "check end and centre";
-    ArcRadius = 18, "arc-radius", "圆弧半径 {} 无效", "arc radius {} is not possible",
-        "半径不能为零，也不能小于弦长的一半；整圆请用圆心编程", "not zero and at least half the chord; for a full circle give its centre";
+    ArcEndOffCircle = 17, "arc-end-off", "圆弧终点偏离圆周 {} mm", "the arc end point is {} mm off the circle",
+        "请核对终点与圆心", "check end point and centre";
+    ArcRadius = 18, "arc-radius", "圆弧半径 {} 无效", "arc radius {} is not valid",
+        "半径不能为零，也不能小于弦长的一半；整圆请用圆心编程", "it must not be zero and must be at least half the chord; for a full circle give the centre";
     FeedMissing = 19, "feed-missing", "没有进给速度 F", "no feed F has been given",
-        "请在切削段之前或段内输入 F；{} 之后须重新输入", "give F in this block or before; {} asks for a new one";
+        "请在切削段之前或段内输入 F；{} 之后须重新输入", "give F in this block or before; {} requires a new one";
     OutOfRange = 20, "out-of-range", "{} 超出范围 {2}", "{} is out of range {2}",
         "请修改数值", "change the value";
     DivisionByZero = 21, "division-by-zero", "除数为零", "division by zero",
-        "请检查除数变量", "look at the variable under the division";
-    FunctionDomain = 22, "domain", "函数 {} 的参数 {2} 无效", "{} of {2} is not possible",
-        "请检查表达式中的变量", "look at the variables of the expression";
+        "请检查除数变量", "check the variable of the divisor";
+    FunctionDomain = 22, "domain", "函数 {} 的参数 {2} 无效", "{} of {2} is not defined",
+        "请检查表达式中的变量", "check the variables of the expression";
     Overflow = 23, "overflow", "计算结果溢出", "the result is too large",
-        "请检查表达式中的变量", "look at the variables of the expression";
+        "请检查表达式中的变量", "check the variables of the expression";
     BadVariable = 24, "bad-variable", "没有变量 {}", "there is no variable {}",
         "可用 #1–#33 #100–#439 #500–#999 及系统变量", "use #1–#33, #100–#439, #500–#999 or a system variable";
     ReadOnly = 25, "read-only", "变量 {} 不能赋值", "variable {} cannot be set",
         "该变量只读", "it can only be read";
-    SwitchVariable = 26, "switch-variable", "变量 {} 只能为 0 或 1", "variable {} takes 0 or 1 only",
-        "请赋值 0 或 1", "give it 0 or 1";
+    SwitchVariable = 26, "switch-variable", "变量 {} 只能为 0 或 1", "variable {} must be 0 or 1",
+        "请赋值 0 或 1", "set it to 0 or 1";
     MissingTarget = 27, "missing-target", "找不到程序段 {}", "there is no block {}",
         "请检查跳转目标的 N 号", "check the N number of the target";
     MissingProgram = 28, "missing-program", "找不到程序 {}", "there is no program {}",
         "请检查程序号，或拷入该程序", "check its number, or copy the program in";
     TooDeep = 29, "too-deep", "{} 嵌套超过 {2} 层", "{} nested deeper than {2}",
         "请减少嵌套层数", "nest fewer levels";
-    LoopMismatch = 30, "loop-mismatch", "{} 没有配对", "{} has no partner",
+    LoopMismatch = 30, "loop-mismatch", "{} 没有配对", "{} has no matching statement",
         "WHILE […] DO m 与 END m 必须配对且不交叉", "WHILE […] DO m and END m go in pairs and do not cross";
-    DoNumber = 31, "do-number", "循环号 {} 无效", "loop number {} is not possible",
-        "循环号只能为 1–3，内层不能重复外层的号", "use 1 to 3, another one inside than outside";
+    DoNumber = 31, "do-number", "循环号 {} 无效", "loop number {} is not valid",
+        "循环号只能为 1–3，内层不能重复外层的号", "use 1 to 3, with different numbers for inner and outer loops";
     BadStatement = 32, "bad-statement", "语句写法错误：{}", "statement not understood: {}",
         "请按 IF […] GOTO n、IF […] THEN、WHILE […] DO m、END m、GOTO n、#i=… 书写", "write IF […] GOTO n, IF […] THEN …, WHILE […] DO m, END m, GOTO n, #i=…";
     MissingWord = 33, "missing-word", "{} 缺少 {2}", "{} needs {2}",
         "请补上该字", "add the word";
-    NotTogether = 34, "not-together", "{} 与 {2} 不能同段", "{} and {2} cannot stand in one block",
+    NotTogether = 34, "not-together", "{} 与 {2} 不能同段", "{} and {2} cannot be in one block",
         "请分成两个程序段", "write them in two blocks";
     G50WithTools = 35, "preset-with-tools", "使用多把刀时不能用 G50", "G50 in a program with several tools",
-        "多把刀请使用刀补方式", "with several tools work with offsets";
+        "多把刀请使用刀补方式", "use tool offsets for several tools";
     BlockTooLong = 36, "block-too-long", "程序段太长", "the block is too long",
         "请分成几个程序段", "write it in several blocks";
     TooComplex = 37, "too-complex", "表达式嵌套太深", "the expression is nested too deep",
         "请分步计算", "calculate in several steps";
-    AxisUnused = 38, "axis-unused", "{} 不能与坐标字同段", "{} takes no axis words",
+    AxisUnused = 38, "axis-unused", "{} 不能与坐标字同段", "{} cannot be in one block with axis words",
         "请分成两个程序段", "write them in two blocks";
     NotWhole = 39, "not-whole", "{} 必须为整数", "{} must be a whole number",
         "请输入不带小数的数值", "give a number without a fraction";
-    MisplacedO = 40, "misplaced-o", "O 号只能在程序开头", "the O number stands only at the head of the program",
-        "一个文件只存一个程序；零要写成数字 0，不是字母 O", "keep one program in a file; a zero is the digit 0, not the letter O";
-    AxisOutsidePlane = 41, "axis-outside-plane", "{} 不在所选平面内", "{} lies outside the plane of the arc",
-        "请选择圆弧所在平面，或删除该字", "choose the arc's plane, or delete the word";
+    MisplacedO = 40, "misplaced-o", "O 号只能在程序开头", "the O number is allowed only at the start of the program",
+        "一个文件只存一个程序；零要写成数字 0，不是字母 O", "keep one program in a file; write zero as the digit 0, not the letter O";
+    AxisOutsidePlane = 41, "axis-outside-plane", "{} 不在所选平面内", "{} is outside the plane of the arc",
+        "请选择圆弧所在平面，或删除该字", "select the plane of the arc, or delete the word";
     /// An input without an assigned port.
-    InputNotAssigned = 42, "no-input", "{} 没有指定输入口", "{} has no input to look at",
+    InputNotAssigned = 42, "no-input", "{} 没有指定输入口", "{} has no input assigned",
         "请输入 L，或在参数中设定输入口", "give L, or set the input by parameter";
     UnknownH = 43, "unknown-h", "G65 没有 {}", "G65 has no {}",
         "可用 H01–H05 H11–H13 H21–H27 H31–H34 H80–H86 H99", "use H01–H05, H11–H13, H21–H27, H31–H34, H80–H86, H99";
-    EndlessLoop = 44, "endless", "检查没有走完这个循环：它不结束，或重复太多", "the check left this loop: it does not end, or repeats too often",
-        "请确认它会结束；后面的程序没有按实际运行检查", "make sure that it ends; what comes behind it was not checked as it will run";
-    NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is taken as 0",
+    EndlessLoop = 44, "endless", "检查没有走完这个循环：它不结束，或重复太多", "the check stopped in this loop: it does not end, or repeats too often",
+        "请确认它会结束；后面的程序没有按实际运行检查", "make sure that it ends; the program after it was not checked as it will run";
+    NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is used as 0",
         "请先给变量赋值", "give it a value first";
     IncrementalG91 = 47, "g91-on-lathe", "外圆磨没有 G91 指令", "G91 does not exist on this machine",
-        "增量编程请用 U、W", "write distances with U and W";
+        "增量编程请用 U、W", "use U and W for incremental moves";
     BadEncoding = 48, "bad-encoding", "字节 {} 不是 GBK 或 UTF-8 文字", "byte {} is neither GBK nor UTF-8",
         "请把文件另存为 GBK 或 UTF-8 编码的文本", "save the file as plain text in GBK or UTF-8";
-    TakesNoNumber = 49, "takes-no-number", "{} 的 {2} 后不带数值", "{} takes {2} without a number",
+    TakesNoNumber = 49, "takes-no-number", "{} 的 {2} 后不带数值", "{} needs {2} without a number",
         "只写轴名，例如 G27 X", "write the letter alone, as in G27 X";
-    DwellWithoutSpeed = 60, "dwell-without-speed", "{} 按转数停顿，但没有以 r/min 给出的转速", "{} counts turns, but there is no speed in rpm",
+    DwellWithoutSpeed = 60, "dwell-without-speed", "{} 按转数停顿，但没有以 r/min 给出的转速", "{} dwells in revolutions, but no speed in rpm is given",
         "请先用 S 给出转速 (G97)，或改用 G4 F 秒", "program S (G97) before it, or dwell by G4 F in seconds";
     /// A SINUMERIK arc radius written as in other dialects.
-    RadiusByCr = 58, "radius-by-cr", "圆弧半径不能写成 {}", "an arc's radius is not written {}",
+    RadiusByCr = 58, "radius-by-cr", "圆弧半径不能写成 {}", "{} cannot be used for the radius of an arc",
         "半径写成 {2}", "write {2}";
     UnknownFunction = 59, "unknown-function", "没有函数 {}", "there is no function {}",
-        "可用 {2}", "there are {2}";
-    ThreadFraction = 67, "thread-fraction", "每寸牙数 {} 的小数部分无效", "the fraction of {} turns an inch is not possible",
-        "小数点后是分数的分母：33.2 是 33½，分母从 2 起", "the digits behind the point are its denominator: 33.2 is 33½; it is 2 or more";
+        "可用 {2}", "available are {2}";
+    ThreadFraction = 67, "thread-fraction", "每寸牙数 {} 的小数部分无效", "the fraction of {} threads per inch is not valid",
+        "小数点后是分数的分母：33.2 是 33½，分母从 2 起", "the digits after the point are the denominator: 33.2 is 33½; it must be 2 or more";
     /// A jump into a counted loop (L4).
-    JumpIntoLoop = 68, "into-loop", "跳转进入了循环：没有经过第 {} 行的 G22", "a jump led into the loop: the G22 in line {} was not passed",
+    JumpIntoLoop = 68, "into-loop", "跳转进入了循环：没有经过第 {} 行的 G22", "a jump entered the loop: the G22 in line {} was not executed",
         "跳到 G22 段，或循环之外", "jump to the block of G22, or outside the loop";
     TooManyCodes = 69, "too-many-codes", "一段中 {} 超过 {2} 个", "more than {2} {} in one block",
         "请分成几个程序段", "write them in several blocks";
     /// A program without blocks (L1).
     EmptyProgram = 99, "empty-program", "程序没有程序段", "the program has no blocks",
-        "请输入程序，最后一段写 {}", "write its blocks, {} the last";
+        "请输入程序，最后一段写 {}", "write the blocks, with {} as the last one";
     BadLabel = 61, "bad-label", "标号 {} 无效", "{} cannot be a label",
-        "标号前两位必须是字母或下划线，且不能是指令字，例如 AA1:", "a label begins with two letters or underscores, as AA1: does, and is no word of the language";
+        "标号前两位必须是字母或下划线，且不能是指令字，例如 AA1:", "a label begins with two letters or underscores, such as AA1:, and must not be a code word";
     MissingJumpLabel = 62, "label-left-out", "{} 后缺少标号", "no label after {}",
         "请写出标号，例如 {} AA1", "write the label, as in {} AA1";
     UnknownJump = 63, "no-such-jump", "没有 {} 指令", "there is no {}",
-        "朝程序结束方向跳转用 GOTOF，朝程序开头方向用 GOTOB", "jump onwards with GOTOF, back with GOTOB";
+        "朝程序结束方向跳转用 GOTOF，朝程序开头方向用 GOTOB", "jump forward with GOTOF, backward with GOTOB";
     EqualsMissing = 64, "equals-missing", "{} 后缺少 '='", "'=' is missing after {}",
-        "R 参数和表达式用 = 赋值，例如 X=R1", "R parameters and expressions are given with =, as in X=R1";
-    BadMessage = 65, "bad-message", "MSG 写法错误", "MSG is not written as it must be",
+        "R 参数和表达式用 = 赋值，例如 X=R1", "assign R parameters and expressions with =, as in X=R1";
+    BadMessage = 65, "bad-message", "MSG 写法错误", "MSG is not written correctly",
         "请写 MSG(\"文字\")，清除用 MSG()", "write MSG(\"text\"), or MSG() to end it";
     BadRParameter = 90, "bad-r", "没有参数 {}", "there is no parameter {}",
         "可用 R0–R299", "use R0 to R299";
     MissingLabel = 91, "missing-label", "找不到标号 {}", "there is no label {}",
         "请检查标号的写法（AA1:）", "check how the label is written (AA1:)";
-    LabelInOtherDirection = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
-        "GOTOF 只朝程序结束方向找，GOTOB 只朝程序开头方向找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
+    LabelInOtherDirection = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} is not in this direction",
+        "GOTOF 只朝程序结束方向找，GOTOB 只朝程序开头方向找；请改用 {2}", "GOTOF searches forward only, GOTOB backward only: use {2}";
     /// A label that is not unique (S1).
-    SeveralLabels = 57, "several-labels", "标号 {} 不唯一", "there are several blocks {}",
-        "同一程序中每个标号只能出现一次", "write each label once in a program";
+    SeveralLabels = 57, "several-labels", "标号 {} 不唯一", "{} is not unique",
+        "同一程序中每个标号只能出现一次", "use each label only once in a program";
     UnbalancedQuote = 93, "unbalanced-quote", "引号不匹配", "the quotes do not match",
         "MSG(\"文字\")：同一行内成对使用同一种引号", "MSG(\"text\"): a pair of the same quotes on one line";
-    DigitsOnly = 94, "digits-only", "{} 后只能写数字", "{} takes digits only",
-        "N、G、L 不能用 = 赋值", "N, G and L take no = expression";
+    DigitsOnly = 94, "digits-only", "{} 后只能写数字", "{} accepts digits only",
+        "N、G、L 不能用 = 赋值", "N, G and L cannot be written with = expression";
     UnknownSystemVariable = 95, "unknown-system-variable", "没有系统变量 {}", "there is no system variable {}",
         "可用 $AA_IW[轴] 和 $AA_IM[轴]", "use $AA_IW[axis] or $AA_IM[axis]";
     UnbalancedRound = 96, "unbalanced-round", "圆括号不匹配", "round brackets do not match",
-        "每个 ( 都要有对应的 )", "give every ( its )";
+        "每个 ( 都要有对应的 )", "every ( needs a )";
     BadCondition = 97, "bad-condition", "条件写法错误：{}", "condition not understood: {}",
         "请按 IF a<b GOTOF 标号 书写，比较用 == <> > < >= <=", "write IF a<b GOTOF label; comparisons are == <> > < >= <=";
     ContourEmpty = 85, "contour-empty", "循环的轮廓段没有移动", "the cycle's contour has no moves",
         "P 到 Q 之间至少要有两段移动", "write at least two moves between P and Q";
-    ContourCode = 86, "contour-code", "轮廓段中只能用 G00–G03、F、S", "only G00 to G03, F and S stand in a contour",
+    ContourCode = 86, "contour-code", "轮廓段中只能用 G00–G03、F、S", "only G00 to G03, F and S are allowed in a contour",
         "把其他指令移到 P–Q 段以外", "move everything else outside P to Q";
-    ContourStart = 87, "contour-start", "轮廓首段只能移动进刀轴 (G71: X，G72: Z)，轮廓两轴都要有进程", "the contour's first move is the infeed axis alone (G71 X, G72 Z), and both axes must have a way",
+    ContourStart = 87, "contour-start", "轮廓首段只能移动进刀轴 (G71: X，G72: Z)，轮廓两轴都要有进程", "the first move of the contour must be the infeed axis alone (G71 X, G72 Z), and both axes must move",
         "首段只写 X 或 Z", "write X or Z alone in its first block";
-    ContourNotMonotone = 88, "contour-not-monotone", "粗车轮廓在 X、Z 方向必须单调", "the contour of a roughing cycle goes one way in X and in Z",
-        "有凹槽的轮廓请用 G73 或分开加工", "use G73 for a contour with hollows, or divide it";
+    ContourNotMonotone = 88, "contour-not-monotone", "粗车轮廓在 X、Z 方向必须单调", "the contour of a roughing cycle must be monotonic in X and in Z",
+        "有凹槽的轮廓请用 G73 或分开加工", "use G73 for a contour with recesses, or divide it";
     ContourStrokes = 89, "contour-strokes", "循环行程次数太多", "the cycle has too many strokes",
-        "增大每次切深", "take more at a stroke";
-    RectangleSide = 70, "rectangle-side", "矩形循环 {} 方向边长为零", "the side of the rectangle along {} has no length",
-        "对角点在 X、Z 两个方向都必须离开起点", "the corner must lie off the start in both X and Z";
-    ArcTooSmall = 71, "arc-too-small", "圆弧半径 {} mm 应大于 {2} mm", "the arc's radius of {} mm has to be above {2} mm",
-        "加大半径，或改用直线", "make it larger, or write a line";
+        "增大每次切深", "increase the depth of cut";
+    RectangleSide = 70, "rectangle-side", "矩形循环 {} 方向边长为零", "the side of the rectangle along {} is zero",
+        "对角点在 X、Z 两个方向都必须离开起点", "the corner must differ from the start in both X and Z";
+    ArcTooSmall = 71, "arc-too-small", "圆弧半径 {} mm 应大于 {2} mm", "the arc radius of {} mm must be greater than {2} mm",
+        "加大半径，或改用直线", "increase it, or use a line";
     FullCircleByRadius = 72, "full-circle-by-radius", "整圆不能用 R 编程", "a full circle cannot be written with R",
         "请用 I、K 给出圆心", "give the centre by I and K";
-    ThreadWithoutInfeed = 73, "no-infeed", "螺纹前没有 X 向进给段，退尾方向不定", "no move of X before the thread: the direction of its run-out is not known",
-        "在螺纹段之前写一段 G00 或 G01 的 X 向进给", "write a move of X with G00 or G01 before the thread";
-    IncrementalOnly = 74, "incremental-only", "螺纹必须用增量 U、W 编程，不能用 {}", "a thread is written with U and W, not with {}",
-        "把 {} 改为增量", "write {} as a distance";
+    ThreadWithoutInfeed = 73, "no-infeed", "螺纹前没有 X 向进给段，退尾方向不定", "no X move before the thread: the run-out direction is not known",
+        "在螺纹段之前写一段 G00 或 G01 的 X 向进给", "write an X move with G00 or G01 before the thread";
+    IncrementalOnly = 74, "incremental-only", "螺纹必须用增量 U、W 编程，不能用 {}", "program a thread with U and W, not with {}",
+        "把 {} 改为增量", "write {} as an increment";
     ThreadApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程或升速距离 {2} mm", "the thread begins {} mm before the part, less than three leads or the run-up ({2} mm)",
         "起刀点离工件 3–5 倍导程", "begin three to five leads before the part";
-    SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "the spindle's {} rpm exceed the {2} rpm that the thread allows",
+    SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "spindle speed {} rpm exceeds the {2} rpm allowed for the thread",
         "转速不超过 1200/导程-80", "keep it at 1200/lead - 80 or less";
-    SeveralTargets = 77, "several-targets", "程序段 {} 不唯一", "there are several blocks {}",
-        "循环、跳转、调用的目标段号必须唯一", "the target of a loop, jump or call must have a number of its own";
+    SeveralTargets = 77, "several-targets", "程序段 {} 不唯一", "{} is not unique",
+        "循环、跳转、调用的目标段号必须唯一", "the target of a loop, jump or call must have a unique number";
     JumpToItself = 78, "jump-to-itself", "{} 跳转到本段", "{} jumps to itself",
         "请指定其他程序段", "name another block";
-    G92WithDistances = 79, "preset-by-distance", "{} 不能用 {2}", "{} takes no {2}",
-        "用 X、Z 给出坐标", "give the coordinates by X and Z";
-    SubBeforeMain = 80, "sub-before-main", "子程序 {} 必须在主程序之后", "subprogram {} has to stand behind the main program",
-        "把子程序移到主程序之后", "move it behind the main program";
+    G92WithDistances = 79, "preset-by-distance", "{} 不能用 {2}", "{} cannot be used with {2}",
+        "用 X、Z 给出坐标", "give the coordinates with X and Z";
+    SubBeforeMain = 80, "sub-before-main", "子程序 {} 必须在主程序之后", "subprogram {} must be after the main program",
+        "把子程序移到主程序之后", "move it after the main program";
     ReturnWithoutCall = 81, "return-without-call", "M99 没有对应的 M98", "M99 without M98",
         "主程序用 M02 结束", "end the main program with M02";
-    LoopUnpaired = 82, "loop-unpaired", "{} 没有配对的 {2}", "{} has no {2}",
+    LoopUnpaired = 82, "loop-unpaired", "{} 没有配对的 {2}", "{} has no matching {2}",
         "G22 与 G80 必须成对，并写在段号之后", "G22 and G80 go in pairs, each first in its block";
-    NoMacros = 83, "no-macros", "本系统没有宏语句", "this language has no macro statements",
+    NoMacros = 83, "no-macros", "本系统没有宏语句", "this language does not support macro statements",
         "只能使用指令字", "write words only";
-    BlockNumberNotFirst = 98, "number-first", "段号必须在程序段开头", "the block number stands first in its block",
+    BlockNumberNotFirst = 98, "number-first", "段号必须在程序段开头", "the block number must be first in its block",
         "把 N 写在最前面", "write N first";
     /// A block without a block number (L1).
     BlockNumberMissing = 50, "block-number-missing", "程序段缺少段号", "the block has no number",
@@ -253,19 +253,19 @@ program_errors! {
     BlockNumberShort = 52, "block-number-short", "段号 {} 只有三位", "block number {} has three digits only",
         "应写成 {2}", "write {2}";
     /// A subprogram without M99 at its end (L7).
-    SubWithoutReturn = 53, "sub-without-return", "子程序 {} 没有 M99，程序到此结束", "subprogram {} has no M99: the text ends here",
+    SubWithoutReturn = 53, "sub-without-return", "子程序 {} 没有 M99，程序到此结束", "subprogram {} has no M99: the program text ends here",
         "子程序最后一段写 M99", "end the subprogram with M99";
     /// M02 inside a subprogram (L7).
-    EndInSub = 54, "end-in-sub", "子程序 {} 内不能用 M02", "M02 stands inside subprogram {}",
+    EndInSub = 54, "end-in-sub", "子程序 {} 内不能用 M02", "M02 is inside subprogram {}",
         "子程序用 M99 返回；M02 写在主程序末尾", "return with M99; M02 ends the main program";
     /// A code that the dialect does not have.
     UnknownCode = 55, "no-such-code", "没有 {} 指令", "unknown code {}",
-        "可用 {2}", "there are {2}";
+        "可用 {2}", "available are {2}";
     /// A thread before the program has started the spindle (L5).
-    ThreadSpindle = 56, "thread-spindle", "螺纹前程序没有启动主轴", "the program has not switched the spindle on before the thread",
-        "螺纹前写 M03 或 M04，主轴不转时运行报警 212", "write M03 or M04 before it: a standing spindle is alarm 212 in the run";
-    ThreadTooShort = 84, "thread-too-short", "螺纹长度 {} mm 不足纵向退尾 {2} mm", "the thread's length of {} mm is not more than its run-out of {2} mm",
-        "加大 W", "make W longer";
+    ThreadSpindle = 56, "thread-spindle", "螺纹前程序没有启动主轴", "the program does not start the spindle before the thread",
+        "螺纹前写 M03 或 M04，主轴不转时运行报警 212", "write M03 or M04 before it: a stopped spindle raises alarm 212 in the run";
+    ThreadTooShort = 84, "thread-too-short", "螺纹长度 {} mm 不足纵向退尾 {2} mm", "the thread length of {} mm is not more than its run-out of {2} mm",
+        "加大 W", "increase W";
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";
 }

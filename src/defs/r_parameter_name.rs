@@ -15,13 +15,13 @@ macro_rules! names {
 // R11 and R12 follow from the machine data: the wheel touches the diamond at X machine −50, Z machine −300; G54 is
 // X −450, Z −500.
 names! {
-    1 = 220.0, "砂轮最小直径", "least wheel dia.";
-    2 = 300.0, "砂轮最大直径", "greatest wheel dia.";
+    1 = 220.0, "砂轮最小直径", "min. wheel dia.";
+    2 = 300.0, "砂轮最大直径", "max. wheel dia.";
     3 = 300.0, "砂轮直径", "wheel diameter";
     4 = 40.0, "砂轮宽度", "wheel width";
-    5 = 0.0, "速度下限", "least rpm"; // 0 none
-    6 = 2_200.0, "线速度上限", "greatest rpm";
-    7 = 30.0, "线速度", "rim speed m/s";
+    5 = 0.0, "速度下限", "min. rpm"; // 0 none
+    6 = 2_200.0, "线速度上限", "max. rpm";
+    7 = 30.0, "线速度", "surface speed";
     8, "砂轮转速", "wheel rpm";
     9 = 0.0, "砂轮圆弧半径", "wheel edge radius";
     10 = 0.5, "金刚笔半径", "diamond radius";
@@ -30,7 +30,7 @@ names! {
     13 = 40.0, "垫块高度", "block height";
     14 = 0.0, "磨架角度", "head angle";
     15 = 0.2, "停顿时间", "dwell at ends"; // s
-    16 = 35.0, "砂轮允许线速度", "rated rim speed"; // P79
+    16 = 35.0, "砂轮允许线速度", "rated speed m/s"; // P79
     18 = 200.0, "X轴精磨尺寸", "finished X";
     19 = 35.0, "Z轴精磨尺寸", "finished Z";
     20 = 200.5, "X轴起始尺寸", "start X";
@@ -47,22 +47,22 @@ names! {
     36 = 0.03, "砂轮修整量", "dressing amount";
     37 = 0.02, "砂轮修整每次进给量", "dressing infeed";
     38 = 600.0, "砂轮修整进给率", "dressing feed";
-    39 = 0.1, "砂轮修整用安全让刀", "dressing let-off";
-    42 = 0.1, "安全让刀量", "let-off";
-    43 = 0.1, "安全让刀每次进给量", "let-off infeed";
-    44 = 1_500.0, "安全让刀进给率", "let-off feed";
+    39 = 0.1, "砂轮修整用安全让刀", "dressing clearance";
+    42 = 0.1, "安全让刀量", "clearance";
+    43 = 0.1, "安全让刀每次进给量", "clearance infeed";
+    44 = 1_500.0, "安全让刀进给率", "clearance feed";
     46 = 700.0, "中间点X轴坐标", "middle point X";
     47 = 250.0, "中间点Z轴坐标", "middle point Z";
-    50, "单次磨削量", "infeed now";
-    51, "进给率", "feed now";
+    50, "单次磨削量", "present infeed";
+    51, "进给率", "present feed";
     52, "起始点", "start";
     53, "终点", "end";
     54, "当前位置", "present size";
     56, "砂轮修磨量", "left to dress";
     57, "砂轮每次修磨量", "dressing step";
     58, "返回位置", "return to";
-    59, "修整后返回位置", "return, dressed";
-    60, "当前砂轮位置", "wheel stands at";
+    59, "修整后返回位置", "return (dressed)";
+    60, "当前砂轮位置", "wheel position";
     61, "修砂轮用计数器", "strokes left";
     62, "错误标志", "error flag";
     80, "修整起点", "dressing start X";
@@ -72,7 +72,7 @@ names! {
 pub const SHEET_TITLES: [Text; 3] = [
     Text::new("立磨砂轮与修整", "wheel and dressing"),
     Text::new("立磨尺寸与进给", "sizes and feeds"),
-    Text::new("立磨运行值", "values of the run"),
+    Text::new("立磨运行值", "run values"),
 ];
 
 /// The English text of a sheet label such as `R18 X轴精磨尺寸`; `None` for a text that is not in the table.

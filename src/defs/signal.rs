@@ -105,10 +105,10 @@ signals! {
         LimitYMinus = "limit-y-minus", 347, ANY, "Y- 限位", "limit switch Y-";
         LimitZPlus = "limit-z-plus", 348, ANY, "Z+ 限位", "limit switch Z+";
         LimitZMinus = "limit-z-minus", 349, ANY, "Z- 限位", "limit switch Z-";
-        Gear1In = "gear-1-in", 350, ANY, "1 档到位", "gear 1 in";
-        Gear2In = "gear-2-in", 351, ANY, "2 档到位", "gear 2 in";
-        Gear3In = "gear-3-in", 352, ANY, "3 档到位", "gear 3 in";
-        Gear4In = "gear-4-in", 353, ANY, "4 档到位", "gear 4 in";
+        Gear1In = "gear-1-in", 350, ANY, "1 档到位", "gear 1 engaged";
+        Gear2In = "gear-2-in", 351, ANY, "2 档到位", "gear 2 engaged";
+        Gear3In = "gear-3-in", 352, ANY, "3 档到位", "gear 3 engaged";
+        Gear4In = "gear-4-in", 353, ANY, "4 档到位", "gear 4 engaged";
         Station1 = "station-1", 365, ToolTurret, "1 号刀位", "tool post station 1";
         Station2 = "station-2", 366, ToolTurret, "2 号刀位", "tool post station 2";
         Station3 = "station-3", 367, ToolTurret, "3 号刀位", "tool post station 3";

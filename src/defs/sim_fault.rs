@@ -56,7 +56,7 @@ pub const FAULTS: [FaultRow; 19] = [
     row("worn-screw-x", FaultArgument::None, "X 丝杠磨损", "X screw worn"),
     row("worn-screw-y", FaultArgument::None, "Y 丝杠磨损", "Y screw worn"),
     row("worn-screw-z", FaultArgument::None, "Z 丝杠磨损", "Z screw worn"),
-    row("gauge-dead", FaultArgument::None, "量仪无信号", "gauge dead"),
+    row("gauge-dead", FaultArgument::None, "量仪无信号", "no gauge signal"),
     row("coolant-missing", FaultArgument::None, "冷却无流量", "no coolant flow"),
     row("lubrication-missing", FaultArgument::None, "润滑液位低", "lubrication low"),
     row("bus-late", FaultArgument::Ticks, "总线迟到 N 个周期", "the bus answers a tick late for N ticks"),

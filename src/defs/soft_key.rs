@@ -50,11 +50,11 @@ impl SoftKeyAction {
             Self::Open(page) => page.help(),
             Self::Position(CoordinateView::Relative) => Text::new(
                 "位置页的相对坐标：可清零；在这里设修整点。",
-                "The position page with relative coordinates: to be set to zero; dressing points are set here.",
+                "The position page with relative coordinates: they can be set to zero; dressing points are set here.",
             ),
             Self::Position(CoordinateView::All) => Text::new(
                 "位置页的综合坐标：绝对、相对、机床和余移动量。",
-                "The position page with all coordinates: absolute, relative, machine and what is left to go.",
+                "The position page with all coordinates: absolute, relative, machine and distance to go.",
             ),
             Self::Position(CoordinateView::Machine) => Text::new(
                 "位置页的机床坐标：从机械零点量起。",
@@ -62,7 +62,7 @@ impl SoftKeyAction {
             ),
             Self::Print => Text::new(
                 "把当前画面存成图片；位置在信息行说明。",
-                "Keeps a picture of the screen; the message line says where.",
+                "Saves a picture of the screen; the message line shows where.",
             ),
         }
     }

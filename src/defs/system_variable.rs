@@ -52,8 +52,8 @@ macro_rules! ranges {
 ranges! {
     GAUGE_POSITIONS = 434, 4, Read, "G78：X、快速 Z、慢速 Z、两者之差", "G78: X, fast Z, fine Z, their difference";
     OSCILLATION = 438, 2, Read, "振荡：前进到位、后退到位", "oscillation: forward end, backward end";
-    INPUTS = 1_000, 64, Read, "输入口 1-64，有效为 1", "inputs by port, 1 active";
-    OUTPUTS = 1_100, 64, ReadWrite, "输出口 1-64；赋值同 M21/M22", "outputs by port; a value acts as M21, M22";
+    INPUTS = 1_000, 64, Read, "输入口 1-64，有效为 1", "inputs by port, 1 = active";
+    OUTPUTS = 1_100, 64, ReadWrite, "输出口 1-64；赋值同 M21/M22", "outputs by port; writing acts as M21, M22";
     WEAR_X = 2_001, 16, ReadWrite, "X 磨耗 1-16", "wear of X, 1 to 16";
     WEAR_Z = 2_101, 16, ReadWrite, "Z 磨耗 1-16", "wear of Z, 1 to 16";
     WEAR_Y = 2_401, 16, ReadWrite, "Y 磨耗 1-16", "wear of Y, 1 to 16";
@@ -65,13 +65,13 @@ ranges! {
     HOURS = 3_002, 1, ReadWrite, "计时 h，通电为 0", "timer, hours, 0 at power-on";
     MESSAGE = 3_006, 1, Write, "信息并停止 (注释为文字)", "stop with a message, text in the comment";
     PARTS_DONE = 3_901, 1, ReadWrite, "已加工件数", "parts done";
-    PARTS_REQUIRED = 3_902, 1, ReadWrite, "需加工件数", "parts wanted";
+    PARTS_REQUIRED = 3_902, 1, ReadWrite, "需加工件数", "parts required";
     MODALS = 4_001, 130, Read, "模态：#4001-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: G groups, F, M, N, O, S, T";
-    BLOCK_END = 5_001, 3, Read, "段终点 (工件坐标)", "end of the block, work coordinates";
+    BLOCK_END = 5_001, 3, Read, "段终点 (工件坐标)", "end point of the block, work coordinates";
     MACHINE_POSITION = 5_021, 3, Read, "机床坐标", "machine position";
     WORK_POSITION = 5_041, 3, Read, "工件坐标", "work position";
     SKIP_POSITION = 5_061, 3, Read, "G31 锁存位置", "position latched by G31";
-    WHEEL_DIAMETER = 5_801, 1, ReadWrite, "砂轮直径 mm (P77)；赋值表示已修整", "wheel diameter (P77); a value says that it was dressed";
+    WHEEL_DIAMETER = 5_801, 1, ReadWrite, "砂轮直径 mm (P77)；赋值表示已修整", "wheel diameter (P77); writing it reports a dressing";
     WHEEL_WIDTH = 5_802, 1, Read, "砂轮宽度 mm (P78)", "wheel width (P78)";
     PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
     DRESSING_INTERVAL = 5_804, 1, Read, "修整间隔件数 (P95)", "dressing interval in parts (P95)";

@@ -73,7 +73,7 @@ impl CoreFault {
                 Text::new("控制没有应答", "Control does not answer"),
                 Text::new(
                     "超过 0.5 秒没有收到控制的数据，屏幕不再显示机床状态。",
-                    "No data have come from the control for more than 0.5 s. The screen no longer shows the machine.",
+                    "No data from the control for more than 0.5 s. The screen no longer shows the machine.",
                 ),
                 Text::new(
                     "输出状态未知：机床可能仍在运动。",

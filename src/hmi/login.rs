@@ -135,7 +135,7 @@ impl PasswordDialog {
             }
             PasswordStep::New => (self.new, self.step) = (text, PasswordStep::Repeat),
             PasswordStep::Repeat if text != self.new => {
-                self.refused = Some(Text::new("两次输入不一致，请重新输入", "the two differ: type it anew"));
+                self.refused = Some(Text::new("两次输入不一致，请重新输入", "the two differ: type it again"));
                 self.step = PasswordStep::New;
             }
             PasswordStep::Repeat => {

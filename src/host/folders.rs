@@ -231,7 +231,7 @@ fn page_text(folder: &Folder, number: u16) -> Result<Arc<page_text::PageText>, F
 pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<page_text::PageText, FileFault> {
     let fault = |position, message| FileFault { file: name.to_owned(), position: Some(position), message };
     let decoded = decode(bytes).map_err(|error| {
-        let en = "neither GBK nor UTF-8: save it again with an editor";
+        let en = "neither GBK nor UTF-8: save it again in an editor";
         let message = LocalizedText::new("不是 GBK 或 UTF-8 编码，请用记事本另存", en);
         fault((error.line as u32, error.column as u32), message)
     })?;
@@ -258,7 +258,7 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         return Err(file_fault(
             name,
             format!("图片是 {width}×{height}，应为 200×400 点"),
-            format!("the picture is {width}×{height}, it has to be 200×400 pixels"),
+            format!("the picture is {width}×{height}, it must be 200×400 pixels"),
         ));
     }
     let bits = number(BITS_OFFSET).map_or(0, |both| both & 0xFFFF);
@@ -266,7 +266,7 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         return Err(file_fault(
             name,
             format!("图片是 {bits} 位，保存时请选 24 位"),
-            format!("the picture has {bits} bits a pixel, save it with 24"),
+            format!("the picture has {bits} bits per pixel, save it with 24"),
         ));
     }
     if number(COMPRESSION_OFFSET) != Some(0) {
@@ -277,7 +277,7 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         return Err(file_fault(
             name,
             format!("文件是 {} 字节，应为 {PICTURE_BYTES} 字节 (234K)", bytes.len()),
-            format!("the file has {} bytes, it has to have {PICTURE_BYTES}", bytes.len()),
+            format!("the file has {} bytes, it must have {PICTURE_BYTES}", bytes.len()),
         ));
     }
     let damaged =

@@ -56,7 +56,7 @@ pub(super) fn cancelled() -> Refusal {
 /// Compares what was written to a USB drive with what is read back.
 pub(super) fn check_read_back(name: &str, same: bool) -> Result<(), Refusal> {
     let differs =
-        || refusal(format!("{name} 校验不符，请换 U 盘"), format!("{name} does not read back: take another medium"));
+        || refusal(format!("{name} 校验不符，请换 U 盘"), format!("{name} failed verification: use another medium"));
     if same { Ok(()) } else { Err(differs()) }
 }
 
@@ -72,7 +72,7 @@ pub(super) fn saved(title: &str, number: u32, bytes: &[u8], kept: bool) -> FileA
     } else {
         LocalizedText::new(
             format!("{title} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
-            format!("{title} saved as UTF-8: it holds signs that GBK lacks"),
+            format!("{title} saved as UTF-8: it contains characters that are not in GBK"),
         )
     };
     FileAnswer::Saved { message, number, stamp: stamp(bytes) }

@@ -170,7 +170,7 @@ impl JobRunner {
             FileRequest::SaveScreenshot(picture) => target.save_screenshot(picture, date),
             FileRequest::SaveTable(text) => target.save_dated(text.as_bytes(), date, "CSV"),
             FileRequest::ExportLeadscrew(axis, table) => leadscrew_files::write(*axis, table, date, target),
-            other => Err(refusal("不能导出", format!("{other:?} exports nothing"))),
+            other => Err(refusal("不能导出", format!("{other:?} cannot be exported"))),
         }
     }
 }

@@ -48,7 +48,7 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
         )
     })?;
     if table.points().is_empty() {
-        return Err(wrong("中没有点".into(), "holds no points".into()));
+        return Err(wrong("中没有点".into(), "contains no points".into()));
     }
     Ok(FileAnswer::Leadscrew(axis, table, name))
 }

@@ -118,10 +118,10 @@ impl PageFileFolder {
         };
         let to = self.screens.write(&PICTURE, file, &bytes)?;
         Ok(match fault {
-            None => done(format!("{to} 已换成 {name}"), format!("{to} is now {name}")),
+            None => done(format!("{to} 已换成 {name}"), format!("{to} replaced by {name}")),
             Some(fault) => done(
                 format!("{to} 已换成 {name}，已转换（{}）", fault.zh()),
-                format!("{to} is now {name}, converted ({})", fault.en()),
+                format!("{to} replaced by {name}, converted ({})", fault.en()),
             ),
         })
     }

@@ -68,14 +68,14 @@ impl ProgramFiles<'_> {
                 return Ok(done(format!("录返程序 {stem} 已保存"), format!("recorded as {stem}")));
             }
         }
-        Err(refusal("TEACH01–TEACH99 都已存在，请先删除", "TEACH01 to TEACH99 are there already: delete one"))
+        Err(refusal("TEACH01–TEACH99 都已存在，请先删除", "TEACH01 to TEACH99 already exist: delete one"))
     }
 
     pub(super) fn create(&self, number: u32, dialect: Dialect) -> JobResult {
         let file = file_number(number)?;
         self.folder.check_free(&PROGRAM, file)?;
         self.folder.write(&PROGRAM, file, nc::new_program_text(dialect, number).as_bytes())?;
-        Ok(done(format!("O{number:04} 已新建"), format!("O{number:04} is new")))
+        Ok(done(format!("O{number:04} 已新建"), format!("O{number:04} created")))
     }
 
     pub(super) fn copy(&self, from: u32, to: u32) -> JobResult {
@@ -92,7 +92,7 @@ impl ProgramFiles<'_> {
 
     pub(super) fn rename(&self, from: u32, to: u32) -> JobResult {
         self.folder.rename(&PROGRAM, file_number(from)?, file_number(to)?)?;
-        Ok(done(format!("O{from:04} 已改为 O{to:04}"), format!("O{from:04} is now O{to:04}")))
+        Ok(done(format!("O{from:04} 已改为 O{to:04}"), format!("O{from:04} renamed to O{to:04}")))
     }
 
     pub(super) fn delete(&self, number: u32) -> JobResult {

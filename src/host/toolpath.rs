@@ -97,8 +97,8 @@ impl Interference {
     fn line_fault(&self) -> LineFault {
         let zh = match self.cause {
             "chuck" => "刀具碰卡盘",
-            "part, shank of the tool" => "刀杆碰工件",
-            "part, spindle standing" => "主轴不转时切入工件",
+            "part, tool shank" => "刀杆碰工件",
+            "part, spindle stopped" => "主轴不转时切入工件",
             _ => "快速切入工件",
         };
         let (x, z) = (2.0 * self.at[0], self.at[2]);

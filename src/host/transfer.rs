@@ -409,7 +409,7 @@ fn unpack_archive(name: &str, bytes: &[u8], shelf: &ProgramFolder) -> Result<(Va
     let damaged = |what: &str| {
         refusal(
             format!("备份 {name} 已损坏或不是本系统的文件：{what}"),
-            format!("{name} is damaged or no backup of this control: {what}"),
+            format!("{name} is damaged or not a backup of this control: {what}"),
         )
     };
     let (mut values, mut contents, mut sums, mut listed) = (None, Vec::new(), Vec::new(), None);
@@ -492,7 +492,7 @@ impl SaveTarget<'_> {
     pub(super) fn save(self, bytes: &[u8], (stem, extension): (&str, &str)) -> Result<LocalizedText, Refusal> {
         let present = self.usb_drive.filter(|stick| stick.is_present()).map(UsbDrive::root);
         let Some(folder) = present.or(self.folder) else {
-            return Err(refusal("没有保存位置：请插入 U 盘", "nowhere to keep it: plug a USB medium in"));
+            return Err(refusal("没有保存位置：请插入 U 盘", "no place to save it: plug in a USB medium"));
         };
         let free =
             |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };

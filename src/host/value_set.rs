@@ -46,7 +46,7 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
     let mut restored = RestoredValues::default();
     let (mut params, mut memory) = (Params::factory(kind), CommonVariables::default());
     for (key, value) in &values.params {
-        let unknown = || refusal(format!("{key} 不是参数"), format!("{key} is no parameter"));
+        let unknown = || refusal(format!("{key} 不是参数"), format!("{key} is not a parameter"));
         let at = ParamAddress::parse(key).ok_or_else(unknown)?;
         params.write(at, *value).map_err(|error| {
             refusal(format!("{key} = {value}：{}", error.text().zh()), format!("{key} = {value}: {error}"))
@@ -60,14 +60,14 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
     let finite = |place: &PerAxis<f64>| place.0.iter().all(|value| value.is_finite() && value.abs() < 100_000.0);
     for (number, (geometry, wear)) in &values.offsets {
         if !(1..=TOOL_OFFSET_COUNT).contains(&usize::from(*number)) || !finite(geometry) || !finite(wear) {
-            return Err(refusal(format!("刀补 {number} 的值不对"), format!("offset {number} is wrong")));
+            return Err(refusal(format!("刀补 {number} 的值不对"), format!("offset {number} has an invalid value")));
         }
         restored.offsets.push((usize::from(*number), *geometry, *wear));
     }
     for (index, origin) in &values.frames {
         if usize::from(*index) >= WORK_OFFSET_COUNT || !finite(origin) {
             let g = 54 + u32::from(*index);
-            return Err(refusal(format!("坐标系 G{g} 的值不对"), format!("frame G{g} is wrong")));
+            return Err(refusal(format!("坐标系 G{g} 的值不对"), format!("work offset G{g} has an invalid value")));
         }
         restored.work_offsets.push((usize::from(*index), *origin));
     }

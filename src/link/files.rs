@@ -191,14 +191,12 @@ impl Refusal {
     #[must_use]
     pub fn message(&self) -> LocalizedText {
         match self {
-            Self::Conflict => Text::new("文件已被别处改动", "the file was changed elsewhere meanwhile").into(),
+            Self::Conflict => Text::new("文件已被别处改动", "the file was changed elsewhere in the meantime").into(),
             Self::Password => Text::new("需要程序编辑密码", "the password for editing programs is needed").into(),
             Self::Builder => Text::new("需要机床厂密码", "the machine builder's password is needed").into(),
-            Self::Overwrite(names) => phrase!(
-                "{count} 个文件已存在且内容不同",
-                "{count} files are there already and differ",
-                count = names.len()
-            ),
+            Self::Overwrite(names) => {
+                phrase!("{count} 个文件已存在且内容不同", "{count} files already exist and differ", count = names.len())
+            }
             Self::Convert(faults) => faults.first().cloned().unwrap_or_default(),
             Self::Alarm(number, detail) => alarm::find(*number).map_or_else(
                 || detail.clone(),

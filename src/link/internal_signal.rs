@@ -32,7 +32,7 @@ macro_rules! internals {
 internals! {
     DrivesOn = "drives-on", "驱动接通", "drives on";
     BusAlive = "bus-alive", "总线正常", "bus alive";
-    EmergencyStopped = "emergency-stopped", "急停生效", "emergency stop in force";
+    EmergencyStopped = "emergency-stopped", "急停生效", "emergency stop active";
     ScreenEmergencyStop = "screen-emergency-stop", "屏幕急停按下", "screen e-stop pressed";
     AlarmBlocksStart = "alarm-blocks-start", "报警禁止启动", "alarm blocks start";
     HomedX = "homed-x", "X 已回零", "X homed";
@@ -42,7 +42,7 @@ internals! {
     MovingY = "moving-y", "Y 运动中", "Y moving";
     MovingZ = "moving-z", "Z 运动中", "Z moving";
     InPosition = "in-position", "各轴到位", "axes in position";
-    ProgramOpen = "run-open", "程序未结束", "a program is open";
+    ProgramOpen = "run-open", "程序未结束", "program active";
     Running = "running", "程序运行", "program running";
     Held = "held", "进给保持", "feed hold";
     Waiting = "waiting", "等待输入", "waiting for an input";
@@ -50,7 +50,7 @@ internals! {
     SingleBlock = "single-block", "单段", "single block";
     BlockSkip = "block-skip", "跳段", "block skip";
     OptionalStop = "optional-stop", "选择停", "optional stop";
-    RapidJog = "rapid-by-hand", "手动快速", "rapid by hand";
+    RapidJog = "rapid-by-hand", "手动快速", "manual rapid";
     WheelRunUp = "wheel-run-up", "砂轮启动延时中", "wheel running up";
     WorkpieceDrive = "workpiece-drive", "头架/滚轮/台面转动", "workpiece drive on";
     TailstockMoving = "tailstock-moving", "尾座动作中", "tailstock moving";

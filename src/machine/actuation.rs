@@ -13,7 +13,7 @@ use crate::defs::signal::{InputSet, Output, OutputSet};
 use crate::defs::text::Text;
 use crate::units::Micros;
 
-const TOO_MANY_PULSES: Text = Text::new("同时输出的脉冲太多", "too many pulses at once");
+const TOO_MANY_PULSES: Text = Text::new("同时输出的脉冲太多", "too many output pulses at once");
 
 impl Machine {
     /// Executes a request that the interlock table has granted.

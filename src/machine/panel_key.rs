@@ -10,9 +10,9 @@ use crate::defs::text::Text;
 use crate::units::PerAxis;
 
 /// K2.2.
-pub const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "dead while a program runs");
+pub const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "not active while a program runs");
 /// K2.1.
-pub const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "this kind of machine does not have it");
+pub const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "not available on this kind of machine");
 
 /// Why a key is inactive regardless of interlocks: not on this kind, axis not fitted, or a program runs.
 #[must_use]

@@ -94,11 +94,11 @@ rules! {
         => Alarm(alarm::M_CODE_OF_OTHER_KIND), "本机型没有车床主轴和刀架",
             "this kind of machine has no turning spindle and no tool post";
     row: "L8", main_spindle_start, |facts| facts.turret_moving
-        => Deny, "刀架转位中，主轴不能启动", "the tool post turns: the spindle is not started";
+        => Deny, "刀架转位中，主轴不能启动", "the tool post is turning: the spindle cannot start";
     row: "K3.1", starts_spindle_or_fluid, |facts| facts.e_stop
-        => Deny, "急停中，不能启动", "emergency stop: nothing is started";
+        => Deny, "急停中，不能启动", "emergency stop: nothing can start";
     row: "B8", starts_spindle_or_fluid, |facts| facts.control_state.drives_off
-        => Deny, "停机报警未复位，不能启动", "an alarm that stopped everything waits for RESET: nothing is started";
+        => Deny, "停机报警未复位，不能启动", "an alarm that stopped the machine waits for RESET: nothing can start";
     row: "B5", motion, |facts| facts.e_stop
         => Deny, "急停中，松开急停并复位", "emergency stop: release it and press RESET";
     row: "B5", motion, |facts| facts.control_state.drives_off
@@ -106,7 +106,7 @@ rules! {
     row: "B5", |request| matches!(request, Request::HomeAxes), |facts| facts.control_state.machine_lock
         => Deny, "机床锁中不能回零", "machine lock: no homing";
     row: "K4.3", |request| matches!(request, Request::HomeAxes), |facts| facts.control_state.oscillating
-        => Deny, "振荡中不能回零", "an axis oscillates: no homing";
+        => Deny, "振荡中不能回零", "an axis is oscillating: no homing";
     row: "K6.1", switches_on, |facts| facts.port_conflict
         => Deny, "两个功能用了同一个输出口，见诊断页", "two functions share one output port: see diagnosis";
     row: "K2.4", needs_its_port, |facts| facts.port_missing
@@ -123,45 +123,45 @@ rules! {
         => Alarm(alarm::WHEEL_OVERSPEED), "砂轮直径与转速超过额定线速度 (P77 P79)",
             "diameter and speed exceed the wheel's rating (P77, P79)";
     row: "K3.7", wheel_start, |facts| facts.hydraulic_latched
-        => Deny, "液压报警 180 未复位，砂轮不能启动", "alarm 180 waits for RESET: the wheel may not start";
+        => Deny, "液压报警 180 未复位，砂轮不能启动", "alarm 180 waits for RESET: the wheel cannot start";
     row: "K3.7", wheel_start, |facts| facts.hydraulic_checked && !(facts.hydraulic_settled && facts.pressure)
         => Alarm(alarm::HYDRAULIC_PRESSURE), "液压未打开、延时未到或没有压力，砂轮不能启动",
-            "hydraulics off, too short on, or without pressure: the wheel may not start";
+            "hydraulics off, delay not elapsed, or no pressure: the wheel cannot start";
     row: "K3.7", wheel_start, |facts| facts.hydraulic_needed && !facts.hydraulic_on
-        => Deny, "液压未打开，砂轮不能启动", "hydraulics are off: the wheel may not start";
+        => Deny, "液压未打开，砂轮不能启动", "hydraulics are off: the wheel cannot start";
     row: "K3.11", wheel_start, |facts| facts.magnet_needed && !facts.magnetised
         => Alarm(alarm::MAGNET_INTERLOCK), "工件未充磁，砂轮不能启动 (P16.1)",
-            "the part is not magnetised: the wheel may not start";
+            "the part is not magnetised: the wheel cannot start";
     row: "K5.3", magnet, |facts| !facts.magnet_on_kind
         => Alarm(alarm::M_CODE_OF_OTHER_KIND), "本机型没有充磁/退磁", "this kind of machine has no magnet";
     row: "K3.11", magnet, |facts| !facts.magnet_enabled
         => NoEffect, "充磁/退磁无效 (P16.0=0)", "the magnet is disabled (P16.0=0)";
     row: "K3.11", releases_part, |facts| facts.drive_on && facts.drive_carries_part
-        => Alarm(alarm::MAGNET_INTERLOCK), "台面转动中，不能退磁", "the table turns: no demagnetising";
+        => Alarm(alarm::MAGNET_INTERLOCK), "台面转动中，不能退磁", "the table is turning: no demagnetising";
     row: "K3.11", releases_part, |facts| facts.wheel_on
         => Alarm(alarm::MAGNET_INTERLOCK), "砂轮转动中，不能退磁", "the wheel runs: no demagnetising";
     row: "K3.11", drive_start, |facts| facts.drive_carries_part && facts.magnet_enabled && !facts.magnetised
-        => Alarm(alarm::MAGNET_INTERLOCK), "工件未充磁，台面不能旋转", "the part is not magnetised: the table may not turn";
+        => Alarm(alarm::MAGNET_INTERLOCK), "工件未充磁，台面不能旋转", "the part is not magnetised: the table cannot start";
     row: "K5.3", tailstock, |facts| !facts.tailstock_on_kind
         => Alarm(alarm::M_CODE_OF_OTHER_KIND), "本机型没有尾座", "this kind of machine has no tailstock";
     row: "K3.3", tailstock, |facts| !facts.tailstock_enabled
         => NoEffect, "尾座无效 (P16.2=0)", "the tailstock is disabled (P16.2=0)";
     row: "K3.3", tailstock, |facts| facts.drive_on
-        => Alarm(alarm::TAILSTOCK_INTERLOCK), "头架转动中，尾座不能动作", "the headstock turns: the tailstock may not move";
+        => Alarm(alarm::TAILSTOCK_INTERLOCK), "头架转动中，尾座不能动作", "the headstock is turning: the tailstock cannot move";
     row: "K3.4", drive_start, |facts| facts.tailstock_moving
-        => Alarm(alarm::TAILSTOCK_INTERLOCK), "尾座动作中，头架不能启动", "the tailstock moves: the headstock may not start";
+        => Alarm(alarm::TAILSTOCK_INTERLOCK), "尾座动作中，头架不能启动", "the tailstock is moving: the headstock cannot start";
     row: "K3.4", drive_start, |facts| facts.tailstock_lost
         => Alarm(alarm::WORK_DRIVE_BLOCKED), "尾座到位信号丢失，头架不能启动",
-            "the tailstock has lost its end switch: the headstock may not start";
+            "the tailstock end switch is lost: the headstock cannot start";
     row: "K3.4", drive_start, |facts| facts.tailstock_enabled && facts.tailstock_needed && !facts.tailstock_advanced
         => Alarm(alarm::WORK_DRIVE_BLOCKED), "尾座未顶紧，头架不能启动",
-            "the tailstock is not advanced: the headstock may not start";
+            "the tailstock is not advanced: the headstock cannot start";
     row: "K3.5", hydraulic, |facts| facts.wheel_on
-        => NoEffect, "砂轮启动中，液压操作无效", "the wheel runs: hydraulics are not switched";
+        => NoEffect, "砂轮启动中，液压操作无效", "the wheel runs: hydraulics cannot be switched";
     // An MDI line may end the oscillation.
     row: "K5.8", |request| matches!(request, Request::CycleStart),
         |facts| facts.control_state.oscillating || facts.cylinder_on && !facts.control_state.run_open
-        => Alarm(alarm::OSCILLATING_AT_START), "振荡中，不能启动程序", "an axis oscillates: no cycle start";
+        => Alarm(alarm::OSCILLATING_AT_START), "振荡中，不能启动程序", "an axis is oscillating: no cycle start";
     row: "B8", cycle_start, |facts| facts.control_state.alarm_blocks
         => Deny, "有报警，先排除并复位", "an alarm is present: clear it first";
     row: "B5", cycle_start, |facts| facts.external_hold

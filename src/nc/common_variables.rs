@@ -10,7 +10,7 @@ pub enum VariableError {
     #[error("there is no common variable #{0}")]
     Unknown(u32),
     /// #570–#579 take 0 or 1.
-    #[error("variable #{0} takes 0 or 1 only")]
+    #[error("variable #{0} must be 0 or 1")]
     Switch(u32),
     /// Infinite or not a number.
     #[error("the value for #{0} is not a number")]

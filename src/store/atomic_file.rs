@@ -22,7 +22,7 @@ pub(super) fn is_temporary(name: &str) -> bool {
 pub(super) enum ReadError {
     #[error(transparent)]
     Io(#[from] IoFault),
-    #[error("not a plain file")]
+    #[error("not a regular file")]
     NotRegular,
     #[error("{size} bytes, more than {limit}")]
     TooLarge { size: u64, limit: u64 },
@@ -129,7 +129,7 @@ mod tests {
             "{}",
             fault.zh()
         );
-        assert!(fault.to_string().contains("make room on the disk"), "{fault}");
+        assert!(fault.to_string().contains("free disk space"), "{fault}");
         assert_eq!(fs::read_to_string(&path).expect("there"), "old");
         assert_eq!(fs::read_dir(folder.path()).expect("listed").count(), 1, "no temporary file is left");
     }

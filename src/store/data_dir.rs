@@ -11,7 +11,7 @@ use super::io_fault::IoFault;
 #[derive(Debug, thiserror::Error)]
 pub enum DataDirError {
     /// The platform has no default: no home directory.
-    #[error("data directory: the system names no place for data (no home directory); start with --data FOLDER")]
+    #[error("data directory: the system gives no place for data (no home directory); start with --data FOLDER")]
     NoPlace,
     /// The directory cannot be created or written.
     #[error("data directory: {0}, or start with another --data FOLDER")]

@@ -25,7 +25,7 @@ pub struct Decoded {
 
 /// Bytes that are invalid in UTF-8 and in GBK.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}, byte {column}: 0x{byte:02X} is no character in UTF-8 nor in GBK; {}", remedy(*.utf16))]
+#[error("line {line}, byte {column}: 0x{byte:02X} is not a character of UTF-8 or GBK; {}", remedy(*.utf16))]
 pub struct DecodeError {
     /// Line, from 1.
     pub line: usize,

@@ -32,7 +32,7 @@ pub enum FolderError {
         like: String,
     },
     /// The number is too large for a file name.
-    #[error("{0} is not a file number; 0 to {LARGEST_NUMBER} are")]
+    #[error("{0} is not a file number; use 0 to {LARGEST_NUMBER}")]
     BadNumber(u16),
     /// A link, folder or device has that name.
     #[error("{}: a link, folder or device; put the file itself there", .0.display())]
@@ -51,7 +51,7 @@ pub enum FolderError {
     #[error("{}: still being written; wait until it is copied and try again", .0.display())]
     BeingWritten(PathBuf),
     /// The target exists already.
-    #[error("{}: there already; delete it first or choose another number", .0.display())]
+    #[error("{}: already exists; delete it first or choose another number", .0.display())]
     Exists(PathBuf),
     /// The operating system reported an error.
     #[error(transparent)]
@@ -71,7 +71,7 @@ impl FolderError {
         };
         let of = |zh: &str, en: &str| LocalizedText::new(format!("{name} {zh}"), format!("{name} {en}"));
         match self {
-            Self::Exists(_) => of("已存在，请换一个号", "is there already: choose another number"),
+            Self::Exists(_) => of("已存在，请换一个号", "already exists: choose another number"),
             Self::TooLarge { size, limit, .. } => {
                 of(&format!("太大：{size} 字节，最多 {limit}"), &format!("is too large: {size} bytes, {limit} at most"))
             }
@@ -80,10 +80,10 @@ impl FolderError {
             }
             Self::BeingWritten(_) => of("正在被写入，请稍后再试", "is still being written: wait and try again"),
             Self::BadName { like, .. } => {
-                of(&format!("不是有效的文件名，应像 {like}"), &format!("is not a file name: one like {like} is"))
+                of(&format!("不是有效的文件名，应像 {like}"), &format!("is not a file name: use one like {like}"))
             }
-            Self::BadNumber(_) => of("不是有效的程序号，应为 1-9999", "is not a program number: 1 to 9999 are"),
-            Self::Missing { .. } | Self::Io(_) => of("不存在", "is not there"),
+            Self::BadNumber(_) => of("不是有效的程序号，应为 1-9999", "is not a program number: use 1 to 9999"),
+            Self::Missing { .. } | Self::Io(_) => of("不存在", "does not exist"),
         }
     }
 }

@@ -53,12 +53,12 @@ fn remedy(kind: ErrorKind) -> Text {
     let (zh, en) = match kind {
         ErrorKind::NotFound => ("找不到，请检查 U 盘是否插好", "check the path, and that the stick is plugged in"),
         ErrorKind::PermissionDenied => ("没有权限", "give the user of the control access to it"),
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => ("磁盘已满，请清理后再试", "make room on the disk"),
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => ("磁盘已满，请清理后再试", "free disk space"),
         ErrorKind::ReadOnlyFilesystem => {
             ("磁盘写保护，请解除或更换", "the disk is write-protected: unlock it, or replace a failing disk")
         }
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
-            ("同名的文件或目录挡住了，请移开", "move away the file that stands in its place")
+            ("同名的文件或目录挡住了，请移开", "move away the file or folder of the same name")
         }
         _ => ("请检查磁盘后再试", "check the disk and try again"),
     };

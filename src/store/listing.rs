@@ -77,7 +77,10 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Ca
         // It may have been deleted since the folder was opened.
         let Ok(metadata) = entry.metadata() else { continue };
         if !metadata.is_file() {
-            ignored.push(IgnoredFile { name, reason: "a link, folder or device: only plain files count".to_owned() });
+            ignored.push(IgnoredFile {
+                name,
+                reason: "a link, folder or device: only regular files are listed".to_owned(),
+            });
             continue;
         }
         let candidate = Candidate { name, rank, metadata };
@@ -86,7 +89,7 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Ca
             continue;
         };
         let (winner, loser) = rank_candidates(rival, candidate);
-        ignored.push(IgnoredFile { name: loser.name, reason: format!("{} counts instead", winner.name) });
+        ignored.push(IgnoredFile { name: loser.name, reason: format!("{} is used instead", winner.name) });
         found.insert(number, winner);
     }
     ignored.sort_by(|a, b| a.name.cmp(&b.name));

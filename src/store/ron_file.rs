@@ -61,7 +61,7 @@ pub struct LoadedFile<T> {
 #[derive(Debug, thiserror::Error)]
 pub enum RonError {
     /// Neither the file nor its previous version exists.
-    #[error("{}: not there; it is made when it is first saved", .0.display())]
+    #[error("{}: not found; it is created when first saved", .0.display())]
     Missing(PathBuf),
     /// The text is not RON, or not of this type.
     #[error("{} line {line}, column {column}: {cause}; correct it there or restore a backup", .path.display())]
@@ -79,7 +79,7 @@ pub enum RonError {
     #[error("{}: {}; restore a backup", .0.display(), .1)]
     Checksum(PathBuf, &'static str),
     /// A link, folder or device, too large, or still being written.
-    #[error("{}: {}; put a plain RON file there", .0.display(), .1)]
+    #[error("{}: {}; put a regular RON file there", .0.display(), .1)]
     NotReadable(PathBuf, String),
     /// A value that RON cannot express: a bug of the caller.
     #[error("{}: the value cannot be written as RON: {}", .0.display(), .1)]
@@ -198,7 +198,7 @@ fn read_error(path: &Path, refused: ReadError) -> RonError {
 fn utf8_error(path: &Path, bytes: &[u8], valid: usize) -> RonError {
     let before = String::from_utf8_lossy(&bytes[..valid]);
     let (line, last) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default());
-    let cause = "no UTF-8 text".to_owned();
+    let cause = "not UTF-8 text".to_owned();
     RonError::Text { path: path.to_path_buf(), line, column: last.chars().count() + 1, cause }
 }
 

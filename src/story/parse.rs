@@ -124,7 +124,7 @@ impl LineParser {
     fn expect_end(&self) -> Result<(), StoryError> {
         match self.words.get(self.next) {
             None => Ok(()),
-            Some((column, word)) => Err(self.error_at(*column, format!("'{word}' is too much here"))),
+            Some((column, word)) => Err(self.error_at(*column, format!("unexpected '{word}' at the end"))),
         }
     }
 
@@ -352,7 +352,7 @@ impl LineParser {
             word => axis(word)
                 .map(Quantity::Work)
                 .or_else(|| variable(word).map(Quantity::Variable))
-                .ok_or_else(|| self.error(format!("'{word}' cannot be expected"))),
+                .ok_or_else(|| self.error(format!("'{word}' cannot be used after `expect`"))),
         }
     }
 

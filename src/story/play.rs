@@ -140,7 +140,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Load(number) => self.load(*number),
             Statement::LoadNamed(name) => match self.host().find_program(name) {
                 Some(number) => self.load(number),
-                None => Err(format!("程序目录中没有 {name}; the programs folder has no {name}")),
+                None => Err(format!("程序目录中没有 {name}; {name} is not in the programs folder")),
             },
             Statement::Mode(mode) => self.press(mode.key()),
             Statement::HomeAll => self.home_all(),

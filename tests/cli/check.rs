@@ -36,9 +36,9 @@ fn l7_targets_of_blocks_that_the_run_does_not_reach_are_looked_for() {
         "A.NC:2:9: there is no block N0990",
         "A.NC:3:9: there is no block N0990",
         "A.NC:4:9: N0040 jumps to itself",
-        "A.NC:5:9: there are several blocks N0060",
+        "A.NC:5:9: N0060 is not unique",
         "A.NC:8:6: M98 needs L",
-        "A.NC:9:6: G22 has no G80",
+        "A.NC:9:6: G22 has no matching G80",
     ] {
         assert!(said(&out).contains(line), "{line}: {}", said(&out));
     }
@@ -53,8 +53,12 @@ fn l4_a_loop_with_too_many_passes_is_left_and_the_verdict_says_so() {
         "N0010G22L2000\nN0020G22L2000\nN0030G01U-1W1F300\nN0040U1W-1\nN0050G80\nN0060G80\nN0070G01W-5F300\nN0080M02\n";
     let out = check("lathe", "LONG.NC", text, &["--lang", "en"]);
     assert!(!said(&out).contains(": ok"), "{}", said(&out));
-    assert!(said(&out).starts_with("LONG.NC: no error found, but not checked to its end\n"), "{}", said(&out));
-    assert!(warned(&out).contains("LONG.NC:5:1: warning: the check left this loop"), "{}", warned(&out));
+    assert!(
+        said(&out).starts_with("LONG.NC: no error found, but the check did not reach the program end\n"),
+        "{}",
+        said(&out)
+    );
+    assert!(warned(&out).contains("LONG.NC:5:1: warning: the check stopped in this loop"), "{}", warned(&out));
     let zh = check("lathe", "LONG.NC", text, &["--lang", "zh"]);
     assert!(said(&zh).starts_with("LONG.NC: 未发现错误，但没有检查到结束\n"), "{}", said(&zh));
     assert!(warned(&zh).contains("LONG.NC:5:1: 警告：检查没有走完"), "{}", warned(&zh));
@@ -152,7 +156,7 @@ fn t4_an_alarm_of_the_simulated_run_has_its_line() {
     let text = "N10 G91 G94 F6000\nAA1:G1 X-10\nGOTOB AA1\nM2\n";
     let out = check("vertical", "V.MPF", text, &["--simulate", "--lang", "en"]);
     assert_eq!(out.status.code(), Some(1), "{out:?}");
-    assert!(said(&out).starts_with("V.MPF:2:1: software limit: "), "{}", said(&out));
+    assert!(said(&out).starts_with("V.MPF:2:1: soft limit: "), "{}", said(&out));
 }
 
 /// VBORE has values of its own: from a fresh control it grinds its bore, and what the call sets counts.

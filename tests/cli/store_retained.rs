@@ -246,7 +246,7 @@ fn a_row_changed_behind_the_control_is_damage() {
     transaction.commit().unwrap();
     drop(database);
     let opened = open(folder.path());
-    assert_eq!(opened.damaged.expect("noticed").cause, "rows do not fit their checksum");
+    assert_eq!(opened.damaged.expect("noticed").cause, "rows do not match their checksum");
 }
 
 #[test]

@@ -188,7 +188,7 @@ pub fn running(page: Page) -> Snapshot {
     snapshot.axes[Axis::X].to_go = -52.464;
     snapshot.program.line = 13;
     snapshot.program.block = Some(90);
-    let why = Text::new("自动运行中此键无效", "dead while a program runs");
+    let why = Text::new("自动运行中此键无效", "not active while a program runs");
     for key in Key::ALL {
         let row = key.row();
         snapshot.keys[*key as usize].blocked = (!row.active_in_run).then_some(why);

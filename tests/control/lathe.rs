@@ -233,7 +233,7 @@ fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
         "key cycle-start\nwait until alarm max 20 s\nexpect alarm 212\nexpect Z 20 ±0.001\nexpect X 98 ±0.001",
     );
     let told = &rig.snapshot().alarms[0].text;
-    assert_eq!(told.en().to_string(), "the spindle stands: O7000 line 3, column 6");
+    assert_eq!(told.en().to_string(), "the spindle is not turning: O7000 line 3, column 6");
     let mut rig = lathe("N0010G92X100Z20\nN0020M03S400\nN0030G01U-2F300\nN0040W-30G33F3\nN0060M02");
     // 1200/3 − 80 = 320 rpm.
     tell(
@@ -244,7 +244,7 @@ fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
     let (en, zh) = (told.en().to_string(), told.zh().to_string());
     assert_eq!(
         en,
-        "spindle too fast for the thread: O7000 line 4, column 10: 400 rpm, a lead of 3.000 mm allows 320 rpm"
+        "spindle too fast for the thread: O7000 line 4, column 10: 400 rpm, lead 3.000 mm allows at most 320 rpm"
     );
     assert!(zh.starts_with("螺纹加工主轴转速过高：O7000 第4行 第10列："), "{zh}");
 }
@@ -435,8 +435,8 @@ fn l9_interference_of_tool_with_bar_and_chuck_is_a_crash() {
         event.place
     };
     assert_eq!(into("N0020M03\nN0030G00X40\nN0040Z-30"), "part, rapid traverse");
-    assert_eq!(into("N0030G01X40F300\nN0040Z-30"), "part, spindle standing");
-    assert_eq!(into("N0020M03\nN0030G00X20\nN0040G01Z-30F300"), "part, shank of the tool");
+    assert_eq!(into("N0030G01X40F300\nN0040Z-30"), "part, spindle stopped");
+    assert_eq!(into("N0020M03\nN0030G00X20\nN0040G01Z-30F300"), "part, tool shank");
     assert_eq!(into("N0020M03\nN0030G01Z-125F2000"), "chuck");
 }
 
@@ -578,28 +578,28 @@ fn l1_to_l7_a_program_with_a_mistake_does_not_start() {
     const ROWS: &[(&str, u32, E, &str, &str)] = &[
         ("G00X10U5", 12, E::AbsoluteAndIncremental, "X and U name the same axis", "X 与 U 指同一轴"),
         ("G01Z10W5F300", 12, E::AbsoluteAndIncremental, "Z and W name the same axis", "Z 与 W 指同一轴"),
-        ("M97L0100", 9, E::SeveralTargets, "there are several blocks N0100", "程序段 N0100 不唯一"),
-        ("M98L0100", 9, E::SeveralTargets, "there are several blocks N0100", "程序段 N0100 不唯一"),
+        ("M97L0100", 9, E::SeveralTargets, "N0100 is not unique", "程序段 N0100 不唯一"),
+        ("M98L0100", 9, E::SeveralTargets, "N0100 is not unique", "程序段 N0100 不唯一"),
         ("M97L0990", 9, E::MissingTarget, "there is no block N0990", "找不到程序段 N0990"),
         ("M98L0990", 9, E::MissingTarget, "there is no block N0990", "找不到程序段 N0990"),
         ("M97L0020", 9, E::JumpToItself, "N0020 jumps to itself", "N0020 跳转到本段"),
         ("G92X100", 6, E::MissingWord, "G92 needs Z", "G92 缺少 Z"),
         ("G92Z100", 6, E::MissingWord, "G92 needs X", "G92 缺少 X"),
-        ("G92U5Z100", 9, E::G92WithDistances, "G92 takes no U W", "G92 不能用 U W"),
-        ("G23U0W-50F240", 9, E::RectangleSide, "the side of the rectangle along X has no length", "矩形循环 X 方向边长为零"),
-        ("G23U-5W0F240", 12, E::RectangleSide, "the side of the rectangle along Z has no length", "矩形循环 Z 方向边长为零"),
+        ("G92U5Z100", 9, E::G92WithDistances, "G92 cannot be used with U W", "G92 不能用 U W"),
+        ("G23U0W-50F240", 9, E::RectangleSide, "the side of the rectangle along X is zero", "矩形循环 X 方向边长为零"),
+        ("G23U-5W0F240", 12, E::RectangleSide, "the side of the rectangle along Z is zero", "矩形循环 Z 方向边长为零"),
         ("G02U0W0R100", 13, E::FullCircleByRadius, "a full circle cannot be written with R", "整圆不能用 R 编程"),
-        ("G02U0W-100.05I0K-50F300", 19, E::ArcEndOffCircle, "the arc's end lies 0.050 mm off the circle", "圆弧终点偏离圆周 0.050 mm"),
-        ("G02U0.4W0I0.4K0", 15, E::ArcTooSmall, "the arc's radius of 0.200 mm has to be above 0.2 mm", "圆弧半径 0.200 mm 应大于 0.2 mm"),
-        ("G03U0W0.2R0.15", 15, E::ArcTooSmall, "the arc's radius of 0.150 mm has to be above 0.2 mm", "圆弧半径 0.150 mm 应大于 0.2 mm"),
+        ("G02U0W-100.05I0K-50F300", 19, E::ArcEndOffCircle, "the arc end point is 0.050 mm off the circle", "圆弧终点偏离圆周 0.050 mm"),
+        ("G02U0.4W0I0.4K0", 15, E::ArcTooSmall, "the arc radius of 0.200 mm must be greater than 0.2 mm", "圆弧半径 0.200 mm 应大于 0.2 mm"),
+        ("G03U0W0.2R0.15", 15, E::ArcTooSmall, "the arc radius of 0.150 mm must be greater than 0.2 mm", "圆弧半径 0.150 mm 应大于 0.2 mm"),
         ("G00U-2F1999", 12, E::OutOfRange, "F1999 is out of range 2000–6000 mm/min", "F1999 超出范围 2000–6000 mm/min"),
         ("G01U-2F2001", 12, E::OutOfRange, "F2001 is out of range 6–2000 mm/min", "F2001 超出范围 6–2000 mm/min"),
         ("G02U20W-10R10F601", 19, E::OutOfRange, "F601 is out of range 6–600 mm/min", "F601 超出范围 6–600 mm/min"),
         ("G04F0", 9, E::OutOfRange, "F0 is out of range 0.01–9999.99 s", "F0 超出范围 0.01–9999.99 s"),
         ("G33W-50F12.5", 13, E::OutOfRange, "F12.5 is out of range 0.25–12 mm", "F12.5 超出范围 0.25–12 mm"),
-        ("G33Z-50F1.5", 9, E::IncrementalOnly, "a thread is written with U and W, not with Z", "螺纹必须用增量 U、W 编程，不能用 Z"),
-        ("G80", 6, E::LoopUnpaired, "G80 has no G22", "G80 没有配对的 G22"),
-        ("G22L2", 6, E::LoopUnpaired, "G22 has no G80", "G22 没有配对的 G80"),
+        ("G33Z-50F1.5", 9, E::IncrementalOnly, "program a thread with U and W, not with Z", "螺纹必须用增量 U、W 编程，不能用 Z"),
+        ("G80", 6, E::LoopUnpaired, "G80 has no matching G22", "G80 没有配对的 G22"),
+        ("G22L2", 6, E::LoopUnpaired, "G22 has no matching G80", "G22 没有配对的 G80"),
         ("M99", 6, E::ReturnWithoutCall, "M99 without M98", "M99 没有对应的 M98"),
         ("G54", 6, E::UnknownCode, "unknown code G54", "没有 G54 指令"),
     ];
@@ -617,7 +617,7 @@ fn l1_to_l7_a_program_with_a_mistake_does_not_start() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     // No X infeed anywhere before the thread.
     let (number, said) = refused("N0010G00W5\nN0015M03\nN0020G33W-50F1.5\nN0030M02\n");
-    assert!(said[0].starts_with("O7000 line 3, column 6: no move of X before the thread"), "{said:?}");
+    assert!(said[0].starts_with("O7000 line 3, column 6: no X move before the thread"), "{said:?}");
     assert_eq!(number, E::ThreadWithoutInfeed.number());
     // A mistake in a block that the run would not come to, and in a subprogram.
     let (_, said) = refused("N0010G00W5\nN0020M97L0040\nN0030X5U5\nN0040M02\n");

@@ -191,5 +191,5 @@ fn l9_a_tool_as_it_is_defined_crashes_in_the_run_as_in_the_drawing() {
     rig.mount_part(&bar);
     rig.step();
     tell(&mut rig, "load PART\nmode auto\nkey cycle-start\nwait until alarm max 120 s\nexpect event crash");
-    assert_eq!(rig.machine().events()[0].place, "part, shank of the tool");
+    assert_eq!(rig.machine().events()[0].place, "part, tool shank");
 }

@@ -189,7 +189,7 @@ fn s6_the_check_stops_a_bore_that_would_become_too_large() {
     let out = kt830(&[&call[..], &values[..]].concat());
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(out.status.code(), Some(2), "{said}");
-    assert!(said.contains("N400 infeed passes R18: R50=") && said.contains("above R18="), "{said}");
+    assert!(said.contains("N400 infeed goes past R18: R50=") && said.contains("above R18="), "{said}");
 }
 
 #[test]
@@ -390,7 +390,7 @@ fn s5_the_printed_program_is_stopped_by_the_check_at_n340_and_not_run() {
     assert_eq!(out.status.code(), Some(2), "{out:?}");
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     // R60 = 200.06 after 22 strokes of 0.02; 200.06 − 200 + 0.05 = 0.11.
-    let reason = "N340 infeed passes R18: R50=0.110 leads to the diameter 199.950, below R18=200.000; it was not run";
+    let reason = "N340 infeed goes past R18: R50=0.110 gives diameter 199.950, below R18=200.000; not executed";
     assert!(said.contains(&format!("PRINTED.MPF:35:10: {reason}")), "{said}");
     assert!(!said.contains("part diameter"), "it has not run: {said}");
 }
@@ -410,14 +410,14 @@ fn s5_the_check_names_the_infeed_and_not_the_feed() {
     let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", main.to_str().unwrap()];
     let out = kt830(&[&call[..], &SETS[..], &["--set", "R25=-0.1"]].concat());
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(said.contains("N325 infeed passes R18: R50=0.020 leads to") || said.contains("N340 infeed"), "{said}");
+    assert!(said.contains("N325 infeed goes past R18: R50=0.020 gives") || said.contains("N340 infeed"), "{said}");
     assert!(!said.contains("R51="), "{said}");
     // As printed with no allowance, the let-off behind the last rough stroke goes past the size: R43 in N390.
     let printed = "programs/802d/as-printed/PRINTED.MPF";
     let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", printed];
     let out = kt830(&[&call[..], &SETS[..], &["--set", "R25=0"]].concat());
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
-    assert!(said.contains("infeed passes R18: R50=") && !said.contains("R51="), "{said}");
+    assert!(said.contains("infeed goes past R18: R50=") && !said.contains("R51="), "{said}");
 }
 
 /// A subprogram of the 802D has a name: a report says L53, the text as the JSON.
@@ -475,8 +475,8 @@ fn s5_the_check_of_the_printed_program_names_the_loop_that_does_not_end() {
         ("zh", ":57:1: 警告：检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
         (
             "en",
-            ":57:1: warning: the check left this loop: it does not end",
-            "74 lines  the check did not come to the program's end; until that loop repeats ",
+            ":57:1: warning: the check stopped in this loop: it does not end",
+            "74 lines  the check did not reach the program end; until that loop repeats ",
         ),
     ] {
         let out = kt830(&[&["check", "--kind", "vertical", "--lang", lang, file], &SETS[..]].concat());
@@ -784,8 +784,8 @@ fn s1_a_program_with_a_mistake_does_not_start() {
     #[rustfmt::skip]
     const ROWS: &[(&str, u32, u16, &str, &str)] = &[
         ("IF R1>5 GOTOF AA9", 15, 91, "there is no label AA9", "找不到标号 AA9"),
-        ("GOTOF AA1", 7, 92, "label AA1 does not lie that way", "标号 AA1 不在跳转方向上"),
-        ("GOTOB BB1", 7, 92, "label BB1 does not lie that way", "标号 BB1 不在跳转方向上"),
+        ("GOTOF AA1", 7, 92, "label AA1 is not in this direction", "标号 AA1 不在跳转方向上"),
+        ("GOTOB BB1", 7, 92, "label BB1 is not in this direction", "标号 BB1 不在跳转方向上"),
         ("MSG(\"abc)", 5, 93, "the quotes do not match", "引号不匹配"),
         ("MSG(“abc\")", 5, 93, "the quotes do not match", "引号不匹配"),
         ("R300=1", 1, 90, "there is no parameter R300", "没有参数 R300"),

@@ -127,7 +127,7 @@ fn k7_4_every_mistake_is_told_with_its_line() {
 #[test]
 fn k7_4_what_the_program_reads_and_the_page_lacks_is_marked_and_added() {
     let mut shop = Shop::new();
-    // #502 and #512 are read and not on the page; #511 and #101 are the program's own; #520 is not used.
+    // #502 and #512 are read and not on the page; #511 and #101 are program internal; #520 is not used.
     shop.bench.touch("变量 缺 2 page-variables");
     for words in ["页面上没有", "#502", "#512", "程序没有用", "#520", "程序内部使用", "#511", "粗磨速度"]
     {

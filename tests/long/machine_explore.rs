@@ -67,7 +67,7 @@ const ALL_OFF_IN_AN_EMERGENCY: &[Output] = &[
 struct Without {
     /// Rows of the interlock table by their reasons.
     rules: &'static [&'static str],
-    /// K2.2: keys are dead while a program runs.
+    /// K2.2: keys are not active while a program runs.
     dead_keys: bool,
     /// The machine does not see the emergency stop.
     e_stop: bool,
@@ -516,22 +516,22 @@ fn k3_7_every_state_keeps_the_invariants_without_supervision() {
 
 #[test]
 fn the_search_notices_each_rule_that_is_taken_out() {
-    const HYDRAULICS: &str = "hydraulics off, too short on, or without pressure: the wheel may not start";
-    const STOPPED: &str = "an alarm that stopped everything waits for RESET: nothing is started";
+    const HYDRAULICS: &str = "hydraulics off, delay not elapsed, or no pressure: the wheel cannot start";
+    const STOPPED: &str = "an alarm that stopped the machine waits for RESET: nothing can start";
     let without: [(Kind, &[&str], &str); 12] = [
         (Kind::Gc, &[HYDRAULICS], "the wheel starts without"),
-        (Kind::Gc, &["alarm 180 waits for RESET: the wheel may not start"], "the wheel starts with alarm 180"),
-        (Kind::Gs, &["the part is not magnetised: the wheel may not start"], "the wheel starts unmagnetised"),
+        (Kind::Gc, &["alarm 180 waits for RESET: the wheel cannot start"], "the wheel starts with alarm 180"),
+        (Kind::Gs, &["the part is not magnetised: the wheel cannot start"], "the wheel starts unmagnetised"),
         (Kind::Gc, &[STOPPED], "something starts before RESET"),
         // The emergency stop itself is covered twice.
-        (Kind::Gc, &[STOPPED, "emergency stop: nothing is started"], "something starts before RESET"),
+        (Kind::Gc, &[STOPPED, "emergency stop: nothing can start"], "something starts before RESET"),
         (Kind::Gc, &["the guard is open: close it first"], "the wheel starts with the guard open"),
-        (Kind::Gc, &["the headstock turns: the tailstock may not move"], "headstock and tailstock"),
-        (Kind::Gc, &["the tailstock moves: the headstock may not start"], "headstock and tailstock"),
-        (Kind::Ga, &["the part is not magnetised: the table may not turn"], "the table turns unmagnetised"),
-        (Kind::Ga, &["the table turns: no demagnetising"], "the table turns unmagnetised"),
+        (Kind::Gc, &["the headstock is turning: the tailstock cannot move"], "headstock and tailstock"),
+        (Kind::Gc, &["the tailstock is moving: the headstock cannot start"], "headstock and tailstock"),
+        (Kind::Ga, &["the part is not magnetised: the table cannot start"], "the table turns unmagnetised"),
+        (Kind::Ga, &["the table is turning: no demagnetising"], "the table turns unmagnetised"),
         (Kind::Gs, &["the wheel runs: no demagnetising"], "demagnetised while the wheel"),
-        (Kind::Gc, &["the wheel runs: hydraulics are not switched"], "hydraulics switch"),
+        (Kind::Gc, &["the wheel runs: hydraulics cannot be switched"], "hydraulics switch"),
     ];
     for (kind, rule, expected) in without {
         fails_without(kind, rule, expected);

@@ -133,7 +133,7 @@ fn b1_an_empty_library_has_no_programs() {
 #[test]
 fn l1_remedies_name_what_this_language_has() {
     let rows = [
-        ("G01X", "write its value", "请在其后写出数值"),
+        ("G01X", "write the value", "请在其后写出数值"),
         ("G02U10W-5", "write the radius R, or the centre I K", "请写半径 R，或圆心坐标 I K"),
         ("G32W-50F14.1", "33.2 is 33½", "33.2 是 33½"),
     ];

@@ -97,14 +97,14 @@ fn s1_wrong_programs_name_every_error_with_line_and_column() {
 #[test]
 fn s1_remedies_name_what_this_language_has() {
     let rows = [
-        ("G1 X5", "give F in this block or before; G94/G95 asks for a new one", "G94/G95"),
+        ("G1 X5", "give F in this block or before; G94/G95 requires a new one", "G94/G95"),
         ("G2 X10 F100", "write the radius CR=, or the centre I K", "CR="),
         ("G2 X10 R5.5", "write CR=5.5", "CR=5.5"),
-        ("G98 F100", "there are G94 (mm/min) G95 (mm/r)", "G94 (mm/min)"),
-        ("G0 X", "write its value", "请在其后写出数值"),
+        ("G98 F100", "available are G94 (mm/min) G95 (mm/r)", "G94 (mm/min)"),
+        ("G0 X", "write the value", "请在其后写出数值"),
         ("X10 (comment)", "type ; instead", "半角英文字符 ;"),
-        ("R1=FOO(1)", "there are SIN COS TAN ASIN ACOS SQRT ABS TRUNC ROUND LN EXP POT ATAN2", "可用 SIN COS"),
-        ("IF: R1=1", "and is no word of the language", "且不能是指令字"),
+        ("R1=FOO(1)", "available are SIN COS TAN ASIN ACOS SQRT ABS TRUNC ROUND LN EXP POT ATAN2", "可用 SIN COS"),
+        ("IF: R1=1", "and must not be a code word", "且不能是指令字"),
     ];
     for (block, en, zh) in rows {
         let (_, checked) =

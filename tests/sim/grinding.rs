@@ -158,7 +158,7 @@ fn p8_a_standing_wheel_pressed_onto_the_part_is_a_crash() {
     rig.go(40.4, 29.0, 6_000.0);
     rig.go(40.2, 29.0, 1.2);
     assert_eq!(rig.events(), [EventKind::Crash]);
-    assert_eq!(rig.sim.events()[0].place, "part, wheel standing");
+    assert_eq!(rig.sim.events()[0].place, "part, wheel stopped");
 }
 
 #[test]

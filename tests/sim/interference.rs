@@ -30,9 +30,9 @@ fn met(bodies: &[BodyFile], (x, z): (f64, f64), (rapid, stands): (bool, bool)) -
 fn l9_rapid_a_standing_spindle_and_the_shank_are_interference() {
     let at = |x: f64, z: f64, how: (bool, bool)| met(&[], (x, z), how);
     assert_eq!(at(20.0, -10.0, (true, false)), Some("part, rapid traverse"));
-    assert_eq!(at(20.0, -10.0, (false, true)), Some("part, spindle standing"));
+    assert_eq!(at(20.0, -10.0, (false, true)), Some("part, spindle stopped"));
     // 12 mm deep: the shank is 8.1 mm above the tip.
-    assert_eq!(at(10.0, -30.0, (false, false)), Some("part, shank of the tool"));
+    assert_eq!(at(10.0, -30.0, (false, false)), Some("part, tool shank"));
     assert_eq!(at(23.0, -10.0, (true, true)), None);
 }
 

@@ -454,7 +454,7 @@ fn p8_a_standing_wheel_pressed_onto_the_part_is_a_crash_on_every_kind() {
         rig.go_xyz(above[0], above[1], above[2], 3_000.0);
         rig.go_xyz(below[0], below[1], below[2], 3.0);
         let places: Vec<_> = rig.sim.events().iter().map(|event| event.place).collect();
-        assert_eq!(places, ["part, wheel standing"], "O{program}");
+        assert_eq!(places, ["part, wheel stopped"], "O{program}");
     }
 }
 

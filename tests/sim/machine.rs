@@ -373,9 +373,9 @@ fn p8_every_name_listed_can_be_said() {
 #[test]
 fn p8_a_wrong_fault_says_what_is_wrong() {
     let said = |text| SimulatedMachine::check_fault(text).unwrap_err().to_string();
-    assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` tells them all");
+    assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` shows all of them");
     assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
     assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
-    assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");
+    assert_eq!(said("supply-loss now"), "'supply-loss' has no argument, but 'now' is given");
     assert_eq!(cold().sim.clear_fault("bus-late"), Ok(()), "the number is not needed to end a fault");
 }

@@ -68,7 +68,7 @@ fn p1_a_layout_without_its_axis_is_refused() {
     assert_eq!(said, "layout: axis Y: the machine has no such axis");
     let twice = Kind::Gc.row().machine_file.replacen("infeed: X", "infeed: Z", 1);
     let said = MachineFile::parse(&twice).unwrap_err().to_string();
-    assert_eq!(said, "layout: infeed, across and stroke are three different axes");
+    assert_eq!(said, "layout: infeed, across and stroke must be three different axes");
 }
 
 #[test]

@@ -45,7 +45,7 @@ expect event crash\nexpect alarm any",
     let crash = rig.machine().events()[0];
     // The nearest cell is at X 0.5; without the 1 mm that lies flat the arc stands 250 − √(250² − 79.5²) = 12.97 mm higher
     // there: it meets the top of 20.1 at Y 7.13, a tick of 0.05 mm and the 0.02 mm of a standing wheel later.
-    assert_eq!(crash.place, "part, wheel standing");
+    assert_eq!(crash.place, "part, wheel stopped");
     assert!((crash.y.unwrap() - 7.1).abs() < 0.06, "{crash:?}");
     tell(&mut rig, "wait 1 s");
     let stands = rig.machine().slide_mm();

@@ -325,7 +325,7 @@ fn p5_a_ring_on_a_standing_table_gets_a_flat() {
     rig.wait(9.0);
     rig.go(95.0, 25.06, 6_000.0);
     rig.go(95.0, 25.0, 3.0);
-    assert_eq!((rig.events(), rig.sim.events()[0].place), (vec![EventKind::Flat], "part, table standing"));
+    assert_eq!((rig.events(), rig.sim.events()[0].place), (vec![EventKind::Flat], "part, table stopped"));
 }
 
 #[test]
@@ -409,7 +409,7 @@ fn p8_a_standing_roll_or_too_deep_a_feed_is_a_crash_into_the_dresser() {
     rig.wait(9.0);
     rig.go_xyz(385.0, 40.1, 50.0, 6_000.0);
     rig.go_xyz(385.0, 39.95, 50.0, 10.0);
-    assert_eq!((rig.events(), rig.sim.events()[0].place), (vec![EventKind::Crash], "dresser, roll standing"));
+    assert_eq!((rig.events(), rig.sim.events()[0].place), (vec![EventKind::Crash], "dresser, roll stopped"));
     let mut rig = ready(1007);
     rig.spin();
     rig.go_xyz(385.0, 60.0, 50.0, 6_000.0);

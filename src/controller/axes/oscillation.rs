@@ -112,11 +112,11 @@ impl Oscillation {
             strokes_min: 0.0,
         };
         let limited = [
-            (strokes > asked).then(|| phrase!("Q{asked} 按 1 次/分", "Q{asked} is taken as 1", asked)),
+            (strokes > asked).then(|| phrase!("Q{asked} 按 1 次/分", "Q{asked} is replaced by 1", asked)),
             (wanted > most).then(|| {
                 phrase!(
                     "速度 {wanted:.0} 限为 {most:.0} mm/min",
-                    "{wanted:.0} mm/min is held to {most:.0}",
+                    "{wanted:.0} mm/min is limited to {most:.0}",
                     wanted,
                     most
                 )
@@ -124,7 +124,7 @@ impl Oscillation {
             (ramp_ms < rapid_ms).then(|| {
                 phrase!(
                     "D{ramp_ms:.0} 按 {rapid_ms:.0} ms",
-                    "D{ramp_ms:.0} is taken as {rapid_ms:.0} ms",
+                    "D{ramp_ms:.0} is replaced by {rapid_ms:.0} ms",
                     ramp_ms,
                     rapid_ms
                 )
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn k4_3_less_than_one_stroke_a_minute_is_taken_as_one_and_says_so() {
-        assert!(begin(0.5).1.is_some_and(|said| said.en().contains("taken as 1")));
+        assert!(begin(0.5).1.is_some_and(|said| said.en().contains("replaced by 1")));
         let (mut oscillation, ..) = begin(30.0);
         let params = Params::factory(Kind::Gc);
         run(&mut oscillation, &params, 0, 200);

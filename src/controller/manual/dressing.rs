@@ -48,7 +48,7 @@ impl Manual {
             Some(const { &Text::new("不在位置页面", "this is not the position page") })
         } else {
             (coordinates != CoordinateView::Relative)
-                .then_some(const { &Text::new("不是相对坐标", "these are not the relative coordinates") })
+                .then_some(const { &Text::new("不是相对坐标", "the relative coordinates are not shown") })
         };
         let refusal = if let Some(why) = elsewhere {
             Some(phrase!(
@@ -57,7 +57,11 @@ impl Manual {
                 why
             ))
         } else if !plant.axes.is_homed(axis) {
-            Some(phrase!("{axis} 轴未回零，不能设置修整点", "{axis} is not homed: no dressing point", axis))
+            Some(phrase!(
+                "{axis} 轴未回零，不能设置修整点",
+                "{axis} is not homed: the dressing point cannot be set",
+                axis
+            ))
         } else {
             None
         };
@@ -66,7 +70,7 @@ impl Manual {
             Some(said) => plant.refuse(said),
             None => plant.show_note(phrase!(
                 "是否设置 {axis} 轴修整点？按输入设置，取消放弃",
-                "set the dressing point of {axis} here? INPUT sets it, CANCEL leaves it",
+                "set the dressing point of {axis} here? INPUT: yes, CANCEL: no",
                 axis
             )),
         }
@@ -96,7 +100,7 @@ impl Manual {
     /// 取消 withdraws the question.
     pub fn cancel_dress_point(&mut self, plant: &mut Plant) {
         if self.dressing.awaiting_answer.take().is_some() {
-            plant.show_note(phrase!("修整点没有改变", "the dressing point is as it was"));
+            plant.show_note(phrase!("修整点没有改变", "the dressing point is unchanged"));
         } else {
             plant.refuse(phrase!("没有要取消的内容", "there is nothing to cancel"));
         }
@@ -105,7 +109,7 @@ impl Manual {
     /// 回修整点 switches its lamp on or off.
     pub fn toggle_dress_return(&mut self, plant: &mut Plant) {
         if plant.operator.mode != Mode::Manual {
-            return plant.refuse(phrase!("手动方式下才能回修整点", "the return works in JOG"));
+            return plant.refuse(phrase!("手动方式下才能回修整点", "the return to the dressing point works in JOG"));
         }
         self.dressing.return_active = !self.dressing.return_active;
         if !self.dressing.return_active {
@@ -129,7 +133,8 @@ impl Manual {
             return self.refuse_dress_return(plant, alarm::NO_DRESSING_POINT, why);
         };
         if !plant.axes.is_homed(axis) {
-            let why = phrase!("{axis} 轴未回零，不能回修整点", "{axis} is not homed: no return", axis);
+            let why =
+                phrase!("{axis} 轴未回零，不能回修整点", "{axis} is not homed: no return to the dressing point", axis);
             return self.refuse_dress_return(plant, alarm::NOT_HOMED, why);
         }
         if !plant.allows_manual_motion() || !plant.is_granted(Request::Jog) || !program.detach_from_run(plant) {

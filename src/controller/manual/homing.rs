@@ -9,7 +9,7 @@ use crate::defs::text::{Text, phrase};
 use crate::units::{Axis, PerAxis};
 
 const OPEN_RUN: Text =
-    Text::new("轴还在运动或程序未结束，先复位", "axes still move, or a program is open: press RESET");
+    Text::new("轴还在运动或程序未结束，先复位", "axes are still moving, or a program is active: press RESET");
 
 /// Homes an axis; the wheel axis is always homed first (K5.16).
 pub fn home_axis(plant: &mut Plant, axis: Axis) {

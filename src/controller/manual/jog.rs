@@ -17,8 +17,8 @@ use crate::units::Axis;
 const FINE_STEP_MM: f64 = 0.010_5;
 
 const TOO_COARSE: Text =
-    Text::new("砂轮启动后该轴倍率只能为 ×0.01", "with the wheel on this axis takes ×0.01 and finer");
-const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动", "at the software limit: move the other way");
+    Text::new("砂轮启动后该轴倍率只能为 ×0.01", "with the wheel on, this axis allows only ×0.01 or finer");
+const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动", "at the soft limit: move the other way");
 
 /// Handwheel detents: each changes the displayed coordinate by the step (K2.3).
 pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
@@ -70,7 +70,7 @@ pub fn step_jog(plant: &mut Plant) {
         };
         plant.axes.switch_to_manual();
         if plant.jog.tick(&mut plant.axes, plant.now, &plant.params, limits) {
-            plant.refuse(phrase!("按键信号中断，轴已停止", "the key was lost: the axis has stopped"));
+            plant.refuse(phrase!("按键信号中断，轴已停止", "key signal lost: the axis has stopped"));
         }
     }
 }
@@ -90,7 +90,7 @@ impl Manual {
                 if plant.is_on_limit_switch(axis, direction) {
                     plant.refuse(ON_LIMIT_SWITCH);
                 } else if plant.operator.overrides.feed == 0 && !plant.operator.rapid_jog {
-                    plant.refuse(phrase!("进给倍率为 0，轴不动", "the feed override is 0: the axis stands"));
+                    plant.refuse(phrase!("进给倍率为 0，轴不动", "the feed override is 0: the axis does not move"));
                 } else if plant.is_at_soft_limit(axis, direction) {
                     plant.refuse(AT_SOFT_LIMIT);
                 } else if plant.is_granted(Request::Jog) && program.detach_from_run(plant) {

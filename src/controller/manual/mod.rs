@@ -13,7 +13,8 @@ pub use teach::TeachRecorder;
 
 use crate::defs::text::Text;
 
-const ON_LIMIT_SWITCH: Text = Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
+const ON_LIMIT_SWITCH: Text =
+    Text::new("限位方向，请向反方向移开", "this direction is towards the limit switch: move the other way");
 
 /// The state of manual operation that no other part shares.
 #[derive(Clone, Debug, Default)]

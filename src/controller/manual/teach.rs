@@ -22,8 +22,8 @@ const STANDSTILL_MM: f64 = 1e-7;
 const FEEDS: (f64, f64) = (6.0, 2_000.0);
 
 const IN_RUN: Text = Text::new("程序运行中不能录返", "no teach-in while a program runs");
-const NOT_ON: Text = Text::new("没有录返记录", "nothing is recorded");
-const FULL: Text = Text::new("录返已满，已停止记录", "the recording is full and has ended");
+const NOT_ON: Text = Text::new("没有录返记录", "nothing has been recorded");
+const FULL: Text = Text::new("录返已满，已停止记录", "the recording is full and has stopped");
 const NOT_HERE: Text = Text::new("本机床没有录返功能", "this machine has no teach-in");
 
 /// The content of a recorded block.
@@ -109,7 +109,7 @@ impl TeachRecorder {
             station: plant.turret_station(),
             ..Self::default()
         };
-        plant.show_note(phrase!("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
+        plant.show_note(phrase!("录返开始：手动移动将被记录", "teach-in: manual moves are recorded"));
     }
 
     /// One tick of a recording, after the axes have moved.

@@ -15,7 +15,7 @@ const MAX_WRONG_PASSWORDS: u32 = 3;
 const PAUSE: Micros = Micros::from_millis(30_000);
 
 const WRONG: Text = Text::new("密码错误", "wrong password");
-const TOO_OFTEN: Text = Text::new("密码错误次数过多，30 秒后再试", "wrong too often: try again in 30 s");
+const TOO_OFTEN: Text = Text::new("密码错误次数过多，30 秒后再试", "too many wrong passwords: try again in 30 s");
 const BUSY: Text = Text::new("正在核对密码，请稍候", "a password is being checked");
 
 /// The access of the operator. At power-on every level is locked.

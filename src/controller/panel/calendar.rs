@@ -65,10 +65,15 @@ impl Panel {
         let [year, ..] = wanted.parts();
         if !YEARS.contains(&year) {
             let (first, last) = (*YEARS.start(), *YEARS.end());
-            return parts.plant.refuse(phrase!("年份应为 {first}-{last}", "years are {first} to {last}", first, last));
+            return parts.plant.refuse(phrase!(
+                "年份应为 {first}-{last}",
+                "the year must be {first} to {last}",
+                first,
+                last
+            ));
         }
         let Some(offset_s) = self.calendar.offset_for(parts.plant.now, wanted) else {
-            return parts.plant.refuse(phrase!("没有系统时钟", "the computer tells no time"));
+            return parts.plant.refuse(phrase!("没有系统时钟", "the computer has no clock"));
         };
         self.calendar.offset_s = offset_s;
         parts.plant.store(StorageRequest::ClockOffset(offset_s));

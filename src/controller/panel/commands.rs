@@ -18,7 +18,7 @@ use crate::machine::panel_key::NOT_IN_RUN;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::units::{Axis, PerAxis};
 
-const PARAMS_IN_RUN: Text = Text::new("运行中不能修改参数", "parameters are not changed while a program runs");
+const PARAMS_IN_RUN: Text = Text::new("运行中不能修改参数", "parameters cannot be changed while a program runs");
 const DATA_CHANGED: Text = Text::new("数据已修改，请重新选择起始段", "data were changed: choose the block again");
 
 impl Panel {
@@ -104,7 +104,7 @@ impl Panel {
                 *frame = origin;
                 parts.plant.store(StorageRequest::WorkOffset(index, origin));
             }
-            None => parts.plant.refuse(phrase!("没有此工件坐标系", "there is no such work frame")),
+            None => parts.plant.refuse(phrase!("没有此工件坐标系", "there is no such work offset")),
         }
     }
 
@@ -131,7 +131,7 @@ impl Panel {
                 parts.plant.work.offsets.geometry[index] = geometry;
                 parts.plant.store_offset(index);
             }
-            None => parts.plant.refuse(phrase!("刀补号应为 1-16", "offsets are numbered 1 to 16")),
+            None => parts.plant.refuse(phrase!("刀补号应为 1-16", "tool offset numbers are 1 to 16")),
         }
     }
 
@@ -144,9 +144,9 @@ impl Panel {
             // For a named program only the number is known.
             let title = if program_number::is_named(number) { String::new() } else { program_number::name_of(number) };
             return parts.plant.refuse(match title.as_str() {
-                "" => phrase!("程序目录中没有这个程序", "the programs folder has no such program"),
+                "" => phrase!("程序目录中没有这个程序", "the program is not in the programs folder"),
                 title => {
-                    phrase!("程序目录中没有 {title}", "the programs folder has no {title}", title)
+                    phrase!("程序目录中没有 {title}", "{title} is not in the programs folder", title)
                 }
             });
         }
@@ -160,7 +160,7 @@ impl Panel {
     /// Resumes the run that a power failure interrupted.
     pub fn resume_interrupted(&mut self, parts: &mut Parts<'_>) {
         let Some((program, line)) = parts.program.power_cut.interrupted else {
-            return parts.plant.refuse(phrase!("没有断电中断的程序", "no program was cut off by a power failure"));
+            return parts.plant.refuse(phrase!("没有断电中断的程序", "no program was interrupted by a power failure"));
         };
         if parts.plant.execution.current_program != program {
             self.load_program(parts, program);

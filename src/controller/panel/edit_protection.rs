@@ -5,8 +5,8 @@ use super::View;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 
-const LOCKED: Text = Text::new("P22.0=0：不允许修改", "P22.0 is 0: locked");
-const NOT_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not while a program runs (P6.3)");
+const LOCKED: Text = Text::new("P22.0=0：不允许修改", "P22.0=0: locked");
+const NOT_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not allowed while a program runs (P6.3)");
 
 /// K7.7: protection (P22.0) of wear and variables on the offset and the macro page.
 pub fn check_unlocked(parts: View<'_>) -> Result<(), LocalizedText> {

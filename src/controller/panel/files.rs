@@ -22,11 +22,11 @@ use std::sync::Arc;
 /// Programs whose editing is protected by P23.5.
 const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
 
-const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the work before is not done: wait or cancel it");
+const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the previous job is not finished: wait or cancel it");
 const EDIT_MODE: Text = Text::new("先按面板上的 编辑 键", "press EDIT on the panel first");
-const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs are not edited while one runs");
+const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs cannot be edited while one runs");
 
-const TRANSFER_IN_RUN: Text = Text::new("程序运行中不能读入", "nothing is taken in while a program runs");
+const TRANSFER_IN_RUN: Text = Text::new("程序运行中不能读入", "nothing can be imported while a program runs");
 
 /// State of the file requests.
 #[derive(Clone, Debug, Default)]
@@ -185,13 +185,13 @@ impl Panel {
         if kept.is_empty() {
             return phrase!(
                 "已读入：参数 {params} 个，变量 {variables} 个",
-                "taken: {params} parameters, {variables} variables",
+                "imported: {params} parameters, {variables} variables",
                 params,
                 variables
             );
         }
         let kept = kept.join(" ");
-        phrase!("已读入，正在使用而未改的：{kept}", "taken; in use and left as they are: {kept}", kept)
+        phrase!("已读入，正在使用而未改的：{kept}", "imported; in use and left unchanged: {kept}", kept)
     }
 
     /// Editing needs mode EDIT, no open run, and the password where set (K6.2).

@@ -28,7 +28,7 @@ impl Panel {
         self.handle_key(parts, key);
         if already && parts.plant.outbox.message.since != parts.plant.now {
             let name = Arg::Key(key, parts.plant.kind);
-            parts.plant.show_note(phrase!("{name}：已是此状态", "{name}: it is so already", name));
+            parts.plant.show_note(phrase!("{name}：已是此状态", "{name}: already in this state", name));
         }
     }
 
@@ -54,7 +54,7 @@ impl Panel {
                 parts.plant.show_note(phrase!("已复位", "reset"));
             }
             Key::EmergencyStop if parts.plant.inputs.screen_e_stop() => {
-                parts.plant.show_note(phrase!("急停已按下", "the emergency stop is pressed already"));
+                parts.plant.show_note(phrase!("急停已按下", "the emergency stop is already pressed"));
             }
             Key::EmergencyStop => parts.plant.inputs.set_screen_e_stop(true),
             Key::Rapid => parts.plant.operator.rapid_jog = !parts.plant.operator.rapid_jog,
@@ -88,7 +88,9 @@ impl Panel {
     fn select_mode(&mut self, parts: &mut Parts<'_>, mode: Mode) {
         // K2.2, K6.3: a held run survives a mode change; cycle start resumes it from any mode.
         if !parts.plant.allows_manual_motion() && mode != parts.plant.operator.mode {
-            return parts.plant.refuse(phrase!("轴还在运动，不能换方式", "the axes still move: no change of mode"));
+            return parts
+                .plant
+                .refuse(phrase!("轴还在运动，不能换方式", "the axes are still moving: the mode cannot be changed"));
         }
         parts.plant.jog.stop_all();
         parts.program.discard_mdi();
@@ -122,7 +124,7 @@ fn press_override(plant: &mut Plant, key: Key) {
         Key::SpindleOverrideUp | Key::SpindleOverrideDown if before.spindle == now.spindle => now.spindle,
         _ => return,
     };
-    plant.show_note(phrase!("倍率已到 {at} %", "the override stands at its end, {at} %", at));
+    plant.show_note(phrase!("倍率已到 {at} %", "the override is at its limit, {at} %", at));
 }
 
 fn set_override(plant: &mut Plant, key: Key) {

@@ -14,11 +14,11 @@ use crate::nc::WorkOffsets;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::units::{Axis, PerAxis};
 
-const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "offsets are numbered 1 to 16");
+const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "tool offset numbers are 1 to 16");
 const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edit it on the offset or dressing page");
-const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is open: no measurement");
+const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is active: no measurement");
 const WEAR_CLEARED: &Template = &Template::new("{said}，磨耗已清零", "{said}, wear cleared", &["said"]);
-const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still move: no measurement");
+const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes are still moving: no measurement");
 
 /// Executes a command of the offset or the dressing page.
 pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> Edited {
@@ -139,5 +139,5 @@ fn check_increment(by: f64) -> Result<(), LocalizedText> {
     if by.abs() <= MAX_INCREMENT {
         return Ok(());
     }
-    Err(phrase!("一次增量最大 ±{MAX_INCREMENT:.3}", "an increment is ±{MAX_INCREMENT:.3} at most", MAX_INCREMENT))
+    Err(phrase!("一次增量最大 ±{MAX_INCREMENT:.3}", "the increment must be at most ±{MAX_INCREMENT:.3}", MAX_INCREMENT))
 }

@@ -15,7 +15,7 @@ const PAGE_FILES: u32 = 1_000;
 
 const BOTH_FILES: &Template = &Template::new("{first}；{next}", "{first}; {next}", &["first", "next"]);
 /// Screen printing happens in the HMI, not in the core.
-const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the screen is printed by touching the key on it");
+const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "screen print: touch the soft key on the screen");
 
 impl Panel {
     /// Opens a page.
@@ -52,7 +52,7 @@ impl Panel {
             let (row, key) = (row + 1, index + 1);
             return parts.plant.refuse(phrase!(
                 "第 {row} 行软键没有 F{key}，按 ▶ 换行",
-                "row {row} of the soft keys has no F{key}: turn it by ▶",
+                "soft key row {row} has no F{key}: press ▶ for the next row",
                 row,
                 key
             ));

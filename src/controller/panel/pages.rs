@@ -103,7 +103,7 @@ impl Panel {
             StorageAnswer::PasswordChecked(guard, true) => {
                 self.access.unlock(*guard);
                 let name = guard.name();
-                parts.plant.show_note(phrase!("{name}已打开，关机前有效", "{name}: open until power-off", name));
+                parts.plant.show_note(phrase!("{name}已打开，关机前有效", "{name}: unlocked until power-off", name));
             }
             StorageAnswer::PasswordChanged(guard, true) => {
                 self.access.accept();

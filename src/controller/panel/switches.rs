@@ -5,8 +5,8 @@ use super::Parts;
 use crate::controller::plant::Plant;
 use crate::defs::text::{Text, phrase};
 
-const DRIVES_OFF: Text = Text::new("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now");
-const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is open: it is not switched now");
+const DRIVES_OFF: Text = Text::new("驱动未接通，不能机床锁", "the drives are off: machine lock is not possible");
+const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is active: it cannot be switched now");
 
 /// Machine lock: positions count but axes do not move. Switching it off shows the real positions again.
 pub fn toggle_machine_lock(parts: &mut Parts<'_>) {
@@ -37,6 +37,6 @@ pub fn toggle_dry_run(parts: &mut Parts<'_>) {
     }
     parts.plant.operator.switches.dry_run = !parts.plant.operator.switches.dry_run;
     if parts.plant.operator.switches.dry_run {
-        parts.plant.show_note(phrase!("空运行：进给按 P89 速度", "dry run: feeds run at P89"));
+        parts.plant.show_note(phrase!("空运行：进给按 P89 速度", "dry run: feeds at P89"));
     }
 }

@@ -8,8 +8,8 @@ use crate::defs::signal::Output;
 use crate::defs::text::{Text, phrase};
 
 const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel runs: stop it first");
-const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is open: press RESET first");
-const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "change the wheel on its page");
+const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is active: press RESET first");
+const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "use the wheel change page");
 
 /// Sets P77–P79 (diameter and width, mm; rated speed, m/s) and P6.7, all or nothing.
 pub fn change_wheel(parts: &mut Parts<'_>, [diameter_mm, width_mm, rated_m_s]: [f64; 3]) -> Edited {

@@ -59,7 +59,7 @@ impl Plant {
             HomingFailure::NoSwitch => phrase!("{axis}", "{axis}", axis),
             HomingFailure::NotAtZero => phrase!(
                 "{axis} 到不了零点坐标 P{n}={zero:.3}",
-                "{axis} does not come to its coordinate P{n}={zero:.3}",
+                "{axis} cannot reach its home coordinate P{n}={zero:.3}",
                 axis,
                 n,
                 zero = self.params.get_axis(param::HOME_X, axis)

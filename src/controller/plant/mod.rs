@@ -43,7 +43,7 @@ use crate::motion::MAX_TRAJECTORY_WORK;
 use crate::units::{Axis, DisplayPos, Micros, PerAxis, WorkBudget, WorkPos};
 
 /// Refusal while set-points move.
-pub const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
+pub const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes are still moving");
 
 /// Factor from mm/min to mm/s.
 pub const MM_S_PER_MM_MIN: f64 = 1.0 / SECONDS_PER_MINUTE;
@@ -160,7 +160,7 @@ impl Plant {
         if self.is_in_use(at, value) {
             return Err(phrase!(
                 "{at}：该功能正在工作，先关闭再修改",
-                "{at}: the function is on; switch it off before this is changed",
+                "{at}: the function is on; switch it off before changing this",
                 at
             ));
         }

@@ -9,7 +9,7 @@ use crate::defs::signal::Output;
 use crate::defs::text::Text;
 use crate::units::Axis;
 
-const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis oscillates: end the oscillation first");
+const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis is oscillating: stop the oscillation first");
 
 impl Plant {
     /// The axis that oscillates by servo.

@@ -47,7 +47,7 @@ impl Plant {
         if self.outputs.on.has(Output::Wheel) && self.output_wheel_rpm() < self.commanded_wheel_rpm() {
             self.refuse(phrase!(
                 "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
-                "S exceeds the wheel's rating: it runs at the rating (P77, P79)"
+                "S exceeds the wheel rating: the wheel runs at its rated speed (P77, P79)"
             ));
         }
     }

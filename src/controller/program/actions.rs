@@ -146,7 +146,7 @@ impl ProgramRun {
             if rpm > most {
                 plant.refuse(phrase!(
                     "S{rpm} 超过第二模拟量最高转速，按 {most} 运行 (P65)",
-                    "S{rpm} is above the second analog output: it gives {most} (P65)",
+                    "S{rpm} exceeds the second analog output: limited to {most} (P65)",
                     rpm,
                     most
                 ));
@@ -257,7 +257,7 @@ pub fn raise_no_workpiece_drive(plant: &mut Plant) -> ActionStatus {
         alarm::WORK_DRIVE_BLOCKED,
         Some(phrase!(
             "每转进给需要工件转动，先用 M63 启动",
-            "a feed per revolution needs the workpiece turning: M63 first"
+            "feed per revolution needs the workpiece turning: start it with M63 first"
         )),
     );
     ActionStatus::Wait

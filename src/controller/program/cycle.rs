@@ -14,7 +14,7 @@ use crate::defs::text::{Text, phrase};
 
 /// A start in the tick of a reset.
 pub const START_VOID: Text =
-    Text::new("同时按了复位或急停，启动无效", "RESET or emergency stop came with the start: nothing starts");
+    Text::new("同时按了复位或急停，启动无效", "RESET or emergency stop was pressed with the start: no start");
 
 impl Program {
     /// 单段: switched on in a move, the axes stop and the moves are handed over block by block.
@@ -65,7 +65,7 @@ impl Program {
         if plant.oscillates_by_key() {
             return plant.refuse(phrase!(
                 "暂停中用按键启动的振荡未关闭，先关闭再循环启动",
-                "the key has begun an oscillation in the pause: end it before cycle start"
+                "an oscillation was started by key during the hold: stop it before cycle start"
             ));
         }
         self.resume_run(plant);
@@ -107,7 +107,7 @@ impl Program {
                 plant.show_note(phrase!("轴正在停止", "the axes are stopping"))
             }
             ControlPhase::Held | ControlPhase::Stopped => {
-                plant.show_note(phrase!("已在暂停，按循环启动继续", "held already: cycle start goes on"));
+                plant.show_note(phrase!("已在暂停，按循环启动继续", "already held: press cycle start to continue"));
             }
         }
     }
@@ -131,6 +131,6 @@ mod tests {
         plant.operator.mode = Mode::Mdi;
         assert!(why(&mut plant, Program::cycle_start).contains("type a line"));
         plant.execution.starts_void = true;
-        assert!(why(&mut plant, Program::cycle_start).contains("nothing starts"));
+        assert!(why(&mut plant, Program::cycle_start).contains("no start"));
     }
 }

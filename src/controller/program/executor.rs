@@ -175,7 +175,7 @@ impl ProgramRun {
         match status {
             PreflightStatus::Busy => {
                 if !std::mem::replace(&mut proving.announced, true) {
-                    plant.show_note(phrase!("正在检查程序…", "looking through the program …"));
+                    plant.show_note(phrase!("正在检查程序…", "checking the program …"));
                 }
                 return false;
             }

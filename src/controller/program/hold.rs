@@ -22,11 +22,11 @@ use crate::units::{Axis, MachinePos, PerAxis};
 
 const WHEEL_STOPPED: Text = Text::new(
     "暂停中砂轮已停：先启动砂轮，再循环启动",
-    "the wheel was stopped in the pause: start it before cycle start",
+    "the wheel was stopped during the hold: start it before cycle start",
 );
 const DRIVE_STOPPED: Text = Text::new(
     "暂停中工件已停转：先启动，再循环启动",
-    "the workpiece was stopped in the pause: start it before cycle start",
+    "the workpiece was stopped during the hold: start it before cycle start",
 );
 
 /// Shifts smaller than this, mm, are rounding of a stop.

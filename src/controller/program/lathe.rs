@@ -35,7 +35,7 @@ impl ProgramRun {
             let [title, place] = thread_location(plant);
             let said = phrase!(
                 "{title} {place}：主轴 {rpm:.0} r/min，导程 {lead_mm:.3} mm 最高 {limit:.0} r/min",
-                "{title} {place}: {rpm:.0} rpm, a lead of {lead_mm:.3} mm allows {limit:.0} rpm",
+                "{title} {place}: {rpm:.0} rpm, lead {lead_mm:.3} mm allows at most {limit:.0} rpm",
                 title,
                 place,
                 rpm,

@@ -22,10 +22,11 @@ use crate::nc::{ModalState, NcSettings, NextStatus, SharedLibrary, Source};
 /// Maximum characters of an MDI line.
 const MAX_MDI_CHARS: usize = 500;
 
-const NOT_MDI: Text = Text::new("录入方式下才能执行：先按 录入 键", "MDI lines work in mode MDI: press that key first");
-const OPEN_RUN: Text = Text::new("程序未结束，先等待或复位", "a program is open: wait, or press RESET");
+const NOT_MDI: Text =
+    Text::new("录入方式下才能执行：先按 录入 键", "MDI lines run in mode MDI only: press the MDI key first");
+const OPEN_RUN: Text = Text::new("程序未结束，先等待或复位", "a program is active: wait, or press RESET");
 const TOO_LONG: Text = Text::new("录入行太长", "the MDI line is too long");
-const NO_LINE: Text = Text::new("先输入一行，再按循环启动", "type a line and press 输入 before cycle start");
+const NO_LINE: Text = Text::new("先输入一行，再按循环启动", "type a line and press INPUT before cycle start");
 
 /// The MDI line. Its text is indexed in memory that is taken at power-on.
 pub struct MdiLine {
@@ -70,7 +71,7 @@ impl Program {
         let line = line.trim();
         self.discard_mdi();
         if line.is_empty() {
-            return Ok(phrase!("录入行已取消", "the MDI line is taken back"));
+            return Ok(phrase!("录入行已取消", "the MDI line is cancelled"));
         }
         if plant.operator.mode != Mode::Mdi {
             return Err(NOT_MDI.into());
@@ -120,7 +121,7 @@ impl Program {
             return plant.refuse(START_VOID);
         }
         if plant.operator.mode != Mode::Mdi {
-            return plant.refuse(phrase!("录入方式下才能执行", "MDI lines work in mode MDI"));
+            return plant.refuse(phrase!("录入方式下才能执行", "MDI lines run in mode MDI only"));
         }
         if !matches!(plant.execution.phase, ControlPhase::Idle) {
             return plant.refuse(NOT_IN_RUN);

@@ -206,7 +206,7 @@ impl Program {
         if let Some(run) = &mut self.run
             && run.interpreter.update_variable(number, value).is_err()
         {
-            plant.refuse(phrase!("程序没有接受此值", "the running program did not take the value"));
+            plant.refuse(phrase!("程序没有接受此值", "the running program did not accept the value"));
             return false;
         }
         true
@@ -243,7 +243,7 @@ impl Program {
 }
 
 const UNKNOWN_VARIABLE: Text = Text::new("{name} 不存在或不能修改", "there is no common variable #{number}");
-const SWITCH_VARIABLE: Text = Text::new("{name} 只能输入 0 或 1", "variable #{number} takes 0 or 1 only");
+const SWITCH_VARIABLE: Text = Text::new("{name} 只能输入 0 或 1", "variable #{number} must be 0 or 1");
 const NOT_A_NUMBER: Text = Text::new("{name} 的值不是数字", "the value for #{number} is not a number");
 
 /// Why a common variable was not set. English names it by its number, Chinese by its name on the machine.

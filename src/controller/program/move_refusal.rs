@@ -33,7 +33,7 @@ impl MoveRefusal {
                 let (to, limit) = (to * factor, limit * factor);
                 phrase!(
                     "{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)",
-                    "{axis} target {to:.3} is beyond the limit {limit:.3} (machine)",
+                    "{axis} target {to:.3} is beyond the soft limit {limit:.3} (machine)",
                     axis,
                     to,
                     limit
@@ -41,10 +41,10 @@ impl MoveRefusal {
             }
             MoveRefusal::NotHomed => phrase!("先回零", "home the axes first"),
             MoveRefusal::Oscillating(axis) => {
-                phrase!("{axis} 轴在振荡中，先用 G36 关闭", "{axis} oscillates: end it with G36 first", axis)
+                phrase!("{axis} 轴在振荡中，先用 G36 关闭", "{axis} is oscillating: stop it with G36 first", axis)
             }
             MoveRefusal::NoStroke(axis) => {
-                phrase!("{axis} 轴没有振荡行程，或未回零", "{axis} has no stroke to oscillate, or is not homed", axis)
+                phrase!("{axis} 轴没有振荡行程，或未回零", "{axis} has no oscillation stroke, or is not homed", axis)
             }
             MoveRefusal::WearOutOfRange(axis, sum) => {
                 let sum = sum * displayed_per_mm(params, axis);

@@ -41,11 +41,11 @@ const STORE_INTERVAL: Micros = Micros::from_millis(1_000);
 const NO_PROGRAM: Text = Text::new("没有当前程序：先在目录中选择", "no current program: choose one in the directory");
 const WHEEL_FIRST: Text = Text::new(
     "该段之前已启动砂轮：先按砂轮启动，再循环启动",
-    "the wheel runs there: start it by its key before cycle start",
+    "the wheel is on at this block: start it with its key before cycle start",
 );
 const DRIVE_FIRST: Text = Text::new(
     "该段之前工件已转动：先启动，再循环启动",
-    "the workpiece turns there: start it by its key before cycle start",
+    "the workpiece turns at this block: start it with its key before cycle start",
 );
 
 /// Machine state that the blocks before the selected one produce.
@@ -117,7 +117,7 @@ impl Restart {
             NextStatus::End | NextStatus::Drain => {
                 return Err(phrase!(
                     "程序运行不到第 {line} 行，不能从该行开始",
-                    "the program does not come to line {line}: it cannot begin there",
+                    "the program does not reach line {line}: it cannot start there",
                     line
                 ));
             }
@@ -128,7 +128,7 @@ impl Restart {
             NextStatus::Busy => {
                 return Err(phrase!(
                     "第 {line} 行之前有等待机床的循环，不能从该行开始",
-                    "a loop before line {line} waits for the machine: the program cannot begin there",
+                    "a loop before line {line} waits for the machine: the program cannot start there",
                     line
                 ));
             }
@@ -139,7 +139,7 @@ impl Restart {
         if state.position_unknown || state.oscillates {
             return Err(phrase!(
                 "第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始",
-                "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there",
+                "G50, G27, G31 or G78 before line {line}, or G35 active there: the program cannot start there",
                 line
             ));
         }
@@ -170,7 +170,7 @@ impl Program {
         if let Some((program, line)) = self.power_cut.interrupted {
             plant.show_note(phrase!(
                 "O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）",
-                "O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)",
+                "O{program:04} was interrupted at line {line}: home the axes, then continue from there (program page)",
                 program,
                 line
             ));
@@ -216,7 +216,7 @@ impl Program {
         let run = self.pool.open(start, plant.now);
         let switched = StateBeforeBlock::default();
         self.restart = Some(Box::new(Restart { line, run, world, state: switched, ticks: 0, block_found: false }));
-        plant.show_note(phrase!("正在查找第 {line} 行…", "reading up to line {line} …", line));
+        plant.show_note(phrase!("正在查找第 {line} 行…", "searching for line {line} …", line));
     }
 
     /// Drops the restart in preparation.
@@ -231,9 +231,9 @@ impl Program {
             return Some(crate::machine::panel_key::NOT_IN_RUN);
         }
         if plant.operator.mode != Mode::Auto {
-            return Some(Text::new("自动方式下才能选择起始段", "a block is chosen in mode AUTO"));
+            return Some(Text::new("自动方式下才能选择起始段", "choose a block in mode AUTO"));
         }
-        (!plant.axes.all_homed()).then_some(Text::new("先回零，再选择起始段", "home the axes before a block is chosen"))
+        (!plant.axes.all_homed()).then_some(Text::new("先回零，再选择起始段", "home the axes before choosing a block"))
     }
 
     /// One tick of the search; shows the result.
@@ -304,7 +304,7 @@ impl Program {
         let Some(restart) = self.restart.as_ref() else { return false };
         let [wheel, drive] = plant.running_spindles();
         if !restart.block_found {
-            plant.refuse(phrase!("正在查找起始段，请稍候", "the block is still being looked for"));
+            plant.refuse(phrase!("正在查找起始段，请稍候", "still searching for the block"));
         } else if restart.state.wheel
             && !wheel
             && !plant.operator.switches.dry_run

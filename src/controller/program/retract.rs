@@ -105,7 +105,7 @@ impl Program {
         match self.retract.stage {
             RetractStage::AtWork => {}
             RetractStage::Requested | RetractStage::Retracting(_) | RetractStage::Returning(_) => {
-                return plant.refuse(phrase!("一键回退正在执行", "the retract is under way"));
+                return plant.refuse(phrase!("一键回退正在执行", "the retract is in progress"));
             }
             RetractStage::Retracted(from, at) => {
                 return match position_deviation(plant, at) {
@@ -149,14 +149,14 @@ impl Program {
         if plant.work.programs.find(number).is_none() {
             return plant.refuse(phrase!(
                 "程序目录中没有 O{number:04}，不能一键回退",
-                "the programs folder has no O{number:04}: no retract",
+                "O{number:04} is not in the programs folder: no retract",
                 number
             ));
         }
         let Some(source) = self.retract_calls[usize::from(number == RETURN_PROGRAM)].clone() else {
             return plant.refuse(phrase!(
                 "该机型的程序不能调用 O{number:04}，不能一键回退",
-                "the programs of this kind cannot call O{number:04}: no retract",
+                "programs on this kind of machine cannot call O{number:04}: no retract",
                 number
             ));
         };
@@ -225,10 +225,10 @@ impl Program {
     pub fn retract_blocks_start(&mut self, plant: &mut Plant) -> Option<LocalizedText> {
         match self.retract.stage {
             RetractStage::AtWork | RetractStage::Retracting(_) | RetractStage::Returning(_) => None,
-            RetractStage::Requested => Some(phrase!("一键回退正在执行", "the retract is under way")),
+            RetractStage::Requested => Some(phrase!("一键回退正在执行", "the retract is in progress")),
             RetractStage::Retracted(..) => Some(phrase!(
                 "砂轮已回退，再按一键回退使其返回",
-                "the wheel is withdrawn: press 一键回退 again to bring it back"
+                "the wheel is retracted: press RETRACT again to bring it back"
             )),
             RetractStage::OffPosition(from) if position_deviation(plant, from).is_some() => {
                 Some(off_position_text(plant, from))
@@ -265,7 +265,7 @@ fn moved_away_text(plant: &Plant, axis: Axis, off: f64) -> LocalizedText {
     let off = off * plant.displayed_per_mm(axis);
     phrase!(
         "{axis} 离开了 O9000 退到的位置 {off:+.3}：先移回，再按一键回退；或复位",
-        "{axis} is {off:+.3} off the place that O9000 left it at: bring it back there first, or press RESET",
+        "{axis} is {off:+.3} off the position where O9000 left it: move it back first, or press RESET",
         axis,
         off
     )
@@ -276,7 +276,7 @@ fn off_position_text(plant: &Plant, from: MachinePos) -> LocalizedText {
     let off = off * plant.displayed_per_mm(axis);
     phrase!(
         "O9001 没有回到原位：{axis} 差 {off:+.3}，用手轮移回后循环启动，或复位",
-        "O9001 ended elsewhere: {axis} is {off:+.3} off. Bring it back by handwheel, or press RESET",
+        "O9001 did not return to the start: {axis} is {off:+.3} off. Move it back by handwheel, or press RESET",
         axis,
         off
     )

@@ -109,19 +109,22 @@ impl ProgramRun {
     /// Records a new wheel diameter, mm, written by a program. False: refused, with the alarm raised.
     pub fn record_dressing(&mut self, plant: &mut Plant, diameter_mm: f64) -> bool {
         if plant.is_dry_or_locked() {
-            plant.show_note(phrase!("锁定或空运行：修整不计入砂轮直径", "locked or dry run: no dressing is booked"));
+            plant.show_note(phrase!(
+                "锁定或空运行：修整不计入砂轮直径",
+                "machine lock or dry run: the dressing is not counted"
+            ));
             return true;
         }
         let before = plant.params.get(param::WHEEL_DIAMETER);
         let refusal = if diameter_mm > before || diameter_mm < param::WHEEL_DIAMETER.min {
             Some(phrase!(
                 "#5801={diameter_mm:.4}，现直径 {before:.4}",
-                "#5801={diameter_mm:.4}, the wheel has {before:.4}",
+                "#5801={diameter_mm:.4}, present diameter {before:.4}",
                 diameter_mm,
                 before
             ))
         } else if plant.work.offsets.tool_offset == 0 {
-            Some(phrase!("没有刀补生效", "no offset is in force"))
+            Some(phrase!("没有刀补生效", "no tool offset is active"))
         } else {
             None
         };

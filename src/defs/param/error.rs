@@ -44,7 +44,7 @@ impl ParamError {
             Self::Unknown(number) => phrase!("没有参数 P{number}", "there is no parameter P{number}", number),
             Self::Range { number, min, max, value } => phrase!(
                 "P{number} 范围 {min} 到 {max}，不能为 {value}",
-                "P{number} takes {min} to {max}, not {value}",
+                "P{number} must be {min} to {max}, not {value}",
                 number,
                 min,
                 max,
@@ -52,13 +52,13 @@ impl ParamError {
             ),
             Self::NotWhole { number, value } => phrase!(
                 "P{number} 应为整数，不能为 {value}",
-                "P{number} takes a whole number, not {value}",
+                "P{number} must be a whole number, not {value}",
                 number,
                 value
             ),
             Self::Bit { number, bit, value } => phrase!(
                 "P{number}.{bit} 只能为 0 或 1，不能为 {value}",
-                "P{number}.{bit} takes 0 or 1, not {value}",
+                "P{number}.{bit} must be 0 or 1, not {value}",
                 number,
                 bit,
                 value

@@ -60,7 +60,7 @@ impl PageUi for AlarmPage {
         let rows = self.rows(view);
         if rows.is_empty() {
             let words = if self.shows_history {
-                view.text("没有报警记录", "no alarm is remembered")
+                view.text("没有报警记录", "no alarm in the history")
             } else {
                 view.text("没有报警", "no alarm")
             };
@@ -224,7 +224,7 @@ fn detail(view: &View<'_>, room: Rect, parts: Vec<(&str, Cow<'_, str>)>) -> f32 
     let inside = place.shrink2(vec2(theme::PAD, theme::GAP));
     let top = captioned_texts(view, inside, &parts);
     let hint = Rect::from_min_size(pos2(inside.min.x + CAPTION_WIDTH, top), vec2(width, 20.0));
-    view.fit_left(hint, view.text("? 帮助中打开这一条", "? opens it in the help"), theme::SMALL, view.theme.muted);
+    view.fit_left(hint, view.text("? 帮助中打开这一条", "? opens its help"), theme::SMALL, view.theme.muted);
     place.height() + theme::PAD
 }
 
@@ -244,7 +244,7 @@ fn present_row(view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
     let parts = [
         (view.text("原因", "cause"), cause),
         (view.text("处理", "remedy"), &alarm.remedy.get(view.lang)),
-        (view.text("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
+        (view.text("清除", "cleared"), alarm::reset_rule(alarm.number).name().get(view.lang)),
     ];
     captioned_texts(view, below, &parts.map(|(caption, words)| (caption, words.into())));
 }

@@ -111,10 +111,14 @@ impl DiagnosisPage {
     /// Keys that are blocked now, each with the reason.
     fn keys(&mut self, rect: Rect, view: &View<'_>, pages: i32, dead: &[(Key, &str)]) {
         if dead.is_empty() {
-            return empty::note(view, rect, view.text("面板上所有按键现在都有效", "every key of the panel acts now"));
+            return empty::note(
+                view,
+                rect,
+                view.text("面板上所有按键现在都有效", "all keys of the panel are active now"),
+            );
         }
         const COLUMN_SHARES: [f32; 3] = [120.0, 160.0, 430.0];
-        let words = [view.text("现在无效的按键", "DEAD NOW"), view.text("标识", "ID"), view.text("原因", "REASON")];
+        let words = [view.text("现在无效的按键", "INACTIVE"), view.text("标识", "ID"), view.text("原因", "REASON")];
         let list = ScrollList { id: "dead-keys", rect, row: KEY_LINE_HEIGHT, gap: 0.0, count: dead.len() };
         let (clipped, rows) = self.striped_table(view, &list, pages, COLUMN_SHARES, words);
         for (index, place) in rows {

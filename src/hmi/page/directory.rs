@@ -171,7 +171,7 @@ impl DirectoryPage {
             let (number, name, comment) = (row.number, &row.name, &row.comment);
             let body = LocalizedText::new(
                 format!("{name} {comment}\n删除后不能恢复，除非有备份。"),
-                format!("{name} {comment}\nOnly a backup brings it back."),
+                format!("{name} {comment}\nIt can be restored only from a backup."),
             );
             self.request = Some(FileRequest::Delete(number));
             let key = ("question-delete", Text::new("删除", "DELETE"));

@@ -80,8 +80,8 @@ fn positions(rect: Rect, view: &View<'_>) {
         let words = view.text("换砂轮后未修整：先运行 ", "wheel changed: dress it with ");
         (format!("{words}{programs}"), view.theme.hold)
     } else {
-        let words =
-            view.text("修整点在 位置 → 相对 中按轴字母键设置", "set the point at POSITION, RELATIVE by an axis letter");
+        let words = view
+            .text("修整点在 位置 → 相对 中按轴字母键设置", "set the point on POSITION, RELATIVE with an axis letter");
         (words.to_owned(), view.theme.muted)
     };
     view.paragraph(rest.trim_top(8.0), &words, theme::LABEL, ink);

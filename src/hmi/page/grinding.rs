@@ -296,7 +296,7 @@ fn next_sheet_key(title: Rect, view: &View<'_>) -> bool {
 
 fn text_fault(places: &GrindingLayout, view: &View<'_>, fault: &FileFault) {
     let what = match fault.position {
-        Some(_) => view.text("页面文件格式错误", "the page file is not of the format"),
+        Some(_) => view.text("页面文件格式错误", "the page file has a format error"),
         None => view.text("没有可用的页面文件", "there is no page file to show"),
     };
     lines::title(view, places.title, what);

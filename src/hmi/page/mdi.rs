@@ -164,7 +164,7 @@ impl MdiPage {
         let list = rect.shrink(4.0);
         if self.history.is_empty() {
             let words = view
-                .text("执行过的行列在这里，触摸可再用", "lines that were used stand here; touch one to use it again");
+                .text("执行过的行列在这里，触摸可再用", "executed lines are listed here; touch one to use it again");
             return view.note(list.shrink2(vec2(theme::PAD, 4.0)), words);
         }
         let rect = widget::round_to_lines(list, widget::ROW_HEIGHT);

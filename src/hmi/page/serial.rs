@@ -72,7 +72,7 @@ impl SerialPane {
         match self.number.parse::<u16>() {
             Ok(number @ 1..=9_999) => Ok(Some(format!("O{number:04}.NC"))),
             Ok(_) | Err(_) => {
-                let said = LocalizedText::new("程序号应为 1 到 9999", "a program number is 1 to 9999");
+                let said = LocalizedText::new("程序号应为 1 到 9999", "program numbers are 1 to 9999");
                 self.refused = Some(said.clone());
                 Err(said)
             }

@@ -45,7 +45,7 @@ impl PageUi for TeachPage {
         let teach = &view.snapshot.teach;
         let state = match (teach.recording, teach.saved) {
             (true, _) => view.text("正在记录", "recording"),
-            (false, true) => view.text("已保存", "kept as a program"),
+            (false, true) => view.text("已保存", "saved as a program"),
             (false, false) => view.text("未记录", "not recording"),
         };
         let blocks = format!("{} {}", teach.blocks.len(), view.text("段", "blocks"));
@@ -68,7 +68,7 @@ impl TeachPage {
         if blocks.is_empty() {
             let words = view.text(
                 "按“开始录返”，然后用手动、单步或手轮移动刀具。\n每段直线、主轴、冷却、换刀都会记成程序段。",
-                "Press START, then move the tool by jog keys, steps or handwheel.\nEvery straight way, spindle, coolant and tool change becomes a block.",
+                "Press START, then move the tool by jog keys, steps or handwheel.\nEvery straight move, spindle, coolant and tool change becomes a block.",
             );
             return view.note(inside, words);
         }

@@ -115,7 +115,7 @@ impl ToolsPage {
         let ink = if in_front { view.theme.info } else { view.theme.text };
         view.line_left(title, &format!("T{}", station + 1), theme::TITLE, ink);
         if in_front {
-            view.line_right(title, view.text("当前", "in front"), theme::SMALL, ink);
+            view.line_right(title, view.text("当前", "current"), theme::SMALL, ink);
         }
         let drawn = (rest.height() - FIELD_HEIGHT * TOOL_FIELDS as f32).max(rest.height() * DRAWING_SHARE);
         let (drawing, fields) = rest.split_top(drawn);
@@ -135,7 +135,7 @@ impl ToolsPage {
         }
         let words = view.text(
             "直径 0：按程序自带的棒料。棒料端面中心为 X0 Z0；装入程序或改尺寸时换上新料。",
-            "Diameter 0: the bar that comes with the program. Its face is X0 Z0; a new one comes with a program or a size.",
+            "Diameter 0: the bar of the program. Its face is X0 Z0; loading a program or changing a size mounts a new bar.",
         );
         view.paragraph(note.trim_left(2.0).trim_top(4.0), words, theme::SMALL, view.theme.muted);
     }

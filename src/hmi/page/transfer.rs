@@ -170,7 +170,7 @@ impl TransferPage {
             );
             return Question::new(Text::new("恢复备份？", "restore the backup?"), body, yes);
         }
-        let title = Text::new("文件已存在且内容不同", "there already, with other contents");
+        let title = Text::new("文件已存在且内容不同", "files exist with other contents");
         let body = LocalizedText::new(format!("{list}{more}"), format!("{list}{more}"));
         if self.set.file_set().has_file_list() {
             Question::with_keys(title, body, &[yes, skip])
@@ -346,16 +346,16 @@ const fn set_description(set: TransferSet, view: &View<'_>) -> &'static str {
     match set {
         TransferSet::Params => view.text(
             "全部参数写到 KT830-PARAM.RON，或从该文件读入。读入需要机床厂密码；文件中任何一个值不允许则全部不读入。",
-            "All parameters go to KT830-PARAM.RON, or come from it. Taking them in asks for the machine builder's password; one value that is not allowed refuses the whole file.",
+            "All parameters are written to KT830-PARAM.RON, or read from it. Reading needs the machine builder's password; one invalid value rejects the whole file.",
         ),
         TransferSet::Variables => view.text(
             "宏变量 #200-#433、#500-#999 写到 KT830-MACRO.RON，或从该文件读入。",
-            "The macro variables #200-#433 and #500-#999 go to KT830-MACRO.RON, or come from it.",
+            "The macro variables #200-#433 and #500-#999 are written to KT830-MACRO.RON, or read from it.",
         ),
         TransferSet::Serial => "",
         TransferSet::Backup | TransferSet::Programs | TransferSet::Screens => view.text(
             "程序、页面文件、参数、变量、刀补和坐标系写成一个带校验的文件 KT830-日期-时间.TAR，或从所选（最新）备份恢复。恢复需要机床厂密码。",
-            "Programs, page files, parameters, variables, offsets and work frames go into one file with checksums, KT830-DATE-TIME.TAR, or come back from the chosen (newest) one. Restoring asks for the machine builder's password.",
+            "Programs, page files, parameters, variables, tool and work offsets are written to one file with checksums, KT830-DATE-TIME.TAR, or restored from the chosen (newest) one. Restoring needs the machine builder's password.",
         ),
     }
 }

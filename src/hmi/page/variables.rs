@@ -247,7 +247,7 @@ fn head(rect: Rect, view: &View<'_>) {
     );
     let locked = !view.snapshot.params.bit(param::EDIT_OFFSETS);
     let rest = if locked {
-        let words = view.text("P22.0=0：只能查看", "P22.0 is 0: look only");
+        let words = view.text("P22.0=0：只能查看", "P22.0=0: view only");
         let taken = view.fit_right(rect, words, theme::LABEL, view.theme.hold);
         let lock = Rect::from_center_size(pos2(taken.min.x - 14.0, rect.center().y), vec2(13.0, 13.0));
         pictogram::draw(&view.painter, lock, pictogram::LOCK, view.theme.hold);

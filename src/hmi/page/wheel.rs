@@ -146,7 +146,7 @@ impl WheelPage {
         let below = body.min.y + FIELDS.len() as f32 * (FIELD_HEIGHT + theme::GAP) + 4.0;
         let line = Rect::from_min_size(pos2(body.min.x, below), vec2(body.width(), 30.0));
         let most = format!("{:.0}", max_rpm(values[0], values[2]));
-        figure(line, view, view.text("允许最高转速", "greatest speed"), &most, "r/min");
+        figure(line, view, view.text("允许最高转速", "maximum speed"), &most, "r/min");
         let keys = body.with_min_y(body.max.y - FIELD_HEIGHT);
         let note = Rect::from_min_max(pos2(body.min.x, line.max.y + 6.0), pos2(body.max.x, keys.min.y - 6.0));
         let (words, ink) = match (&self.refused, self.confirming) {
@@ -162,7 +162,7 @@ impl WheelPage {
             (None, false) => {
                 let words = view.text(
                     "尺寸和线速度以砂轮标签为准；未输入的项保持原值。",
-                    "Take size and speed from the wheel's label; what is not typed stays.",
+                    "Take size and speed from the wheel label; values not typed stay unchanged.",
                 );
                 (words.to_owned(), view.theme.muted)
             }
@@ -254,7 +254,7 @@ fn banner(rect: Rect, view: &View<'_>) {
     let (first, last) = (params.get(param::DRESSING_PROGRAM_FIRST), params.get(param::DRESSING_PROGRAM_LAST));
     let words = format!(
         "{} O{first:04.0}–O{last:04.0} {}",
-        view.text("先重设修整点，再把修整程序", "set the dressing point anew, then run"),
+        view.text("先重设修整点，再把修整程序", "set the dressing point again, then run"),
         view.text("运行到 M30 (P91 P92)", "to its M30 (P91, P92)"),
     );
     view.fit_left(below, &words, theme::LABEL, view.theme.text);
@@ -272,9 +272,9 @@ fn mounted_wheel(rect: Rect, view: &View<'_>) {
         (view.text("直径 P77", "diameter P77"), diameter.to_string(), "mm"),
         (view.text("宽度 P78", "width P78"), width.to_string(), "mm"),
         (view.text("额定线速度 P79", "rated speed P79"), rated.to_string(), "m/s"),
-        (view.text("允许最高转速", "greatest speed"), format!("{most:.0}"), "r/min"),
+        (view.text("允许最高转速", "maximum speed"), format!("{most:.0}"), "r/min"),
         (view.text("当前转速", "speed now"), format_whole(rpm), "r/min"),
-        (view.text("当前线速度", "rim speed now"), format!("{rim:.1}"), "m/s"),
+        (view.text("当前线速度", "surface speed"), format!("{rim:.1}"), "m/s"),
     ];
     let mut at = body.min.y;
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {

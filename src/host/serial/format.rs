@@ -250,7 +250,7 @@ impl SerialReader {
             }
             PERCENT => {
                 let line = self.line();
-                return Err(bad_format(format!("第 {line} 行中间有 %"), format!("line {line} has a % within it")));
+                return Err(bad_format(format!("第 {line} 行中间有 %"), format!("line {line} contains a %")));
             }
             SUBSTITUTE if self.at_line_start => return Ok(ReadProgress::Done),
             XON | XOFF => return Ok(ReadProgress::More),
@@ -340,11 +340,11 @@ impl SerialReader {
         for (own, text) in found {
             let name = asked.filter(|_| alone).map(str::to_owned).or(own);
             let name = name.filter(|name| shelf.is_program_name(name)).ok_or_else(|| {
-                let en = "it has no number or name that counts here: fill in STORE AS";
+                let en = "it has no usable number or name: fill in STORE AS";
                 bad_format("程序没有可用的号或名称，请填写 存为", en)
             })?;
             if sheets.iter().any(|sheet| sheet.name.eq_ignore_ascii_case(&name)) {
-                return Err(bad_format(format!("{name} 出现两次"), format!("{name} comes twice")));
+                return Err(bad_format(format!("{name} 出现两次"), format!("{name} occurs twice")));
             }
             sheets.push(SerialProgram { name, text });
         }

@@ -69,14 +69,14 @@ impl SerialError {
             | Self::Disconnected(said)
             | Self::NotStored(said)
             | Self::NotSendable(said) => said.clone(),
-            Self::NoData(None) => LocalizedText::new("没有收到程序开头的 %", "no % of a program has come"),
+            Self::NoData(None) => LocalizedText::new("没有收到程序开头的 %", "no % of a program was received"),
             Self::NoData(Some(line)) => {
-                LocalizedText::new(format!("在第 {line} 行中断"), format!("broken off at line {line}"))
+                LocalizedText::new(format!("在第 {line} 行中断"), format!("interrupted at line {line}"))
             }
             Self::Noise(0) => LocalizedText::new("程序开头之前", "before the program"),
             Self::Noise(line) => LocalizedText::new(format!("第 {line} 行"), format!("line {line}")),
             Self::TooLong(most) => LocalizedText::new(format!("超过 {most} 字节"), format!("more than {most} bytes")),
-            Self::NotAccepted => LocalizedText::new("发送没有完成", "the program was not sent to its end"),
+            Self::NotAccepted => LocalizedText::new("发送没有完成", "the program was not sent completely"),
             Self::Parity => LocalizedText::new("没有保存", "nothing was stored"),
             Self::Cancelled => LocalizedText::new("已取消", "cancelled"),
         }

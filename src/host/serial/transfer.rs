@@ -118,6 +118,6 @@ impl SerialTransfer<'_> {
         if stamp(&back.bytes) == stamp(&sheet.text) {
             return Ok(name);
         }
-        Err(failed(LocalizedText::new(format!("{name} 校验不符"), format!("{name} does not read back"))))
+        Err(failed(LocalizedText::new(format!("{name} 校验不符"), format!("{name} failed verification"))))
     }
 }

@@ -152,7 +152,7 @@ impl JobQueues {
         let (ticket, queue) = (job.ticket, if is_serial(&job) { &self.line } else { &self.office });
         let taken = queue.as_ref().is_some_and(|queue| queue.try_send(*job).is_ok());
         (!taken && !asked_again).then(|| {
-            let busy = LocalizedText::new("上一项工作未完成，请稍候", "the work before is not done: wait");
+            let busy = LocalizedText::new("上一项工作未完成，请稍候", "the previous job is not finished: wait");
             let answer = FileAnswer::Refused(Refusal::Other(busy));
             Arrival::Command(Command::Page(PageCommand::StorageAnswered(StorageAnswer::File(ticket, answer))))
         })

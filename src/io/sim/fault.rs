@@ -12,7 +12,7 @@ const BUS_TICKS_LIMIT: u32 = 1_000_000;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
     /// There is no fault with this name.
-    #[error("there is no fault '{0}'; `fault list` tells them all")]
+    #[error("there is no fault '{0}'; `fault list` shows all of them")]
     Unknown(String),
     /// The argument is not the id of an input, or not a port.
     #[error("'{0}' is not the id of an input")]
@@ -21,7 +21,7 @@ pub enum FaultError {
     #[error("'{0}' is not a number of ticks from 1 to {BUS_TICKS_LIMIT}")]
     Ticks(String),
     /// A fault without argument is followed by one.
-    #[error("'{0}' takes nothing more, not '{1}'")]
+    #[error("'{0}' has no argument, but '{1}' is given")]
     UnexpectedArgument(&'static str, String),
 }
 

@@ -292,7 +292,7 @@ impl Grinding {
         let too_deep = depth.max(self.recent_cut_mm) > crash_mm;
         if too_deep || (standing && depth > self.machine.cutting.crash_standing_mm) {
             self.dresser_broken = true;
-            let place = if !too_deep && roll_stands { "dresser, roll standing" } else { "dresser" };
+            let place = if !too_deep && roll_stands { "dresser, roll stopped" } else { "dresser" };
             return log.push(self.event(EventKind::Crash, place, scene));
         }
         if !standing {
@@ -341,7 +341,7 @@ fn contact_surface(
     if !scene.wheel.can_cut() {
         if overlap > cutting.crash_standing_mm {
             surface.contact.crashed = true;
-            return tell(EventKind::Crash, "part, wheel standing");
+            return tell(EventKind::Crash, "part, wheel stopped");
         }
         return ContactResult::default();
     }

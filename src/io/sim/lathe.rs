@@ -292,9 +292,9 @@ impl Bar {
             }
             // Deeper than the edge the shank is in contact.
             let place = if depth > tool.edge_mm || height > tool.edge_mm && depth > crash_mm {
-                Some("part, shank of the tool")
+                Some("part, tool shank")
             } else if stands && depth > crash_mm {
-                Some("part, spindle standing")
+                Some("part, spindle stopped")
             } else if rapid && depth > crash_mm {
                 Some("part, rapid traverse")
             } else {

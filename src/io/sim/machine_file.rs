@@ -119,7 +119,7 @@ impl MachineFile {
             }
         }
         if infeed == across || stroke == Some(infeed) || stroke == Some(across) {
-            let rule = "infeed, across and stroke are three different axes";
+            let rule = "infeed, across and stroke must be three different axes";
             return Err(SimFileError::Incompatible { what: "layout".to_owned(), rule });
         }
         Ok(())

@@ -361,7 +361,7 @@ impl AxisFile {
         }
         for (field, table) in [("backlash_mm", &self.backlash_mm), ("pitch_error_mm", &self.pitch_error_mm)] {
             if table.len() > TABLE_LIMIT {
-                return wrong(field, table.len() as f64, "takes at most 1000 rows");
+                return wrong(field, table.len() as f64, "must have at most 1000 rows");
             }
             if let Some(pair) = table.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
                 return wrong(field, pair[1].0, "positions must rise");

@@ -32,7 +32,7 @@ const NAMED: &[(&str, &str)] = parts! { "SHAFT" = "SHAFT"; };
 
 /// Greatest number of cells of one surface.
 const CELL_LIMIT: f64 = 100_000.0;
-const CELL_RULE: &str = "there must be 1 to 100000 cells from the one end to the other";
+const CELL_RULE: &str = "there must be 1 to 100000 cells from end to end";
 
 /// A part in the machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -410,7 +410,7 @@ impl PartFile {
             }
         }
         if let Some(offset) = file.offsets.iter().find(|offset| !(1..=16).contains(&offset.number)) {
-            refuse_value("offsets.number", f64::from(offset.number), "takes 1 to 16")?;
+            refuse_value("offsets.number", f64::from(offset.number), "must have 1 to 16")?;
         }
         Ok(file)
     }
@@ -463,7 +463,7 @@ impl SurfaceFile {
                 require_positive(&name("thickness"), thickness)
             }
             Self::Disc { x_from, .. } if x_from < 0.0 => {
-                refuse_value(name("x_from"), x_from, "a radius is not below zero")
+                refuse_value(name("x_from"), x_from, "a radius must not be negative")
             }
             Self::Diameter { .. } | Self::Cone { .. } | Self::Plane { .. } | Self::Disc { .. } => Ok(()),
         }

@@ -145,8 +145,8 @@ impl ProfileSurface {
     /// Event text for a part that is stopped but should rotate.
     pub(super) const fn place_when_stopped(&self) -> &'static str {
         match self.shape {
-            ProfileShape::Diameter | ProfileShape::Face { .. } => "part, workhead standing",
-            ProfileShape::Bore { .. } | ProfileShape::Disc => "part, table standing",
+            ProfileShape::Diameter | ProfileShape::Face { .. } => "part, workhead stopped",
+            ProfileShape::Bore { .. } | ProfileShape::Disc => "part, table stopped",
         }
     }
 

@@ -33,7 +33,7 @@ pub(super) fn find_damage(path: &Path) -> Result<Option<String>, RetainedError> 
         Ok(DatabaseState::Intact) => Ok(None),
         Ok(DatabaseState::Damaged(cause)) => Ok(Some(cause)),
         Ok(DatabaseState::Newer(found)) => Err(RetainedError::Newer { path: path.to_path_buf(), found, known: FORMAT }),
-        Err(_) => Ok(Some("the database does not understand its own file".to_owned())),
+        Err(_) => Ok(Some("the database cannot read its own file".to_owned())),
     }
 }
 
@@ -56,14 +56,14 @@ fn inspect(bytes: &[u8]) -> DatabaseState {
     };
     match database.check_integrity() {
         Ok(true) => {}
-        Ok(false) => return DatabaseState::Damaged("pages do not fit their checksums".to_owned()),
+        Ok(false) => return DatabaseState::Damaged("pages do not match their checksums".to_owned()),
         Err(cause) => return DatabaseState::Damaged(cause.to_string()),
     }
     match tables::load(&database) {
         Ok(found) if found.format > FORMAT => DatabaseState::Newer(found.format),
         Ok(found) if found.format < OLDEST_FORMAT => DatabaseState::Damaged(format!("unknown format {}", found.format)),
         Ok(found) if found.stored_sum != found.computed_sum => {
-            DatabaseState::Damaged("rows do not fit their checksum".to_owned())
+            DatabaseState::Damaged("rows do not match their checksum".to_owned())
         }
         Ok(_) => DatabaseState::Intact,
         Err(cause) => DatabaseState::Damaged(cause.to_string()),

@@ -156,7 +156,7 @@ pub enum RetainedError {
     #[error("{0} cannot be kept: {1}")]
     BadChange(String, &'static str),
     /// Database error in the file. The commit may have succeeded or not; it is safe to commit the same changes again.
-    #[error("{}: {}; make room on the disk or replace it, then try again", .0.display(), .1)]
+    #[error("{}: {}; free disk space or replace it, then try again", .0.display(), .1)]
     Storage(PathBuf, StorageFault),
     /// The operating system reported an error.
     #[error(transparent)]

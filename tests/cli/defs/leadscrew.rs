@@ -35,11 +35,11 @@ fn b7_the_text_of_the_longest_table_stays_below_what_the_store_takes() {
 #[test]
 fn b7_a_wrong_table_is_refused_with_its_line() {
     for (text, line, said) in [
-        ("0,0.01\n5", 2, "a line reads: position, backlash[, pitch error]"),
+        ("0,0.01\n5", 2, "write a line as: position, backlash[, pitch error]"),
         ("0,x", 1, "'x' is not a number"),
         ("0,0.01\n\n0,0.02", 3, "positions must rise from line to line"),
         ("0,-0.01", 1, "-0.01 is out of range 0…2 mm"),
-        ("0,0\n1,0.03", 2, "too steep after the line before: at most 0.02 mm a mm"),
+        ("0,0\n1,0.03", 2, "too large a change from the line before: at most 0.02 mm per mm"),
         ("0,0,inf", 1, "inf is out of range -2…2 mm"),
     ] {
         let fault = LeadscrewCompensation::parse(text).unwrap_err();

@@ -174,7 +174,7 @@ impl DesignerPage {
                 Ok((line, column, format!("{label} {name};\n")))
             }
             (None, Some(_)) => Err(LocalizedText::new("页面已满：左右各十项", "the page is full: ten in each column")),
-            (None, None) => Err(LocalizedText::new("先改正错误：缺少 %", "mend the mistakes first: the % is missing")),
+            (None, None) => Err(LocalizedText::new("先改正错误：缺少 %", "correct the errors first: the % is missing")),
         };
         match at {
             Ok((line, column, text)) => {
@@ -182,7 +182,7 @@ impl DesignerPage {
                 let at = self.document.cursor;
                 self.document.replace(at, at, &text);
                 self.position.scroll.user_scrolled = false;
-                let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} is added: give it its name"));
+                let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} added: edit its name"));
                 self.message.tell(LocalizedText::new(zh, en));
                 self.tab = DesignerTab::Variables;
             }

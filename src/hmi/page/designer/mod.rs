@@ -135,7 +135,7 @@ impl PageUi for DesignerPage {
                 view,
                 rect,
                 pictogram::NO_PAGE,
-                view.text("页面文件还没有读出", "the page file is not read"),
+                view.text("页面文件还没有读出", "the page file is not read yet"),
                 remedy,
             );
             return;
@@ -247,9 +247,7 @@ impl DesignerPage {
 
     fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
         if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
-            return self
-                .message
-                .refuse(Text::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+            return self.message.refuse(Text::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited"));
         }
         let request = FileRequest::CheckEditable(self.number(view.snapshot));
         out.push(self.asking.send(Requester::Designer, DesignerRequest::Edit, request));

@@ -31,7 +31,7 @@ pub fn no_page(rect: Rect, view: &View<'_>, number: u32, out: &mut Vec<Command>)
     };
     let remedy = view.text(
         "只有 O1001–O1020 有页面。请在目录中选择其中一个。",
-        "Only O1001 to O1020 have one. Choose one of them in the directory.",
+        "Only O1001 to O1020 have a page. Choose one of them in the directory.",
     );
     empty::show(view, rect, pictogram::NO_PAGE, &what, remedy);
     let key = Rect::from_center_size(pos2(rect.center().x, rect.min.y + rect.height() * 0.72), vec2(200.0, 52.0));
@@ -115,12 +115,12 @@ impl DesignerPage {
         let (words, ink) = if let Some(shown) = self.message.shown(view, view.theme.text) {
             shown
         } else if of_file {
-            let words = view.text("含有不是 GBK 或 UTF-8 的字节：只能查看", "bytes neither GBK nor UTF-8: shown only");
+            let words = view.text("含有不是 GBK 或 UTF-8 的字节：只能查看", "bytes neither GBK nor UTF-8: view only");
             (words.to_owned(), view.theme.hold)
         } else if let Some(fault) = self.fault_in_line(self.document.cursor_position().0).or(faults.first()) {
             (fault_text(view, fault), view.theme.alarm_text)
         } else if self.file.is_some() {
-            (view.text("文字符合格式", "the text is of the format").to_owned(), view.theme.muted)
+            (view.text("文字符合格式", "the text format is correct").to_owned(), view.theme.muted)
         } else {
             return;
         };
@@ -136,8 +136,8 @@ impl DesignerPage {
     pub(super) fn variable_list(&mut self, rect: Rect, view: &View<'_>) {
         let rows = self.variables(view);
         if self.file.as_ref().is_some_and(|file| file.uses.is_none()) {
-            let words = view
-                .text("程序不在目录中：不知道它用哪些变量", "the program is not there: its variables are not known");
+            let words =
+                view.text("程序不在目录中：不知道它用哪些变量", "the program is missing: its variables are not known");
             view.paragraph(rect.shrink(theme::PAD), words, theme::LABEL, view.theme.hold);
         }
         let (clipped, places) = self.visible_rows(rect, view, rows.len());
@@ -155,19 +155,19 @@ impl DesignerPage {
         let number = self.document.number % 1_000;
         let picture = view.snapshot.screens.find(self.document.number).map(|files| &files.picture);
         let (now, ink) = match picture {
-            Some(Ok(_)) => (view.text("符合格式", "of the format").to_owned(), view.theme.text),
+            Some(Ok(_)) => (view.text("符合格式", "format correct").to_owned(), view.theme.text),
             Some(Err(fault)) => (fault.message.get(view.lang).into_owned(), view.theme.alarm_text),
             None => (view.text("没有", "missing").to_owned(), view.theme.hold),
         };
         view.fit_left(head.band(0.0, 22.0), &format!("B{number:04}.BMP: {now}"), theme::LABEL, ink);
         let words = view.text(
             "U 盘或 screens 目录中的 PNG、JPEG、BMP；换用时转换为 200×400、24 位，不足处补白。",
-            "PNG, JPEG, BMP of the USB stick or the folder screens; converted to 200×400 in 24 bits, on white.",
+            "PNG, JPEG, BMP from the USB stick or the folder screens; converted to 200×400, 24 bit, on white.",
         );
         view.paragraph(head.trim_top(24.0), words, theme::SMALL, view.theme.muted);
         if file.pictures.is_empty() {
             let words =
-                view.text("没有图片：插入 U 盘后再按“图片”", "no pictures: plug a stick in, press PICTURES again");
+                view.text("没有图片：插入 U 盘后再按“图片”", "no pictures: plug in a stick, press PICTURES again");
             view.paragraph(rest, words, theme::LABEL, view.theme.hold);
         }
         let mut taken = None;
@@ -186,8 +186,8 @@ impl DesignerPage {
             format!("B{number:04}.BMP 将换成 {name}。"),
             format!("B{number:04}.BMP will be replaced by {name}."),
         );
-        let key = ("question-picture", Text::new("换用", "TAKE"));
-        let question = Question::new(Text::new("换图片？", "take the picture?"), body, key);
+        let key = ("question-picture", Text::new("换用", "USE"));
+        let question = Question::new(Text::new("换图片？", "use this picture?"), body, key);
         self.question.ask(DesignerQuestion::Picture(chosen.location, name.clone()), question);
     }
 
@@ -195,12 +195,7 @@ impl DesignerPage {
     pub(super) fn faults(&mut self, rect: Rect, view: &View<'_>) {
         let faults = self.reading.faults.clone();
         if faults.is_empty() {
-            view.paragraph(
-                rect.shrink(theme::PAD),
-                view.text("没有错误", "no mistakes"),
-                theme::TITLE,
-                view.theme.muted,
-            );
+            view.paragraph(rect.shrink(theme::PAD), view.text("没有错误", "no errors"), theme::TITLE, view.theme.muted);
             return;
         }
         let mut chosen = None;
@@ -272,7 +267,7 @@ impl DesignerPage {
             (None, None) if row.missing => {
                 (view.text("页面上没有", "not on the page").to_owned(), view.theme.alarm_text)
             }
-            (None, None) => (view.text("程序内部使用", "the program's own").to_owned(), view.theme.muted),
+            (None, None) => (view.text("程序内部使用", "program internal").to_owned(), view.theme.muted),
         };
         view.fit_left(top, &label, theme::LABEL, ink);
         let how = match (row.reads, row.writes) {
@@ -300,7 +295,7 @@ impl DesignerPage {
         };
         let size = format!("{from} · {:.0} kB", file.size as f64 / 1_024.0);
         view.fit_left(below, &size, theme::SMALL, view.theme.muted);
-        let (name, label) = (format!("take-{index}"), view.text("换用", "TAKE"));
+        let (name, label) = (format!("take-{index}"), view.text("换用", "USE"));
         self.row_key(view, place, PageKey::new(&name, label))
     }
 }

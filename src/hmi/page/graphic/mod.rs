@@ -246,7 +246,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
     };
     let mut rows = vec![
         (view.text("时间", "time").to_owned(), duration(drawing.duration_s)),
-        (view.text("行程 m", "way m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
+        (view.text("行程 m", "path m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
         (view.text("行数", "lines").to_owned(), drawing.lines.to_string()),
     ];
     if let Some((low, high)) = drawing.extents {
@@ -277,11 +277,10 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
     } else if !fresh {
         (view.text("程序已改动，请重算", "the program was changed: redraw").to_owned(), view.theme.hold)
     } else if !drawing.finished {
-        let words =
-            view.text("未到程序结束：太长或循环等待", "not followed to its end: too long, or a loop that waits");
+        let words = view.text("未到程序结束：太长或循环等待", "program end not reached: too long, or a waiting loop");
         (words.to_owned(), view.theme.hold)
     } else {
-        (view.text("检查无错误", "checked: no mistakes").to_owned(), view.theme.run)
+        (view.text("检查无错误", "checked: no errors").to_owned(), view.theme.run)
     };
     view.paragraph(below, &words, theme::LABEL, ink);
 }

@@ -162,7 +162,7 @@ const USAGE: Text = Text::new("操作", "how to use it");
 const CAUSE: Text = Text::new("原因", "cause");
 const REMEDY: Text = Text::new("处理", "remedy");
 const REACTION: Text = Text::new("反应", "reaction");
-const CLEARED_BY: Text = Text::new("清除", "goes away");
+const CLEARED_BY: Text = Text::new("清除", "cleared");
 const KEYBOARD: Text = Text::new("键盘", "keyboard");
 const DURING_RUN: Text = Text::new("运行中", "in a run");
 const SCOPE: Text = Text::new("有效", "in force");
@@ -237,9 +237,9 @@ fn key_entry(key: Key, kind: Kind) -> HelpEntry {
     }
     if row.group != key::KeyGroup::Screen {
         let acts = if row.active_in_run {
-            Text::new("有效", "it acts")
+            Text::new("有效", "active")
         } else {
-            Text::new("无效；暂停和手动时有效", "it is dead; it acts in a hold and by hand")
+            Text::new("无效；暂停和手动时有效", "not active; active in a hold and in manual modes")
         };
         parts.push((DURING_RUN, acts.into()));
     }
@@ -276,7 +276,7 @@ fn alarms(all: &mut Vec<HelpEntry>) {
         let number = error.number();
         let cause = Text::new(
             "程序段中有错误；报警带程序、行、列",
-            "a mistake in a block; the alarm names program, line, column",
+            "an error in a block; the alarm shows program, line, column",
         );
         all.push(add(number, format!("{number:03}"), said(error.text()), [cause.into(), said(error.remedy())]));
     }
@@ -291,9 +291,9 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
     let mill = system.is_mill();
     for row in G_CODES.iter().filter(|row| system.is_kt830() && row.availability_on(mill) != Availability::No) {
         let stays = if matches!(row.group_on(mill), GCodeGroup::NonModal) {
-            Text::new("只在本段", "in its block only")
+            Text::new("只在本段", "in this block only")
         } else {
-            Text::new("模态，直到同组的另一个代码", "until another code of its group")
+            Text::new("模态，直到同组的另一个代码", "modal, until another code of the group")
         };
         let mut parts = vec![(PURPOSE, row.help.into()), (SCOPE, stays.into())];
         if row.availability_on(mill) == Availability::NotYet {

@@ -215,7 +215,7 @@ impl Help {
     fn rows(&mut self, view: &View<'_>, list: Rect, pages: i32) {
         let count = self.visible.len();
         if count == 0 {
-            let words = view.text("没有找到，换一个词或号码", "nothing found: another word or number");
+            let words = view.text("没有找到，换一个词或号码", "nothing found: try another word or number");
             return view.note(list.band(theme::PAD, 60.0), words);
         }
         if !self.scroll.user_scrolled {

@@ -52,7 +52,7 @@ fn head(rect: Rect, view: &View<'_>, locked: bool) {
     lines::title(view, top, view.text("刀补", "tool offsets"));
     view.line_right(top.trim_right(theme::PAD), view.position_unit(), theme::LABEL, view.theme.muted);
     let words = if locked {
-        view.text("P22.0=0：磨耗、增量、测量已锁", "P22.0 is 0: wear, increments, measuring locked")
+        view.text("P22.0=0：磨耗、增量、测量已锁", "P22.0=0: wear, increments, measuring locked")
     } else {
         view.text("键盘：U V W 增量，M 测量", "keyboard: U V W increment, M measure")
     };

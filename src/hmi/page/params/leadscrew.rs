@@ -280,7 +280,7 @@ impl LeadscrewTab {
         if points.is_empty() {
             let words = view.text(
                 "没有补偿点：丝杠按无误差处理。按 加点 输入，或按 导入 从 U 盘读入 KT830-SCREW-轴.CSV。",
-                "No points: the screw counts as true. Touch ADD POINT, or IMPORT to read KT830-SCREW-AXIS.CSV from the USB medium.",
+                "No points: no error is compensated. Touch ADD POINT, or IMPORT to read KT830-SCREW-AXIS.CSV from the USB medium.",
             );
             return view.note(body.shrink(theme::PAD), words);
         }
@@ -323,12 +323,12 @@ impl LeadscrewTab {
         } else if view.snapshot.axes[axis].homed {
             let words = view.text(
                 "输入即生效，轴慢速补到位。机床坐标，X 为半径。",
-                "In force as it is typed; the axis is led there slowly. Machine coordinates, X a radius.",
+                "Active at once; the axis moves there slowly. Machine coordinates, X as radius.",
             );
             view.note(rect, words);
         } else {
-            let words = view
-                .text("回零后生效。机床坐标，X 为半径。", "In force after homing. Machine coordinates, X a radius.");
+            let words =
+                view.text("回零后生效。机床坐标，X 为半径。", "Active after homing. Machine coordinates, X as radius.");
             view.paragraph(rect, words, theme::LABEL, view.theme.hold);
         }
     }
@@ -387,7 +387,7 @@ fn clear_question(axis: Axis, table: &LeadscrewCompensation) -> Question {
     let points = table.points().len();
     let body = LocalizedText::new(
         format!("{axis} 轴的 {points} 个补偿点全部删除，可先导出。"),
-        format!("The {points} points of axis {axis} are deleted; export them first if they are wanted."),
+        format!("All {points} points of axis {axis} will be deleted; export them first if needed."),
     );
     Question::new(Text::new("清空补偿表？", "clear the table?"), body, ("question-clear", Text::new("清空", "CLEAR")))
 }

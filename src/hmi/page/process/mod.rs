@@ -305,10 +305,10 @@ impl ProcessPage {
         let parts = self.parts.len();
         let body = LocalizedText::new(
             format!("{seconds:.0} 秒的曲线和 {parts} 个工件的尺寸将丢失；需要时先存为 CSV。"),
-            format!("{seconds:.0} s of curves and the sizes of {parts} parts are lost; SAVE CSV keeps them."),
+            format!("{seconds:.0} s of curves and the sizes of {parts} parts will be lost; SAVE CSV first if needed."),
         );
         let key = ("question-clear", Text::new("清除", "CLEAR"));
-        Question::new(Text::new("清除过程数据？", "clear what was recorded?"), body, key)
+        Question::new(Text::new("清除过程数据？", "clear the recorded data?"), body, key)
     }
 
     /// CSV: one line per sample, then the parts. Only axes of the machine have a column; a missing signal leaves its

@@ -60,7 +60,7 @@ impl ProcessPage {
         let Some(last) = sized.last() else {
             let words = view.text(
                 "还没有实测尺寸：P375 为存实测尺寸的变量，P376 为公称尺寸的变量，P377、P378 为偏差",
-                "no size yet: P375 names the variable that holds it, P376 the nominal one, P377 and P378 the deviations",
+                "no size yet: P375 is the variable of the size, P376 of the nominal size, P377 and P378 the deviations",
             );
             view.paragraph(plot, words, theme::SMALL, view.theme.muted);
             return;
@@ -112,7 +112,7 @@ impl ProcessPage {
             (view.text("修整次数", "dressings"), format!("{:.0}", params.get(param::DRESSING_COUNT))),
             (view.text("还可修整次数", "dressings left"), left),
             (view.text("修整后件数", "parts since dressing"), format!("{since:.0}")),
-            (view.text("距下次修整 件", "parts to the next"), next),
+            (view.text("距下次修整 件", "parts to dressing"), next),
         ];
         let height = inside.height() / rows.len() as f32;
         for (index, (name, value)) in rows.into_iter().enumerate() {

@@ -204,8 +204,7 @@ impl ProgramPage {
             TaskStep::NotFound => {
                 self.replacing = false;
                 let what = &self.pattern;
-                self.message
-                    .refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} is not in the text")));
+                self.message.refuse(LocalizedText::new(format!("没有找到 {what}"), format!("{what} not found")));
             }
             TaskStep::Changed(rope, count) => {
                 self.document.replace_all(rope);
@@ -227,8 +226,7 @@ impl ProgramPage {
         }
         match act {
             EditorAction::Edit if view.snapshot.program.has_invalid_bytes => {
-                self.message
-                    .refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+                self.message.refuse(LocalizedText::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited"));
             }
             EditorAction::Edit => self.request_edit(out),
             EditorAction::End => self.stop_editing(),

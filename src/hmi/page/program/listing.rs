@@ -197,7 +197,7 @@ fn restart_text(snapshot: &Snapshot) -> Option<LocalizedText> {
     let name = snapshot.title(program);
     Some(LocalizedText::new(
         format!("{name} 在第 {line} 行断电中断：回零后按“断电续”，从该段继续"),
-        format!("{name} was cut off at line {line}: home the axes, then RESUME goes on from that block"),
+        format!("{name} was interrupted at line {line}: home the axes, then RESUME continues from that block"),
     ))
 }
 

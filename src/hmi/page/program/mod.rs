@@ -453,7 +453,7 @@ impl ProgramPage {
         } else if view.snapshot.program.has_invalid_bytes && !self.document.changed {
             let words = view.text(
                 "文件含有不是 GBK 或 UTF-8 的字节：只能查看，请在电脑上另存",
-                "bytes that are neither GBK nor UTF-8: shown only, save it again on a computer",
+                "bytes that are neither GBK nor UTF-8: view only, save it again on a computer",
             );
             (words.to_owned(), view.theme.hold)
         } else if self.document.changed && self.document.number != view.snapshot.program.number {

@@ -257,7 +257,7 @@ impl Renumbering {
                 let line = index + 1;
                 return Err(LocalizedText::new(
                     format!("第{line}行的跳转目标不能自动更改，请手工改段号"),
-                    format!("line {line} jumps in a way that cannot follow: renumber by hand"),
+                    format!("the jump target in line {line} cannot be adapted: renumber by hand"),
                 ));
             }
         }
@@ -267,10 +267,10 @@ impl Renumbering {
         }
         if let Some(number) = self.twice.first() {
             let zh = format!("段号 N{number} 出现两次，请先改正");
-            return Err(LocalizedText::new(zh, format!("N{number} stands twice: mend that first")));
+            return Err(LocalizedText::new(zh, format!("N{number} occurs twice: correct that first")));
         }
         if self.first + self.by * text.len_lines() as u64 > MAX_BLOCK_NUMBER {
-            return Err(LocalizedText::new("段号太大，请减小步长", "the numbers grow too large: take a smaller step"));
+            return Err(LocalizedText::new("段号太大，请减小步长", "the numbers get too large: use a smaller step"));
         }
         Ok(true)
     }

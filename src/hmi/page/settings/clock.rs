@@ -136,7 +136,7 @@ fn range(date: Option<DateTime>, field: usize) -> (i64, i64) {
 
 /// The date with one field replaced.
 fn date_with(date: Option<DateTime>, field: usize, text: &str) -> Result<DateTime, LocalizedText> {
-    let Some(date) = date else { return Err(LocalizedText::new("没有系统时钟", "the computer tells no time")) };
+    let Some(date) = date else { return Err(LocalizedText::new("没有系统时钟", "the computer has no clock")) };
     let (least, most) = range(Some(date), field);
     let value = text.parse::<i64>().map_err(|_| LocalizedText::new("只能输入整数", "whole numbers only"))?;
     if !(least..=most).contains(&value) {

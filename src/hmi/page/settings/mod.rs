@@ -188,7 +188,7 @@ impl SettingsPage {
     /// Frequently used switches with their password level.
     fn switches(&mut self, group: &SettingsGroup<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let view = group.view;
-        group.title_note(view.text("亮条为开", "a bar: on"));
+        group.title_note(view.text("亮条为开", "bar lit: on"));
         for (index, (bit, id, label)) in SWITCHES.iter().enumerate() {
             let key = PageKey::new(id, label.get(view.lang)).on(view.snapshot.params.bit(*bit));
             let key = key.locked(view.snapshot.access.level < bit.level);
