@@ -160,7 +160,8 @@ impl FeedScaling {
         way.max(0.0)
     }
 
-    /// Starts the fastest change to `target` (0 to 1) that keeps every limit on the set-points ahead. If no candidate is valid in this tick, the rate continues as before; call again in the next tick.
+    /// Starts the fastest change to `target` (0 to 1) that keeps every limit on the set-points ahead. If no candidate is
+    /// valid in this tick, the rate continues as before; call again in the next tick.
     ///
     /// Where the buffer is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
     /// slightly lower rate ([`TARGET_FRACTIONS`]) is used on the way up.

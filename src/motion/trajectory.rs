@@ -214,17 +214,6 @@ impl TrajectoryPlanner {
         self.feed_scaling = FeedScaling::steady(if self.held { 0.0 } else { 1.0 });
     }
 
-    /// Moves every unfinished move to `out`, the interrupted one first, in order and with tags. The axes stay where
-    /// they are; a hold stays active. The moves can be pushed again, after [`TrajectoryPlanner::reset_to`] if an axis was
-    /// moved meanwhile; an arc then starts with the radius of its new start point.
-    ///
-    /// # Panics
-    /// When the axes are not at rest: a bug of the caller.
-    pub fn drain_unfinished(&mut self, out: &mut Vec<Move>) {
-        out.extend(self.moves.iter().map(|queued| queued.programmed));
-        self.reset_to(self.position());
-    }
-
     /// Number of unfinished moves, including the active one.
     #[must_use]
     pub fn remaining_moves(&self) -> usize {
@@ -325,7 +314,9 @@ impl TrajectoryPlanner {
         }
     }
 
-    /// Discards every move; the axes stay where they are and a hold stays active.
+    /// Discards every move; the axes stay where they are and a hold stays active. The unfinished moves can be pushed
+    /// again, after [`TrajectoryPlanner::reset_to`] if an axis was moved meanwhile; an arc then starts with the radius of
+    /// its new start point.
     ///
     /// # Panics
     /// When the axes are not at rest: a bug of the caller.

@@ -143,17 +143,3 @@ pub(crate) fn fail1<T>(at: usize, error: E, detail: impl Into<Arg>) -> ReadResul
 pub(crate) fn fail2<T>(at: usize, error: E, detail: impl Into<Arg>, second: impl Into<Arg>) -> ReadResult<T> {
     Err(ReadStop::Error(Box::new(ErrorAt { at, error, details: [detail.into(), second.into()] })))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
-        let wrong = ErrorAt { at: 0, error: E::UnknownWord, details: ["Q9".into(), Arg::None] };
-        let fault = ProgramFault::new("O1001", BlockLocation { program: 1001, line: 7, n: None }, 12, wrong);
-        assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
-        assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));
-        assert_eq!(fault.alarm(), 1);
-    }
-}

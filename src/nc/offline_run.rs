@@ -11,8 +11,8 @@ use crate::units::WorkBudget;
 
 impl Interpreter {
     /// Reads without a machine until a line (from 1) of the started program is next. The modal state is then in
-    /// [`Self::modals`], the position in `world`. `sink` gets all operations.
-    /// `NextStatus::Block`: line reached. `NextStatus::Busy`: the budget is spent, call again. `NextStatus::End`: the program ends before the line.
+    /// [`Self::modals`], the position in `world`. `sink` gets all operations. `NextStatus::Block`: line reached.
+    /// `NextStatus::Busy`: the budget is spent, call again. `NextStatus::End`: the program ends before the line.
     ///
     /// # Errors
     /// A mistake in the blocks up to the line.

@@ -17,7 +17,7 @@ use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};
 use crate::units::WorkBudget;
 
-/// Blocks without a new line after which a loop counts as endless; they take 0.2 s.
+/// Blocks without a new line after which a loop counts as endless; they take 0.3 s.
 const STANDSTILL_BLOCKS: u32 = 100_000;
 /// Most texts that are read for one program.
 const MAX_TEXTS: usize = 100;

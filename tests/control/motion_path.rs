@@ -142,13 +142,13 @@ fn moves_taken_back_in_a_hold_lead_on_from_where_the_handwheel_left_the_axis() {
     ticks(&mut path, 50, FULL);
     path.hold();
     ticks_to_rest(&mut path);
-    let mut unfinished = Vec::new();
-    path.drain_unfinished(&mut unfinished);
-    assert_eq!(unfinished.iter().map(|m| m.tag).collect::<Vec<_>>(), [2, 3]);
+    assert_eq!((path.active_tag(), path.remaining_moves()), (Some(2), 2));
+    path.discard_moves();
+    assert_eq!((path.active_tag(), path.remaining_moves()), (None, 0));
     let [_, _, z] = path.position().coordinates();
     path.reset_to(MachinePos::new([1.0, 0.0, z]));
-    for m in unfinished {
-        path.push(m).unwrap();
+    for (tag, z) in [(2, 80.0), (3, 0.0)] {
+        path.push(line(0.0, z, tag)).unwrap();
     }
     ticks(&mut path, 50, FULL);
     assert_eq!(path.position(), MachinePos::new([1.0, 0.0, z]), "still held");

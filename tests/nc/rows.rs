@@ -486,3 +486,15 @@ fn b3_a_line_full_of_messages_is_loaded_at_once() {
     let text = format!("M30\n{})", "#3000(".repeat(200_000));
     assert_eq!(lines(&text, NcSettings::lathe_a()), ["m code=30"]);
 }
+
+#[test]
+fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
+    let source = Arc::new(Source::new(1_001, "O1001.NC", "\nO1001\n\n\n\n\nG0 X1 Z2  Q9\nM30", Dialect::LatheA));
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
+    let checked = check(&source, &library, &NcSettings::lathe_a());
+    let fault = &checked.faults[0];
+    let [en, zh] = [fault.text(Lang::En), fault.text(Lang::Zh)];
+    assert!(en.starts_with("O1001 line 7, column 11: ") && en.contains("'Q9' – "), "{en}");
+    assert!(zh.starts_with("O1001 第7行 第11列：") && zh.contains("'Q9' – "), "{zh}");
+    assert_eq!(fault.alarm(), 1);
+}

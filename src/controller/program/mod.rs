@@ -88,9 +88,7 @@ impl Program {
     pub const fn is_open(&self) -> bool {
         self.run.is_some()
     }
-}
 
-impl Program {
     /// Opens a run of the text and starts it.
     pub fn open_run(&mut self, plant: &mut Plant, source: Arc<Source>, origin: Origin) {
         let settings = nc_settings(plant.kind, &plant.params);

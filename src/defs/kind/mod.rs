@@ -219,7 +219,8 @@ impl KindRow {
 
 impl Equipment {
     /// The outputs of M63 and M64, if the device is the workpiece drive.
-    const fn work_drive(self) -> Option<(Output, Output)> {
+    #[must_use]
+    pub const fn work_drive(self) -> Option<(Output, Output)> {
         match self {
             Self::Headstock => Some((Output::HeadstockHigh, Output::HeadstockLow)),
             Self::DresserRoll => Some((Output::DresserRoll, Output::DresserRoll)),
@@ -232,25 +233,5 @@ impl Equipment {
             | Self::Gauges
             | Self::ToolTurret => None,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn k1_a_kind_has_one_id_one_workpiece_drive_and_a_folder_of_its_own_programs() {
-        for (index, kind) in Kind::ALL.into_iter().enumerate() {
-            let row = kind.row();
-            assert_eq!(Kind::from_id(row.id), Some(kind));
-            assert!(Kind::ALL[..index].iter().all(|other| other.short_name() != row.short_name), "{kind:?}");
-            // P153 assigns the port of each workpiece drive.
-            let drives = row.equipment.iter().filter(|device| device.work_drive().is_some()).count();
-            assert_eq!(drives, usize::from(!row.is_lathe()), "{kind:?}");
-            assert_eq!(row.programs.folder.is_empty(), row.programs.shipped.is_empty(), "{kind:?}");
-        }
-        assert!(Kind::default().row().demo_story.is_some());
-        assert!(Kind::ALL.into_iter().filter(|kind| kind.dialect().is_kt830()).eq(Kind::KT830));
     }
 }
