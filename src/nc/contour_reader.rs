@@ -77,6 +77,7 @@ impl Interpreter {
         let (mut inner, mut ops) = (Block::new(&self.settings), Vec::new());
         for _ in 0..MAX_CONTOUR_BLOCKS {
             inner.clear();
+            self.contour_blocks += 1;
             let at = self.flow.place.at;
             match self.read_block(&mut ahead, &mut inner)? {
                 StepStatus::End => break,

@@ -93,8 +93,8 @@ pub struct Interpreter {
     pub(super) block_words: BlockWords,
     pub(super) ended: bool,
     pub(super) second_half: bool,
-    /// Blocks read since [`Self::charge_blocks`]; a cycle reads its contour in one step.
-    blocks_read: usize,
+    /// Blocks of a contour that the last step has read besides its own.
+    pub(super) contour_blocks: usize,
     /// The arguments of the macro call that the present block makes.
     call_arguments: Locals,
     /// The block number read last (#4114).
@@ -136,7 +136,7 @@ impl Interpreter {
             block_words: BlockWords::default(),
             ended: false,
             second_half: false,
-            blocks_read: 0,
+            contour_blocks: 0,
             call_arguments: [None; 33],
             last_block_number: None,
             condition_changed: false,
@@ -255,9 +255,9 @@ impl Interpreter {
         Ok(NextStatus::Busy)
     }
 
-    /// Charges the blocks read since the last call.
+    /// Charges the last step: its block, and its contour if it is a cycle.
     pub(super) fn charge_blocks(&mut self, budget: &mut WorkBudget) {
-        budget.spend(std::mem::take(&mut self.blocks_read).max(1) * BLOCK_WORK);
+        budget.spend((1 + std::mem::take(&mut self.contour_blocks)) * BLOCK_WORK);
     }
 
     pub(super) fn locate(&self, wrong: ErrorAt) -> ProgramFault {
@@ -275,7 +275,6 @@ impl Interpreter {
         if self.ended {
             return Ok(StepStatus::End);
         }
-        self.blocks_read += 1;
         let source = Arc::clone(&self.flow.source);
         let (text, at, line) = (source.bytes(), self.flow.place.at, self.flow.place.line + 1);
         let mut cursor = Cursor::window(text, at);
@@ -301,10 +300,7 @@ impl Interpreter {
         };
         let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
         let read = dialect::read_block(self.settings.dialect, reader);
-        if cursor.is_truncated(text) {
-            return fail(at, E::BlockTooLong);
-        }
-        let content = read?;
+        let content = if cursor.is_truncated(text) { fail(at, E::BlockTooLong) } else { read }?;
         let step = if matches!(content, BlockContent::Words) {
             if let Some(word) = self.block_words.peek(b'O').filter(|_| !source.is_at_head(at)) {
                 return fail(word.at as usize, E::MisplacedO);

@@ -418,3 +418,19 @@ fn t5_the_work_of_a_tick_is_bounded() {
     // The change of rate is charged, too: no block is read and the plan is complete by then.
     assert!(work[900..1_000].iter().all(|units| *units == 0) && work[1_000] > 0, "{:?}", &work[990..1_010]);
 }
+
+/// Whatever is wrong with the next line, the one before does not start in its place.
+#[test]
+fn b6_a_refused_mdi_line_takes_back_the_one_before() {
+    for wrong in ["G01 Q", "G00 Z99999", &*"G04 ".repeat(126)] {
+        let mut rig = ready();
+        tell(&mut rig, "mode mdi");
+        rig.send(Command::PrepareMdi("G00 W-5".to_owned()));
+        rig.step();
+        assert_eq!(rig.snapshot().prepared_mdi, "G00 W-5");
+        rig.send(Command::PrepareMdi(wrong.to_owned()));
+        rig.step();
+        assert!(rig.controller().refusal().is_some(), "{wrong}");
+        tell(&mut rig, "key cycle-start\nexpect message \"先输入一行\"\nwait 0.1 s\nexpect state idle");
+    }
+}

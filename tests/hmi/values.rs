@@ -391,15 +391,10 @@ fn b6_a_wrong_mdi_line_stays_in_red_with_its_reason() {
     bench.write(" f100");
     bench.press(Enter);
     assert_eq!(&*bench.rig.snapshot().prepared_mdi, "G01 U-1 F100", "mended, not typed anew");
-    // Beyond a soft limit, and too long: the line before is not ready any more.
-    for (line, reason) in [("G00 Z99999", "软限位"), (&*"G04 ".repeat(126), "太长")] {
-        type_in(&mut bench, "G01 U-1 F100");
-        assert_eq!(&*bench.rig.snapshot().prepared_mdi, "G01 U-1 F100");
-        type_in(&mut bench, line);
-        assert!(red(&bench).unwrap().1.contains(reason));
-        assert!(bench.rig.snapshot().prepared_mdi.is_empty(), "{line}");
-        bench.press(Escape);
-    }
+    // Beyond a soft limit: the line before is not ready any more.
+    type_in(&mut bench, "G00 Z99999");
+    assert!(red(&bench).unwrap().1.contains("软限位"));
+    assert!(bench.rig.snapshot().prepared_mdi.is_empty());
 }
 
 #[test]
