@@ -121,7 +121,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
     }
 
     fn comparison_sign(&mut self) -> Option<Comparison> {
-        const WORDS: [(&str, Comparison); 13] = [
+        const WORDS: &[(&str, Comparison)] = &[
             ("EQ", Comparison::Eq),
             ("NE", Comparison::Ne),
             ("GT", Comparison::Gt),
@@ -139,7 +139,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
         if !matches!(self.cursor.peek(), b'A'..=b'Z' | b'a'..=b'z' | b'=' | b'!' | b'<' | b'>') {
             return None;
         }
-        WORDS.into_iter().find(|(word, _)| self.cursor.accept_keyword(word)).map(|(_, compare)| compare)
+        WORDS.iter().find(|(word, _)| self.cursor.accept_keyword(word)).map(|(_, compare)| *compare)
     }
 
     /// Operators of one precedence, from the left: `TIGHT` are `* / MOD AND`, the others `+ − OR XOR`.

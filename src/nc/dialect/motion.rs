@@ -7,7 +7,7 @@ use super::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{AxisSet, Feed, Op};
-use crate::nc::words::{Word, letter_mask};
+use crate::nc::words::{BlockWords, Word, letter_mask};
 use crate::units::{Axis, Plane, WorkPos};
 
 /// Shorter chords and radii count as zero, mm.
@@ -56,12 +56,14 @@ impl MoveTarget {
         let from = running.scope.position();
         let mut target = Self { from, to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
         for axis in Axis::ALL {
-            let (word, incremental) = match letters(axis).map(|letter| running.words.take(letter)) {
-                [None, None] => continue,
-                [Some(word), None] => (word, running.modals.incremental),
-                [None, Some(word)] => (word, true),
-                [Some(first), Some(second)] => return refuse_both(first, second),
+            let [absolute, distance] = letters(axis);
+            let (letter, incremental) = match [absolute, distance].map(|letter| running.words.has(letter)) {
+                [false, false] => continue,
+                [true, true] => return refuse_both(running.words, [absolute, distance]),
+                [true, false] => (absolute, running.modals.incremental),
+                [false, true] => (distance, true),
             };
+            let Some(word) = running.words.take(letter) else { continue };
             let value = value(axis, word)?;
             target.words.insert(axis);
             if incremental {
@@ -78,9 +80,10 @@ impl MoveTarget {
 
 /// Refuses an absolute and an incremental word of the same axis.
 #[cold]
-pub(super) fn refuse_both<T>(one: Word, other: Word) -> ReadResult<T> {
-    let (first, second) = if one.at < other.at { (one, other) } else { (other, one) };
-    fail2(second.at as usize, E::AbsoluteAndIncremental, char::from(first.letter), char::from(second.letter))
+pub(super) fn refuse_both<T>(words: &BlockWords, letters: [u8; 2]) -> ReadResult<T> {
+    let mut at = letters.map(|letter| (words.peek(letter).map_or(0, |word| word.at), char::from(letter)));
+    at.sort_unstable();
+    fail2(at[1].0 as usize, E::AbsoluteAndIncremental, at[0].1, at[1].1)
 }
 
 /// The radius mm of a word of an axis that the machine must have.

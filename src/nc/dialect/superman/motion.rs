@@ -26,16 +26,12 @@ const RADIUS_ROUNDING_MM: f64 = 0.01;
 const MIN_LENGTH_MM: f64 = 1e-9;
 
 /// The absolute and the incremental word of X and of Z.
-const AXIS_ADDRESSES: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
+const AXIS_ADDRESSES: [[u8; 2]; 2] = [[b'X', b'U'], [b'Z', b'W']];
 
 /// Refuses X with U and Z with W (L1).
 pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
-    for (absolute, distance) in AXIS_ADDRESSES {
-        if let (Some(first), Some(second)) = (words.peek(absolute), words.peek(distance)) {
-            return motion::refuse_both(first, second);
-        }
-    }
-    Ok(())
+    let both = AXIS_ADDRESSES.into_iter().find(|letters| letters.iter().all(|letter| words.has(*letter)));
+    both.map_or(Ok(()), |letters| motion::refuse_both(words, letters))
 }
 
 /// The end of the move by the axis words of the block.
