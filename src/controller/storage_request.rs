@@ -43,7 +43,7 @@ pub enum StorageRequest {
     /// Store the position of the running program for a power failure: program, line from 1; `None` when it is over.
     RunningAt(Option<(u32, u32)>),
     /// Store an alarm of the history in its slot.
-    Alarm(Box<PastAlarm>),
+    Alarm(PastAlarm),
     /// Store the date set at the machine minus the system clock, s.
     ClockOffset(i64),
     /// Store the workpiece count.

@@ -1,5 +1,7 @@
 //! The alarm history: when and where each alarm was raised and how it was cleared. Retained data. Source: spec B6.
 
+use std::ops::Deref;
+
 use serde::{Deserialize, Serialize};
 
 use super::date::DateTime;
@@ -53,5 +55,65 @@ impl PastAlarm {
     #[must_use]
     pub const fn slot(&self) -> u16 {
         (self.count % MAX_ALARM_HISTORY as u64) as u16
+    }
+}
+
+/// The entries of the history, latest last.
+#[derive(Clone, Debug)]
+pub struct AlarmHistory {
+    entries: Vec<PastAlarm>,
+    version: u64,
+}
+
+impl AlarmHistory {
+    /// The history with these entries, oldest first. Takes the memory of a full history.
+    #[must_use]
+    pub fn new(remembered: impl IntoIterator<Item = PastAlarm>) -> Self {
+        let mut entries = Vec::with_capacity(MAX_ALARM_HISTORY);
+        entries.extend(remembered);
+        Self { entries, version: 1 }
+    }
+
+    /// Counts the changes.
+    #[must_use]
+    pub const fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// Appends an entry; the oldest goes if the history is full.
+    pub fn push(&mut self, past: PastAlarm) {
+        if self.entries.len() >= MAX_ALARM_HISTORY {
+            self.entries.remove(0);
+        }
+        self.entries_mut().push(past);
+    }
+
+    /// The entries, to change them.
+    pub const fn entries_mut(&mut self) -> &mut Vec<PastAlarm> {
+        self.version += 1;
+        &mut self.entries
+    }
+
+    /// Copies a later history of the same machine, if it has changed. Allocates nothing.
+    pub fn copy_from(&mut self, newest: &Self) {
+        if self.version != newest.version {
+            self.entries.clone_from(&newest.entries);
+            self.version = newest.version;
+        }
+    }
+}
+
+impl Default for AlarmHistory {
+    /// Empty and older than any other.
+    fn default() -> Self {
+        Self { version: 0, ..Self::new([]) }
+    }
+}
+
+impl Deref for AlarmHistory {
+    type Target = [PastAlarm];
+
+    fn deref(&self) -> &[PastAlarm] {
+        &self.entries
     }
 }

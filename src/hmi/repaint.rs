@@ -78,7 +78,7 @@ compared_fields! {
     output_terminals: on(FieldGroup::Diagnosis, differ);
     analog_volts: on(FieldGroup::Diagnosis, |old, new, _| volts_differ(old, new));
     internals: on(FieldGroup::Diagnosis, differ);
-    alarm_history: replaced;
+    alarm_history: |old, new, _| old.version() != new.version();
     leadscrews: on(FieldGroup::Leadscrews, differ);
     params: replaced;
     // Without a simulated machine every page has one row of soft keys less.

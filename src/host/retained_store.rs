@@ -137,7 +137,7 @@ pub fn apply_effect(retained: &mut PowerOnState, effect: &StorageRequest) {
         StorageRequest::CurrentProgram(number) => retained.current_program = *number,
         StorageRequest::Alarm(past) => {
             retained.alarm_history.retain(|other| other.slot() != past.slot());
-            retained.alarm_history.push((**past).clone());
+            retained.alarm_history.push(past.clone());
         }
         StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
         StorageRequest::PartCount(parts) => retained.part_count = *parts,

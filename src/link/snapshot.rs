@@ -12,7 +12,7 @@ use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::simulation::SimView;
 use super::teach::TeachView;
 use super::toolpath::StockBox;
-use crate::defs::alarm_history::PastAlarm;
+use crate::defs::alarm_history::AlarmHistory;
 use crate::defs::date::DateTime;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
@@ -274,8 +274,8 @@ pub struct Snapshot {
     pub analog_volts: [f64; 2],
     /// Internal signals of the control.
     pub internals: InternalSignalSet,
-    /// Past alarms, also before the last power-off, newest last; replaced only when an alarm is raised or ends.
-    pub alarm_history: Arc<Vec<Arc<PastAlarm>>>,
+    /// Past alarms, also before the last power-off, newest last.
+    pub alarm_history: AlarmHistory,
     /// Leadscrew tables of the axes (B7).
     pub leadscrews: PerAxis<LeadscrewCompensation>,
     /// Date and time of day; none if unknown.
@@ -428,7 +428,7 @@ impl Snapshot {
             output_terminals: Terminals::default(),
             analog_volts: [0.0; 2],
             internals: InternalSignalSet::default(),
-            alarm_history: Arc::default(),
+            alarm_history: AlarmHistory::default(),
             leadscrews: PerAxis::default(),
             date: None,
             params: Arc::new(Params::factory(kind)),

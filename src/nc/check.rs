@@ -17,6 +17,8 @@ use crate::units::{WorkBudget, WorkPos};
 pub const MAX_FAULTS: usize = 1_000;
 /// A run that reads this many blocks without reaching a new line of the program is in an endless (waiting) loop.
 pub const STANDSTILL_LIMIT: u32 = 1_000_000;
+/// Mistakes, and warnings, for which a preflight takes memory at power-on.
+const USUAL_FINDINGS: usize = 64;
 /// How many such loops a check leaves before it stops following the program.
 const MAX_LEFT_LOOPS: u32 = 4;
 
@@ -174,9 +176,13 @@ impl ProgramCheck {
         (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
     }
 
-    /// Takes memory for a program of this many lines.
-    pub(crate) fn reserve_lines(&mut self, lines: usize) {
+    /// Takes memory for a program of this many lines, and for some findings.
+    pub(crate) fn reserve(&mut self, lines: usize) {
         self.unread = UnexecutedLines::with_capacity(lines);
+        self.report.faults.reserve(USUAL_FINDINGS);
+        self.report.warnings.reserve(USUAL_FINDINGS);
+        self.reported.reserve(2 * USUAL_FINDINGS);
+        self.interpreter.warnings.iter_mut().for_each(|warnings| warnings.reserve(USUAL_FINDINGS));
     }
 
     /// Lets go of the program; another takes its place.
@@ -236,12 +242,9 @@ impl ProgramCheck {
         budget: &mut WorkBudget,
     ) -> bool {
         if self.run_over {
-            let mut faults = Vec::new();
-            let library = Arc::clone(&self.interpreter.library);
-            let text = (&*self.source, &self.settings);
-            let more = self.unread.advance(text, Some(&*library), budget, &mut |fault| faults.push(fault));
-            faults.into_iter().for_each(|fault| self.add_fault(fault));
-            return more;
+            let Self { source, settings, interpreter, unread, report, reported, .. } = self;
+            let mut found = |fault| add_once(&mut report.faults, reported, fault);
+            return unread.advance((source, settings), Some(&*interpreter.library), budget, &mut found);
         }
         while !budget.is_spent() {
             if self.interpreter.ended {
@@ -282,7 +285,8 @@ impl ProgramCheck {
                 }
             }
             if self.interpreter.has_warnings() {
-                self.interpreter.take_warnings().into_iter().for_each(|fault| self.add_warning(fault));
+                let Self { interpreter, report, reported, .. } = self;
+                interpreter.take_warnings(&mut |fault| add_once(&mut report.warnings, reported, fault));
             }
         }
         true
@@ -321,7 +325,7 @@ impl ProgramCheck {
             self.checkpoint.jump_back_line.map_or_else(|| (&flow.source, flow.place.line), |line| (&self.source, line));
         let place = BlockLocation { program: source.number(), line: line + 1, n: None };
         let wrong = ErrorAt { at: 0, error: E::EndlessLoop, details: Default::default() };
-        self.add_warning(ProgramFault::new(source.title(), place, 1, wrong));
+        self.add_warning(ProgramFault::new(source.title_arg(), place, 1, wrong));
         let LoopCheckpoint { totals: come, variables: memory, shown_blocks: shown, faults, .. } = &self.checkpoint;
         world.restore_totals(*come);
         self.interpreter.common_variables.clone_from(memory);
@@ -363,19 +367,19 @@ impl ProgramCheck {
         if by_null { self.add_warning(fault) } else { self.add_fault(fault) }
     }
 
-    fn is_new(&mut self, place: BlockLocation, error: E) -> bool {
-        self.reported.insert((place.program, place.line, error))
-    }
-
     fn add_fault(&mut self, fault: ProgramFault) {
-        if self.report.faults.len() < MAX_FAULTS && self.is_new(fault.location, fault.error) {
-            self.report.faults.push(fault);
-        }
+        add_once(&mut self.report.faults, &mut self.reported, fault);
     }
 
     fn add_warning(&mut self, fault: ProgramFault) {
-        if self.report.warnings.len() < MAX_FAULTS && self.is_new(fault.location, fault.error) {
-            self.report.warnings.push(fault);
-        }
+        add_once(&mut self.report.warnings, &mut self.reported, fault);
+    }
+}
+
+/// Adds a finding unless its line has one of the same kind.
+fn add_once(list: &mut Vec<ProgramFault>, reported: &mut HashSet<(u32, u32, E)>, fault: ProgramFault) {
+    let BlockLocation { program, line, .. } = fault.location;
+    if list.len() < MAX_FAULTS && reported.insert((program, line, fault.error)) {
+        list.push(fault);
     }
 }

@@ -46,35 +46,65 @@ struct ContourSegment {
     rapid: bool,
 }
 
-/// The operations of the cycle from a starting point, or the mistake in the contour.
-pub(crate) fn expand(cycle: &ContourCycle, start: WorkPos, contour: &[Op]) -> Result<Vec<Op>, E> {
-    let segments = segments(start, contour)?;
+/// Memory for the segments of a contour.
+#[derive(Debug)]
+pub(crate) struct ContourSegments(Vec<ContourSegment>);
+
+impl ContourSegments {
+    pub(crate) fn with_capacity(blocks: usize) -> Self {
+        Self(Vec::with_capacity(blocks))
+    }
+
+    /// Takes the moves of a contour that begins at `start`.
+    fn read(&mut self, start: WorkPos, contour: &[Op]) -> Result<&[ContourSegment], E> {
+        let mut from = start;
+        self.0.clear();
+        for op in contour {
+            let Some(by) = contour_move(op)? else { continue };
+            let arc = by.arc.map(|arc| (arc.center, arc.turn));
+            self.0.push(ContourSegment { from, to: by.to, arc, rapid: by.rapid });
+            from = by.to;
+        }
+        Ok(&self.0)
+    }
+}
+
+/// Appends the operations of the cycle from a starting point to `ops`.
+///
+/// # Errors
+/// The mistake in the contour.
+pub(crate) fn expand(
+    cycle: &ContourCycle,
+    start: WorkPos,
+    contour: &[Op],
+    segments: &mut ContourSegments,
+    ops: &mut Vec<Op>,
+) -> Result<(), E> {
+    let segments = segments.read(start, contour)?;
     let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
     // The axis that approaches the contour first also retracts first.
     let across = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
     match cycle.kind {
         CycleKind::Finish => {
-            let mut ops = contour.to_vec();
-            return_to_start(&mut ops, start, across);
-            Ok(ops)
+            ops.extend_from_slice(contour);
+            return_to_start(ops, start, across);
         }
         CycleKind::Roughing { infeed, depth, escape, feed } => {
-            RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }.expand(&segments)
+            RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }.expand(segments, ops)?;
         }
         CycleKind::Pattern { shift, passes, feed } => {
-            let mut ops = Vec::new();
             for pass in 0..passes {
                 let part = if passes > 1 { f64::from(passes - 1 - pass) / f64::from(passes - 1) } else { 0.0 };
                 let by = PerAxis::from_fn(|axis| cycle.allowance[axis] + part * shift[axis]);
                 let begin = start + by;
                 ops.push(rapid_to(begin, &[Axis::X, Axis::Z]));
                 segments.iter().for_each(|segment| ops.push(segment.to_op(by, feed)));
-                return_to_start(&mut ops, begin, across);
+                return_to_start(ops, begin, across);
             }
             ops.push(rapid_to(start, &[Axis::X, Axis::Z]));
-            Ok(ops)
         }
     }
+    Ok(())
 }
 
 fn axis_set(axes: &[Axis]) -> AxisSet {
@@ -122,19 +152,6 @@ pub(crate) fn contour_move(op: &Op) -> Result<Option<WorkMove>, E> {
         OpEffect::MCode(_) | OpEffect::Variable(..) | OpEffect::SystemVariable(..) => Err(E::ContourCode),
         OpEffect::Message(_) => Err(E::ContourCode),
     }
-}
-
-fn segments(start: WorkPos, contour: &[Op]) -> Result<Vec<ContourSegment>, E> {
-    let mut from = start;
-    let mut segments = Vec::with_capacity(contour.len());
-    for op in contour {
-        let Some(by) = contour_move(op)? else { continue };
-        let segment =
-            ContourSegment { from, to: by.to, arc: by.arc.map(|arc| (arc.center, arc.turn)), rapid: by.rapid };
-        from = segment.to;
-        segments.push(segment);
-    }
-    Ok(segments)
 }
 
 impl ContourSegment {
@@ -214,8 +231,21 @@ struct RoughingCycle {
     allowance: PerAxis<f64>,
 }
 
+/// One stroke of a roughing cycle.
+struct RoughingStroke {
+    /// Coordinate of the infeed axis.
+    level: f64,
+    /// Where it meets the contour, or the end of the contour.
+    end: f64,
+    /// Signs of the infeed and of the cut.
+    down: f64,
+    along: f64,
+    /// The infeed is at rapid speed.
+    rapid_infeed: bool,
+}
+
 impl RoughingCycle {
-    fn expand(&self, segments: &[ContourSegment]) -> Result<Vec<Op>, E> {
+    fn expand(&self, segments: &[ContourSegment], ops: &mut Vec<Op>) -> Result<(), E> {
         let (a, b) = (self.infeed, other_axis(self.infeed));
         let [first, rest @ ..] = segments else { return Err(E::ContourEmpty) };
         let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
@@ -236,9 +266,7 @@ impl RoughingCycle {
         if !rest.iter().all(|segment| segment.is_monotone(allowed)) {
             return Err(E::ContourNotMonotone);
         }
-        let shifted: Vec<ContourSegment> = rest.iter().map(|segment| segment.shifted(self.allowance)).collect();
         let bottom = at[a] + self.allowance[a];
-        let mut ops = Vec::new();
         for stroke in 1..=MAX_STROKES {
             let level = self.start[a] + down * self.depth * stroke as f64;
             if (bottom - level) * down <= MIN_LENGTH_MM {
@@ -247,23 +275,24 @@ impl RoughingCycle {
             if stroke == MAX_STROKES {
                 return Err(E::ContourStrokes);
             }
-            let meets = shifted.iter().find_map(|segment| segment.crossing_at(a, level));
+            let meets = rest.iter().find_map(|segment| segment.shifted(self.allowance).crossing_at(a, level));
             let end = meets.unwrap_or(last.to[b] + self.allowance[b]);
-            self.push_stroke(&mut ops, first.rapid, level, end, (down, along));
+            self.push_stroke(ops, &RoughingStroke { level, end, down, along, rapid_infeed: first.rapid });
         }
-        self.push_contour_pass(&mut ops, first.rapid, bottom, rest);
-        Ok(ops)
+        self.push_contour_pass(ops, first.rapid, bottom, rest);
+        Ok(())
     }
 
     /// One stroke: infeed to a level, along it, retract at 45°, return.
-    fn push_stroke(&self, ops: &mut Vec<Op>, quick: bool, level: f64, end: f64, (down, along): (f64, f64)) {
+    fn push_stroke(&self, ops: &mut Vec<Op>, stroke: &RoughingStroke) {
+        let &RoughingStroke { level, end, down, along, rapid_infeed } = stroke;
         let (a, b) = (self.infeed, other_axis(self.infeed));
         if (end - self.start[b]) * along <= MIN_LENGTH_MM {
             return;
         }
         let mut at = self.start;
         at[a] = level;
-        ops.push(if quick { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        ops.push(if rapid_infeed { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
         at[b] = end;
         ops.push(feed_to(at, self.feed, &[b]));
         // The retract must not pass the start in either axis.
@@ -277,13 +306,13 @@ impl RoughingCycle {
     }
 
     /// One pass along the contour with its allowance, and return to the start.
-    fn push_contour_pass(&self, ops: &mut Vec<Op>, quick: bool, bottom: f64, rest: &[ContourSegment]) {
+    fn push_contour_pass(&self, ops: &mut Vec<Op>, rapid_infeed: bool, bottom: f64, rest: &[ContourSegment]) {
         let (a, b) = (self.infeed, other_axis(self.infeed));
         let mut at = self.start;
         at[b] += self.allowance[b];
         ops.push(rapid_to(at, &[a, b]));
         at[a] = bottom;
-        ops.push(if quick { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        ops.push(if rapid_infeed { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
         rest.iter().for_each(|segment| ops.push(segment.to_op(self.allowance, self.feed)));
         return_to_start(ops, self.start, a);
     }

@@ -1,14 +1,31 @@
 //! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
 
-use super::contour::{ContourCycle, CycleKind, contour_move, expand};
+use super::contour::{ContourCycle, ContourSegments, CycleKind, contour_move, expand};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ReadResult, fail, fail1};
+use super::flow::Flow;
 use super::interpreter::{Block, Interpreter, PendingCycle, StepStatus};
 use super::op::Op;
 use crate::units::WorkPos;
 
 /// Most blocks of a contour.
 const MAX_CONTOUR_BLOCKS: usize = 500;
+
+/// Memory for reading contours.
+pub(super) struct ContourMemory {
+    /// The position in the program before the contour.
+    pub flow: Flow,
+    block: Block,
+    ops: Vec<Op>,
+    segments: ContourSegments,
+}
+
+impl ContourMemory {
+    pub fn new(flow: Flow, block: Block) -> Self {
+        let ops = Vec::with_capacity(MAX_CONTOUR_BLOCKS);
+        Self { flow, block, ops, segments: ContourSegments::with_capacity(MAX_CONTOUR_BLOCKS) }
+    }
+}
 
 /// The state while a contour is read: the position is the end of its last block.
 struct ContourReadState<'w> {
@@ -39,22 +56,23 @@ impl Interpreter {
         block: &mut Block,
     ) -> ReadResult<StepStatus> {
         let start = world.position();
-        let (flow, modals, last_n, n) =
-            (self.flow.clone(), self.modals, self.last_block_number, self.block_words.block_number);
-        let read = self.read_contour(cycle, world, start);
+        let Some(mut memory) = self.contour_memory.take() else { return fail(cycle.at, E::ContourCode) };
+        memory.flow.copy_from(&self.flow);
+        let (modals, last_n, n) = (self.modals, self.last_block_number, self.block_words.block_number);
+        let read = self.read_contour(cycle, world, &mut memory);
         let end_line = self.flow.place.line;
-        self.flow = flow;
+        std::mem::swap(&mut self.flow, &mut memory.flow);
         (self.modals, self.last_block_number, self.block_words.block_number, self.second_half) =
             (modals, last_n, n, false);
-        let ops = match read.and_then(|ops| expand(cycle, start, &ops).or_else(|error| fail(cycle.at, error))) {
-            Ok(ops) => ops,
-            Err(stop) => {
-                // The flow goes back to the block: it is read again, or its mistake is reported.
-                self.flow.place = *begin;
-                return Err(stop);
-            }
-        };
-        block.ops.extend(ops);
+        let ContourMemory { ops, segments, .. } = &mut *memory;
+        let expanded = read
+            .and_then(|()| expand(cycle, start, ops, segments, &mut block.ops).or_else(|error| fail(cycle.at, error)));
+        self.contour_memory = Some(memory);
+        if let Err(stop) = expanded {
+            // The flow goes back to the block: it is read again, or its mistake is reported.
+            self.flow.place = *begin;
+            return Err(stop);
+        }
         block.modals = self.modals;
         if !matches!(cycle.kind, CycleKind::Finish) && end_line > self.flow.place.line {
             self.flow.go_to_line(end_line);
@@ -62,24 +80,25 @@ impl Interpreter {
         Ok(StepStatus::Block)
     }
 
-    /// The operations of the contour's blocks. Afterwards the flow is past the last one.
+    /// Reads the operations of the contour's blocks. Afterwards the flow is past the last one.
     fn read_contour(
         &mut self,
         cycle: &ContourCycle,
         world: &mut dyn ExternalState,
-        start: WorkPos,
-    ) -> ReadResult<Vec<Op>> {
+        memory: &mut ContourMemory,
+    ) -> ReadResult<()> {
         if self.flow.source.find_block(cycle.last_block, self.flow.place.at).is_none() {
-            return fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block));
+            return fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block));
         }
         self.flow.go_to_block(cycle.first_block, cycle.at)?;
-        let mut ahead = ContourReadState { inner: world, position: start };
-        let (mut inner, mut ops) = (Block::new(&self.settings), Vec::new());
+        let mut ahead = ContourReadState { position: world.position(), inner: world };
+        let ContourMemory { block: inner, ops, .. } = memory;
+        ops.clear();
         for _ in 0..MAX_CONTOUR_BLOCKS {
             inner.clear();
             self.contour_blocks += 1;
             let at = self.flow.place.at;
-            match self.read_block(&mut ahead, &mut inner)? {
+            match self.read_block(&mut ahead, inner)? {
                 StepStatus::End => break,
                 StepStatus::Empty | StepStatus::Block => {}
             }
@@ -95,7 +114,7 @@ impl Interpreter {
                 ops.push(op);
             }
             if self.block_words.block_number == Some(cycle.last_block) && !self.second_half {
-                return Ok(ops);
+                return Ok(());
             }
         }
         fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block))

@@ -58,7 +58,7 @@ pub(crate) fn finite<S: Scope>(value: f64, at: usize) -> ReadResult<f64> {
 pub(crate) fn function_value<S: Scope>(value: Option<f64>, name: &str, argument: f64, at: usize) -> ReadResult<f64> {
     match value {
         Some(value) => finite::<S>(value, at),
-        None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument.to_string()),
+        None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument),
         None => Ok(0.0),
     }
 }
@@ -268,7 +268,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             return Ok(0);
         }
         let value = self.operand(value, at);
-        whole_u32(value).map_or_else(|| fail1(at, E::BadVariable, format!("#{value}")), Ok)
+        whole_u32(value).map_or_else(|| fail1(at, E::BadVariable, format_args!("#{value}")), Ok)
     }
 
     fn operand(&mut self, value: Value, at: usize) -> f64 {

@@ -1,7 +1,5 @@
 //! State outside the program text: positions and live values; and its version without a machine. Source: spec B3, T4.
 
-use std::collections::BTreeMap;
-
 use super::op::{Feed, Op, REFERENCE_POINTS, SpeedMode};
 use super::op_effect::{ArcMove, MotionSegment, OpEffect, OscillationChange, SegmentSpeed};
 use super::settings::NcSettings;
@@ -95,6 +93,9 @@ pub trait ExternalState {
     fn block_skip(&self) -> bool;
 }
 
+/// System variables and their values, in the order of their numbers.
+pub type SystemVariables = Vec<(u32, Option<f64>)>;
+
 /// State without a machine: every operation is done at once.
 #[derive(Clone, Debug)]
 pub struct OfflineMachine {
@@ -106,7 +107,8 @@ pub struct OfflineMachine {
     start: Option<MachinePos>,
     work_offsets: WorkOffsets,
     references: [MachinePos; REFERENCE_POINTS],
-    system_variables: BTreeMap<u32, Option<f64>>,
+    /// In the order of their numbers.
+    system_variables: SystemVariables,
     /// Values that only the machine knows are not 0: reading one returns `LiveValue::Drain`.
     known_values_only: bool,
     block_skip: bool,
@@ -131,7 +133,7 @@ impl OfflineMachine {
             // L8: a turret that was never indexed has station 1 active.
             work_offsets: WorkOffsets { tool: u32::from(settings.start_is_work_zero), ..WorkOffsets::default() },
             references: [MachinePos::default(); REFERENCE_POINTS],
-            system_variables: BTreeMap::new(),
+            system_variables: SystemVariables::new(),
             known_values_only: false,
             block_skip: false,
             rpm: if settings.start_is_work_zero { settings.superman.spindle_rpm } else { DEFAULT_RPM },
@@ -177,7 +179,24 @@ impl OfflineMachine {
 
     /// Sets a system variable.
     pub fn set_system(&mut self, number: u32, value: Option<f64>) {
-        self.system_variables.insert(number, value);
+        match self.system_variables.binary_search_by_key(&number, |(known, _)| *known) {
+            Ok(index) => self.system_variables[index].1 = value,
+            Err(index) => self.system_variables.insert(index, (number, value)),
+        }
+    }
+
+    /// Keeps system variables in this memory.
+    #[must_use]
+    pub fn with_system_variables(mut self, mut memory: SystemVariables) -> Self {
+        memory.clear();
+        self.system_variables = memory;
+        self
+    }
+
+    /// The memory of the system variables.
+    #[must_use]
+    pub fn into_system_variables(self) -> SystemVariables {
+        self.system_variables
     }
 
     /// The active work offsets and tool offsets.
@@ -283,8 +302,8 @@ impl ExternalState for OfflineMachine {
     }
 
     fn system_variable(&mut self, number: u32) -> LiveValue {
-        if let Some(value) = self.system_variables.get(&number) {
-            return LiveValue::Value(*value);
+        if let Ok(index) = self.system_variables.binary_search_by_key(&number, |(known, _)| *known) {
+            return LiveValue::Value(self.system_variables[index].1);
         }
         let axis = |index: u32| Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index as usize);
         let shown =

@@ -1,6 +1,6 @@
 //! Program mistakes and their exact location. Source: spec B1, B8.
 
-use std::fmt;
+use std::fmt::{self, Write};
 
 use crate::defs::gcode::GCode;
 pub(crate) use crate::defs::program_error::ProgramError as E;
@@ -109,6 +109,27 @@ impl fmt::Display for ProgramFault {
     }
 }
 
+/// A part of a program text as a message shows it: in capitals.
+pub(crate) struct Capitals<'t>(pub &'t [u8]);
+
+impl fmt::Display for Capitals<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for chunk in self.0.utf8_chunks() {
+            chunk.valid().chars().try_for_each(|character| f.write_char(character.to_ascii_uppercase()))?;
+            if !chunk.invalid().is_empty() {
+                f.write_char(char::REPLACEMENT_CHARACTER)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl From<Capitals<'_>> for Arg {
+    fn from(text: Capitals<'_>) -> Self {
+        format_args!("{text}").into()
+    }
+}
+
 /// A mistake at a byte of the text; line and column are not determined yet.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorAt {
@@ -122,8 +143,8 @@ pub(crate) struct ErrorAt {
 pub(crate) enum ReadStop {
     /// A live value is needed: all motion must be done first.
     Drain,
-    /// The text has a mistake; boxed to keep the success path small.
-    Error(Box<ErrorAt>),
+    /// The text has a mistake.
+    Error(ErrorAt),
 }
 
 /// The result of reading a part of a block.
@@ -141,5 +162,5 @@ pub(crate) fn fail1<T>(at: usize, error: E, detail: impl Into<Arg>) -> ReadResul
 
 #[cold]
 pub(crate) fn fail2<T>(at: usize, error: E, detail: impl Into<Arg>, second: impl Into<Arg>) -> ReadResult<T> {
-    Err(ReadStop::Error(Box::new(ErrorAt { at, error, details: [detail.into(), second.into()] })))
+    Err(ReadStop::Error(ErrorAt { at, error, details: [detail.into(), second.into()] }))
 }

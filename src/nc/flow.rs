@@ -123,6 +123,18 @@ impl Flow {
         *self = Self::at_head(source, take(&mut self.call_stack), levels, loops);
     }
 
+    /// Takes over the position and the stacks of another flow, in the memory of this one.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.source.clone_from(&other.source);
+        self.call_stack.clone_from(&other.call_stack);
+        self.locals.clone_from(&other.locals);
+        self.counted_loops.clone_from(&other.counted_loops);
+        let Self { place, restarted, modal_call, modal_arguments, loops, depth, counted_base, .. } = other;
+        (self.place, self.restarted, self.modal_arguments) = (*place, *restarted, *modal_arguments);
+        self.modal_call.clone_from(modal_call);
+        (self.loops, self.depth, self.counted_base) = (*loops, *depth, *counted_base);
+    }
+
     /// At the head of a text, with the memory of these stacks.
     fn at_head(
         source: Arc<Source>,
@@ -379,7 +391,7 @@ impl Flow {
                 Ok(true)
             }
             Some(_) | None => match self.source.counted_loop_start(line) {
-                Some(begun) => fail1(at, E::JumpIntoLoop, (begun + 1).to_string()),
+                Some(begun) => fail1(at, E::JumpIntoLoop, begun + 1),
                 None => fail2(at, E::LoopUnpaired, "G80", "G22"),
             },
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::common_variables::{CommonVariables, VariableError};
 use super::contour::ContourCycle;
+use super::contour_reader::ContourMemory;
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
 use super::external_state::ExternalState;
@@ -23,6 +24,8 @@ use crate::defs::system_variable::{self as system_variable, VariableAccess};
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 
+/// Operations of a block for which memory is taken at once: a roughing cycle of 250 strokes. A longer one takes more.
+const USUAL_OPS: usize = 1_024;
 /// Most blocks that one call of `next` reads.
 pub const MAX_BLOCKS_PER_CALL: usize = 1_000;
 /// Work units of reading a block, by trial (`cargo bench --bench nc`).
@@ -50,7 +53,7 @@ impl Block {
     pub fn new(settings: &NcSettings) -> Self {
         Self {
             location: BlockLocation::default(),
-            ops: Vec::with_capacity(8),
+            ops: Vec::with_capacity(USUAL_OPS),
             modals: ModalState::new(settings),
             complete: true,
             used_variables: Vec::new(),
@@ -103,6 +106,8 @@ pub struct Interpreter {
     condition_changed: bool,
     /// The cycle of the block just read; its contour is not read yet.
     pub(super) pending_cycle: Option<PendingCycle>,
+    /// Memory for the contour of a cycle; taken while one is read.
+    pub(super) contour_memory: Option<Box<ContourMemory>>,
     /// Places where null was used as 0; collected by a check only.
     pub(crate) null_uses: Option<Vec<NullUse>>,
     /// Warnings; collected by a check only.
@@ -111,7 +116,7 @@ pub struct Interpreter {
 
 /// A cycle whose contour is not read yet, and the start of its own block.
 pub(super) struct PendingCycle {
-    pub cycle: Box<ContourCycle>,
+    pub cycle: ContourCycle,
     pub block_start: Place,
 }
 
@@ -127,6 +132,7 @@ impl Interpreter {
     #[must_use]
     pub fn new(source: Arc<Source>, library: SharedLibrary, settings: NcSettings, memory: CommonVariables) -> Self {
         let modals = ModalState::new(&settings);
+        let contour_memory = ContourMemory::new(Flow::new(Arc::clone(&source)), Block::new(&settings));
         Self {
             flow: Flow::new(source),
             library,
@@ -141,6 +147,7 @@ impl Interpreter {
             last_block_number: None,
             condition_changed: false,
             pending_cycle: None,
+            contour_memory: Some(Box::new(contour_memory)),
             null_uses: None,
             warnings: None,
         }
@@ -162,6 +169,7 @@ impl Interpreter {
 
     /// Lets go of the program and its library; others take their place.
     pub fn leave(&mut self, (source, library): (Arc<Source>, SharedLibrary)) {
+        self.contour_memory.iter_mut().for_each(|memory| memory.flow.begin(Arc::clone(&source)));
         self.flow.begin(source);
         self.library = library;
         self.pending_cycle = None;
@@ -248,7 +256,7 @@ impl Interpreter {
                 }
                 Err(ReadStop::Error(wrong)) => {
                     block.clear();
-                    return Err(self.locate(*wrong));
+                    return Err(self.locate(wrong));
                 }
             }
         }

@@ -4,7 +4,7 @@
 use nom::bytes::complete::tag_no_case;
 use nom::{IResult, Parser};
 
-use super::fault::{ReadResult, fail, fail1};
+use super::fault::{Capitals, ReadResult, fail, fail1};
 use crate::defs::program_error::ProgramError;
 
 /// Most digits of one number.
@@ -184,7 +184,7 @@ impl<'a> Cursor<'a> {
         while self.at_number() {
             self.at += 1;
         }
-        fail1(start, ProgramError::BadNumber, String::from_utf8_lossy(&self.text[start..self.at]))
+        fail1(start, ProgramError::BadNumber, Capitals(&self.text[start..self.at]))
     }
 
     /// The error for an unexpected byte.

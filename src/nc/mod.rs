@@ -38,7 +38,7 @@ pub mod work_offsets;
 pub use check::{CheckReport, ProgramCheck, check, check_syntax};
 pub use common_variables::{CommonVariables, VariableError};
 pub use dialect::{call_text, new_program_text};
-pub use external_state::{ExternalState, LiveValue, OfflineMachine};
+pub use external_state::{ExternalState, LiveValue, OfflineMachine, SystemVariables};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Block, Interpreter, NextStatus};
 pub use modal::{ModalState, MotionMode};

@@ -5,14 +5,13 @@ use std::sync::Arc;
 use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
 use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
-use super::op::Op;
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 
 impl Interpreter {
-    /// Reads without a machine until a line (from 1) of the started program is next. The modal state is then in
-    /// [`Self::modals`], the position in `world`. `sink` gets all operations. `NextStatus::Block`: line reached.
-    /// `NextStatus::Busy`: the budget is spent, call again. `NextStatus::End`: the program ends before the line.
+    /// Reads a block without a machine, if a line (from 1) of the started program is not next. `NextStatus::Busy`: the
+    /// operations of `block` are done in `world`, call again. `NextStatus::Block`: the line is next; the modal state
+    /// there is in [`Self::modals`], the position in `world`. `NextStatus::End`: the program ends before the line.
     ///
     /// # Errors
     /// A mistake in the blocks up to the line.
@@ -20,24 +19,19 @@ impl Interpreter {
         &mut self,
         line: u32,
         world: &mut OfflineMachine,
-        sink: &mut dyn FnMut(&Op),
+        block: &mut Block,
         budget: &mut WorkBudget,
     ) -> Result<NextStatus, ProgramFault> {
-        let mut block = Block::new(&self.settings);
-        while !budget.is_spent() {
-            let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
-            if there && self.flow.is_main() && !self.ended {
-                return Ok(NextStatus::Block);
-            }
-            if self.ended || !self.read_one(world, &mut block)? {
-                return Ok(NextStatus::End);
-            }
-            self.charge_blocks(budget);
-            for op in &block.ops {
-                world.apply(op);
-                sink(op);
-            }
+        block.clear();
+        let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
+        if there && self.flow.is_main() && !self.ended {
+            return Ok(NextStatus::Block);
         }
+        if self.ended || !self.read_one(world, block)? {
+            return Ok(NextStatus::End);
+        }
+        self.charge_blocks(budget);
+        block.ops.iter().for_each(|op| world.apply(op));
         Ok(NextStatus::Busy)
     }
 
@@ -72,21 +66,19 @@ impl Interpreter {
     }
 
     /// Takes the warnings of the last block: allowed but rarely intended.
-    pub(crate) fn take_warnings(&mut self) -> Vec<ProgramFault> {
+    pub(crate) fn take_warnings(&mut self, tell: &mut dyn FnMut(ProgramFault)) {
         let source = Arc::clone(&self.flow.source);
-        let mut remarks = Vec::new();
         for (source, at, variable) in self.null_uses.iter_mut().flat_map(|nulls| nulls.drain(..)) {
-            let details = [Arg::from(format!("#{variable}")), Arg::None];
-            remarks.push(source.fault(None, ErrorAt { at, error: E::NullUsed, details }));
+            let details = [Arg::from(format_args!("#{variable}")), Arg::None];
+            tell(source.fault(None, ErrorAt { at, error: E::NullUsed, details }));
         }
         for wrong in self.warnings.iter_mut().flat_map(|notes| notes.drain(..)) {
-            remarks.push(source.fault(None, wrong));
+            tell(source.fault(None, wrong));
         }
         if self.flow.place.mid_line {
             let wrong = ErrorAt { at: self.flow.place.at, error: E::BlockAfterSemicolon, details: Default::default() };
-            remarks.push(source.fault(None, wrong));
+            tell(source.fault(None, wrong));
         }
-        remarks
     }
 
     /// Reads one block, with or without operations; `true` while there is more.
@@ -97,7 +89,7 @@ impl Interpreter {
             Ok(StepStatus::Empty | StepStatus::Block) => Ok(true),
             Ok(StepStatus::End) => Ok(false),
             Err(ReadStop::Drain) => Ok(true),
-            Err(ReadStop::Error(wrong)) => Err(self.locate(*wrong)),
+            Err(ReadStop::Error(wrong)) => Err(self.locate(wrong)),
         }
     }
 }

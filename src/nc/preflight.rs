@@ -66,7 +66,7 @@ impl ProgramPreflight {
         let no_variables = CommonVariables::default();
         let mut check =
             ProgramCheck::new(source, library, settings, no_variables.clone()).with_standstill_limit(STANDSTILL_BLOCKS);
-        check.reserve_lines(USUAL_LINES);
+        check.reserve(USUAL_LINES);
         let texts = TextPreflight {
             settings: settings.clone(),
             library: Arc::clone(library),

@@ -3,9 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use encoding_rs::GB18030;
+use encoding_rs::{CoderResult, GB18030};
 
-use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
+use super::fault::{BlockLocation, Capitals, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
 use crate::defs::program_number;
@@ -211,9 +211,9 @@ impl Source {
             Some(line) => Ok(line),
             None if own.count() > 0 => {
                 let right = if forward { "GOTOB" } else { "GOTOF" };
-                fail2(at, E::LabelInOtherDirection, String::from_utf8_lossy(&written.to_ascii_uppercase()), right)
+                fail2(at, E::LabelInOtherDirection, Capitals(written), right)
             }
-            None => fail1(at, E::MissingLabel, String::from_utf8_lossy(&written.to_ascii_uppercase())),
+            None => fail1(at, E::MissingLabel, Capitals(written)),
         }
     }
 
@@ -259,8 +259,9 @@ impl Source {
         let at = at.min(self.bytes.len());
         let line = self.line_offsets.partition_point(|start| *start as usize <= at).max(1);
         let start = self.line_start(line as u32 - 1);
-        let column = self.decode(&self.bytes[start.min(at)..at]).chars().count() + 1;
-        (BlockLocation { program: self.number, line: line as u32, n }, column as u32)
+        let mut column = 1;
+        self.decode_chars(&self.bytes[start.min(at)..at], |_| column += 1);
+        (BlockLocation { program: self.number, line: line as u32, n }, column)
     }
 
     /// The mistake with its line and column; `n` is the number of its block.
@@ -272,9 +273,9 @@ impl Source {
             wrong.details = if character == char::REPLACEMENT_CHARACTER {
                 wrong.error = E::BadEncoding;
                 let byte = self.bytes.get(wrong.at);
-                [byte.map_or(Arg::None, |byte| format!("0x{byte:02X}").into()), instead.into()]
+                [byte.map_or(Arg::None, |byte| format_args!("0x{byte:02X}").into()), instead]
             } else {
-                [character.into(), instead.into()]
+                [character.into(), instead]
             };
         }
         let (place, column) = self.locate(wrong.at, n);
@@ -300,6 +301,26 @@ impl Source {
         text.into_owned()
     }
 
+    /// Passes the characters of [`Self::decode`] to `tell`, without memory for them.
+    fn decode_chars(&self, bytes: &[u8], mut tell: impl FnMut(char)) {
+        if self.utf8 {
+            for chunk in bytes.utf8_chunks() {
+                chunk.valid().chars().for_each(&mut tell);
+                (!chunk.invalid().is_empty()).then(|| tell(char::REPLACEMENT_CHARACTER));
+            }
+            return;
+        }
+        let (mut decoder, mut rest, mut decoded) = (GB18030.new_decoder_without_bom_handling(), bytes, [0_u8; 64]);
+        loop {
+            let (result, read, written, _) = decoder.decode_to_utf8(rest, &mut decoded, true);
+            str::from_utf8(&decoded[..written]).unwrap_or_default().chars().for_each(&mut tell);
+            rest = &rest[read..];
+            if result == CoderResult::InputEmpty {
+                return;
+            }
+        }
+    }
+
     /// A text that the program shows, by its bytes. Those that the index has found are decoded already.
     pub(crate) fn message_text(&self, range: Range<usize>) -> Arg {
         let key = (range.start as u32, range.end as u32);
@@ -310,12 +331,17 @@ impl Source {
     }
 
     /// The non-ASCII character that begins at a byte, and what to type instead.
-    pub(crate) fn foreign_character(&self, at: usize) -> Option<(char, String)> {
+    pub(crate) fn foreign_character(&self, at: usize) -> Option<(char, Arg)> {
         let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
-        let character = self.decode(rest).chars().next()?;
+        let mut first = None;
+        self.decode_chars(rest, |character| first = first.or(Some(character)));
+        let character = first?;
         // Without an ASCII equivalent it belongs in a comment.
         let comment = if self.dialect.has_bracket_comments() { "( )" } else { ";" };
-        Some((character, ascii_equivalent(character).map_or_else(|| comment.to_owned(), |ascii| format!("'{ascii}'"))))
+        Some((
+            character,
+            ascii_equivalent(character).map_or_else(|| comment.into(), |ascii| format_args!("'{ascii}'").into()),
+        ))
     }
 }
 

@@ -85,7 +85,7 @@ impl UnexecutedLines {
                 Ok(false) => {}
                 Ok(true) => self.text_end = Some(line),
                 Err(ReadStop::Drain) => {}
-                Err(ReadStop::Error(wrong)) => tell(source.fault(self.words.block_number, *wrong)),
+                Err(ReadStop::Error(wrong)) => tell(source.fault(self.words.block_number, wrong)),
             }
         }
         true

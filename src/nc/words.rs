@@ -7,6 +7,7 @@ use super::expression::{Scope, Value, primary};
 use super::fault::{E, ReadResult, fail, fail1, fail2};
 use super::functions::whole_u32;
 use super::lexer::Cursor;
+use crate::defs::text::arg::Arg;
 
 /// Most words of a block, without G and M.
 pub(crate) const MAX_WORDS: usize = 48;
@@ -49,8 +50,8 @@ pub(crate) struct Code {
 
 impl Code {
     /// The code as a program writes it, with at least `width` digits.
-    pub fn name(self, letter: char, width: usize) -> String {
-        format!("{letter}{:0width$}", self.number)
+    pub fn name(self, letter: char, width: usize) -> Arg {
+        format_args!("{letter}{:0width$}", self.number).into()
     }
 }
 
@@ -159,7 +160,7 @@ impl BlockWords {
     pub fn push_assignment(&mut self, set: Assignment) -> ReadResult<()> {
         match self.assignments.push(set) {
             true => Ok(()),
-            false => fail2(set.at as usize, E::TooManyCodes, "R", MAX_ASSIGNMENTS.to_string()),
+            false => fail2(set.at as usize, E::TooManyCodes, "R", MAX_ASSIGNMENTS),
         }
     }
 
@@ -291,11 +292,17 @@ fn push_code<const N: usize>(
         // A G or M word from a null variable is skipped like any other word.
         None => return Ok(()),
         Some(value) => whole_u32(value).map_or_else(
-            || fail1(at as usize, if letter == b'G' { E::UnknownG } else { E::UnknownM }, format!("{name}{value}")),
+            || {
+                fail1(
+                    at as usize,
+                    if letter == b'G' { E::UnknownG } else { E::UnknownM },
+                    format_args!("{name}{value}"),
+                )
+            },
             Ok,
         )?,
     };
-    if codes.push(Code { number, at }) { Ok(()) } else { fail2(at as usize, E::TooManyCodes, name, N.to_string()) }
+    if codes.push(Code { number, at }) { Ok(()) } else { fail2(at as usize, E::TooManyCodes, name, N) }
 }
 
 /// The value after a letter: a number, `#…` or `[…]`, each with or without a sign.

@@ -29,7 +29,7 @@ fn one_of_each() -> Vec<RetainedChange> {
         RetainedChange::WorkOffset { index: 5, origin: PerAxis([-100.0, 0.0, 50.5]) },
         RetainedChange::Number { key: "dressing point X".to_owned(), value: Some(-12.5) },
         RetainedChange::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
-        RetainedChange::Alarm(Box::new(alarm(7, "急停"))),
+        RetainedChange::Alarm(alarm(7, "急停")),
     ]
 }
 
@@ -266,7 +266,7 @@ fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
     assert!(opened.damaged.is_none() && !opened.fresh);
     let mut retained = opened.database;
     assert_eq!(retained.load().unwrap().variables[&500].to_bits(), 1.5_f64.to_bits());
-    retained.commit(&[RetainedChange::Alarm(Box::new(alarm(1, "急停")))]).unwrap();
+    retained.commit(&[RetainedChange::Alarm(alarm(1, "急停"))]).unwrap();
     drop(retained);
     assert_eq!(open(folder.path()).database.load().unwrap().alarms.len(), 1);
 }
@@ -276,15 +276,11 @@ fn b6_the_history_takes_the_place_of_the_oldest() {
     let folder = tempfile::tempdir().unwrap();
     let mut retained = open(folder.path()).database;
     let most = MAX_ALARM_HISTORY as u64;
-    let changes: Vec<RetainedChange> =
-        (1..=most + 20).map(|count| RetainedChange::Alarm(Box::new(alarm(count, "x")))).collect();
+    let changes: Vec<RetainedChange> = (1..=most + 20).map(|count| RetainedChange::Alarm(alarm(count, "x"))).collect();
     retained.commit(&changes).unwrap();
     let kept: Vec<u64> = retained.load().unwrap().alarms.values().map(|past| past.count).collect();
     assert_eq!(kept.len(), MAX_ALARM_HISTORY);
     assert_eq!((kept.iter().min(), kept.iter().max()), (Some(&21), Some(&(most + 20))));
     let long = "长".repeat(2_000);
-    assert!(matches!(
-        retained.commit(&[RetainedChange::Alarm(Box::new(alarm(1, &long)))]),
-        Err(RetainedError::BadChange { .. })
-    ));
+    assert!(matches!(retained.commit(&[RetainedChange::Alarm(alarm(1, &long))]), Err(RetainedError::BadChange { .. })));
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kt830::defs::alarm::{ALARMS, Alarm};
-use kt830::defs::alarm_history::{AlarmEnd, PastAlarm};
+use kt830::defs::alarm_history::{AlarmEnd, AlarmHistory, PastAlarm};
 use kt830::defs::date::DateTime;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
@@ -303,12 +303,12 @@ pub fn troubled(page: Page) -> Snapshot {
         let ended =
             gone.map(|minutes| (if number == 102 { AlarmEnd::Reset } else { AlarmEnd::Itself }, Some(date(minutes))));
         let count = 1_000 - minutes;
-        Arc::new(PastAlarm { count, number, text: row.text.into(), place, came: date(minutes), ended })
+        PastAlarm { count, number, text: row.text.into(), place, came: date(minutes), ended }
     };
     let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
     history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
     history.push(past(180, 0, None));
-    snapshot.alarm_history = Arc::new(history);
+    snapshot.alarm_history = AlarmHistory::new(history);
     snapshot.date = Some(DateTime(1_795_273_316));
     snapshot
 }

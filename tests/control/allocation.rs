@@ -239,3 +239,78 @@ fn t5_the_tick_allocates_nothing_for_keys_overrides_and_edits() {
     assert_eq!(host.controller().state(), RunState::Held);
     assert_eq!(calls_for(&mut host, Command::Press(Key::Reset)), 0, "RESET");
 }
+
+/// Steps until an alarm ends or holds the run; the calls in all ticks.
+fn calls_until_alarm(host: &mut HeadlessHost) -> u64 {
+    let mut calls = 0;
+    for _ in 0..600_000 {
+        calls += calls_in_a_tick(host);
+        if !matches!(host.controller().state(), RunState::Running | RunState::Waiting) {
+            return calls;
+        }
+    }
+    panic!("no alarm: {:?}", host.snapshot().message.text.get(Lang::En));
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_alarms_and_their_reset() {
+    let mut host = with_part_of(1001);
+    for _ in 0..2 {
+        assert_eq!(calls_for(&mut host, Command::EmergencyStop(true)), 0);
+        assert_eq!((0..100).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0);
+        assert!(!host.snapshot().alarms.is_empty());
+        assert_eq!(calls_for(&mut host, Command::EmergencyStop(false)), 0);
+        assert_eq!(calls_for(&mut host, Command::Press(Key::Reset)), 0);
+        assert_eq!((0..100).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0);
+    }
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_a_program_with_a_mistake() {
+    let programs = [
+        (Kind::Gc, "#1=0\nG98 G01 U-1 F100\n#2=1/#1\nM30", 21),
+        (Kind::Gc, "G98 G01 U-1 F100\n#3000=12(WHEEL TOO SMALL 砂轮太小了)\nM30", 3_012),
+        (Kind::Gs, "G98 G01 U-1 F1000000\nM30", 20),
+        (Kind::Lathe, "N0010G01X10F100\nN0020G01Q5\nN0030M02", 1),
+        (Kind::Vertical, "G1 X10 F100\nG1 X20 Q5\nM30", 1),
+    ];
+    for (kind, text, alarm) in programs {
+        let mut host = ready_of(kind);
+        host.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec(), kind.dialect()));
+        host.send(Command::LoadProgram(7_000));
+        host.send(Command::Press(Mode::Auto.key()));
+        (0..10).for_each(|_| host.step());
+        assert_eq!(calls_for(&mut host, Command::Press(Key::CycleStart)), 0, "{text}");
+        assert_eq!(calls_until_alarm(&mut host), 0, "{text}");
+        host.step();
+        assert_eq!(host.snapshot().alarms.iter().map(|alarm| alarm.number).collect::<Vec<_>>(), [alarm], "{text}");
+        assert_eq!(calls_for(&mut host, Command::Press(Key::Reset)), 0, "{text}");
+    }
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_cycles_over_a_contour() {
+    let contour = "N10 G00 U-10\nG01 Z-8 F300\nG02 U4 W-2 R2\nG01 U4 W-5\nN20 U2";
+    for cycle in ["G71 U1 R0.5\nG71 P10 Q20 U0.2 W0.1 F600", "G73 U2 W1 R3\nG73 P10 Q20 U0.2 W0.1 F600", "G70 P10 Q20"]
+    {
+        let mut host = ready_with(&format!("G98 G00 X-4 Z-4 F600\n{cycle}\n{contour}\nM30"));
+        host.send(Command::Press(Mode::Auto.key()));
+        (0..10).for_each(|_| host.step());
+        assert_eq!(calls_of_run(&mut host), 0, "{cycle}");
+        host.step();
+        assert!(host.snapshot().alarms.is_empty(), "{cycle}: {:?}", host.snapshot().alarms);
+    }
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_a_start_from_a_block() {
+    let mut host = ready_with("G98 G01 U-1 F600\n#500=3\nU1\nU-1\nU1\nM30");
+    host.send(Command::Press(Mode::Auto.key()));
+    (0..10).for_each(|_| host.step());
+    for _ in 0..2 {
+        assert_eq!(calls_for(&mut host, Command::RestartAt(4)), 0);
+        assert_eq!((0..100).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0, "the search");
+        assert!(host.snapshot().restart.is_some());
+        assert_eq!(calls_of_run(&mut host), 0);
+    }
+}

@@ -1,10 +1,9 @@
 //! The alarm page: a row that is touched tells cause, remedy and how it goes away, and help opens at it.
 //! Source: spec B6 (报警), B8, H7.
 
-use std::sync::Arc;
-
 use crate::live_screen::Bench;
 use kt830::defs::alarm::{ALARMS, Alarm};
+use kt830::defs::alarm_history::AlarmHistory;
 use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
 use kt830::defs::text::LocalizedText;
@@ -71,7 +70,7 @@ fn b6_the_history_is_chosen_from_by_keyboard_too() {
     assert!(tells(&bench, row(184)) && !bench.shows(row(180).cause.zh));
     (0..60).for_each(|_| press(&mut bench, egui::Key::ArrowDown));
     assert!(tells(&bench, row(102)), "the eldest, brought into sight");
-    bench.screen.state_mut().snapshot.alarm_history = Arc::default();
+    bench.screen.state_mut().snapshot.alarm_history = AlarmHistory::default();
     press(&mut bench, egui::Key::ArrowDown);
     assert!(bench.shows("没有报警记录"));
 }
@@ -98,8 +97,7 @@ fn b6_help_opens_at_the_chosen_one_of_the_present_alarms() {
 fn b8_a_program_alarm_of_the_history_has_its_remedy() {
     let error = ProgramError::UnexpectedCharacter;
     let mut snapshot = crate::sample::troubled(Page::Alarm);
-    let history = Arc::make_mut(&mut snapshot.alarm_history);
-    let last = Arc::make_mut(history.last_mut().unwrap());
+    let last = snapshot.alarm_history.entries_mut().last_mut().unwrap();
     (last.number, last.text) = (error.number(), LocalizedText::new("此处不应出现 '?'", "unexpected '?'"));
     let mut bench = still(snapshot);
     press(&mut bench, egui::Key::ArrowRight);

@@ -5,12 +5,14 @@ use std::sync::{Arc, Mutex};
 
 use crate::sample::{busy, snapshot};
 use egui::{Context, RawInput};
+use kt830::defs::alarm_history::AlarmHistory;
 use kt830::defs::date::DateTime;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::leadscrew::{LeadscrewCompensation, LeadscrewPoint};
 use kt830::defs::page::Page;
 use kt830::defs::param::AccessLevel;
+use kt830::defs::param::Params;
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::soft_key::CoordinateView;
 use kt830::defs::text::{Lang, LocalizedText};
@@ -67,7 +69,7 @@ const CHANGES: &[Change] = &[
     ("output_terminals", Page::Diagnosis, |machine| machine.output_terminals.set(3, true)),
     ("analog_volts", Page::Diagnosis, |machine| machine.analog_volts[1] += 0.01),
     ("internals", Page::Diagnosis, |machine| machine.internals = machine.internals.with(InternalSignal::Held, true)),
-    ("alarm_history", Page::Alarm, |machine| machine.alarm_history = Arc::default()),
+    ("alarm_history", Page::Alarm, |machine| machine.alarm_history = AlarmHistory::default()),
     ("leadscrews", Page::Params, |machine| machine.leadscrews[Axis::Z] = leadscrew()),
     ("params", Page::Mdi, |machine| machine.params = Arc::new((*machine.params).clone())),
     ("simulated", Page::Simulator, |machine| load(machine, 64.0)),
@@ -199,8 +201,8 @@ fn h8_a_value_at_the_address_of_a_freed_one_is_another_value() {
     let mut screen = Stage::new();
     let mut machine = at_rest(Page::Alarm);
     for _ in 0..100 {
-        machine.alarm_history = Arc::new(Vec::new());
-        assert!(screen.live.lock().unwrap().follow(&machine), "a new history");
+        machine.params = Arc::new(Params::factory(Kind::Gc));
+        assert!(screen.live.lock().unwrap().follow(&machine), "new parameters");
         screen.paint(&machine);
         assert!(!screen.live.lock().unwrap().follow(&machine));
     }

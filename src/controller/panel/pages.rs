@@ -145,7 +145,7 @@ impl Panel {
         self.files_view(out);
         out.next_kind = self.pages.next_kind;
         copy_changed(&mut out.params, &parts.plant.params);
-        out.alarm_history.clone_from(parts.plant.alarms.history());
+        out.alarm_history.copy_from(parts.plant.alarms.history());
     }
 }
 

@@ -73,9 +73,6 @@ impl Plant {
 
     /// Stores changed entries of the alarm history on disk.
     pub fn store_alarm_changes(&mut self) {
-        if self.alarms.has_changed() {
-            let changed = self.alarms.take_changed();
-            self.outbox.requests.extend(changed.into_iter().map(|past| StorageRequest::Alarm(Box::new(past))));
-        }
+        self.alarms.take_changed(|past| self.outbox.requests.push(StorageRequest::Alarm(past.clone())));
     }
 }

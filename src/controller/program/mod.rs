@@ -45,7 +45,7 @@ pub struct Program {
     /// The texts that call O9000 and O9001.
     retract_calls: [Option<Arc<Source>>; 2],
     /// A restart in preparation.
-    pub restart: Option<Box<restart::Restart>>,
+    pub restart: Option<restart::Restart>,
     /// Position of the run for a power failure.
     pub power_cut: restart::PowerCutPosition,
     /// Modal state kept from one MDI line to the next.

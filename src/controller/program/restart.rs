@@ -21,6 +21,7 @@ use crate::defs::kind::Dialect;
 use crate::defs::mcode::SwitchedUnit;
 use crate::defs::param;
 use crate::defs::system_variable;
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
@@ -47,6 +48,11 @@ const DRIVE_FIRST: Text = Text::new(
     "该段之前工件已转动：先启动，再循环启动",
     "the workpiece turns at this block: start it with its key before cycle start",
 );
+
+const START_BOTH: Text = Text::new("先启动 砂轮 工件；", "start wheel and workpiece first; ");
+const START_WHEEL: Text = Text::new("先启动 砂轮；", "start the wheel first; ");
+const START_WORKPIECE: Text = Text::new("先启动 工件；", "start the workpiece first; ");
+const START_NOTHING: Text = Text::new("", "");
 
 /// Machine state that the blocks before the selected one produce.
 #[derive(Clone, Debug, Default)]
@@ -111,8 +117,13 @@ impl Restart {
     fn search(&mut self, dialect: Dialect, budget: &mut WorkBudget) -> Result<SearchStatus, LocalizedText> {
         let Self { line, run, world, state, .. } = self;
         let line = *line;
-        let advanced = run.interpreter.advance_to(line, world, &mut |op| state.apply(op, dialect), budget);
-        match advanced.map_err(|fault| fault.phrase())? {
+        let mut advanced = NextStatus::Busy;
+        while advanced == NextStatus::Busy && !budget.is_spent() {
+            let read = run.interpreter.advance_to(line, world, &mut run.block, budget);
+            advanced = read.map_err(|fault| fault.phrase())?;
+            run.block.ops.iter().for_each(|op| state.apply(op, dialect));
+        }
+        match advanced {
             NextStatus::Block => {}
             NextStatus::End | NextStatus::Drain => {
                 return Err(phrase!(
@@ -145,6 +156,32 @@ impl Restart {
         }
         self.block_found = true;
         Ok(SearchStatus::Found)
+    }
+
+    /// What the message line says when the block is found. The program page shows all of its state.
+    fn found_note(&self, plant: &Plant) -> LocalizedText {
+        let (program, line, state) = (plant.execution.current_program, self.line, &self.state);
+        let first = match (state.wheel, state.drive) {
+            (true, true) => &START_BOTH,
+            (true, false) => &START_WHEEL,
+            (false, true) => &START_WORKPIECE,
+            (false, false) => &START_NOTHING,
+        };
+        let work = self.world.work_position();
+        let [x, y, z] = Axis::ALL.map(|axis| match plant.axes.is_present(axis) {
+            true => Arg::from(format_args!("{axis}{:.3} ", work[axis] * plant.displayed_per_mm(axis))),
+            false => Arg::None,
+        });
+        phrase!(
+            "O{program:04} 第{line}行：起点 {x}{y}{z}；{first}循环启动",
+            "O{program:04} line {line}: from {x}{y}{z}; {first}cycle start",
+            program,
+            line,
+            x,
+            y,
+            z,
+            first
+        )
     }
 }
 
@@ -204,6 +241,7 @@ impl Program {
             .with_work_offsets(frames.clone())
             .with_position(frames.work_from_machine(plant.axes.set_point()))
             .with_block_skip(plant.operator.switches.block_skip)
+            .with_system_variables(std::mem::take(&mut self.pool.system_variables))
             .with_known_values_only();
         let world = copy_system_variables(plant, world);
         let planned = LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
@@ -215,7 +253,7 @@ impl Program {
         let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight };
         let run = self.pool.open(start, plant.now);
         let switched = StateBeforeBlock::default();
-        self.restart = Some(Box::new(Restart { line, run, world, state: switched, ticks: 0, block_found: false }));
+        self.restart = Some(Restart { line, run, world, state: switched, ticks: 0, block_found: false });
         plant.show_note(phrase!("正在查找第 {line} 行…", "searching for line {line} …", line));
     }
 
@@ -223,6 +261,7 @@ impl Program {
     pub fn abandon_restart(&mut self) {
         if let Some(restart) = self.restart.take() {
             self.pool.close(restart.run);
+            self.pool.system_variables = restart.world.into_system_variables();
         }
     }
 
@@ -249,8 +288,8 @@ impl Program {
             Ok(SearchStatus::Searching) => {}
             Ok(SearchStatus::Found) => {
                 self.finish_search(plant);
-                if let Some(view) = self.restart_view(plant) {
-                    plant.show_note(view.summary());
+                if let Some(restart) = &self.restart {
+                    plant.show_note(restart.found_note(plant));
                 }
             }
             Err(why) => {
@@ -262,7 +301,7 @@ impl Program {
 
     /// Sets the run to the state at the block that was found.
     fn finish_search(&mut self, plant: &Plant) {
-        let Some(Restart { run, world, .. }) = self.restart.as_deref_mut() else { return };
+        let Some(Restart { run, world, .. }) = self.restart.as_mut() else { return };
         let mut frames = plant.work.offsets.clone();
         let there = world.work_offsets();
         (frames.active, frames.tool, frames.tool_offset) = (there.active, there.tool, there.tool_offset);
@@ -314,7 +353,7 @@ impl Program {
         } else if restart.state.drive && !drive && !plant.operator.switches.aux_function_lock {
             plant.refuse(DRIVE_FIRST);
         } else if let Some(restart) = self.restart.take() {
-            self.start_at_block(plant, *restart);
+            self.start_at_block(plant, restart);
         }
         true
     }
@@ -324,6 +363,8 @@ impl Program {
             (plant.axes.set_point(), run.lookahead.machine_position, plant.kind.row().wheel_axis);
         let mut beside = to;
         beside[wheel_axis] = from[wheel_axis];
+        let tool_change_point = run.lookahead.work_offsets.machine_from_work(world.program_start());
+        self.pool.system_variables = world.into_system_variables();
         let forbidden = |axis: Axis| check_soft_limits(axis, to[axis], &plant.params).err();
         if let Some(forbidden) = plant.axes.present().find_map(forbidden) {
             self.pool.close(run);
@@ -337,7 +378,7 @@ impl Program {
             }
         }
         plant.work.offsets.clone_from(&run.lookahead.work_offsets);
-        plant.work.tool_change_point = Some(plant.work.offsets.machine_from_work(world.program_start()));
+        plant.work.tool_change_point = Some(tool_change_point);
         plant.spindles.wheel_speed = switched.speed.unwrap_or(plant.spindles.wheel_speed);
         plant.spindles.wheel_rpm_limit = switched.rpm_limit.or(plant.spindles.wheel_rpm_limit);
         let speed = ProgrammedFeed::PerMinute(plant.params.get(param::WHEEL_ON_INFEED_SPEED));

@@ -21,6 +21,9 @@ use crate::units::{MachinePos, Micros, PerAxis};
 /// Maximum items read ahead.
 pub const MAX_ITEMS: usize = 512;
 
+/// System variables for which a search for a start block has memory; more take more.
+const SYSTEM_VARIABLES: usize = 512;
+
 /// State of read-ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReadAheadStatus {
@@ -115,6 +118,8 @@ pub struct RunPool {
     #[allow(clippy::vec_box, reason = "a run changes its owner without being moved or allocated")]
     free: Vec<Box<ProgramRun>>,
     preflight: Option<Box<RunPreflight>>,
+    /// Memory of the search for a start block.
+    pub system_variables: nc::SystemVariables,
     no_program: (Arc<Source>, nc::SharedLibrary),
     settings: nc::NcSettings,
 }
@@ -130,7 +135,13 @@ impl RunPool {
         let source = Arc::new(Source::new(0, "", Vec::new(), kind.dialect()));
         let settings = nc_settings(kind, &Params::factory(kind));
         let no_program: (_, nc::SharedLibrary) = (source, Arc::new(nc::EmptyLibrary));
-        let mut pool = Self { free: Vec::with_capacity(Self::RUNS), preflight: None, no_program, settings };
+        let mut pool = Self {
+            free: Vec::with_capacity(Self::RUNS),
+            preflight: None,
+            system_variables: Vec::with_capacity(SYSTEM_VARIABLES),
+            no_program,
+            settings,
+        };
         pool.preflight = Some(pool.new_preflight());
         for _ in 0..Self::RUNS {
             let run = Box::new(pool.new_run());

@@ -1,10 +1,8 @@
 //! The active alarms, their history, and which of them RESET may clear.
 //! Source: spec B8, K3.7, H7.
 
-use std::sync::Arc;
-
 use crate::defs::alarm::{self, Reaction, ResetRule};
-use crate::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
+use crate::defs::alarm_history::{AlarmEnd, AlarmHistory, MAX_ALARM_HISTORY, PastAlarm};
 use crate::defs::date::DateTime;
 use crate::defs::text::{LocalizedText, phrase};
 use crate::link::snapshot::AlarmView;
@@ -17,10 +15,10 @@ pub const MAX_ALARMS: usize = 32;
 const MAX_TEXT_CHARS: u16 = 200;
 
 /// The active alarms, oldest first, and the alarm history.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct AlarmList {
     present: Vec<AlarmView>,
-    history: Arc<Vec<Arc<PastAlarm>>>,
+    history: AlarmHistory,
     /// Counts of the history entries changed since they were last stored on disk.
     changed: Vec<u64>,
     /// When an alarm of the history was last cleared.
@@ -31,6 +29,12 @@ pub struct AlarmList {
     date: DateTime,
 }
 
+impl Default for AlarmList {
+    fn default() -> Self {
+        Self::new(Vec::new())
+    }
+}
+
 impl AlarmList {
     /// Starts from the stored history. Alarms that were active at power-off ended with it.
     #[must_use]
@@ -38,8 +42,15 @@ impl AlarmList {
         remembered.sort_by_key(|past| past.count);
         let ended = |past: PastAlarm| PastAlarm { ended: past.ended.or(Some((AlarmEnd::PowerOff, None))), ..past };
         let last = remembered.last().map_or(0, |past| past.count);
-        let history = remembered.into_iter().map(|past| Arc::new(ended(past))).collect();
-        Self { history: Arc::new(history), last_count_at_power_on: last, ..Self::default() }
+        Self {
+            present: Vec::with_capacity(MAX_ALARMS),
+            history: AlarmHistory::new(remembered.into_iter().map(ended)),
+            changed: Vec::with_capacity(MAX_ALARM_HISTORY),
+            last_cleared: None,
+            last_count_at_power_on: last,
+            now: Micros::ZERO,
+            date: DateTime::default(),
+        }
     }
 
     /// Sets time and date of this tick: the time stamp of alarms that are raised or cleared in it.
@@ -51,8 +62,7 @@ impl AlarmList {
     pub fn set_power_on_date(&mut self, power_on: DateTime) {
         let dated = |date: DateTime| DateTime(date.0 + power_on.0);
         let since = self.last_count_at_power_on;
-        for past in Arc::make_mut(&mut self.history).iter_mut().filter(|past| past.count > since) {
-            let past = Arc::make_mut(past);
+        for past in self.history.entries_mut().iter_mut().filter(|past| past.count > since) {
             past.came = dated(past.came);
             past.ended = past.ended.map(|(how, when)| (how, when.map(dated)));
             self.changed.push(past.count);
@@ -61,15 +71,11 @@ impl AlarmList {
     }
 
     /// Takes the history entries changed since the last call, to be stored on disk.
-    pub fn take_changed(&mut self) -> Vec<PastAlarm> {
-        let counts = std::mem::take(&mut self.changed);
-        self.history.iter().filter(|past| counts.contains(&past.count)).map(|past| (**past).clone()).collect()
-    }
-
-    /// Whether history entries wait to be stored.
-    #[must_use]
-    pub fn has_changed(&self) -> bool {
-        !self.changed.is_empty()
+    pub fn take_changed(&mut self, tell: impl FnMut(&PastAlarm)) {
+        if !self.changed.is_empty() {
+            self.history.iter().filter(|past| self.changed.contains(&past.count)).for_each(tell);
+            self.changed.clear();
+        }
     }
 
     /// Adds an alarm of the table; `detail` follows its text. An alarm that is already active is not added twice.
@@ -91,27 +97,23 @@ impl AlarmList {
         self.present.push(alarm);
     }
 
-    /// Writes an alarm into the history. The history `Arc` is replaced only here and when an alarm is cleared.
+    /// Writes an alarm into the history.
     fn record(&mut self, alarm: &AlarmView) {
-        let history = Arc::make_mut(&mut self.history);
         let text = alarm.text.clone().cut(MAX_TEXT_CHARS);
         // Cleared and raised again in the same tick: the alarm was never gone.
         let again = self.last_cleared == Some(alarm.since);
-        let same = |past: &&mut Arc<PastAlarm>| {
-            let same_text = || text == past.text || alarm.text.zh().starts_with(&*past.text.zh());
-            again && past.ended.is_some() && past.number == alarm.number && same_text()
-        };
-        if let Some(past) = history.last_mut().filter(same) {
-            Arc::make_mut(past).ended = None;
-            self.changed.push(past.count);
+        let same = |past: &PastAlarm| past.ended.is_some() && past.number == alarm.number && past.text == text;
+        if again && self.history.last().is_some_and(same) {
+            let last = self.history.entries_mut().last_mut();
+            self.changed.extend(last.map(|past| {
+                past.ended = None;
+                past.count
+            }));
             return;
         }
-        if history.len() >= MAX_ALARM_HISTORY {
-            history.remove(0);
-        }
-        let count = history.last().map_or(1, |last| last.count + 1);
+        let count = self.history.last().map_or(1, |last| last.count + 1);
         let (number, place) = (alarm.number, alarm.place);
-        history.push(Arc::new(PastAlarm { count, number, text, place, came: self.date, ended: None }));
+        self.history.push(PastAlarm { count, number, text, place, came: self.date, ended: None });
         self.changed.push(count);
     }
 
@@ -120,10 +122,10 @@ impl AlarmList {
         let present = &self.present;
         let is_present = |number| present.iter().any(|alarm| alarm.number == number);
         let is_gone = |past: &PastAlarm| past.ended.is_none() && !is_present(past.number);
-        if self.history.iter().any(|past| is_gone(past)) {
+        if self.history.iter().any(is_gone) {
             let date = self.date;
-            for past in Arc::make_mut(&mut self.history).iter_mut().filter(|past| is_gone(past)) {
-                Arc::make_mut(past).ended = Some((how, Some(date)));
+            for past in self.history.entries_mut().iter_mut().filter(|past| is_gone(past)) {
+                past.ended = Some((how, Some(date)));
                 self.changed.push(past.count);
             }
             self.last_cleared = Some(self.now);
@@ -162,7 +164,7 @@ impl AlarmList {
 
     /// The alarm history, including alarms before the last power-off, latest last.
     #[must_use]
-    pub const fn history(&self) -> &Arc<Vec<Arc<PastAlarm>>> {
+    pub const fn history(&self) -> &AlarmHistory {
         &self.history
     }
 

@@ -17,7 +17,7 @@ use crate::defs::variable_name::variable_name;
 use crate::units::Axis;
 
 /// Bytes of a name that is kept in place; a longer one is shared.
-const SHORT_NAME: usize = 14;
+const SHORT_NAME: usize = 30;
 
 /// An argument of a phrase.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -249,4 +249,4 @@ arguments! {
 }
 
 // A phrase keeps several of them in place.
-const _: () = assert!(size_of::<Arg>() <= 16);
+const _: () = assert!(size_of::<Arg>() <= 32);

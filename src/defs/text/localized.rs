@@ -198,4 +198,4 @@ impl From<LocalizedText> for Words {
 }
 
 // A text is kept in queues and returned as an error.
-const _: () = assert!(size_of::<LocalizedText>() <= 120);
+const _: () = assert!(size_of::<LocalizedText>() <= 216);

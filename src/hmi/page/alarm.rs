@@ -4,8 +4,6 @@
 
 use std::borrow::Cow;
 
-use std::sync::Arc;
-
 use egui::{Align2, Rect, pos2, vec2};
 
 use super::help::{self, HelpEntry};
@@ -276,7 +274,7 @@ fn end_text(view: &View<'_>, past: &PastAlarm) -> String {
 }
 
 /// The history as CSV: UTF-8 with byte order mark, so that spreadsheets detect the encoding.
-fn history_csv(lang: Lang, history: &[Arc<PastAlarm>]) -> String {
+fn history_csv(lang: Lang, history: &[PastAlarm]) -> String {
     let head = match lang {
         Lang::Zh => "序号,报警号,出现,消除,方式,程序,行,内容",
         Lang::En => "count,number,came,ended,how,program,line,text",

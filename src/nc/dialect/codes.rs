@@ -111,7 +111,7 @@ pub(super) fn refuse_unknown<T>(
     width: usize,
     known: impl Iterator<Item = u32>,
 ) -> ReadResult<T> {
-    let known: Vec<_> = known.map(|number| Code { number, at: 0 }.name(letter, width)).collect();
+    let known: Vec<_> = known.map(|number| Code { number, at: 0 }.name(letter, width).to_text()).collect();
     fail2(code.at as usize, E::UnknownCode, code.name(letter, width), known.join(" "))
 }
 

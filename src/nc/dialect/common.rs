@@ -4,7 +4,8 @@
 use std::fmt::Display;
 
 use super::rules::{BlockContext, FlowAction};
-use crate::nc::fault::{E, ReadResult, ReadStop, fail1, fail2};
+use crate::defs::text::arg::Arg;
+use crate::nc::fault::{Capitals, E, ReadResult, ReadStop, fail1, fail2};
 use crate::nc::functions::whole_number;
 use crate::nc::op::Op;
 use crate::nc::words::Word;
@@ -21,7 +22,7 @@ pub(super) fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
     let rest = text.get(at..).unwrap_or_default();
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
     let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
-    fail1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
+    fail1(at, E::UnknownWord, Capitals(&rest[..length]))
 }
 
 /// Refuses an address that occurs twice in the block.
@@ -76,7 +77,7 @@ pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> Re
     match whole_number(word.value) {
         None => fail1(word.at as usize, E::NotWhole, format_args!("{name}")),
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
-        Some(_) => out_of_range_as(name, word, &format!("{low}–{high}")),
+        Some(_) => out_of_range_as(name, word, format_args!("{low}–{high}")),
     }
 }
 
@@ -86,17 +87,17 @@ pub(super) fn in_range(word: Word, (low, high): (f64, f64), unit: &str) -> ReadR
     if (low..=high).contains(&word.value) {
         Ok(word.value)
     } else {
-        out_of_range(word, &format!("{low}–{high}{unit}"))
+        out_of_range(word, format_args!("{low}–{high}{unit}"))
     }
 }
 
 #[cold]
-pub(super) fn out_of_range_as<T>(name: impl Display, word: Word, range: &str) -> ReadResult<T> {
-    fail2(word.at as usize, E::OutOfRange, format!("{name}{}", word.value), range)
+pub(super) fn out_of_range_as<T>(name: impl Display, word: Word, range: impl Into<Arg>) -> ReadResult<T> {
+    fail2(word.at as usize, E::OutOfRange, format_args!("{name}{}", word.value), range)
 }
 
 /// Refuses a word, named by its letter.
 #[cold]
-pub(super) fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
+pub(super) fn out_of_range<T>(word: Word, range: impl Into<Arg>) -> ReadResult<T> {
     out_of_range_as(char::from(word.letter), word, range)
 }

@@ -71,7 +71,7 @@ impl MoveTarget {
             }
             target.to[axis] = if incremental { target.to[axis] + value } else { value };
             if target.to[axis].abs() > most {
-                return out_of_range(word, &format!("±{most}"));
+                return out_of_range(word, format_args!("±{most}"));
             }
         }
         Ok(target)
@@ -128,7 +128,7 @@ pub(super) fn modal_move(
         return match running.words.peek(letter) {
             // An arc by radius needs an end point.
             Some(radius) if is_arc && plan.motion.is_some() => {
-                fail1(radius.at as usize, E::ArcRadius, format!("{prefix}{}", radius.value))
+                fail1(radius.at as usize, E::ArcRadius, format_args!("{prefix}{}", radius.value))
             }
             Some(_) | None => Ok(true),
         };
@@ -171,7 +171,7 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
             let radius = (syntax.length_mm)(running, word)?;
             match centre_by_radius((from, to), plane, turn, radius, running.settings.arc_tolerance_mm) {
                 Some(center) => center,
-                None => return fail1(word.at as usize, E::ArcRadius, format!("{prefix}{}", word.value)),
+                None => return fail1(word.at as usize, E::ArcRadius, format_args!("{prefix}{}", word.value)),
             }
         }
         ([one, other], None) => {
@@ -184,7 +184,7 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
                 return fail1(first_offset(running, syntax), E::ArcRadius, "0");
             }
             if miss > running.settings.arc_tolerance_mm {
-                return fail1(first_offset(running, syntax), E::ArcEndOffCircle, format!("{miss:.3}"));
+                return fail1(first_offset(running, syntax), E::ArcEndOffCircle, format_args!("{miss:.3}"));
             }
             center
         }

@@ -56,7 +56,7 @@ pub(crate) enum FlowAction {
     /// M99.
     Return { target: Option<u32>, at: usize },
     /// Expands a cycle over a contour of the program (G70–G73).
-    Contour(Box<ContourCycle>),
+    Contour(ContourCycle),
     /// Sets a variable.
     Assign { variable: u32, value: Value, at: usize },
     /// M02, M30.

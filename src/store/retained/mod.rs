@@ -89,7 +89,7 @@ pub enum RetainedChange {
         value: Option<String>,
     },
     /// An alarm of the history, in its slot.
-    Alarm(Box<PastAlarm>),
+    Alarm(PastAlarm),
 }
 
 /// All retained data at once.

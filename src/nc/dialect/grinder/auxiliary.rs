@@ -2,6 +2,7 @@
 
 use super::{MAX_VALUE, integer};
 use crate::defs::mcode;
+use crate::defs::text::arg::Arg;
 use crate::nc::dialect::codes::{self, BlockCodes};
 use crate::nc::dialect::common::{in_range, set_speed};
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
@@ -121,7 +122,7 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()>
     };
     let (mut p, mut l) = (None, None);
     if (20..=22).contains(&number) {
-        let name = || format!("M{number}");
+        let name = || Arg::from(format_args!("M{number}"));
         let Some(port) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name(), "P") };
         p = Some(f64::from(integer(port, 1, PORT_COUNT)?));
         if number == 20 {
@@ -136,7 +137,7 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()>
 
 /// `M91 P<in> L<block>` jumps if the input is active (low), `M92` if not; without L: P is the block.
 fn input_jump(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
-    let name = || format!("M{}", code.number);
+    let name = || Arg::from(format_args!("M{}", code.number));
     let words = running.words;
     let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name(), "P") };
     let (port, target) = match words.take(b'L') {

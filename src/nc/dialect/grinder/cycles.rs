@@ -6,6 +6,7 @@
 
 use super::coordinates::{axis_value, modal_feed, target};
 use super::{MAX_VALUE, OneShot, integer, length_mm, out_of_range};
+use crate::defs::text::arg::Arg;
 use crate::nc::contour::{ContourCycle, CycleKind};
 use crate::nc::dialect::motion::MoveTarget;
 use crate::nc::dialect::rules::BlockContext;
@@ -45,9 +46,10 @@ fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) ->
     if let Some(taper) = running.words.take(b'R') {
         kept.taper = length_mm(running, taper)?;
     }
-    let name = format_args!("G{:02}", running.modals.motion.g()).to_string();
+    let g = running.modals.motion.g();
     let (Some(x), Some(z)) = (kept.x, kept.z) else {
-        return fail2(running.at, E::MissingWord, name, if kept.x.is_none() { "X / U" } else { "Z / W" });
+        let missing = if kept.x.is_none() { "X / U" } else { "Z / W" };
+        return fail2(running.at, E::MissingWord, format_args!("G{g:02}"), missing);
     };
     let feed = modal_feed(running)?;
     running.modals.cycle = kept;
@@ -82,17 +84,17 @@ pub(super) const fn is_contour_cycle(code: u32) -> bool {
 }
 
 /// G70 to G73: stores the settings of the block, or returns the cycle to execute.
-pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Option<Box<ContourCycle>>> {
+pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Option<ContourCycle>> {
     let (code, at) = (code.number, code.at as usize);
-    let name = format!("G{code}");
+    let name = || Arg::from(format_args!("G{code}"));
     let (first, last) = (running.words.take(b'P'), running.words.take(b'Q'));
     let (first, last) = match (first, last) {
         (None, None) if code != 70 => return store_settings(running, code, at).map(|()| None),
         (Some(first), Some(last)) => (integer(first, 1, 99_999_999)?, integer(last, 1, 99_999_999)?),
-        (first, _) => return fail2(at, E::MissingWord, name, if first.is_none() { "P" } else { "Q" }),
+        (first, _) => return fail2(at, E::MissingWord, name(), if first.is_none() { "P" } else { "Q" }),
     };
     if let Some(code) = running.words.m.first() {
-        return fail2(code.at as usize, E::NotTogether, name, format!("M{:02}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name(), format_args!("M{:02}", code.number));
     }
     let kept = running.modals.repetitive;
     let mut allowance = PerAxis::default();
@@ -106,17 +108,17 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> R
         70 => CycleKind::Finish,
         73 => {
             let (Some((x, z)), Some(passes)) = (kept.shift, kept.passes) else {
-                return fail2(at, E::MissingWord, name, "U W R");
+                return fail2(at, E::MissingWord, name(), "U W R");
             };
             CycleKind::Pattern { shift: PerAxis([x, 0.0, z]), passes, feed: modal_feed(running)? }
         }
         _ => {
             let (infeed, letter) = if code == 71 { (Axis::X, "U") } else { (Axis::Z, "W") };
-            let Some(depth) = kept.depth else { return fail2(at, E::MissingWord, name, letter) };
+            let Some(depth) = kept.depth else { return fail2(at, E::MissingWord, name(), letter) };
             CycleKind::Roughing { infeed, depth, escape: kept.escape, feed: modal_feed(running)? }
         }
     };
-    Ok(Some(Box::new(ContourCycle { first_block: first, last_block: last, at, allowance, kind: form })))
+    Ok(Some(ContourCycle { first_block: first, last_block: last, at, allowance, kind: form }))
 }
 
 /// A block without P and Q: stores the settings.

@@ -51,7 +51,7 @@ fn dress_return(running: &mut BlockContext<'_, '_>, _code: Code) -> ReadResult<(
         let [letter, _] = axis_letters(axis);
         let Some(word) = words.take(letter) else { continue };
         if word.kind != ValueKind::AddressOnly {
-            return fail2(word.at as usize, E::TakesNoNumber, "G27", axis.letter().to_string());
+            return fail2(word.at as usize, E::TakesNoNumber, "G27", axis.letter());
         }
         if !running.settings.axes[axis] {
             return fail1(word.at as usize, E::NoAxis, axis.letter());
@@ -77,8 +77,7 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, code: Code) -> 
     let mut ends = [Axis::X, Axis::Z].iter().filter_map(named);
     let Some((axis, word)) = ends.next() else { return fail2(code.at as usize, E::MissingWord, "G35", "X / Z") };
     if let Some((other, second)) = ends.next() {
-        let (first, other) = (axis.letter().to_string(), other.letter().to_string());
-        return fail2(second.at as usize, E::NotTogether, first, other);
+        return fail2(second.at as usize, E::NotTogether, axis.letter(), other.letter());
     }
     let to = axis_value(running, axis, word)?;
     // K4.3: values below the minimum are raised to it, with a message, when the oscillation starts.

@@ -97,7 +97,7 @@ fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f
 }
 
 fn missing_word<T>(h: Word, letter: u8) -> ReadResult<T> {
-    fail2(h.at as usize, E::MissingWord, format!("G65 H{:02}", h.value), char::from(letter))
+    fail2(h.at as usize, E::MissingWord, format_args!("G65 H{:02}", h.value), char::from(letter))
 }
 
 fn required_word(running: &BlockContext<'_, '_>, h: Word, letter: u8) -> ReadResult<Word> {

@@ -126,7 +126,7 @@ fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResu
         codes::look_up(*code, block.settings.is_mill())?;
     }
     match words.m.iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
-        Some(code) => fail1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
+        Some(code) => fail1(code.at as usize, E::UnknownM, format_args!("M{}", code.number)),
         None => Ok(()),
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::defs::variable_name;
 use crate::nc::expression::{CoordinateFrame, Scope, enter, finite, function_value, signs};
-use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{Capitals, E, ReadResult, fail, fail1, fail2};
 use crate::nc::functions::{FUNCTIONS, whole_u32};
 use crate::nc::lexer::Cursor;
 use crate::nc::words::Assignment;
@@ -211,7 +211,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             _ => return fail1(at, E::MissingNumber, "R"),
         };
         let number = whole_u32(index).and_then(variable_name::variable_of_r);
-        number.map_or_else(|| fail1(at, E::BadRParameter, format!("R{index}")), Ok)
+        number.map_or_else(|| fail1(at, E::BadRParameter, format_args!("R{index}")), Ok)
     }
 
     /// `$AA_IW[X]`, `$AA_IM[X]`.
@@ -224,8 +224,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         } else if word.eq_ignore_ascii_case(b"AA_IM") {
             CoordinateFrame::Machine
         } else {
-            let upper = word.to_ascii_uppercase();
-            return fail1(at, E::UnknownSystemVariable, format_args!("${}", String::from_utf8_lossy(&upper)));
+            return fail1(at, E::UnknownSystemVariable, format_args!("${}", Capitals(word)));
         };
         self.cursor.at += word.len();
         skip_blanks(self.cursor);
@@ -264,7 +263,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             if word.len() == 1 && matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=') {
                 return fail1(at, E::MissingNumber, "=");
             }
-            let shown = String::from_utf8_lossy(word).to_ascii_uppercase();
+            let shown = Capitals(word);
             self.cursor.at += word.len();
             skip_blanks(self.cursor);
             return match self.cursor.peek() {

@@ -16,8 +16,9 @@ use super::common;
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};
 use crate::defs::kind::Dialect;
 use crate::defs::program_number::{self, L_MAX};
+use crate::defs::text::arg::Arg;
 use crate::nc::expression::Scope;
-use crate::nc::fault::{E, ReadResult, fail1, fail2};
+use crate::nc::fault::{Capitals, E, ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, CallLimit, Callee};
 use crate::nc::functions::whole_u32;
 use crate::nc::modal::ModalCodes;
@@ -93,7 +94,7 @@ const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', CR_AD
 
 /// Refuses a call that is not in a block of its own.
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
-    let name = || format!("L{}", call.value);
+    let name = || Arg::from(format_args!("L{}", call.value));
     let (g, m) = (words.g.first().map(|code| (code, 'G')), words.m.first().map(|code| (code, 'M')));
     if let Some((code, letter)) = g.or(m) {
         return fail2(code.at as usize, E::NotTogether, name(), code.name(letter, 0));
@@ -212,7 +213,7 @@ fn address_name(word: Word) -> &'static str {
 }
 
 #[cold]
-fn out_of_range<T>(word: Word, range: &str) -> ReadResult<T> {
+fn out_of_range<T>(word: Word, range: impl Into<Arg>) -> ReadResult<T> {
     common::out_of_range_as(address_name(word), word, range)
 }
 
@@ -222,5 +223,5 @@ fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
     let at = word.at as usize;
     let rest = text.get(at..).unwrap_or_default();
     let length = rest.iter().position(|byte| matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | b';')).unwrap_or(rest.len());
-    fail1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
+    fail1(at, E::UnknownWord, Capitals(&rest[..length]))
 }

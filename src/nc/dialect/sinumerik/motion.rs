@@ -60,8 +60,7 @@ pub(super) fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResul
             }
             // Under constant surface speed the rpm depends on the wheel diameter.
             (Some(_) | None, _) => {
-                let written = format!("G4 S{}", turns.value);
-                return fail1(turns.at as usize, E::DwellWithoutSpeed, written);
+                return fail1(turns.at as usize, E::DwellWithoutSpeed, format_args!("G4 S{}", turns.value));
             }
         },
     };

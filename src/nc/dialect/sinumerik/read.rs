@@ -7,7 +7,7 @@ use super::expression::{
 };
 use super::{CR_ADDRESS, RETURN_M_CODE};
 use crate::nc::expression::{CoordinateFrame, Scope};
-use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::fault::{Capitals, E, ReadResult, fail, fail1, fail2};
 use crate::nc::functions::Comparison;
 use crate::nc::lexer::Cursor;
 use crate::nc::statement::{BlockContent, BlockReader};
@@ -292,7 +292,7 @@ fn refuse_r_as_radius(cursor: &Cursor<'_>) -> ReadResult<()> {
     if length == 0 || after == Some(&b'=') {
         return Ok(());
     }
-    let number = String::from_utf8_lossy(&rest[..length]).into_owned();
+    let number = Capitals(&rest[..length]);
     fail2(cursor.at, E::RadiusByCr, format_args!("R{number}"), format_args!("CR={number}"))
 }
 

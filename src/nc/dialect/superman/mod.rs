@@ -12,6 +12,7 @@ use super::codes;
 use super::common::{letter_at, out_of_range, unknown_word};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
+use crate::defs::text::arg::Arg;
 use crate::nc::expression::Scope;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{COUNTED_DEPTH, CallLimit};
@@ -74,7 +75,7 @@ impl DialectRules for SuperMan {
         }
         match (flow, step) {
             (Some((m, _)), Some(_)) => {
-                let named = code.map_or_else(String::new, |code| code.name('G', 2));
+                let named = code.map_or(Arg::None, |code| code.name('G', 2));
                 fail2(m.at as usize, E::NotTogether, named, m.name('M', 2))
             }
             (Some((_, flow)), None) => Ok(flow),
@@ -162,23 +163,27 @@ fn number_digits(line: &[u8], first: usize) -> &[u8] {
     &rest[..rest.iter().take_while(|byte| byte.is_ascii_digit()).count()]
 }
 
-fn written_number(line: &[u8], first: usize) -> String {
-    format!("N{}", String::from_utf8_lossy(number_digits(line, first)))
+fn written_number(line: &[u8], first: usize) -> Arg {
+    format_args!("N{}", str::from_utf8(number_digits(line, first)).unwrap_or_default()).into()
 }
 
 /// The correct form of a block number.
-fn expected_number(n: u32) -> String {
-    if n > MAX_BLOCK_NUMBER { format!("N0000–N{MAX_BLOCK_NUMBER}") } else { format!("N{n:04}") }
+fn expected_number(n: u32) -> Arg {
+    if n > MAX_BLOCK_NUMBER {
+        format_args!("N0000–N{MAX_BLOCK_NUMBER}").into()
+    } else {
+        format_args!("N{n:04}").into()
+    }
 }
 
 /// A three-digit block number as written, and with four digits.
-fn short_block_number(text: &[u8], at: usize) -> Option<(String, String)> {
+fn short_block_number(text: &[u8], at: usize) -> Option<(Arg, Arg)> {
     let line = text.get(at..)?;
     let first = line.iter().position(|byte| !matches!(byte, b' ' | b'\t'))?;
     let short = number_digits(line, first).len() + 1 == BLOCK_NUMBER_DIGITS;
     (short && matches!(line.get(first), Some(b'N' | b'n'))).then(|| {
         let written = written_number(line, first);
-        let full = format!("N0{}", &written[1..]);
+        let full = format_args!("N0{}", &written.as_name()[1..]).into();
         (written, full)
     })
 }
@@ -252,6 +257,6 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
     }
     match whole_number(word.value) {
         Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
-        Some(_) | None => out_of_range(word, &format!("{low}–{high}")),
+        Some(_) | None => out_of_range(word, format_args!("{low}–{high}")),
     }
 }

@@ -38,8 +38,8 @@ pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadR
     };
     let along = coordinate(Axis::Z, length)?;
     if along.abs() <= RUN_OUT_MM {
-        let details = (format!("{}", along.abs()), RUN_OUT_MM.to_string());
-        return fail2(length.at as usize, E::ThreadTooShort, details.0, details.1);
+        let (length_mm, run_out) = (format_args!("{}", along.abs()), format_args!("{RUN_OUT_MM}"));
+        return fail2(length.at as usize, E::ThreadTooShort, length_mm, run_out);
     }
     let taper = words.take(b'U').map_or(Ok(0.0), |word| coordinate(Axis::X, word))?;
     if running.modals.infeed_direction == 0 {
@@ -97,7 +97,7 @@ fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64
     // The part's face is at Z 0, if the thread crosses it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
     if enters && z.abs() < needed {
-        let details = [format!("{:.3}", z.abs()), format!("{needed:.3}")].map(Arg::from);
+        let details = [format_args!("{:.3}", z.abs()).into(), format_args!("{needed:.3}").into()];
         running.scope.warn(place, E::ThreadApproachShort, details);
     }
     if !running.modals.spindle_on {
@@ -105,6 +105,10 @@ fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64
     }
     let limit = ThreadMove::max_spindle_rpm(lead);
     if speed > limit {
-        running.scope.warn(place, E::SpindleTooFast, [format!("{speed}").into(), format!("{limit:.0}").into()]);
+        running.scope.warn(
+            place,
+            E::SpindleTooFast,
+            [format_args!("{speed}").into(), format_args!("{limit:.0}").into()],
+        );
     }
 }
