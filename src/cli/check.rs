@@ -238,7 +238,7 @@ impl<'a> FileCheck<'a> {
         let finished = self.part.as_ref().and_then(|part| part.finished).filter(|_| self.call.simulate);
         let mut rehearsal = finished.map(|finished| {
             let width_mm = retained.params.get(param::WHEEL_WIDTH);
-            FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
+            FinishedSizeCheck::new(finished, width_mm, settings.dialect, world.clone(), memory.clone())
         });
         let mut interlocks = InterlockCheck::new(self.shared.kind, &retained.params);
         // An endless loop is shown once, up to its repetition. A first run without output finds that position.

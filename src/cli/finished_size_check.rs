@@ -44,7 +44,8 @@ impl FinishedSizeCheck {
         finished: FinishedSizeFile,
         wheel_width_mm: f64,
         system: Dialect,
-        (world, values): (OfflineMachine, CommonVariables),
+        world: OfflineMachine,
+        values: CommonVariables,
     ) -> Self {
         Self {
             finished,
@@ -197,7 +198,7 @@ mod tests {
         let mut values = CommonVariables::default();
         values.set(620, Some(100.0)).unwrap();
         values.set(621, Some(0.0)).unwrap();
-        let mut check = FinishedSizeCheck::new(finished, 0.0, settings.dialect, (world, values));
+        let mut check = FinishedSizeCheck::new(finished, 0.0, settings.dialect, world, values);
         let block = Block { ops, ..Block::new(&settings) };
         check.check_block(&block, &|_| String::new());
         check.into_overshoot()

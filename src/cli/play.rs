@@ -129,7 +129,7 @@ fn play_lines(shared: &SharedArgs, lines: &[StoryLine], player: &mut Player<'_, 
         let seconds = host.now().as_secs_f64();
         let message = &host.snapshot().message;
         let refused = (message.tone == Tone::Refused && message.since > before).then(|| message.text.get(shared.lang));
-        print_outcome(shared.format, line, (&done, refused.as_deref()), seconds);
+        print_outcome(shared.format, line, &done, refused.as_deref(), seconds);
         if line.statement == Statement::FaultList && shared.format == OutputFormat::Text {
             for row in FAULTS {
                 print_line(format!("{:14}{:20} {} {}", "", row.usage(), row.text.zh, row.text.en));
@@ -170,7 +170,8 @@ fn state_json(host: &mut HeadlessHost, lang: Lang) -> Value {
 fn print_outcome(
     format: OutputFormat,
     line: &StoryLine,
-    (done, refused): (&Result<(), String>, Option<&str>),
+    done: &Result<(), String>,
+    refused: Option<&str>,
     seconds: f64,
 ) {
     let text = &line.text;

@@ -134,12 +134,13 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
 fn connect<P: HostedMachine, S: Storage>(
     shared: &SharedArgs,
     retained: PowerOnState,
-    (storage, damaged): (S, Option<String>),
     machine: P,
+    storage: S,
+    damaged: Option<&str>,
 ) -> Host<P, S> {
     let mut host = Host::connect(shared.kind, retained, machine, storage);
     if let Some(damaged) = damaged {
-        host.report_damage(&damaged);
+        host.report_damage(damaged);
     }
     host
 }
@@ -167,7 +168,7 @@ pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
     let parts = host_parts(shared, named_data(shared)?)?;
     let storage = DirectStorage::new(RetainedWorker::new(parts.store), parts.jobs).map_err(CallError::new)?;
     let machine = simulated(shared, &parts.retained.params, Micros::ZERO)?;
-    Ok(connect(shared, parts.retained, (storage, parts.damaged), machine))
+    Ok(connect(shared, parts.retained, machine, storage, parts.damaged.as_deref()))
 }
 
 /// Creates a host for a display, with storage on threads; `machine` opens its machine. The control itself always has a
@@ -189,7 +190,7 @@ pub fn threaded_host<P: HostedMachine>(
     let worker = StorageWorker::new(parts.jobs);
     let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;
     let machine = machine(shared, &parts.retained.params)?;
-    Ok(connect(shared, parts.retained, (storage, parts.damaged), machine))
+    Ok(connect(shared, parts.retained, machine, storage, parts.damaged.as_deref()))
 }
 
 /// The part: `--part`, otherwise the part of the program.

@@ -24,6 +24,15 @@ pub enum CoreAnswer {
     Refused(usize),
 }
 
+/// A field as it is painted: its plate; place, text size, words and colour of its value.
+pub(crate) struct ValueField {
+    pub plate: Rect,
+    pub value: Rect,
+    pub size: f32,
+    pub words: String,
+    pub ink: Color32,
+}
+
 /// The text of the selected field.
 #[derive(Clone, Debug, Default)]
 pub struct FieldEditor {
@@ -132,17 +141,15 @@ impl FieldEditor {
         }
     }
 
-    /// Paints the value of a field in its plate, in a text size. The selected field, with its editor in `typing`, has a
-    /// frame and shows the typed text instead.
-    pub fn paint(typing: Option<&Self>, view: &View<'_>, [plate, value]: [Rect; 2], size: f32, old: (String, Color32)) {
+    /// Paints a field. The selected one, with its editor in `typing`, has a frame and shows the typed text instead.
+    pub(crate) fn paint(typing: Option<&Self>, view: &View<'_>, field: ValueField) {
+        let old = (field.words, field.ink);
         let (words, ink) = match typing {
             Some(typing) => typing.shown(view, old),
             None => old,
         };
-        view.fit_right(value, &words, size, ink);
-        if let Some(typing) = typing {
-            typing.frame(view, plate);
-        }
+        view.fit_right(field.value, &words, field.size, ink);
+        typing.inspect(|typing| typing.frame(view, field.plate));
     }
 
     /// Paints the frame of the selected field, red after a refusal.

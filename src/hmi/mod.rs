@@ -32,7 +32,7 @@ mod widget;
 pub mod window;
 
 pub use app::Hmi;
-pub(crate) use field_editor::{CoreAnswer, FieldEditor, param_range, parse_number};
+pub(crate) use field_editor::{CoreAnswer, FieldEditor, ValueField, param_range, parse_number};
 pub(crate) use keyboard::{EditKey, KeyboardInput};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub(crate) use keycap::KeycapState;

@@ -50,7 +50,8 @@ impl GaugeArms {
         [0, 1].map(|index| {
             let arm = &mut self.0[index];
             let switch = SWITCHES[index][usize::from(arm.out)];
-            let late = arm.actuator.supervise(now, (switch, inputs), params, param::GAUGE_ARM_TIMEOUT, Micros::ZERO);
+            let at_end = (params.input_port(switch) != 0).then(|| inputs.has(switch));
+            let late = arm.actuator.supervise(now, at_end, params.millis(param::GAUGE_ARM_TIMEOUT), Micros::ZERO);
             late.then_some(alarm::GAUGE_ARM_TIMEOUT)
         })
     }
@@ -85,8 +86,9 @@ impl GearBox {
     pub fn supervise(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
         let (gear, stroke) = self.0.as_mut()?;
         let switch = Input::GEARS[usize::from(*gear) % 4];
-        let unseen = params.millis(param::GEAR_CHANGE_TIMEOUT);
-        let late = stroke.supervise(now, (switch, inputs), params, param::GEAR_CHANGE_TIMEOUT, unseen);
+        let at_end = (params.input_port(switch) != 0).then(|| inputs.has(switch));
+        let most = params.millis(param::GEAR_CHANGE_TIMEOUT);
+        let late = stroke.supervise(now, at_end, most, most);
         late.then_some(alarm::GEAR_CHANGE_TIMEOUT)
     }
 }

@@ -3,8 +3,6 @@
 //! Without an assigned switch nothing is supervised: an arm arrives at once, a gear after its time.
 //! Source: spec K3.9, K3.10, K4.5, B4.
 
-use crate::defs::param::{NumberParam, Params};
-use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
 /// State of the actuator.
@@ -27,26 +25,14 @@ impl TwoPositionActuator {
         matches!(self, Self::Moving { .. })
     }
 
-    /// Checks the switch; true on time-out. `most` is the time-out, `unseen` the time without a switch.
-    pub fn supervise(
-        &mut self,
-        now: Micros,
-        (switch, inputs): (Input, InputSet),
-        params: &Params,
-        most: NumberParam,
-        unseen: Micros,
-    ) -> bool {
+    /// Checks the end switch (`None`: not assigned); true on time-out. `most` is the time-out, `unseen` the time without
+    /// a switch.
+    pub fn supervise(&mut self, now: Micros, at_end: Option<bool>, most: Micros, unseen: Micros) -> bool {
         let Self::Moving { since } = *self else { return false };
         let gone = now.since(since);
-        if params.input_port(switch) == 0 {
-            if gone >= unseen {
-                *self = Self::InPosition;
-            }
-            return false;
-        }
-        if inputs.has(switch) {
+        if at_end.unwrap_or(gone >= unseen) {
             *self = Self::InPosition;
-        } else if gone >= params.millis(most) {
+        } else if at_end.is_some() && gone >= most {
             *self = Self::TimedOut;
             return true;
         }

@@ -166,20 +166,14 @@ impl FeedScaling {
     /// Where the buffer is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
     /// slightly lower rate ([`TARGET_FRACTIONS`]) is used on the way up.
     pub fn change_to(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
-        let (slope, bend) = scales(ahead);
         let mut share = budget.share(TRY_WORK);
-        self.try_changes(target, (slope, bend), ahead, &mut share);
+        self.try_changes(target, ahead, &mut share);
         budget.spend(share.spent());
     }
 
     /// Tries candidates until one is valid or the budget is spent.
-    fn try_changes(
-        &mut self,
-        target: f64,
-        (slope, bend): (f64, f64),
-        ahead: &SetpointsAhead<'_>,
-        budget: &mut WorkBudget,
-    ) {
+    fn try_changes(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+        let (slope, bend) = scales(ahead);
         for _ in 0..RATE_CHANGE_FRACTIONS.len() * TARGET_FRACTIONS.len() {
             let near = target * TARGET_FRACTIONS[self.next_try / RATE_CHANGE_FRACTIONS.len()];
             let part = RATE_CHANGE_FRACTIONS[self.next_try % RATE_CHANGE_FRACTIONS.len()];

@@ -94,7 +94,7 @@ pub struct ThreadMover {
 impl ThreadMover {
     /// A thread from the axis position `from`, mm, with the spindle at `turns`; `lag_s` is the servo lag, s.
     #[must_use]
-    pub fn new(thread: ThreadPass, from: MachinePos, limits: MotionLimits, (turns, lag_s): (f64, f64)) -> Self {
+    pub fn new(thread: ThreadPass, from: MachinePos, limits: MotionLimits, turns: f64, lag_s: f64) -> Self {
         let mover = |axis: Axis| AxisMover::new(limits.axes[axis], from[axis], limits.tick_s);
         Self {
             thread,

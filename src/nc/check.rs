@@ -75,7 +75,7 @@ pub fn check_syntax(source: &Arc<Source>, settings: &NcSettings) -> Vec<ProgramF
         E::LoopUnpaired,
     ];
     let (mut unread, mut faults) = (UnexecutedLines::new(source.line_count()), Vec::new());
-    while unread.advance((source, settings), None, &mut WorkBudget::unlimited(), &mut |fault| faults.push(fault)) {}
+    while unread.advance(source, settings, None, &mut WorkBudget::unlimited(), &mut |fault| faults.push(fault)) {}
     faults.retain(|fault: &ProgramFault| !ELSEWHERE.contains(&fault.error));
     faults
 }
@@ -244,7 +244,7 @@ impl ProgramCheck {
         if self.run_over {
             let Self { source, settings, interpreter, unread, report, reported, .. } = self;
             let mut found = |fault| add_once(&mut report.faults, reported, fault);
-            return unread.advance((source, settings), Some(&*interpreter.library), budget, &mut found);
+            return unread.advance(source, settings, Some(&*interpreter.library), budget, &mut found);
         }
         while !budget.is_spent() {
             if self.interpreter.ended {

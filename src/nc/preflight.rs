@@ -135,8 +135,8 @@ impl TextPreflight {
         if !std::mem::replace(&mut self.text_checked, true) {
             first = unexecuted_lines::check_whole_text(&self.source, &self.settings).next();
         }
-        let text = (&*self.source, &self.settings);
-        let more = self.unread.advance(text, Some(&*self.library), budget, &mut |fault| {
+        let (source, settings) = (&*self.source, &self.settings);
+        let more = self.unread.advance(source, settings, Some(&*self.library), budget, &mut |fault| {
             first.get_or_insert(fault);
         });
         if let Some(fault) = first {

@@ -27,9 +27,7 @@ pub struct ProgramUses {
 pub fn find_uses(source: &Source, system: Dialect) -> ProgramUses {
     let mut found = ProgramUses::default();
     for line in 1..=source.line_count().min(MAX_LINES) as u32 {
-        let Some(text) = source.line(line) else { continue };
-        let (code, comment) = split_comment(&text, system);
-        scan_line(&mut found, &code, &comment, (source.number(), line), system);
+        scan_line(&mut found, source, line, system);
     }
     found
 }
@@ -60,7 +58,9 @@ fn split_comment(text: &str, system: Dialect) -> (String, String) {
     (code, comment.trim().to_owned())
 }
 
-fn scan_line(found: &mut ProgramUses, code: &str, comment: &str, place: (u32, u32), system: Dialect) {
+fn scan_line(found: &mut ProgramUses, source: &Source, line: u32, system: Dialect) {
+    let Some(text) = source.line(line) else { return };
+    let (code, comment) = split_comment(&text, system);
     let bytes = code.as_bytes();
     let macro_a = code.contains("G65") && code.contains('H');
     let mut at = 0;
@@ -75,7 +75,7 @@ fn scan_line(found: &mut ProgramUses, code: &str, comment: &str, place: (u32, u3
                 let rest = code[end..].trim_start();
                 let result = rest.starts_with('=') && !rest.starts_with("==") || macro_a && before == b'P';
                 let entry = found.variables.entry(variable).or_insert_with(|| {
-                    let comment = comment.to_owned();
+                    let (place, comment) = ((source.number(), line), comment.clone());
                     VariableUse { variable, place, comment, ..VariableUse::default() }
                 });
                 if result { entry.writes = true } else { entry.reads = true }
@@ -85,5 +85,5 @@ fn scan_line(found: &mut ProgramUses, code: &str, comment: &str, place: (u32, u3
         }
         at += 1;
     }
-    found.calls.extend((dialect::rules(system).call_in_text)(code));
+    found.calls.extend((dialect::rules(system).call_in_text)(&code));
 }

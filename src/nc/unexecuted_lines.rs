@@ -58,7 +58,8 @@ impl UnexecutedLines {
     /// called programs must exist in it.
     pub fn advance(
         &mut self,
-        (source, settings): (&Source, &NcSettings),
+        source: &Source,
+        settings: &NcSettings,
         library: Option<&dyn Library>,
         budget: &mut WorkBudget,
         tell: &mut dyn FnMut(ProgramFault),
@@ -74,7 +75,7 @@ impl UnexecutedLines {
                 continue;
             }
             let calls = self.calls.len();
-            let read = read_line(source, settings, line, (&mut self.words, &mut self.calls)).and_then(|text_end| {
+            let read = self.read_line(source, settings, line).and_then(|text_end| {
                 let missing = |(number, _): &&(u32, usize)| library.is_some_and(|found| found.find(*number).is_none());
                 match self.calls[calls..].iter().find(missing) {
                     Some((number, at)) => fail1(*at, E::MissingProgram, program_number::name_of(*number)),
@@ -89,6 +90,39 @@ impl UnexecutedLines {
             }
         }
         true
+    }
+
+    /// Checks the blocks of a line; returns whether the text ends in it.
+    fn read_line(&mut self, source: &Source, settings: &NcSettings, line: u32) -> ReadResult<bool> {
+        let text = source.bytes();
+        let mut cursor = Cursor::window(text, source.line_start(line));
+        let (mut mid_line, mut text_end) = (false, false);
+        loop {
+            let at = cursor.at;
+            let (scope, block_skip) = (&mut SyntaxOnlyScope, false);
+            let reader = BlockReader { cursor: &mut cursor, scope, words: &mut self.words, mid_line, block_skip };
+            let content = dialect::read_block(settings.dialect, reader);
+            if cursor.is_truncated(text) {
+                return fail(at, E::BlockTooLong);
+            }
+            match content? {
+                BlockContent::Words => {
+                    let rules = dialect::rules(settings.dialect);
+                    (rules.check_unexecuted)(&self.words, &UnexecutedBlock { source, settings, at, line })?;
+                    self.calls.extend((rules.called_program)(&self.words));
+                }
+                BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,
+                BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
+                    return fail1(at, E::MissingTarget, format_args!("N{n}"));
+                }
+                BlockContent::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop)?,
+                _ => {}
+            }
+            if !statement::line_continues(&cursor) || cursor.at <= at {
+                return Ok(text_end);
+            }
+            mid_line = true;
+        }
     }
 }
 
@@ -122,42 +156,4 @@ const LABEL_SEARCH_BYTES: usize = 256;
 /// Whether a line has no block.
 fn has_no_block(line: &[u8]) -> bool {
     line.trim_ascii_start().first().is_none_or(|first| matches!(first, b';' | b'%' | b'('))
-}
-
-/// Checks the blocks of a line; returns whether the text ends in it.
-fn read_line(
-    source: &Source,
-    settings: &NcSettings,
-    line: u32,
-    (words, calls): (&mut BlockWords, &mut Vec<(u32, usize)>),
-) -> ReadResult<bool> {
-    let text = source.bytes();
-    let mut cursor = Cursor::window(text, source.line_start(line));
-    let (mut mid_line, mut text_end) = (false, false);
-    loop {
-        let at = cursor.at;
-        let (scope, block_skip) = (&mut SyntaxOnlyScope, false);
-        let reader = BlockReader { cursor: &mut cursor, scope, words: &mut *words, mid_line, block_skip };
-        let content = dialect::read_block(settings.dialect, reader);
-        if cursor.is_truncated(text) {
-            return fail(at, E::BlockTooLong);
-        }
-        match content? {
-            BlockContent::Words => {
-                let rules = dialect::rules(settings.dialect);
-                (rules.check_unexecuted)(words, &UnexecutedBlock { source, settings, at, line })?;
-                calls.extend((rules.called_program)(words));
-            }
-            BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,
-            BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
-                return fail1(at, E::MissingTarget, format_args!("N{n}"));
-            }
-            BlockContent::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop)?,
-            _ => {}
-        }
-        if !statement::line_continues(&cursor) || cursor.at <= at {
-            return Ok(text_end);
-        }
-        mid_line = true;
-    }
 }

@@ -14,7 +14,7 @@ fn limits() -> MotionLimits {
 fn cut(lead_mm: f64, rpm: f64, phase: f64) -> (Vec<Setpoint>, f64) {
     let to = MachinePos::new([lead_mm + 1.0, 0.0, -50.0]);
     let thread = ThreadPass { run_out_start: MachinePos::new([0.0, 0.0, -48.8]), run_out_end: to, lead_mm };
-    let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), (phase, 0.0));
+    let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), phase, 0.0);
     let (mut points, mut worst, mut turns) = (Vec::new(), 0.0_f64, phase);
     while !mover.is_finished() {
         turns += rpm / 60.0 * TICK_S;
@@ -78,7 +78,7 @@ fn l5_note_5_the_axis_itself_is_in_step_after_three_leads_at_the_limit_speed() {
             };
             // The spindle has turned forward before, whichever way it turns now.
             let mut turns = 1_000.3;
-            let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), (turns, 0.02));
+            let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), turns, 0.02);
             let (mut drive, mut least, mut most) = (SecondOrderDrive::default(), f64::INFINITY, f64::NEG_INFINITY);
             for tick in 0.. {
                 assert!(tick < 200_000, "lead {lead}: the thread does not end");
@@ -130,7 +130,7 @@ fn l5_reset_brakes_within_a_millimetre() {
         run_out_end: MachinePos::new([2.5, 0.0, -50.0]),
         lead_mm: 1.5,
     };
-    let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), (0.0, 0.0));
+    let mut mover = ThreadMover::new(thread, MachinePos::default(), limits(), 0.0, 0.0);
     let mut turns = 0.0;
     while !mover.is_synchronized() {
         turns += 0.012;

@@ -46,9 +46,9 @@ impl ProgramRun {
             return ActionStatus::Wait;
         }
         let from = plant.axes.set_point();
-        let encoder = (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0);
+        let (turns, lag_s) = (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0);
         let limits = plant.axes.path_limits(&plant.params);
-        plant.axes.begin_thread(ThreadMover::new(*thread, from, limits, encoder));
+        plant.axes.begin_thread(ThreadMover::new(*thread, from, limits, turns, lag_s));
         plant.spindles.threads.begin(plant.execution.current_block.line, thread.lead_mm, from[Axis::Z]);
         self.activity = Activity::Thread;
         ActionStatus::Wait

@@ -13,7 +13,7 @@ use crate::defs::r_parameter_name;
 use crate::defs::text::Lang;
 use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
-    Area, FieldEditor, KeycapState, PageKey, View, keycap, page_frame as lines, pictogram, theme, widget,
+    Area, FieldEditor, KeycapState, PageKey, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
 };
 use crate::link::command::{FileFault, Picture, ScreenFiles};
 use crate::link::{Command, Snapshot};
@@ -259,7 +259,8 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
     view.fit_left(label, &label_of(view, row), small, ink);
-    FieldEditor::paint(chosen, view, [place, value], large, (view.variable(row.variable), view.theme.text));
+    let (words, ink) = (view.variable(row.variable), view.theme.text);
+    FieldEditor::paint(chosen, view, ValueField { plate: place, value, size: large, words, ink });
 }
 
 /// `数据输入: #500=40.2   卡尺X轴始磨位置   范围 ±99999.999 · 原值 40.000`

@@ -79,33 +79,20 @@ impl SerialPane {
         }
     }
 
-    /// Draws the RS232 half.
-    pub fn ui(
-        &mut self,
-        rect: Rect,
-        view: &View<'_>,
-        media: &MediaView,
-        keys: (&mut KeyboardFocus, &mut Login, &mut Vec<Command>),
-    ) {
-        let (walk, login, out) = keys;
+    /// Draws the RS232 half; true if its key 换端口 was pressed.
+    pub fn ui(&mut self, rect: Rect, view: &View<'_>, media: &MediaView, walk: &mut KeyboardFocus) -> bool {
         let (name, key) = rect.band(0.0, FIELD_HEIGHT).split_right(108.0);
         let ink = if media.port.is_some() { view.theme.text } else { view.theme.hold };
         let shown = media.port.as_deref().unwrap_or_else(|| view.text("未选择", "none chosen"));
         fact(view, name, view.text("端口", "port"), shown, ink);
-        let locked = view.snapshot.access.level < crate::defs::param::AccessLevel::Builder;
-        if walk.button(view, key, PageKey::new("serial-port", view.text("换端口", "CHANGE")).locked(locked)) {
-            if locked {
-                login.unlock(view, PasswordScope::Builder);
-            } else if let Some(port) = next_port(media) {
-                out.push(Command::Page(PageCommand::SetSerialPort(port)));
-            }
-        }
+        let change = PageKey::new("serial-port", view.text("换端口", "CHANGE")).locked(is_port_locked(view));
+        let pressed = walk.button(view, key, change);
         let baud = view.snapshot.params.get(param::SERIAL_BAUD);
-        let facts = [
+        let settings = [
             (view.text("波特率", "baud rate"), format!("{baud} bit/s  (P370)")),
             (view.text("格式", "form"), format!("8N1 · XON/XOFF · {}", view.text("% O号 … %", "% O number … %"))),
         ];
-        for (index, (word, value)) in facts.iter().enumerate() {
+        for (index, (word, value)) in settings.iter().enumerate() {
             fact(view, rect.band(FIELD_HEIGHT + theme::GAP + index as f32 * 26.0, 26.0), word, value, view.theme.text);
         }
         let top = FIELD_HEIGHT + theme::GAP + 52.0 + theme::GAP;
@@ -123,6 +110,7 @@ impl SerialPane {
             ),
         };
         view.paragraph(below, &words, theme::LABEL, ink);
+        pressed
     }
 
     /// The field 存为.
@@ -153,6 +141,19 @@ fn fact(view: &View<'_>, line: Rect, word: &str, value: &str, ink: Color32) {
     let (left, right) = line.split_left(76.0);
     view.fit_left(left, word, theme::LABEL, view.theme.muted);
     view.fit_left(right.trim_sides(4.0), value, theme::LABEL, ink);
+}
+
+fn is_port_locked(view: &View<'_>) -> bool {
+    view.snapshot.access.level < param::AccessLevel::Builder
+}
+
+/// Changes to the next port, or asks for the password.
+pub fn change_port(view: &View<'_>, media: &MediaView, login: &mut Login, out: &mut Vec<Command>) {
+    if is_port_locked(view) {
+        login.unlock(view, PasswordScope::Builder);
+    } else if let Some(port) = next_port(media) {
+        out.push(Command::Page(PageCommand::SetSerialPort(port)));
+    }
 }
 
 /// The port after the selected one.

@@ -7,7 +7,7 @@ use super::{InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::Text;
 use crate::defs::turning_tool::{TOOL_PARAMS, TurningTool, TurningToolShape};
-use crate::hmi::{Area, CoreAnswer, EditKey, FieldEditor, View, keycap, param_range, theme};
+use crate::hmi::{Area, CoreAnswer, EditKey, FieldEditor, ValueField, View, keycap, param_range, theme};
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
 
@@ -145,14 +145,15 @@ impl ToolsPage {
         let (row, name) = field_param(field);
         let value = view.snapshot.params.get(row);
         let response = keycap::plain(view, rect, ("tool-field", field), format!("field P{}", row.number));
-        let (label, shown) = rect.trim_sides(6.0).split_left_right_at_fraction(0.42);
+        let (label, value_rect) = rect.trim_sides(6.0).split_left_right_at_fraction(0.42);
         view.fit_left(label, name.get(view.lang), theme::LABEL, view.theme.muted);
-        let old = match (value as usize).saturating_sub(1).min(TurningToolShape::ALL.len() - 1) {
+        let words = match (value as usize).saturating_sub(1).min(TurningToolShape::ALL.len() - 1) {
             shape if is_shape(field) => TurningToolShape::ALL[shape].name().get(view.lang).to_owned(),
             _ => value.to_string(),
         };
         let typing = (self.cursor == field).then_some(&self.typing);
-        FieldEditor::paint(typing, view, [rect, shown], theme::TITLE, (old, view.theme.text));
+        let ink = view.theme.text;
+        FieldEditor::paint(typing, view, ValueField { plate: rect, value: value_rect, size: theme::TITLE, words, ink });
         if !response.clicked() {
             return;
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use egui::{Rect, vec2};
 
-use super::serial::SerialPane;
+use super::serial::{SerialPane, change_port};
 use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
@@ -99,7 +99,9 @@ impl PageUi for TransferPage {
             let (head, body) = right.split_top(34.0);
             lines::title(view, head, "RS232");
             view.card(body);
-            self.serial.ui(body.shrink(theme::PAD), view, media, (&mut self.walk, login, out));
+            if self.serial.ui(body.shrink(theme::PAD), view, media, &mut self.walk) {
+                change_port(view, media, login, out);
+            }
         } else {
             self.side(right, view, 1, media, typed.scroll_pages);
         }
@@ -133,10 +135,10 @@ impl TransferPage {
         let Some(((), answer)) = answer.filter(|_| self.request.is_some()) else { return };
         self.last_poll = f64::NEG_INFINITY;
         match answer {
-            Ok(deed) => {
+            Ok(completion) => {
                 self.request = None;
                 self.chosen = Default::default();
-                self.message.tell(deed.message);
+                self.message.tell(completion.message);
             }
             Err(refusal @ (Refusal::Password | Refusal::Builder)) => {
                 let guard = if refusal == Refusal::Builder { PasswordScope::Builder } else { PasswordScope::Program };

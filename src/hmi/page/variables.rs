@@ -7,7 +7,8 @@ use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, input_line};
 use crate::defs::param;
 use crate::defs::text::Text;
 use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, View, keycap, pictogram, theme, variable_entry, widget,
+    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, pictogram, theme, variable_entry,
+    widget,
 };
 use crate::link::Command;
 
@@ -215,7 +216,8 @@ impl VariablesPage {
         view.fit_left(label.trim_right(theme::GAP), words, theme::LABEL, view.theme.text);
         let chosen = self.selected == variable;
         let typing = (chosen && !self.searching).then_some(&self.typing);
-        FieldEditor::paint(typing, view, [place, value], theme::TITLE, (view.variable(variable), view.theme.text));
+        let (words, ink) = (view.variable(variable), view.theme.text);
+        FieldEditor::paint(typing, view, ValueField { plate: place, value, size: theme::TITLE, words, ink });
         if chosen && self.searching {
             view.frame(place, view.theme.focus);
         }

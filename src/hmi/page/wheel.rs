@@ -8,8 +8,8 @@ use super::{InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, PageKey, View, format_whole, keycap, page_frame as lines, param_range,
-    theme, widget,
+    Area, CoreAnswer, EditKey, FieldEditor, PageKey, ValueField, View, format_whole, keycap, page_frame as lines,
+    param_range, theme, widget,
 };
 use crate::link::Command;
 
@@ -199,13 +199,13 @@ impl WheelPage {
         let response = keycap::plain(view, rect, ("wheel-field", index), format!("new P{}", row.number));
         let (value, unit) = rect.trim_sides(theme::PAD).split_right(42.0);
         let (label, value) = value.split_right(110.0);
-        let words = format!("{} P{}", name.get(view.lang), row.number);
-        view.fit_left(label, &words, theme::LABEL, view.theme.text);
+        view.fit_left(label, &format!("{} P{}", name.get(view.lang), row.number), theme::LABEL, view.theme.text);
         view.fit_right(unit, row.unit, theme::LABEL, view.theme.muted);
         let (chosen, entered) = (self.cursor == index, self.entered[index]);
         let ink = if entered.is_some() { view.theme.info } else { view.theme.muted };
-        let old = (entered.unwrap_or_else(|| view.snapshot.params.get(row)).to_string(), ink);
-        FieldEditor::paint(chosen.then_some(&self.typing), view, [rect, value], theme::SECONDARY, old);
+        let words = entered.unwrap_or_else(|| view.snapshot.params.get(row)).to_string();
+        let field = ValueField { plate: rect, value, size: theme::SECONDARY, words, ink };
+        FieldEditor::paint(chosen.then_some(&self.typing), view, field);
         response.clicked()
     }
 

@@ -1,7 +1,7 @@
 //! Interference check of a lathe program before anything moves: finds what its tools would crash into (L9). It uses the
 //! same bar, tools and rules as cutting, without time and acceleration.
 
-use super::lathe::{Material, turret_with_tools};
+use super::lathe::{Material, TipMotion, turret_with_tools};
 use super::machine_sections::{ToolFile, ToolTurretFile};
 use super::part_file::PartFile;
 use crate::defs::param::Params;
@@ -82,7 +82,8 @@ impl InterferenceCheck {
         let (mut before, mut newly) = (at(0.0), None);
         for piece in 1..=pieces {
             let here = at(piece as f64 / pieces as f64);
-            let met = self.material.cut(&tool, (before, here), self.crash_mm, (rapid, !self.spindle_on));
+            let motion = TipMotion { from: before, to: here, rapid, stands: !self.spindle_on };
+            let met = self.material.cut(&tool, &motion, self.crash_mm);
             newly = newly.or(met);
             before = here;
         }

@@ -59,6 +59,16 @@ pub(super) struct SimLathe {
     previous_tip: Option<(f64, f64)>,
 }
 
+/// How the tip of a tool moves in one step.
+pub(super) struct TipMotion {
+    /// X (radius) and Z before and after the step, part coordinates.
+    pub from: (f64, f64),
+    pub to: (f64, f64),
+    pub rapid: bool,
+    /// Whether the spindle stands.
+    pub stands: bool,
+}
+
 /// What a tool meets: the bar and the chuck.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Material {
@@ -149,7 +159,7 @@ impl SimLathe {
         let stands = self.rpm.abs() < STANDSTILL_RPM;
         let from = self.previous_tip.filter(|before| (before.1 - z).abs() < MAX_STEP_MM).unwrap_or((x, z));
         self.previous_tip = Some((x, z));
-        self.material.cut(&tool, (from, (x, z)), self.turret.crash_mm, (rapid, stands))
+        self.material.cut(&tool, &TipMotion { from, to: (x, z), rapid, stands }, self.turret.crash_mm)
     }
 
     /// Diameter of the bar at Z, mm; `None` outside the bar.
@@ -207,15 +217,10 @@ impl Material {
     }
 
     /// Cuts along a path of the tip; returns a newly started crash.
-    pub(super) fn cut(
-        &mut self,
-        tool: &ToolFile,
-        (from, (x, z)): ((f64, f64), (f64, f64)),
-        crash_mm: f64,
-        how: (bool, bool),
-    ) -> Option<&'static str> {
+    pub(super) fn cut(&mut self, tool: &ToolFile, motion: &TipMotion, crash_mm: f64) -> Option<&'static str> {
+        let (x, z) = motion.to;
         let chuck = self.bodies.iter().any(|body| tool.touches(x, z, body)).then_some("chuck");
-        let bar = self.bar.as_mut().and_then(|bar| bar.cut(tool, (from, (x, z)), crash_mm, how));
+        let bar = self.bar.as_mut().and_then(|bar| bar.cut(tool, motion, crash_mm));
         let before = std::mem::replace(&mut self.active_crash, chuck.or(bar));
         self.active_crash.filter(|_| before.is_none())
     }
@@ -260,13 +265,8 @@ impl Bar {
     }
 
     /// Cuts with the edge; returns the first crash.
-    fn cut(
-        &mut self,
-        tool: &ToolFile,
-        (from, (x, z)): ((f64, f64), (f64, f64)),
-        crash_mm: f64,
-        (rapid, stands): (bool, bool),
-    ) -> Option<&'static str> {
+    fn cut(&mut self, tool: &ToolFile, motion: &TipMotion, crash_mm: f64) -> Option<&'static str> {
+        let TipMotion { from, to: (x, z), rapid, stands } = *motion;
         if x.min(from.0) >= self.stock {
             return None;
         }
@@ -322,7 +322,8 @@ mod tests {
         // Radius 20 from the face to Z −30 in steps of 0.1 mm.
         for step in 0..=320 {
             let z = 2.0 - 0.1 * f64::from(step);
-            assert_eq!(bar.cut(&tool, ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
+            let motion = TipMotion { from: (20.0, z + 0.1), to: (20.0, z), rapid: false, stands: false };
+            assert_eq!(bar.cut(&tool, &motion, 0.05), None);
         }
         assert_eq!(bar.diameter_at(-20.0), Some(40.0));
         assert_eq!(bar.diameter_at(-40.0), Some(45.0));

@@ -225,7 +225,7 @@ impl SimulatedMachine {
         self.log.set_slides(self.slide_mm());
         let mut crashed = self.move_axes(dt_s);
         let on = self.active_outputs;
-        self.spindles.step(&self.file, on, (self.outputs.wheel_volts, self.outputs.analog_2_volts), dt_s);
+        self.spindles.step(&self.file, &self.outputs, on, dt_s);
         let tick = StepTimes { dt_s, bounce_s: self.file.bounce_s };
         self.hydraulics.step(on, self.active_faults.pressure_loss, tick, &mut self.rng);
         if let Some(magnet) = &mut self.magnet {

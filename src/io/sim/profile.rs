@@ -269,7 +269,9 @@ impl ProfileSurface {
     pub(super) fn grind(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel) -> Cut {
         match self.shape {
             ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Disc => self.grind_round(pass, wheel),
-            ProfileShape::Face { side, width_mm, turns, .. } => self.grind_face(pass, wheel, side, (width_mm, turns)),
+            ProfileShape::Face { side, width_mm, turns, .. } => {
+                self.grind_face(pass, wheel, side, (!turns).then_some(width_mm))
+            }
         }
     }
 
@@ -299,14 +301,9 @@ impl ProfileSurface {
         Cut { volume_mm3: volume, specific_mm2: if touched > 0.0 { volume / touched } else { 0.0 } }
     }
 
-    /// Grinds a face with the side of the wheel. Stroke and infeed both traverse a wall.
-    fn grind_face(
-        &mut self,
-        pass: &WheelMotion,
-        wheel: &mut GrindingWheel,
-        side: Side,
-        (width_mm, turns): (f64, bool),
-    ) -> Cut {
+    /// Grinds a face, in a wall `wall_mm` wide or rotating, with the side of the wheel. Stroke and infeed both traverse a
+    /// wall.
+    fn grind_face(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel, side: Side, wall_mm: Option<f64>) -> Cut {
         let tau = wheel.side_time_constant_s(side);
         let lambda = pass.traverse.face_mm * wheel.dullness_factor(tau);
         let covered = self.covered_share(pass, wheel).min(1.0);
@@ -320,13 +317,13 @@ impl ProfileSurface {
                 continue;
             }
             let depth = overlap * taken;
-            let across = if turns { 2.0 * PI * self.row.middle(cell) } else { width_mm };
+            let across = wall_mm.unwrap_or_else(|| 2.0 * PI * self.row.middle(cell));
             self.height_mm[cell] -= depth;
             volume += across * self.row.cell_mm * depth;
             engaged += self.row.cell_mm;
         }
         wheel.wear_side(side, engaged, volume);
-        let contact = if turns { engaged.max(self.row.cell_mm) } else { width_mm };
+        let contact = wall_mm.unwrap_or_else(|| engaged.max(self.row.cell_mm));
         Cut { volume_mm3: volume, specific_mm2: volume / contact }
     }
 

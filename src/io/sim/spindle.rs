@@ -3,6 +3,7 @@
 use super::machine_file::MachineFile;
 use super::machine_sections::{DriveFile, RollFile, SecondSpindleFile, WheelFile};
 use crate::defs::signal::{Output, OutputSet};
+use crate::io::OutputImage;
 
 /// Below this an analog output commands no speed, V: the motor then runs at its fixed speed.
 const MIN_SPEED_VOLTS: f64 = 0.05;
@@ -118,18 +119,19 @@ impl Spindles {
         }
     }
 
-    /// One tick under the outputs; `volts` are the first (wheel) and the second analog output.
-    pub(super) fn step(&mut self, file: &MachineFile, on: OutputSet, volts: (f64, f64), dt_s: f64) {
-        self.wheel.step(wheel_target_rpm(&file.wheel, on.has(Output::Wheel), volts.0), dt_s);
+    /// One tick under the outputs.
+    pub(super) fn step(&mut self, file: &MachineFile, outputs: &OutputImage, on: OutputSet, dt_s: f64) {
+        let (wheel_volts, volts) = (outputs.wheel_volts, outputs.analog_2_volts);
+        self.wheel.step(wheel_target_rpm(&file.wheel, on.has(Output::Wheel), wheel_volts), dt_s);
         if let (Some(spindle), Some(drive)) = (&mut self.workhead, &file.workhead) {
             let (high, low) = (on.has(Output::HeadstockHigh), on.has(Output::HeadstockLow));
-            spindle.step(drive_target_rpm(drive, high, low, volts.1), dt_s);
+            spindle.step(drive_target_rpm(drive, high, low, volts), dt_s);
         }
         if let (Some(spindle), Some(drive)) = (&mut self.table, &file.table) {
-            spindle.step(drive_target_rpm(drive, on.has(Output::TableRotation), false, volts.1), dt_s);
+            spindle.step(drive_target_rpm(drive, on.has(Output::TableRotation), false, volts), dt_s);
         }
         if let (Some(spindle), Some(roll)) = (&mut self.roll, roll(file)) {
-            spindle.step(drive_target_rpm(&roll.drive, on.has(Output::DresserRoll), false, volts.1), dt_s);
+            spindle.step(drive_target_rpm(&roll.drive, on.has(Output::DresserRoll), false, volts), dt_s);
         }
         self.second.step(on.has(Output::SecondSpindle), on.has(Output::SecondSpindleCcw), dt_s);
     }

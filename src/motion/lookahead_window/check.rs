@@ -54,12 +54,12 @@ impl LookaheadWindow {
             let k = self.cursor;
             self.cursor += 1;
             let p = [0, 1, 2, 3].map(|i| self.smoother.points[k + i]);
-            let (mut segment, _) = self.check_point(k, spline(&p, 0.0), budget);
+            (self.nearest_before, _) = self.check_point(k, spline(&p, 0.0), budget);
             for quarter in 0..4 {
                 let from = f64::from(quarter) / 4.0;
                 let along = self.smoother.knots[k + 1].near.0;
                 self.check_bounds(k, spline(&p, from), if k == 0 { self.start.point.along } else { along });
-                segment = self.check_between(k, &p, (from, from + 0.25), segment, budget);
+                self.check_between(k, &p, from, from + 0.25, budget);
             }
         }
         self.cursor == end
@@ -67,15 +67,9 @@ impl LookaheadWindow {
 
     /// Checks the end of a part of interval `k`, and points in between where the nearest move changes: the distance has
     /// a peak there, which grows with the corner angle.
-    fn check_between(
-        &mut self,
-        k: usize,
-        p: &SetpointHistory,
-        (from, to): (f64, f64),
-        before: usize,
-        budget: &mut WorkBudget,
-    ) -> usize {
+    fn check_between(&mut self, k: usize, p: &SetpointHistory, from: f64, to: f64, budget: &mut WorkBudget) {
         let (found, near) = self.check_point(k, spline(p, to), budget);
+        let before = std::mem::replace(&mut self.nearest_before, found);
         if found == before {
             if near {
                 self.check_point(k, spline(p, f64::midpoint(from, to)), budget);
@@ -87,7 +81,6 @@ impl LookaheadWindow {
                 self.check_point(k, spline(p, from + (to - from) * f64::from(fine) / f64::from(looks)), budget);
             }
         }
-        found
     }
 
     /// Checks one point of interval `k`; returns the nearest move and whether the point is near the edge of the band.
@@ -179,8 +172,8 @@ impl LookaheadWindow {
             let interval = self.curve_position.interval.min(self.intervals() - 1);
             let k = self.past_intervals[0];
             self.past_intervals = [self.past_intervals[1], interval];
-            let (past, before) = (self.history, self.nearest_before);
-            self.nearest_before = self.check_between(k, &past, (0.0, 1.0), before, budget);
+            let past = self.history;
+            self.check_between(k, &past, 0.0, 1.0, budget);
             if over {
                 // The stop at the end still shows in the differences of the next three ticks.
                 for _ in 0..3 {

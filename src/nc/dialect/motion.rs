@@ -153,6 +153,7 @@ pub(super) fn modal_move(
 fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTarget, turn: i8) -> ReadResult<Op> {
     let MoveTarget { from, to, words, incremental } = target;
     let plane = running.modals.plane;
+    let ends = ArcEnds { from, to, plane };
     let (first, second) = plane.axes();
     if let Some(outside) = words.iter().find(|axis| *axis != first && *axis != second) {
         return fail1(first_offset(running, syntax), E::AxisOutsidePlane, outside.letter());
@@ -169,7 +170,7 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
         }
         ([None, None], Some(word)) => {
             let radius = (syntax.length_mm)(running, word)?;
-            match centre_by_radius((from, to), plane, turn, radius, running.settings.arc_tolerance_mm) {
+            match ends.centre_by_radius(turn, radius, running.settings.arc_tolerance_mm) {
                 Some(center) => center,
                 None => return fail1(word.at as usize, E::ArcRadius, format_args!("{prefix}{}", word.value)),
             }
@@ -179,7 +180,7 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
             for (axis, word) in [(first, one), (second, other)] {
                 center[axis] += word.map_or(Ok(0.0), |word| (syntax.length_mm)(running, word))?;
             }
-            let (radius, miss) = radius_and_end_error((from, to), center, plane);
+            let (radius, miss) = ends.radius_and_end_error(center);
             if radius <= f64::EPSILON {
                 return fail1(first_offset(running, syntax), E::ArcRadius, "0");
             }
@@ -205,35 +206,38 @@ const fn centre_letter(axis: Axis) -> u8 {
     }
 }
 
-/// The centre of an arc by its radius; a negative radius is the major arc. `None` if no such arc reaches the end. The
-/// radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
-pub(super) fn centre_by_radius(
-    (from, to): (WorkPos, WorkPos),
-    plane: Plane,
-    turn: i8,
-    radius: f64,
-    tolerance_mm: f64,
-) -> Option<WorkPos> {
-    let (first, second) = plane.axes();
-    let (a, b) = (to[first] - from[first], to[second] - from[second]);
-    let chord = a.hypot(b);
-    let half = chord / 2.0;
-    if chord <= MIN_LENGTH_MM || radius.abs() <= f64::EPSILON || radius.abs() + tolerance_mm < half {
-        return None;
-    }
-    let height = (radius * radius - half * half).max(0.0).sqrt();
-    // The centre is to the left of the chord for a counter-clockwise minor arc. A negative R is the major arc.
-    let side = f64::from(turn) * radius.signum();
-    let mut center = from;
-    center[first] = (from[first] + to[first]) / 2.0 - side * height * b / chord;
-    center[second] = (from[second] + to[second]) / 2.0 + side * height * a / chord;
-    Some(center)
+/// Start, end and plane of an arc whose centre is sought.
+pub(super) struct ArcEnds {
+    pub from: WorkPos,
+    pub to: WorkPos,
+    pub plane: Plane,
 }
 
-/// The radius of an arc around a centre, and the distance of its end from the circle, mm.
-fn radius_and_end_error((from, to): (WorkPos, WorkPos), center: WorkPos, plane: Plane) -> (f64, f64) {
-    let (first, second) = plane.axes();
-    let radius = |point: WorkPos| (point[first] - center[first]).hypot(point[second] - center[second]);
-    let (start, end) = (radius(from), radius(to));
-    (start, (start - end).abs())
+impl ArcEnds {
+    /// The centre of an arc by its radius; a negative radius is the major arc. `None` if no such arc reaches the end.
+    /// The radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
+    pub(super) fn centre_by_radius(&self, turn: i8, radius: f64, tolerance_mm: f64) -> Option<WorkPos> {
+        let (Self { from, to, .. }, (first, second)) = (self, self.plane.axes());
+        let (a, b) = (to[first] - from[first], to[second] - from[second]);
+        let chord = a.hypot(b);
+        let half = chord / 2.0;
+        if chord <= MIN_LENGTH_MM || radius.abs() <= f64::EPSILON || radius.abs() + tolerance_mm < half {
+            return None;
+        }
+        let height = (radius * radius - half * half).max(0.0).sqrt();
+        // The centre is to the left of the chord for a counter-clockwise minor arc. A negative R is the major arc.
+        let side = f64::from(turn) * radius.signum();
+        let mut center = *from;
+        center[first] = (from[first] + to[first]) / 2.0 - side * height * b / chord;
+        center[second] = (from[second] + to[second]) / 2.0 + side * height * a / chord;
+        Some(center)
+    }
+
+    /// The radius of an arc around a centre, and the distance of its end from the circle, mm.
+    fn radius_and_end_error(&self, center: WorkPos) -> (f64, f64) {
+        let (first, second) = self.plane.axes();
+        let radius = |point: WorkPos| (point[first] - center[first]).hypot(point[second] - center[second]);
+        let (start, end) = (radius(self.from), radius(self.to));
+        (start, (start - end).abs())
+    }
 }

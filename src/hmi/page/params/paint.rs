@@ -9,7 +9,7 @@ use crate::defs::param::{AccessLevel, ParamAddress};
 use crate::defs::param_row::{ParamRow, ParamType};
 use crate::defs::port_conflict;
 use crate::hmi::page::input_line;
-use crate::hmi::{Area, FieldEditor, PageKey, View, keycap, letter_pad, theme, widget};
+use crate::hmi::{Area, FieldEditor, PageKey, ValueField, View, keycap, letter_pad, theme, widget};
 
 /// Height of a line with the gap below it.
 pub const LINE_HEIGHT: f32 = 50.0;
@@ -129,8 +129,9 @@ fn number_line(view: &View<'_>, place: Rect, row: usize, drawn: &ParamListView<'
     let (words, right) = rest.split_right(268.0);
     view.fit_left(words.trim_right(theme::GAP), &known.name.get(view.lang), theme::LABEL, view.theme.text);
     let (value, unit) = right.split_left(130.0);
-    let old = (value_text(view, known.address), view.theme.text);
-    FieldEditor::paint(drawn.typing_in(row), view, [place, value], theme::SECONDARY, old);
+    let (words, ink) = (value_text(view, known.address), view.theme.text);
+    let field = ValueField { plate: place, value, size: theme::SECONDARY, words, ink };
+    FieldEditor::paint(drawn.typing_in(row), view, field);
     let unit = unit.trim_left(8.0);
     if let Some((port, _)) = shared_port(view, known) {
         view.fit_left(unit, &format!("⚠ {} {port}", view.text("冲突", "conflict")), theme::LABEL, view.theme.hold);

@@ -2,7 +2,7 @@
 
 use super::{MAX_COORDINATE_MM, out_of_range};
 use crate::nc::dialect::common::in_range;
-use crate::nc::dialect::motion::{self, MoveTarget, NO_LETTER};
+use crate::nc::dialect::motion::{self, ArcEnds, MoveTarget, NO_LETTER};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
@@ -200,7 +200,8 @@ fn centre_from_r(from: WorkPos, to: WorkPos, word: Word, turn: i8) -> ReadResult
     }
     check_radius(at, radius.abs())?;
     // The radius of a half circle may be too small by the rounding of the text.
-    motion::centre_by_radius((from, to), Plane::Zx, turn, radius, RADIUS_ROUNDING_MM)
+    ArcEnds { from, to, plane: Plane::Zx }
+        .centre_by_radius(turn, radius, RADIUS_ROUNDING_MM)
         .map_or_else(|| fail1(at, E::ArcRadius, format_args!("R{radius}")), Ok)
 }
 
