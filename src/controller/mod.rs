@@ -24,7 +24,7 @@ use crate::link::command::Command;
 use crate::link::snapshot::{DirectoryRow, Snapshot};
 use crate::units::{Micros, PerAxis};
 use manual::Manual;
-use panel::{Panel, Parts, View};
+use panel::{Panel, Parts, PartsView};
 use plant::Plant;
 use program::Program;
 
@@ -119,7 +119,7 @@ impl Controller {
         self.panel.snapshot(self.view(), out);
     }
 
-    const fn view(&self) -> View<'_> {
-        View { plant: &self.plant, program: &self.program, manual: &self.manual }
+    const fn view(&self) -> PartsView<'_> {
+        PartsView { plant: &self.plant, program: &self.program, manual: &self.manual }
     }
 }

@@ -8,7 +8,7 @@ use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
 use super::key_press::KeyPresses;
 use super::layout::Regions;
 use super::page_frame::{self, FrameTouch, SoftKeyPress};
-use super::panel::Panel;
+use super::panel::OperatorPanel;
 use super::panel::layout::panel_layout;
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
@@ -39,7 +39,7 @@ pub struct Hmi {
     brightness: u8,
     page: Option<Page>,
     pages: PageSet,
-    panel: Panel,
+    panel: OperatorPanel,
     presses: KeyPresses,
     /// The help over a page.
     help: Help,
@@ -61,7 +61,7 @@ impl Hmi {
             brightness: *BRIGHTNESS.end(),
             page: None,
             pages: PageSet::default(),
-            panel: Panel::default(),
+            panel: OperatorPanel::default(),
             presses: KeyPresses::default(),
             help: Help::default(),
             help_open: false,

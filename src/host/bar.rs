@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::controller::nc_settings;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
-use crate::io::sim::{BarFile, Body, BodyFile, PartFile, SlidePosition};
+use crate::io::sim::{BarFile, BodyFile, BodyKind, PartFile, SlidePosition};
 use crate::nc::{
     CommonVariables, CoordinateChange, EmptyLibrary, Library, OfflineMachine, OpEffect, ProgramCheck, Source,
 };
@@ -56,8 +56,12 @@ pub fn bar_of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Opti
         return None;
     }
     let length = params.get(param::BAR_LENGTH);
-    let chuck =
-        BodyFile { what: Body::Chuck, z_from: -length - CHUCK_LENGTH_MM, z_to: -length, diameter: CHUCK_DIAMETER_MM };
+    let chuck = BodyFile {
+        what: BodyKind::Chuck,
+        z_from: -length - CHUCK_LENGTH_MM,
+        z_to: -length,
+        diameter: CHUCK_DIAMETER_MM,
+    };
     let bar = BarFile { diameter, z_from: -length, z_to: 0.0, cell: CELL_MM };
     let name = "棒料".to_owned();
     let parts = PartFile { name, kind, g54_mm: FACE_MM, start_mm, ..PartFile::default() };

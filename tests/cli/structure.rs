@@ -1,5 +1,5 @@
-//! The structure of the sources: no circle of imports, no wide parameter list, no retired name, no document that names
-//! what is gone. A file and the files below it may import each other.
+//! The structure of the sources: no circle of imports, no wide parameter list, no retired name, no name of two types, no
+//! document that names what is gone. A file and the files below it may import each other.
 
 mod imports;
 mod tokens;
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::Path;
 
 use imports::{Crate, circles};
-use tokens::{declared, functions, is_word, tokens};
+use tokens::{declared, functions, is_word, tokens, types};
 
 /// Most parameters of a function, beside `self`.
 const PARAMETERS: usize = 5;
@@ -107,6 +107,18 @@ fn no_retired_name_is_declared() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn no_two_types_have_the_same_name() {
+    let mut defined: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (file, text) in files("src") {
+        for name in types(&tokens(&text)) {
+            defined.entry(name.to_owned()).or_default().push(file.clone());
+        }
+    }
+    defined.retain(|_, files| files.len() > 1);
+    assert!(defined.is_empty(), "types with the same name: {defined:#?}");
 }
 
 #[test]

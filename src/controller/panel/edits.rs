@@ -3,7 +3,7 @@
 
 use super::edit_protection::{check_not_running, check_unlocked};
 use super::wheel_change::change_wheel;
-use super::{Edited, Panel, Parts, View, offsets};
+use super::{Edited, Panel, Parts, PartsView, offsets};
 use crate::defs::page::Page;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::phrase;
@@ -75,7 +75,7 @@ impl Panel {
     }
 
     /// Writes the snapshot fields of the offset, variable and MDI pages.
-    pub fn edit_view(&self, parts: View<'_>, out: &mut Snapshot) {
+    pub fn edit_view(&self, parts: PartsView<'_>, out: &mut Snapshot) {
         if out.edit_answer != self.edit_answer {
             out.edit_answer.clone_from(&self.edit_answer);
         }

@@ -2,7 +2,7 @@
 //! does the work, one request at a time; requests that only read are also accepted in between.
 //! Source: spec B6, K6.2, K7.8.
 
-use super::{Panel, Parts, View};
+use super::{Panel, Parts, PartsView};
 use crate::controller::plant::Plant;
 use crate::controller::plant::system_variables::{PARAM_VARIABLES, nc_settings};
 use crate::controller::program::lookahead_state::reference_points;
@@ -100,7 +100,7 @@ impl Panel {
     }
 
     /// Whether a request is allowed now.
-    fn check_file_request(&self, parts: View<'_>, request: &FileRequest) -> Result<(), Refusal> {
+    fn check_file_request(&self, parts: PartsView<'_>, request: &FileRequest) -> Result<(), Refusal> {
         if self.files.pending.is_some() {
             return Err(Refusal::Other(BUSY.into()));
         }
@@ -129,7 +129,7 @@ impl Panel {
 
     /// Export is always allowed. Import is refused while a run is open; programs need the program password, parameters
     /// and a full backup the machine builder's password.
-    fn check_transfer(&self, parts: View<'_>, transfer: &TransferRequest) -> Result<(), Refusal> {
+    fn check_transfer(&self, parts: PartsView<'_>, transfer: &TransferRequest) -> Result<(), Refusal> {
         if transfer.direction == Direction::Export {
             return Ok(());
         }
@@ -149,7 +149,7 @@ impl Panel {
     }
 
     /// Whether an import needs the program password. A program of unknown name may be one of O9000 to O9999.
-    fn needs_program_password(&self, parts: View<'_>, transfer: &TransferRequest) -> bool {
+    fn needs_program_password(&self, parts: PartsView<'_>, transfer: &TransferRequest) -> bool {
         let number = |name: &String| name.get(1..5).and_then(|digits| digits.parse::<u32>().ok());
         let guarded = |name: &String| number(name).is_some_and(|number| GUARDED_SUBPROGRAMS.contains(&number));
         let any =
@@ -195,7 +195,7 @@ impl Panel {
     }
 
     /// Editing needs mode EDIT, no open run, and the password where set (K6.2).
-    fn check_program_edit(&self, parts: View<'_>, number: u32) -> Result<(), Refusal> {
+    fn check_program_edit(&self, parts: PartsView<'_>, number: u32) -> Result<(), Refusal> {
         if !parts.program.is_open() && parts.plant.operator.mode != Mode::Edit {
             return Err(Refusal::Other(EDIT_MODE.into()));
         }
@@ -203,7 +203,7 @@ impl Panel {
     }
 
     /// Writing needs no open run, and the password where set.
-    fn check_program_write(&self, parts: View<'_>, number: u32) -> Result<(), Refusal> {
+    fn check_program_write(&self, parts: PartsView<'_>, number: u32) -> Result<(), Refusal> {
         if parts.program.is_open() {
             return Err(Refusal::Other(IN_RUN.into()));
         }

@@ -1,7 +1,7 @@
 //! Lamps of the keys, and why a key would have no effect.
 //! Source: spec K2.4.
 
-use super::{Panel, View};
+use super::{Panel, PartsView};
 use crate::controller::plant::ControlPhase;
 use crate::controller::program::retract;
 use crate::defs::key::{Key, Lamp, Mode};
@@ -13,7 +13,7 @@ use crate::machine::panel_key;
 use crate::units::Axis;
 
 impl Panel {
-    pub fn key_view(&self, parts: View<'_>, key: Key) -> KeyView {
+    pub fn key_view(&self, parts: PartsView<'_>, key: Key) -> KeyView {
         let (on, machine) = (parts.plant.outputs.on, &parts.plant.machine);
         let (lamp, working) = match key.row().lamp {
             Lamp::None => (false, false),
@@ -29,7 +29,7 @@ impl Panel {
         KeyView { lamp, pending: working, blocked: self.key_blocked(parts, key) }
     }
 
-    fn control_lamp(&self, parts: View<'_>, key: Key) -> bool {
+    fn control_lamp(&self, parts: PartsView<'_>, key: Key) -> bool {
         let step = |mm: f64| parts.plant.operator.step_mm.total_cmp(&mm).is_eq();
         match key {
             Key::SingleBlock => parts.plant.operator.switches.single_block,
@@ -65,7 +65,7 @@ impl Panel {
     }
 
     /// Why a key would have no effect now, if so.
-    pub fn key_blocked(&self, parts: View<'_>, key: Key) -> Option<Text> {
+    pub fn key_blocked(&self, parts: PartsView<'_>, key: Key) -> Option<Text> {
         let plant = parts.plant;
         if let Some(reason) = plant.inactive_reason(key) {
             return Some(reason);

@@ -43,7 +43,7 @@ pub struct Parts<'a> {
 
 /// The parts as the screen sees them.
 #[derive(Clone, Copy)]
-pub struct View<'a> {
+pub struct PartsView<'a> {
     /// The plant.
     pub plant: &'a Plant,
     /// The program.
@@ -55,8 +55,8 @@ pub struct View<'a> {
 impl Parts<'_> {
     /// The parts for reading.
     #[must_use]
-    pub const fn view(&self) -> View<'_> {
-        View { plant: self.plant, program: self.program, manual: self.manual }
+    pub const fn view(&self) -> PartsView<'_> {
+        PartsView { plant: self.plant, program: self.program, manual: self.manual }
     }
 }
 

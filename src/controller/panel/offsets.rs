@@ -5,7 +5,7 @@
 //! Source: spec K4.1, K5.10, K7.6, K7.7.
 
 use super::edit_protection::{check_not_running, check_unlocked};
-use super::{Edited, Parts, View};
+use super::{Edited, Parts, PartsView};
 use crate::controller::plant::{Plant, offset_in_range};
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
@@ -119,7 +119,7 @@ fn offset_index(plant: &Plant, number: usize, axis: Axis) -> Result<usize, Local
 }
 
 /// Whether the open page may change this value now.
-fn check_offset_page(parts: View<'_>, part: OffsetPart) -> Result<(), LocalizedText> {
+fn check_offset_page(parts: PartsView<'_>, part: OffsetPart) -> Result<(), LocalizedText> {
     match parts.plant.operator.page {
         Page::Offset => check_unlocked(parts)?,
         Page::Dressing if part == OffsetPart::Wear => {}

@@ -1,7 +1,7 @@
 //! The open page and its soft keys; alarm 66 for missing files of the grinding and the dressing page.
 //! Source: spec K7.1, K7.3, K7.6.
 
-use super::{Panel, Parts, View};
+use super::{Panel, Parts, PartsView};
 use crate::defs::alarm;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
@@ -76,7 +76,7 @@ impl Panel {
     }
 
     /// The page number that the grinding page shows: the kind's own, or that of the program (K7.2).
-    pub fn grinding_page(&self, parts: View<'_>) -> Option<u32> {
+    pub fn grinding_page(&self, parts: PartsView<'_>) -> Option<u32> {
         self.kind_page(parts).or_else(|| {
             let current = parts.plant.execution.current_program;
             PROGRAMS_WITH_PAGE.contains(&current).then_some(current)
@@ -84,17 +84,17 @@ impl Panel {
     }
 
     /// The page number of the selected sheet, if the kind has its own grinding pages.
-    pub fn kind_page(&self, parts: View<'_>) -> Option<u32> {
+    pub fn kind_page(&self, parts: PartsView<'_>) -> Option<u32> {
         parts.plant.kind.row().page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
     }
 
     /// Index of the selected sheet and number of sheets.
-    pub fn grinding_pages(&self, parts: View<'_>) -> (usize, usize) {
+    pub fn grinding_pages(&self, parts: PartsView<'_>) -> (usize, usize) {
         (self.pages.sheet, parts.plant.kind.row().page_files.len().max(1))
     }
 
     /// Whether a sheet of the grinding page has a field for a variable.
-    pub fn page_shows(&self, parts: View<'_>, variable: u16) -> bool {
+    pub fn page_shows(&self, parts: PartsView<'_>, variable: u16) -> bool {
         let own = parts.plant.kind.row().page_files.iter().map(|number| PAGE_FILES + number);
         let mut shown = own.chain(self.grinding_page(parts));
         shown.any(|number| {

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::snapshot::run_state;
-use super::{Panel, Parts, View};
+use super::{Panel, Parts, PartsView};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::kind::Kind;
 use crate::defs::param::{AccessLevel, ParamAddress, Params};
@@ -129,7 +129,7 @@ impl Panel {
     }
 
     /// Writes the snapshot fields of the parameter, diagnosis and settings pages.
-    pub fn page_view(&self, parts: View<'_>, out: &mut Snapshot) {
+    pub fn page_view(&self, parts: PartsView<'_>, out: &mut Snapshot) {
         out.input_terminals = parts.plant.inputs.image.terminals;
         out.output_terminals = parts.plant.outputs.image.terminals;
         out.analog_volts = [parts.plant.outputs.image.wheel_volts, parts.plant.outputs.image.analog_2_volts];
@@ -150,7 +150,7 @@ impl Panel {
 }
 
 /// The internal signals of the diagnosis page.
-fn internal_signals(parts: View<'_>) -> InternalSignalSet {
+fn internal_signals(parts: PartsView<'_>) -> InternalSignalSet {
     let plant = parts.plant;
     let facts = plant.machine.interlock_inputs(plant.now, plant.inputs.filtered, &plant.params);
     let state = run_state(parts);

@@ -1,7 +1,7 @@
 //! Fills the snapshot: positions, state, values. Read-only; called whenever a snapshot is needed.
 //! Source: spec H5, H7, K2.4.
 
-use super::{Panel, View};
+use super::{Panel, PartsView};
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::{ControlPhase, OperatorState};
 use crate::defs::key::Key;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 impl Panel {
     /// Writes everything that pages show.
-    pub fn snapshot(&self, parts: View<'_>, out: &mut Snapshot) {
+    pub fn snapshot(&self, parts: PartsView<'_>, out: &mut Snapshot) {
         out.kind = parts.plant.kind;
         out.now = parts.plant.now;
         out.state = run_state(parts);
@@ -69,7 +69,7 @@ impl Panel {
         }
     }
 
-    fn axis_views(&self, parts: View<'_>) -> PerAxis<AxisView> {
+    fn axis_views(&self, parts: PartsView<'_>) -> PerAxis<AxisView> {
         let (machine, work, to_go) =
             (parts.plant.axes.actual(), parts.plant.work_position(), parts.program.distance_to_go(parts.plant));
         PerAxis::from_fn(|axis: Axis| {
@@ -86,7 +86,7 @@ impl Panel {
         })
     }
 
-    fn program_view(&self, parts: View<'_>, out: &mut Snapshot) {
+    fn program_view(&self, parts: PartsView<'_>, out: &mut Snapshot) {
         let program = parts.plant.work.programs.get(parts.plant.execution.current_program);
         match program {
             Some(program) if !out.program.text.is_instance(&program.text) => {
@@ -105,7 +105,7 @@ impl Panel {
 
 /// The run state.
 #[must_use]
-pub fn run_state(parts: View<'_>) -> RunState {
+pub fn run_state(parts: PartsView<'_>) -> RunState {
     match parts.plant.execution.phase {
         ControlPhase::Homing(_) => RunState::Homing,
         ControlPhase::Running if parts.program.is_awaiting_input() => RunState::Waiting,

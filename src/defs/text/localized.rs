@@ -29,7 +29,7 @@ const OF_PROGRAM: &Template = &Template::new("{text}", "{text}", &["text"]);
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(from = "Words", into = "Words")]
 pub struct LocalizedText {
-    body: Body,
+    content: TextContent,
     /// The alarm whose text of the table comes before it.
     alarm: Option<u16>,
     /// Maximum number of characters; the rest is cut off.
@@ -37,7 +37,7 @@ pub struct LocalizedText {
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Body {
+enum TextContent {
     /// A constant text.
     Text(Text),
     /// A template with its arguments.
@@ -49,7 +49,7 @@ enum Body {
 impl LocalizedText {
     /// A text from its Chinese and English words. It allocates: the core makes phrases instead, by [`phrase!`].
     pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
-        Self::of(Body::Words(Arc::new(Words { zh: zh.into(), en: en.into() })))
+        Self::of(TextContent::Words(Arc::new(Words { zh: zh.into(), en: en.into() })))
     }
 
     /// A text of a program, the same in both languages.
@@ -78,22 +78,22 @@ impl LocalizedText {
         let mut free = N + M;
         for (index, text) in texts.into_iter().enumerate() {
             let whole = text.alarm.is_none() && text.max_chars == u16::MAX;
-            all[N + index] = match text.body {
-                Body::Words(words) if whole => Arg::Words(words),
-                Body::Phrase(within, own) if whole && free + used(&own) <= MAX_ARGS => {
+            all[N + index] = match text.content {
+                TextContent::Words(words) if whole => Arg::Words(words),
+                TextContent::Phrase(within, own) if whole && free + used(&own) <= MAX_ARGS => {
                     let (first, length) = (free, used(&own));
                     all[first..].iter_mut().zip(own).take(length).for_each(|(place, arg)| *place = arg);
                     free += length;
                     Arg::Phrase(within, first as u8)
                 }
-                body => Arg::Words(Arc::new(Self { body, ..text }.into())),
+                content => Arg::Words(Arc::new(Self { content, ..text }.into())),
             };
         }
-        Self::of(Body::Phrase(template, all))
+        Self::of(TextContent::Phrase(template, all))
     }
 
-    const fn of(body: Body) -> Self {
-        Self { body, alarm: None, max_chars: u16::MAX }
+    const fn of(content: TextContent) -> Self {
+        Self { content, alarm: None, max_chars: u16::MAX }
     }
 
     /// This text as the detail of an alarm: the alarm's text of the table comes before it.
@@ -118,7 +118,7 @@ impl LocalizedText {
     #[must_use]
     pub fn get(&self, lang: Lang) -> Cow<'_, str> {
         let mut said = self.unworded(lang).map_or_else(|| Cow::Owned(String::new()), Cow::Borrowed);
-        if let (Body::Phrase(template, args), Cow::Owned(out)) = (&self.body, &mut said) {
+        if let (TextContent::Phrase(template, args), Cow::Owned(out)) = (&self.content, &mut said) {
             // Writing to a `String` does not fail.
             let _ = template.write(out, lang, args);
         }
@@ -158,12 +158,12 @@ impl LocalizedText {
 
     /// The text without alarm and limit, if it needs no wording.
     fn unworded(&self, lang: Lang) -> Option<&str> {
-        match &self.body {
-            Body::Text(text) => Some(text.get(lang)),
-            Body::Words(words) => Some(words.get(lang)),
-            Body::Phrase(template, _) if template.names.is_empty() => Some(template.text.get(lang)),
-            Body::Phrase(template, args) if *template == OF_PROGRAM => Some(args[0].as_name()),
-            Body::Phrase(..) => None,
+        match &self.content {
+            TextContent::Text(text) => Some(text.get(lang)),
+            TextContent::Words(words) => Some(words.get(lang)),
+            TextContent::Phrase(template, _) if template.names.is_empty() => Some(template.text.get(lang)),
+            TextContent::Phrase(template, args) if *template == OF_PROGRAM => Some(args[0].as_name()),
+            TextContent::Phrase(..) => None,
         }
     }
 }
@@ -181,13 +181,13 @@ impl Default for LocalizedText {
 
 impl From<Text> for LocalizedText {
     fn from(text: Text) -> Self {
-        Self::of(Body::Text(text))
+        Self::of(TextContent::Text(text))
     }
 }
 
 impl From<Words> for LocalizedText {
     fn from(words: Words) -> Self {
-        Self::of(Body::Words(Arc::new(words)))
+        Self::of(TextContent::Words(Arc::new(words)))
     }
 }
 

@@ -20,14 +20,14 @@ use crate::units::Axis;
 /// Drag distance per handwheel detent, points.
 const DETENT: f32 = 10.0;
 
-/// State of the on-screen handwheel between frames, points.
+/// The keys beside the page, and the state of the on-screen handwheel between frames, points.
 #[derive(Debug, Default)]
-pub struct Panel {
+pub struct OperatorPanel {
     drag_points: f32,
     rib_offset: f32,
 }
 
-impl Panel {
+impl OperatorPanel {
     /// Draws the panel and handles touches; returns why the key that was just pressed is blocked, if it is.
     pub fn ui(
         &mut self,

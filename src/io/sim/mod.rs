@@ -41,7 +41,7 @@ use self::hydraulics::{Hydraulics, StepTimes};
 use self::lathe::SimLathe;
 use self::magnet::{CoilCommand, SimMagnet};
 use self::report::EventLog;
-use self::spindle::Spindles;
+use self::spindle::GrinderSpindles;
 use self::wheel::GrindingWheel;
 use self::wiring::Wiring;
 use super::random::SplitMix64;
@@ -61,7 +61,7 @@ pub use self::machine_sections::{
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
-    BarFile, BlockFile, Body, BodyFile, FaceDirection, FinishedSizeFile, GaugeSetupFile, OffsetPreset, PartFile,
+    BarFile, BlockFile, BodyFile, BodyKind, FaceDirection, FinishedSizeFile, GaugeSetupFile, OffsetPreset, PartFile,
     SlidePosition, SurfaceFile, TailstockFile,
 };
 pub use self::report::{DiameterAt, EventKind, FaceAt, HeightAt, PartReport, SimEvent};
@@ -76,7 +76,7 @@ const STEPS_LIMIT: u64 = 50;
 pub struct SimulatedMachine {
     file: MachineFile,
     axes: PerAxis<Option<SimAxis>>,
-    spindles: Spindles,
+    spindles: GrinderSpindles,
     hydraulics: Hydraulics,
     magnet: Option<SimMagnet>,
     gauges: Gauges,
@@ -114,7 +114,7 @@ impl SimulatedMachine {
         let mut sim = Self {
             start_mm: MachinePos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, |sim| sim.encoder_zero_mm)),
             axes,
-            spindles: Spindles::new(&machine),
+            spindles: GrinderSpindles::new(&machine),
             hydraulics: Hydraulics::new(machine.hydraulics.clone()),
             magnet: machine.magnet.clone().map(SimMagnet::new),
             gauges: Gauges::new(machine.gauges.clone()),

@@ -3,7 +3,7 @@
 
 use super::contact_law::WheelMotion;
 use super::machine_sections::PlateFile;
-use super::part_file::{BlockFile, Body, BodyFile, TailstockFile};
+use super::part_file::{BlockFile, BodyFile, BodyKind, TailstockFile};
 use super::wheel::GrindingWheel;
 
 /// An obstacle, part coordinates in wheel directions, mm.
@@ -21,10 +21,10 @@ pub(super) struct Obstacle {
     on_tailstock: bool,
 }
 
-const fn name(what: Body) -> &'static str {
+const fn name(what: BodyKind) -> &'static str {
     match what {
-        Body::Chuck => "chuck",
-        Body::Fixture => "fixture",
+        BodyKind::Chuck => "chuck",
+        BodyKind::Fixture => "fixture",
     }
 }
 

@@ -168,7 +168,7 @@ pub struct TailstockFile {
 #[serde(deny_unknown_fields)]
 pub struct BodyFile {
     /// What it is.
-    pub what: Body,
+    pub what: BodyKind,
     /// From Z.
     pub z_from: f64,
     /// To Z.
@@ -182,7 +182,7 @@ pub struct BodyFile {
 #[serde(deny_unknown_fields)]
 pub struct BlockFile {
     /// What it is.
-    pub what: Body,
+    pub what: BodyKind,
     /// From and to along X; on a rotary table radii.
     pub x: (f64, f64),
     /// From and to along Z; none on a rotary table.
@@ -207,7 +207,7 @@ pub struct GaugeSetupFile {
 
 /// Type of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Body {
+pub enum BodyKind {
     /// The chuck.
     Chuck,
     /// A fixture or the part's own unground body.

@@ -99,7 +99,7 @@ impl ReversibleSpindle {
 
 /// The spindles of a grinder.
 #[derive(Clone, Debug)]
-pub(super) struct Spindles {
+pub(super) struct GrinderSpindles {
     pub(super) wheel: Spindle,
     pub(super) workhead: Option<Spindle>,
     pub(super) table: Option<Spindle>,
@@ -107,7 +107,7 @@ pub(super) struct Spindles {
     pub(super) second: ReversibleSpindle,
 }
 
-impl Spindles {
+impl GrinderSpindles {
     /// Everything at rest.
     pub(super) fn new(file: &MachineFile) -> Self {
         Self {

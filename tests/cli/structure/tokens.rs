@@ -163,6 +163,21 @@ pub fn declared<'a>(tokens: &[&'a str]) -> Vec<(&'a str, &'a str)> {
         .collect()
 }
 
+/// The types that a text defines, without those of unit tests and without associated types.
+pub fn types<'a>(tokens: &[&'a str]) -> Vec<&'a str> {
+    let tokens = without_tests(tokens);
+    let mut depth = 0;
+    let mut found = Vec::new();
+    for pair in tokens.windows(2) {
+        depth += i32::from(pair[0] == "{") - i32::from(pair[0] == "}");
+        let defines = ["struct", "enum", "union", "trait"].contains(&pair[0]) || pair[0] == "type" && depth == 0;
+        if defines && is_word(pair[1]) {
+            found.push(pair[1]);
+        }
+    }
+    found
+}
+
 #[test]
 fn parameters_are_counted_beside_self() {
     let count = |text: &'static str| functions(&tokens(text));
@@ -180,4 +195,11 @@ fn a_name_is_declared_by_its_keyword() {
     let text =
         "pub enum Post {} impl Path for Post {} fn happen() { let mst_lock = Path::new(\"struct Tube\"); } mod x;";
     assert_eq!(declared(&tokens(text)), [("enum", "Post"), ("fn", "happen"), ("mod", "x")]);
+}
+
+#[test]
+fn associated_types_and_those_of_tests_are_not_defined() {
+    let text = "pub struct A<T> {} mod inner { enum B {} } type C = A<u8>; trait D { type E; } impl D for A { type E = u8; }\n\
+        #[cfg(test)] mod tests { struct A; } fn f(union: &str) -> &'static str { \"struct F\" }";
+    assert_eq!(types(&tokens(text)), ["A", "B", "C", "D"]);
 }
