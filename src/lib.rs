@@ -30,7 +30,7 @@
 //! [`host::thread`] → [`controller::Controller::tick`]: inputs, commands (`Panel::press_key` sends a request to
 //! [`machine::Machine::request`], which asks the table [`machine::rules`]), machine logic and alarms, program, jog and
 //! homing, axes, outputs → [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp
-//! shows the output, not the wish.
+//! shows the output, not the request.
 //!
 //! # The path of a move
 //!

@@ -206,9 +206,9 @@ impl<'a> FileCheck<'a> {
 
     /// Errors of the simulated run: its alarms, or the error that the program itself reported.
     fn run_errors(&self, ran: &RunResult) -> Vec<CheckError> {
-        let alarms = ran.alarms.iter().map(|(place, said)| {
+        let alarms = ran.alarms.iter().map(|(place, message)| {
             let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
-            self.error(line, 1, said)
+            self.error(line, 1, message)
         });
         let mut met: Vec<_> = alarms.collect();
         if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
@@ -286,17 +286,17 @@ impl<'a> FileCheck<'a> {
     fn soft_limit_check(&self, world: &OfflineMachine) -> Option<SoftLimitCheck<'_>> {
         let (params, world) = (&self.retained.params, world.clone());
         let shown = PerAxis::from_fn(|axis| if axis == Axis::X && self.settings.diameter { 2.0 } else { 1.0 });
-        let mut frames = self.retained.work_offsets.clone();
+        let mut offsets = self.retained.work_offsets.clone();
         if !self.settings.start_is_work_zero {
             let part = self.part.as_ref()?;
-            return Some(SoftLimitCheck::new(world_at_start(world, frames, part), params, shown));
+            return Some(SoftLimitCheck::new(world_at_start(world, offsets, part), params, shown));
         }
         // L3: the program starts at its own zero.
         let given = self.shared.part.is_some();
         let bar = if given { None } else { bar::bar_of_program(self.shared.kind, params, &self.source) };
         let machine = bar.as_ref().or(self.part.as_ref())?.start_mm.machine();
-        frames.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
-        let world = world.with_position(frames.work_from_machine(machine)).with_work_offsets(frames);
+        offsets.set_coordinates(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
+        let world = world.with_position(offsets.work_from_machine(machine)).with_work_offsets(offsets);
         Some(SoftLimitCheck::new(world, params, shown))
     }
 
@@ -370,16 +370,16 @@ fn number_of_file(path: &Path) -> u32 {
 }
 
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
-fn world_at_start(world: OfflineMachine, mut frames: WorkOffsets, part: &PartFile) -> OfflineMachine {
-    frames.work[0] = part.g54_mm.displacement();
+fn world_at_start(world: OfflineMachine, mut offsets: WorkOffsets, part: &PartFile) -> OfflineMachine {
+    offsets.work[0] = part.g54_mm.displacement();
     for offset in &part.offsets {
         let index = usize::from(offset.number).checked_sub(1);
-        if let Some(place) = index.and_then(|index| frames.geometry.get_mut(index)) {
+        if let Some(place) = index.and_then(|index| offsets.geometry.get_mut(index)) {
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         }
     }
-    let at = frames.work_from_machine(part.start_mm.machine());
-    world.with_position(at).with_work_offsets(frames)
+    let at = offsets.work_from_machine(part.start_mm.machine());
+    world.with_position(at).with_work_offsets(offsets)
 }
 
 /// The verdict without errors: of the check, and of the run after it.

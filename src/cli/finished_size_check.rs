@@ -28,7 +28,7 @@ pub struct Overshoot {
 pub struct FinishedSizeCheck {
     finished: FinishedSizeFile,
     wheel_width_mm: f64,
-    system: Dialect,
+    dialect: Dialect,
     world: OfflineMachine,
     values: CommonVariables,
     /// The last assignment of each variable: its sequence number and its block.
@@ -43,14 +43,14 @@ impl FinishedSizeCheck {
     pub fn new(
         finished: FinishedSizeFile,
         wheel_width_mm: f64,
-        system: Dialect,
+        dialect: Dialect,
         world: OfflineMachine,
         values: CommonVariables,
     ) -> Self {
         Self {
             finished,
             wheel_width_mm,
-            system,
+            dialect,
             world,
             values,
             set_at: BTreeMap::new(),
@@ -117,19 +117,19 @@ impl FinishedSizeCheck {
         let set = block.used_variables.iter().filter(|used| led.contains(used));
         let latest = set.filter_map(|used| self.set_at.get(used).map(|at| (at, *used))).max_by_key(|at| at.0.0);
         let at = latest.map_or(block.location, |((_, at), _)| *at);
-        let name = variable_name::variable_name(u32::from(self.finished.size), self.system);
+        let name = variable_name::variable_name(u32::from(self.finished.size), self.dialect);
         let by = latest.map(|(_, used)| {
             let value = self.values.get(used).ok().flatten().unwrap_or_default();
-            format!("{}={value:.3} ", variable_name::variable_name(used, self.system))
+            format!("{}={value:.3} ", variable_name::variable_name(used, self.dialect))
         });
         let by = by.unwrap_or_default();
-        let said = LocalizedText::new(
+        let message = LocalizedText::new(
             format!("进刀越过 {name}：{by}使直径到 {reached:.3}，{than_zh} {name}={size:.3}；没有运行"),
             format!(
                 "infeed goes past {name}: {by}gives diameter {reached:.3}, {than_en} {name}={size:.3}; not executed"
             ),
         );
-        Some(Overshoot { at, variable: latest.map(|(_, used)| used), message: said })
+        Some(Overshoot { at, variable: latest.map(|(_, used)| used), message })
     }
 
     /// Diameter of a cone at Z minus its size, mm.

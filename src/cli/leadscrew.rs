@@ -28,10 +28,10 @@ pub fn screw(shared: &SharedArgs, call: &LeadscrewArgs) -> Result<u8, CallError>
         None => call.clear.then(LeadscrewCompensation::default),
     };
     let data = setup::data_dir(shared)?;
-    let (mut keeper, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
+    let (mut store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     let shown = match table {
         Some(table) => {
-            keeper.commit(&[StorageRequest::LeadscrewTable(call.axis, table.clone())]).map_err(CallError::new)?;
+            store.commit(&[StorageRequest::LeadscrewTable(call.axis, table.clone())]).map_err(CallError::new)?;
             table
         }
         None => found.retained.leadscrew_tables[call.axis].clone(),

@@ -51,8 +51,8 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     hmi.set_light(shared.light);
     let mut stage = OffscreenHmi::new(hmi, call.size);
     for _ in 0..SETTLE_TICKS {
-        let wishes = stage.frame(host.snapshot());
-        wishes.into_iter().for_each(|wish| host.send(wish));
+        let commands = stage.frame(host.snapshot());
+        commands.into_iter().for_each(|command| host.send(command));
         (0..SETTLE_TICKS).for_each(|_| host.step());
     }
     stage.frame(host.snapshot());

@@ -42,8 +42,8 @@ impl<'a> SoftLimitCheck<'a> {
             if self.violations.last().is_some_and(|last| last.at == block.location) {
                 continue;
             }
-            let Some(said) = self.exceeded_limit() else { continue };
-            self.violations.push(PredictedRefusal { at: block.location, text: said });
+            let Some(text) = self.exceeded_limit() else { continue };
+            self.violations.push(PredictedRefusal { at: block.location, text });
         }
     }
 
@@ -56,8 +56,8 @@ impl<'a> SoftLimitCheck<'a> {
     /// The soft limit that the last operation exceeded, if any.
     fn exceeded_limit(&self) -> Option<LocalizedText> {
         let (low, high) = self.world.extents()?;
-        let frames = self.world.work_offsets();
-        let (low, high) = (frames.machine_from_work(low), frames.machine_from_work(high));
+        let offsets = self.world.work_offsets();
+        let (low, high) = (offsets.machine_from_work(low), offsets.machine_from_work(high));
         Axis::ALL.into_iter().filter(|axis| high[*axis] - low[*axis] > 0.0).find_map(|axis| {
             let (least, most) = soft_limits(self.params, axis);
             let (at, limit) = match (low[axis], high[axis]) {

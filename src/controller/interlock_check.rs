@@ -85,10 +85,10 @@ impl<'a> InterlockCheck<'a> {
     /// Checks a block that was read.
     pub fn check_block(&mut self, block: &Block) {
         for op in &block.ops {
-            let Some(said) = self.check_op(op) else { continue };
+            let Some(text) = self.check_op(op) else { continue };
             let told = self.refusals.iter().any(|found| found.at == block.location);
             if !told && self.refusals.len() < MAX_REFUSALS {
-                self.refusals.push(PredictedRefusal { at: block.location, text: said });
+                self.refusals.push(PredictedRefusal { at: block.location, text });
             }
         }
     }
@@ -138,21 +138,21 @@ impl<'a> InterlockCheck<'a> {
 
     fn oscillating_refusal(&self, asked: Axis) -> Option<LocalizedText> {
         let axis = self.oscillating?;
-        let said = phrase!(
+        let text = phrase!(
             "{asked}：{axis} 轴在振荡中，先用 G36 关闭",
             "{asked}: {axis} is oscillating, stop it with G36 first",
             asked,
             axis
         );
-        Some(with_alarm(alarm::AXIS_OSCILLATES, said))
+        Some(with_alarm(alarm::AXIS_OSCILLATES, text))
     }
 
     fn m_code(&mut self, call: MCall) -> Option<LocalizedText> {
         let name = Arg::from(format_args!("M{:02}", call.row.code));
         match call.row.action {
             MCodeAction::AwaitInput(input) if self.params.input_port(input) == 0 => {
-                let said = phrase!("{name}：{input} 没有输入口", "{name}: {input} has no port", name, input);
-                Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, said))
+                let text = phrase!("{name}：{input} 没有输入口", "{name}: {input} has no port", name, input);
+                Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, text))
             }
             MCodeAction::ProgramEnd => {
                 self.machine.program_end(self.params);
@@ -168,11 +168,11 @@ impl<'a> InterlockCheck<'a> {
         let inputs = self.inputs();
         if let Some(rule) = self.machine.blocking_rule(request, self.now, inputs, self.params) {
             let reason = self.machine.reason_text(&rule.reason, request, self.params);
-            let said = LocalizedText::phrase_of(REFUSED, [name], [reason]);
+            let text = LocalizedText::phrase_of(REFUSED, [name], [reason]);
             return match rule.outcome {
                 RuleOutcome::NoEffect => None,
-                RuleOutcome::Deny => Some(said),
-                RuleOutcome::Alarm(number) => Some(with_alarm(number, said)),
+                RuleOutcome::Deny => Some(text),
+                RuleOutcome::Alarm(number) => Some(with_alarm(number, text)),
             };
         }
         self.machine.request(request, self.now, inputs, self.params);
@@ -188,20 +188,20 @@ impl<'a> InterlockCheck<'a> {
         }
         if let Some(part) = offset_part_of_variable(number).filter(|part| !offset_in_range(*part, value)) {
             let most = part.max_abs();
-            let said = phrase!("#{number} = {value} (±{most})", "#{number} = {value} (±{most})", number, value, most);
-            return Some(with_alarm(alarm::OFFSET_RANGE, said));
+            let text = phrase!("#{number} = {value} (±{most})", "#{number} = {value} (±{most})", number, value, most);
+            return Some(with_alarm(alarm::OFFSET_RANGE, text));
         }
         if number == system_variable::WHEEL_DIAMETER.first {
             if value > self.wheel_diameter_mm || value < param::WHEEL_DIAMETER.min {
                 let before = self.wheel_diameter_mm;
-                let said = phrase!(
+                let text = phrase!(
                     "#{number} = {value:.4}，现直径 {before:.4}",
                     "#{number} = {value:.4}, present diameter {before:.4}",
                     number,
                     value,
                     before
                 );
-                return Some(with_alarm(alarm::WHEEL_DIAMETER_REFUSED, said));
+                return Some(with_alarm(alarm::WHEEL_DIAMETER_REFUSED, text));
             }
             self.wheel_diameter_mm = value;
             self.update_control_state();
@@ -242,8 +242,8 @@ impl<'a> InterlockCheck<'a> {
 }
 
 const REFUSED: &Template = &Template::new("{name}：{reason}", "{name}: {reason}", &["name", "reason"]);
-const WITH_ALARM: &Template = &Template::new("{said} (报警 {number})", "{said} (alarm {number})", &["number", "said"]);
+const WITH_ALARM: &Template = &Template::new("{text} (报警 {number})", "{text} (alarm {number})", &["number", "text"]);
 
-fn with_alarm(number: u16, said: LocalizedText) -> LocalizedText {
-    LocalizedText::phrase_of(WITH_ALARM, [number.into()], [said])
+fn with_alarm(number: u16, text: LocalizedText) -> LocalizedText {
+    LocalizedText::phrase_of(WITH_ALARM, [number.into()], [text])
 }

@@ -95,7 +95,7 @@ pub struct TransferValues {
     pub params: Params,
     /// Variables.
     pub memory: CommonVariables,
-    /// Work frames and offsets.
+    /// Work offsets and tool offsets.
     pub work_offsets: WorkOffsets,
 }
 
@@ -108,7 +108,7 @@ pub struct DrawingStart {
     pub params: Params,
     /// Variables.
     pub memory: CommonVariables,
-    /// Work frames and offsets.
+    /// Work offsets and tool offsets.
     pub work_offsets: WorkOffsets,
     /// Work position, radius mm.
     pub position: WorkPos,

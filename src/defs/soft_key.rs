@@ -77,8 +77,8 @@ pub struct SoftKey {
     pub action: SoftKeyAction,
 }
 
-const fn key(zh: &'static str, en: &'static str, act: SoftKeyAction) -> SoftKey {
-    SoftKey { label: Text::new(zh, en), action: act }
+const fn key(zh: &'static str, en: &'static str, action: SoftKeyAction) -> SoftKey {
+    SoftKey { label: Text::new(zh, en), action }
 }
 
 /// The rows that ▶ switches through; the simulator row is the last. A kind has at most five keys per row.

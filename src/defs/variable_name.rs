@@ -25,9 +25,9 @@ pub const fn error_variable(kind: Kind) -> Option<u32> {
 
 /// The name of a variable in a dialect.
 #[must_use]
-pub fn variable_name(number: u32, system: Dialect) -> String {
+pub fn variable_name(number: u32, dialect: Dialect) -> String {
     match number.checked_sub(R_FIRST) {
-        Some(n) if n < R_COUNT && system.has_r_parameters() => format!("R{n}"),
+        Some(n) if n < R_COUNT && dialect.has_r_parameters() => format!("R{n}"),
         _ => format!("#{number}"),
     }
 }

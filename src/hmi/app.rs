@@ -219,7 +219,7 @@ impl Hmi {
         }
         page_frame::status_line(view, regions.status);
         let (page, shown) = (view.snapshot.page, view.snapshot.coordinates);
-        let chosen = |act: SoftKeyAction| match act {
+        let chosen = |action: SoftKeyAction| match action {
             SoftKeyAction::Open(other) => other == page,
             SoftKeyAction::Position(other) => page == Page::Position && other == shown,
             SoftKeyAction::Print => false,
@@ -230,7 +230,7 @@ impl Hmi {
         // The label shown counts, even if the core has changed the row since.
         let by_key = asked.soft_key.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
         match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {
-            Some(SoftKeyPress::Act(act)) => self.run_soft_key(view.ui, act, out),
+            Some(SoftKeyPress::Act(action)) => self.run_soft_key(view.ui, action, out),
             Some(SoftKeyPress::Next) => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
             None if asked.next_soft_row => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
             None => {}
@@ -246,8 +246,8 @@ impl Hmi {
         }
     }
 
-    fn run_soft_key(&mut self, ui: &Ui, act: SoftKeyAction, out: &mut Vec<Command>) {
-        match act {
+    fn run_soft_key(&mut self, ui: &Ui, action: SoftKeyAction, out: &mut Vec<Command>) {
+        match action {
             SoftKeyAction::Open(page) => out.push(Command::OpenPage(page)),
             SoftKeyAction::Position(coordinates) => out.push(Command::ShowCoordinates(coordinates)),
             SoftKeyAction::Print => self.request_screenshot(ui),

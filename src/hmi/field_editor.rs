@@ -160,7 +160,7 @@ impl FieldEditor {
     /// The reason of a refusal in a language.
     #[must_use]
     pub fn refusal(&self, lang: Lang) -> Option<Cow<'_, str>> {
-        self.refused.as_ref().map(|said| said.get(lang))
+        self.refused.as_ref().map(|message| message.get(lang))
     }
 }
 

@@ -28,12 +28,12 @@ impl PageMessage {
 
     /// The reason, if the message is a refusal.
     pub fn refusal(&self, lang: Lang) -> Option<String> {
-        self.0.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said.get(lang).into_owned())
+        self.0.as_ref().filter(|(_, refused)| *refused).map(|(text, _)| text.get(lang).into_owned())
     }
 
     /// The message and its colour: red for a refusal, else `ink`.
     pub fn shown(&self, view: &View<'_>, ink: Color32) -> Option<(String, Color32)> {
-        let (said, refused) = self.0.as_ref()?;
-        Some((said.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { ink }))
+        let (text, refused) = self.0.as_ref()?;
+        Some((text.get(view.lang).into_owned(), if *refused { view.theme.alarm_text } else { ink }))
     }
 }

@@ -81,7 +81,7 @@ pub(super) fn saved(title: &str, number: u32, bytes: &[u8], kept: bool) -> FileA
 /// A program fault as the pages show it.
 #[must_use]
 pub fn line_fault(fault: &ProgramFault) -> LineFault {
-    let said = |lang| format!("{} – {}", fault.cause(lang), fault.remedy(lang));
-    let message = LocalizedText::new(said(Lang::Zh), said(Lang::En));
+    let worded = |lang| format!("{} – {}", fault.cause(lang), fault.remedy(lang));
+    let message = LocalizedText::new(worded(Lang::Zh), worded(Lang::En));
     LineFault { line: fault.location.line, column: fault.column, message }
 }

@@ -65,8 +65,8 @@ impl JobRunner {
 
     /// Sets the folder for screenshots and the folder used as the USB drive.
     #[must_use]
-    pub fn with_drives(self, prints: Option<PathBuf>, stick: Option<PathBuf>) -> Self {
-        Self { prints, usb_drive: stick.map(UsbDrive::at), ..self }
+    pub fn with_drives(self, prints: Option<PathBuf>, usb_drive: Option<PathBuf>) -> Self {
+        Self { prints, usb_drive: usb_drive.map(UsbDrive::at), ..self }
     }
 
     /// Sets the RS232 port, or the data directory whose settings name it.
@@ -227,9 +227,9 @@ impl JobRunner {
     }
 
     fn transfer_usb(&self, ask: &TransferRequest, job: &BackgroundJob, tell: Tell<'_>) -> ChangedFolders {
-        let Some(stick) = self.usb_drive() else { return report_answer(Err(no_usb_drive()), tell) };
+        let Some(drive) = self.usb_drive() else { return report_answer(Err(no_usb_drive()), tell) };
         let (holdings, cancelled, date) = (job.transfer_values.as_deref(), &*self.cancelled, file_date(job));
-        let transfer = UsbTransfer { folders: &self.folders, usb_drive: &stick, holdings, cancelled, date };
+        let transfer = UsbTransfer { folders: &self.folders, usb_drive: &drive, holdings, cancelled, date };
         report_answer(transfer.run(ask, tell), tell);
         // Incoming files change the folders.
         let inward = ask.direction == Direction::Import;

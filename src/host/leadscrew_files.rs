@@ -24,8 +24,8 @@ fn file_stem(axis: Axis) -> String {
 ///
 /// # Errors
 /// No USB drive, no such file, not a text, or an invalid line, which is named.
-pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
-    let stick = stick.ok_or_else(no_usb_drive)?;
+pub fn read(axis: Axis, drive: Option<&UsbDrive>) -> JobResult {
+    let drive = drive.ok_or_else(no_usb_drive)?;
     let stem = file_stem(axis);
     let ours = |name: &str| {
         let upper = name.to_ascii_uppercase();
@@ -34,11 +34,11 @@ pub fn read(axis: Axis, stick: Option<&UsbDrive>) -> JobResult {
     };
     // The name without a date sorts after those with a date.
     let file =
-        stick.files()?.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
+        drive.files()?.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
     let missing = || refusal(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium"));
     let name = file.map(|file| file.name).ok_or_else(missing)?;
     let wrong = |zh: String, en: String| refusal(format!("{name} {zh}"), format!("{name} {en}"));
-    let bytes = read_regular_file(&stick.root().join(&name), FILE_LIMIT)?;
+    let bytes = read_regular_file(&drive.root().join(&name), FILE_LIMIT)?;
     let text = decode(&bytes)
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = LeadscrewCompensation::parse(&text.text).map_err(|fault| {

@@ -46,7 +46,7 @@ use crate::units::Micros;
 
 use hosted_machine::HostedMachine;
 use part::{PartQuery, PartRule};
-use retained_store::apply_effect;
+use retained_store::apply_request;
 use storage::{Arrival, Storage};
 
 /// Maximum number of storage requests that wait for a full queue; the oldest are dropped first, with an alarm.
@@ -175,7 +175,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.controller.drain_storage_requests(&mut self.requests);
         let mut rewired = false;
         for request in &self.requests[old..] {
-            apply_effect(&mut self.retained, request);
+            apply_request(&mut self.retained, request);
             rewired |= request.changes_machine_setup();
             if self.part.rule == PartRule::FollowProgram && part::changes_part(request) {
                 self.part.to_ask = Some(self.retained.current_program);

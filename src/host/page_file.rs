@@ -81,7 +81,7 @@ impl PageFileFolder {
             pictures.map(move |file| PictureFile { location: from, name: file.name, size: file.size })
         };
         let screens = UsbDrive::at(self.screens.path().to_path_buf());
-        let mut found: Vec<_> = self.usb_drive.iter().flat_map(|stick| of(PictureLocation::Medium, stick)).collect();
+        let mut found: Vec<_> = self.usb_drive.iter().flat_map(|drive| of(PictureLocation::Medium, drive)).collect();
         found.extend(of(PictureLocation::Screens, &screens));
         found
     }
@@ -108,7 +108,7 @@ impl PageFileFolder {
         let file = file_number(page)?;
         let folder = match (from, &self.usb_drive) {
             (PictureLocation::Screens, _) => self.screens.clone(),
-            (PictureLocation::Medium, Some(stick)) => Folder::new(stick.root()),
+            (PictureLocation::Medium, Some(drive)) => Folder::new(drive.root()),
             (PictureLocation::Medium, None) => return Err(no_usb_drive()),
         };
         let read = folder.read_named(&FOREIGN_PICTURE, name)?;

@@ -35,17 +35,17 @@ impl PasswordStore {
     }
 
     /// Executes a request and returns the answer; without a store a new password is kept in memory only.
-    pub fn answer(&mut self, wish: &SettingsRequest, store: Option<&mut RetainedDatabase>) -> Command {
-        let answer = self.execute(wish, store).unwrap_or_else(StorageAnswer::Failed);
+    pub fn answer(&mut self, request: &SettingsRequest, store: Option<&mut RetainedDatabase>) -> Command {
+        let answer = self.execute(request, store).unwrap_or_else(StorageAnswer::Failed);
         Command::Page(PageCommand::StorageAnswered(answer))
     }
 
     fn execute(
         &mut self,
-        wish: &SettingsRequest,
+        request: &SettingsRequest,
         store: Option<&mut RetainedDatabase>,
     ) -> Result<StorageAnswer, LocalizedText> {
-        match wish {
+        match request {
             SettingsRequest::CheckPassword(guard, secret) => {
                 return Ok(StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret)));
             }

@@ -60,8 +60,8 @@ impl RetainedStore {
     }
 
     /// Answers a request of a page.
-    pub fn answer(&mut self, wish: &SettingsRequest) -> Command {
-        self.passwords.answer(wish, Some(&mut self.database))
+    pub fn answer(&mut self, request: &SettingsRequest) -> Command {
+        self.passwords.answer(request, Some(&mut self.database))
     }
 
     /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
@@ -69,8 +69,8 @@ impl RetainedStore {
     ///
     /// # Errors
     /// The disk reports an error.
-    pub fn commit(&mut self, effects: &[StorageRequest]) -> Result<u64, RetainedError> {
-        self.unsaved.extend(effects.iter().filter_map(to_change));
+    pub fn commit(&mut self, requests: &[StorageRequest]) -> Result<u64, RetainedError> {
+        self.unsaved.extend(requests.iter().filter_map(to_change));
         let mut done = self.database.commit(&self.unsaved);
         if let Err(RetainedError::BadChange(..)) = done {
             // An invalid change is dropped and reported; the others are still written.
@@ -86,10 +86,10 @@ impl RetainedStore {
     }
 }
 
-/// The database change of an effect; `None` for jobs and page requests.
-fn to_change(effect: &StorageRequest) -> Option<RetainedChange> {
+/// The database change of a request; `None` for jobs and page requests.
+fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
     let number = |key: &str, value: f64| RetainedChange::Number { key: key.into(), value: Some(value) };
-    Some(match effect {
+    Some(match request {
         StorageRequest::Variable(number, value) => RetainedChange::Variable { number: *number as u16, value: *value },
         StorageRequest::Param(at, value) => RetainedChange::Param { key: at.to_string(), value: Some(*value) },
         StorageRequest::Offset { number, geometry, wear } => {
@@ -117,8 +117,8 @@ fn to_change(effect: &StorageRequest) -> Option<RetainedChange> {
 }
 
 /// Applies one request to data in memory: a control without a data directory starts with them after a power cut.
-pub fn apply_effect(retained: &mut PowerOnState, effect: &StorageRequest) {
-    match effect {
+pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
+    match request {
         StorageRequest::Variable(number, value) => drop(retained.variables.set(*number, *value)),
         StorageRequest::Param(at, value) => drop(retained.params.write(*at, *value)),
         StorageRequest::Offset { number, geometry, wear } => {
@@ -162,10 +162,10 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<S
     }
     for (number, offset) in &loaded.offsets {
         let number = usize::from(*number);
-        apply_effect(&mut retained, &StorageRequest::Offset { number, geometry: offset.geometry, wear: offset.wear });
+        apply_request(&mut retained, &StorageRequest::Offset { number, geometry: offset.geometry, wear: offset.wear });
     }
     for (index, origin) in &loaded.work_offsets {
-        apply_effect(&mut retained, &StorageRequest::WorkOffset(usize::from(*index), PerAxis(origin.0)));
+        apply_request(&mut retained, &StorageRequest::WorkOffset(usize::from(*index), PerAxis(origin.0)));
     }
     for axis in Axis::ALL {
         let Some(text) = loaded.texts.get(SCREWS[axis as usize]) else { continue };

@@ -102,11 +102,11 @@ impl Interference {
             _ => "快速切入工件",
         };
         let (x, z) = (2.0 * self.at[0], self.at[2]);
-        let said = LocalizedText::new(
+        let message = LocalizedText::new(
             format!("干涉：{zh}，X{x:.2} Z{z:.2}；请改路径或换刀"),
             format!("interference: {}, X{x:.2} Z{z:.2}; change the path or the tool", self.cause),
         );
-        LineFault { line: self.line, column: 1, message: said }
+        LineFault { line: self.line, column: 1, message }
     }
 }
 

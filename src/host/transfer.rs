@@ -65,11 +65,11 @@ fn set_of(name: &str, programs: &ProgramFolder) -> Option<TransferSet> {
 
 /// The files on the control and on the USB drive.
 #[must_use]
-pub fn media_view(folders: &Folders, stick: Option<&UsbDrive>) -> MediaView {
+pub fn media_view(folders: &Folders, drive: Option<&UsbDrive>) -> MediaView {
     let shelf = folders.program_folder();
-    let present = stick.filter(|stick| stick.is_present());
+    let present = drive.filter(|drive| drive.is_present());
     let file = |name, size, set| MediaFile { name, size, set };
-    let there = present.and_then(|stick| stick.files().ok()).unwrap_or_default().into_iter();
+    let there = present.and_then(|drive| drive.files().ok()).unwrap_or_default().into_iter();
     let there = there.filter_map(|found| set_of(&found.name, &shelf).map(|set| file(found.name, found.size, set)));
     let programs = shelf.list().unwrap_or_default().into_iter();
     let mut here: Vec<_> = programs.map(|found| file(found.name, found.size, TransferSet::Programs)).collect();
@@ -78,7 +78,7 @@ pub fn media_view(folders: &Folders, stick: Option<&UsbDrive>) -> MediaView {
         here.extend(entries.into_iter().map(|found| file(found.name, found.size, TransferSet::Screens)));
     }
     MediaView {
-        medium_folder: present.map(|stick| stick.root().display().to_string()),
+        medium_folder: present.map(|drive| drive.root().display().to_string()),
         free_bytes: present.and_then(UsbDrive::free_bytes),
         medium_files: there.collect(),
         control_files: here,
@@ -132,8 +132,8 @@ impl UsbTransfer<'_> {
         let import = ask.direction == Direction::Import;
         let mut waiting = Vec::new();
         if ask.set == TransferSet::Programs {
-            let stick = ProgramFolder::new(self.usb_drive.root(), self.folders.by_name);
-            let (from, to) = in_direction(import, self.folders.program_folder(), stick);
+            let drive = ProgramFolder::new(self.usb_drive.root(), self.folders.by_name);
+            let (from, to) = in_direction(import, self.folders.program_folder(), drive);
             for ListedFile { name, size } in from.list()?.into_iter().filter(|file| wanted(&file.name)) {
                 let place = |folder: &ProgramFolder| FilePlace::Program(folder.clone(), name.clone());
                 waiting.push(PendingFile { from: place(&from), to: place(&to), foreign: false, size, name });
@@ -300,8 +300,8 @@ impl UsbTransfer<'_> {
 }
 
 /// Source and target of a transfer.
-fn in_direction<T>(import: bool, own: T, stick: T) -> (T, T) {
-    if import { (stick, own) } else { (own, stick) }
+fn in_direction<T>(import: bool, own: T, drive: T) -> (T, T) {
+    if import { (drive, own) } else { (own, drive) }
 }
 
 /// A file on the control or on the USB drive.
@@ -490,7 +490,7 @@ impl SaveTarget<'_> {
 
     /// Saves a file with a given name; if it exists, a counter from 1 to 100 is appended. Returns its path.
     pub(super) fn save(self, bytes: &[u8], (stem, extension): (&str, &str)) -> Result<LocalizedText, Refusal> {
-        let present = self.usb_drive.filter(|stick| stick.is_present()).map(UsbDrive::root);
+        let present = self.usb_drive.filter(|drive| drive.is_present()).map(UsbDrive::root);
         let Some(folder) = present.or(self.folder) else {
             return Err(refusal("没有保存位置：请插入 U 盘", "no place to save it: plug in a USB medium"));
         };

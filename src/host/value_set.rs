@@ -23,11 +23,11 @@ pub fn from_holdings(holdings: &TransferValues) -> Values {
     }
     let kept = holdings.memory.iter().filter(|(number, _)| CommonVariables::is_retained(*number));
     values.variables = kept.map(|(number, value)| (number as u16, value)).collect();
-    let frames = &holdings.work_offsets;
-    for (index, (geometry, wear)) in frames.geometry.iter().zip(&frames.wear).enumerate() {
+    let offsets = &holdings.work_offsets;
+    for (index, (geometry, wear)) in offsets.geometry.iter().zip(&offsets.wear).enumerate() {
         values.offsets.insert(index as u8 + 1, (*geometry, *wear));
     }
-    values.frames = frames.work.iter().enumerate().map(|(index, origin)| (index as u8, *origin)).collect();
+    values.work_offsets = offsets.work.iter().enumerate().map(|(index, origin)| (index as u8, *origin)).collect();
     values
 }
 
@@ -64,7 +64,7 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
         }
         restored.offsets.push((usize::from(*number), *geometry, *wear));
     }
-    for (index, origin) in &values.frames {
+    for (index, origin) in &values.work_offsets {
         if usize::from(*index) >= WORK_OFFSET_COUNT || !finite(origin) {
             let g = 54 + u32::from(*index);
             return Err(refusal(format!("坐标系 G{g} 的值不对"), format!("work offset G{g} has an invalid value")));

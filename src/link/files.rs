@@ -202,7 +202,7 @@ impl Refusal {
                 || detail.clone(),
                 |row| LocalizedText::phrase_of(ALARM, [(&row.text).into(), (&row.remedy).into()], [detail.clone()]),
             ),
-            Self::Other(said) => said.clone(),
+            Self::Other(message) => message.clone(),
         }
     }
 }

@@ -52,7 +52,7 @@ impl Machine {
         let guard = &self.guard;
         let flags = [self.e_stop, guard.open, guard.alarm, guard.stopped_drive, self.fluids.coolant];
         let flags = flags.iter().fold(0, |all, flag| all << 1 | u8::from(*flag));
-        let (spindle, post) = (self.main_spindle.discrete(age), self.turret.discrete(age));
-        DiscreteState([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age), spindle, post])
+        let (spindle, turret) = (self.main_spindle.discrete(age), self.turret.discrete(age));
+        DiscreteState([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age), spindle, turret])
     }
 }

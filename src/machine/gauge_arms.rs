@@ -64,7 +64,7 @@ pub struct GearBox(Option<(u8, TwoPositionActuator)>);
 impl GearBox {
     /// Changes to a gear, 0 to 3.
     pub fn change(&mut self, gear: u8, now: Micros) {
-        if self.0.is_none_or(|(present, stroke)| present != gear || stroke == TwoPositionActuator::TimedOut) {
+        if self.0.is_none_or(|(present, actuator)| present != gear || actuator == TwoPositionActuator::TimedOut) {
             self.0 = Some((gear, TwoPositionActuator::Moving { since: now }));
         }
     }
@@ -84,11 +84,11 @@ impl GearBox {
     }
 
     pub fn supervise(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
-        let (gear, stroke) = self.0.as_mut()?;
+        let (gear, actuator) = self.0.as_mut()?;
         let switch = Input::GEARS[usize::from(*gear) % 4];
         let at_end = (params.input_port(switch) != 0).then(|| inputs.has(switch));
         let most = params.millis(param::GEAR_CHANGE_TIMEOUT);
-        let late = stroke.supervise(now, at_end, most, most);
+        let late = actuator.supervise(now, at_end, most, most);
         late.then_some(alarm::GEAR_CHANGE_TIMEOUT)
     }
 }

@@ -105,6 +105,6 @@ pub struct Rule {
 
 /// The first rule that forbids a request, if any.
 #[must_use]
-pub fn first_blocking_rule(rules: &'static [Rule], request: Request, facts: &InterlockInputs) -> Option<&'static Rule> {
-    rules.iter().find(|rule| (rule.forbids)(request) && (rule.applies)(facts))
+pub fn first_blocking_rule(rules: &'static [Rule], request: Request, state: &InterlockInputs) -> Option<&'static Rule> {
+    rules.iter().find(|rule| (rule.forbids)(request) && (rule.applies)(state))
 }

@@ -295,14 +295,14 @@ impl Machine {
         inputs: InputSet,
         params: &Params,
     ) -> Option<&'static Rule> {
-        let mut facts = self.interlock_inputs(now, inputs, params);
+        let mut inputs = self.interlock_inputs(now, inputs, params);
         let output = self.output_of(request);
-        facts.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
-        facts.port_conflict = output.is_some_and(|output| params.output_conflict(self.kind, output).is_some());
+        inputs.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
+        inputs.port_conflict = output.is_some_and(|output| params.output_conflict(self.kind, output).is_some());
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
-            facts.port_owned = matches!(ports::port_owner(port, params, self.kind), PortOwner::Interlocked(_));
+            inputs.port_owned = matches!(ports::port_owner(port, params, self.kind), PortOwner::Interlocked(_));
         }
-        interlock::first_blocking_rule(self.rules, request, &facts)
+        interlock::first_blocking_rule(self.rules, request, &inputs)
     }
 
     /// The reason of a rule; for requests by port number with the port and the function that owns it.
@@ -371,8 +371,8 @@ impl Machine {
         let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_lubrication);
         let cylinder = self.cylinder.tick(now, inputs, params, &mut self.cylinder_flags).map(alarm);
         let guard = self.supervise_guard(inputs, params);
-        let post = self.turret.supervise(now, inputs, params).map(alarm);
-        [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard, post]
+        let turret = self.turret.supervise(now, inputs, params).map(alarm);
+        [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard, turret]
     }
 
     /// K5.13: an open guard stops the workpiece drive; opening it in a run also holds the program.

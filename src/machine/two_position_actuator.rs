@@ -25,8 +25,8 @@ impl TwoPositionActuator {
         matches!(self, Self::Moving { .. })
     }
 
-    /// Checks the end switch (`None`: not assigned); true on time-out. `most` is the time-out, `unseen` the time without
-    /// a switch.
+    /// Checks the end switch (`None`: not assigned); true on time-out. `most` is the time-out, `unseen` the time
+    /// without a switch.
     pub fn supervise(&mut self, now: Micros, at_end: Option<bool>, most: Micros, unseen: Micros) -> bool {
         let Self::Moving { since } = *self else { return false };
         let gone = now.since(since);

@@ -91,7 +91,7 @@ impl BandFiller {
     /// Adds moves up to the horizon: first the rest of the previous band, then moves of the queue.
     pub fn fill(
         &mut self,
-        tube: &mut ToleranceBand,
+        band: &mut ToleranceBand,
         before: &ToleranceBand,
         moves: &VecDeque<QueuedMove>,
         limits: &MotionLimits,
@@ -103,14 +103,14 @@ impl BandFiller {
                 return FillResult::Incomplete;
             }
             budget.spend(COST_ADD);
-            if self.time_left_s <= 0.0 && tube.length() > self.from {
+            if self.time_left_s <= 0.0 && band.length() > self.from {
                 // The horizon is at the end of a move.
                 return FillResult::RunContinues;
             }
             if let Some(piece) = before.moves.get(self.copied) {
                 self.copied += 1;
                 self.next = piece.number;
-                if self.add(tube, *piece) {
+                if self.add(band, *piece) {
                     return FillResult::RunContinues;
                 }
                 if self.copied < before.moves.len() {
@@ -118,7 +118,7 @@ impl BandFiller {
                 }
             } else {
                 let Some(queued) = moves.get((self.next - front) as usize) else { return FillResult::RunContinues };
-                if self.add(tube, piece(queued, limits)) {
+                if self.add(band, piece(queued, limits)) {
                     return FillResult::RunContinues;
                 }
             }
@@ -127,15 +127,15 @@ impl BandFiller {
                 Continuation::Unknown => return FillResult::RunContinues,
                 Continuation::ContinuesAt(next) => self.next = front + next as u64,
             }
-            if self.time_left_s <= 0.0 || tube.moves.len() >= MAX_WINDOW_MOVES {
+            if self.time_left_s <= 0.0 || band.moves.len() >= MAX_WINDOW_MOVES {
                 return FillResult::RunContinues;
             }
         }
     }
 
     /// Adds a move; true if the horizon lies inside it.
-    fn add(&mut self, tube: &mut ToleranceBand, mut piece: BandMove) -> bool {
-        if let Some(last) = tube.moves.last() {
+    fn add(&mut self, band: &mut ToleranceBand, mut piece: BandMove) -> bool {
+        if let Some(last) = band.moves.last() {
             // The tolerance at a corner is limited by the move before it.
             piece.tolerance = piece.tolerance.min(last.tolerance);
         }
@@ -144,8 +144,8 @@ impl BandFiller {
         }
         piece.feed = piece.programmed_speed * self.feed_override;
         piece.top_speed = piece.feed.min(piece.max_speed);
-        let counted = (tube.length() + piece.segment.length() - self.from.max(tube.length())).max(0.0);
-        let corner = tube.moves.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
+        let counted = (band.length() + piece.segment.length() - self.from.max(band.length())).max(0.0);
+        let corner = band.moves.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
         let slowed = self.speed.min(corner).min(piece.top_speed);
         let speed =
             piece.top_speed.min((slowed.powi(2) + 2.0 * self.acceleration * counted).sqrt()).max(MIN_SPEED_MM_S);
@@ -156,9 +156,9 @@ impl BandFiller {
         let left = self.time_left_s.max(0.0);
         let cut = (self.speed + 0.5 * self.acceleration * left).min(piece.top_speed) * left;
         self.speed = speed;
-        tube.add(piece);
+        band.add(piece);
         if seconds > self.time_left_s && cut < WHOLE_MOVE_SHARE * counted {
-            tube.end = tube.length() - counted + cut;
+            band.end = band.length() - counted + cut;
             return true;
         }
         self.time_left_s -= seconds;

@@ -52,7 +52,7 @@ pub struct PlanRequest {
 pub struct SetpointPlanner {
     limits: MotionLimits,
     ahead_ticks: u64,
-    /// Number of moves at the front of the queue whose end is on the buffer, including the active stroke.
+    /// Number of moves at the front of the queue whose end is on the buffer, including the active single move.
     planned_moves: usize,
     single_move: Option<PointToPointMove>,
     /// The plan being appended: its set-points, how many are appended, and its tolerance band.
@@ -194,25 +194,25 @@ impl SetpointPlanner {
         tick_budget.spend(budget.spent());
     }
 
-    /// Applies a feed override above 100 % to an active stroke at once.
+    /// Applies a feed override above 100 % to an active single move at once.
     fn raise_single_move_speed(&mut self, moves: &MoveQueue, feed_override: f64) {
-        if let (Some(stroke), Some(queued)) = (&mut self.single_move, moves.get(self.planned_moves.saturating_sub(1)))
+        if let (Some(active), Some(queued)) = (&mut self.single_move, moves.get(self.planned_moves.saturating_sub(1)))
             && (feed_override - self.planned_override).abs() > 0.0
         {
             self.planned_override = feed_override;
-            stroke.set_speed(top_speed(queued, &self.limits, feed_override));
+            active.set_speed(top_speed(queued, &self.limits, feed_override));
         }
     }
 
     fn append_single_move(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, spot: BufferPosition) -> bool {
-        let Some(stroke) = &mut self.single_move else { return false };
+        let Some(active) = &mut self.single_move else { return false };
         let Some(queued) = moves.get_mut(self.planned_moves.saturating_sub(1)) else { return false };
         let place = NominalSetpoint {
-            position: stroke.next_setpoint(),
+            position: active.next_setpoint(),
             planned_override: self.planned_override,
             is_rapid: queued.programmed.speed == MotionSpeed::Rapid,
         };
-        let over = stroke.is_finished();
+        let over = active.is_finished();
         append_setpoint(buffer, spot, place, !over);
         if over {
             queued.end_index = Some(buffer.end());

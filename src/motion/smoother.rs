@@ -102,7 +102,7 @@ impl CurveSmoother {
     }
 
     /// Works until one iteration is done; false if the work budget was spent before.
-    pub fn iterate(&mut self, tube: &ToleranceBand, budget: &mut WorkBudget) -> bool {
+    pub fn iterate(&mut self, band: &ToleranceBand, budget: &mut WorkBudget) -> bool {
         loop {
             let n = self.points.len();
             let (end, cost) = match self.pass {
@@ -114,11 +114,11 @@ impl CurveSmoother {
             let from = self.cursor;
             let until = budget.spend_on_slice(from, end, cost);
             match self.pass {
-                SmoothingPass::Begin => (from..until).for_each(|k| self.begin_knot(tube, k)),
+                SmoothingPass::Begin => (from..until).for_each(|k| self.begin_knot(band, k)),
                 SmoothingPass::Factor => (from..until).for_each(|k| self.factor_row(k)),
                 SmoothingPass::Forward => (from..until).for_each(|k| self.forward(k + self.lead)),
                 SmoothingPass::Back => (from..until).for_each(|k| self.back(n - FIXED_POINTS - 1 - k)),
-                SmoothingPass::Project => (from..until).for_each(|k| self.project(tube, k)),
+                SmoothingPass::Project => (from..until).for_each(|k| self.project(band, k)),
             }
             self.cursor = until;
             if until < end {
@@ -138,16 +138,16 @@ impl CurveSmoother {
         }
     }
 
-    fn begin_knot(&mut self, tube: &ToleranceBand, k: usize) {
+    fn begin_knot(&mut self, band: &ToleranceBand, k: usize) {
         let n = self.points.len();
-        let along = self.along[k].max(0.0).min(tube.end);
-        let segment = tube.segment_at(along);
-        let (start, end) = tube.smooth_run(segment);
+        let along = self.along[k].max(0.0).min(band.end);
+        let segment = band.segment_at(along);
+        let (start, end) = band.smooth_run(segment);
         let low = self.along[k.max(1) - 1].max(start).max(0.0);
-        let high = self.along[(k + 1).min(n - 1)].min(end).min(tube.end);
-        let radius = tube.moves[segment].tolerance * self.share;
+        let high = self.along[(k + 1).min(n - 1)].min(end).min(band.end);
+        let radius = band.moves[segment].tolerance * self.share;
         let spare = BOUNDS_MARGIN * radius;
-        let room = tube.bounds(along).map(|(low, high)| {
+        let room = band.bounds(along).map(|(low, high)| {
             let middle = f64::midpoint(low, high);
             ((low + spare).min(middle), (high - spare).max(middle))
         });
@@ -229,19 +229,19 @@ impl CurveSmoother {
 
     /// Projects one knot into the band, between its neighbours and on its own side of a sharp corner, so that the
     /// allowed set is convex and the iteration does not oscillate between the two sides.
-    fn project(&mut self, tube: &ToleranceBand, k: usize) {
+    fn project(&mut self, band: &ToleranceBand, k: usize) {
         let here = knot(&self.points, k);
         let this = &mut self.knots[k];
-        let wish = [0, 1, 2].map(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * this.target[x] + this.dual[x]);
+        let free = [0, 1, 2].map(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * this.target[x] + this.dual[x]);
         let NearestPoint { along, point: on, deviation: off, segment } =
-            tube.nearest(wish, this.reach.0, this.reach.1, this.near.1);
+            band.nearest(free, this.reach.0, this.reach.1, this.near.1);
         this.near = (along, segment);
         let part = if off > this.radius { this.radius / off } else { 1.0 };
         // The contour lies inside the bounds, so clamping to them never increases the distance to it.
-        let inside = [0, 1, 2].map(|x| (on[x] + part * (wish[x] - on[x])).max(this.bounds[x].0).min(this.bounds[x].1));
+        let inside = [0, 1, 2].map(|x| (on[x] + part * (free[x] - on[x])).max(this.bounds[x].0).min(this.bounds[x].1));
         this.target = inside;
-        this.dual = [0, 1, 2].map(|x| wish[x] - inside[x]);
-        self.attractors[k] = [0, 1, 2].map(|x| 2.0 * inside[x] - wish[x]);
+        this.dual = [0, 1, 2].map(|x| free[x] - inside[x]);
+        self.attractors[k] = [0, 1, 2].map(|x| 2.0 * inside[x] - free[x]);
     }
 
     /// Narrows the band at the knots around interval `k`: the radius by `radius` (at least `least` remains) and the

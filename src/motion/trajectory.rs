@@ -3,8 +3,8 @@
 //! Owns the queue, the planner, the buffer, the position of the axes on it, and hold, override and abort.
 //!
 //! An override below 100 % slows feed and corners alike and takes effect within a few ticks. An override above 100 %
-//! raises the programmed feed of everything that is not on the buffer yet: of an active stroke at once, of a blended run
-//! from the next look-ahead window on, which is then planned immediately.
+//! raises the programmed feed of everything that is not on the buffer yet: of an active single move at once, of a
+//! blended run from the next look-ahead window on, which is then planned immediately.
 
 use std::collections::VecDeque;
 

@@ -150,9 +150,9 @@ impl OfflineMachine {
 
     /// Sets work offsets and tool offsets; the work position does not change.
     #[must_use]
-    pub fn with_work_offsets(mut self, frames: WorkOffsets) -> Self {
-        let tool = if frames.tool == 0 { self.work_offsets.tool } else { frames.tool };
-        self.work_offsets = WorkOffsets { tool, ..frames };
+    pub fn with_work_offsets(mut self, offsets: WorkOffsets) -> Self {
+        let tool = if offsets.tool == 0 { self.work_offsets.tool } else { offsets.tool };
+        self.work_offsets = WorkOffsets { tool, ..offsets };
         self
     }
 

@@ -403,8 +403,8 @@ impl Interpreter {
                 let line = self.flow.source.find_label(label, self.flow.place.line, forward)?;
                 if holds { self.flow.go_to_line(line) } else { self.advance_past_block(cursor) }
             }
-            BlockContent::DisplayMessage { text: said } => {
-                block.ops.push(Op::DisplayMessage { text: self.flow.source.message_text(said) });
+            BlockContent::DisplayMessage { text } => {
+                block.ops.push(Op::DisplayMessage { text: self.flow.source.message_text(text) });
                 self.advance_past_block(cursor);
             }
             BlockContent::While { holds, number, at } => {

@@ -24,20 +24,20 @@ pub struct ProgramUses {
 
 /// Scans a program.
 #[must_use]
-pub fn find_uses(source: &Source, system: Dialect) -> ProgramUses {
+pub fn find_uses(source: &Source, dialect: Dialect) -> ProgramUses {
     let mut found = ProgramUses::default();
     for line in 1..=source.line_count().min(MAX_LINES) as u32 {
-        scan_line(&mut found, source, line, system);
+        scan_line(&mut found, source, line, dialect);
     }
     found
 }
 
 /// Splits a line into its code without comments and quoted texts, and its first comment.
-fn split_comment(text: &str, system: Dialect) -> (String, String) {
+fn split_comment(text: &str, dialect: Dialect) -> (String, String) {
     let (mut code, mut comment) = (String::with_capacity(text.len()), String::new());
     let (mut depth, mut quoted) = (0_u32, false);
     let mut signs = text.chars().peekable();
-    let brackets = system.has_bracket_comments();
+    let brackets = dialect.has_bracket_comments();
     while let Some(sign) = signs.next() {
         match sign {
             '"' | '“' | '”' => quoted = !quoted,
@@ -58,16 +58,16 @@ fn split_comment(text: &str, system: Dialect) -> (String, String) {
     (code, comment.trim().to_owned())
 }
 
-fn scan_line(found: &mut ProgramUses, source: &Source, line: u32, system: Dialect) {
+fn scan_line(found: &mut ProgramUses, source: &Source, line: u32, dialect: Dialect) {
     let Some(text) = source.line(line) else { return };
-    let (code, comment) = split_comment(&text, system);
+    let (code, comment) = split_comment(&text, dialect);
     let bytes = code.as_bytes();
     let macro_a = code.contains("G65") && code.contains('H');
     let mut at = 0;
     while at < bytes.len() {
         let letter = bytes[at];
         let before = at.checked_sub(1).map_or(b' ', |before| bytes[before]);
-        let starts = letter == b'#' || (letter == b'R' && system.has_r_parameters() && !before.is_ascii_alphabetic());
+        let starts = letter == b'#' || (letter == b'R' && dialect.has_r_parameters() && !before.is_ascii_alphabetic());
         let digits = bytes[at + 1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
         if starts && digits > 0 {
             let end = at + 1 + digits;
@@ -85,5 +85,5 @@ fn scan_line(found: &mut ProgramUses, source: &Source, line: u32, system: Dialec
         }
         at += 1;
     }
-    found.calls.extend((dialect::rules(system).call_in_text)(&code));
+    found.calls.extend((dialect::rules(dialect).call_in_text)(&code));
 }

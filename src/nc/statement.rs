@@ -249,9 +249,9 @@ fn read_block_end(cursor: &mut Cursor<'_>) -> ReadResult<()> {
 fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = BlockWords::default();
     while cursor.accept(b';') || cursor.accept(b' ') {}
-    let said = read_syntax_only(&mut cursor, &mut words);
+    let read = read_syntax_only(&mut cursor, &mut words);
     let closed = cursor.skip_blanks().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
-    closed && words.address_only.is_none() && matches!(said, Ok(true))
+    closed && words.address_only.is_none() && matches!(read, Ok(true))
 }
 
 /// Checks the syntax of a block with its `/` and its number; returns whether it contains anything else. An IF counts

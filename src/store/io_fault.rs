@@ -20,9 +20,9 @@ pub struct IoFault {
 
 impl IoFault {
     /// For `map_err`: adds path and operation to the error of the operating system.
-    pub(super) fn at(path: &Path, act: &'static str) -> impl FnOnce(io::Error) -> Self {
+    pub(super) fn at(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
-        move |cause| Self { path, action: act, cause }
+        move |cause| Self { path, action, cause }
     }
 
     fn name(&self) -> String {

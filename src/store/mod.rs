@@ -5,7 +5,7 @@
 //!
 //! | data | where | how they survive a power cut |
 //! |---|---|---|
-//! | variables, parameters, offsets, frames, texts | [`RetainedDatabase`], `retained.redb` | one durable transaction a commit |
+//! | variables, parameters, tool and work offsets, texts | [`RetainedDatabase`], `retained.redb` | one durable transaction a commit |
 //! | settings, backups, part files | [`ron_file`] | atomic replacement, checksum, previous version kept |
 //! | programs, page files, pictures | [`Folder`] | atomic replacement |
 //!

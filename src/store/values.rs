@@ -23,7 +23,8 @@ pub struct Values {
     /// Geometry and wear of the tool offsets 1 to 16, radius mm.
     pub offsets: BTreeMap<u8, (PerAxis<f64>, PerAxis<f64>)>,
     /// Work offsets, 0 is G54; machine coordinates, radius mm.
-    pub frames: BTreeMap<u8, PerAxis<f64>>,
+    #[serde(rename = "frames")]
+    pub work_offsets: BTreeMap<u8, PerAxis<f64>>,
 }
 
 impl Values {

@@ -242,7 +242,7 @@ impl<'a, G: Stage> Player<'a, G> {
             return Err("the control has no power".to_owned());
         }
         self.step();
-        let refused = self.host().controller().refusal().map(|said| format!("{}; {}", said.zh(), said.en()));
+        let refused = self.host().controller().refusal().map(|message| format!("{}; {}", message.zh(), message.en()));
         self.ticks(ANSWER_TICKS - 1);
         self.run_until(ANSWER_TIMEOUT, |host| !host.controller().is_braking());
         refused.map_or(Ok(()), Err)

@@ -17,12 +17,12 @@ use tempfile::TempDir;
 /// Storage in memory with empty folders and a USB drive, and what it has told so far taken.
 fn storage() -> (DirectStorage, TempDir) {
     let files = tempfile::tempdir().unwrap();
-    let [programs, screens, stick] = ["programs", "screens", "stick"].map(|name| files.path().join(name));
-    for folder in [&programs, &screens, &stick] {
+    let [programs, screens, usb_drive] = ["programs", "screens", "stick"].map(|name| files.path().join(name));
+    for folder in [&programs, &screens, &usb_drive] {
         std::fs::create_dir(folder).unwrap();
     }
     let folders = Folders { programs, screens, by_name: false, dialect: Kind::Gc.dialect() };
-    let jobs = JobRunner::new(folders).with_drives(None, Some(stick));
+    let jobs = JobRunner::new(folders).with_drives(None, Some(usb_drive));
     let mut storage = DirectStorage::new(RetainedWorker::new(None), jobs).unwrap();
     assert_eq!(answers(&mut storage, Vec::new()).len(), 2, "programs and page files");
     (storage, files)

@@ -214,7 +214,7 @@ fn no_test_is_switched_off() {
 const MAKES_PHRASES: &[&str] = &["controller", "machine"];
 /// What puts a text into words, and allocates.
 const WORDING: &[&str] = &["format!(", ".to_string()", "to_string)", "LocalizedText::new("];
-/// Where a text is composed nevertheless: seldom, and at the wish of the operator.
+/// Where a text is composed nevertheless: seldom, and when the operator asks for it.
 const COMPOSES_TEXTS: &[(&str, &str)] = &[
     // The program of a recording is written when it is saved.
     ("controller/manual/teach.rs", ""),

@@ -21,8 +21,8 @@ fn ready() -> InterlockInputs {
     }
 }
 
-fn outcome(request: Request, facts: InterlockInputs) -> Option<RuleOutcome> {
-    first_blocking_rule(RULES, request, &facts).map(|rule| rule.outcome)
+fn outcome(request: Request, inputs: InterlockInputs) -> Option<RuleOutcome> {
+    first_blocking_rule(RULES, request, &inputs).map(|rule| rule.outcome)
 }
 
 #[test]
@@ -35,17 +35,17 @@ fn k3_7_wheel_start_needs_hydraulics_their_delay_and_their_pressure() {
 
 #[test]
 fn k3_7_with_p270_zero_a_missing_pump_is_a_message() {
-    let facts = InterlockInputs { hydraulic_checked: false, pressure: false, ..ready() };
-    assert_eq!(outcome(Request::WheelStart, facts), None);
-    let off = InterlockInputs { hydraulic_on: false, hydraulic_settled: false, ..facts };
+    let inputs = InterlockInputs { hydraulic_checked: false, pressure: false, ..ready() };
+    assert_eq!(outcome(Request::WheelStart, inputs), None);
+    let off = InterlockInputs { hydraulic_on: false, hydraulic_settled: false, ..inputs };
     assert_eq!(outcome(Request::WheelStart, off), Some(RuleOutcome::Deny));
 }
 
 #[test]
 fn k3_7_with_p17_0_there_is_no_start_condition() {
-    let facts = InterlockInputs { hydraulic_needed: false, hydraulic_checked: false, ..ready() };
-    let facts = InterlockInputs { hydraulic_on: false, pressure: false, ..facts };
-    assert_eq!(outcome(Request::WheelStart, facts), None);
+    let inputs = InterlockInputs { hydraulic_needed: false, hydraulic_checked: false, ..ready() };
+    let inputs = InterlockInputs { hydraulic_on: false, pressure: false, ..inputs };
+    assert_eq!(outcome(Request::WheelStart, inputs), None);
 }
 
 #[test]
@@ -75,22 +75,22 @@ fn k3_7_a_latched_alarm_180_blocks_the_wheel_although_the_pressure_is_back() {
 
 #[test]
 fn b5_nothing_moves_while_the_drives_are_off() {
-    let mut facts = ready();
-    facts.control_state.drives_off = true;
+    let mut inputs = ready();
+    inputs.control_state.drives_off = true;
     for request in [Request::Jog, Request::HomeAxes, Request::CycleStart] {
-        assert_eq!(outcome(request, facts), Some(RuleOutcome::Deny));
+        assert_eq!(outcome(request, inputs), Some(RuleOutcome::Deny));
     }
 }
 
 #[test]
 fn b5_cycle_start_needs_homing_and_no_alarm() {
-    let mut facts = ready();
-    assert_eq!(outcome(Request::CycleStart, facts), None);
-    facts.control_state.homed = false;
-    assert_eq!(outcome(Request::CycleStart, facts), Some(RuleOutcome::Alarm(100)));
-    facts.control_state.alarm_blocks = true;
-    assert_eq!(outcome(Request::CycleStart, facts), Some(RuleOutcome::Deny));
+    let mut inputs = ready();
+    assert_eq!(outcome(Request::CycleStart, inputs), None);
+    inputs.control_state.homed = false;
+    assert_eq!(outcome(Request::CycleStart, inputs), Some(RuleOutcome::Alarm(100)));
+    inputs.control_state.alarm_blocks = true;
+    assert_eq!(outcome(Request::CycleStart, inputs), Some(RuleOutcome::Deny));
     // K3.7: alarm 180 blocks neither jogging nor homing.
-    assert_eq!(outcome(Request::Jog, facts), None);
-    assert_eq!(outcome(Request::HomeAxes, facts), None);
+    assert_eq!(outcome(Request::Jog, inputs), None);
+    assert_eq!(outcome(Request::HomeAxes, inputs), None);
 }

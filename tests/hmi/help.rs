@@ -112,12 +112,12 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
 fn b6_the_help_knows_the_g_codes_that_the_language_knows() {
     use kt830::nc::{NcSettings, Source, check::check_syntax};
     let unknown = [ProgramError::UnknownG.number(), ProgramError::UnknownCode.number()];
-    for (kind, system) in [(Kind::Lathe, Dialect::SuperMan), (Kind::Vertical, Dialect::Sinumerik)] {
+    for (kind, dialect) in [(Kind::Lathe, Dialect::SuperMan), (Kind::Vertical, Dialect::Sinumerik)] {
         let listed: Vec<u32> =
-            system.words().iter().filter_map(|word| word.word.strip_prefix('G')?.parse().ok()).collect();
+            dialect.words().iter().filter_map(|word| word.word.strip_prefix('G')?.parse().ok()).collect();
         for code in 0..=120 {
-            let source = std::sync::Arc::new(Source::new(1, "", format!("N0010 G{code}\n").into_bytes(), system));
-            let faults = check_syntax(&source, &NcSettings::for_dialect(system));
+            let source = std::sync::Arc::new(Source::new(1, "", format!("N0010 G{code}\n").into_bytes(), dialect));
+            let faults = check_syntax(&source, &NcSettings::for_dialect(dialect));
             let knows = faults.iter().all(|fault| !unknown.contains(&fault.error.number()));
             assert_eq!(listed.contains(&code), knows, "G{code} on {kind:?}");
         }

@@ -123,8 +123,8 @@ fn b7_a_table_comes_from_the_medium_whole_or_not_at_all() {
 #[test]
 fn b7_no_table_is_changed_in_a_run_or_without_the_password() {
     let mut rig = crate::stories::ready_with("G04 P9000\nM30");
-    let wish = PageCommand::EditLeadscrew(Axis::X, LeadscrewCompensation::parse("0,0.01").unwrap());
-    rig.send(Command::Page(wish.clone()));
+    let command = PageCommand::EditLeadscrew(Axis::X, LeadscrewCompensation::parse("0,0.01").unwrap());
+    rig.send(Command::Page(command.clone()));
     (0..3).for_each(|_| rig.step());
     assert!(rig.snapshot().leadscrews[Axis::X].points().is_empty());
     assert_eq!(
@@ -133,7 +133,7 @@ fn b7_no_table_is_changed_in_a_run_or_without_the_password() {
     );
     rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Builder, Secret::new("830830".into()))));
     crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
-    rig.send(Command::Page(wish));
+    rig.send(Command::Page(command));
     (0..3).for_each(|_| rig.step());
     assert!(rig.snapshot().leadscrews[Axis::X].points().is_empty() && rig.snapshot().edit_answer.refused.is_some());
 }

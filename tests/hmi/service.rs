@@ -22,9 +22,9 @@ use kt830::store::StoredSettings;
 
 /// A rig whose data stay in a folder.
 fn kept(folder: &Path, kind: Kind) -> HeadlessHost {
-    let (keeper, found) = RetainedStore::open(folder, kind).unwrap();
+    let (store, found) = RetainedStore::open(folder, kind).unwrap();
     let setup =
-        HostSetup { kind, retained: found.retained, store: Some(keeper), folders: crate::stories::folders(), seed: 1 };
+        HostSetup { kind, retained: found.retained, store: Some(store), folders: crate::stories::folders(), seed: 1 };
     HeadlessHost::new(setup).unwrap()
 }
 

@@ -497,7 +497,7 @@ fn h8_a_refusal_of_another_request_does_not_end_the_work_under_way() {
     crate::stories::tell(&mut rig, "param P22.5 0\nmode edit\nload O1234");
     let ticket = Ticket { requester: Requester::Directory, number: 1 };
     rig.send(Command::Page(PageCommand::File(ticket, FileRequest::Rename { from: 1_234, to: 1_235 })));
-    // In the same tick: the office had no room for something else.
+    // In the same tick: the queue of the jobs had no room for something else.
     let other =
         StorageAnswer::File(Ticket { requester: Requester::Screen, number: 1 }, FileAnswer::Refused(Refusal::Conflict));
     rig.send(Command::Page(PageCommand::StorageAnswered(other)));

@@ -200,11 +200,11 @@ fn k7_7_an_edit_in_a_run_outlives_the_frames_that_were_read_ahead() {
 fn b6_offsets_outlive_the_power() {
     let folder = tempfile::tempdir().unwrap();
     let start = || {
-        let (keeper, found) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
+        let (store, found) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
         let setup = HostSetup {
             kind: Kind::Gc,
             retained: found.retained,
-            store: Some(keeper),
+            store: Some(store),
             folders: crate::stories::folders(),
             seed: 1,
         };

@@ -99,7 +99,7 @@ struct Node {
 
 /// What happens in one tick beside the inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Deed {
+enum TickEvent {
     Nothing,
     Key(Key),
     Program(Request),
@@ -114,7 +114,7 @@ struct Search {
     params: Params,
     rules: &'static [Rule],
     inputs: Vec<InputSet>,
-    deeds: Vec<Deed>,
+    events: Vec<TickEvent>,
     now: Micros,
 }
 
@@ -191,14 +191,20 @@ impl Search {
         let left_out = plan.without.rules;
         let kept: Vec<Rule> = RULES.iter().copied().filter(|rule| !left_out.contains(&rule.reason.en)).collect();
         assert!(kept.len() + left_out.len() <= RULES.len(), "no rule says one of {left_out:?}");
-        let mut deeds = vec![Deed::Nothing, Deed::ProgramEnds, Deed::ProgramStops, Deed::ComesToRest, Deed::Homed];
-        deeds.extend(Key::ALL.iter().copied().map(Deed::Key));
-        deeds.extend(all_requests().into_iter().map(Deed::Program));
+        let mut events = vec![
+            TickEvent::Nothing,
+            TickEvent::ProgramEnds,
+            TickEvent::ProgramStops,
+            TickEvent::ComesToRest,
+            TickEvent::Homed,
+        ];
+        events.extend(Key::ALL.iter().copied().map(TickEvent::Key));
+        events.extend(all_requests().into_iter().map(TickEvent::Program));
         Self {
             params: params(&plan),
             rules: kept.leak(),
             inputs: all_inputs(&plan),
-            deeds,
+            events,
             plan,
             // Old enough that every age at the start is the greatest.
             now: Micros::from_millis(1_000),
@@ -218,13 +224,13 @@ impl Search {
         while let Some((node, now)) = open.pop_front() {
             let now = now + TICK;
             for inputs in &self.inputs {
-                for deed in &self.deeds {
+                for event in &self.events {
                     transitions += 1;
-                    let next = match self.step(&node, *inputs, *deed, now) {
+                    let next = match self.step(&node, *inputs, *event, now) {
                         Ok(Some(next)) => next,
                         Ok(None) => continue,
                         Err(broken) => {
-                            let told = format!("{broken}\n  after {deed:?} with {inputs:?} in {node:?}");
+                            let told = format!("{broken}\n  after {event:?} with {inputs:?} in {node:?}");
                             return Found { states: seen.len(), transitions, broken: Some(told) };
                         }
                     };
@@ -246,20 +252,20 @@ impl Search {
         machine.outputs(&self.params)
     }
 
-    /// One tick; none where the deed cannot happen in this state.
-    fn step(&self, from: &Node, inputs: InputSet, deed: Deed, now: Micros) -> Result<Option<Node>, String> {
+    /// One tick; none where the event cannot happen in this state.
+    fn step(&self, from: &Node, inputs: InputSet, event: TickEvent, now: Micros) -> Result<Option<Node>, String> {
         let mut node = from.clone();
         let mut seen_by_machine = inputs;
         if self.plan.without.e_stop {
             seen_by_machine.set(Input::EmergencyStop, false);
         }
-        match deed {
-            Deed::Nothing => {}
-            Deed::Key(key) => match self.press(&mut node, key, seen_by_machine, now)? {
+        match event {
+            TickEvent::Nothing => {}
+            TickEvent::Key(key) => match self.press(&mut node, key, seen_by_machine, now)? {
                 true => {}
                 false => return Ok(None),
             },
-            Deed::Program(request) => {
+            TickEvent::Program(request) => {
                 if node.phase != RunPhase::Running {
                     return Ok(None);
                 }
@@ -268,25 +274,29 @@ impl Search {
                     node.phase = node.phase.after(PhaseEvent::Hold);
                 }
             }
-            Deed::ProgramEnds if node.phase == RunPhase::Running => {
+            TickEvent::ProgramEnds if node.phase == RunPhase::Running => {
                 node.machine.program_end(&self.params);
                 node.phase = node.phase.after(PhaseEvent::Finish);
             }
-            Deed::ProgramStops if node.phase == RunPhase::Running => node.phase = node.phase.after(PhaseEvent::Stop),
-            Deed::ComesToRest if matches!(node.phase, RunPhase::Holding | RunPhase::Aborting) => {
+            TickEvent::ProgramStops if node.phase == RunPhase::Running => {
+                node.phase = node.phase.after(PhaseEvent::Stop)
+            }
+            TickEvent::ComesToRest if matches!(node.phase, RunPhase::Holding | RunPhase::Aborting) => {
                 node.phase = node.phase.after(PhaseEvent::AtRest);
             }
-            Deed::Homed if node.phase == RunPhase::Homing(()) => node.phase = node.phase.after(PhaseEvent::Homed),
-            Deed::ProgramEnds | Deed::ProgramStops | Deed::ComesToRest | Deed::Homed => return Ok(None),
+            TickEvent::Homed if node.phase == RunPhase::Homing(()) => node.phase = node.phase.after(PhaseEvent::Homed),
+            TickEvent::ProgramEnds | TickEvent::ProgramStops | TickEvent::ComesToRest | TickEvent::Homed => {
+                return Ok(None);
+            }
         }
         let asked = self.outputs(&node.machine);
         self.tick(&mut node, seen_by_machine, now);
-        self.check(from, &node, asked, (inputs, deed), now)?;
+        self.check(from, &node, asked, (inputs, event), now)?;
         Ok(Some(node))
     }
 
     fn tick(&self, node: &mut Node, inputs: InputSet, now: Micros) {
-        for finding in node.machine.tick(now, inputs, &self.params, around(node)).into_iter().flatten() {
+        for finding in node.machine.tick(now, inputs, &self.params, control_state(node)).into_iter().flatten() {
             let MachineFinding::Alarm { number, stopped } = finding else { continue };
             match Consequence::of(number, stopped) {
                 Consequence::Nothing => {}
@@ -337,7 +347,7 @@ impl Search {
 
     fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, now: Micros) -> Result<RequestResult, String> {
         let before = self.outputs(&node.machine);
-        node.machine.set_control_state(around(node));
+        node.machine.set_control_state(control_state(node));
         let answer = node.machine.request(request, now, inputs, &self.params);
         match answer {
             RequestResult::Accepted => return Ok(answer),
@@ -360,17 +370,17 @@ impl Search {
         if reason.is_empty() || self.plan.without.reasons { Err("a refusal without a reason".into()) } else { Ok(()) }
     }
 
-    /// The invariants. `asked` are the outputs after the deed, before the machine's own tick.
+    /// The invariants. `asked` are the outputs after the event, before the machine's own tick.
     fn check(
         &self,
         from: &Node,
         to: &Node,
         asked: OutputSet,
-        (inputs, deed): (InputSet, Deed),
+        (inputs, event): (InputSet, TickEvent),
         now: Micros,
     ) -> Result<(), String> {
         let (before, after) = (self.outputs(&from.machine), self.outputs(&to.machine));
-        let facts = from.machine.interlock_inputs(now, inputs, &self.params);
+        let interlock = from.machine.interlock_inputs(now, inputs, &self.params);
         let turns = |on: OutputSet| {
             [Output::HeadstockHigh, Output::HeadstockLow, Output::DresserRoll, Output::TableRotation]
                 .iter()
@@ -378,13 +388,14 @@ impl Search {
         };
         let held = |what: &str, holds: bool| if holds { Ok(()) } else { Err(what.to_owned()) };
         if !before.has(Output::Wheel) && asked.has(Output::Wheel) {
-            let hydraulics = !facts.hydraulic_needed
-                || facts.hydraulic_on && (!facts.hydraulic_checked || facts.hydraulic_settled && facts.pressure);
+            let hydraulics = !interlock.hydraulic_needed
+                || interlock.hydraulic_on
+                    && (!interlock.hydraulic_checked || interlock.hydraulic_settled && interlock.pressure);
             held("the wheel starts without its hydraulics", hydraulics)?;
-            held("the wheel starts unmagnetised", !facts.magnet_needed || facts.magnetised)?;
-            held("the wheel starts with the guard open", !facts.guard_open)?;
-            held("the wheel starts in an emergency stop", !facts.e_stop)?;
-            held("the wheel starts with alarm 180 latched", !facts.hydraulic_latched)?;
+            held("the wheel starts unmagnetised", !interlock.magnet_needed || interlock.magnetised)?;
+            held("the wheel starts with the guard open", !interlock.guard_open)?;
+            held("the wheel starts in an emergency stop", !interlock.e_stop)?;
+            held("the wheel starts with alarm 180 latched", !interlock.hydraulic_latched)?;
         }
         let starts = |output| !before.has(output) && asked.has(output);
         for output in ALL_OFF_IN_AN_EMERGENCY {
@@ -403,7 +414,7 @@ impl Search {
         }
         let pump = before.has(Output::Hydraulic) != after.has(Output::Hydraulic);
         held("hydraulics switch while the wheel runs", !(pump && before.has(Output::Wheel)))?;
-        if let Deed::Key(key) = deed {
+        if let TickEvent::Key(key) = event {
             let alive = ALIVE_IN_A_RUN.contains(&key) || !from.phase.is_automatic();
             held("a dead key acts while the program runs", alive)?;
         }
@@ -415,19 +426,19 @@ impl Search {
                 held("the emergency stop changes what clamps", asked.has(output) == after.has(output))?;
             }
         }
-        if deed == Deed::Key(Key::Reset) {
+        if event == TickEvent::Key(Key::Reset) {
             for output in [Output::Wheel, Output::Hydraulic, Output::Coolant, Output::Magnetise, Output::Tailstock] {
                 held("reset changes what must stay", before.has(output) == asked.has(output))?;
             }
             held("reset leaves the workpiece drive on", !turns(asked))?;
         }
-        self.check_foreign(to, inputs, deed, now)
+        self.check_foreign(to, inputs, event, now)
     }
 
     /// Units that are not searched: asking for them changes nothing here, and nothing here but the emergency stop and
     /// the run decides about them.
-    fn check_foreign(&self, node: &Node, inputs: InputSet, deed: Deed, now: Micros) -> Result<(), String> {
-        if deed != Deed::Nothing {
+    fn check_foreign(&self, node: &Node, inputs: InputSet, event: TickEvent, now: Micros) -> Result<(), String> {
+        if event != TickEvent::Nothing {
             return Ok(());
         }
         for request in foreign_requests() {
@@ -450,7 +461,7 @@ impl std::fmt::Debug for Node {
 }
 
 /// What the controller tells the machine.
-fn around(node: &Node) -> ControlState {
+fn control_state(node: &Node) -> ControlState {
     ControlState {
         run_open: node.phase.is_run_open(),
         homed: true,

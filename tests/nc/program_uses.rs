@@ -3,8 +3,8 @@
 use kt830::nc::program_uses::find_uses;
 use kt830::nc::{Dialect, Source};
 
-fn of(text: &str, system: Dialect) -> Vec<(u16, bool, bool)> {
-    let found = find_uses(&Source::new(1001, "", text.as_bytes().to_vec(), system), system);
+fn of(text: &str, dialect: Dialect) -> Vec<(u16, bool, bool)> {
+    let found = find_uses(&Source::new(1001, "", text.as_bytes().to_vec(), dialect), dialect);
     found.variables.values().map(|one| (one.variable, one.reads, one.writes)).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use kt830::defs::kind::Kind;
 use kt830::defs::param::Params;
-use kt830::io::sim::{BarFile, Body, BodyFile, InterferenceCheck, MachineFile, PartFile, SlidePosition};
+use kt830::io::sim::{BarFile, BodyFile, BodyKind, InterferenceCheck, MachineFile, PartFile, SlidePosition};
 use kt830::units::WorkPos;
 
 /// What tool 1 meets with its tip at a place (X radius) of a bar of 45 mm that ends at Z0, on `bodies`.
@@ -38,7 +38,7 @@ fn l9_rapid_a_standing_spindle_and_the_shank_are_interference() {
 
 #[test]
 fn l9_the_outline_meets_the_chuck() {
-    let chuck = BodyFile { what: Body::Chuck, z_from: -200.0, z_to: -100.0, diameter: 120.0 };
+    let chuck = BodyFile { what: BodyKind::Chuck, z_from: -200.0, z_to: -100.0, diameter: 120.0 };
     let touches = |x: f64, z: f64| met(std::slice::from_ref(&chuck), (x, z), (false, false)) == Some("chuck");
     assert!(touches(55.0, -105.0) && !touches(55.0, -99.0));
     // The shank alone: it extends 25 mm towards plus from the tip.

@@ -11,7 +11,7 @@ use crate::motion::{AxisLimits, AxisMover};
 use crate::units::{Axis, Micros};
 
 /// Several limited values.
-const LIST: &Template = &Template::new("{said}; {next}", "{said}; {next}", &["said", "next"]);
+const LIST: &Template = &Template::new("{message}; {next}", "{message}; {next}", &["message", "next"]);
 /// Speed to which the ramp time D refers, mm/min.
 const RAMP_SPEED_MM_MIN: f64 = 10_000.0;
 /// Minimum double strokes per minute.
@@ -131,7 +131,7 @@ impl Oscillation {
             }),
         ];
         let clamped =
-            limited.into_iter().flatten().reduce(|said, next| LocalizedText::phrase_of(LIST, [], [said, next]));
+            limited.into_iter().flatten().reduce(|message, next| LocalizedText::phrase_of(LIST, [], [message, next]));
         (oscillation, clamped)
     }
 
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn k4_3_less_than_one_stroke_a_minute_is_taken_as_one_and_says_so() {
-        assert!(begin(0.5).1.is_some_and(|said| said.en().contains("replaced by 1")));
+        assert!(begin(0.5).1.is_some_and(|message| message.en().contains("replaced by 1")));
         let (mut oscillation, ..) = begin(30.0);
         let params = Params::factory(Kind::Gc);
         run(&mut oscillation, &params, 0, 200);

@@ -67,7 +67,7 @@ impl Manual {
         };
         self.dressing.awaiting_answer = refusal.is_none().then_some(axis);
         match refusal {
-            Some(said) => plant.refuse(said),
+            Some(message) => plant.refuse(message),
             None => plant.show_note(phrase!(
                 "是否设置 {axis} 轴修整点？按输入设置，取消放弃",
                 "set the dressing point of {axis} here? INPUT: yes, CANCEL: no",

@@ -29,8 +29,8 @@ pub fn toggle_oscillation(plant: &mut Plant) {
     let work = plant.params.get(param::OSCILLATION_POSITION) / plant.displayed_per_mm(axis);
     let to = work + plant.work.offsets.machine_minus_work(axis);
     if let Err(forbidden) = check_stroke(plant, axis, to) {
-        let said = forbidden.text(&plant.params);
-        return plant.refuse(said);
+        let message = forbidden.text(&plant.params);
+        return plant.refuse(message);
     }
     plant.begin_oscillation(OscillationStroke { axis, to, ramp_ms: None, strokes_min: None }, false);
 }

@@ -33,7 +33,7 @@ impl Panel {
         self.edit_answer.count = self.edit_answer.count.wrapping_add(1);
         self.edit_answer.refused = done.as_ref().err().cloned();
         match done {
-            Ok(said) => parts.plant.show_note(said),
+            Ok(message) => parts.plant.show_note(message),
             Err(why) => parts.plant.refuse(why),
         }
     }

@@ -217,7 +217,7 @@ impl Panel {
     /// Handles an answer of the background thread.
     pub fn handle_file_answer(&mut self, parts: &mut Parts<'_>, ticket: Ticket, answer: &FileAnswer) {
         match answer {
-            FileAnswer::Done(said) => self.finish_file_request(parts, ticket, said.clone().into()),
+            FileAnswer::Done(message) => self.finish_file_request(parts, ticket, message.clone().into()),
             FileAnswer::Saved { message, number, stamp } => {
                 let done = Completion { message: message.clone(), saved: Some((*number, *stamp)) };
                 self.finish_file_request(parts, ticket, done);
@@ -226,20 +226,20 @@ impl Panel {
                 self.fail_file_request(parts, ticket, Refusal::Other(TRANSFER_IN_RUN.into()));
             }
             FileAnswer::Restored(restored) => {
-                let said = Self::restore_values(parts, restored);
-                self.finish_file_request(parts, ticket, said.into());
+                let message = Self::restore_values(parts, restored);
+                self.finish_file_request(parts, ticket, message.into());
             }
             FileAnswer::Leadscrew(axis, table, file) => {
                 Self::set_leadscrew_table(parts, *axis, table);
                 let points = table.points().len();
-                let said = phrase!(
+                let message = phrase!(
                     "{axis} 轴：已从 {file} 读入 {points} 点",
                     "axis {axis}: {points} points from {file}",
                     axis = *axis,
                     file = file.as_str(),
                     points
                 );
-                self.finish_file_request(parts, ticket, said.into());
+                self.finish_file_request(parts, ticket, message.into());
             }
             FileAnswer::ToolpathComputed(drawing) => {
                 self.end_pending(ticket);

@@ -17,7 +17,7 @@ use crate::units::{Axis, PerAxis};
 const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "tool offset numbers are 1 to 16");
 const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edit it on the offset or dressing page");
 const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is active: no measurement");
-const WEAR_CLEARED: &Template = &Template::new("{said}，磨耗已清零", "{said}, wear cleared", &["said"]);
+const WEAR_CLEARED: &Template = &Template::new("{message}，磨耗已清零", "{message}, wear cleared", &["message"]);
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes are still moving: no measurement");
 
 /// Executes a command of the offset or the dressing page.
@@ -81,9 +81,9 @@ fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Edite
     let offsets = &parts.plant.work.offsets;
     let frame = offsets.work[offsets.active][axis] + offsets.shift[axis];
     let geometry = parts.plant.axes.actual()[axis] - frame - value / parts.plant.displayed_per_mm(axis);
-    let said = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
+    let message = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
     set_offset_value(parts, index, OffsetPart::Wear, axis, 0.0)?;
-    Ok(LocalizedText::phrase_of(WEAR_CLEARED, [], [said]))
+    Ok(LocalizedText::phrase_of(WEAR_CLEARED, [], [message]))
 }
 
 /// Sets one value, radius mm, and stores it on disk.
@@ -94,8 +94,8 @@ fn set_offset_value(parts: &mut Parts<'_>, index: usize, part: OffsetPart, axis:
         return Err(phrase!("超出范围 ±{most:.3}：{shown:.3}", "out of range ±{most:.3}: {shown:.3}", most, shown));
     }
     let old = std::mem::replace(&mut offset_table(&mut parts.plant.work.offsets, part)[index][axis], value);
-    parts.program.change_offsets_read_ahead(|frames| {
-        let place = &mut offset_table(frames, part)[index][axis];
+    parts.program.change_offsets_read_ahead(|offsets| {
+        let place = &mut offset_table(offsets, part)[index][axis];
         *place = if place.to_bits() == old.to_bits() { value } else { *place + (value - old) };
     });
     parts.plant.store_offset(index);
@@ -128,10 +128,10 @@ fn check_offset_page(parts: PartsView<'_>, part: OffsetPart) -> Result<(), Local
     check_not_running(parts)
 }
 
-fn offset_table(frames: &mut WorkOffsets, part: OffsetPart) -> &mut [PerAxis<f64>; TOOL_OFFSET_COUNT] {
+fn offset_table(offsets: &mut WorkOffsets, part: OffsetPart) -> &mut [PerAxis<f64>; TOOL_OFFSET_COUNT] {
     match part {
-        OffsetPart::Geometry => &mut frames.geometry,
-        OffsetPart::Wear => &mut frames.wear,
+        OffsetPart::Geometry => &mut offsets.geometry,
+        OffsetPart::Wear => &mut offsets.wear,
     }
 }
 

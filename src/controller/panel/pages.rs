@@ -67,8 +67,8 @@ impl Panel {
                     self.access.answer(Some(FORM));
                     return parts.plant.refuse(FORM);
                 }
-                let wish = SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() };
-                self.request_password_check(parts, wish);
+                let request = SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() };
+                self.request_password_check(parts, request);
             }
             PageCommand::SetNextKind(kind) => save(SettingsRequest::SaveKind(*kind)),
             PageCommand::SetLang(lang) => save(SettingsRequest::SaveLang(*lang)),
@@ -91,9 +91,9 @@ impl Panel {
     }
 
     /// Requests a password check: one at a time; after three wrong passwords input is locked for 30 s.
-    fn request_password_check(&mut self, parts: &mut Parts<'_>, wish: SettingsRequest) {
+    fn request_password_check(&mut self, parts: &mut Parts<'_>, request: SettingsRequest) {
         match self.access.begin_check(parts.plant.now) {
-            Ok(()) => parts.plant.store(StorageRequest::Page(wish)),
+            Ok(()) => parts.plant.store(StorageRequest::Page(request)),
             Err(reason) => parts.plant.refuse(reason),
         }
     }
@@ -152,7 +152,7 @@ impl Panel {
 /// The internal signals of the diagnosis page.
 fn internal_signals(parts: PartsView<'_>) -> InternalSignalSet {
     let plant = parts.plant;
-    let facts = plant.machine.interlock_inputs(plant.now, plant.inputs.filtered, &plant.params);
+    let inputs = plant.machine.interlock_inputs(plant.now, plant.inputs.filtered, &plant.params);
     let state = run_state(parts);
     let axes = [
         (Axis::X, InternalSignal::HomedX, InternalSignal::MovingX),
@@ -180,10 +180,10 @@ fn internal_signals(parts: PartsView<'_>) -> InternalSignalSet {
         .with(InternalSignal::RapidJog, plant.operator.rapid_jog)
         .with(InternalSignal::WheelRunUp, plant.machine.awaits_feedback(Output::Wheel))
         .with(InternalSignal::WorkpieceDrive, plant.machine.drive_is_on())
-        .with(InternalSignal::TailstockMoving, facts.tailstock_moving)
-        .with(InternalSignal::TailstockClamped, facts.tailstock_advanced)
-        .with(InternalSignal::HydraulicSettled, facts.hydraulic_settled)
-        .with(InternalSignal::HydraulicLatched, facts.hydraulic_latched)
+        .with(InternalSignal::TailstockMoving, inputs.tailstock_moving)
+        .with(InternalSignal::TailstockClamped, inputs.tailstock_advanced)
+        .with(InternalSignal::HydraulicSettled, inputs.hydraulic_settled)
+        .with(InternalSignal::HydraulicLatched, inputs.hydraulic_latched)
 }
 
 /// The refusal for a locked level.

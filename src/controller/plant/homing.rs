@@ -55,7 +55,7 @@ impl Plant {
     /// Raises the alarm of a failed homing.
     pub fn raise_homing_failed(&mut self, axis: Axis, why: HomingFailure) {
         let n = param::HOME_X.number + axis as u16;
-        let said = match why {
+        let message = match why {
             HomingFailure::NoSwitch => phrase!("{axis}", "{axis}", axis),
             HomingFailure::NotAtZero => phrase!(
                 "{axis} 到不了零点坐标 P{n}={zero:.3}",
@@ -65,7 +65,7 @@ impl Plant {
                 zero = self.params.get_axis(param::HOME_X, axis)
             ),
         };
-        self.raise(alarm::HOMING_FAILED, Some(said));
+        self.raise(alarm::HOMING_FAILED, Some(message));
     }
 
     /// Whether a homed axis is at the soft limit in this direction.

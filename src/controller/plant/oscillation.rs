@@ -61,8 +61,8 @@ impl Plant {
         let tick_s = self.axes.tick_time().as_secs_f64();
         let (oscillation, clamped) = Oscillation::new(stroke, by_run, from, &self.params, tick_s);
         self.oscillation = Some(oscillation);
-        if let Some(said) = clamped {
-            self.refuse(said);
+        if let Some(message) = clamped {
+            self.refuse(message);
         }
     }
 

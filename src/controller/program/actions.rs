@@ -18,8 +18,8 @@ use crate::units::{MachinePos, Micros};
 
 impl ProgramRun {
     /// One tick of the action at the front of the queue.
-    pub fn execute_action(&mut self, plant: &mut Plant, act: &QueuedAction) -> ActionStatus {
-        match act {
+    pub fn execute_action(&mut self, plant: &mut Plant, action: &QueuedAction) -> ActionStatus {
+        match action {
             QueuedAction::SetVariable(variable, value) => {
                 // The interpreter has already checked number and value.
                 let _ = plant.store_variable(*variable, *value);

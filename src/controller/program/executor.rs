@@ -72,7 +72,7 @@ impl ProgramRun {
     fn execute_front(&mut self, plant: &mut Plant, mut suspended: Option<&mut Self>) -> bool {
         for _ in 0..ACTIONS_PER_TICK {
             self.drop_finished_moves(plant);
-            let did = match self.queue.front() {
+            let status = match self.queue.front() {
                 None | Some(QueueItem::Move(_)) => return false,
                 Some(QueueItem::BlockStart(place)) => {
                     plant.execution.current_block = *place;
@@ -93,29 +93,29 @@ impl ProgramRun {
                 }
                 Some(QueueItem::BlockEnd) => ActionStatus::Done,
                 Some(QueueItem::Action(_)) => {
-                    let Some(QueueItem::Action(act)) = self.queue.pop_front() else { return false };
-                    let did = self.execute_action(plant, &act);
+                    let Some(QueueItem::Action(action)) = self.queue.pop_front() else { return false };
+                    let status = self.execute_action(plant, &action);
                     // A run suspended by the retract has its own copy of the variables.
-                    if let (QueuedAction::SetVariable(number, value), Some(waiting)) = (&act, &mut suspended) {
+                    if let (QueuedAction::SetVariable(number, value), Some(waiting)) = (&action, &mut suspended) {
                         let _ = waiting.interpreter.update_variable(*number, *value);
                     }
-                    self.queue.push_front(QueueItem::Action(act));
-                    did
+                    self.queue.push_front(QueueItem::Action(action));
+                    status
                 }
             };
-            match did {
+            match status {
                 ActionStatus::Wait => return false,
                 ActionStatus::EndRun => return true,
                 ActionStatus::Done | ActionStatus::Stop => {
                     self.pop_front();
                     // A block that ends with its own stop (M00) does not stop a second time in single block.
-                    if matches!((&did, self.queue.front()), (ActionStatus::Stop, Some(QueueItem::BlockEnd))) {
+                    if matches!((&status, self.queue.front()), (ActionStatus::Stop, Some(QueueItem::BlockEnd))) {
                         self.pop_front();
                     }
                     self.activity = Activity::Idle;
                 }
             }
-            if matches!(did, ActionStatus::Stop) {
+            if matches!(status, ActionStatus::Stop) {
                 plant.transition(ControlEvent::Stop);
                 return false;
             }
@@ -158,7 +158,7 @@ impl ProgramRun {
                     self.next_tag += 1;
                 }
                 QueueItem::BlockEnd if plant.operator.switches.single_block && self.origin == Origin::Program => return,
-                QueueItem::Action(act) if act.waits_for_motion() => return,
+                QueueItem::Action(action) if action.waits_for_motion() => return,
                 QueueItem::Action(_) | QueueItem::BlockStart(_) | QueueItem::BlockEnd => {}
             }
             self.handed_over += 1;
@@ -235,8 +235,8 @@ impl ProgramRun {
         };
         let cause = forbidden.text(&plant.params);
         let place = [plant.program_title(at.program), at.line.into()];
-        let said = LocalizedText::phrase_of(REFUSED_BLOCK, place, [cause]);
-        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(number, said, at)));
+        let message = LocalizedText::phrase_of(REFUSED_BLOCK, place, [cause]);
+        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(number, message, at)));
     }
 
     /// Once the axes are at rest, takes the unfinished moves back from the planner, to hand them over block by block.

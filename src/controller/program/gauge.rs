@@ -29,14 +29,14 @@ impl ProgramRun {
             }
             return ActionStatus::Wait;
         };
-        let did = self.gauge_stage(plant, &mut gauging);
-        if matches!(did, ActionStatus::Wait) {
+        let status = self.gauge_stage(plant, &mut gauging);
+        if matches!(status, ActionStatus::Wait) {
             self.activity = Activity::Gauge(gauging);
         } else {
             self.activity = Activity::Idle;
             self.lookahead.machine_position = plant.axes.set_point();
         }
-        did
+        status
     }
 
     /// Latches a contact that occurs while the run brakes to a hold or is held.
@@ -98,8 +98,8 @@ impl ProgramRun {
         };
         // B5: the target of the back-off is known only now.
         if let Err(forbidden) = check_soft_limits(axis, target, &plant.params) {
-            let said = forbidden.text(&plant.params);
-            plant.raise(alarm::SOFT_LIMIT, Some(said));
+            let message = forbidden.text(&plant.params);
+            plant.raise(alarm::SOFT_LIMIT, Some(message));
             return ActionStatus::Wait;
         }
         let mut to: MachinePos = from;

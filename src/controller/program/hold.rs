@@ -114,8 +114,8 @@ impl ProgramRun {
             Handover::Detached(parted) => {
                 let now = plant.axes.program_set_point();
                 if let Err(forbidden) = self.shift_by_intervention(parted, now, &plant.params) {
-                    let said = forbidden.text(&plant.params);
-                    plant.refuse(said);
+                    let message = forbidden.text(&plant.params);
+                    plant.refuse(message);
                     plant.transition(ControlEvent::Hold);
                     return false;
                 }

@@ -33,7 +33,7 @@ impl ProgramRun {
         // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
             let [title, place] = thread_location(plant);
-            let said = phrase!(
+            let message = phrase!(
                 "{title} {place}：主轴 {rpm:.0} r/min，导程 {lead_mm:.3} mm 最高 {limit:.0} r/min",
                 "{title} {place}: {rpm:.0} rpm, lead {lead_mm:.3} mm allows at most {limit:.0} rpm",
                 title,
@@ -42,7 +42,7 @@ impl ProgramRun {
                 lead_mm = thread.lead_mm,
                 limit
             );
-            plant.raise(alarm::THREAD_SPEED, Some(said));
+            plant.raise(alarm::THREAD_SPEED, Some(message));
             return ActionStatus::Wait;
         }
         let from = plant.axes.set_point();

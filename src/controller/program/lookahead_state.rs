@@ -48,9 +48,9 @@ pub struct LookaheadState {
 impl LookaheadState {
     /// State at the start of a run.
     #[must_use]
-    pub fn new(frames: WorkOffsets, machine: MachinePos, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
+    pub fn new(offsets: WorkOffsets, machine: MachinePos, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
         Self {
-            work_offsets: frames,
+            work_offsets: offsets,
             machine_position: machine,
             dress_points,
             oscillating: None,
@@ -69,7 +69,7 @@ impl LookaheadState {
         items: &mut QueueItems,
         params: &Params,
     ) -> Checked<()> {
-        let act = match op.effect() {
+        let action = match op.effect() {
             OpEffect::Motion(motion) => return self.queue_motion(motion, items, params),
             OpEffect::IndexTurret { station, by } => return self.queue_turret(station, by, items, params),
             OpEffect::PathMode(mode) => {
@@ -88,15 +88,15 @@ impl LookaheadState {
             OpEffect::Variable(variable, value) => QueuedAction::SetVariable(variable, value),
             OpEffect::SystemVariable(number, value) => QueuedAction::SetSystemVariable(number, value),
             OpEffect::Message(message) => {
-                let said = LocalizedText::of_program;
+                let worded = LocalizedText::of_program;
                 match message {
-                    ProgramMessage::Alarm(number, text) => QueuedAction::Alarm(number as u16, said(text), at),
-                    ProgramMessage::Show(text) => QueuedAction::Note(said(text)),
-                    ProgramMessage::Stop(_, text) => QueuedAction::Message(said(text)),
+                    ProgramMessage::Alarm(number, text) => QueuedAction::Alarm(number as u16, worded(text), at),
+                    ProgramMessage::Show(text) => QueuedAction::Note(worded(text)),
+                    ProgramMessage::Stop(_, text) => QueuedAction::Message(worded(text)),
                 }
             }
         };
-        items.push_back(QueueItem::Action(act));
+        items.push_back(QueueItem::Action(action));
         Ok(())
     }
 

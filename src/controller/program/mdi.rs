@@ -139,15 +139,15 @@ impl Program {
         let source = Arc::clone(&self.mdi.source);
         let settings = NcSettings { needs_block_numbers: false, ..nc_settings(plant.kind, &plant.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
-        let mut frames = plant.work.offsets.clone();
-        frames.activate(modals.work_offset);
-        let mut planned =
-            LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
-        planned.oscillating = plant.oscillating_axis();
-        planned.dialect = plant.kind.row().dialect;
+        let mut offsets = plant.work.offsets.clone();
+        offsets.activate(modals.work_offset);
+        let mut lookahead =
+            LookaheadState::new(offsets, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
+        lookahead.oscillating = plant.oscillating_axis();
+        lookahead.dialect = plant.kind.row().dialect;
         let program: (_, SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
         let memory = &plant.work.variables;
-        let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight: None };
+        let start = RunStart { program, settings, modals, memory, lookahead, preflight: None };
         let mut run = self.pool.open(start, plant.now);
         let mut world = RunWorld::new(plant, &run.lookahead, true);
         let mut budget = plant.reading_budget();

@@ -107,21 +107,21 @@ impl Program {
             // L3: at program start, work zero, reference point and start point coincide.
             plant.work.offsets.set_coordinates(plant.axes.set_point(), &PerAxis([Some(0.0), None, Some(0.0)]));
         }
-        let mut planned = LookaheadState::new(
+        let mut lookahead = LookaheadState::new(
             plant.work.offsets.clone(),
             plant.axes.set_point(),
             plant.work.dress_points,
             modals.path_mode,
         );
-        planned.oscillating = plant.oscillating_axis();
-        planned.soft_limits_active = plant.axes.all_homed();
-        planned.homed = planned.soft_limits_active || plant.kind.row().may_start_unhomed();
-        planned.dialect = plant.kind.row().dialect;
+        lookahead.oscillating = plant.oscillating_axis();
+        lookahead.soft_limits_active = plant.axes.all_homed();
+        lookahead.homed = lookahead.soft_limits_active || plant.kind.row().may_start_unhomed();
+        lookahead.dialect = plant.kind.row().dialect;
         let checked = origin == Origin::Program && nc::ProgramPreflight::is_supported(settings.dialect);
         let preflight = checked.then(|| PreflightStart { world: preflight_world(plant, &settings), before });
         let program: (_, nc::SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
         let memory = &plant.work.variables;
-        let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight };
+        let start = RunStart { program, settings, modals, memory, lookahead, preflight };
         let mut run = self.pool.open(start, plant.now);
         run.origin = origin;
         // The planner keeps the tag of the last finished move across runs.

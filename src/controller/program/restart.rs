@@ -234,23 +234,23 @@ impl Program {
         let source = Arc::clone(&program.source);
         let settings = nc::NcSettings { axes: plant.axes.fitted(), ..nc_settings(plant.kind, &plant.params) };
         let modals = ModalState::new(&settings);
-        let mut frames = plant.work.offsets.clone();
-        frames.activate(modals.work_offset);
+        let mut offsets = plant.work.offsets.clone();
+        offsets.activate(modals.work_offset);
         let world = OfflineMachine::new(&settings)
             .with_references(reference_points(&plant.params))
-            .with_work_offsets(frames.clone())
-            .with_position(frames.work_from_machine(plant.axes.set_point()))
+            .with_work_offsets(offsets.clone())
+            .with_position(offsets.work_from_machine(plant.axes.set_point()))
             .with_block_skip(plant.operator.switches.block_skip)
             .with_system_variables(std::mem::take(&mut self.pool.system_variables))
             .with_known_values_only();
         let world = copy_system_variables(plant, world);
-        let planned = LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
+        let lookahead = LookaheadState::new(offsets, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
         let before = (plant.work.offsets.clone(), plant.work.tool_change_point);
         let checked = nc::ProgramPreflight::is_supported(settings.dialect);
         let preflight = checked.then(|| PreflightStart { world: preflight_world(plant, &settings), before });
         let program: (_, nc::SharedLibrary) = (source, Arc::clone(&plant.work.programs) as _);
         let memory = &plant.work.variables;
-        let start = RunStart { program, settings, modals, memory, lookahead: planned, preflight };
+        let start = RunStart { program, settings, modals, memory, lookahead, preflight };
         let run = self.pool.open(start, plant.now);
         let switched = StateBeforeBlock::default();
         self.restart = Some(Restart { line, run, world, state: switched, ticks: 0, block_found: false });
@@ -302,12 +302,12 @@ impl Program {
     /// Sets the run to the state at the block that was found.
     fn finish_search(&mut self, plant: &Plant) {
         let Some(Restart { run, world, .. }) = self.restart.as_mut() else { return };
-        let mut frames = plant.work.offsets.clone();
+        let mut offsets = plant.work.offsets.clone();
         let there = world.work_offsets();
-        (frames.active, frames.tool, frames.tool_offset) = (there.active, there.tool, there.tool_offset);
+        (offsets.active, offsets.tool, offsets.tool_offset) = (there.active, there.tool, there.tool_offset);
         run.lookahead = LookaheadState::new(
-            frames.clone(),
-            frames.machine_from_work(world.work_position()),
+            offsets.clone(),
+            offsets.machine_from_work(world.work_position()),
             plant.work.dress_points,
             run.interpreter.modals().path_mode,
         );

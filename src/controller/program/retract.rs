@@ -169,8 +169,8 @@ impl Program {
             return;
         }
         if let Some(run) = self.run.take() {
-            let (place, frames) = (plant.execution.current_block, &plant.work.offsets);
-            let (active, tool, offset) = (frames.active, frames.tool, frames.tool_offset);
+            let (place, offsets) = (plant.execution.current_block, &plant.work.offsets);
+            let (active, tool, offset) = (offsets.active, offsets.tool, offsets.tool_offset);
             let spindles_before_pause = plant.execution.spindles_before_pause;
             let suspended = SuspendedRun { run, place, active_offset: active, tool, offset, spindles_before_pause };
             self.retract.suspended = Some(suspended);

@@ -225,7 +225,7 @@ impl ProgramRun {
     /// The first refused operation. Nothing of the block is queued then.
     pub fn queue_block(&mut self, params: &Params) -> Result<(), MoveRefusal> {
         let kept = self.queue.len();
-        let planned = self.lookahead.clone();
+        let before = self.lookahead.clone();
         self.queue.push_back(QueueItem::BlockStart(self.block.location));
         let ops = std::mem::take(&mut self.block.ops);
         let mut result = Ok(());
@@ -244,7 +244,7 @@ impl ProgramRun {
             Ok(()) => {}
             Err(_) => {
                 self.queue.truncate(kept);
-                self.lookahead = planned;
+                self.lookahead = before;
             }
         }
         result

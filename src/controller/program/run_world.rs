@@ -22,20 +22,20 @@ const SWITCH_THRESHOLD: f64 = 0.5;
 /// The machine as a running program sees it.
 pub struct RunWorld<'a> {
     plant: &'a Plant,
-    planned: &'a LookaheadState,
+    lookahead: &'a LookaheadState,
     drained: bool,
 }
 
 impl<'a> RunWorld<'a> {
     /// The state at the end of read-ahead; `drained`: the machine has reached it.
-    pub const fn new(plant: &'a Plant, planned: &'a LookaheadState, drained: bool) -> Self {
-        Self { plant, planned, drained }
+    pub const fn new(plant: &'a Plant, lookahead: &'a LookaheadState, drained: bool) -> Self {
+        Self { plant, lookahead, drained }
     }
 }
 
 impl ExternalState for RunWorld<'_> {
     fn position(&self) -> WorkPos {
-        self.planned.work_offsets.work_from_machine(self.planned.machine_position)
+        self.lookahead.work_offsets.work_from_machine(self.lookahead.machine_position)
     }
 
     fn system_variable(&mut self, number: u32) -> LiveValue {
@@ -47,18 +47,18 @@ impl ExternalState for RunWorld<'_> {
     }
 
     fn tool_compensation(&self, tool: u32) -> PerAxis<f64> {
-        self.planned.work_offsets.tool_compensation(tool)
+        self.lookahead.work_offsets.tool_compensation(tool)
     }
 
     fn active_tool(&self) -> u32 {
-        self.planned.work_offsets.tool
+        self.lookahead.work_offsets.tool
     }
 
     fn program_start(&self) -> WorkPos {
         let Some(start) = self.plant.work.tool_change_point else { return self.position() };
         // L8: a tool change read ahead shifts the tip position by the same amount as the slides.
-        let (there, now) = (self.planned.work_offsets.shift, self.plant.work.offsets.shift);
-        self.planned.work_offsets.work_from_machine(start + there - now)
+        let (there, now) = (self.lookahead.work_offsets.shift, self.plant.work.offsets.shift);
+        self.lookahead.work_offsets.work_from_machine(start + there - now)
     }
 
     fn block_skip(&self) -> bool {
@@ -92,8 +92,8 @@ impl ProgramRun {
         for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
             if let Some((index, axis)) = offset_and_axis(table, number) {
                 if !offset_in_range(if wear { OffsetPart::Wear } else { OffsetPart::Geometry }, value) {
-                    let said = phrase!("#{number} = {value}", "#{number} = {value}", number, value);
-                    plant.raise(alarm::OFFSET_RANGE, Some(said));
+                    let message = phrase!("#{number} = {value}", "#{number} = {value}", number, value);
+                    plant.raise(alarm::OFFSET_RANGE, Some(message));
                     return false;
                 }
                 let value = value / plant.displayed_per_mm(axis);

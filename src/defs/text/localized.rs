@@ -117,18 +117,18 @@ impl LocalizedText {
     /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> Cow<'_, str> {
-        let mut said = self.unworded(lang).map_or_else(|| Cow::Owned(String::new()), Cow::Borrowed);
-        if let (TextContent::Phrase(template, args), Cow::Owned(out)) = (&self.content, &mut said) {
+        let mut shown = self.unworded(lang).map_or_else(|| Cow::Owned(String::new()), Cow::Borrowed);
+        if let (TextContent::Phrase(template, args), Cow::Owned(out)) = (&self.content, &mut shown) {
             // Writing to a `String` does not fail.
             let _ = template.write(out, lang, args);
         }
-        let said = match self.alarm.and_then(alarm::find) {
-            Some(row) => Cow::Owned(format!("{}{}{said}", row.text.get(lang), Text::new("：", ": ").get(lang))),
-            None => said,
+        let shown = match self.alarm.and_then(alarm::find) {
+            Some(row) => Cow::Owned(format!("{}{}{shown}", row.text.get(lang), Text::new("：", ": ").get(lang))),
+            None => shown,
         };
-        match said.char_indices().nth(usize::from(self.max_chars)) {
-            Some((end, _)) => Cow::Owned(said[..end].to_owned()),
-            None => said,
+        match shown.char_indices().nth(usize::from(self.max_chars)) {
+            Some((end, _)) => Cow::Owned(shown[..end].to_owned()),
+            None => shown,
         }
     }
 

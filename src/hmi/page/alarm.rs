@@ -69,7 +69,7 @@ impl PageUi for AlarmPage {
         let chosen = self.selected.filter(|chosen| rows.contains(chosen));
         let told = chosen.filter(|_| self.shows_history).and(self.selected_number(view));
         let below = told.and_then(|number| self.help_of(number)).map_or(0.0, |entry| {
-            let parts = entry.paragraphs.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
+            let parts = entry.paragraphs.iter().map(|(caption, words)| (caption.get(view.lang), words.get(view.lang)));
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
             detail(view, place, parts.collect())
         });

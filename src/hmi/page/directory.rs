@@ -165,9 +165,9 @@ impl DirectoryPage {
         (self.action, self.typing) = (None, FieldEditor::default());
     }
 
-    fn begin_action(&mut self, deed: DirectoryAction, view: &View<'_>) {
+    fn begin_action(&mut self, action: DirectoryAction, view: &View<'_>) {
         let chosen = view.snapshot.directory.get(self.cursor);
-        if let (DirectoryAction::Delete, Some(row)) = (deed, chosen) {
+        if let (DirectoryAction::Delete, Some(row)) = (action, chosen) {
             let (number, name, comment) = (row.number, &row.name, &row.comment);
             let body = LocalizedText::new(
                 format!("{name} {comment}\n删除后不能恢复，除非有备份。"),
@@ -178,7 +178,7 @@ impl DirectoryPage {
             self.question.ask((), Question::new(Text::new("删除程序？", "delete the program?"), body, key));
             return;
         }
-        self.action = Some(deed).filter(|_| chosen.is_some() || deed == DirectoryAction::New);
+        self.action = Some(action).filter(|_| chosen.is_some() || action == DirectoryAction::New);
         self.typing = FieldEditor::default();
         self.typing.pad_open = true;
     }
@@ -190,8 +190,8 @@ impl DirectoryPage {
         } else if edits.iter().any(|edit| matches!(edit, EditKey::Up | EditKey::Down | EditKey::Cancel)) {
             self.keys_focused = false;
         }
-        if let Some(deed) = self.action {
-            let what = match deed {
+        if let Some(action) = self.action {
+            let what = match action {
                 DirectoryAction::New => view.text("新程序号 O", "new program O"),
                 DirectoryAction::Copy => view.text("复制为 O", "copy to O"),
                 DirectoryAction::Rename => view.text("改为 O", "rename to O"),
@@ -206,10 +206,10 @@ impl DirectoryPage {
         let has_pages = Page::Designer.exists_on(view.snapshot.kind);
         let (row, count) = (rect.trim_bottom(theme::GAP), ACTIONS.len() + usize::from(has_pages));
         let locked = view.snapshot.mode != Mode::Edit;
-        for (index, deed) in ACTIONS.into_iter().enumerate() {
-            let key = PageKey::new(deed.id(), deed.label().get(view.lang)).locked(locked);
+        for (index, action) in ACTIONS.into_iter().enumerate() {
+            let key = PageKey::new(action.id(), action.label().get(view.lang)).locked(locked);
             if self.walk.button(view, row.cell(index, count), key) {
-                self.begin_action(deed, view);
+                self.begin_action(action, view);
             }
         }
         let key = PageKey::new("design-page", view.text("页面设计", "PAGE"));
@@ -272,11 +272,11 @@ impl DirectoryPage {
         let ink = if current { view.theme.run } else { view.theme.text };
         view.fit_left(number, &row.name, theme::SECONDARY, ink);
         let (rest, action) = rest.split_right(96.0);
-        let (comment, facts) = rest.split_right(210.0);
+        let (comment, details) = rest.split_right(210.0);
         // A long comment takes two lines of the same size.
         let words = row.comment.replace('\u{FFFD}', "?");
         view.text_rows(comment.trim_right(theme::PAD), &words, theme::LABEL, view.theme.text, 2);
-        let (size, date) = facts.split_left_right_at_fraction(0.34);
+        let (size, date) = details.split_left_right_at_fraction(0.34);
         view.line_right(size, &format_size(row.size), theme::LABEL, view.theme.muted);
         view.fit_right(date.trim_right(theme::PAD), &row.modified, theme::LABEL, view.theme.muted);
         if current {

@@ -72,9 +72,9 @@ impl SerialPane {
         match self.number.parse::<u16>() {
             Ok(number @ 1..=9_999) => Ok(Some(format!("O{number:04}.NC"))),
             Ok(_) | Err(_) => {
-                let said = LocalizedText::new("程序号应为 1 到 9999", "program numbers are 1 to 9999");
-                self.refused = Some(said.clone());
-                Err(said)
+                let message = LocalizedText::new("程序号应为 1 到 9999", "program numbers are 1 to 9999");
+                self.refused = Some(message.clone());
+                Err(message)
             }
         }
     }
@@ -99,7 +99,7 @@ impl SerialPane {
         self.field(rect.band(top, FIELD_HEIGHT), view);
         let below = rect.trim_top(top + FIELD_HEIGHT + theme::GAP);
         let (words, ink) = match (&self.refused, media.ports.is_empty()) {
-            (Some(said), _) => (said.get(view.lang), view.theme.alarm_text),
+            (Some(message), _) => (message.get(view.lang), view.theme.alarm_text),
             (None, true) => (view.text("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in.").into(), view.theme.hold),
             (None, false) => (
                 view.text(

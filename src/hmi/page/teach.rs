@@ -54,9 +54,9 @@ impl PageUi for TeachPage {
         let (list, side) = body.split_left_right_at_fraction(0.6);
         self.blocks(list.trim_right(theme::GAP).trim_bottom(theme::GAP), view, typed.scroll_pages);
         tool_status(side.trim_bottom(theme::GAP), view);
-        let (steps, acts) = keys.split_top(KEY_HEIGHT + theme::GAP);
+        let (steps, actions) = keys.split_top(KEY_HEIGHT + theme::GAP);
         self.steps(steps.band(0.0, KEY_HEIGHT), view, out);
-        self.action_keys(acts, view, login, out);
+        self.action_keys(actions, view, login, out);
     }
 }
 

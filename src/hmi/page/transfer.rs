@@ -192,7 +192,7 @@ impl TransferPage {
         let names = match (self.set, direction) {
             (TransferSet::Serial, Direction::Import) => match self.serial.file_name(kind) {
                 Ok(name) => name.into_iter().collect(),
-                Err(said) => return self.message.refuse(said),
+                Err(message) => return self.message.refuse(message),
             },
             _ => self.chosen[side].iter().cloned().collect(),
         };
@@ -316,11 +316,11 @@ impl TransferPage {
         match self.walk.keys(view, rect.trim_top(2.0), &keys) {
             Some(2) => out.extend(busy.then(|| file_command(Requester::Transfer, FileRequest::Cancel))),
             Some(_) if missing => {
-                let said = match serial {
+                let message = match serial {
                     true => Text::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
                     false => Text::new("没有 U 盘", "no USB medium"),
                 };
-                self.message.refuse(said);
+                self.message.refuse(message);
             }
             Some(0) if !busy => self.start(view.snapshot.kind, Direction::Export, out),
             Some(_) if !busy => self.start(view.snapshot.kind, Direction::Import, out),
@@ -332,7 +332,7 @@ impl TransferPage {
 /// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
 fn conversion_question(faults: &[LocalizedText]) -> Question {
     let list = |zh: bool| {
-        let lines = faults.iter().take(3).map(|said| if zh { said.zh() } else { said.en() });
+        let lines = faults.iter().take(3).map(|message| if zh { message.zh() } else { message.en() });
         let mut text = lines.collect::<Vec<_>>().join("\n");
         if faults.len() > 3 {
             text.push_str("\n…");

@@ -111,8 +111,8 @@ fn write_program(out: &mut Vec<u8>, sheet: &SerialProgram, named: bool) -> Resul
         if let Some(column) = wrong {
             let (name, line, column) = (&sheet.name, index + 1, column + 1);
             let en = format!("{name} line {line}, column {column}: a % or a control character");
-            let said = LocalizedText::new(format!("{name} 第{line}行 第{column}列：% 或控制字符"), en);
-            return Err(SerialError::NotSendable(said));
+            let message = LocalizedText::new(format!("{name} 第{line}行 第{column}列：% 或控制字符"), en);
+            return Err(SerialError::NotSendable(message));
         }
         put(line);
     }

@@ -64,11 +64,11 @@ impl SerialError {
     #[must_use]
     pub fn detail(&self) -> LocalizedText {
         match self {
-            Self::Port(said)
-            | Self::BadFormat(said)
-            | Self::Disconnected(said)
-            | Self::NotStored(said)
-            | Self::NotSendable(said) => said.clone(),
+            Self::Port(message)
+            | Self::BadFormat(message)
+            | Self::Disconnected(message)
+            | Self::NotStored(message)
+            | Self::NotSendable(message) => message.clone(),
             Self::NoData(None) => LocalizedText::new("没有收到程序开头的 %", "no % of a program was received"),
             Self::NoData(Some(line)) => {
                 LocalizedText::new(format!("在第 {line} 行中断"), format!("interrupted at line {line}"))

@@ -106,12 +106,12 @@ impl SerialTransfer<'_> {
 
     /// Stores a program atomically and reads it back.
     fn store(&self, sheet: &SerialProgram, before: &[String]) -> Result<String, SerialError> {
-        let failed = |said: LocalizedText| {
+        let failed = |message: LocalizedText| {
             let (zh, en) = match before.is_empty() {
                 true => (String::new(), String::new()),
                 false => (format!("；已保存 {}", before.join(" ")), format!("; stored before: {}", before.join(" "))),
             };
-            SerialError::NotStored(LocalizedText::new(format!("{}{zh}", said.zh()), format!("{}{en}", said.en())))
+            SerialError::NotStored(LocalizedText::new(format!("{}{zh}", message.zh()), format!("{}{en}", message.en())))
         };
         let name = self.folder.write(&sheet.name, &sheet.text).map_err(|error| failed(error.message()))?;
         let back = self.folder.read(&name).map_err(|error| failed(error.message()))?;

@@ -110,7 +110,7 @@ impl Drop for ThreadedStorage {
 /// The queues of the two job threads.
 #[derive(Clone)]
 struct JobQueues {
-    office: Option<Sender<BackgroundJob>>,
+    general: Option<Sender<BackgroundJob>>,
     line: Option<Sender<BackgroundJob>>,
     runners: [JobRunner; 2],
 }
@@ -119,14 +119,14 @@ impl JobQueues {
     /// Starts the job threads; they end when their queues are closed.
     fn start(worker: &StorageWorker, tell: &Sender<Arrival>) -> std::io::Result<(Self, Vec<JoinHandle<()>>)> {
         let line_worker = StorageWorker { jobs: worker.jobs.clone().with_own_cancel(), ..worker.clone() };
-        let (office, office_jobs) = bounded(JOB_QUEUE);
+        let (general, general_jobs) = bounded(JOB_QUEUE);
         let (line, line_jobs) = bounded(JOB_QUEUE);
         let runners = [worker.jobs.clone(), line_worker.jobs.clone()];
         let threads = vec![
-            Self::spawn("kt830-jobs", worker.clone(), office_jobs, tell.clone())?,
+            Self::spawn("kt830-jobs", worker.clone(), general_jobs, tell.clone())?,
             Self::spawn("kt830-line", line_worker, line_jobs, tell.clone())?,
         ];
-        Ok((Self { office: Some(office), line: Some(line), runners }, threads))
+        Ok((Self { general: Some(general), line: Some(line), runners }, threads))
     }
 
     fn spawn(
@@ -149,7 +149,7 @@ impl JobQueues {
             return None;
         }
         let asked_again = matches!(job.request, FileRequest::CheckLines { .. } | FileRequest::ListMedia);
-        let (ticket, queue) = (job.ticket, if is_serial(&job) { &self.line } else { &self.office });
+        let (ticket, queue) = (job.ticket, if is_serial(&job) { &self.line } else { &self.general });
         let taken = queue.as_ref().is_some_and(|queue| queue.try_send(*job).is_ok());
         (!taken && !asked_again).then(|| {
             let busy = LocalizedText::new("上一项工作未完成，请稍候", "the previous job is not finished: wait");
@@ -161,7 +161,7 @@ impl JobQueues {
     /// Closes the queues. A job that writes is completed; a calculation or a transfer over the line is cancelled.
     fn end(&mut self) {
         self.runners.iter().for_each(JobRunner::end);
-        (self.office, self.line) = (None, None);
+        (self.general, self.line) = (None, None);
     }
 }
 

@@ -36,8 +36,8 @@ impl RetainedWorker {
     /// Answers the requests of the pages, then stores the values and acknowledges the commit.
     pub(super) fn handle(&mut self, requests: &[StorageRequest], tell: &mut dyn FnMut(Arrival)) {
         for request in requests {
-            if let StorageRequest::Page(wish) = request {
-                tell(Arrival::Command(self.answer(wish)));
+            if let StorageRequest::Page(request) = request {
+                tell(Arrival::Command(self.answer(request)));
             }
         }
         let Self::Disk(store) = self else { return };
@@ -50,10 +50,10 @@ impl RetainedWorker {
         }));
     }
 
-    fn answer(&mut self, wish: &SettingsRequest) -> Command {
+    fn answer(&mut self, request: &SettingsRequest) -> Command {
         match self {
-            Self::Disk(store) => store.answer(wish),
-            Self::Memory(passwords) => passwords.answer(wish, None),
+            Self::Disk(store) => store.answer(request),
+            Self::Memory(passwords) => passwords.answer(request, None),
         }
     }
 }

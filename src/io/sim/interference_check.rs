@@ -28,12 +28,12 @@ pub struct InterferenceCheck {
 impl InterferenceCheck {
     /// A new bar, the tools that the parameters define, station 1 in cutting position. `None` without a bar.
     #[must_use]
-    pub fn new(part: &PartFile, post: &ToolTurretFile, params: &Params) -> Option<Self> {
+    pub fn new(part: &PartFile, turret: &ToolTurretFile, params: &Params) -> Option<Self> {
         part.bar?;
         Some(Self {
             material: Material::of_part(part),
-            tools: turret_with_tools(post, params).tools.to_vec(),
-            crash_mm: post.crash_mm,
+            tools: turret_with_tools(turret, params).tools.to_vec(),
+            crash_mm: turret.crash_mm,
             station: 0,
             part_from_work: None,
             spindle_on: false,

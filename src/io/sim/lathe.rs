@@ -80,10 +80,10 @@ pub(super) struct Material {
 
 impl SimLathe {
     /// Everything at rest, station 1 in cutting position, no bar.
-    pub(super) const fn new(spindle: MainSpindleFile, post: ToolTurretFile) -> Self {
+    pub(super) const fn new(spindle: MainSpindleFile, turret: ToolTurretFile) -> Self {
         Self {
             spindle,
-            turret: post,
+            turret,
             direction: 0.0,
             rpm: 0.0,
             turns: 0.0,
@@ -200,14 +200,14 @@ impl SimLathe {
 }
 
 /// The tool turret with the tools that the parameters define.
-pub(super) fn turret_with_tools(post: &ToolTurretFile, params: &Params) -> ToolTurretFile {
-    let mut post = post.clone();
-    for (station, tool) in post.tools.iter_mut().enumerate() {
+pub(super) fn turret_with_tools(turret: &ToolTurretFile, params: &Params) -> ToolTurretFile {
+    let mut turret = turret.clone();
+    for (station, tool) in turret.tools.iter_mut().enumerate() {
         let defined = TurningTool::of_station(params, station);
         tool.edge_mm = defined.edge_mm;
         tool.outline_mm = defined.outline_mm().into_iter().map(|(z, height)| TablePoint(z, height)).collect();
     }
-    post
+    turret
 }
 
 impl Material {

@@ -88,8 +88,8 @@ impl MachineFile {
             require_positive("main_spindle.run_up_s", spindle.run_up_s)?;
             require_positive("main_spindle.encoder_steps", spindle.encoder_steps)?;
         }
-        if let Some(post) = &self.tool_post {
-            require_positive("tool_post.step_s", post.step_s)?;
+        if let Some(turret) = &self.tool_post {
+            require_positive("tool_post.step_s", turret.step_s)?;
         }
         let roll = self.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref());
         let roll_drive = roll.map(|roll| &roll.drive);

@@ -301,8 +301,8 @@ impl ProfileSurface {
         Cut { volume_mm3: volume, specific_mm2: if touched > 0.0 { volume / touched } else { 0.0 } }
     }
 
-    /// Grinds a face, in a wall `wall_mm` wide or rotating, with the side of the wheel. Stroke and infeed both traverse a
-    /// wall.
+    /// Grinds a face with the side of the wheel: a wall `wall_mm` wide, which stroke and infeed both traverse, or a
+    /// rotating face.
     fn grind_face(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel, side: Side, wall_mm: Option<f64>) -> Cut {
         let tau = wheel.side_time_constant_s(side);
         let lambda = pass.traverse.face_mm * wheel.dullness_factor(tau);

@@ -27,7 +27,7 @@ const META: TableDefinition<&str, u64> = TableDefinition::new("meta");
 const VARIABLES: TableDefinition<u16, f64> = TableDefinition::new("variables");
 const PARAMS: TableDefinition<&str, f64> = TableDefinition::new("params");
 const OFFSETS: TableDefinition<u8, [f64; 6]> = TableDefinition::new("tool_offsets");
-const WORK_FRAMES: TableDefinition<u8, [f64; 3]> = TableDefinition::new("work_frames");
+const WORK_OFFSETS: TableDefinition<u8, [f64; 3]> = TableDefinition::new("work_frames");
 const NUMBERS: TableDefinition<&str, f64> = TableDefinition::new("numbers");
 const TEXTS: TableDefinition<&str, &str> = TableDefinition::new("texts");
 
@@ -106,7 +106,7 @@ pub(super) fn create_tables(database: &Database) -> Result<(), StorageFault> {
         transaction.open_table(VARIABLES)?;
         transaction.open_table(PARAMS)?;
         transaction.open_table(OFFSETS)?;
-        transaction.open_table(WORK_FRAMES)?;
+        transaction.open_table(WORK_OFFSETS)?;
         transaction.open_table(NUMBERS)?;
         transaction.open_table(TEXTS)?;
         transaction.open_table(ALARMS)?;
@@ -162,7 +162,7 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
     let mut variables = transaction.open_table(VARIABLES)?;
     let mut params = transaction.open_table(PARAMS)?;
     let mut offsets = transaction.open_table(OFFSETS)?;
-    let mut frames = transaction.open_table(WORK_FRAMES)?;
+    let mut work_offsets = transaction.open_table(WORK_OFFSETS)?;
     let mut numbers = transaction.open_table(NUMBERS)?;
     let mut texts = transaction.open_table(TEXTS)?;
     let mut alarms = transaction.open_table(ALARMS)?;
@@ -184,7 +184,7 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
             }
             RetainedChange::WorkOffset { index, origin } => {
                 let row = |origin: [f64; 3]| axes_checksum(RowTable::WorkOffset, *index, &origin);
-                set_row!(frames, *index, Some(origin.0), row)
+                set_row!(work_offsets, *index, Some(origin.0), row)
             }
             RetainedChange::Text { key, value } => {
                 let row = |text: &str| row_checksum(RowTable::Text, key.as_bytes(), text.as_bytes());
@@ -228,7 +228,7 @@ pub(super) fn load(database: &Database) -> Result<DatabaseContent, StorageFault>
         let offset = ToolOffset { geometry: PerAxis([gx, gy, gz]), wear: PerAxis([wx, wy, wz]) };
         loaded.offsets.insert(number.value(), offset);
     }
-    for row in transaction.open_table(WORK_FRAMES)?.iter()? {
+    for row in transaction.open_table(WORK_OFFSETS)?.iter()? {
         let (index, origin) = row?;
         counted = counted.wrapping_add(axes_checksum(RowTable::WorkOffset, index.value(), &origin.value()));
         loaded.work_offsets.insert(index.value(), PerAxis(origin.value()));

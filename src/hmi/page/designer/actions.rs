@@ -52,17 +52,17 @@ pub const fn from_shortcut(key: egui::Key) -> Option<DesignerAction> {
 
 /// Draws the keys; returns the pressed one.
 pub fn ui(view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<DesignerAction> {
-    let acts = if page.editing { EDITING } else { VIEWING };
+    let actions = if page.editing { EDITING } else { VIEWING };
     let (undo, redo) = page.document.can_undo_redo();
     let row = rect.band(0.0, widget::KEYS_HEIGHT - 2.0);
     let mut pressed = None;
-    for (index, act) in acts.iter().enumerate() {
-        let on = (*act == DesignerAction::Keyboard && page.keyboard_open)
-            || (*act == DesignerAction::Save && page.document.changed);
-        let locked = (*act == DesignerAction::Undo && !undo) || (*act == DesignerAction::Redo && !redo);
-        let key = PageKey::new(act.id(), act.label().get(view.lang)).on(on).locked(locked);
+    for (index, action) in actions.iter().enumerate() {
+        let on = (*action == DesignerAction::Keyboard && page.keyboard_open)
+            || (*action == DesignerAction::Save && page.document.changed);
+        let locked = (*action == DesignerAction::Undo && !undo) || (*action == DesignerAction::Redo && !redo);
+        let key = PageKey::new(action.id(), action.label().get(view.lang)).on(on).locked(locked);
         if page.key(view, row.cell(index, EDITING.len()), key) {
-            pressed = Some(*act);
+            pressed = Some(*action);
         }
     }
     pressed
@@ -128,12 +128,12 @@ impl DesignerPage {
         rows
     }
 
-    pub(super) fn perform(&mut self, act: DesignerAction, view: &View<'_>, out: &mut Vec<Command>) {
+    pub(super) fn perform(&mut self, action: DesignerAction, view: &View<'_>, out: &mut Vec<Command>) {
         self.message.clear();
-        if !self.editing && !matches!(act, DesignerAction::Edit | DesignerAction::OpenGrinding) {
+        if !self.editing && !matches!(action, DesignerAction::Edit | DesignerAction::OpenGrinding) {
             return self.message.refuse(EDIT_FIRST);
         }
-        match act {
+        match action {
             DesignerAction::Edit => self.request_edit(view, out),
             DesignerAction::Keyboard => self.keyboard_open = !self.keyboard_open,
             DesignerAction::Undo => self.document.undo(),

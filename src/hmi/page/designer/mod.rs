@@ -156,8 +156,8 @@ impl PageUi for DesignerPage {
         self.listing(text.trim_right(theme::GAP), view, typed.scroll_pages);
         self.right(right, view, picture);
         self.message_line(told, view);
-        if let Some(act) = actions::ui(view, keys, self) {
-            self.perform(act, view, out);
+        if let Some(action) = actions::ui(view, keys, self) {
+            self.perform(action, view, out);
         }
         if self.keyboard_open
             && let Some(letter) = letter_pad::ui(view, pad, &letter_pad::PAGE_TEXT_LAYOUT)
@@ -188,11 +188,11 @@ impl DesignerPage {
                     self.editing = true;
                     self.message.clear();
                 }
-                RequestEvent::Answer(why, Ok(deed)) => {
+                RequestEvent::Answer(why, Ok(completion)) => {
                     if let DesignerRequest::Save(version) = why {
-                        self.document.mark_saved(version, &deed);
+                        self.document.mark_saved(version, &completion);
                     }
-                    self.message.tell(deed.message);
+                    self.message.tell(completion.message);
                     self.stale = true;
                 }
                 RequestEvent::Answer(DesignerRequest::Save(_), Err(Refusal::Conflict)) => {
@@ -284,8 +284,8 @@ impl DesignerPage {
     /// Handles keyboard input.
     fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, out: &mut Vec<Command>) {
         for control in &typed.ctrl_keys {
-            if let Some(act) = actions::from_shortcut(*control) {
-                self.perform(act, view, out);
+            if let Some(action) = actions::from_shortcut(*control) {
+                self.perform(action, view, out);
             }
         }
         // Typed characters always go to the text, even while Tab has moved to the keys.

@@ -235,11 +235,11 @@ impl DesignerPage {
 }
 
 fn fault_text(view: &View<'_>, fault: &PageTextFault) -> String {
-    let said = fault.message.get(view.lang);
+    let cause = fault.message.get(view.lang);
     let (line, column) = (fault.line, fault.column);
     match view.lang {
-        Lang::Zh => format!("第{line}行 第{column}列：{said}"),
-        Lang::En => format!("line {line}, column {column}: {said}"),
+        Lang::Zh => format!("第{line}行 第{column}列：{cause}"),
+        Lang::En => format!("line {line}, column {column}: {cause}"),
     }
 }
 

@@ -140,7 +140,7 @@ impl HelpEntry {
 
     /// Captions and texts as one text.
     pub fn text(&self, lang: Lang) -> String {
-        let parts = self.paragraphs.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
+        let parts = self.paragraphs.iter().map(|(caption, text)| format!("{}: {}", caption.get(lang), text.get(lang)));
         parts.collect::<Vec<_>>().join("\n")
     }
 }
@@ -272,13 +272,13 @@ fn alarms(all: &mut Vec<HelpEntry>) {
     for error in ProgramError::ALL {
         // The alarm itself gives the details.
         let open = |text: &str| text.replace("{2}", "…").replace("{}", "…");
-        let said = |text: Text| LocalizedText::new(open(text.zh), open(text.en));
+        let words = |text: Text| LocalizedText::new(open(text.zh), open(text.en));
         let number = error.number();
         let cause = Text::new(
             "程序段中有错误；报警带程序、行、列",
             "an error in a block; the alarm shows program, line, column",
         );
-        all.push(add(number, format!("{number:03}"), said(error.text()), [cause.into(), said(error.remedy())]));
+        all.push(add(number, format!("{number:03}"), words(error.text()), [cause.into(), words(error.remedy())]));
     }
     all[from..].sort_by(|a, b| a.code.cmp(&b.code));
     let (text, remedy) = alarm::USER_ALARM_TEXTS;
@@ -287,9 +287,9 @@ fn alarms(all: &mut Vec<HelpEntry>) {
 }
 
 fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
-    let system = kind.dialect();
-    let mill = system.is_mill();
-    for row in G_CODES.iter().filter(|row| system.is_kt830() && row.availability_on(mill) != Availability::No) {
+    let dialect = kind.dialect();
+    let mill = dialect.is_mill();
+    for row in G_CODES.iter().filter(|row| dialect.is_kt830() && row.availability_on(mill) != Availability::No) {
         let stays = if matches!(row.group_on(mill), GCodeGroup::NonModal) {
             Text::new("只在本段", "in this block only")
         } else {
@@ -302,7 +302,7 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
         let sign = format!("G{:02}", row.code);
         all.push(HelpEntry::new(HelpTopic::GCode, format!("g-{sign}"), sign, row.text.into(), parts));
     }
-    for word in system.words() {
+    for word in dialect.words() {
         let (id, sign) = (format!("g-{}", word.word), word.word.to_owned());
         all.push(HelpEntry::new(HelpTopic::GCode, id, sign, word.text.into(), vec![(PURPOSE, word.help.into())]));
     }

@@ -293,8 +293,8 @@ fn lines_of(view: &View<'_>, entry: &HelpEntry, width: f32) -> Vec<(String, f32,
     if let Some(words) = live_text(view, entry.topic) {
         part(view.text("现在", "now"), &words, view.theme.hold);
     }
-    for (caption, said) in &entry.paragraphs {
-        part(caption.get(view.lang), &said.get(view.lang), view.theme.text);
+    for (caption, words) in &entry.paragraphs {
+        part(caption.get(view.lang), &words.get(view.lang), view.theme.text);
     }
     lines
 }

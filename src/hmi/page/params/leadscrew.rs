@@ -103,33 +103,33 @@ impl LeadscrewTab {
 
     /// Sends a waiting edit after the password; handles the answer to a file request.
     fn handle_answers(&mut self, ctx: &mut TabContext<'_>) {
-        if let Some(wish) = self.pending_edit.take() {
+        if let Some(edit) = self.pending_edit.take() {
             if ctx.view.snapshot.access.level >= AccessLevel::Builder {
-                self.send(wish, ctx);
+                self.send(edit, ctx);
             } else if ctx.login.is_open() {
-                self.pending_edit = Some(wish);
+                self.pending_edit = Some(edit);
             }
         }
         while let Some(((), answer)) = self.asking.poll(Requester::Leadscrew, &ctx.view.snapshot.files) {
             match answer {
-                Ok(deed) => self.message.tell(deed.message),
+                Ok(completion) => self.message.tell(completion.message),
                 Err(refusal) => self.message.refuse(refusal.message()),
             }
         }
     }
 
-    fn request_edit(&mut self, wish: PendingEdit, ctx: &mut TabContext<'_>) {
+    fn request_edit(&mut self, edit: PendingEdit, ctx: &mut TabContext<'_>) {
         self.message.clear();
         if ctx.view.snapshot.access.level >= AccessLevel::Builder {
-            self.send(wish, ctx);
+            self.send(edit, ctx);
         } else {
-            self.pending_edit = Some(wish);
+            self.pending_edit = Some(edit);
             ctx.login.unlock(ctx.view, PasswordScope::Builder);
         }
     }
 
-    fn send(&mut self, wish: PendingEdit, ctx: &mut TabContext<'_>) {
-        ctx.out.push(match wish {
+    fn send(&mut self, edit: PendingEdit, ctx: &mut TabContext<'_>) {
+        ctx.out.push(match edit {
             PendingEdit::Table(table, typed) => {
                 let (field, text) = typed.unwrap_or_else(|| (self.field(), String::new()));
                 self.typing.send_text(field, text);
@@ -201,7 +201,7 @@ impl LeadscrewTab {
     fn enter(&mut self, ctx: &mut TabContext<'_>) {
         let value = match parse_number(&self.typing.text) {
             Ok(value) => value,
-            Err(said) => return self.typing.refused = Some(said),
+            Err(message) => return self.typing.refused = Some(message),
         };
         let mut points = ctx.table.points().to_vec();
         let Some(point) = points.get_mut(self.row) else {
@@ -215,7 +215,7 @@ impl LeadscrewTab {
                 self.select_next(points.len() - 1);
                 self.request_edit(PendingEdit::Table(table, Some(typed)), ctx);
             }
-            Err(said) => self.typing.refused = Some(said),
+            Err(message) => self.typing.refused = Some(message),
         }
     }
 
@@ -223,8 +223,8 @@ impl LeadscrewTab {
     fn send_points(&mut self, points: &[LeadscrewPoint], ctx: &mut TabContext<'_>) -> bool {
         match LeadscrewCompensation::from_points(points) {
             Ok(table) => self.request_edit(PendingEdit::Table(table, None), ctx),
-            Err(said) => {
-                self.message.refuse(said);
+            Err(message) => {
+                self.message.refuse(message);
                 return false;
             }
         }
@@ -235,8 +235,8 @@ impl LeadscrewTab {
     fn add_point(&mut self, ctx: &mut TabContext<'_>) {
         let mut points = ctx.table.points().to_vec();
         if points.len() >= MAX_POINTS {
-            let said = LocalizedText::new(format!("最多 {MAX_POINTS} 点"), format!("at most {MAX_POINTS} points"));
-            return self.message.refuse(said);
+            let message = LocalizedText::new(format!("最多 {MAX_POINTS} 点"), format!("at most {MAX_POINTS} points"));
+            return self.message.refuse(message);
         }
         let position_mm = match (points.get(self.row), points.get(self.row + 1)) {
             (Some(here), Some(next)) => (here.position_mm + next.position_mm) / 2.0,

@@ -111,18 +111,18 @@ pub const fn from_shortcut(key: egui::Key) -> Option<EditorAction> {
 pub fn ui(view: &View<'_>, rect: Rect, page: &mut ProgramPage) -> Option<EditorAction> {
     let mut pressed = None;
     let on_keys = page.keys_focused || !page.editing;
-    for (row, acts) in rows(page).into_iter().enumerate() {
+    for (row, actions) in rows(page).into_iter().enumerate() {
         // A kind of machine without grinding pages has no page designer.
-        let has = |act: &&EditorAction| **act != OpenDesigner || Page::Designer.exists_on(view.snapshot.kind);
-        let acts: Vec<EditorAction> = acts.iter().filter(has).copied().collect();
+        let has = |action: &&EditorAction| **action != OpenDesigner || Page::Designer.exists_on(view.snapshot.kind);
+        let actions: Vec<EditorAction> = actions.iter().filter(has).copied().collect();
         let line = rect.band(row as f32 * widget::KEYS_HEIGHT, widget::KEYS_HEIGHT - 2.0);
-        for (index, act) in acts.iter().enumerate() {
-            let place = line.cell(index, acts.len().max(6));
-            let (on, locked) = page.look_of(*act);
-            let key = PageKey::new(act.id(), act.label().get(view.lang)).on(on).locked(locked);
+        for (index, action) in actions.iter().enumerate() {
+            let place = line.cell(index, actions.len().max(6));
+            let (on, locked) = page.look_of(*action);
+            let key = PageKey::new(action.id(), action.label().get(view.lang)).on(on).locked(locked);
             let touched = if on_keys { page.walk.button(view, place, key) } else { widget::button(view, place, key) };
             if touched {
-                pressed = Some(*act);
+                pressed = Some(*action);
             }
         }
     }
@@ -216,15 +216,15 @@ impl ProgramPage {
         self.task = None;
     }
 
-    pub(super) fn perform(&mut self, act: EditorAction, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        if self.task.is_some() && act != EditorAction::StopTask || login.is_open() {
+    pub(super) fn perform(&mut self, action: EditorAction, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        if self.task.is_some() && action != EditorAction::StopTask || login.is_open() {
             return;
         }
         self.message.clear();
-        if act.needs_editing() && !self.editing {
+        if action.needs_editing() && !self.editing {
             return self.message.refuse(EDIT_FIRST);
         }
-        match act {
+        match action {
             EditorAction::Edit if view.snapshot.program.has_invalid_bytes => {
                 self.message.refuse(LocalizedText::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited"));
             }
@@ -268,10 +268,10 @@ impl ProgramPage {
             EditorAction::ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
             EditorAction::EndReplace => self.replacing = false,
             EditorAction::Undo | EditorAction::Redo | EditorAction::Mark | EditorAction::Unmark => {
-                self.change_text(act)
+                self.change_text(action)
             }
             EditorAction::CopyBlock | EditorAction::Cut | EditorAction::DeleteBlock | EditorAction::Paste => {
-                self.change_text(act)
+                self.change_text(action)
             }
         }
     }
@@ -301,9 +301,9 @@ impl ProgramPage {
         }
     }
 
-    fn change_text(&mut self, act: EditorAction) {
+    fn change_text(&mut self, action: EditorAction) {
         let document = &mut self.document;
-        match act {
+        match action {
             EditorAction::Undo => document.undo(),
             EditorAction::Redo => document.redo(),
             EditorAction::Mark => document.block_anchor = Some(document.cursor_position().0),
@@ -314,7 +314,7 @@ impl ProgramPage {
                 }
                 self.clipboard = document.copy_block();
                 let count = document.block().map_or(0, |(first, end)| end - first);
-                if act == EditorAction::Cut {
+                if action == EditorAction::Cut {
                     document.delete_block()
                 } else {
                     document.block_anchor = None

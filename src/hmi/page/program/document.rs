@@ -231,8 +231,8 @@ impl Document {
     }
 
     /// This version was saved to its file; later changes are still unsaved.
-    pub fn mark_saved(&mut self, version: u64, deed: &Completion) {
-        if let Some((number, stamp)) = deed.saved
+    pub fn mark_saved(&mut self, version: u64, completion: &Completion) {
+        if let Some((number, stamp)) = completion.saved
             && number == self.number
         {
             (self.base, self.changed) = (stamp, version != self.version);

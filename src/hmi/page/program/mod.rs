@@ -120,8 +120,8 @@ impl PageUi for ProgramPage {
         self.listing(list, view, typed.scroll_pages);
         let (told, keys) = below.split_top(MESSAGE_HEIGHT);
         self.message_line(told, view);
-        if let Some(act) = actions::ui(view, keys, self) {
-            self.perform(act, view, login, out);
+        if let Some(action) = actions::ui(view, keys, self) {
+            self.perform(action, view, login, out);
         }
         if self.keyboard_open
             && let Some(letter) = letter_pad::ui(view, pad, &letter_pad::block_layout(view.snapshot.kind))
@@ -152,9 +152,9 @@ impl ProgramPage {
                     self.message.clear();
                     self.position.scroll.user_scrolled = true;
                 }
-                RequestEvent::Answer(EditorRequest::Save(version), Ok(deed)) => {
-                    self.document.mark_saved(version, &deed);
-                    self.message.tell(deed.message);
+                RequestEvent::Answer(EditorRequest::Save(version), Ok(completion)) => {
+                    self.document.mark_saved(version, &completion);
+                    self.message.tell(completion.message);
                 }
                 RequestEvent::Answer(EditorRequest::Save(_), Err(Refusal::Conflict)) => {
                     self.question.ask(EditorQuestion::Conflict, requests::conflict_question());
@@ -225,8 +225,8 @@ impl ProgramPage {
     /// Handles keyboard input.
     fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, login: &mut Login, out: &mut Vec<Command>) {
         for control in &typed.ctrl_keys {
-            if let Some(act) = actions::from_shortcut(*control) {
-                self.perform(act, view, login, out);
+            if let Some(action) = actions::from_shortcut(*control) {
+                self.perform(action, view, login, out);
             }
         }
         if self.keys_focused || (!self.editing && self.prompt.is_none()) {
@@ -448,8 +448,8 @@ impl ProgramPage {
             (format!("{what} {}_", self.prompt_text), view.theme.info)
         } else if let Some(shown) = self.message.shown(view, view.theme.text) {
             shown
-        } else if let Some(said) = self.fault_in_line(view, line) {
-            (said.get(view.lang).into_owned(), view.theme.alarm_text)
+        } else if let Some(message) = self.fault_in_line(view, line) {
+            (message.get(view.lang).into_owned(), view.theme.alarm_text)
         } else if view.snapshot.program.has_invalid_bytes && !self.document.changed {
             let words = view.text(
                 "文件含有不是 GBK 或 UTF-8 的字节：只能查看，请在电脑上另存",
@@ -496,11 +496,11 @@ impl ProgramPage {
     }
 
     /// Whether a key is on, and whether it is locked.
-    fn look_of(&self, act: EditorAction) -> (bool, bool) {
+    fn look_of(&self, action: EditorAction) -> (bool, bool) {
         let (undo, redo) = self.document.can_undo_redo();
-        let on = (act == EditorAction::Keyboard && self.keyboard_open)
-            || (act == EditorAction::Save && self.document.changed);
-        let locked = match act {
+        let on = (action == EditorAction::Keyboard && self.keyboard_open)
+            || (action == EditorAction::Save && self.document.changed);
+        let locked = match action {
             EditorAction::Undo => !undo,
             EditorAction::Redo => !redo,
             EditorAction::Paste => self.clipboard.is_none(),

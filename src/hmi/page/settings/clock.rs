@@ -67,7 +67,7 @@ impl ClockGroup {
         if !self.typing.text.is_empty() {
             match date_with(view.snapshot.date, field, &self.typing.text) {
                 Ok(date) => out.push(Command::Page(PageCommand::SetDate(date))),
-                Err(said) => return self.typing.refused = Some(said),
+                Err(message) => return self.typing.refused = Some(message),
             }
         }
         match field + 1 {
