@@ -10,8 +10,9 @@ use kt830::defs::text::Lang;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
     DataDir, Encoding, FileClass, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL,
-    PROGRAM, StoredSettings, decode, password, program_stem, stamp,
+    PROGRAM, StoredSettings, Values, decode, password, program_stem, stamp,
 };
+use kt830::units::PerAxis;
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
@@ -424,4 +425,14 @@ fn the_comment_line_is_the_first_comment_or_the_title() {
     assert_eq!(comment(&PROGRAM, "G0 X1;\nG1 ; 快进"), "快进");
     assert_eq!(comment(&PROGRAM, "G0 X1"), "");
     assert_eq!(comment(&PAGE_TEXT, "外圆磨;\n起点 #500;"), "外圆磨");
+}
+
+#[test]
+fn work_offsets_keep_their_name_in_a_file_of_values() {
+    let text = "(frames: {0: ((1.0, 2.0, 3.0))})";
+    let read = Values::from_text(text).unwrap();
+    assert_eq!(read.work_offsets[&0], PerAxis([1.0, 2.0, 3.0]));
+    let written = read.to_text().unwrap();
+    assert!(written.contains("frames:") && !written.contains("work_offsets"), "{written}");
+    assert_eq!(Values::from_text(&written).unwrap(), read);
 }

@@ -109,6 +109,13 @@ enum TickEvent {
     Homed,
 }
 
+/// One tick: the inputs, what else happens, and when.
+struct Tick {
+    inputs: InputSet,
+    event: TickEvent,
+    now: Micros,
+}
+
 struct Search {
     plan: Plan,
     params: Params,
@@ -291,7 +298,7 @@ impl Search {
         }
         let asked = self.outputs(&node.machine);
         self.tick(&mut node, seen_by_machine, now);
-        self.check(from, &node, asked, (inputs, event), now)?;
+        self.check(from, &node, asked, Tick { inputs, event, now })?;
         Ok(Some(node))
     }
 
@@ -371,14 +378,7 @@ impl Search {
     }
 
     /// The invariants. `asked` are the outputs after the event, before the machine's own tick.
-    fn check(
-        &self,
-        from: &Node,
-        to: &Node,
-        asked: OutputSet,
-        (inputs, event): (InputSet, TickEvent),
-        now: Micros,
-    ) -> Result<(), String> {
+    fn check(&self, from: &Node, to: &Node, asked: OutputSet, Tick { inputs, event, now }: Tick) -> Result<(), String> {
         let (before, after) = (self.outputs(&from.machine), self.outputs(&to.machine));
         let interlock = from.machine.interlock_inputs(now, inputs, &self.params);
         let turns = |on: OutputSet| {
