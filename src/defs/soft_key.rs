@@ -92,8 +92,6 @@ pub struct SoftKey {
 
 /// Number of rows that ▶ switches through; the simulator row is the last.
 pub const ROWS: usize = 5;
-/// Most keys of a row on a kind.
-const KEYS: usize = 5;
 
 /// The keys that do not stand in the row of a page: row and place, as there.
 const OTHER_KEYS: [((usize, usize), SoftKeyAction); 4] = [
@@ -103,12 +101,12 @@ const OTHER_KEYS: [((usize, usize), SoftKeyAction); 4] = [
     ((1, 5), SoftKeyAction::Print),
 ];
 
-/// The keys of a row on a kind.
+/// The keys of a row on a kind, F1 to F5.
 pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = SoftKey> {
     let pages = Page::ALL.iter().filter(move |page| page.exists_on(kind));
     let of_pages = pages.filter_map(|page| Some((page.soft_key()?.0, SoftKeyAction::Open(*page))));
     let keys = OTHER_KEYS.into_iter().chain(of_pages);
-    (1..=KEYS).flat_map(move |place| {
+    (1..=5).flat_map(move |place| {
         let here = keys.clone().filter(move |(at, _)| *at == (row % ROWS, place));
         here.map(move |(_, action)| SoftKey { label: action.label_on(kind), action })
     })
