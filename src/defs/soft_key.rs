@@ -1,5 +1,5 @@
-//! The soft keys F1–F5 and ▶: five rows. The key of a page stands in the row of the page. The screen and the core use the
-//! same keys, so a key in a story does the same as a touch.
+//! The soft keys F1–F5 and ▶: five rows. The key of a page stands in the row of the page. The screen and the core use
+//! the same keys, so a key in a story does the same as a touch.
 //! Source: spec K7.1, K7.2.
 
 use super::kind::Kind;

@@ -78,7 +78,7 @@ pub(super) static ROW: KindRow = KindRow {
 const R_PARAMETERS: &[(u16, f64)] = &[
     // The wheel: smallest, greatest and present diameter, width, limits of speed (R5: none), speed, radius of the edge.
     (1, 220.0), (2, 300.0), (3, 300.0), (4, 40.0), (5, 0.0), (6, 2_200.0), (7, 30.0), (9, 0.0),
-    // The diamond: R11 is 2 · (450 − 50) + 300, R12 is 500 − 300. Block height, head angle, dwell in s, rated speed (P79).
+    // The diamond: R11 is 2 · (450 − 50) + 300, R12 is 500 − 300. Block height, head angle, dwell (s), P79.
     (10, 0.5), (11, 1_100.0), (12, 200.0), (13, 40.0), (14, 0.0), (15, 0.2), (16, 35.0),
     // Finished sizes, sizes at the start; fine grinding, rough grinding, spark-out.
     (18, 200.0), (19, 35.0), (20, 200.5), (21, 105.0),
