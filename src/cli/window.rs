@@ -23,7 +23,7 @@ pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
 
 /// Opens the control on a machine.
 fn open_with<P: HostedMachine + Send + 'static>(
-    machine: fn(&SharedArgs, &Params) -> Result<P, CallError>,
+    machine: impl FnOnce(&SharedArgs, &Params) -> Result<P, CallError>,
     shared: &SharedArgs,
     fullscreen: bool,
 ) -> Result<u8, CallError> {

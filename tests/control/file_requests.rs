@@ -119,7 +119,7 @@ fn k6_2_programs_change_in_mode_edit_without_a_run_and_with_the_password() {
     unlock(&mut core, PasswordScope::Program);
     assert!(core.ask(OTHER, FileRequest::CheckEditable(1_001)).is_empty(), "answered at once");
     assert_eq!(core.result(OTHER), Some(Ok("ready for editing".into())));
-    assert_eq!(core.ask(MINE, saves.clone()), [saves.clone()]);
+    assert_eq!(core.ask(MINE, saves.clone()), std::slice::from_ref(&saves));
     let mut core = running();
     for request in [saves, FileRequest::Delete(1_002), FileRequest::SaveRecording(String::new())] {
         assert!(core.ask(MINE, request).is_empty());
