@@ -407,9 +407,12 @@ fn after_a_power_cut_the_screen_is_dark_and_everything_comes_again() {
     bench.until_noted("outputs off", |notes| !notes.last_outputs.drives_on && notes.last_outputs.terminals.0 == 0);
     on.store(true, Ordering::Release);
     bench.until_noted("power on", |notes| notes.powered_on == 1);
+    let reads = bench.notes.lock().unwrap().reads.len();
     bench.until("programs", |snapshot| program_names(snapshot).contains(&1_001));
     bench.until("page files and date", |snapshot| !snapshot.screens.pages.is_empty() && snapshot.date.is_some());
     bench.until("program and outline", |snapshot| snapshot.program.number == 1_002 && !snapshot.stock.is_empty());
+    // The snapshots before the power-on show the same: the new control reads once, then in its ticks.
+    bench.until_noted("ticks", |notes| notes.reads.len() > reads + 2);
     let (notes, _files) = bench.close();
     let reads = &notes.lock().unwrap().reads;
     let last = reads[reads.len() - 1].since(reads[reads.len() - 2]);
