@@ -96,7 +96,6 @@ mod live {
     use super::super::args::SharedArgs;
     use super::super::play::StoryFile;
     use super::super::{CallError, setup, window};
-    use crate::host::pace::Pace;
     use crate::host::simulated::HostedSimulation;
     use crate::host::storage::ThreadedStorage;
     use crate::host::thread::{HostThread, start};
@@ -116,7 +115,7 @@ mod live {
                 show(thread, &told);
             }
         };
-        let link = start(host, Pace::Simulated, script).map_err(CallError::new)?;
+        let link = start(host, script).map_err(CallError::new)?;
         window::show(link, shared, false)
     }
 

@@ -180,7 +180,7 @@ pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
 pub fn threaded_host<P: HostedMachine>(
     shared: &SharedArgs,
     opens_control: bool,
-    machine: fn(&SharedArgs, &Params) -> Result<P, CallError>,
+    machine: impl FnOnce(&SharedArgs, &Params) -> Result<P, CallError>,
 ) -> Result<Host<P, ThreadedStorage>, CallError> {
     let data = match opens_control {
         true => Some(data_dir(shared)?),

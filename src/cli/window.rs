@@ -9,23 +9,21 @@ use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::link::HostLink;
-use crate::host::pace::Pace;
 use crate::host::part::PartRule;
 use crate::host::thread::{run_until_stopped, start};
 use crate::link::{Command, Snapshot};
 
-/// Opens the control (T1); returns when the window is closed.
+/// Opens the control (T1); returns when the window is closed. The machine is chosen here.
 ///
 /// # Errors
 /// There is no display, or data and folders cannot be opened.
 pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
-    open_with(setup::simulated_for_display, Pace::Simulated, shared, fullscreen)
+    open_with(setup::simulated_for_display, shared, fullscreen)
 }
 
-/// Opens the control on a machine; another backend is another `machine` with its pace.
+/// Opens the control on a machine.
 fn open_with<P: HostedMachine + Send + 'static>(
-    machine: fn(&SharedArgs, &Params) -> Result<P, CallError>,
-    pace: Pace,
+    machine: impl FnOnce(&SharedArgs, &Params) -> Result<P, CallError>,
     shared: &SharedArgs,
     fullscreen: bool,
 ) -> Result<u8, CallError> {
@@ -35,7 +33,7 @@ fn open_with<P: HostedMachine + Send + 'static>(
         host.place_part(&part);
     }
     host.set_part_rule(if shared.part.is_some() { PartRule::Keep } else { PartRule::FollowProgram });
-    let link = start(host, pace, run_until_stopped).map_err(CallError::new)?;
+    let link = start(host, run_until_stopped).map_err(CallError::new)?;
     show(link, shared, fullscreen)
 }
 

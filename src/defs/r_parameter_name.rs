@@ -1,58 +1,54 @@
-//! The R parameters of the grinding program (seed 002's table): names, factory values, and titles of their three sheets.
-//! The sheet files are Chinese; this table gives their English texts. Source: spec S3, H9.
+//! The R parameters of the grinding program (seed 002's table): names, and titles of their three sheets. The sheet files
+//! are Chinese; this table gives their English texts. The factory values stand with the kind. Source: spec S3, H9.
 
 use super::text::Text;
 
 macro_rules! names {
-    ($($number:literal $(= $factory:literal)?, $zh:literal, $en:literal;)*) => {
+    ($($number:literal, $zh:literal, $en:literal;)*) => {
         /// The named parameters, by number.
         pub const R_NAMES: &[(u16, Text)] = &[$(($number, Text::new($zh, $en)),)*];
-        /// The factory values: a ring of 200.5 mm ground to 200 mm (S4, S5).
-        pub const R_FACTORY: &[(u16, f64)] = &[$($(($number, $factory),)?)*];
     };
 }
 
-// R11 and R12 follow from the machine data: the wheel touches the diamond at X machine −50, Z machine −300; G54 is
-// X −450, Z −500.
 names! {
-    1 = 220.0, "砂轮最小直径", "min. wheel dia.";
-    2 = 300.0, "砂轮最大直径", "max. wheel dia.";
-    3 = 300.0, "砂轮直径", "wheel diameter";
-    4 = 40.0, "砂轮宽度", "wheel width";
-    5 = 0.0, "速度下限", "min. rpm"; // 0 none
-    6 = 2_200.0, "线速度上限", "max. rpm";
-    7 = 30.0, "线速度", "surface speed";
+    1, "砂轮最小直径", "min. wheel dia.";
+    2, "砂轮最大直径", "max. wheel dia.";
+    3, "砂轮直径", "wheel diameter";
+    4, "砂轮宽度", "wheel width";
+    5, "速度下限", "min. rpm";
+    6, "线速度上限", "max. rpm";
+    7, "线速度", "surface speed";
     8, "砂轮转速", "wheel rpm";
-    9 = 0.0, "砂轮圆弧半径", "wheel edge radius";
-    10 = 0.5, "金刚笔半径", "diamond radius";
-    11 = 1_100.0, "金刚笔与花盘圆心距离", "diamond to axis"; // 2 · (450 − 50) + 300
-    12 = 200.0, "金刚笔高度", "diamond height"; // 500 − 300
-    13 = 40.0, "垫块高度", "block height";
-    14 = 0.0, "磨架角度", "head angle";
-    15 = 0.2, "停顿时间", "dwell at ends"; // s
-    16 = 35.0, "砂轮允许线速度", "rated speed m/s"; // P79
-    18 = 200.0, "X轴精磨尺寸", "finished X";
-    19 = 35.0, "Z轴精磨尺寸", "finished Z";
-    20 = 200.5, "X轴起始尺寸", "start X";
-    21 = 105.0, "Z轴起始尺寸", "start Z";
-    22 = 0.005, "精磨每次进刀量", "fine infeed";
-    23 = 1_200.0, "精磨进给率", "fine feed";
-    24 = 4.0, "精磨砂轮修整计数器", "fine strokes";
-    25 = 0.05, "精磨余量", "fine allowance";
-    28 = 0.02, "粗磨每次进刀量", "rough infeed";
-    29 = 800.0, "粗磨进给率", "rough feed";
-    30 = 25.0, "粗磨砂轮修整计数器", "rough strokes";
-    32 = 3.0, "光磨次数", "spark-outs";
-    33 = 1_200.0, "光磨进给率", "spark-out feed";
-    36 = 0.03, "砂轮修整量", "dressing amount";
-    37 = 0.02, "砂轮修整每次进给量", "dressing infeed";
-    38 = 600.0, "砂轮修整进给率", "dressing feed";
-    39 = 0.1, "砂轮修整用安全让刀", "dressing clearance";
-    42 = 0.1, "安全让刀量", "clearance";
-    43 = 0.1, "安全让刀每次进给量", "clearance infeed";
-    44 = 1_500.0, "安全让刀进给率", "clearance feed";
-    46 = 700.0, "中间点X轴坐标", "middle point X";
-    47 = 250.0, "中间点Z轴坐标", "middle point Z";
+    9, "砂轮圆弧半径", "wheel edge radius";
+    10, "金刚笔半径", "diamond radius";
+    11, "金刚笔与花盘圆心距离", "diamond to axis";
+    12, "金刚笔高度", "diamond height";
+    13, "垫块高度", "block height";
+    14, "磨架角度", "head angle";
+    15, "停顿时间", "dwell at ends";
+    16, "砂轮允许线速度", "rated speed m/s";
+    18, "X轴精磨尺寸", "finished X";
+    19, "Z轴精磨尺寸", "finished Z";
+    20, "X轴起始尺寸", "start X";
+    21, "Z轴起始尺寸", "start Z";
+    22, "精磨每次进刀量", "fine infeed";
+    23, "精磨进给率", "fine feed";
+    24, "精磨砂轮修整计数器", "fine strokes";
+    25, "精磨余量", "fine allowance";
+    28, "粗磨每次进刀量", "rough infeed";
+    29, "粗磨进给率", "rough feed";
+    30, "粗磨砂轮修整计数器", "rough strokes";
+    32, "光磨次数", "spark-outs";
+    33, "光磨进给率", "spark-out feed";
+    36, "砂轮修整量", "dressing amount";
+    37, "砂轮修整每次进给量", "dressing infeed";
+    38, "砂轮修整进给率", "dressing feed";
+    39, "砂轮修整用安全让刀", "dressing clearance";
+    42, "安全让刀量", "clearance";
+    43, "安全让刀每次进给量", "clearance infeed";
+    44, "安全让刀进给率", "clearance feed";
+    46, "中间点X轴坐标", "middle point X";
+    47, "中间点Z轴坐标", "middle point Z";
     50, "单次磨削量", "present infeed";
     51, "进给率", "present feed";
     52, "起始点", "start";

@@ -1,5 +1,5 @@
-//! The soft keys F1–F5 and ▶: one table of five rows. The screen and the core use the same table, so a key in a story
-//! does the same as a touch.
+//! The soft keys F1–F5 and ▶: five rows. The key of a page stands in the row of the page. The screen and the core use
+//! the same keys, so a key in a story does the same as a touch.
 //! Source: spec K7.1, K7.2.
 
 use super::kind::Kind;
@@ -66,9 +66,22 @@ impl SoftKeyAction {
             ),
         }
     }
+
+    /// The label of its key on a kind.
+    #[must_use]
+    pub fn label_on(self, kind: Kind) -> Text {
+        match self {
+            Self::Open(page) if page.title_on(kind) != page.title() => page.title_on(kind),
+            Self::Open(page) => page.soft_key().map_or(page.title(), |(_, label)| label),
+            Self::Position(CoordinateView::Relative) => Text::new("相对", "RELATIVE"),
+            Self::Position(CoordinateView::All) => Text::new("综合", "ALL"),
+            Self::Position(CoordinateView::Machine) => Text::new("机床", "MACHINE"),
+            Self::Print => Text::new("屏幕打印", "PRINT"),
+        }
+    }
 }
 
-/// One soft key.
+/// One soft key on a kind of machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SoftKey {
     /// Label.
@@ -77,76 +90,30 @@ pub struct SoftKey {
     pub action: SoftKeyAction,
 }
 
-const fn key(zh: &'static str, en: &'static str, action: SoftKeyAction) -> SoftKey {
-    SoftKey { label: Text::new(zh, en), action }
-}
+/// Number of rows that ▶ switches through; the simulator row is the last.
+pub const ROWS: usize = 5;
 
-/// The rows that ▶ switches through; the simulator row is the last. A kind has at most five keys per row.
-pub const ROWS: [&[SoftKey]; 5] = [
-    &[
-        key("相对", "RELATIVE", SoftKeyAction::Position(CoordinateView::Relative)),
-        key("综合", "ALL", SoftKeyAction::Position(CoordinateView::All)),
-        key("机床", "MACHINE", SoftKeyAction::Position(CoordinateView::Machine)),
-        key("磨削", "GRINDING", SoftKeyAction::Open(Page::Grinding)),
-        key("砂轮修整", "DRESSING", SoftKeyAction::Open(Page::Dressing)),
-        key("录返", "TEACH-IN", SoftKeyAction::Open(Page::Teach)),
-        key("刀具棒料", "TOOLS, BAR", SoftKeyAction::Open(Page::Tools)),
-    ],
-    &[
-        key("参数", "PARAMS", SoftKeyAction::Open(Page::Params)),
-        key("诊断", "DIAGNOSIS", SoftKeyAction::Open(Page::Diagnosis)),
-        key("图形", "GRAPHIC", SoftKeyAction::Open(Page::Graphic)),
-        key("U盘/通信", "USB/COMM", SoftKeyAction::Open(Page::Transfer)),
-        key("屏幕打印", "PRINT", SoftKeyAction::Print),
-    ],
-    &[
-        key("程序", "PROGRAM", SoftKeyAction::Open(Page::Program)),
-        key("录入", "MDI", SoftKeyAction::Open(Page::Mdi)),
-        key("目录", "DIRECTORY", SoftKeyAction::Open(Page::Directory)),
-        key("刀补", "OFFSETS", SoftKeyAction::Open(Page::Offset)),
-        key("宏变量", "MACRO", SoftKeyAction::Open(Page::Macro)),
-    ],
-    &[
-        key("过程", "PROCESS", SoftKeyAction::Open(Page::Process)),
-        key("报警", "ALARMS", SoftKeyAction::Open(Page::Alarm)),
-        key("换砂轮", "WHEEL", SoftKeyAction::Open(Page::Wheel)),
-        key("设置", "SETTINGS", SoftKeyAction::Open(Page::Settings)),
-        key("帮助", "HELP", SoftKeyAction::Open(Page::Help)),
-    ],
-    &[key("模拟", "SIMULATOR", SoftKeyAction::Open(Page::Simulator))],
+/// The keys that do not stand in the row of a page: row and place, as there.
+const OTHER_KEYS: [((usize, usize), SoftKeyAction); 4] = [
+    ((0, 1), SoftKeyAction::Position(CoordinateView::Relative)),
+    ((0, 2), SoftKeyAction::Position(CoordinateView::All)),
+    ((0, 3), SoftKeyAction::Position(CoordinateView::Machine)),
+    ((1, 5), SoftKeyAction::Print),
 ];
 
-/// The keys of a row on a kind.
-pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
-    let has = move |soft: &&SoftKey| !matches!(soft.action, SoftKeyAction::Open(page) if !page.exists_on(kind));
-    ROWS.get(row % ROWS.len()).into_iter().flat_map(|row| row.iter()).filter(has)
-}
-
-impl SoftKey {
-    /// The label on a kind.
-    #[must_use]
-    pub fn label_on(&self, kind: Kind) -> Text {
-        match self.action {
-            SoftKeyAction::Open(page) if page.title_on(kind) != page.title() => page.title_on(kind),
-            _ => self.label,
-        }
-    }
+/// The keys of a row on a kind, F1 to F5.
+pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = SoftKey> {
+    let pages = Page::ALL.iter().filter(move |page| page.exists_on(kind));
+    let of_pages = pages.filter_map(|page| Some((page.soft_key()?.0, SoftKeyAction::Open(*page))));
+    let keys = OTHER_KEYS.into_iter().chain(of_pages);
+    (1..=5).flat_map(move |place| {
+        let here = keys.clone().filter(move |(at, _)| *at == (row % ROWS, place));
+        here.map(move |(_, action)| SoftKey { label: action.label_on(kind), action })
+    })
 }
 
 /// The number of rows: without a simulated machine the last row is omitted (P1).
 #[must_use]
 pub const fn row_count(simulated: bool) -> usize {
-    if simulated { ROWS.len() } else { ROWS.len() - 1 }
-}
-
-/// The row shown when a page opens.
-#[must_use]
-pub const fn row_of_page(page: Page) -> usize {
-    match page {
-        Page::Position | Page::Panel | Page::Dressing | Page::Teach | Page::Tools => 0,
-        Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
-        Page::Program | Page::Designer | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
-        Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
-        Page::Simulator => 4,
-    }
+    if simulated { ROWS } else { ROWS - 1 }
 }

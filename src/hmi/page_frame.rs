@@ -214,7 +214,7 @@ pub fn soft_keys(
     let mut pressed = None;
     let (keys, next) = rect.shrink2(vec2(theme::GAP, 3.0)).split_right(NEXT_WIDTH);
     for (index, soft) in soft_key::row(view.snapshot.kind, row).enumerate() {
-        if soft_key_ui(view, keys.trim_right(theme::GAP).cell(index, 5), index, soft, chosen(soft.action)) {
+        if soft_key_ui(view, keys.trim_right(theme::GAP).cell(index, 5), index, &soft, chosen(soft.action)) {
             pressed = Some(SoftKeyPress::Act(soft.action));
         }
     }
@@ -226,7 +226,7 @@ pub fn soft_keys(
 }
 
 fn soft_key_ui(view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {
-    let (key, label) = (format!("F{}", index + 1), soft.label_on(view.snapshot.kind).get(view.lang));
+    let (key, label) = (format!("F{}", index + 1), soft.label.get(view.lang));
     let response = view.touch_row(place, ("soft", &key), chosen, format!("{label} f{}", index + 1));
     keycap::plate(view, place, &response);
     let ink = if chosen { view.theme.info } else { view.theme.text };

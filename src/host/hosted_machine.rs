@@ -1,8 +1,9 @@
-//! What a host does to the machine beside reading and writing it in the tick.
+//! What a host asks of the machine beside reading and writing it in the tick.
 //! Source: spec P1–P8, T1–T5.
 
 use std::sync::Arc;
 
+use super::pace::Pace;
 use crate::defs::param::Params;
 use crate::io::Backend;
 use crate::io::sim::PartFile;
@@ -12,6 +13,8 @@ use crate::units::Micros;
 /// A machine under a host. A field bus implements the duties of a simulated machine with empty bodies: nothing is
 /// inherited, so that no duty is forgotten.
 pub trait HostedMachine: Backend {
+    /// How strictly its ticks are kept.
+    fn pace(&self) -> Pace;
     /// The control gets its power back; the parameters are those it starts with.
     fn power_on(&mut self, params: &Params);
     /// Puts an unmachined part into the machine.

@@ -45,6 +45,7 @@ use crate::nc::Source;
 use crate::units::Micros;
 
 use hosted_machine::HostedMachine;
+use pace::Pace;
 use part::{PartQuery, PartRule};
 use retained_store::apply_request;
 use storage::{Arrival, Storage};
@@ -257,9 +258,10 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.inbox.push(part::stock_command(part));
     }
 
-    /// Sets which part is mounted when the current program changes.
-    pub const fn set_part_rule(&mut self, rule: PartRule) {
-        self.part.rule = rule;
+    /// Sets which part is mounted when the current program changes. In a real machine the operator mounts and measures
+    /// the part: no program replaces his work offset.
+    pub fn set_part_rule(&mut self, rule: PartRule) {
+        self.part.rule = if self.plant.pace() == Pace::Real { PartRule::Keep } else { rule };
     }
 
     /// Whether the part of the current program has been asked for and is not mounted yet.

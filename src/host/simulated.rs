@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::hosted_machine::HostedMachine;
+use super::pace::Pace;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
@@ -97,6 +98,10 @@ impl Backend for HostedSimulation {
 }
 
 impl HostedMachine for HostedSimulation {
+    fn pace(&self) -> Pace {
+        Pace::Simulated
+    }
+
     fn power_on(&mut self, params: &Params) {
         self.machine.power_on(params);
     }

@@ -14,7 +14,7 @@ use triple_buffer::TripleBuffer;
 use super::Host;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
-use super::pace::{Pace, TickSchedule, WakeUp, request_real_time, sleep_until};
+use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
 use crate::defs::alarm;
 use crate::link::command::Command;
@@ -41,20 +41,20 @@ pub struct HostThread<P, S> {
     touched: bool,
 }
 
-/// Starts a host on a thread. `script` drives it with [`HostThread::turn`] until [`HostThread::is_stopped`]; then the
+/// Starts a host on a thread, at the pace of its machine. `script` drives it with [`HostThread::turn`] until [`HostThread::is_stopped`]; then the
 /// outputs are made safe and storage is completed.
 ///
 /// # Errors
 /// The system cannot create a thread.
 pub fn start<P, S>(
     mut host: Host<P, S>,
-    pace: Pace,
     script: impl FnOnce(&mut HostThread<P, S>) + Send + 'static,
 ) -> std::io::Result<HostLink>
 where
     P: HostedMachine + Send + 'static,
     S: Storage + Send + 'static,
 {
+    let schedule = TickSchedule::new(host.plant.pace());
     let (commands, from_screen) = bounded(COMMAND_QUEUE);
     let (urgent, from_urgent) = bounded(URGENT_QUEUE);
     let (snapshots, newest) = TripleBuffer::new(host.snapshot()).split();
@@ -67,7 +67,7 @@ where
             from_screen,
             from_urgent,
             snapshots,
-            schedule: TickSchedule::new(pace),
+            schedule,
             started: Instant::now(),
             ticks: 0,
             health: own_health,

@@ -64,6 +64,15 @@ struct NotedPlant {
     plant: HostedSimulation,
     notes: Arc<Mutex<Notes>>,
     orders: Arc<Orders>,
+    pace: Pace,
+}
+
+impl NotedPlant {
+    fn new(pace: Pace, params: &Params) -> Self {
+        let machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, params, 1);
+        let plant = HostedSimulation::new(machine, Micros::from_millis(100));
+        Self { plant, notes: Arc::default(), orders: Arc::default(), pace }
+    }
 }
 
 impl Backend for NotedPlant {
@@ -92,6 +101,10 @@ impl Backend for NotedPlant {
 }
 
 impl HostedMachine for NotedPlant {
+    fn pace(&self) -> Pace {
+        self.pace
+    }
+
     fn power_on(&mut self, params: &Params) {
         self.notes.lock().unwrap().powered_on += 1;
         self.plant.power_on(params);
@@ -156,13 +169,11 @@ impl Bench {
         let (store, found) = RetainedStore::open(&files.path().join("data"), Kind::Gc).unwrap();
         let worker = StorageWorker::new(jobs(JobRunner::new(folders(&files))));
         let storage = ThreadedStorage::start(RetainedWorker::new(Some(store)), worker).unwrap();
-        let (notes, orders) = (Arc::<Mutex<Notes>>::default(), Arc::<Orders>::default());
-        let machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, &found.retained.params, 1);
-        let plant = HostedSimulation::new(machine, Micros::from_millis(100));
-        let plant = NotedPlant { plant, notes: Arc::clone(&notes), orders: Arc::clone(&orders) };
+        let plant = NotedPlant::new(pace, &found.retained.params);
+        let (notes, orders) = (Arc::clone(&plant.notes), Arc::clone(&plant.orders));
         let mut host = NotedHost::connect(Kind::Gc, found.retained, plant, storage);
         host.set_part_rule(PartRule::FollowProgram);
-        let link = start(host, pace, script).unwrap();
+        let link = start(host, script).unwrap();
         Self { link, notes, orders, files }
     }
 
@@ -396,9 +407,12 @@ fn after_a_power_cut_the_screen_is_dark_and_everything_comes_again() {
     bench.until_noted("outputs off", |notes| !notes.last_outputs.drives_on && notes.last_outputs.terminals.0 == 0);
     on.store(true, Ordering::Release);
     bench.until_noted("power on", |notes| notes.powered_on == 1);
+    let reads = bench.notes.lock().unwrap().reads.len();
     bench.until("programs", |snapshot| program_names(snapshot).contains(&1_001));
     bench.until("page files and date", |snapshot| !snapshot.screens.pages.is_empty() && snapshot.date.is_some());
     bench.until("program and outline", |snapshot| snapshot.program.number == 1_002 && !snapshot.stock.is_empty());
+    // The snapshots before the power-on show the same: the new control reads once, then in its ticks.
+    bench.until_noted("ticks", |notes| notes.reads.len() > reads + 2);
     let (notes, _files) = bench.close();
     let reads = &notes.lock().unwrap().reads;
     let last = reads[reads.len() - 1].since(reads[reads.len() - 2]);
@@ -479,6 +493,23 @@ fn a_program_refused_in_a_hold_leaves_the_part_in_the_machine() {
 }
 
 #[test]
+fn p5_a_program_mounts_its_part_in_a_simulated_machine_alone() {
+    for (pace, mounted) in [(Pace::Simulated, 1), (Pace::Real, 0)] {
+        let (files, retained) = (files(), PowerOnState::factory(Kind::Gc));
+        let storage = DirectStorage::new(RetainedWorker::new(None), JobRunner::new(folders(&files))).unwrap();
+        let plant = NotedPlant::new(pace, &retained.params);
+        let notes = Arc::clone(&plant.notes);
+        let mut host = Host::connect(Kind::Gc, retained, plant, storage);
+        host.set_part_rule(PartRule::FollowProgram);
+        host.send(Command::LoadProgram(1_002));
+        (0..4).for_each(|_| host.step());
+        assert_eq!(host.retained().current_program, 1_002);
+        assert_eq!((host.part_changes(), host.awaits_part()), (mounted, false), "{pace:?}");
+        assert_eq!(notes.lock().unwrap().parts.len(), mounted as usize, "{pace:?}");
+    }
+}
+
+#[test]
 fn b7_the_stepped_host_takes_the_new_tick_time_at_power_on() {
     let mut rig = crate::stories::rig();
     crate::stories::tell(&mut rig, "param P58 4000");
@@ -504,7 +535,7 @@ fn a_story_plays_on_the_thread_until_somebody_touches_the_screen() {
         let host = player.host();
         ended.send((host.part_changes(), host.now())).unwrap();
     };
-    let mut link = start(crate::stories::rig(), Pace::Simulated, script).unwrap();
+    let mut link = start(crate::stories::rig(), script).unwrap();
     wait("the program", || link.newest().program.number == 1_002);
     assert!(link.send(Command::KeepAlive), "no touch");
     assert!(link.send(Command::Press(kt830::defs::key::Key::Hydraulic)));

@@ -14,7 +14,6 @@ use kt830::defs::page::Page;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::Input;
-use kt830::defs::soft_key;
 use kt830::defs::text::{Lang, LocalizedText, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
@@ -85,7 +84,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     let mut snapshot = Snapshot::new(Kind::Gc);
     snapshot.now = Micros(54_116_000_000);
     snapshot.page = page;
-    snapshot.soft_key_row = soft_key::row_of_page(page);
+    snapshot.soft_key_row = page.soft_row();
     snapshot.files = Arc::new(FilesView { page: Some(Arc::new(page_file())), ..FilesView::default() });
     snapshot.mode = Mode::Manual;
     snapshot.x_as_diameter = true;

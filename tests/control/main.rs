@@ -9,6 +9,8 @@ mod stories;
 
 mod alarms;
 mod allocation;
+mod core_alone;
+mod file_requests;
 mod grinding_functions;
 mod held_run;
 mod interlock;
@@ -24,5 +26,6 @@ mod restart;
 mod retract;
 mod run_control;
 mod run_phase;
+mod teach_in;
 mod vertical;
 mod wheel_size;

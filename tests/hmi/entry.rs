@@ -152,7 +152,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let mut machine = snapshot(Page::Position);
     machine.simulated = crate::sample::busy(Page::Position).simulated;
     let mut screen = open(machine);
-    for row in 0..SOFT_ROWS.len() {
+    for row in 0..SOFT_ROWS {
         for (index, soft) in soft_row(Kind::Gc, row).enumerate() {
             let wanted = match soft.action {
                 SoftKeyAction::Open(page) => Some(format!("OpenPage({page:?})")),
@@ -165,7 +165,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted), "{}", soft.label.en);
         }
         touch(&mut screen, "▶ next-row");
-        let next = (row + 1) % SOFT_ROWS.len();
+        let next = (row + 1) % SOFT_ROWS;
         assert_eq!(sent(&mut screen), [format!("ShowSoftKeyRow({next})")]);
         screen.state_mut().snapshot.soft_key_row = next;
         screen.step();

@@ -68,7 +68,7 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
             says(HelpSection::Pages, &format!("page-{}", page.id()), page.help());
             says(HelpSection::Pages, &format!("page-{}", page.id()), page.usage());
         }
-        for row in 0..SOFT_ROWS.len() {
+        for row in 0..SOFT_ROWS {
             for (index, soft) in soft_row(kind, row).enumerate() {
                 says(HelpSection::SoftKeys, &format!("soft-{}-{}", row + 1, index + 1), soft.action.help());
             }

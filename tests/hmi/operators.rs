@@ -228,11 +228,11 @@ impl Operator {
         };
         let kind = self.rig.kind();
         let soft = |row: usize| soft_row(kind, row).position(|soft| opens(soft.action));
-        let row = (0..SOFT_ROWS.len()).find(|row| soft(*row).is_some()).unwrap_or_else(|| panic!("{page:?}"));
+        let row = (0..SOFT_ROWS).find(|row| soft(*row).is_some()).unwrap_or_else(|| panic!("{page:?}"));
         let index = soft(row).unwrap();
         let soft = soft_row(kind, row).nth(index).unwrap();
-        let label = format!("{} f{}", soft.label_on(kind).zh, index + 1);
-        for _ in 0..SOFT_ROWS.len() {
+        let label = format!("{} f{}", soft.label.zh, index + 1);
+        for _ in 0..SOFT_ROWS {
             if self.sees(&label) {
                 break;
             }

@@ -12,7 +12,7 @@ use kt830::host::headless::HeadlessHost;
 use kt830::link::command::Command;
 use kt830::link::snapshot::{RunState, Tone};
 
-const ALL: &[Kind] = &Kind::KT830;
+const ALL: &[Kind] = &Kind::ALL;
 const GC: &[Kind] = &[Kind::Gc];
 const GS: &[Kind] = &[Kind::Gs];
 const GA: &[Kind] = &[Kind::Ga];
@@ -280,7 +280,7 @@ fn by_key(row: &Row, kind: Kind, held: bool) {
 fn k3_every_code_has_its_row_on_every_kind() {
     let rows = table();
     for code in MCODES.iter().filter(|code| !ELSEWHERE.contains(&code.code)) {
-        for kind in Kind::KT830 {
+        for kind in Kind::kt830() {
             let name = format!("M{:02}", code.code);
             let there = |row: &Row| row.code.split(' ').next() == Some(&name) && row.kinds.contains(&kind);
             assert!(rows.iter().any(there), "{name} has no row on {}", kind.id());
@@ -326,7 +326,7 @@ fn k3_13_each_of_m80_to_m89_waits_for_its_own_input_on_every_kind() {
         Input::User9,
         Input::User10,
     ];
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         for (index, input) in USERS.iter().enumerate() {
             let mut rig = ready_of(kind);
             load(&mut rig, &format!("M{}\nM00\nM30", 80 + index));

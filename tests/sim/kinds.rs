@@ -17,7 +17,7 @@ fn after(rig: &mut Rig, seconds: f64, input: Input) -> bool {
 
 #[test]
 fn p2_the_wheel_runs_up_and_coasts_on_every_kind() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = driven_of(kind);
         rig.switch(Output::Wheel, true);
         rig.wait(7.9);
@@ -83,7 +83,7 @@ fn p2_each_kind_turns_what_it_has() {
 
 #[test]
 fn p2_the_second_analog_output_sets_the_speed_of_table_and_roll() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = driven_of(kind);
         rig.out.analog_2_volts = 4.0;
         rig.switch(Output::HeadstockHigh, true);
@@ -95,7 +95,7 @@ fn p2_the_second_analog_output_sets_the_speed_of_table_and_roll() {
 
 #[test]
 fn p2_the_second_spindle_turns_both_ways() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = driven_of(kind);
         rig.switch(Output::SecondSpindle, true);
         rig.wait(1.1);
@@ -115,7 +115,7 @@ fn p2_a_gear_is_in_half_a_second_after_its_output() {
         (Output::Gear3, Input::Gear3In),
         (Output::Gear4, Input::Gear4In),
     ];
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let wire =
             |params: &mut Params| gears.into_iter().zip(51..).for_each(|((_, i), port)| connect(params, i, port));
         let mut rig = ready_wired(program_of(kind), wire, |_, _| ());
@@ -134,7 +134,7 @@ fn p3_gauge_arms_take_a_second_out_and_in() {
         (Output::RadialGauge, Input::RadialArmOut, Input::RadialArmIn),
         (Output::AxialGauge, Input::AxialArmOut, Input::AxialArmIn),
     ];
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let inputs = arms.iter().flat_map(|(_, out, into)| [*out, *into]);
         let wire = |params: &mut Params| inputs.zip(51..).for_each(|(input, port)| connect(params, input, port));
         let mut rig = ready_wired(program_of(kind), wire, |_, _| ());
@@ -153,7 +153,7 @@ fn p3_gauge_arms_take_a_second_out_and_in() {
 
 #[test]
 fn p3_the_oscillation_cylinder_runs_between_its_switches() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = driven_of(kind);
         assert!(rig.input(Input::OscillationBackwardEnd));
         rig.switch(Output::OscillationForward, true);
@@ -169,7 +169,7 @@ fn p3_the_oscillation_cylinder_runs_between_its_switches() {
 
 #[test]
 fn p3_coolant_flow_and_lubrication_level_have_switches_that_can_fail() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let wire = |params: &mut Params| {
             connect(params, Input::CoolantFlow, 51);
             connect(params, Input::LubricationLevel, 52);
@@ -200,7 +200,7 @@ fn p3_a_machine_without_a_tailstock_shows_none() {
 
 #[test]
 fn t3_a_ready_machine_has_pressure_and_is_magnetised() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = ready(program_of(kind));
         assert!(rig.input(Input::HydraulicPressure), "{kind:?}");
         let magnet = f64::from(u8::from(kind.row().has(Equipment::MagneticChuck)));
@@ -323,7 +323,7 @@ fn p8_a_plane_gauge_pressed_beyond_its_travel_is_a_crash() {
 
 #[test]
 fn p8_a_dead_gauge_tells_nothing() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = ready_with(program_of(kind), |_, part| part.gauge.as_mut().unwrap().set = 100.0);
         rig.switch(Output::RadialGauge, true);
         rig.wait(1.1);
@@ -341,7 +341,7 @@ fn p8_a_dead_gauge_tells_nothing() {
 /// The rest of the switch without and with a fault, on every kind.
 #[test]
 fn p8_every_switch_can_stick_and_chatter_on_every_kind() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let free: Vec<Input> =
             Input::ALL.iter().copied().filter(|input| Params::factory(kind).input_port(*input) == 0).collect();
         let wire = |params: &mut Params| {
@@ -375,7 +375,7 @@ fn p8_every_switch_can_stick_and_chatter_on_every_kind() {
 
 #[test]
 fn p8_drives_fault_and_lose_their_axis_on_every_kind() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         for axis in Axis::ALL {
             let mut rig = driven_of(kind);
             if !rig.sim.axes()[axis] {
@@ -398,7 +398,7 @@ fn p8_drives_fault_and_lose_their_axis_on_every_kind() {
 
 #[test]
 fn p8_pressure_supply_and_bus_fail_on_every_kind() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let mut rig = ready(program_of(kind));
         rig.sim.inject_fault("pressure-loss").unwrap();
         // 0.6·ln(3/2.2) = 0.186 s.
@@ -426,7 +426,7 @@ fn p8_pressure_supply_and_bus_fail_on_every_kind() {
 
 #[test]
 fn p8_a_hard_stop_at_speed_is_a_crash_on_every_axis() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         for axis in Axis::ALL {
             let mut rig = driven_of(kind);
             if !rig.sim.axes()[axis] {
@@ -526,7 +526,7 @@ fn p8_whatever_the_control_does_table_machines_stay_in_their_bounds() {
 
 #[test]
 fn p1_a_cold_machine_of_every_kind_stands_in_mid_travel_with_nothing_pressed() {
-    for kind in Kind::KT830 {
+    for kind in Kind::kt830() {
         let rig = cold_of(kind);
         assert!(rig.seen.encoder_mm.coordinates().iter().all(|mm| mm.abs() <= 0.0));
         for input in [Input::HomeX, Input::HomeZ, Input::LimitXMinus, Input::LimitZPlus, Input::DriveX, Input::Gauge4] {

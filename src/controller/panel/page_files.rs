@@ -25,7 +25,7 @@ impl Panel {
         }
         if parts.plant.operator.page != page {
             parts.plant.operator.page = page;
-            self.pages.soft_row = soft_key::row_of_page(page);
+            self.pages.soft_row = page.soft_row();
             parts.manual.dressing.withdraw_question();
         }
         self.check_page_files(parts);
@@ -42,7 +42,7 @@ impl Panel {
 
     /// Selects a row of soft keys; after the last row comes the first.
     pub fn show_soft_row(&mut self, row: usize) {
-        self.pages.soft_row = row % soft_key::ROWS.len();
+        self.pages.soft_row = row % soft_key::ROWS;
     }
 
     /// A soft key pressed on the panel: acts like a touch on the screen.
@@ -64,7 +64,7 @@ impl Panel {
             SoftKeyAction::Print => return parts.plant.refuse(PRINT),
         }
         if before == (parts.plant.operator.page, self.pages.coordinates) {
-            let name = Arg::SoftKey(soft, parts.plant.kind);
+            let name = Arg::SoftKey(soft.action, parts.plant.kind);
             parts.plant.show_note(phrase!("已是“{name}”", "{name} is open", name));
         }
     }

@@ -125,7 +125,9 @@ impl KindFactory {
 
 impl Kind {
     /// The KT-830 kinds, with the customer's codes, keys and pages (K1).
-    pub const KT830: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
+    pub fn kt830() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|kind| kind.dialect().is_kt830())
+    }
 
     /// The word used on the command line and in stories.
     #[must_use]

@@ -8,7 +8,6 @@ use super::{Dialect, KindFactory, KindPrograms, KindRow};
 use crate::defs::equipment::Equipment::{Gauges, Hydraulics, RotaryTable, Wheel};
 use crate::defs::page::Page;
 use crate::defs::param::table;
-use crate::defs::r_parameter_name;
 use crate::defs::text::Text;
 use crate::units::{Axis, PerAxis};
 
@@ -49,7 +48,7 @@ pub(super) static ROW: KindRow = KindRow {
             (table::HEADSTOCK_RPM_HIGH, 60.0),
             (table::HEADSTOCK_RPM_LOW, 60.0),
         ],
-        r_parameters: r_parameter_name::R_FACTORY,
+        r_parameters: R_PARAMETERS,
         ..KindFactory::TABLE
     },
     machine_file: include_str!("../../../assets/machines/vertical.ron"),
@@ -72,3 +71,18 @@ pub(super) static ROW: KindRow = KindRow {
         ..GRINDER
     },
 };
+
+/// The R parameters (S3): a ring of 200.5 mm ground to 200 mm (S4, S5). R11 and R12 follow from the machine data: the
+/// wheel touches the diamond at X machine −50, Z machine −300; G54 is X −450, Z −500.
+#[rustfmt::skip]
+const R_PARAMETERS: &[(u16, f64)] = &[
+    // The wheel: smallest, greatest and present diameter, width, limits of speed (R5: none), speed, radius of the edge.
+    (1, 220.0), (2, 300.0), (3, 300.0), (4, 40.0), (5, 0.0), (6, 2_200.0), (7, 30.0), (9, 0.0),
+    // The diamond: R11 is 2 · (450 − 50) + 300, R12 is 500 − 300. Block height, head angle, dwell (s), P79.
+    (10, 0.5), (11, 1_100.0), (12, 200.0), (13, 40.0), (14, 0.0), (15, 0.2), (16, 35.0),
+    // Finished sizes, sizes at the start; fine grinding, rough grinding, spark-out.
+    (18, 200.0), (19, 35.0), (20, 200.5), (21, 105.0),
+    (22, 0.005), (23, 1_200.0), (24, 4.0), (25, 0.05), (28, 0.02), (29, 800.0), (30, 25.0), (32, 3.0), (33, 1_200.0),
+    // Dressing, clearance, middle point.
+    (36, 0.03), (37, 0.02), (38, 600.0), (39, 0.1), (42, 0.1), (43, 0.1), (44, 1_500.0), (46, 700.0), (47, 250.0),
+];

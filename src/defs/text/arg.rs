@@ -12,7 +12,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::program_number;
 use crate::defs::signal::{Input, Output};
-use crate::defs::soft_key::SoftKey;
+use crate::defs::soft_key::SoftKeyAction;
 use crate::defs::variable_name::variable_name;
 use crate::units::Axis;
 
@@ -56,7 +56,7 @@ pub enum Arg {
     /// The label of a panel key on a kind of machine.
     Key(Key, Kind),
     /// The label of a soft key on a kind of machine.
-    SoftKey(&'static SoftKey, Kind),
+    SoftKey(SoftKeyAction, Kind),
     /// The title of a page.
     Page(Page),
     /// A short name: its length and its bytes.

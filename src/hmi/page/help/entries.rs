@@ -197,7 +197,7 @@ fn param_entry(row: &ParamRow) -> HelpEntry {
 }
 
 fn page_entry(page: Page, kind: Kind) -> HelpEntry {
-    let keys: Vec<Text> = soft_key::row(kind, soft_key::row_of_page(page)).map(|soft| soft.label_on(kind)).collect();
+    let keys: Vec<Text> = soft_key::row(kind, page.soft_row()).map(|soft| soft.label).collect();
     let list = |text: fn(&Text) -> &'static str| {
         let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
         words.collect::<Vec<_>>().join(" · ")
@@ -213,7 +213,7 @@ fn page_entry(page: Page, kind: Kind) -> HelpEntry {
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
-    for row in 0..soft_key::ROWS.len() {
+    for row in 0..soft_key::ROWS {
         for (index, soft) in soft_key::row(kind, row).enumerate() {
             let place = LocalizedText::new(
                 format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
@@ -221,7 +221,7 @@ fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
             );
             let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
-            all.push(HelpEntry::new(HelpTopic::SoftKey(soft.action), id, sign, soft.label_on(kind).into(), parts));
+            all.push(HelpEntry::new(HelpTopic::SoftKey(soft.action), id, sign, soft.label.into(), parts));
         }
     }
 }

@@ -202,7 +202,7 @@ impl SettingsPage {
         let view = group.view;
         group.title_note(view.snapshot.kind.name().get(view.lang));
         let next = view.snapshot.next_kind;
-        let (first, rest) = (Kind::KT830.len(), Kind::ALL.len() - Kind::KT830.len());
+        let (first, rest) = (Kind::kt830().count(), Kind::ALL.len() - Kind::kt830().count());
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             // The KT-830 grinders in the first row, the other kinds below.
             let place =
