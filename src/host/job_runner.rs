@@ -24,6 +24,7 @@ use crate::defs::text::LocalizedText;
 use crate::link::files::{FileAnswer, FileRequest, LineCheck, Refusal};
 use crate::link::line_fault::LineFault;
 use crate::link::media::{Direction, MediaView, TransferRequest, TransferSet};
+use crate::link::teach::program_text;
 use crate::nc::{NcSettings, Source, check_syntax};
 use crate::store::{Folder, StoredSettings, UsbDrive};
 
@@ -154,7 +155,9 @@ impl JobRunner {
             FileRequest::Save { number, text, base_stamp: base, overwrite: force } => {
                 report_program_change(files.save(*number, text, (*base, *force)), tell)
             }
-            FileRequest::SaveRecording(text) => report_program_change(files.save_recording(text), tell),
+            FileRequest::SaveRecording(blocks) => {
+                report_program_change(files.save_recording(&program_text(blocks)), tell)
+            }
             FileRequest::New(number) => report_program_change(files.create(*number, job.settings.dialect), tell),
             FileRequest::Copy { from, to } => report_program_change(files.copy(*from, *to), tell),
             FileRequest::Rename { from, to } => report_program_change(files.rename(*from, *to), tell),

@@ -10,6 +10,7 @@ use ropey::Rope;
 use super::line_fault::LineFault;
 use super::media::{MediaView, Screenshot, TransferRequest};
 use super::page_file::{PageFile, PictureLocation};
+use super::teach::TaughtBlock;
 use super::toolpath::Toolpath;
 use crate::defs::alarm;
 use crate::defs::leadscrew::LeadscrewCompensation;
@@ -80,7 +81,7 @@ pub enum FileRequest {
         overwrite: bool,
     },
     /// Saves a recorded program under the next free name (L9).
-    SaveRecording(String),
+    SaveRecording(Vec<TaughtBlock>),
     /// Checks the syntax of lines while they are typed.
     CheckLines {
         /// O number, for the places of errors.

@@ -241,7 +241,7 @@ pub struct Snapshot {
     /// Active station of the tool turret, 1 to 4, 0 if unknown; none on kinds without a turret (L8).
     pub tool_station: Option<u32>,
     /// The teach-in recording of manual moves (L9).
-    pub teach: Arc<TeachView>,
+    pub teach: TeachView,
     /// Measured strokes per minute of the oscillating axis (K4.3).
     pub strokes_per_min: Option<f64>,
     /// Number of workpieces counted.
@@ -411,7 +411,7 @@ impl Snapshot {
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
             tool_station: None,
-            teach: Arc::default(),
+            teach: TeachView::default(),
             strokes_per_min: None,
             parts_counted: 0,
             cycle_seconds: 0.0,

@@ -18,6 +18,7 @@ use kt830::link::command::Command;
 use kt830::link::edit::OffsetCommand;
 use kt830::link::page_command::PageCommand;
 use kt830::link::snapshot::RunState;
+use kt830::link::teach::TeachCommand;
 use kt830::units::{Axis, PerAxis};
 
 use crate::stories::{ready_of, ready_with};
@@ -312,5 +313,61 @@ fn t5_the_tick_allocates_nothing_for_a_start_from_a_block() {
         assert_eq!((0..100).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0, "the search");
         assert!(host.snapshot().restart.is_some());
         assert_eq!(calls_of_run(&mut host), 0);
+    }
+}
+
+/// Holds a key for some ticks; the calls in them and in half a second after.
+fn calls_while_held(host: &mut HeadlessHost, key: Key, ticks: u32) -> u64 {
+    let mut calls = calls_for(host, Command::Press(key));
+    calls += (0..ticks).map(|_| calls_in_a_tick(host)).sum::<u64>();
+    calls += calls_for(host, Command::Release(key));
+    calls + (0..500).map(|_| calls_in_a_tick(host)).sum::<u64>()
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_a_manual_intervention_in_feed_hold() {
+    let mut host = ready_with("G98 G01 W-10 F600\nW-10\nG02 U4 W-2 R2\nM30");
+    host.send(Command::Press(Mode::Auto.key()));
+    (0..10).for_each(|_| host.step());
+    assert_eq!(calls_for(&mut host, Command::Press(Key::CycleStart)), 0);
+    assert_eq!((0..500).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0);
+    assert_eq!(calls_for(&mut host, Command::Press(Key::FeedHold)), 0);
+    assert_eq!((0..500).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0);
+    assert_eq!(calls_for(&mut host, Command::Press(Mode::Manual.key())), 0);
+    let x = host.controller().set_point()[Axis::X];
+    assert_eq!(calls_while_held(&mut host, Key::XPlus, 300), 0);
+    assert!(host.controller().set_point()[Axis::X] > x, "the axis has moved");
+    assert_eq!(calls_for(&mut host, Command::Press(Mode::Auto.key())), 0);
+    assert_eq!(calls_of_run(&mut host), 0);
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_a_teach_in() {
+    let mut host = ready_of(Kind::Lathe);
+    host.send(Command::Press(Mode::Manual.key()));
+    (0..10).for_each(|_| host.step());
+    for _ in 0..2 {
+        assert_eq!(calls_for(&mut host, Command::Teach(TeachCommand::Start)), 0);
+        assert_eq!(calls_while_held(&mut host, Key::ZMinus, 300), 0);
+        assert_eq!(calls_while_held(&mut host, Key::XMinus, 100), 0);
+        assert_eq!(calls_for(&mut host, Command::Press(Key::Coolant)), 0);
+        assert_eq!(calls_for(&mut host, Command::Teach(TeachCommand::Undo)), 0);
+        assert_eq!(calls_for(&mut host, Command::Teach(TeachCommand::Stop)), 0);
+    }
+    host.step();
+    assert!(host.snapshot().teach.blocks.len() > 2);
+}
+
+#[test]
+fn t5_the_tick_allocates_nothing_for_messages_and_jumps_in_an_mdi_line() {
+    for (kind, line) in
+        [(Kind::Vertical, "MSG(\"WHEEL 砂轮\")"), (Kind::Gc, "#3006=1(CHECK 检查)"), (Kind::Gc, "#1=1 ; #2=#1+SIN[30]")]
+    {
+        let mut host = ready_of(kind);
+        host.send(Command::Press(Mode::Mdi.key()));
+        (0..10).for_each(|_| host.step());
+        assert_eq!(calls_for(&mut host, Command::PrepareMdi(line.to_owned())), 0, "{line} is prepared");
+        assert_eq!(calls_for(&mut host, Command::Press(Key::CycleStart)), 0, "{line} starts");
+        assert_eq!((0..100).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0, "{line} runs");
     }
 }

@@ -121,7 +121,7 @@ fn k6_2_programs_change_in_mode_edit_without_a_run_and_with_the_password() {
     assert_eq!(core.result(OTHER), Some(Ok("ready for editing".into())));
     assert_eq!(core.ask(MINE, saves.clone()), std::slice::from_ref(&saves));
     let mut core = running();
-    for request in [saves, FileRequest::Delete(1_002), FileRequest::SaveRecording(String::new())] {
+    for request in [saves, FileRequest::Delete(1_002), FileRequest::SaveRecording(Vec::new())] {
         assert!(core.ask(MINE, request).is_empty());
         assert!(other_refusal(core.result(MINE)).contains("cannot be edited while one runs"));
     }

@@ -14,6 +14,7 @@ use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::files::{FileRequest, Requester, Ticket};
 use kt830::link::page_command::PageCommand;
+use kt830::link::teach::{TaughtBlock, block_text};
 use kt830::link::toolpath::Toolpath;
 use kt830::units::Axis;
 
@@ -32,6 +33,11 @@ fn lathe(folder: &Path) -> HeadlessHost {
     rig
 }
 
+/// The blocks of a recording as its program has them.
+fn texts(blocks: &[TaughtBlock]) -> Vec<String> {
+    blocks.iter().enumerate().map(|(index, block)| block_text(index, block)).collect()
+}
+
 #[test]
 fn l9_what_is_moved_by_hand_becomes_a_program_that_does_it_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -40,7 +46,7 @@ fn l9_what_is_moved_by_hand_becomes_a_program_that_does_it_again() {
     tell(&mut rig, "mode step\nparam P395 5\nteach start\nkey z-minus\nwait 1 s\nkey z-minus\nwait 1 s");
     tell(&mut rig, "key spindle-forward\nwait 3 s\nkey coolant\nwait 0.5 s\nkey x-plus\nwait 1 s\nteach stop");
     let (x, z) = (rig.snapshot().axes[Axis::X].work, rig.snapshot().axes[Axis::Z].work);
-    let blocks = rig.snapshot().teach.blocks.clone();
+    let blocks = texts(&rig.snapshot().teach.blocks);
     let words: Vec<&str> = blocks.iter().map(|block| block.split('F').next().unwrap()).collect();
     let begun = format!("N0010G92X{}Z{}", x - 5.0, z + 10.0);
     let (along, out) = (format!("N0020G01Z{z}"), format!("N0050G01X{x}"));
@@ -71,7 +77,7 @@ fn l9_a_turn_back_a_jog_at_rapid_and_homing_are_blocks_of_their_own() {
         "teach start\nmode jog\nhold Z- 1 s\nwait 1 s\nhold Z+ 0.5 s\nwait 1 s\nkey rapid\nhold X- 0.3 s\nwait 1 s",
     );
     tell(&mut rig, "key rapid\nmode home\nkey z-plus\nwait until idle max 200 s\nwait 1 s\nteach undo\nteach stop");
-    let blocks = rig.snapshot().teach.blocks.clone();
+    let blocks = texts(&rig.snapshot().teach.blocks);
     let codes: Vec<String> = blocks.iter().map(|block| block[5..9].to_owned()).collect();
     assert_eq!(codes, ["G92X", "G01Z", "G01Z", "G00X"], "{blocks:?}: undo has taken G39 back");
     assert!(blocks[1].contains('F') && !blocks[3].contains('F'));

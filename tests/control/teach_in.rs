@@ -7,7 +7,7 @@ use kt830::defs::program_number::from_name;
 use kt830::defs::text::LocalizedText;
 use kt830::link::Command;
 use kt830::link::files::{FileAnswer, FileRequest, Refusal, Requester, Ticket};
-use kt830::link::teach::TeachCommand;
+use kt830::link::teach::{TeachCommand, block_text, program_text};
 use kt830::units::Axis;
 
 use crate::core_alone::Core;
@@ -38,8 +38,8 @@ fn turn(core: &mut Core, detents: i32) {
 
 /// The blocks without their numbers and feeds.
 fn words(core: &mut Core) -> Vec<String> {
-    let text = |block: &String| block[5..].split('F').next().unwrap_or_default().to_owned();
-    core.shown().teach.blocks.iter().map(text).collect()
+    let blocks = core.shown().teach.blocks.iter().enumerate().map(|(index, block)| block_text(index, block));
+    blocks.map(|text| text[5..].split('F').next().unwrap_or_default().to_owned()).collect()
 }
 
 fn z(core: &mut Core) -> f64 {
@@ -97,7 +97,8 @@ fn l9_a_recording_is_saved_when_the_disk_says_so() {
     core.wait(100);
     core.jobs();
     teach(&mut core, TeachCommand::Save);
-    let FileRequest::SaveRecording(text) = core.jobs().remove(0) else { panic!("no recording") };
+    let FileRequest::SaveRecording(blocks) = core.jobs().remove(0) else { panic!("no recording") };
+    let text = program_text(&blocks);
     let lines: Vec<&str> = text.split("\r\n").collect();
     assert!(lines[0].starts_with("N0010G92X"), "{lines:?}");
     assert_eq!(lines[1..], ["N0020M07", "N0030M02", ""]);
@@ -139,10 +140,11 @@ fn l9_a_full_recording_stops_with_its_last_number() {
     let teach_in = core.shown().teach.clone();
     assert!(!teach_in.recording);
     assert_eq!(teach_in.blocks.len(), 998);
-    assert!(teach_in.blocks[997].starts_with("N9980M0"), "{}", teach_in.blocks[997]);
+    assert!(block_text(997, &teach_in.blocks[997]).starts_with("N9980M0"), "{:?}", teach_in.blocks[997]);
     core.jobs();
     teach(&mut core, TeachCommand::Save);
-    let FileRequest::SaveRecording(text) = core.jobs().remove(0) else { panic!("no recording") };
+    let FileRequest::SaveRecording(blocks) = core.jobs().remove(0) else { panic!("no recording") };
+    let text = program_text(&blocks);
     assert!(text.ends_with("N9990M02\r\n"));
 }
 

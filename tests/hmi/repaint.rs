@@ -24,7 +24,6 @@ use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::PageCommand;
 use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{RestartView, RunState};
-use kt830::link::teach::TeachView;
 use kt830::link::{Command, Snapshot};
 use kt830::units::{Axis, Micros, PerAxis};
 
@@ -52,7 +51,7 @@ const CHANGES: &[Change] = &[
     ("feed_mm_min", Page::Mdi, |machine| machine.feed_mm_min += 1.0),
     ("wheel_rpm", Page::Mdi, |machine| machine.wheel_rpm += 1.0),
     ("tool_station", Page::Position, |machine| machine.tool_station = Some(2)),
-    ("teach", Page::Teach, |machine| machine.teach = Arc::new(TeachView { recording: true, ..TeachView::default() })),
+    ("teach", Page::Teach, |machine| machine.teach.recording = true),
     ("strokes_per_min", Page::Position, |machine| machine.strokes_per_min = Some(12.5)),
     ("parts_counted", Page::Mdi, |machine| machine.parts_counted += 1),
     ("cycle_seconds", Page::Position, |machine| machine.cycle_seconds += 1.0),

@@ -164,25 +164,14 @@ impl ProgramRun {
             shift[axis] -= distance;
         }
         let begin = parted.start + shift;
-        let mut items = self.queue.clone();
         let back = self.return_moves(parted, begin, &shift, params);
+        let mut tried = (shift, begin);
+        self.queue.iter().try_for_each(|item| item.clone().shift(&mut tried.0, &mut tried.1, params))?;
         let mut from = begin;
-        for item in &mut items {
-            if let QueueItem::Action(QueuedAction::Thread(thread)) = item {
-                // A thread is programmed incrementally.
-                thread.shift_by(&shift);
-                from = thread.run_out_end;
-            }
-            if let Some(planned) = item.move_mut() {
-                planned.shift(&mut shift);
-                planned.check_soft_limits(from, params)?;
-                from = planned.to;
-            }
+        self.queue.iter_mut().try_for_each(|item| item.shift(&mut shift, &mut from, params))?;
+        for planned in back.into_iter().rev().flatten() {
+            self.queue.push_front(QueueItem::Move(planned));
         }
-        for planned in back.into_iter().rev() {
-            items.push_front(QueueItem::Move(planned));
-        }
-        self.queue = items;
         self.lookahead.machine_position = self.lookahead.machine_position + shift;
         self.handover = Handover::Feeding;
         Ok(())
@@ -195,13 +184,10 @@ impl ProgramRun {
         begin: MachinePos,
         shift: &PerAxis<f64>,
         params: &Params,
-    ) -> Vec<PlannedMove> {
-        let mut back = Vec::new();
+    ) -> [Option<PlannedMove>; 2] {
         let speed = ProgrammedFeed::PerMinute(params.get(param::WHEEL_ON_INFEED_SPEED));
         let straight = |to| PlannedMove::new(to, MoveShape::Line, speed, (AxisSet::NONE, AxisSet::NONE));
-        if parted.withdrawn.is_some() {
-            back.push(straight(begin));
-        }
+        let mut back = [parted.withdrawn.map(|_| straight(begin)), None];
         if let Some(QueueItem::Move(next)) = self.queue.front()
             && let MoveShape::Arc { plane, .. } = next.shape
         {
@@ -212,7 +198,7 @@ impl ProgramRun {
             }
             let moved = |axis: Axis| shift[axis].abs() > MOVED_MM && !next.follows_manual_shift(axis);
             if moved(first) || moved(second) {
-                back.push(straight(start));
+                back[1] = Some(straight(start));
             }
         }
         back
@@ -220,6 +206,21 @@ impl ProgramRun {
 }
 
 impl QueueItem {
+    /// Shifts the item, and takes `from` to its end.
+    fn shift(&mut self, shift: &mut PerAxis<f64>, from: &mut MachinePos, params: &Params) -> Result<(), MoveRefusal> {
+        if let Self::Action(QueuedAction::Thread(thread)) = self {
+            // A thread is programmed incrementally.
+            thread.shift_by(shift);
+            *from = thread.run_out_end;
+        }
+        if let Some(planned) = self.move_mut() {
+            planned.shift(shift);
+            planned.check_soft_limits(*from, params)?;
+            *from = planned.to;
+        }
+        Ok(())
+    }
+
     /// The move of an item, if it has one.
     fn move_mut(&mut self) -> Option<&mut PlannedMove> {
         match self {

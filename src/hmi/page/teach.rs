@@ -9,7 +9,7 @@ use crate::hmi::{
 };
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
-use crate::link::teach::TeachCommand;
+use crate::link::teach::{TeachCommand, block_text};
 use crate::units::Axis;
 
 /// Height of a key.
@@ -82,7 +82,7 @@ impl TeachPage {
         for (index, line) in rows {
             let newest = index + 1 == blocks.len() && view.snapshot.teach.recording;
             let ink = if newest { view.theme.info } else { view.theme.text };
-            clipped.line_left(line.trim_right(6.0), &blocks[index], theme::TITLE, ink);
+            clipped.line_left(line.trim_right(6.0), &block_text(index, &blocks[index]), theme::TITLE, ink);
         }
     }
 
