@@ -11,7 +11,7 @@ use std::path::Path;
 use imports::{Crate, circles};
 use tokens::{declared, functions, is_word, tokens, types};
 
-/// Most parameters of a function, beside `self`.
+/// Most parameters of a function beside `self`; a tuple counts as its elements.
 const PARAMETERS: usize = 5;
 
 /// Names of an earlier version and what stands in their place; docs/architecture.md has the table. No type, function,

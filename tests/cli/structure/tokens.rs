@@ -118,7 +118,7 @@ pub fn is_word(token: &str) -> bool {
     token.starts_with(|sign: char| sign.is_alphabetic() || sign == '_')
 }
 
-/// The functions of a text with the numbers of their parameters, `self` not counted.
+/// The functions of a text with the numbers of their parameters. `self` is not counted, a tuple counts as its elements.
 pub fn functions<'a>(tokens: &[&'a str]) -> Vec<(&'a str, usize)> {
     let heads = tokens.windows(2).enumerate().filter(|(_, pair)| pair[0] == "fn" && is_word(pair[1]));
     heads.map(|(at, pair)| (pair[1], parameters(&tokens[at + 2..]))).collect()
@@ -145,12 +145,42 @@ fn parameters(tokens: &[&str]) -> usize {
             _ => {}
         }
         if fresh {
-            let first = list[at..].iter().find(|token| !["&", "mut"].contains(*token));
-            count += usize::from(first != Some(&"self"));
+            let name = at + unqualified(&list[at..]);
+            if list.get(name) != Some(&"self") {
+                let behind = if list.get(name + 1) == Some(&":") { name + 2 } else { name };
+                count += elements(&list[behind + unqualified(&list[behind..])..]);
+            }
             fresh = false;
         }
     }
     count
+}
+
+/// Where `&` and `mut` end.
+fn unqualified(tokens: &[&str]) -> usize {
+    tokens.iter().take_while(|token| ["&", "mut"].contains(*token)).count()
+}
+
+/// The number of elements of the tuple at the head; 1 if there is none.
+fn elements(tokens: &[&str]) -> usize {
+    if tokens.first() != Some(&"(") {
+        return 1;
+    }
+    let (mut depth, mut count, mut fresh) = (0, 0, true);
+    for token in &tokens[1..after_bracket(tokens, 0) - 1] {
+        match *token {
+            "(" | "[" | "{" | "<" => depth += 1,
+            ")" | "]" | "}" | ">" => depth -= 1,
+            "," if depth == 0 => {
+                fresh = true;
+                continue;
+            }
+            _ => {}
+        }
+        count += usize::from(fresh);
+        fresh = false;
+    }
+    count.max(1)
 }
 
 /// The types, functions and modules that a text declares: keyword and name.
@@ -182,7 +212,8 @@ pub fn types<'a>(tokens: &[&'a str]) -> Vec<&'a str> {
 fn parameters_are_counted_beside_self() {
     let count = |text: &'static str| functions(&tokens(text));
     assert_eq!(count("fn f(a: u8, b: u8, c: u8, d: u8, e: u8, f: u8) {}"), [("f", 6)]);
-    assert_eq!(count("fn f(&mut self, a: (u8, u8), b: Map<u8, [u8; 2]>,) {}"), [("f", 2)]);
+    assert_eq!(count("fn f(&mut self, a: (u8, u8), b: Map<u8, [u8; 2]>,) {}"), [("f", 3)]);
+    assert_eq!(count("fn f((a, mut b): (A, Map<u8, B>), c: &mut (dyn Fn(u8, u8)), d: &(C, [D; 2],)) {}"), [("f", 5)]);
     assert_eq!(count("fn f<'a, F: Fn(u8, u8) -> u8>(&'a self, run: impl Fn(u8, u8) -> u8, last: u8) {}"), [("f", 2)]);
     assert_eq!(
         count("fn f(self: Box<Self>); fn g(); type F = fn(u8, u8); fn h(Pair { a, b }: Pair) {}"),
