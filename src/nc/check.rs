@@ -4,10 +4,11 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::block::Block;
 use super::common_variables::CommonVariables;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
-use super::interpreter::{Block, Interpreter};
+use super::interpreter::Interpreter;
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_lines::{self, UnexecutedLines};

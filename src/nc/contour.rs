@@ -2,11 +2,15 @@
 //! Works on the operations of the contour's blocks, in work coordinates, radius mm; does not read text.
 //! Source: spec B2 (G70–G73).
 
+use super::block::Block;
+use super::flow::Flow;
 use super::op::{AxisSet, Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use crate::defs::program_error::ProgramError as E;
 use crate::units::{Axis, PerAxis, WorkPos};
 
+/// Most blocks of a contour.
+pub(super) const MAX_CONTOUR_BLOCKS: usize = 500;
 /// Most strokes of one cycle.
 const MAX_STROKES: usize = 2_000;
 /// Shorter distances count as zero, mm; far below the resolution.
@@ -51,10 +55,6 @@ struct ContourSegment {
 pub(crate) struct ContourSegments(Vec<ContourSegment>);
 
 impl ContourSegments {
-    pub(crate) fn with_capacity(blocks: usize) -> Self {
-        Self(Vec::with_capacity(blocks))
-    }
-
     /// Takes the moves of a contour that begins at `start`.
     fn read(&mut self, start: WorkPos, contour: &[Op]) -> Result<&[ContourSegment], E> {
         let mut from = start;
@@ -66,6 +66,22 @@ impl ContourSegments {
             from = by.to;
         }
         Ok(&self.0)
+    }
+}
+
+/// Memory for reading contours.
+pub(crate) struct ContourMemory {
+    /// The position in the program before the contour.
+    pub flow: Flow,
+    pub block: Block,
+    pub ops: Vec<Op>,
+    pub segments: ContourSegments,
+}
+
+impl ContourMemory {
+    pub fn new(flow: Flow, block: Block) -> Self {
+        let ops = Vec::with_capacity(MAX_CONTOUR_BLOCKS);
+        Self { flow, block, ops, segments: ContourSegments(Vec::with_capacity(MAX_CONTOUR_BLOCKS)) }
     }
 }
 

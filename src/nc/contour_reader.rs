@@ -1,31 +1,11 @@
 //! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
 
-use super::contour::{ContourCycle, ContourSegments, CycleKind, contour_move, expand};
+use super::block::Block;
+use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, contour_move, expand};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ReadResult, fail, fail1};
-use super::flow::Flow;
-use super::interpreter::{Block, Interpreter, PendingCycle, StepStatus};
-use super::op::Op;
+use super::interpreter::{Interpreter, PendingCycle, StepStatus};
 use crate::units::WorkPos;
-
-/// Most blocks of a contour.
-const MAX_CONTOUR_BLOCKS: usize = 500;
-
-/// Memory for reading contours.
-pub(super) struct ContourMemory {
-    /// The position in the program before the contour.
-    pub flow: Flow,
-    block: Block,
-    ops: Vec<Op>,
-    segments: ContourSegments,
-}
-
-impl ContourMemory {
-    pub fn new(flow: Flow, block: Block) -> Self {
-        let ops = Vec::with_capacity(MAX_CONTOUR_BLOCKS);
-        Self { flow, block, ops, segments: ContourSegments::with_capacity(MAX_CONTOUR_BLOCKS) }
-    }
-}
 
 /// The state while a contour is read: the position is the end of its last block.
 struct ContourReadState<'w> {

@@ -7,6 +7,7 @@
 //! Invariants: a refused block changes nothing. A block that needs a live value (`NextStatus::Drain`) is read again from
 //! its start. All lengths in operations are radius millimetres.
 
+mod block;
 pub mod check;
 pub mod common_variables;
 mod contour;
@@ -35,12 +36,13 @@ mod unexecuted_lines;
 mod words;
 pub mod work_offsets;
 
+pub use block::Block;
 pub use check::{CheckReport, ProgramCheck, check, check_syntax};
 pub use common_variables::{CommonVariables, VariableError};
 pub use dialect::{call_text, new_program_text};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine, SystemVariables};
 pub use fault::{BlockLocation, ProgramFault};
-pub use interpreter::{Block, Interpreter, NextStatus};
+pub use interpreter::{Interpreter, NextStatus};
 pub use modal::{ModalState, MotionMode};
 pub use op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
 pub use op_effect::{

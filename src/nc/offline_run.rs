@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::block::Block;
 use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
-use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
+use super::interpreter::{Interpreter, NextStatus, StepStatus};
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 

@@ -1,5 +1,6 @@
 //! A program's text, with an index of its lines, and of what its dialect can jump to, built at load. Source: spec B1.
 
+use std::fmt::{self, Write};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -73,6 +74,7 @@ impl Source {
     pub(crate) fn reserve_index(&mut self) {
         self.line_offsets.reserve(USUAL_LINES);
         self.index.reserve(USUAL_LINES);
+        self.messages.reserve(USUAL_LINES);
     }
 
     /// Replaces the text, in the memory of this one.
@@ -91,7 +93,8 @@ impl Source {
         self.messages.clear();
         for index in 0..self.index.message_texts.len() {
             let (start, end) = self.index.message_texts[index];
-            self.messages.push(self.decode(&self.bytes[start as usize..end as usize]).into());
+            let text = DecodedText(self, &self.bytes[start as usize..end as usize]);
+            self.messages.push(format_args!("{text}").into());
         }
     }
 
@@ -296,9 +299,7 @@ impl Source {
 
     /// Decodes bytes of the text: as UTF-8 if the whole program is valid UTF-8, else as GBK.
     pub(crate) fn decode(&self, bytes: &[u8]) -> String {
-        let text =
-            if self.utf8 { String::from_utf8_lossy(bytes) } else { GB18030.decode_without_bom_handling(bytes).0 };
-        text.into_owned()
+        DecodedText(self, bytes).to_string()
     }
 
     /// Passes the characters of [`Self::decode`] to `tell`, without memory for them.
@@ -342,6 +343,17 @@ impl Source {
             character,
             ascii_equivalent(character).map_or_else(|| comment.into(), |ascii| format_args!("'{ascii}'").into()),
         ))
+    }
+}
+
+/// Bytes of a text, decoded as they are written.
+struct DecodedText<'s>(&'s Source, &'s [u8]);
+
+impl fmt::Display for DecodedText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut written = Ok(());
+        self.0.decode_chars(self.1, |character| written = written.and_then(|()| f.write_char(character)));
+        written
     }
 }
 

@@ -30,6 +30,7 @@ impl SourceIndex {
         self.inner_block_numbers.reserve(entries);
         self.while_loops.reserve(entries);
         self.counted_loops.reserve(entries);
+        self.message_texts.reserve(entries);
     }
 
     /// Empties the index and keeps its memory.

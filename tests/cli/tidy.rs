@@ -216,8 +216,6 @@ const MAKES_PHRASES: &[&str] = &["controller", "machine"];
 const WORDING: &[&str] = &["format!(", ".to_string()", "to_string)", "LocalizedText::new("];
 /// Where a text is composed nevertheless: seldom, and when the operator asks for it.
 const COMPOSES_TEXTS: &[(&str, &str)] = &[
-    // The program of a recording is written when it is saved.
-    ("controller/manual/teach.rs", ""),
     // Values read from a file: names the parameters in use, as many as they are.
     ("controller/panel/files.rs", "kept.push(at.to_string())"),
 ];

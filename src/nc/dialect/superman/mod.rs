@@ -62,7 +62,7 @@ impl DialectRules for SuperMan {
     fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
         check_format(running.words, running.settings, (running.text, running.at))?;
         if let Some((short, full)) = short_block_number(running.text, running.at) {
-            running.scope.warn(running.at, E::BlockNumberShort, [short.into(), full.into()]);
+            running.scope.warn(running.at, E::BlockNumberShort, [short, full]);
         }
         let code = single_g_code(running.words)?;
         auxiliary::spindle_speed(running)?;

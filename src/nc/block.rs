@@ -1,0 +1,51 @@
+//! A block that was read: its operations and the modal state after it.
+
+use super::fault::BlockLocation;
+use super::modal::ModalState;
+use super::op::Op;
+use super::settings::NcSettings;
+
+/// Operations of a block for which memory is taken at once: a roughing cycle of 250 strokes. A longer one takes more.
+const USUAL_OPS: usize = 1_024;
+
+/// The operations of one block.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Where the block is in the program.
+    pub location: BlockLocation,
+    /// Its operations, in order.
+    pub ops: Vec<Op>,
+    /// The modal state after the block.
+    pub modals: ModalState,
+    /// Whether this ends the block: single block stops here. A block that changes the work offset or tool and also
+    /// moves is returned in two parts.
+    pub complete: bool,
+    /// The variables that its words were calculated from; only a check fills it.
+    pub used_variables: Vec<u32>,
+}
+
+impl Block {
+    /// An empty block. `Interpreter::next` fills it again for every block.
+    #[must_use]
+    pub fn new(settings: &NcSettings) -> Self {
+        Self {
+            location: BlockLocation::default(),
+            ops: Vec::with_capacity(USUAL_OPS),
+            modals: ModalState::new(settings),
+            complete: true,
+            used_variables: Vec::new(),
+        }
+    }
+
+    /// An empty block of another program, in the same memory.
+    pub fn restart(&mut self, modals: ModalState) {
+        self.clear();
+        (self.location, self.modals) = (BlockLocation::default(), modals);
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.ops.clear();
+        self.used_variables.clear();
+        self.complete = true;
+    }
+}
