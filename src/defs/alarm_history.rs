@@ -1,6 +1,7 @@
 //! The alarm history: when and where each alarm was raised and how it was cleared. Retained data. Source: spec B6.
 
 use std::ops::Deref;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +62,8 @@ impl PastAlarm {
 /// The entries of the history, latest last.
 #[derive(Clone, Debug)]
 pub struct AlarmHistory {
-    entries: Vec<PastAlarm>,
+    /// Shared by the copies that the screen keeps.
+    entries: Arc<Vec<PastAlarm>>,
     version: u64,
 }
 
@@ -71,7 +73,7 @@ impl AlarmHistory {
     pub fn new(remembered: impl IntoIterator<Item = PastAlarm>) -> Self {
         let mut entries = Vec::with_capacity(MAX_ALARM_HISTORY);
         entries.extend(remembered);
-        Self { entries, version: 1 }
+        Self { entries: Arc::new(entries), version: 1 }
     }
 
     /// Counts the changes.
@@ -83,21 +85,21 @@ impl AlarmHistory {
     /// Appends an entry; the oldest goes if the history is full.
     pub fn push(&mut self, past: PastAlarm) {
         if self.entries.len() >= MAX_ALARM_HISTORY {
-            self.entries.remove(0);
+            self.entries_mut().remove(0);
         }
         self.entries_mut().push(past);
     }
 
     /// The entries, to change them.
-    pub const fn entries_mut(&mut self) -> &mut Vec<PastAlarm> {
+    pub fn entries_mut(&mut self) -> &mut Vec<PastAlarm> {
         self.version += 1;
-        &mut self.entries
+        Arc::make_mut(&mut self.entries)
     }
 
-    /// Copies a later history of the same machine, if it has changed. Allocates nothing.
+    /// Copies a later history of the same machine, if it has changed: in place, unless the entries are shared.
     pub fn copy_from(&mut self, newest: &Self) {
         if self.version != newest.version {
-            self.entries.clone_from(&newest.entries);
+            Arc::make_mut(&mut self.entries).clone_from(&newest.entries);
             self.version = newest.version;
         }
     }

@@ -22,8 +22,8 @@ const STANDSTILL_BLOCKS: u32 = 100_000;
 /// Most texts that are read for one program.
 const MAX_TEXTS: usize = 100;
 
-/// Lines and calls of a program for which memory is taken at power-on. A longer one takes more when it is first started.
-const USUAL_LINES: usize = 16_384;
+/// Lines of a program for which memory is taken at power-on: a byte each, which the system maps when it is used.
+const USUAL_LINES: usize = 1 << 20;
 
 /// The preflight of one program after another, in the same memory.
 pub struct ProgramPreflight {

@@ -13,6 +13,9 @@ use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 
+/// Calls of a text for which [`UnexecutedLines::with_capacity`] takes memory.
+const USUAL_CALLS: usize = 16_384;
+
 /// Reads the unmarked lines of a program and marks them.
 pub(crate) struct UnexecutedLines {
     visited: Vec<bool>,
@@ -37,7 +40,7 @@ impl UnexecutedLines {
 
     /// For texts of up to `lines` lines without further memory.
     pub fn with_capacity(lines: usize) -> Self {
-        Self { calls: Vec::with_capacity(lines), ..Self::new(lines) }
+        Self { visited: Vec::with_capacity(lines + 1), calls: Vec::with_capacity(USUAL_CALLS), ..Self::new(0) }
     }
 
     /// Begins with another text, in the same memory.
