@@ -33,7 +33,11 @@ const DRESSING_PICTURE: u16 = 100;
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);
 /// Size of a page picture, bytes: 54 of header, 3 per pixel (K5.12).
-pub const PICTURE_BYTES: usize = 54 + 3 * 200 * 400;
+pub const PICTURE_BYTES: usize = 54 + PIXEL_BYTES;
+/// Bytes of its pixels.
+const PIXEL_BYTES: usize = 3 * 200 * 400;
+/// Where the header says at which byte the pixels begin.
+const PIXELS_OFFSET: usize = 10;
 /// Offsets of bits per pixel and compression in a BMP header, bytes.
 const BITS_OFFSET: usize = 28;
 const COMPRESSION_OFFSET: usize = 30;
@@ -243,7 +247,8 @@ fn picture(folder: &Folder, number: u16) -> Result<Arc<Picture>, FileFault> {
     parse_picture(&found.name, &found.bytes).map(Arc::new)
 }
 
-/// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed, 240 054 bytes (K5.12).
+/// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed: 240 054 bytes, and padding behind
+/// the pixels (K5.12).
 ///
 /// # Errors
 /// What is wrong with the picture.
@@ -273,11 +278,13 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         let en = "the picture is compressed, save it uncompressed";
         return Err(file_fault(name, "图片是压缩的，请存为不压缩的 BMP", en));
     }
-    if bytes.len() != PICTURE_BYTES {
+    // Bytes behind the pixels are padding; PhotoShop writes two and counts them in the size of its header.
+    let needed = number(PIXELS_OFFSET).map_or(PICTURE_BYTES, |start| start as usize + PIXEL_BYTES);
+    if bytes.len() < needed {
         return Err(file_fault(
             name,
-            format!("文件是 {} 字节，应为 {PICTURE_BYTES} 字节 (234K)", bytes.len()),
-            format!("the file has {} bytes, it must have {PICTURE_BYTES}", bytes.len()),
+            format!("文件只有 {} 字节，应有 {needed} 字节 (234K)：拷贝不完整", bytes.len()),
+            format!("the file has only {} bytes of {needed}: the copy is not complete", bytes.len()),
         ));
     }
     let damaged =

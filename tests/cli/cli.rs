@@ -205,6 +205,24 @@ fn k7_4_k5_12_page_files_name_what_is_wrong() {
     assert!(String::from_utf8_lossy(&kt830(&["check", &path]).stdout).contains("200×400"));
 }
 
+/// K5.12: PhotoShop adds two bytes of padding, and counts them in bfSize and biSizeImage.
+#[test]
+fn k5_12_a_picture_with_padding_opens_and_one_cut_short_is_named() {
+    let picture = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("screens/B0001.BMP")).unwrap();
+    let mut padded = [&picture[..], &[0, 0]].concat();
+    assert_eq!(padded.len(), 240_056);
+    for (at, value) in [(2, 240_056_u32), (34, 240_002)] {
+        let (_folder, path) = file("B0009.BMP", &padded);
+        assert_eq!(status(&kt830(&["check", &path])), 0, "before the size at byte {at} is changed");
+        padded[at..at + 4].copy_from_slice(&value.to_le_bytes());
+    }
+    let (_folder, path) = file("B0009.BMP", &padded);
+    assert_eq!(status(&kt830(&["check", &path])), 0);
+    let (_folder, path) = file("B0009.BMP", &picture[..240_053]);
+    let out = kt830(&["check", &path]);
+    assert!(status(&out) == 2 && String::from_utf8_lossy(&out.stdout).contains("240053"));
+}
+
 #[test]
 fn t3_a_loop_that_moves_nothing_ends_the_run_by_itself() {
     let (_folder, path) = file("O2004.NC", b"N10 #100=1\nGOTO 10\nM30\n");
