@@ -68,12 +68,13 @@ pub struct AlarmHistory {
 }
 
 impl AlarmHistory {
-    /// The history with these entries, oldest first. Takes the memory of a full history.
+    /// The history with these entries, oldest first, in the memory of a full one. Its versions begin at this one: no
+    /// earlier history of the machine may have had it.
     #[must_use]
-    pub fn new(remembered: impl IntoIterator<Item = PastAlarm>) -> Self {
+    pub fn new(remembered: impl IntoIterator<Item = PastAlarm>, version: u64) -> Self {
         let mut entries = Vec::with_capacity(MAX_ALARM_HISTORY);
         entries.extend(remembered);
-        Self { entries: Arc::new(entries), version: 1 }
+        Self { entries: Arc::new(entries), version }
     }
 
     /// Counts the changes.
@@ -96,10 +97,13 @@ impl AlarmHistory {
         Arc::make_mut(&mut self.entries)
     }
 
-    /// Copies a later history of the same machine, if it has changed: in place, unless the entries are shared.
+    /// Takes over the entries of another history if they have changed: in place, unless they are shared.
     pub fn copy_from(&mut self, newest: &Self) {
         if self.version != newest.version {
-            Arc::make_mut(&mut self.entries).clone_from(&newest.entries);
+            match Arc::get_mut(&mut self.entries) {
+                Some(entries) => entries.clone_from(&newest.entries),
+                None => self.entries = Arc::new(newest.to_vec()),
+            }
             self.version = newest.version;
         }
     }
@@ -108,7 +112,7 @@ impl AlarmHistory {
 impl Default for AlarmHistory {
     /// Empty and older than any other.
     fn default() -> Self {
-        Self { version: 0, ..Self::new([]) }
+        Self::new([], 0)
     }
 }
 

@@ -42,14 +42,14 @@ pub enum TaughtBlock {
         heading: [i8; 2],
         /// G00 in place of G01.
         rapid: bool,
-        /// F.
+        /// Feed, mm/min.
         feed: f64,
     },
     /// G37 or G39: an axis was homed.
     Home(Axis),
     /// An M code.
     M(u8),
-    /// A tool post station.
+    /// A turret station.
     T(u8),
 }
 

@@ -6,9 +6,9 @@ use super::op::Op;
 use super::settings::NcSettings;
 
 /// Operations of a block for which memory is taken at once: a roughing cycle of 250 strokes. A longer one takes more.
-const USUAL_OPS: usize = 1_024;
+pub const USUAL_OPS: usize = 1_024;
 
-/// The operations of one block.
+/// A block that was read.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// Where the block is in the program.

@@ -50,77 +50,68 @@ struct ContourSegment {
     rapid: bool,
 }
 
-/// Memory for the segments of a contour.
-#[derive(Debug)]
-pub(crate) struct ContourSegments(Vec<ContourSegment>);
-
-impl ContourSegments {
-    /// Takes the moves of a contour that begins at `start`.
-    fn read(&mut self, start: WorkPos, contour: &[Op]) -> Result<&[ContourSegment], E> {
-        let mut from = start;
-        self.0.clear();
-        for op in contour {
-            let Some(by) = contour_move(op)? else { continue };
-            let arc = by.arc.map(|arc| (arc.center, arc.turn));
-            self.0.push(ContourSegment { from, to: by.to, arc, rapid: by.rapid });
-            from = by.to;
-        }
-        Ok(&self.0)
-    }
-}
-
 /// Memory for reading contours.
 pub(crate) struct ContourMemory {
     /// The position in the program before the contour.
     pub flow: Flow,
     pub block: Block,
+    /// The operations of the contour's blocks.
     pub ops: Vec<Op>,
-    pub segments: ContourSegments,
+    segments: Vec<ContourSegment>,
 }
 
 impl ContourMemory {
     pub fn new(flow: Flow, block: Block) -> Self {
-        let ops = Vec::with_capacity(MAX_CONTOUR_BLOCKS);
-        Self { flow, block, ops, segments: ContourSegments(Vec::with_capacity(MAX_CONTOUR_BLOCKS)) }
+        let (ops, segments) = (Vec::with_capacity(MAX_CONTOUR_BLOCKS), Vec::with_capacity(MAX_CONTOUR_BLOCKS));
+        Self { flow, block, ops, segments }
     }
-}
 
-/// Appends the operations of the cycle from a starting point to `ops`.
-///
-/// # Errors
-/// The mistake in the contour.
-pub(crate) fn expand(
-    cycle: &ContourCycle,
-    start: WorkPos,
-    contour: &[Op],
-    segments: &mut ContourSegments,
-    ops: &mut Vec<Op>,
-) -> Result<(), E> {
-    let segments = segments.read(start, contour)?;
-    let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
-    // The axis that approaches the contour first also retracts first.
-    let across = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
-    match cycle.kind {
-        CycleKind::Finish => {
-            ops.extend_from_slice(contour);
-            return_to_start(ops, start, across);
-        }
-        CycleKind::Roughing { infeed, depth, escape, feed } => {
-            RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }.expand(segments, ops)?;
-        }
-        CycleKind::Pattern { shift, passes, feed } => {
-            for pass in 0..passes {
-                let part = if passes > 1 { f64::from(passes - 1 - pass) / f64::from(passes - 1) } else { 0.0 };
-                let by = PerAxis::from_fn(|axis| cycle.allowance[axis] + part * shift[axis]);
-                let begin = start + by;
-                ops.push(rapid_to(begin, &[Axis::X, Axis::Z]));
-                segments.iter().for_each(|segment| ops.push(segment.to_op(by, feed)));
-                return_to_start(ops, begin, across);
+    /// Appends the operations of the cycle from a starting point to `ops`.
+    ///
+    /// # Errors
+    /// The mistake in the contour; `ops` may hold a part of the cycle then.
+    pub fn expand(&mut self, cycle: &ContourCycle, start: WorkPos, ops: &mut Vec<Op>) -> Result<(), E> {
+        self.read_segments(start)?;
+        let segments = &self.segments;
+        let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
+        // The axis that approaches the contour first also retracts first.
+        let across = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
+        match cycle.kind {
+            CycleKind::Finish => {
+                ops.extend_from_slice(&self.ops);
+                return_to_start(ops, start, across);
             }
-            ops.push(rapid_to(start, &[Axis::X, Axis::Z]));
+            CycleKind::Roughing { infeed, depth, escape, feed } => {
+                RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }
+                    .expand(segments, ops)?;
+            }
+            CycleKind::Pattern { shift, passes, feed } => {
+                for pass in 0..passes {
+                    let part = if passes > 1 { f64::from(passes - 1 - pass) / f64::from(passes - 1) } else { 0.0 };
+                    let by = PerAxis::from_fn(|axis| cycle.allowance[axis] + part * shift[axis]);
+                    let begin = start + by;
+                    ops.push(rapid_to(begin, &[Axis::X, Axis::Z]));
+                    segments.iter().for_each(|segment| ops.push(segment.to_op(by, feed)));
+                    return_to_start(ops, begin, across);
+                }
+                ops.push(rapid_to(start, &[Axis::X, Axis::Z]));
+            }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// The lines and arcs of the contour, which begins at `start`.
+    fn read_segments(&mut self, start: WorkPos) -> Result<(), E> {
+        let mut from = start;
+        self.segments.clear();
+        for op in &self.ops {
+            let Some(by) = contour_move(op)? else { continue };
+            let arc = by.arc.map(|arc| (arc.center, arc.turn));
+            self.segments.push(ContourSegment { from, to: by.to, arc, rapid: by.rapid });
+            from = by.to;
+        }
+        Ok(())
+    }
 }
 
 fn axis_set(axes: &[Axis]) -> AxisSet {

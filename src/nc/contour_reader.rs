@@ -1,9 +1,12 @@
 //! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
 
+use std::sync::Arc;
+
 use super::block::Block;
-use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, contour_move, expand};
+use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, contour_move};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ReadResult, fail, fail1};
+use super::flow::Flow;
 use super::interpreter::{Interpreter, PendingCycle, StepStatus};
 use crate::units::WorkPos;
 
@@ -36,7 +39,9 @@ impl Interpreter {
         block: &mut Block,
     ) -> ReadResult<StepStatus> {
         let start = world.position();
-        let Some(mut memory) = self.contour_memory.take() else { return fail(cycle.at, E::ContourCode) };
+        let mut memory = self.contour_memory.take().unwrap_or_else(|| {
+            Box::new(ContourMemory::new(Flow::new(Arc::clone(&self.flow.source)), Block::new(&self.settings)))
+        });
         memory.flow.copy_from(&self.flow);
         let (modals, last_n, n) = (self.modals, self.last_block_number, self.block_words.block_number);
         let read = self.read_contour(cycle, world, &mut memory);
@@ -44,9 +49,8 @@ impl Interpreter {
         std::mem::swap(&mut self.flow, &mut memory.flow);
         (self.modals, self.last_block_number, self.block_words.block_number, self.second_half) =
             (modals, last_n, n, false);
-        let ContourMemory { ops, segments, .. } = &mut *memory;
-        let expanded = read
-            .and_then(|()| expand(cycle, start, ops, segments, &mut block.ops).or_else(|error| fail(cycle.at, error)));
+        let expanded =
+            read.and_then(|()| memory.expand(cycle, start, &mut block.ops).or_else(|error| fail(cycle.at, error)));
         self.contour_memory = Some(memory);
         if let Err(stop) = expanded {
             // The flow goes back to the block: it is read again, or its mistake is reported.

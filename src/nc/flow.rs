@@ -125,13 +125,14 @@ impl Flow {
 
     /// Takes over the position and the stacks of another flow, in the memory of this one.
     pub fn copy_from(&mut self, other: &Self) {
-        self.source.clone_from(&other.source);
-        self.call_stack.clone_from(&other.call_stack);
-        self.locals.clone_from(&other.locals);
-        self.counted_loops.clone_from(&other.counted_loops);
-        let Self { place, restarted, modal_call, modal_arguments, loops, depth, counted_base, .. } = other;
-        (self.place, self.restarted, self.modal_arguments) = (*place, *restarted, *modal_arguments);
+        let Self { source, place, restarted, modal_call, modal_arguments, loops, depth, .. } = other;
+        let Self { call_stack, locals, counted_loops, counted_base, .. } = other;
+        self.source.clone_from(source);
+        self.call_stack.clone_from(call_stack);
+        self.locals.clone_from(locals);
+        self.counted_loops.clone_from(counted_loops);
         self.modal_call.clone_from(modal_call);
+        (self.place, self.restarted, self.modal_arguments) = (*place, *restarted, *modal_arguments);
         (self.loops, self.depth, self.counted_base) = (*loops, *depth, *counted_base);
     }
 

@@ -36,7 +36,7 @@ mod unexecuted_lines;
 mod words;
 pub mod work_offsets;
 
-pub use block::Block;
+pub use block::{Block, USUAL_OPS};
 pub use check::{CheckReport, ProgramCheck, check, check_syntax};
 pub use common_variables::{CommonVariables, VariableError};
 pub use dialect::{call_text, new_program_text};

@@ -10,13 +10,13 @@ use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 
 impl Interpreter {
-    /// Reads a block without a machine, if a line (from 1) of the started program is not next. `NextStatus::Busy`: the
-    /// operations of `block` are done in `world`, call again. `NextStatus::Block`: the line is next; the modal state
-    /// there is in [`Self::modals`], the position in `world`. `NextStatus::End`: the program ends before the line.
+    /// Reads one block without a machine, unless a line (from 1) of the started program is next. `NextStatus::Busy`: it
+    /// was read and done in `world`, call again. `NextStatus::Block`: the line is next; the modal state there is in
+    /// [`Self::modals`], the position in `world`. `NextStatus::End`: the program ends before the line.
     ///
     /// # Errors
     /// A mistake in the blocks up to the line.
-    pub fn advance_to(
+    pub fn read_towards(
         &mut self,
         line: u32,
         world: &mut OfflineMachine,

@@ -16,7 +16,7 @@ use crate::defs::text::arg::Arg;
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
 /// Lines and blocks for which the index of a short text takes memory.
-const USUAL_LINES: usize = 64;
+const SHORT_TEXT_LINES: usize = 64;
 
 /// Finds the programs that M98, G65, G66 and L call.
 pub trait Library {
@@ -72,9 +72,9 @@ impl Source {
 
     /// Takes memory for the index of a short text.
     pub(crate) fn reserve_index(&mut self) {
-        self.line_offsets.reserve(USUAL_LINES);
-        self.index.reserve(USUAL_LINES);
-        self.messages.reserve(USUAL_LINES);
+        self.line_offsets.reserve(SHORT_TEXT_LINES);
+        self.index.reserve(SHORT_TEXT_LINES);
+        self.messages.reserve(SHORT_TEXT_LINES);
     }
 
     /// Replaces the text, in the memory of this one.
@@ -307,7 +307,9 @@ impl Source {
         if self.utf8 {
             for chunk in bytes.utf8_chunks() {
                 chunk.valid().chars().for_each(&mut tell);
-                (!chunk.invalid().is_empty()).then(|| tell(char::REPLACEMENT_CHARACTER));
+                if !chunk.invalid().is_empty() {
+                    tell(char::REPLACEMENT_CHARACTER);
+                }
             }
             return;
         }
@@ -327,7 +329,7 @@ impl Source {
         let key = (range.start as u32, range.end as u32);
         match self.index.message_texts.binary_search(&key) {
             Ok(index) => self.messages[index].clone(),
-            Err(_) => self.decode(self.bytes.get(range).unwrap_or_default()).into(),
+            Err(_) => format_args!("{}", DecodedText(self, self.bytes.get(range).unwrap_or_default())).into(),
         }
     }
 

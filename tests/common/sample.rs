@@ -307,7 +307,7 @@ pub fn troubled(page: Page) -> Snapshot {
     let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
     history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
     history.push(past(180, 0, None));
-    snapshot.alarm_history = AlarmHistory::new(history);
+    snapshot.alarm_history = AlarmHistory::new(history, 1);
     snapshot.date = Some(DateTime(1_795_273_316));
     snapshot
 }

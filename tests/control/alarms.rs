@@ -16,10 +16,10 @@ fn changed_of(alarms: &mut AlarmList) -> Vec<PastAlarm> {
 
 #[test]
 fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
-    let mut alarms = AlarmList::default();
-    alarms.raise(alarm::EMERGENCY_STOP, None, Micros::ZERO, None);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros::ZERO, None);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(1), None);
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
+    alarms.raise(alarm::EMERGENCY_STOP, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
     assert_eq!(alarms.present().len(), 2);
     alarms.reset(|number| number == alarm::EMERGENCY_STOP);
     assert!(alarms.has(alarm::EMERGENCY_STOP) && !alarms.has(alarm::TAILSTOCK_INTERLOCK) && alarms.blocks_start());
@@ -27,18 +27,18 @@ fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
 
 #[test]
 fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
-    let mut alarms = AlarmList::default();
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     alarms.set_time(Micros(5), DateTime(105));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(5), Some((1_001, 7)));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Some((1_001, 7)));
     let shown = alarms.history().version();
     alarms.set_time(Micros(9), DateTime(109));
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
     assert_eq!(alarms.history().version(), shown, "nothing went: the list is as before");
     alarms.reset(|_| false);
     alarms.set_time(Micros(12), DateTime(112));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(12), None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
     alarms.clear(alarm::TAILSTOCK_INTERLOCK);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(12), None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
     let times: Vec<_> = alarms.history().iter().map(|past| (past.came, past.ended)).collect();
     assert_eq!(times, [(DateTime(105), Some((AlarmEnd::Reset, Some(DateTime(109))))), (DateTime(112), None)]);
     assert_eq!(alarms.history()[0].place, Some((1_001, 7)));
@@ -52,13 +52,13 @@ fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
 
 #[test]
 fn b6_what_came_before_the_clock_was_known_has_its_date() {
-    let mut alarms = AlarmList::default();
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     alarms.set_time(Micros(2_000_000), DateTime(2));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(2_000_000), None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
     alarms.clear(alarm::TAILSTOCK_INTERLOCK);
-    let mut alarms = AlarmList::new(changed_of(&mut alarms));
+    let mut alarms = AlarmList::new(changed_of(&mut alarms), Micros::ZERO);
     alarms.set_time(Micros(3_000_000), DateTime(3));
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros(3_000_000), None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
     alarms.set_power_on_date(DateTime(1_000));
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
     let times: Vec<_> = alarms.history().iter().map(|past| (past.came.0, past.ended)).collect();
@@ -69,30 +69,30 @@ fn b6_what_came_before_the_clock_was_known_has_its_date() {
 
 #[test]
 fn b6_the_history_outlives_the_power_and_keeps_a_thousand() {
-    let mut alarms = AlarmList::default();
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     for round in 0..1_200 {
         alarms.set_time(Micros(20 + round), DateTime(round as i64));
         alarms.clear(alarm::HYDRAULIC_PRESSURE);
-        alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros(20 + round), None);
+        alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
         alarms.clear(alarm::HYDRAULIC_PRESSURE);
         alarms.set_time(Micros(20 + round) + Micros(1), DateTime(round as i64));
     }
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(5_000), None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
     assert_eq!(alarms.history().len(), MAX_ALARM_HISTORY);
     let slots: std::collections::BTreeSet<_> = alarms.history().iter().map(|past| past.slot()).collect();
     assert_eq!(slots.len(), MAX_ALARM_HISTORY, "each has a place of its own in the store");
     let kept: Vec<_> = alarms.history().iter().cloned().collect();
-    let mut alarms = AlarmList::new(kept);
+    let mut alarms = AlarmList::new(kept, Micros::ZERO);
     let last = alarms.history()[MAX_ALARM_HISTORY - 1].clone();
     assert_eq!((last.number, last.ended), (alarm::TAILSTOCK_INTERLOCK, Some((AlarmEnd::PowerOff, None))));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros::ZERO, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
     assert_eq!(alarms.history().last().map(|past| past.count), Some(last.count + 1));
 }
 
 #[test]
 fn k3_7_alarm_180_is_not_reset_by_the_list() {
-    let mut alarms = AlarmList::default();
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros::ZERO, None);
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
     alarms.reset(|_| false);
     assert!(alarms.has(alarm::HYDRAULIC_PRESSURE));
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
@@ -101,8 +101,50 @@ fn k3_7_alarm_180_is_not_reset_by_the_list() {
 
 #[test]
 fn k7_3_page_files_never_block_a_run() {
-    let mut alarms = AlarmList::default();
-    alarms.raise(alarm::PAGE_FILES_INVALID, Some(LocalizedText::new("B0002.BMP", "B0002.BMP")), Micros::ZERO, None);
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
+    alarms.raise(alarm::PAGE_FILES_INVALID, Some(LocalizedText::new("B0002.BMP", "B0002.BMP")), None);
     assert!(!alarms.blocks_start());
     assert!(alarms.present()[0].text.zh().ends_with("B0002.BMP"));
+}
+
+#[test]
+fn b6_two_alarms_cleared_and_raised_again_in_one_tick_stay_two_entries() {
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
+    alarms.set_time(Micros(1), DateTime(1));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.set_time(Micros(2), DateTime(2));
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    alarms.set_time(Micros(3), DateTime(3));
+    alarms.reset(|_| false);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    assert_eq!(alarms.history().iter().map(|past| past.ended).collect::<Vec<_>>(), [None, None]);
+}
+
+#[test]
+fn b6_an_alarm_that_went_long_ago_is_not_opened_again_by_another_that_goes_now() {
+    let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
+    alarms.set_time(Micros(1), DateTime(1));
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+    alarms.set_time(Micros(9), DateTime(9));
+    alarms.clear(alarm::HYDRAULIC_PRESSURE);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    let came: Vec<_> = alarms.history().iter().map(|past| (past.number, past.came.0, past.ended.is_some())).collect();
+    let (pressure, tailstock) = (alarm::HYDRAULIC_PRESSURE, alarm::TAILSTOCK_INTERLOCK);
+    assert_eq!(came, [(pressure, 1, true), (tailstock, 1, true), (tailstock, 9, false)]);
+}
+
+#[test]
+fn b6_the_history_on_the_screen_follows_a_power_cut_even_if_nobody_looked_meanwhile() {
+    let mut host = crate::stories::ready();
+    crate::stories::tell(&mut host, "key emergency-stop\nwait 0.1 s\nexpect alarm 0");
+    let before = host.snapshot().alarm_history.version();
+    host.power_cut();
+    host.power_on();
+    (0..50).for_each(|_| host.step());
+    let history = &host.snapshot().alarm_history;
+    assert!(history.version() > before, "no version comes twice");
+    assert_eq!(history[0].ended.map(|(how, _)| how), Some(AlarmEnd::PowerOff));
 }

@@ -292,7 +292,10 @@ fn t5_the_tick_allocates_nothing_for_a_program_with_a_mistake() {
 #[test]
 fn t5_the_tick_allocates_nothing_for_cycles_over_a_contour() {
     let contour = "N10 G00 U-10\nG01 Z-8 F300\nG02 U4 W-2 R2\nG01 U4 W-5\nN20 U2";
-    for cycle in ["G71 U1 R0.5\nG71 P10 Q20 U0.2 W0.1 F600", "G73 U2 W1 R3\nG73 P10 Q20 U0.2 W0.1 F600", "G70 P10 Q20"]
+    // 0.05 mm a stroke: 200 strokes of four operations, behind a queue that is full already.
+    let many = format!("{}G71 U0.05 R0.5\nG71 P10 Q20 U0.2 W0.1 F600", "#1=1\n".repeat(600));
+    for cycle in
+        [&*many, "G71 U1 R0.5\nG71 P10 Q20 U0.2 W0.1 F600", "G73 U2 W1 R3\nG73 P10 Q20 U0.2 W0.1 F600", "G70 P10 Q20"]
     {
         let mut host = ready_with(&format!("G98 G00 X-4 Z-4 F600\n{cycle}\n{contour}\nM30"));
         host.send(Command::Press(Mode::Auto.key()));

@@ -266,7 +266,7 @@ fn b2_a_frame_and_a_move_in_one_block_come_in_two_parts() {
 fn advance(interpreter: &mut Interpreter, line: u32, world: &mut OfflineMachine) -> Result<NextStatus, ProgramFault> {
     let (mut block, mut budget) = (Block::new(&NcSettings::lathe_a()), WorkBudget::new(1_000_000));
     while !budget.is_spent() {
-        let status = interpreter.advance_to(line, world, &mut block, &mut budget)?;
+        let status = interpreter.read_towards(line, world, &mut block, &mut budget)?;
         if status != NextStatus::Busy {
             return Ok(status);
         }

@@ -44,7 +44,7 @@ pub struct TeachRecorder {
 
 impl Default for TeachRecorder {
     fn default() -> Self {
-        // A tick adds a few blocks to a recording that is full.
+        // A tick may add a few blocks before a full recording is cut to `MAX_BLOCKS`.
         Self::with_memory(Vec::with_capacity(MAX_BLOCKS + 8))
     }
 }
@@ -128,17 +128,18 @@ impl TeachRecorder {
             self.end_segment();
             self.view.recording = false;
             plant.show_note(phrase!("程序启动，录返已停止", "a program was started: teach-in has stopped"));
-            return;
+        } else {
+            if !self.record_homing(plant) {
+                self.record_motion(plant);
+            }
+            self.record_switching(plant);
         }
-        if !self.record_homing(plant) {
-            self.record_motion(plant);
-        }
-        self.record_switching(plant);
         if self.view.blocks.len() >= MAX_BLOCKS {
             self.view.blocks.truncate(MAX_BLOCKS);
             self.view.recording = false;
             plant.refuse(FULL);
         }
+        // What changed after it was saved is not saved.
         self.view.saved &= (self.view.blocks.len(), self.view.blocks.last().copied()) == before;
     }
 
@@ -191,7 +192,7 @@ impl TeachRecorder {
         let flows = (coolant != self.coolant).then_some(TaughtBlock::M(if coolant { 7 } else { 8 }));
         let mut indexed = None;
         if let Some(station) = station.filter(|station| self.station != Some(*station)) {
-            // Record only the final station, not the stations that the post passes.
+            // Record only the final station, not the stations that the turret passes.
             if plant.outputs.on.has(Output::TurretForward) {
                 return;
             }

@@ -106,7 +106,7 @@ impl Plant {
             oscillation: None,
             spindles: Spindles::new(&params),
             outputs: Outputs::default(),
-            alarms: AlarmList::new(retained.alarm_history),
+            alarms: AlarmList::new(retained.alarm_history, now),
             outbox: Outbox::new(),
             work: WorkData {
                 offsets: retained.work_offsets,

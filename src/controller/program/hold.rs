@@ -165,8 +165,9 @@ impl ProgramRun {
         }
         let begin = parted.start + shift;
         let back = self.return_moves(parted, begin, &shift, params);
-        let mut tried = (shift, begin);
-        self.queue.iter().try_for_each(|item| item.clone().shift(&mut tried.0, &mut tried.1, params))?;
+        // Tried on copies first: an error changes nothing.
+        let (mut tried_shift, mut tried_from) = (shift, begin);
+        self.queue.iter().try_for_each(|item| item.clone().shift(&mut tried_shift, &mut tried_from, params))?;
         let mut from = begin;
         self.queue.iter_mut().try_for_each(|item| item.shift(&mut shift, &mut from, params))?;
         for planned in back.into_iter().rev().flatten() {

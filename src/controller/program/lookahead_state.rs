@@ -87,14 +87,13 @@ impl LookaheadState {
             OpEffect::Dwell(seconds) => QueuedAction::Dwell(seconds),
             OpEffect::Variable(variable, value) => QueuedAction::SetVariable(variable, value),
             OpEffect::SystemVariable(number, value) => QueuedAction::SetSystemVariable(number, value),
-            OpEffect::Message(message) => {
-                let worded = LocalizedText::of_program;
-                match message {
-                    ProgramMessage::Alarm(number, text) => QueuedAction::Alarm(number as u16, worded(text), at),
-                    ProgramMessage::Show(text) => QueuedAction::Note(worded(text)),
-                    ProgramMessage::Stop(_, text) => QueuedAction::Message(worded(text)),
+            OpEffect::Message(message) => match message {
+                ProgramMessage::Alarm(number, text) => {
+                    QueuedAction::Alarm(number as u16, LocalizedText::of_program(text), at)
                 }
-            }
+                ProgramMessage::Show(text) => QueuedAction::Note(LocalizedText::of_program(text)),
+                ProgramMessage::Stop(_, text) => QueuedAction::Message(LocalizedText::of_program(text)),
+            },
         };
         items.push_back(QueueItem::Action(action));
         Ok(())

@@ -119,7 +119,7 @@ impl Restart {
         let line = *line;
         let mut advanced = NextStatus::Busy;
         while advanced == NextStatus::Busy && !budget.is_spent() {
-            let read = run.interpreter.advance_to(line, world, &mut run.block, budget);
+            let read = run.interpreter.read_towards(line, world, &mut run.block, budget);
             advanced = read.map_err(|fault| fault.phrase())?;
             run.block.ops.iter().for_each(|op| state.apply(op, dialect));
         }
@@ -241,7 +241,7 @@ impl Program {
             .with_work_offsets(offsets.clone())
             .with_position(offsets.work_from_machine(plant.axes.set_point()))
             .with_block_skip(plant.operator.switches.block_skip)
-            .with_system_variables(std::mem::take(&mut self.pool.system_variables))
+            .with_system_variables(std::mem::take(&mut self.pool.search_memory))
             .with_known_values_only();
         let world = copy_system_variables(plant, world);
         let lookahead = LookaheadState::new(offsets, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
@@ -259,9 +259,9 @@ impl Program {
 
     /// Drops the restart in preparation.
     pub fn abandon_restart(&mut self) {
-        if let Some(restart) = self.restart.take() {
-            self.pool.close(restart.run);
-            self.pool.system_variables = restart.world.into_system_variables();
+        if let Some(Restart { run, world, .. }) = self.restart.take() {
+            self.pool.close(run);
+            self.pool.search_memory = world.into_system_variables();
         }
     }
 
@@ -364,7 +364,7 @@ impl Program {
         let mut beside = to;
         beside[wheel_axis] = from[wheel_axis];
         let tool_change_point = run.lookahead.work_offsets.machine_from_work(world.program_start());
-        self.pool.system_variables = world.into_system_variables();
+        self.pool.search_memory = world.into_system_variables();
         let forbidden = |axis: Axis| check_soft_limits(axis, to[axis], &plant.params).err();
         if let Some(forbidden) = plant.axes.present().find_map(forbidden) {
             self.pool.close(run);

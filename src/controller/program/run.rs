@@ -119,7 +119,7 @@ pub struct RunPool {
     free: Vec<Box<ProgramRun>>,
     preflight: Option<Box<RunPreflight>>,
     /// Memory of the search for a start block.
-    pub system_variables: nc::SystemVariables,
+    pub search_memory: nc::SystemVariables,
     no_program: (Arc<Source>, nc::SharedLibrary),
     settings: nc::NcSettings,
 }
@@ -138,7 +138,7 @@ impl RunPool {
         let mut pool = Self {
             free: Vec::with_capacity(Self::RUNS),
             preflight: None,
-            system_variables: Vec::with_capacity(SYSTEM_VARIABLES),
+            search_memory: Vec::with_capacity(SYSTEM_VARIABLES),
             no_program,
             settings,
         };
@@ -163,7 +163,7 @@ impl RunPool {
         ProgramRun {
             interpreter: Interpreter::new(source, library, self.settings.clone(), CommonVariables::default()),
             block,
-            queue: VecDeque::with_capacity(MAX_ITEMS + 64),
+            queue: VecDeque::with_capacity(MAX_ITEMS + nc::USUAL_OPS + 64),
             handed_over: 0,
             next_tag: 1,
             lookahead: LookaheadState::new(WorkOffsets::default(), MachinePos::default(), PerAxis::default(), path),

@@ -15,47 +15,42 @@ pub const MAX_ALARMS: usize = 32;
 const MAX_TEXT_CHARS: u16 = 200;
 
 /// The active alarms, oldest first, and the alarm history.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct AlarmList {
     present: Vec<AlarmView>,
     history: AlarmHistory,
     /// Counts of the history entries changed since they were last stored on disk.
     changed: Vec<u64>,
-    /// When an alarm of the history was last cleared.
-    last_cleared: Option<Micros>,
+    /// Counts of the history entries that ended in this tick.
+    ended_now: Vec<u64>,
     /// Count of the last alarm before power-on.
     last_count_at_power_on: u64,
     now: Micros,
     date: DateTime,
 }
 
-impl Default for AlarmList {
-    fn default() -> Self {
-        Self::new(Vec::new())
-    }
-}
-
 impl AlarmList {
-    /// Starts from the stored history. Alarms that were active at power-off ended with it.
+    /// Starts from the stored history at power-on. Alarms that were active at power-off ended with it.
     #[must_use]
-    pub fn new(mut remembered: Vec<PastAlarm>) -> Self {
+    pub fn new(mut remembered: Vec<PastAlarm>, now: Micros) -> Self {
         remembered.sort_by_key(|past| past.count);
         let ended = |past: PastAlarm| PastAlarm { ended: past.ended.or(Some((AlarmEnd::PowerOff, None))), ..past };
         let last = remembered.last().map_or(0, |past| past.count);
         Self {
             present: Vec::with_capacity(MAX_ALARMS),
-            history: AlarmHistory::new(remembered.into_iter().map(ended)),
+            history: AlarmHistory::new(remembered.into_iter().map(ended), now.0 + 1),
             changed: Vec::with_capacity(MAX_ALARM_HISTORY),
-            last_cleared: None,
+            ended_now: Vec::with_capacity(MAX_ALARMS),
             last_count_at_power_on: last,
-            now: Micros::ZERO,
+            now,
             date: DateTime::default(),
         }
     }
 
     /// Sets time and date of this tick: the time stamp of alarms that are raised or cleared in it.
-    pub const fn set_time(&mut self, now: Micros, date: DateTime) {
+    pub fn set_time(&mut self, now: Micros, date: DateTime) {
         (self.now, self.date) = (now, date);
+        self.ended_now.clear();
     }
 
     /// The date of power-on is now known. Alarms since then were stamped relative to power-on and get their date.
@@ -79,7 +74,7 @@ impl AlarmList {
     }
 
     /// Adds an alarm of the table; `detail` follows its text. An alarm that is already active is not added twice.
-    pub fn raise(&mut self, number: u16, detail: Option<LocalizedText>, now: Micros, place: Option<(u32, u32)>) {
+    pub fn raise(&mut self, number: u16, detail: Option<LocalizedText>, place: Option<(u32, u32)>) {
         if self.has(number) || self.present.len() >= MAX_ALARMS {
             return;
         }
@@ -92,7 +87,7 @@ impl AlarmList {
             Some(detail) if !detail.is_blank() => detail,
             Some(_) | None => text,
         };
-        let alarm = AlarmView { number, text, remedy, since: now, place };
+        let alarm = AlarmView { number, text, remedy, since: self.now, place };
         self.record(&alarm);
         self.present.push(alarm);
     }
@@ -101,15 +96,12 @@ impl AlarmList {
     fn record(&mut self, alarm: &AlarmView) {
         let text = alarm.text.clone().cut(MAX_TEXT_CHARS);
         // Cleared and raised again in the same tick: the alarm was never gone.
-        let again = self.last_cleared == Some(alarm.since);
-        let same = |past: &PastAlarm| past.ended.is_some() && past.number == alarm.number && past.text == text;
-        if again && self.history.last().is_some_and(same) {
-            let last = self.history.entries_mut().last_mut();
-            self.changed.extend(last.map(|past| {
-                past.ended = None;
-                past.count
-            }));
-            return;
+        let again =
+            |past: &PastAlarm| self.ended_now.contains(&past.count) && past.number == alarm.number && past.text == text;
+        if let Some(index) = self.history.iter().rposition(again) {
+            let past = &mut self.history.entries_mut()[index];
+            past.ended = None;
+            return self.changed.push(past.count);
         }
         let count = self.history.last().map_or(1, |last| last.count + 1);
         let (number, place) = (alarm.number, alarm.place);
@@ -127,8 +119,8 @@ impl AlarmList {
             for past in self.history.entries_mut().iter_mut().filter(|past| is_gone(past)) {
                 past.ended = Some((how, Some(date)));
                 self.changed.push(past.count);
+                self.ended_now.push(past.count);
             }
-            self.last_cleared = Some(self.now);
         }
     }
 

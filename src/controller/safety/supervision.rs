@@ -105,7 +105,7 @@ impl Plant {
         if !self.alarms.has(number) {
             let block = self.execution.current_block;
             let place = self.execution.phase.is_run_open().then_some((block.program, block.line));
-            self.alarms.raise(number, detail, self.now, place);
+            self.alarms.raise(number, detail, place);
             if let Some(alarm) = self.alarms.present().last().filter(|_| self.outbox.message.since < self.now) {
                 let text = alarm.text.clone();
                 self.warn(text);
