@@ -138,7 +138,9 @@ struct CheckOutcome {
 
 impl<'a> FileCheck<'a> {
     fn new(shared: &'a SharedArgs, call: &'a CheckArgs, path: &'a Path, bytes: Vec<u8>) -> Result<Self, CallError> {
-        let number = number_of_file(path);
+        // A name without a number is program 0.
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let number = crate::story::parse::program(&stem).unwrap_or(0);
         let retained = setup::check_retained(shared)?;
         let settings = nc_settings(shared.kind, &retained.params);
         let folders = setup::folders(shared)?;
@@ -361,12 +363,6 @@ impl<'a> FileCheck<'a> {
             }
         }
     }
-}
-
-/// The program number of a file name; 0 for a name without one.
-fn number_of_file(path: &Path) -> u32 {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    crate::story::parse::program(&stem).unwrap_or(0)
 }
 
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.

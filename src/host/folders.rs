@@ -255,30 +255,22 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
     let (width, height) = (number(18), number(22).map(|height| (height as i32).unsigned_abs()));
     if (width, height) != (Some(PICTURE_SIZE.0), Some(PICTURE_SIZE.1)) {
         let (width, height) = (width.unwrap_or(0), height.unwrap_or(0));
-        return Err(file_fault(
-            name,
-            format!("图片是 {width}×{height}，应为 200×400 点"),
-            format!("the picture is {width}×{height}, it must be 200×400 pixels"),
-        ));
+        let en = format!("the picture is {width}×{height}, it must be 200×400 pixels");
+        return Err(file_fault(name, format!("图片是 {width}×{height}，应为 200×400 点"), en));
     }
     let bits = number(BITS_OFFSET).map_or(0, |both| both & 0xFFFF);
     if bits != 24 {
-        return Err(file_fault(
-            name,
-            format!("图片是 {bits} 位，保存时请选 24 位"),
-            format!("the picture has {bits} bits per pixel, save it with 24"),
-        ));
+        let en = format!("the picture has {bits} bits per pixel, save it with 24");
+        return Err(file_fault(name, format!("图片是 {bits} 位，保存时请选 24 位"), en));
     }
     if number(COMPRESSION_OFFSET) != Some(0) {
         let en = "the picture is compressed, save it uncompressed";
         return Err(file_fault(name, "图片是压缩的，请存为不压缩的 BMP", en));
     }
-    if bytes.len() != PICTURE_BYTES {
-        return Err(file_fault(
-            name,
-            format!("文件是 {} 字节，应为 {PICTURE_BYTES} 字节 (234K)", bytes.len()),
-            format!("the file has {} bytes, it must have {PICTURE_BYTES}", bytes.len()),
-        ));
+    let size = bytes.len();
+    if size != PICTURE_BYTES {
+        let en = format!("the file has {size} bytes, it must have {PICTURE_BYTES}");
+        return Err(file_fault(name, format!("文件是 {size} 字节，应为 {PICTURE_BYTES} 字节 (234K)"), en));
     }
     let damaged =
         |error: ImageError| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}"));

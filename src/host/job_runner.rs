@@ -118,7 +118,8 @@ impl JobRunner {
         if self.ending.load(Ordering::Acquire) && ends_with_control(&job.request) {
             return report_answer(Err(cancelled()), tell);
         }
-        if is_long(&job.request) {
+        // A long job, which 取消 cancels.
+        if matches!(job.request, FileRequest::Transfer(_) | FileRequest::ComputeToolpath(_)) {
             self.cancelled.store(false, Ordering::Release);
         }
         let pages = PageFileFolder { screens: Folder::new(&self.folders.screens), usb_drive: self.usb_drive() };
@@ -199,11 +200,6 @@ fn report_page_change(done: JobResult, tell: Tell<'_>) -> ChangedFolders {
 /// Date and time for file names: the machine's, otherwise the computer's.
 fn file_date(job: &BackgroundJob) -> DateTime {
     job.date.unwrap_or_else(clock::local_time)
-}
-
-/// Whether a request is a long job that 取消 cancels.
-const fn is_long(request: &FileRequest) -> bool {
-    matches!(request, FileRequest::Transfer(_) | FileRequest::ComputeToolpath(_))
 }
 
 /// Whether a request is a calculation or a transfer over the line, which end with the control.

@@ -71,17 +71,9 @@ const fn side_of(looks: FaceDirection) -> (Side, f64) {
 
 /// The common values of a surface; `None` for a plane.
 fn profile_spec(file: &SurfaceFile) -> Option<ProfileSpec> {
-    let spec = |from, to, cell, stock, shape| ProfileSpec {
-        from,
-        to,
-        cell,
-        normal: 1.0,
-        stock,
-        rise: 0.0,
-        waviness: 0.0,
-        runout: 0.0,
-        shape,
-    };
+    let (normal, rise, waviness, runout) = (1.0, 0.0, 0.0, 0.0);
+    let spec =
+        |from, to, cell, stock, shape| ProfileSpec { from, to, cell, normal, stock, rise, waviness, runout, shape };
     match *file {
         SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
             let spec = spec(z_from, z_to, cell, stock / 2.0, ProfileShape::Diameter);

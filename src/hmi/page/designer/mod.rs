@@ -121,24 +121,17 @@ impl PageUi for DesignerPage {
         let number = self.number(view.snapshot);
         let has_page = PROGRAMS_WITH_PAGE.contains(&number) || view.snapshot.kind_page.is_some();
         if !has_page {
-            paint::no_page(rect, view, number, out);
-            return;
+            return paint::no_page(rect, view, number, out);
         }
         self.handle_answers(view, login, out);
         self.sync_file(view, number, out);
         if self.file.is_none() && !self.document.changed {
+            let what = view.text("页面文件还没有读出", "the page file is not read yet");
             let remedy = view.text(
                 "原因见下面的提示行；检查 screens 目录中的文件。",
                 "See the line below; check the file in the folder screens.",
             );
-            empty::show(
-                view,
-                rect,
-                pictogram::NO_PAGE,
-                view.text("页面文件还没有读出", "the page file is not read yet"),
-                remedy,
-            );
-            return;
+            return empty::show(view, rect, pictogram::NO_PAGE, what, remedy);
         }
         if !self.question.is_open() && !login.is_open() {
             self.handle_typed(view, typed, out);

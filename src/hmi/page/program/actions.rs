@@ -264,7 +264,12 @@ impl ProgramPage {
             EditorAction::OpenDesigner => out.push(Command::OpenPage(Page::Designer)),
             EditorAction::PromptAccept => self.edit(EditKey::Enter, out),
             EditorAction::PromptCancel => self.edit(EditKey::Cancel, out),
-            EditorAction::ReplaceThis => self.replace_match(),
+            // Replaces the match that is shown and searches the next one.
+            EditorAction::ReplaceThis => {
+                let to = self.document.cursor;
+                self.document.replace(to.saturating_sub(self.pattern.chars().count()), to, &self.prompt_text);
+                self.task = Some(TextTask::find(&self.pattern, &self.document));
+            }
             EditorAction::ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
             EditorAction::EndReplace => self.replacing = false,
             EditorAction::Undo | EditorAction::Redo | EditorAction::Mark | EditorAction::Unmark => {
@@ -281,13 +286,6 @@ impl ProgramPage {
         self.document.move_to(line, 0);
         self.position.scroll.top = self.document.cursor_position().0 as f64;
         self.position.scroll.user_scrolled = true;
-    }
-
-    /// Replaces the match that is shown and searches the next one.
-    fn replace_match(&mut self) {
-        let to = self.document.cursor;
-        self.document.replace(to.saturating_sub(self.pattern.chars().count()), to, &self.prompt_text);
-        self.task = Some(TextTask::find(&self.pattern, &self.document));
     }
 
     fn open_prompt(&mut self, ask: Prompt) {

@@ -57,13 +57,8 @@ impl TextTask {
 
     /// Replaces all matches.
     pub fn replace(what: &str, with: &str) -> Self {
-        Self::Replace {
-            what: what.to_owned(),
-            with: with.to_owned(),
-            line: 0,
-            count: 0,
-            built: Some(RopeBuilder::new()),
-        }
+        let (what, with, built) = (what.to_owned(), with.to_owned(), Some(RopeBuilder::new()));
+        Self::Replace { what, with, line: 0, count: 0, built }
     }
 
     /// Renumbers the blocks from `first` in steps of `by`.
