@@ -1,5 +1,4 @@
-//! Machine files: `assets/machines/*.ron` (P, "all figures are data"). Parses text; the caller reads the
-//! files.
+//! Machine files: `assets/machines/*.ron` (P, "all figures are data"). Parses text; the caller reads the files.
 
 use serde::{Deserialize, Serialize};
 
