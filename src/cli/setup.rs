@@ -202,10 +202,7 @@ pub fn part<P: HostedMachine, S: Storage>(
     shared: &SharedArgs,
     number: u32,
 ) -> Result<Option<PartFile>, CallError> {
-    match &shared.part {
-        Some(path) => read_part_file(path).map(Some),
-        None => Ok(host.part_of_program(number)),
-    }
+    shared.part.as_ref().map_or_else(|| Ok(host.part_of_program(number)), |path| read_part_file(path).map(Some))
 }
 
 /// The variables of a part, without those that the call sets.

@@ -26,10 +26,8 @@ pub const fn error_variable(kind: Kind) -> Option<u32> {
 /// The name of a variable in a dialect.
 #[must_use]
 pub fn variable_name(number: u32, dialect: Dialect) -> String {
-    match number.checked_sub(R_FIRST) {
-        Some(n) if n < R_COUNT && dialect.has_r_parameters() => format!("R{n}"),
-        _ => format!("#{number}"),
-    }
+    let r = number.checked_sub(R_FIRST).filter(|n| *n < R_COUNT && dialect.has_r_parameters());
+    r.map_or_else(|| format!("#{number}"), |n| format!("R{n}"))
 }
 
 /// The name of a variable on a kind of machine.

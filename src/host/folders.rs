@@ -21,7 +21,7 @@ use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
 use crate::store::{
     DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PICTURE, PROGRAM,
-    ProgramFolder, decode, list_named_programs, program_stem, stamp,
+    ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
 };
 
 /// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
@@ -171,16 +171,12 @@ pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram
     if program_stem(&name).is_none() {
         return Vec::new();
     }
-    let path = match file.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let folder = Folder::new(path);
+    let folder = Folder::new(folder_of(file));
     let read = |entry: NamedProgram| {
         let read = folder.read_named(&PROGRAM, &entry.name).ok()?;
         Some(program_from_bytes(program_number::from_name(&entry.stem), &read.name, read.bytes, dialect))
     };
-    list_named_programs(path).unwrap_or_default().into_iter().filter_map(read).collect()
+    list_named_programs(folder_of(file)).unwrap_or_default().into_iter().filter_map(read).collect()
 }
 
 fn time_text(modified: Option<SystemTime>) -> String {

@@ -73,10 +73,8 @@ impl PasswordStore {
     }
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
-        match self.hashes.get(&guard) {
-            Some(hash) => password::verify(secret.reveal(), hash),
-            None => secret.reveal() == password_row(guard).1,
-        }
+        let secret = secret.reveal();
+        self.hashes.get(&guard).map_or_else(|| secret == password_row(guard).1, |hash| password::verify(secret, hash))
     }
 
     fn set_password(

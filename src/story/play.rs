@@ -352,10 +352,7 @@ impl<'a, G: Stage> Player<'a, G> {
         }
         let snapshot = self.host().snapshot();
         let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
-        match missing {
-            None => Ok(()),
-            Some(axis) => Err(format!("{axis} is not homed: {}", snapshot.message.text.zh())),
-        }
+        missing.map_or(Ok(()), |axis| Err(format!("{axis} is not homed: {}", snapshot.message.text.zh())))
     }
 
     fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {

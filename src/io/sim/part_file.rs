@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, refuse_value, require_positive};
+use super::file_error::{SimFileError, refuse_value, require_positive, require_positive_fields};
 use crate::defs::kind::{GrindingForm, Kind};
 use crate::defs::program_number;
 use crate::units::{MachinePos, PerAxis};
@@ -402,8 +402,7 @@ impl PartFile {
             }
         }
         if let Some(bar) = file.bar {
-            require_positive("bar.diameter", bar.diameter)?;
-            require_positive("bar.cell", bar.cell)?;
+            require_positive_fields!("bar", bar; diameter cell)?;
             let cells = (bar.z_to - bar.z_from) / bar.cell;
             if !(1.0..=CELL_LIMIT).contains(&cells) {
                 refuse_value("bar: cells", cells, CELL_RULE)?;

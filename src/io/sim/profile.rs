@@ -128,10 +128,7 @@ impl ProfileSurface {
 
     /// Whether the part must rotate for this surface to be ground.
     pub(super) const fn needs_rotation(&self) -> bool {
-        match self.shape {
-            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Disc => true,
-            ProfileShape::Face { turns, .. } => turns,
-        }
+        !matches!(self.shape, ProfileShape::Face { turns: false, .. })
     }
 
     /// Event text for a part that is stopped but should rotate.

@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use egui::{Rect, TextureId, vec2};
 
+use super::program::actions::UNKNOWN_ENCODING;
 use super::program::document::Document;
 use super::program::listing;
 use super::{PageContext, PageUi, Scroll, empty};
 use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
-use crate::defs::text::{Lang, Text};
+use crate::defs::text::Lang;
 use crate::hmi::{
     Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PageMessage, PendingRequests,
     QuestionDialog, RequestEvent, View, file_command, letter_pad, pictogram, requests, theme, widget,
@@ -240,7 +241,7 @@ impl DesignerPage {
 
     fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
         if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
-            return self.message.refuse(Text::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited"));
+            return self.message.refuse(UNKNOWN_ENCODING);
         }
         let request = FileRequest::CheckEditable(self.number(view.snapshot));
         out.push(self.asking.send(Requester::Designer, DesignerRequest::Edit, request));

@@ -175,10 +175,7 @@ fn split_block_number(line: &str) -> (&str, Option<u64>, &str) {
     let (lead, rest) = line.split_at(begin);
     let Some(after) = rest.strip_prefix(['N', 'n']) else { return (lead, None, rest) };
     let digits = after.bytes().take_while(u8::is_ascii_digit).count();
-    match after[..digits].parse() {
-        Ok(number) => (lead, Some(number), &after[digits..]),
-        Err(_) => (lead, None, rest),
-    }
+    after[..digits].parse().map_or((lead, None, rest), |number| (lead, Some(number), &after[digits..]))
 }
 
 /// Whether a line gets a number when no block of the program has one.
