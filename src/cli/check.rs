@@ -402,13 +402,11 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
 /// Lines, path length and time; if the check did not reach the end, only up to that point.
 fn summary(checked: &CheckReport) -> LocalizedText {
     let (lines, seconds) = (checked.lines, checked.seconds);
-    let (zh, en) = match checked.finished {
-        true => ("", ""),
-        false => (
-            "检查没有走到程序结束；到该循环开始重复为止 ",
-            "the check did not reach the program end; until that loop repeats ",
-        ),
-    };
+    let (zh, en) = (
+        "检查没有走到程序结束；到该循环开始重复为止 ",
+        "the check did not reach the program end; until that loop repeats ",
+    );
+    let (zh, en) = if checked.finished { ("", "") } else { (zh, en) };
     let path = format!("{:.3} mm  {seconds:.1} s", checked.length_mm);
     LocalizedText::new(format!("{lines} 行  {zh}{path}"), format!("{lines} lines  {en}{path}"))
 }

@@ -61,12 +61,8 @@ impl PasswordStore {
                 return Ok(StorageAnswer::KindSaved(*kind));
             }
             SettingsRequest::SaveLightTheme(light) => self.update_settings(|settings| settings.light = Some(*light))?,
-            SettingsRequest::SaveBrightness(percent) => {
-                self.update_settings(|settings| settings.brightness = Some(*percent))?;
-            }
-            SettingsRequest::SaveSerialPort(port) => {
-                self.update_settings(|settings| settings.serial = Some(port.clone()))?;
-            }
+            SettingsRequest::SaveBrightness(percent) => self.update_settings(|to| to.brightness = Some(*percent))?,
+            SettingsRequest::SaveSerialPort(port) => self.update_settings(|to| to.serial = Some(port.clone()))?,
             SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
         }
         Ok(StorageAnswer::LangSaved)

@@ -483,12 +483,9 @@ impl<'a, G: Stage> Player<'a, G> {
 pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> String {
     let now = host.now().as_secs_f64();
     let snapshot = host.snapshot();
-    let axes: Vec<_> = snapshot
-        .axes
-        .iter()
-        .filter(|(_, view)| view.present)
-        .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go))
-        .collect();
+    let present = snapshot.axes.iter().filter(|(_, view)| view.present);
+    let axes = present
+        .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go));
     let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh())).collect();
     format!(
@@ -498,7 +495,7 @@ pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> Stri
         snapshot.page.id(),
         snapshot.title(snapshot.program.number),
         snapshot.program.line,
-        axes.join(", "),
+        axes.collect::<Vec<_>>().join(", "),
         outputs.join(" "),
         alarms.join("; "),
         snapshot.message.text.zh(),

@@ -372,11 +372,8 @@ impl PartFile {
     /// # Errors
     /// The built-in file is wrong, which a test excludes.
     pub fn builtin(number: u32) -> Result<Option<Self>, SimFileError> {
-        BUILTIN
-            .iter()
-            .find(|(name, _)| program_number::from_name(name) == number)
-            .map(|(_, text)| Self::parse(text))
-            .transpose()
+        let found = BUILTIN.iter().find(|(name, _)| program_number::from_name(name) == number);
+        found.map(|(_, text)| Self::parse(text)).transpose()
     }
 
     /// The built-in part of a program name (without extension, upper or lower case).
