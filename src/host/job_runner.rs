@@ -204,10 +204,8 @@ fn file_date(job: &BackgroundJob) -> DateTime {
 
 /// Whether a request is a calculation or a transfer over the line, which end with the control.
 fn ends_with_control(request: &FileRequest) -> bool {
-    match request {
-        FileRequest::Transfer(ask) => ask.set == TransferSet::Serial,
-        other => matches!(other, FileRequest::ComputeToolpath(_)),
-    }
+    let serial = matches!(request, FileRequest::Transfer(ask) if ask.set == TransferSet::Serial);
+    serial || matches!(request, FileRequest::ComputeToolpath(_))
 }
 
 impl JobRunner {

@@ -72,10 +72,7 @@ impl FolderWatch {
     /// Why the folders are polled; `None` while the system sends notifications.
     #[must_use]
     pub fn polling_because(&self) -> Option<&str> {
-        match &self.mode {
-            WatchMode::Notifications { .. } => None,
-            WatchMode::Polling { cause, .. } => Some(cause),
-        }
+        if let WatchMode::Polling { cause, .. } = &self.mode { Some(cause) } else { None }
     }
 
     /// Returns a changed folder without waiting. `now` controls the polling interval.

@@ -192,10 +192,7 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn force_input(&mut self, name: &str, force: InputForce) -> Result<(), String> {
-        let level = match force {
-            InputForce::To(on) => Some(on),
-            InputForce::Released => None,
-        };
+        let level = if let InputForce::To(on) = force { Some(on) } else { None };
         self.host().machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
         self.ticks(INPUT_TICKS);
         Ok(())

@@ -133,10 +133,8 @@ impl ProfileSurface {
 
     /// Event text for a part that is stopped but should rotate.
     pub(super) const fn place_when_stopped(&self) -> &'static str {
-        match self.shape {
-            ProfileShape::Diameter | ProfileShape::Face { .. } => "part, workhead stopped",
-            ProfileShape::Bore { .. } | ProfileShape::Disc => "part, table stopped",
-        }
+        let on_table = matches!(self.shape, ProfileShape::Bore { .. } | ProfileShape::Disc);
+        if on_table { "part, table stopped" } else { "part, workhead stopped" }
     }
 
     /// Position along the infeed below which the wheel can touch the surface, mm.
@@ -157,10 +155,7 @@ impl ProfileSurface {
     /// Unworn rim over a cell, along the normal, mm.
     fn rim_over(&self, cell: usize, surface: f64, pass: &WheelMotion) -> f64 {
         let back = pass.swivel_tan * (self.row.middle(cell) - pass.left_mm);
-        match self.shape {
-            ProfileShape::Bore { .. } => surface + back,
-            ProfileShape::Diameter | ProfileShape::Disc | ProfileShape::Face { .. } => surface - back,
-        }
+        if matches!(self.shape, ProfileShape::Bore { .. }) { surface + back } else { surface - back }
     }
 
     /// The cells under the wheel, and the wheel's surface along the normal, mm.
@@ -376,10 +371,7 @@ impl ProfileSurface {
 
     /// Mean height of a disc at a radius on either side of the centre, mm; `None` outside the disc.
     pub(super) fn height_at(&self, x: f64) -> Option<f64> {
-        match self.shape {
-            ProfileShape::Disc => self.interpolate(x.abs(), Self::mean),
-            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Face { .. } => None,
-        }
+        if matches!(self.shape, ProfileShape::Disc) { self.interpolate(x.abs(), Self::mean) } else { None }
     }
 
     /// A value between the two cells next to a position; `None` outside the surface.

@@ -167,10 +167,8 @@ impl PageUi for DesignerPage {
 impl DesignerPage {
     /// Number of the page: 1000 plus the number of its files. A number outside `PROGRAMS_WITH_PAGE` has no page.
     fn number(&self, snapshot: &Snapshot) -> u32 {
-        match self.requested_program {
-            Some(program) if snapshot.kind_page.is_none() => program,
-            _ => snapshot.grinding_page_number().unwrap_or(snapshot.program.number),
-        }
+        let own = || snapshot.grinding_page_number().unwrap_or(snapshot.program.number);
+        self.requested_program.filter(|_| snapshot.kind_page.is_none()).unwrap_or_else(own)
     }
 
     /// Handles the answers of the core.

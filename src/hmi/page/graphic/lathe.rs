@@ -123,10 +123,8 @@ pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &
         let radius = diameter.unwrap_or(2.0 * room.stock_radius_mm) / 2.0;
         let (top, foot) = (camera.to_canvas(rect, *along, x + radius), camera.to_canvas(rect, *along, x - radius));
         view.painter.line_segment([top - vec2(0.0, 14.0), foot + vec2(0.0, 14.0)], Stroke::new(theme::FRAME, ink));
-        let words = match diameter {
-            Some(diameter) => format!("Ø{} Z{}", format_length(f64::from(diameter)), format_length(f64::from(*along))),
-            None => format!("Z{}", format_length(f64::from(*along))),
-        };
+        let z = format_length(f64::from(*along));
+        let words = diameter.map_or_else(|| format!("Z{z}"), |d| format!("Ø{} Z{z}", format_length(f64::from(d))));
         let above = top.y - 42.0 - 28.0 * index as f32;
         label(pos2(top.x + 4.0, above.max(rect.min.y + 2.0)), &words);
     }
