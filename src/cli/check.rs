@@ -138,7 +138,9 @@ struct CheckOutcome {
 
 impl<'a> FileCheck<'a> {
     fn new(shared: &'a SharedArgs, call: &'a CheckArgs, path: &'a Path, bytes: Vec<u8>) -> Result<Self, CallError> {
-        let number = number_of_file(path);
+        // A name without a number is program 0.
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        let number = crate::story::parse::program(&stem).unwrap_or(0);
         let retained = setup::check_retained(shared)?;
         let settings = nc_settings(shared.kind, &retained.params);
         let folders = setup::folders(shared)?;
@@ -363,12 +365,6 @@ impl<'a> FileCheck<'a> {
     }
 }
 
-/// The program number of a file name; 0 for a name without one.
-fn number_of_file(path: &Path) -> u32 {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    crate::story::parse::program(&stem).unwrap_or(0)
-}
-
 /// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
 fn world_at_start(world: OfflineMachine, mut offsets: WorkOffsets, part: &PartFile) -> OfflineMachine {
     offsets.work[0] = part.g54_mm.displacement();
@@ -406,13 +402,11 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
 /// Lines, path length and time; if the check did not reach the end, only up to that point.
 fn summary(checked: &CheckReport) -> LocalizedText {
     let (lines, seconds) = (checked.lines, checked.seconds);
-    let (zh, en) = match checked.finished {
-        true => ("", ""),
-        false => (
-            "检查没有走到程序结束；到该循环开始重复为止 ",
-            "the check did not reach the program end; until that loop repeats ",
-        ),
-    };
+    let (zh, en) = (
+        "检查没有走到程序结束；到该循环开始重复为止 ",
+        "the check did not reach the program end; until that loop repeats ",
+    );
+    let (zh, en) = if checked.finished { ("", "") } else { (zh, en) };
     let path = format!("{:.3} mm  {seconds:.1} s", checked.length_mm);
     LocalizedText::new(format!("{lines} 行  {zh}{path}"), format!("{lines} lines  {en}{path}"))
 }

@@ -47,16 +47,8 @@ impl FinishedSizeCheck {
         world: OfflineMachine,
         values: CommonVariables,
     ) -> Self {
-        Self {
-            finished,
-            wheel_width_mm,
-            dialect,
-            world,
-            values,
-            set_at: BTreeMap::new(),
-            assignments: 0,
-            overshoot: None,
-        }
+        let set_at = BTreeMap::new();
+        Self { finished, wheel_width_mm, dialect, world, values, set_at, assignments: 0, overshoot: None }
     }
 
     /// Checks a block. `line` returns the text of a block; the variables in its axis words are read from it.

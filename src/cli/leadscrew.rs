@@ -23,10 +23,8 @@ fn read_table(path: &Path, lang: Lang) -> Result<LeadscrewCompensation, CallErro
 /// # Errors
 /// The data cannot be opened or written, or the file is invalid; then nothing is changed.
 pub fn screw(shared: &SharedArgs, call: &LeadscrewArgs) -> Result<u8, CallError> {
-    let table = match &call.file {
-        Some(path) => Some(read_table(path, shared.lang)?),
-        None => call.clear.then(LeadscrewCompensation::default),
-    };
+    let read = call.file.as_ref().map(|path| read_table(path, shared.lang)).transpose()?;
+    let table = read.or_else(|| call.clear.then(LeadscrewCompensation::default));
     let data = setup::data_dir(shared)?;
     let (mut store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     let shown = match table {

@@ -97,7 +97,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
     setup::mount_part(&mut host, shared, number)?;
     host.step();
     let mut trace = call.trace.as_deref().map(|path| TraceFile::create(path, trace_header(&host))).transpose()?;
-    let before = host.snapshot().variables.clone();
+    let variables_before = host.snapshot().variables.clone();
     let started = host.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
@@ -129,14 +129,8 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
     let told = why.clone().or_else(|| snapshot.waiting_for.clone());
     // The program can reach its end in spite of an alarm.
     let end = if end == RunEnd::Finished && !alarms.is_empty() { RunEnd::Alarm } else { end };
-    let report = RunReport {
-        end,
-        stop_reason: why,
-        seconds,
-        blocks: host.controller().block_count(),
-        variables_before: before,
-        batch,
-    };
+    let blocks = host.controller().block_count();
+    let report = RunReport { end, stop_reason: why, seconds, blocks, variables_before, batch };
     let report = match shared.format {
         OutputFormat::Json => report.json(&mut host, shared.lang).to_string(),
         OutputFormat::Text => report.text(&mut host, shared.lang),
@@ -225,6 +219,7 @@ impl RunReport {
         });
         let variables: Map<String, Value> =
             self.changed(&snapshot, host.kind()).map(|(name, value)| (name, json!(value))).collect();
+        let thread = |cut: &ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
         let mut told = json!({
             "end": self.end.report_word(),
             "alarms": alarms.collect::<Vec<_>>(),
@@ -236,7 +231,7 @@ impl RunReport {
             "parts": snapshot.parts_counted,
             "variables": variables,
             "part": host.machine().measure(),
-            "threads": threads_json(host),
+            "threads": host.controller().threads().iter().map(thread).collect::<Vec<_>>(),
             "events": host.machine().events(),
         });
         // L8: a lathe has an active tool, not a wheel.
@@ -328,12 +323,6 @@ fn part_line(number: usize, part: &PartReport) -> String {
     let heights = ("height", part.heights.iter().map(|at| at.y).collect());
     let told = [diameters, faces, heights].into_iter().filter_map(range).collect::<String>();
     format!("part {number}{told}")
-}
-
-/// The threads cut, with their lead errors.
-fn threads_json(host: &HeadlessHost) -> Vec<Value> {
-    let row = |cut: &ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
-    host.controller().threads().iter().map(row).collect()
 }
 
 fn positions_json(snapshot: &Snapshot, of: impl Fn(&AxisView) -> f64) -> Value {

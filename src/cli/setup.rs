@@ -70,15 +70,12 @@ pub fn folders(shared: &SharedArgs) -> Result<Folders, CallError> {
 /// As [`apply_overrides`].
 pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
     let factory = || PowerOnState::factory(shared.kind);
-    let retained = match named_data(shared)?.map(|data| RetainedStore::open(data.root(), shared.kind)) {
-        Some(Ok((_, found))) => found.retained,
-        Some(Err(error)) => {
-            eprintln!("kt830: {error}; the check uses factory values");
-            factory()
-        }
-        None => factory(),
-    };
-    apply_overrides(shared, retained)
+    let opened = named_data(shared)?.map(|data| RetainedStore::open(data.root(), shared.kind)).transpose();
+    let opened = opened.unwrap_or_else(|error| {
+        eprintln!("kt830: {error}; the check uses factory values");
+        None
+    });
+    apply_overrides(shared, opened.map_or_else(factory, |(_, found)| found.retained))
 }
 
 /// Applies `--param` and `--set` to factory or retained data.
@@ -182,10 +179,7 @@ pub fn threaded_host<P: HostedMachine>(
     opens_control: bool,
     machine: impl FnOnce(&SharedArgs, &Params) -> Result<P, CallError>,
 ) -> Result<Host<P, ThreadedStorage>, CallError> {
-    let data = match opens_control {
-        true => Some(data_dir(shared)?),
-        false => named_data(shared)?,
-    };
+    let data = if opens_control { Some(data_dir(shared)?) } else { named_data(shared)? };
     let parts = host_parts(shared, data)?;
     let worker = StorageWorker::new(parts.jobs);
     let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;
@@ -202,10 +196,7 @@ pub fn part<P: HostedMachine, S: Storage>(
     shared: &SharedArgs,
     number: u32,
 ) -> Result<Option<PartFile>, CallError> {
-    match &shared.part {
-        Some(path) => read_part_file(path).map(Some),
-        None => Ok(host.part_of_program(number)),
-    }
+    shared.part.as_ref().map_or_else(|| Ok(host.part_of_program(number)), |path| read_part_file(path).map(Some))
 }
 
 /// The variables of a part, without those that the call sets.

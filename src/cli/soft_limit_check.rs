@@ -36,14 +36,11 @@ impl<'a> SoftLimitCheck<'a> {
             self.world.apply(op);
             // Homing may move beyond the limits to its switch.
             let exempt = matches!(op.effect(), OpEffect::Motion(motion) if motion.ignores_soft_limits());
-            if exempt || self.violations.len() >= MAX_VIOLATIONS {
-                continue;
+            let told = self.violations.last().is_some_and(|last| last.at == block.location);
+            if !exempt && !told && self.violations.len() < MAX_VIOLATIONS {
+                let refusal = self.exceeded_limit().map(|text| PredictedRefusal { at: block.location, text });
+                self.violations.extend(refusal);
             }
-            if self.violations.last().is_some_and(|last| last.at == block.location) {
-                continue;
-            }
-            let Some(text) = self.exceeded_limit() else { continue };
-            self.violations.push(PredictedRefusal { at: block.location, text });
         }
     }
 

@@ -84,10 +84,7 @@ impl Key {
             let mut matches = on_kind().filter(|key| text(*key, kind).zh == word);
             matches.next().filter(|_| matches.next().is_none())
         };
-        on_kind()
-            .find(|key| key.id() == word)
-            .or_else(|| only(|key, _| key.label()))
-            .or_else(|| only(Self::label_on))
-            .or_else(|| only(Self::short_label))
+        let plain = on_kind().find(|key| key.id() == word).or_else(|| only(|key, _| key.label()));
+        plain.or_else(|| only(Self::label_on)).or_else(|| only(Self::short_label))
     }
 }

@@ -72,15 +72,11 @@ impl std::fmt::Display for DateTime {
     }
 }
 
-const fn is_leap(year: i64) -> bool {
-    year % 4 == 0 && (year % 100 != 0 || year % 400 == 0)
-}
-
 /// Number of days in a month.
 #[must_use]
 pub const fn days_in_month(year: i64, month: i64) -> i64 {
     match month {
-        2 => 28 + is_leap(year) as i64,
+        2 => 28 + (year % 4 == 0 && (year % 100 != 0 || year % 400 == 0)) as i64,
         4 | 6 | 9 | 11 => 30,
         _ => 31,
     }

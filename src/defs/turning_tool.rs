@@ -67,12 +67,8 @@ impl TurningTool {
     pub fn of_station(params: &Params, station: usize) -> Self {
         let [shape, width, edge, shank] = TOOL_PARAMS[station % TOOL_PARAMS.len()];
         let index = (params.get(shape) as usize).saturating_sub(1).min(TurningToolShape::ALL.len() - 1);
-        Self {
-            shape: TurningToolShape::ALL[index],
-            width_mm: params.get(width),
-            edge_mm: params.get(edge),
-            shank_mm: params.get(shank),
-        }
+        let [width_mm, edge_mm, shank_mm] = [width, edge, shank].map(|number| params.get(number));
+        Self { shape: TurningToolShape::ALL[index], width_mm, edge_mm, shank_mm }
     }
 
     /// Outline of the tool: pairs of Z from the tip (increasing) and height along X above the tip, mm.

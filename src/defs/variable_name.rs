@@ -26,10 +26,8 @@ pub const fn error_variable(kind: Kind) -> Option<u32> {
 /// The name of a variable in a dialect.
 #[must_use]
 pub fn variable_name(number: u32, dialect: Dialect) -> String {
-    match number.checked_sub(R_FIRST) {
-        Some(n) if n < R_COUNT && dialect.has_r_parameters() => format!("R{n}"),
-        _ => format!("#{number}"),
-    }
+    let r = number.checked_sub(R_FIRST).filter(|n| *n < R_COUNT && dialect.has_r_parameters());
+    r.map_or_else(|| format!("#{number}"), |n| format!("R{n}"))
 }
 
 /// The name of a variable on a kind of machine.
@@ -42,12 +40,9 @@ pub fn variable_name_on(number: u32, kind: Kind) -> String {
 #[must_use]
 pub fn parse(word: &str) -> Option<u16> {
     let digits = |rest: &str| rest.parse::<u16>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
-    match word.strip_prefix('#') {
-        Some(rest) => digits(rest),
-        None => word
-            .strip_prefix(['R', 'r'])
-            .and_then(digits)
-            .and_then(|n| variable_of_r(u32::from(n)))
-            .map(|number| number as u16),
+    if let Some(rest) = word.strip_prefix('#') {
+        return digits(rest);
     }
+    let n = word.strip_prefix(['R', 'r']).and_then(digits)?;
+    variable_of_r(u32::from(n)).map(|number| number as u16)
 }

@@ -144,10 +144,7 @@ impl FieldEditor {
     /// Paints a field. The selected one, with its editor in `typing`, has a frame and shows the typed text instead.
     pub(crate) fn paint(typing: Option<&Self>, view: &View<'_>, field: ValueField) {
         let old = (field.words, field.ink);
-        let (words, ink) = match typing {
-            Some(typing) => typing.shown(view, old),
-            None => old,
-        };
+        let (words, ink) = if let Some(typing) = typing { typing.shown(view, old) } else { old };
         view.fit_right(field.value, &words, field.size, ink);
         typing.inspect(|typing| typing.frame(view, field.plate));
     }

@@ -10,7 +10,6 @@ use super::pictogram::{self, PictogramShape};
 use super::theme::{self, Theme};
 use super::{Area, View};
 use crate::defs::key::{Key, KeyGroup, Lamp};
-use crate::link::snapshot::KeyView;
 
 /// The visible state of a key.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,13 +22,6 @@ pub struct KeycapState {
     pub blocked: bool,
     /// The finger is on it.
     pub pressed: bool,
-}
-
-impl KeycapState {
-    /// The visible state for a key of the snapshot.
-    pub const fn from_view(state: KeyView, pressed: bool) -> Self {
-        Self { on: state.lamp, pending: state.pending, blocked: state.blocked.is_some(), pressed }
-    }
 }
 
 /// The accessible name of a key, for screen readers and tests.
@@ -183,11 +175,8 @@ fn paint_emergency_stop(view: &View<'_>, rect: Rect, face: KeycapState) {
     let outer = (rect.height() * 0.34).min(rect.width() * 0.42);
     view.painter.circle_filled(centre, outer, theme.stop_text);
     view.painter.circle_filled(centre, if pushed { outer - 6.0 } else { outer - 1.5 }, theme.alarm);
-    view.painter.circle_stroke(
-        centre,
-        (outer - 9.0).max(3.0),
-        Stroke::new(theme::FRAME, theme.stop_text.gamma_multiply(0.35)),
-    );
+    let groove = Stroke::new(theme::FRAME, theme.stop_text.gamma_multiply(0.35));
+    view.painter.circle_stroke(centre, (outer - 9.0).max(3.0), groove);
     if face.on && view.blink {
         view.painter.circle_stroke(centre, outer + 2.5, Stroke::new(3.0, theme.alarm));
     }

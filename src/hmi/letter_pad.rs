@@ -18,35 +18,25 @@ pub struct LetterLayout {
     enter_label: Text,
 }
 
+macro_rules! words {
+    ($($zh:literal $en:literal,)*) => { &[$(Text::new($zh, $en)),*] };
+}
+
 /// For a search, with the most frequent search words.
 pub const SEARCH_LAYOUT: LetterLayout = LetterLayout {
-    words: &[
-        Text::new("速度", "speed"),
-        Text::new("延时", "delay"),
-        Text::new("限位", "limit"),
-        Text::new("零点", "home"),
-        Text::new("液压", "hydraulic"),
-        Text::new("振荡", "oscillation"),
-        Text::new("砂轮", "wheel"),
-        Text::new("尾座", "tailstock"),
-        Text::new("量仪", "gauge"),
-    ],
+    words: words! {
+        "速度" "speed", "延时" "delay", "限位" "limit", "零点" "home", "液压" "hydraulic", "振荡" "oscillation",
+        "砂轮" "wheel", "尾座" "tailstock", "量仪" "gauge",
+    },
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
     enter_label: Text::new("完成", "OK"),
 };
 /// For a page text, with words of its labels.
 pub const PAGE_TEXT_LAYOUT: LetterLayout = LetterLayout {
-    words: &[
-        Text::new("粗磨", "rough"),
-        Text::new("精磨", "finish"),
-        Text::new("余量", "amount"),
-        Text::new("速度", "speed"),
-        Text::new("位置", "place"),
-        Text::new("次数", "count"),
-        Text::new("X轴", "X axis"),
-        Text::new("Z轴", "Z axis"),
-        Text::new("砂轮", "wheel"),
-    ],
+    words: words! {
+        "粗磨" "rough", "精磨" "finish", "余量" "amount", "速度" "speed", "位置" "place", "次数" "count",
+        "X轴" "X axis", "Z轴" "Z axis", "砂轮" "wheel",
+    },
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
     enter_label: Text::new("换行", "ENTER"),
 };

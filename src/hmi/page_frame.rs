@@ -28,7 +28,9 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     let row = rect.shrink2(vec2(theme::PAD, 9.0));
     let help =
         Rect::from_min_max(pos2(rect.max.x - theme::TOUCH_TARGET - 4.0, rect.min.y + 1.0), rect.max - vec2(4.0, 1.0));
-    let mut touched = help_key(view, help).then_some(FrameTouch::Help);
+    let key = keycap::plain(view, help, "header-help", "? help");
+    view.line_centre(help, "?", theme::SECONDARY, view.theme.text);
+    let mut touched = key.clicked().then_some(FrameTouch::Help);
     let mut right = help.min.x - theme::GAP;
     let clock = Rect::from_min_max(pos2(right - 66.0, row.min.y), pos2(right, row.max.y));
     view.line_right(clock, view.clock, theme::LABEL, view.theme.muted);
@@ -54,13 +56,6 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
     view.fit_left(title, &word, theme::TITLE, view.theme.text);
     touched
-}
-
-/// Draws the key `?`, which opens the help.
-fn help_key(view: &View<'_>, rect: Rect) -> bool {
-    let response = keycap::plain(view, rect, "header-help", "? help");
-    view.line_centre(rect, "?", theme::SECONDARY, view.theme.text);
-    response.clicked()
 }
 
 /// `O1001 N0040`
@@ -171,11 +166,8 @@ pub fn status_line(view: &View<'_>, rect: Rect) {
     for (word, share) in words.iter().zip(shares) {
         let place = Rect::from_min_size(pos2(left, row.min.y), vec2(row.width() * share, row.height()));
         if left > row.min.x {
-            view.painter.vline(
-                left - theme::GAP,
-                rect.min.y + 8.0..=rect.max.y - 7.0,
-                egui::Stroke::new(theme::HAIRLINE, view.theme.line),
-            );
+            let stroke = egui::Stroke::new(theme::HAIRLINE, view.theme.line);
+            view.painter.vline(left - theme::GAP, rect.min.y + 8.0..=rect.max.y - 7.0, stroke);
         }
         view.fit_left(place.with_max_x(place.max.x - 2.0 * theme::GAP), word, theme::LABEL, view.theme.text);
         left = place.max.x;

@@ -40,40 +40,31 @@ pub fn draw(painter: &Painter, rect: Rect, marks: &[PictogramShape], colour: Col
 
 impl PictogramShape {
     fn paint(self, painter: &Painter, at: &dyn Fn((f32, f32)) -> Pos2, unit: f32, stroke: Stroke) {
-        match self {
-            Line(points) => {
-                painter.add(Shape::line(points.iter().copied().map(at).collect(), stroke));
-            }
-            Fill(points) => {
-                let points = points.iter().copied().map(at).collect();
-                painter.add(PathShape::convex_polygon(points, stroke.color, Stroke::NONE));
-            }
-            Ring(x, y, radius) => {
-                painter.circle_stroke(at((x, y)), radius * unit, stroke);
-            }
-            Dot(x, y, radius) => {
-                painter.circle_filled(at((x, y)), radius * unit, stroke.color);
-            }
+        let filled = |points| Shape::from(PathShape::convex_polygon(points, stroke.color, Stroke::NONE));
+        painter.add(match self {
+            Line(points) => Shape::line(points.iter().copied().map(at).collect(), stroke),
+            Fill(points) => filled(points.iter().copied().map(at).collect()),
+            Ring(x, y, radius) => Shape::circle_stroke(at((x, y)), radius * unit, stroke),
+            Dot(x, y, radius) => Shape::circle_filled(at((x, y)), radius * unit, stroke.color),
             Arc(x, y, radius, from, to) => {
                 let points = (0..=14).map(|step| {
                     let angle = (from + (to - from) * step as f32 / 14.0).to_radians();
                     at((x + radius * angle.cos(), y + radius * angle.sin()))
                 });
-                painter.add(Shape::line(points.collect(), stroke));
+                Shape::line(points.collect(), stroke)
             }
             Box(x, y, width, height) => {
                 let points = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)].map(at);
-                painter.add(Shape::closed_line(points.to_vec(), stroke));
+                Shape::closed_line(points.to_vec(), stroke)
             }
             ArrowHead(x, y, degrees) => {
                 let turn = |forward: f32, side: f32| {
                     let (sin, cos) = degrees.to_radians().sin_cos();
                     at((x + forward * cos - side * sin, y + forward * sin + side * cos))
                 };
-                let points = vec![turn(0.0, 0.0), turn(-5.5, 3.4), turn(-5.5, -3.4)];
-                painter.add(PathShape::convex_polygon(points, stroke.color, Stroke::NONE));
+                filled(vec![turn(0.0, 0.0), turn(-5.5, 3.4), turn(-5.5, -3.4)])
             }
-        }
+        });
     }
 }
 

@@ -87,12 +87,8 @@ struct Clip {
 impl Clip {
     fn new(rect: Rect, scale: f32, size: (u32, u32)) -> Self {
         let side = |value: f32, limit: u32| ((value * scale).round().clamp(0.0, limit as f32)) as i64;
-        Self {
-            left: side(rect.min.x, size.0),
-            top: side(rect.min.y, size.1),
-            right: side(rect.max.x, size.0),
-            bottom: side(rect.max.y, size.1),
-        }
+        let (left, top) = (side(rect.min.x, size.0), side(rect.min.y, size.1));
+        Self { left, top, right: side(rect.max.x, size.0), bottom: side(rect.max.y, size.1) }
     }
 }
 
@@ -137,7 +133,8 @@ fn triangle(picture: &mut RgbaImage, corners: [&Vertex; 3], texture: &Texture, s
     if area == 0 {
         return;
     }
-    let flat = has_constant_uv(corners).then(|| texture.sample(corners[0].uv.x, corners[0].uv.y));
+    let uv = corners[0].uv;
+    let flat = corners[1..].iter().all(|other| other.uv == uv).then(|| texture.sample(uv.x, uv.y));
     let shade = TriangleShader::new(corners, area as f32);
     let steps = SUBPIXEL_STEPS as i64;
     let low = |pick: fn(&SubPixelPoint) -> i64| points.iter().map(pick).min().unwrap_or(0).div_euclid(steps);
@@ -154,10 +151,6 @@ fn triangle(picture: &mut RgbaImage, corners: [&Vertex; 3], texture: &Texture, s
             }
         }
     }
-}
-
-fn has_constant_uv(corners: [&Vertex; 3]) -> bool {
-    corners[1..].iter().all(|other| other.uv == corners[0].uv)
 }
 
 /// Interpolates colour and texture coordinates across a triangle.

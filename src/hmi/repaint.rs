@@ -12,7 +12,7 @@ use super::page_frame::message_is_fresh;
 use super::{blink_phase, clock_time, format_cycle_time, format_length, format_strokes, format_volts, format_whole};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
-use crate::link::snapshot::{AxisView, ProgramView, VARIABLE_COUNT};
+use crate::link::snapshot::{AxisView, ProgramView};
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 
@@ -68,7 +68,12 @@ compared_fields! {
     inputs: on(FieldGroup::Inputs, differ);
     outputs: on(FieldGroup::Diagnosis, differ);
     keys: differ;
-    variables: |old, new, page| shown_fields(page).contains(&FieldGroup::Variables) && variables_differ(old, new);
+    // Compared bit by bit: a value that is not a number is equal to itself.
+    variables: |old, new, page| {
+        let mut pairs = old.iter().zip(&**new);
+        shown_fields(page).contains(&FieldGroup::Variables)
+            && pairs.any(|(old, new)| old.map(f64::to_bits) != new.map(f64::to_bits))
+    };
     restart: on(FieldGroup::Restart, differ);
     interrupted: on(FieldGroup::Restart, differ);
     alarms: differ;
@@ -127,11 +132,6 @@ fn axes_differ(painted: &PerAxis<AxisView>, newest: &PerAxis<AxisView>) -> bool 
         ([present, homed, moving], [work, machine, relative, to_go].map(format_length))
     };
     painted.0.iter().zip(&newest.0).any(|(old, new)| old != new && shown(old) != shown(new))
-}
-
-/// Compared bit by bit: a value that is not a number is equal to itself.
-fn variables_differ(painted: &[Option<f64>; VARIABLE_COUNT], newest: &[Option<f64>; VARIABLE_COUNT]) -> bool {
-    painted.iter().zip(newest).any(|(old, new)| old.map(f64::to_bits) != new.map(f64::to_bits))
 }
 
 /// The lamp of an analog output is lit above zero.

@@ -71,19 +71,14 @@ impl<W> PendingRequests<W> {
     }
 
     /// The next answer; opens the password dialog if the program password is required (K6.2).
-    pub fn poll_protected(
-        &mut self,
-        requester: Requester,
-        view: &View<'_>,
-        login: &mut Login,
-    ) -> Option<RequestEvent<W>> {
+    pub fn poll_protected(&mut self, from: Requester, view: &View<'_>, login: &mut Login) -> Option<RequestEvent<W>> {
         if self.password_asked && !login.is_open() {
             self.password_asked = false;
             if view.snapshot.access.program_unlocked {
                 return Some(RequestEvent::Unlocked);
             }
         }
-        let (why, answer) = self.poll(requester, &view.snapshot.files)?;
+        let (why, answer) = self.poll(from, &view.snapshot.files)?;
         if answer == Err(Refusal::Password) {
             self.password_asked = true;
             login.unlock(view, PasswordScope::Program);

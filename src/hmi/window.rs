@@ -3,7 +3,6 @@
 //! A watcher thread checks the newest snapshot 30 times a second and requests a frame only if something shown changed
 //! ([`super::repaint`]); the pages record every snapshot that it sees. `Alive` is sent with a frame, at least every half of P76.
 
-use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -51,24 +50,15 @@ pub struct WindowOptions {
 }
 
 /// Why the window could not be opened.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WindowError {
     /// There is no display, or this user has no access to it.
+    #[error("no display: {0}")]
     NoDisplay(String),
     /// Drawing on the display failed.
+    #[error("the display cannot be drawn on: {0}")]
     Graphics(String),
 }
-
-impl fmt::Display for WindowError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoDisplay(cause) => write!(f, "no display: {cause}"),
-            Self::Graphics(cause) => write!(f, "the display cannot be drawn on: {cause}"),
-        }
-    }
-}
-
-impl std::error::Error for WindowError {}
 
 type SharedConnection = Arc<Mutex<Box<dyn CoreConnection>>>;
 type SharedScreen = Arc<Mutex<LiveScreen>>;

@@ -56,12 +56,8 @@ pub fn bar_of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Opti
         return None;
     }
     let length = params.get(param::BAR_LENGTH);
-    let chuck = BodyFile {
-        what: BodyKind::Chuck,
-        z_from: -length - CHUCK_LENGTH_MM,
-        z_to: -length,
-        diameter: CHUCK_DIAMETER_MM,
-    };
+    let (z_from, z_to) = (-length - CHUCK_LENGTH_MM, -length);
+    let chuck = BodyFile { what: BodyKind::Chuck, z_from, z_to, diameter: CHUCK_DIAMETER_MM };
     let bar = BarFile { diameter, z_from: -length, z_to: 0.0, cell: CELL_MM };
     let name = "棒料".to_owned();
     let parts = PartFile { name, kind, g54_mm: FACE_MM, start_mm, ..PartFile::default() };

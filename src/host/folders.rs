@@ -21,7 +21,7 @@ use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
 use crate::store::{
     DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PICTURE, PROGRAM,
-    ProgramFolder, decode, list_named_programs, program_stem, stamp,
+    ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
 };
 
 /// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
@@ -175,16 +175,12 @@ pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram
     if program_stem(&name).is_none() {
         return Vec::new();
     }
-    let path = match file.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let folder = Folder::new(path);
+    let folder = Folder::new(folder_of(file));
     let read = |entry: NamedProgram| {
         let read = folder.read_named(&PROGRAM, &entry.name).ok()?;
         Some(program_from_bytes(program_number::from_name(&entry.stem), &read.name, read.bytes, dialect))
     };
-    list_named_programs(path).unwrap_or_default().into_iter().filter_map(read).collect()
+    list_named_programs(folder_of(file)).unwrap_or_default().into_iter().filter_map(read).collect()
 }
 
 fn time_text(modified: Option<SystemTime>) -> String {
@@ -260,19 +256,13 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
     let (width, height) = (number(18), number(22).map(|height| (height as i32).unsigned_abs()));
     if (width, height) != (Some(PICTURE_SIZE.0), Some(PICTURE_SIZE.1)) {
         let (width, height) = (width.unwrap_or(0), height.unwrap_or(0));
-        return Err(file_fault(
-            name,
-            format!("图片是 {width}×{height}，应为 200×400 点"),
-            format!("the picture is {width}×{height}, it must be 200×400 pixels"),
-        ));
+        let en = format!("the picture is {width}×{height}, it must be 200×400 pixels");
+        return Err(file_fault(name, format!("图片是 {width}×{height}，应为 200×400 点"), en));
     }
     let bits = number(BITS_OFFSET).map_or(0, |both| both & 0xFFFF);
     if bits != 24 {
-        return Err(file_fault(
-            name,
-            format!("图片是 {bits} 位，保存时请选 24 位"),
-            format!("the picture has {bits} bits per pixel, save it with 24"),
-        ));
+        let en = format!("the picture has {bits} bits per pixel, save it with 24");
+        return Err(file_fault(name, format!("图片是 {bits} 位，保存时请选 24 位"), en));
     }
     if number(COMPRESSION_OFFSET) != Some(0) {
         let en = "the picture is compressed, save it uncompressed";
@@ -280,12 +270,10 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
     }
     // Bytes behind the pixels are padding; PhotoShop writes two and counts them in the size of its header.
     let needed = number(PIXELS_OFFSET).map_or(PICTURE_BYTES, |start| start as usize + PIXEL_BYTES);
-    if bytes.len() < needed {
-        return Err(file_fault(
-            name,
-            format!("文件只有 {} 字节，应有 {needed} 字节 (234K)：拷贝不完整", bytes.len()),
-            format!("the file has only {} bytes of {needed}: the copy is not complete", bytes.len()),
-        ));
+    let size = bytes.len();
+    if size < needed {
+        let en = format!("the file has only {size} bytes of {needed}: the copy is not complete");
+        return Err(file_fault(name, format!("文件只有 {size} 字节，应有 {needed} 字节 (234K)：拷贝不完整"), en));
     }
     let damaged =
         |error: ImageError| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}"));

@@ -118,7 +118,8 @@ impl JobRunner {
         if self.ending.load(Ordering::Acquire) && ends_with_control(&job.request) {
             return report_answer(Err(cancelled()), tell);
         }
-        if is_long(&job.request) {
+        // A long job, which 取消 cancels.
+        if matches!(job.request, FileRequest::Transfer(_) | FileRequest::ComputeToolpath(_)) {
             self.cancelled.store(false, Ordering::Release);
         }
         let pages = PageFileFolder { screens: Folder::new(&self.folders.screens), usb_drive: self.usb_drive() };
@@ -201,17 +202,10 @@ fn file_date(job: &BackgroundJob) -> DateTime {
     job.date.unwrap_or_else(clock::local_time)
 }
 
-/// Whether a request is a long job that 取消 cancels.
-const fn is_long(request: &FileRequest) -> bool {
-    matches!(request, FileRequest::Transfer(_) | FileRequest::ComputeToolpath(_))
-}
-
 /// Whether a request is a calculation or a transfer over the line, which end with the control.
 fn ends_with_control(request: &FileRequest) -> bool {
-    match request {
-        FileRequest::Transfer(ask) => ask.set == TransferSet::Serial,
-        other => matches!(other, FileRequest::ComputeToolpath(_)),
-    }
+    let serial = matches!(request, FileRequest::Transfer(ask) if ask.set == TransferSet::Serial);
+    serial || matches!(request, FileRequest::ComputeToolpath(_))
 }
 
 impl JobRunner {

@@ -42,10 +42,8 @@ pub fn read(axis: Axis, drive: Option<&UsbDrive>) -> JobResult {
     let text = decode(&bytes)
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = LeadscrewCompensation::parse(&text.text).map_err(|fault| {
-        wrong(
-            format!("第 {} 行：{}", fault.line, fault.message.zh()),
-            format!("line {}: {}", fault.line, fault.message.en()),
-        )
+        let (line, cause) = (fault.line, &fault.message);
+        wrong(format!("第 {line} 行：{}", cause.zh()), format!("line {line}: {}", cause.en()))
     })?;
     if table.points().is_empty() {
         return Err(wrong("中没有点".into(), "contains no points".into()));

@@ -61,22 +61,16 @@ impl PasswordStore {
                 return Ok(StorageAnswer::KindSaved(*kind));
             }
             SettingsRequest::SaveLightTheme(light) => self.update_settings(|settings| settings.light = Some(*light))?,
-            SettingsRequest::SaveBrightness(percent) => {
-                self.update_settings(|settings| settings.brightness = Some(*percent))?;
-            }
-            SettingsRequest::SaveSerialPort(port) => {
-                self.update_settings(|settings| settings.serial = Some(port.clone()))?;
-            }
+            SettingsRequest::SaveBrightness(percent) => self.update_settings(|to| to.brightness = Some(*percent))?,
+            SettingsRequest::SaveSerialPort(port) => self.update_settings(|to| to.serial = Some(port.clone()))?,
             SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
         }
         Ok(StorageAnswer::LangSaved)
     }
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
-        match self.hashes.get(&guard) {
-            Some(hash) => password::verify(secret.reveal(), hash),
-            None => secret.reveal() == password_row(guard).1,
-        }
+        let secret = secret.reveal();
+        self.hashes.get(&guard).map_or_else(|| secret == password_row(guard).1, |hash| password::verify(secret, hash))
     }
 
     fn set_password(

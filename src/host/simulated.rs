@@ -35,15 +35,8 @@ impl HostedSimulation {
     /// A machine without a part. The view of the simulator page is built anew at most every `view_interval`.
     #[must_use]
     pub fn new(machine: SimulatedMachine, view_interval: Micros) -> Self {
-        Self {
-            machine,
-            part: None,
-            forced: Vec::new(),
-            faults: Vec::new(),
-            view: Arc::default(),
-            viewed_at: None,
-            view_interval,
-        }
+        let (forced, faults, view) = (Vec::new(), Vec::new(), Arc::default());
+        Self { machine, part: None, forced, faults, view, viewed_at: None, view_interval }
     }
 
     /// The machine.

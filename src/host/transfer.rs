@@ -190,10 +190,8 @@ impl UsbTransfer<'_> {
         let (mut copied_bytes, mut copied, mut skipped) = (0, 0, 0);
         for file in &waiting {
             if self.cancelled.load(Ordering::Acquire) {
-                return Err(refusal(
-                    format!("已取消，已复制 {copied} 个文件"),
-                    format!("cancelled after {copied} files"),
-                ));
+                let zh = format!("已取消，已复制 {copied} 个文件");
+                return Err(refusal(zh, format!("cancelled after {copied} files")));
             }
             tell(FileAnswer::Progress(COPYING, (copied_bytes * 1_000 / all) as u16));
             copied_bytes += file.size;
@@ -277,11 +275,8 @@ impl UsbTransfer<'_> {
     /// Restores everything from an archive. The whole archive is checked before the first file is written.
     fn restore(&self, ask: &TransferRequest, tell: Tell<'_>) -> JobResult {
         let files = self.usb_drive.files().map_err(FolderError::from)?;
-        let chosen = files
-            .iter()
-            .rev()
-            .map(|file| &file.name)
-            .find(|name| is_archive(name) && (ask.names.is_empty() || ask.names.contains(name)));
+        let fits = |name: &&String| is_archive(name) && (ask.names.is_empty() || ask.names.contains(name));
+        let chosen = files.iter().rev().map(|file| &file.name).find(fits);
         let name = chosen.ok_or_else(|| refusal("U 盘上没有备份文件", "there is no backup on the medium"))?;
         if ask.overwrite.is_none() {
             return Err(Refusal::Overwrite(vec![name.clone()]));

@@ -241,10 +241,8 @@ impl Folder {
             return Ok(self.path.join(found.name));
         }
         let same = |name: &str| class.parse(name).is_some_and(|(other, _)| other == number);
-        match ignored.into_iter().find(|ignored| same(&ignored.name)) {
-            Some(odd) => Err(FolderError::NotRegular(self.path.join(odd.name))),
-            None => Err(self.missing(class, number)),
-        }
+        let odd = ignored.into_iter().find(|ignored| same(&ignored.name)).map(|odd| self.path.join(odd.name));
+        Err(odd.map_or_else(|| self.missing(class, number), FolderError::NotRegular))
     }
 
     fn remove(&self, path: &Path) -> Result<(), FolderError> {

@@ -72,10 +72,7 @@ impl FolderWatch {
     /// Why the folders are polled; `None` while the system sends notifications.
     #[must_use]
     pub fn polling_because(&self) -> Option<&str> {
-        match &self.mode {
-            WatchMode::Notifications { .. } => None,
-            WatchMode::Polling { cause, .. } => Some(cause),
-        }
+        if let WatchMode::Polling { cause, .. } = &self.mode { Some(cause) } else { None }
     }
 
     /// Returns a changed folder without waiting. `now` controls the polling interval.
@@ -97,7 +94,10 @@ impl FolderWatch {
             WatchMode::Polling { seen, told, next, .. } => {
                 if next.is_none_or(|next| now >= next) {
                     *next = Some(now + POLL_INTERVAL);
-                    mark_changed_folders(&self.folders, seen, told);
+                    for ((folder, seen), told) in self.folders.iter().zip(seen).zip(told.iter_mut()) {
+                        let before = std::mem::replace(seen, folder_fingerprint(folder));
+                        *told &= before == *seen;
+                    }
                 }
                 let changed = FolderChange::ALL.into_iter().find(|changed| !told[*changed as usize])?;
                 told[changed as usize] = true;
@@ -177,14 +177,6 @@ fn is_change(kind: &EventKind) -> bool {
 fn start_polling(folders: &[PathBuf; 2], cause: String) -> WatchMode {
     let seen = folders.each_ref().map(|folder| folder_fingerprint(folder));
     WatchMode::Polling { cause, seen, told: [true; 2], next: None }
-}
-
-/// Lists both folders and marks those that have changed.
-fn mark_changed_folders(folders: &[PathBuf; 2], seen: &mut [u64; 2], told: &mut [bool; 2]) {
-    for ((folder, seen), told) in folders.iter().zip(seen).zip(told) {
-        let before = std::mem::replace(seen, folder_fingerprint(folder));
-        *told &= before == *seen;
-    }
 }
 
 /// A checksum over names, sizes and times; an unreadable folder counts as empty.

@@ -110,7 +110,11 @@ pub fn read<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<Lo
 pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy, value: &T) -> Result<(), RonError> {
     let text = to_text(path, value)?;
     match read_one::<T>(path, care) {
-        Ok(_) => copy_beside(path, "bak")?,
+        // A copy, because USB drives have no links and the file must stay.
+        Ok(_) => {
+            let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
+            atomic_file::replace(&with_suffix(path, "bak"), &bytes)?;
+        }
         Err(RonError::Missing(_)) => {}
         Err(RonError::Io(fault)) => return Err(RonError::Io(fault)),
         Err(RonError::Text { .. } | RonError::Checksum(..) | RonError::NotReadable(..) | RonError::Value(..)) => {
@@ -119,12 +123,6 @@ pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy,
         }
     }
     Ok(atomic_file::replace(path, text.as_bytes())?)
-}
-
-/// Copies a file to `NAME.extension`. A copy, because USB drives have no links and the file must stay.
-fn copy_beside(path: &Path, extension: &str) -> Result<(), RonError> {
-    let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
-    Ok(atomic_file::replace(&with_suffix(path, extension), &bytes)?)
 }
 
 /// The text of a value with its checksum line.

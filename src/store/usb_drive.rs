@@ -38,10 +38,8 @@ impl UsbDrive {
     pub fn find() -> Option<Self> {
         let below = |folder: &Path| -> Vec<PathBuf> {
             let entries = fs::read_dir(folder).into_iter().flatten().flatten().take(MAX_ENTRIES);
-            entries
-                .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()))
-                .map(|entry| entry.path())
-                .collect()
+            let folders = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+            folders.map(|entry| entry.path()).collect()
         };
         let first = MOUNT_ROOTS.iter().flat_map(|root| below(Path::new(root)));
         let all = first.flat_map(|folder| {

@@ -122,10 +122,8 @@ impl LineParser {
     }
 
     fn expect_end(&self) -> Result<(), StoryError> {
-        match self.words.get(self.next) {
-            None => Ok(()),
-            Some((column, word)) => Err(self.error_at(*column, format!("unexpected '{word}' at the end"))),
-        }
+        let Some((column, word)) = self.words.get(self.next) else { return Ok(()) };
+        Err(self.error_at(*column, format!("unexpected '{word}' at the end")))
     }
 
     fn statement(mut self, kind: Kind) -> Result<Statement, StoryError> {

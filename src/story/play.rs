@@ -192,10 +192,7 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn force_input(&mut self, name: &str, force: InputForce) -> Result<(), String> {
-        let level = match force {
-            InputForce::To(on) => Some(on),
-            InputForce::Released => None,
-        };
+        let level = if let InputForce::To(on) = force { Some(on) } else { None };
         self.host().machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
         self.ticks(INPUT_TICKS);
         Ok(())
@@ -352,10 +349,7 @@ impl<'a, G: Stage> Player<'a, G> {
         }
         let snapshot = self.host().snapshot();
         let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
-        match missing {
-            None => Ok(()),
-            Some(axis) => Err(format!("{axis} is not homed: {}", snapshot.message.text.zh())),
-        }
+        missing.map_or(Ok(()), |axis| Err(format!("{axis} is not homed: {}", snapshot.message.text.zh())))
     }
 
     fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {
@@ -486,12 +480,9 @@ impl<'a, G: Stage> Player<'a, G> {
 pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> String {
     let now = host.now().as_secs_f64();
     let snapshot = host.snapshot();
-    let axes: Vec<_> = snapshot
-        .axes
-        .iter()
-        .filter(|(_, view)| view.present)
-        .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go))
-        .collect();
+    let present = snapshot.axes.iter().filter(|(_, view)| view.present);
+    let axes = present
+        .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go));
     let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh())).collect();
     format!(
@@ -501,7 +492,7 @@ pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> Stri
         snapshot.page.id(),
         snapshot.title(snapshot.program.number),
         snapshot.program.line,
-        axes.join(", "),
+        axes.collect::<Vec<_>>().join(", "),
         outputs.join(" "),
         alarms.join("; "),
         snapshot.message.text.zh(),

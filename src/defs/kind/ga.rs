@@ -43,11 +43,11 @@ pub(super) static ROW: KindRow = KindRow {
         wheel_pose: Some(WheelPose { body: Axis::Z, spindle: Axis::X, position_is_centre: false }),
         // X moves across the table, Z− lowers the wheel.
         jog_cross: [JOG_X, JOG_Z, JOG_Y],
-        panel: MachineUnits { beside: &[WHEEL, MAGNET, FLUIDS, DRESSING], below: &[TABLE, GAUGES] },
-        wide_panel: MachineUnits {
-            beside: &[WHEEL_ALONE, MAGNET, FLUIDS, DRESSING, TRIAL],
-            below: &[SECOND_SPINDLE, TABLE, GAUGES],
-        },
+        panel: MachineUnits::new(&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
+        wide_panel: MachineUnits::new(
+            &[WHEEL_ALONE, MAGNET, FLUIDS, DRESSING, TRIAL],
+            &[SECOND_SPINDLE, TABLE, GAUGES],
+        ),
         ..GRINDER
     },
 };

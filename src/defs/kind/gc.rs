@@ -35,11 +35,11 @@ pub(super) static ROW: KindRow = KindRow {
         grinding_forms: &[GrindingForm::Outside],
         wheel_pose: Some(WheelPose { body: Axis::X, spindle: Axis::Z, position_is_centre: false }),
         jog_cross: [[Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], JOG_Y],
-        panel: MachineUnits { beside: &[WHEEL, HEADSTOCK, FLUIDS, DRESSING], below: &[TAILSTOCK, GAUGES] },
-        wide_panel: MachineUnits {
-            beside: &[WHEEL_ALONE, HEADSTOCK, FLUIDS, DRESSING, TRIAL],
-            below: &[SECOND_SPINDLE, TAILSTOCK, GAUGES],
-        },
+        panel: MachineUnits::new(&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
+        wide_panel: MachineUnits::new(
+            &[WHEEL_ALONE, HEADSTOCK, FLUIDS, DRESSING, TRIAL],
+            &[SECOND_SPINDLE, TAILSTOCK, GAUGES],
+        ),
         ..GRINDER
     },
 };

@@ -48,11 +48,8 @@ pub(super) static ROW: KindRow = KindRow {
         wheel_pose: Some(WheelPose { body: Axis::Y, spindle: Axis::Z, position_is_centre: false }),
         // X moves the table sideways, Y− lowers the wheel, Z moves away from the operator.
         jog_cross: [JOG_X, JOG_Y, JOG_Z],
-        panel: MachineUnits { beside: &[WHEEL, MAGNET, FLUIDS, DRESSING], below: &[ROLL, GAUGES] },
-        wide_panel: MachineUnits {
-            beside: &[WHEEL_ALONE, MAGNET, FLUIDS, DRESSING, TRIAL],
-            below: &[SECOND_SPINDLE, ROLL, GAUGES],
-        },
+        panel: MachineUnits::new(&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
+        wide_panel: MachineUnits::new(&[WHEEL_ALONE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SECOND_SPINDLE, ROLL, GAUGES]),
         ..GRINDER
     },
 };

@@ -69,7 +69,7 @@ pub(super) static ROW: KindRow = KindRow {
         wheel_pose: None,
         picture_program: "SHAFT",
         jog_cross: [[Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], JOG_Y],
-        panel: MachineUnits { beside: &[MAIN_SPINDLE, FLUIDS], below: &[TURRET] },
-        wide_panel: MachineUnits { beside: &[MAIN_SPINDLE, FLUIDS, TRIAL], below: &[TURRET.across(5)] },
+        panel: MachineUnits::new(&[MAIN_SPINDLE, FLUIDS], &[TURRET]),
+        wide_panel: MachineUnits::new(&[MAIN_SPINDLE, FLUIDS, TRIAL], &[TURRET.across(5)]),
     },
 };

@@ -212,10 +212,8 @@ impl KindRow {
     /// The output of M63 (fast) or M64; the same where there is one speed.
     #[must_use]
     pub fn drive_output(&self, fast: bool) -> Output {
-        match self.equipment.iter().find_map(|device| device.work_drive()) {
-            Some((high, low)) => [low, high][usize::from(fast)],
-            None => Output::SpindleForward,
-        }
+        let drive = self.equipment.iter().find_map(|device| device.work_drive());
+        drive.map_or(Output::SpindleForward, |(high, low)| if fast { high } else { low })
     }
 }
 

@@ -23,6 +23,12 @@ pub struct MachineUnits {
     pub below: &'static [MachineUnit],
 }
 
+impl MachineUnits {
+    pub(super) const fn new(beside: &'static [MachineUnit], below: &'static [MachineUnit]) -> Self {
+        Self { beside, below }
+    }
+}
+
 impl MachineUnit {
     pub(super) const fn new(caption: Text, keys: &'static [Key], columns: usize) -> Self {
         Self { caption, keys, columns }

@@ -105,8 +105,8 @@ pub(super) const GRINDER: KindUi = KindUi {
     wheel_pose: None,
     picture_program: "O1001",
     jog_cross: [JOG_X, JOG_Y, JOG_Z],
-    panel: MachineUnits { beside: &[], below: &[] },
-    wide_panel: MachineUnits { beside: &[], below: &[] },
+    panel: MachineUnits::new(&[], &[]),
+    wide_panel: MachineUnits::new(&[], &[]),
 };
 
 /// K1: on surface and rotary-table grinders the gauges measure thickness and plane.

@@ -63,11 +63,11 @@ pub(super) static ROW: KindRow = KindRow {
         picture_program: "VGRIND",
         // X moves across the table, Z− lowers the wheel.
         jog_cross: [JOG_X, JOG_Z, JOG_Y],
-        panel: MachineUnits { beside: &[WHEEL, TABLE.across(1), FLUIDS, DRESSING], below: &[GAUGES.across(4)] },
-        wide_panel: MachineUnits {
-            beside: &[WHEEL_ALONE, TABLE.across(1), FLUIDS, DRESSING, TRIAL],
-            below: &[SECOND_SPINDLE, GAUGES.across(4)],
-        },
+        panel: MachineUnits::new(&[WHEEL, TABLE.across(1), FLUIDS, DRESSING], &[GAUGES.across(4)]),
+        wide_panel: MachineUnits::new(
+            &[WHEEL_ALONE, TABLE.across(1), FLUIDS, DRESSING, TRIAL],
+            &[SECOND_SPINDLE, GAUGES.across(4)],
+        ),
         ..GRINDER
     },
 };

@@ -129,10 +129,8 @@ impl Params {
     /// Bit mask of the input ports with inverted level (normally closed contacts); bit 0 is port 1.
     #[must_use]
     pub fn inverted_inputs(&self) -> u64 {
-        [INPUTS_INVERTED_1, INPUTS_INVERTED_2, INPUTS_INVERTED_3, INPUTS_INVERTED_4]
-            .into_iter()
-            .rev()
-            .fold(0, |mask, row| mask << 16 | (self.get(row) as u64 & 0xFFFF))
+        let rows = [INPUTS_INVERTED_4, INPUTS_INVERTED_3, INPUTS_INVERTED_2, INPUTS_INVERTED_1];
+        rows.into_iter().fold(0, |mask, row| mask << 16 | (self.get(row) as u64 & 0xFFFF))
     }
 
     /// The value for an axis, of three consecutive parameters X, Y, Z; `x` is the first.
@@ -146,14 +144,11 @@ impl Params {
     /// # Errors
     /// The address is not in the table.
     pub fn read(&self, at: ParamAddress) -> Result<f64, ParamError> {
-        match at.bit {
-            Some(bit) => BITS
-                .iter()
-                .find(|row| row.number == at.number && row.bit == bit)
-                .map(|row| f64::from(u8::from(self.bit(*row)))),
+        let value = match at.bit {
+            Some(bit) => find_bit(at.number, bit).map(|row| f64::from(u8::from(self.bit(*row)))),
             None => find_number(at.number, self.kind).map(|_| self.numbers[usize::from(at.number)]),
-        }
-        .ok_or(ParamError::Unknown(at.number))
+        };
+        value.ok_or(ParamError::Unknown(at.number))
     }
 
     /// Stores a value at an address.
@@ -162,9 +157,7 @@ impl Params {
     /// The address is not in the table, or the value is outside its range; the old value stays.
     pub fn write(&mut self, at: ParamAddress, value: f64) -> Result<(), ParamError> {
         if let Some(bit) = at.bit {
-            if !BITS.iter().any(|row| row.number == at.number && row.bit == bit) {
-                return Err(ParamError::Unknown(at.number));
-            }
+            find_bit(at.number, bit).ok_or(ParamError::Unknown(at.number))?;
             let on = match value {
                 v if v.total_cmp(&0.0).is_eq() => false,
                 v if v.total_cmp(&1.0).is_eq() => true,
@@ -183,6 +176,10 @@ impl Params {
         self.numbers[usize::from(at.number)] = value;
         Ok(())
     }
+}
+
+fn find_bit(number: u16, bit: u8) -> Option<&'static BitParam> {
+    BITS.iter().find(|row| row.number == number && row.bit == bit)
 }
 
 /// Range of a number parameter or port on a kind, and whether it must be a whole number (parameters without a unit).

@@ -104,9 +104,7 @@ impl ParamAddress {
 
 impl std::fmt::Display for ParamAddress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.bit {
-            Some(bit) => write!(f, "P{}.{bit}", self.number),
-            None => write!(f, "P{}", self.number),
-        }
+        write!(f, "P{}", self.number)?;
+        self.bit.map_or(Ok(()), |bit| write!(f, ".{bit}"))
     }
 }

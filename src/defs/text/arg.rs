@@ -155,13 +155,9 @@ pub(super) struct NumberForm {
 impl NumberForm {
     /// Reads `.3`, `+.3`, `04`; an empty form is the shortest way to write the number.
     pub(super) fn parse(form: &str) -> Self {
-        let (sign, rest) = form.strip_prefix('+').map_or((false, form), |rest| (true, rest));
+        let (plus, rest) = form.strip_prefix('+').map_or((false, form), |rest| (true, rest));
         let (width, decimals) = rest.split_once('.').map_or((rest, None), |(width, decimals)| (width, Some(decimals)));
-        Self {
-            plus: sign,
-            width: width.parse().unwrap_or(0),
-            decimals: decimals.and_then(|digits| digits.parse().ok()),
-        }
+        Self { plus, width: width.parse().unwrap_or(0), decimals: decimals.and_then(|digits| digits.parse().ok()) }
     }
 
     fn write(self, out: &mut String, value: f64) -> fmt::Result {

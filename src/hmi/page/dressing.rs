@@ -72,17 +72,13 @@ fn positions(rect: Rect, view: &View<'_>) {
     let rest = position::column(rect, view, &groups);
     let params = &snapshot.params;
     let (words, ink) = if params.bit(param::WHEEL_UNDRESSED) {
-        let programs = format!(
-            "O{:04.0}–O{:04.0}",
-            params.get(param::DRESSING_PROGRAM_FIRST),
-            params.get(param::DRESSING_PROGRAM_LAST)
-        );
+        let (first, last) = (params.get(param::DRESSING_PROGRAM_FIRST), params.get(param::DRESSING_PROGRAM_LAST));
         let words = view.text("换砂轮后未修整：先运行 ", "wheel changed: dress it with ");
-        (format!("{words}{programs}"), view.theme.hold)
+        (format!("{words}O{first:04.0}–O{last:04.0}"), view.theme.hold)
     } else {
-        let words = view
-            .text("修整点在 位置 → 相对 中按轴字母键设置", "set the point on POSITION, RELATIVE with an axis letter");
-        (words.to_owned(), view.theme.muted)
+        let (zh, en) =
+            ("修整点在 位置 → 相对 中按轴字母键设置", "set the point on POSITION, RELATIVE with an axis letter");
+        (view.text(zh, en).to_owned(), view.theme.muted)
     };
     view.paragraph(rest.trim_top(8.0), &words, theme::LABEL, ink);
 }

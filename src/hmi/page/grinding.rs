@@ -61,10 +61,9 @@ impl PageUi for GrindingPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        match ctx.view.snapshot.grinding_page_number() {
-            Some(shown) => page(shown, &mut self.entry, ctx),
-            None => no_page(ctx.rect, ctx.view, ctx.out),
-        }
+        let shown = ctx.view.snapshot.grinding_page_number();
+        let Some(shown) = shown else { return no_page(ctx.rect, ctx.view, ctx.out) };
+        page(shown, &mut self.entry, ctx);
     }
 }
 

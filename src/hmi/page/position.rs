@@ -55,7 +55,11 @@ fn coordinates(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     if keys {
         confirm_keys(axes, view, out);
     }
-    side_column(right, view);
+    // Program, feed, wheel speed, cycle time, part count.
+    view.card(right);
+    let inside = right.shrink2(vec2(theme::PAD, 10.0));
+    lines::paint_program_label(view, inside.band(0.0, 30.0), theme::TITLE);
+    process_values(inside.trim_top(38.0), view);
 }
 
 /// One axis: letter, homed mark, large value, and smaller values below. The decimal points are aligned.
@@ -67,7 +71,10 @@ fn axis_card(rect: Rect, view: &View<'_>, axis: Axis, shown: CoordinateView, out
     let letter = Rect::from_min_size(top.min, vec2(56.0, top.height().min(64.0)));
     let letter = Rect::from_center_size(pos2(letter.center().x, top.center().y), letter.size());
     axis_letter(letter, view, axis, shown, out);
-    homed_mark(view, letter, state);
+    // Homed mark: the axis was homed since power-on; before that its machine coordinate is not valid.
+    let mark = Rect::from_center_size(pos2(letter.max.x + 18.0, letter.center().y), vec2(20.0, 20.0));
+    let ink = if state.homed { view.theme.run } else { view.theme.line };
+    pictogram::draw(&view.painter, mark, pictogram::HOUSE, ink);
     let (name, large, others) = figures(view, state, shown);
     let mut digits = top.with_min_x(letter.max.x + 40.0);
     let tag = Rect::from_min_size(pos2(digits.min.x, letter.center().y - 11.0), vec2(80.0, 22.0));
@@ -182,21 +189,6 @@ fn clear_key(rect: Rect, view: &View<'_>, axis: Axis, out: &mut Vec<Command>) {
     if response.clicked() {
         out.push(Command::ClearRelative(axis));
     }
-}
-
-/// Homed mark: the axis was homed since power-on; before that its machine coordinate is not valid.
-fn homed_mark(view: &View<'_>, letter: Rect, state: &AxisView) {
-    let place = Rect::from_center_size(pos2(letter.max.x + 18.0, letter.center().y), vec2(20.0, 20.0));
-    let ink = if state.homed { view.theme.run } else { view.theme.line };
-    pictogram::draw(&view.painter, place, pictogram::HOUSE, ink);
-}
-
-/// Program, feed, wheel speed, cycle time, part count.
-fn side_column(rect: Rect, view: &View<'_>) {
-    view.card(rect);
-    let inside = rect.shrink2(vec2(theme::PAD, 10.0));
-    lines::paint_program_label(view, inside.band(0.0, 30.0), theme::TITLE);
-    process_values(inside.trim_top(38.0), view);
 }
 
 /// Process values, one below the other; as many as fit.

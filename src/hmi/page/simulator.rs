@@ -46,8 +46,8 @@ impl PageUi for SimulatorPage {
         let PageContext { rect, view, typed, out, .. } = ctx;
         let Some(sim) = view.snapshot.simulated.as_deref() else {
             let remedy = view.text("控制器接的是真实的机床。", "A real machine is wired to the control.");
-            empty::show(view, rect, pictogram::NO_PAGE, view.text("没有模拟机床", "no simulated machine"), remedy);
-            return;
+            let what = view.text("没有模拟机床", "no simulated machine");
+            return empty::show(view, rect, pictogram::NO_PAGE, what, remedy);
         };
         self.walk.begin_frame(&typed.edits);
         let (tabs, body) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(ROW_HEIGHT + theme::GAP);

@@ -142,10 +142,8 @@ fn tool_status(rect: Rect, view: &View<'_>) {
         view.line_right(line, &format_length(state.work), digits, ink);
         top = line.max.y;
     }
-    let step = match snapshot.params.get(param::FIXED_STEP_LENGTH) {
-        set if set > 0.0 => set,
-        _ => snapshot.handwheel_step_mm,
-    };
+    let fixed = snapshot.params.get(param::FIXED_STEP_LENGTH);
+    let step = if fixed > 0.0 { fixed } else { snapshot.handwheel_step_mm };
     let station =
         snapshot.tool_station.filter(|station| *station > 0).map_or_else(|| "–".to_owned(), |at| format!("T{at}"));
     let rows = [

@@ -150,11 +150,8 @@ impl VariablesPage {
 
     /// The ranges, the variables of the page, and the search.
     fn tabs(&mut self, rect: Rect, view: &View<'_>) {
-        let mut keys: Vec<(&str, String)> = RANGES
-            .iter()
-            .zip(["range-100", "range-200", "range-434", "range-500"])
-            .map(|((first, _), id)| (id, format!("#{first}")))
-            .collect();
+        let ids = ["range-100", "range-200", "range-434", "range-500"];
+        let mut keys: Vec<_> = ids.into_iter().zip(RANGES).map(|(id, (first, _))| (id, format!("#{first}"))).collect();
         keys.push(("range-page", view.text("本页面", "ON PAGE").to_owned()));
         keys.push(("find-variable", view.text("查找 #", "FIND #").to_owned()));
         let range = RANGES.iter().position(|(first, last)| (*first..=*last).contains(&self.selected));

@@ -145,14 +145,14 @@ impl WheelPage {
         let values = self.values(view);
         let below = body.min.y + FIELDS.len() as f32 * (FIELD_HEIGHT + theme::GAP) + 4.0;
         let line = Rect::from_min_size(pos2(body.min.x, below), vec2(body.width(), 30.0));
-        let most = format!("{:.0}", max_rpm(values[0], values[2]));
-        figure(line, view, view.text("允许最高转速", "maximum speed"), &most, "r/min");
+        let permitted = max_rpm(values[0], values[2]);
+        figure(line, view, view.text("允许最高转速", "maximum speed"), &format!("{permitted:.0}"), "r/min");
         let keys = body.with_min_y(body.max.y - FIELD_HEIGHT);
         let note = Rect::from_min_max(pos2(body.min.x, line.max.y + 6.0), pos2(body.max.x, keys.min.y - 6.0));
         let (words, ink) = match (&self.refused, self.confirming) {
             (Some(why), _) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
             (None, true) => (confirm_text(view, values), view.theme.hold),
-            (None, false) if exceeds_rating(view, values) => {
+            (None, false) if view.snapshot.params.get(param::WHEEL_RPM) > permitted => {
                 let words = view.text(
                     "默认转速 P73 超过新砂轮的额定：换后先改 P73 或 S，否则砂轮不能启动。",
                     "P73, the speed without S, exceeds the new rating: change P73 or S, or the wheel will not start.",
@@ -222,11 +222,6 @@ impl WheelPage {
 /// Speed at which the rim reaches its rating, r/min.
 fn max_rpm(diameter_mm: f64, rated_m_s: f64) -> f64 {
     (rated_m_s * 60_000.0 / (std::f64::consts::PI * diameter_mm)).floor()
-}
-
-/// Whether the default speed (P73) exceeds the rating of these values.
-fn exceeds_rating(view: &View<'_>, [diameter, _, rated]: [f64; 3]) -> bool {
-    view.snapshot.params.get(param::WHEEL_RPM) > max_rpm(diameter, rated)
 }
 
 fn confirm_text(view: &View<'_>, [diameter, width, rated]: [f64; 3]) -> String {

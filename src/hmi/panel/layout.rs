@@ -90,16 +90,8 @@ pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
 /// Column and row of the jog keys of a kind in a 3 × 3 cross: rapid in the middle, the third axis on the diagonal.
 #[must_use]
 pub const fn jog_positions(kind: Kind) -> [(Key, u8, u8); 7] {
-    let [across, upright, aslant] = kind.ui().jog_cross;
-    [
-        (across[0], 0, 1),
-        (across[1], 2, 1),
-        (upright[0], 1, 0),
-        (upright[1], 1, 2),
-        (aslant[0], 2, 0),
-        (aslant[1], 0, 2),
-        (Key::Rapid, 1, 1),
-    ]
+    let [[left, right], [up, down], [away, near]] = kind.ui().jog_cross;
+    [(left, 0, 1), (right, 2, 1), (up, 1, 0), (down, 1, 2), (away, 2, 0), (near, 0, 2), (Key::Rapid, 1, 1)]
 }
 
 /// The modes and, beside them on the wide panel, two switches of the program.

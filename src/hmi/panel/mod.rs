@@ -56,15 +56,12 @@ impl OperatorPanel {
     /// Draws a thumb wheel, turned by drag or scroll; one command carries all detents of a frame.
     fn handwheel(&mut self, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
         let response = view.ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
-        let text = format!(
-            "{} {} ×{}",
-            view.text("手轮", "WHEEL"),
-            view.snapshot.handwheel_axis,
-            format_step(view.snapshot.handwheel_step_mm)
-        );
-        response.widget_info(|| {
-            WidgetInfo::labeled(Role::Button, true, format!("{} handwheel", view.text("手轮", "handwheel")))
-        });
+        // The step is shown without trailing zeros.
+        let step = format!("{:.3}", view.snapshot.handwheel_step_mm);
+        let step = step.trim_end_matches('0').trim_end_matches('.');
+        let text = format!("{} {} ×{step}", view.text("手轮", "WHEEL"), view.snapshot.handwheel_axis);
+        let name = view.text("手轮 handwheel", "handwheel handwheel");
+        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if response.dragged() {
             self.drag_points += response.drag_delta().x;
             self.rib_offset = (self.rib_offset + response.drag_delta().x).rem_euclid(DETENT);
@@ -99,19 +96,11 @@ impl OperatorPanel {
             // Ribs of a wheel: shorter towards its sides.
             let out_there = ((x - ribs.center().x) / half).abs();
             let reach = ribs.height() / 2.0 * (1.0 - 0.6 * out_there * out_there);
-            view.painter.vline(
-                x,
-                ribs.center().y - reach..=ribs.center().y + reach,
-                egui::Stroke::new(2.0, view.theme.muted),
-            );
+            let rib = ribs.center().y - reach..=ribs.center().y + reach;
+            view.painter.vline(x, rib, egui::Stroke::new(2.0, view.theme.muted));
             x += DETENT;
         }
     }
-}
-
-/// The step without trailing zeros, mm.
-fn format_step(mm: f64) -> String {
-    format!("{mm:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn override_value(view: &View<'_>, rect: Rect, name: &str, percent: u16) {
@@ -172,8 +161,8 @@ pub fn key_ui(view: &View<'_>, key: Key, rect: Rect, presses: &mut KeyPresses, o
     response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));
     let before = out.len();
     let pressed = presses.track_touch(view.ui, &response, rect, key, out) || presses.is_down(key);
-    let keycap = Keycap { key, state: KeycapState::from_view(state, pressed), shapes: key_shapes(view, key) };
-    keycap::paint(view, rect, keycap);
+    let face = KeycapState { on: state.lamp, pending: state.pending, blocked: state.blocked.is_some(), pressed };
+    keycap::paint(view, rect, Keycap { key, state: face, shapes: key_shapes(view, key) });
     let asked = out[before..].iter().any(|command| matches!(command, Command::Press(_)));
     state.blocked.filter(|_| asked)
 }

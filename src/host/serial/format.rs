@@ -7,7 +7,7 @@ use encoding_rs::GBK;
 
 use super::SerialError;
 use crate::defs::text::LocalizedText;
-use crate::store::{DecodeError, Encoding, ProgramFolder, decode};
+use crate::store::{Encoding, ProgramFolder, decode};
 
 /// Starts and ends a transmission.
 const PERCENT: u8 = b'%';
@@ -79,7 +79,11 @@ fn header_of(name: &str, named: bool) -> ProgramHeader {
 const PERCENT_SIGN: char = PERCENT as char;
 
 fn write_program(out: &mut Vec<u8>, sheet: &SerialProgram, named: bool) -> Result<(), SerialError> {
-    let decoded = decode(&sheet.text).map_err(|error| not_text_error(&sheet.name, &error))?;
+    let decoded = decode(&sheet.text).map_err(|error| {
+        let (name, line) = (&sheet.name, error.line);
+        let zh = format!("{name} 第{line}行：不是 GBK 或 UTF-8 文字");
+        SerialError::NotSendable(LocalizedText::new(zh, format!("{name} {error}")))
+    })?;
     let mut lines: Vec<(usize, &str)> = decoded.text.split(line_end(&decoded.text)).map(trim_end).enumerate().collect();
     let empty = |line: &&(usize, &str)| matches!(line.1.trim(), "" | "%");
     let front = lines.iter().take_while(empty).count();
@@ -117,13 +121,6 @@ fn write_program(out: &mut Vec<u8>, sheet: &SerialProgram, named: bool) -> Resul
         put(line);
     }
     Ok(())
-}
-
-fn not_text_error(name: &str, error: &DecodeError) -> SerialError {
-    SerialError::NotSendable(LocalizedText::new(
-        format!("{name} 第{}行：不是 GBK 或 UTF-8 文字", error.line),
-        format!("{name} {error}"),
-    ))
 }
 
 fn bad_format(zh: impl Into<String>, en: impl Into<String>) -> SerialError {

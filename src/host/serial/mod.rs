@@ -85,9 +85,6 @@ impl SerialError {
 
 impl From<SerialError> for Refusal {
     fn from(trouble: SerialError) -> Self {
-        match trouble.alarm() {
-            Some(number) => Self::Alarm(number, trouble.detail()),
-            None => Self::Other(trouble.detail()),
-        }
+        trouble.alarm().map_or_else(|| Self::Other(trouble.detail()), |number| Self::Alarm(number, trouble.detail()))
     }
 }

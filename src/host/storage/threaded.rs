@@ -149,7 +149,8 @@ impl JobQueues {
             return None;
         }
         let asked_again = matches!(job.request, FileRequest::CheckLines { .. } | FileRequest::ListMedia);
-        let (ticket, queue) = (job.ticket, if is_serial(&job) { &self.line } else { &self.general });
+        let serial = matches!(&job.request, FileRequest::Transfer(ask) if ask.set == TransferSet::Serial);
+        let (ticket, queue) = (job.ticket, if serial { &self.line } else { &self.general });
         let taken = queue.as_ref().is_some_and(|queue| queue.try_send(*job).is_ok());
         (!taken && !asked_again).then(|| {
             let busy = LocalizedText::new("上一项工作未完成，请稍候", "the previous job is not finished: wait");
@@ -163,10 +164,6 @@ impl JobQueues {
         self.runners.iter().for_each(JobRunner::end);
         (self.general, self.line) = (None, None);
     }
-}
-
-fn is_serial(job: &BackgroundJob) -> bool {
-    matches!(&job.request, FileRequest::Transfer(ask) if ask.set == TransferSet::Serial)
 }
 
 /// The state of the storage thread.

@@ -38,3 +38,13 @@ pub(super) fn require_positive(field: &str, value: f64) -> Result<(), SimFileErr
     }
     refuse_value(field, value, "must be above zero")
 }
+
+/// Refuses the first of some fields of a section that is not positive and finite.
+macro_rules! require_positive_fields {
+    ($name:expr, $section:expr; $($field:ident)+) => {
+        [$((stringify!($field), $section.$field)),+].into_iter().try_for_each(|(field, value)| {
+            $crate::io::sim::file_error::require_positive(&format!("{}.{field}", $name), value)
+        })
+    };
+}
+pub(super) use require_positive_fields;

@@ -54,12 +54,8 @@ pub(super) struct Gauges {
 impl Gauges {
     /// Gauges without signals.
     pub(super) fn new(file: GaugesFile) -> Self {
-        Self {
-            file,
-            stages: [DelayedSignal::default(); 4],
-            touch: DelayedSignal::default(),
-            second_stage: DelayedSignal::default(),
-        }
+        let idle = DelayedSignal::default();
+        Self { file, stages: [idle; 4], touch: idle, second_stage: idle }
     }
 
     /// One tick.

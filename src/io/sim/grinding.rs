@@ -191,7 +191,8 @@ impl Grinding {
         crashed |= self.check_part_held(scene, log);
         crashed |= self.check_probe(scene, log);
         if pass.front_mm - self.swivel_tan.abs() * wheel.width_mm >= self.highest_mm {
-            self.clear_contacts();
+            self.surfaces.iter_mut().for_each(|surface| surface.contact = ContactFlags::default());
+            self.obstacles.iter_mut().for_each(|obstacle| obstacle.touched = false);
             return crashed;
         }
         let (mut volume, mut lost) = (0.0, false);
@@ -215,13 +216,6 @@ impl Grinding {
             self.load_percent += 100.0 * watts / self.machine.wheel.power_w;
         }
         crashed
-    }
-
-    fn clear_contacts(&mut self) {
-        for surface in &mut self.surfaces {
-            surface.contact = ContactFlags::default();
-        }
-        self.obstacles.iter_mut().for_each(|obstacle| obstacle.touched = false);
     }
 
     /// Throws the part off a rotating table if it is not held.

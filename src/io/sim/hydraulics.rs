@@ -128,11 +128,8 @@ impl Hydraulics {
         let moves = self.pressure_mpa >= self.file.moves_from_mpa;
         let two_way = |front: bool| if front { CylinderCommand::Forward } else { CylinderCommand::Backward };
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.step(
-                if moves { two_way(on.has(Output::Tailstock)) } else { CylinderCommand::Hold },
-                tick,
-                chance,
-            );
+            let push = if moves { two_way(on.has(Output::Tailstock)) } else { CylinderCommand::Hold };
+            tailstock.step(push, tick, chance);
         }
         self.radial_arm.step(two_way(on.has(Output::RadialGauge)), tick, chance);
         self.axial_arm.step(two_way(on.has(Output::AxialGauge)), tick, chance);

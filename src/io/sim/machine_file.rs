@@ -1,9 +1,8 @@
-//! Machine files: `assets/machines/*.ron` (P, "all figures are data"). Parses text; the caller reads the
-//! files.
+//! Machine files: `assets/machines/*.ron` (P, "all figures are data"). Parses text; the caller reads the files.
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive};
+use super::file_error::{SimFileError, require_positive_fields as positive};
 use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
@@ -85,11 +84,10 @@ impl MachineFile {
             file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
         }
         if let Some(spindle) = &self.main_spindle {
-            require_positive("main_spindle.run_up_s", spindle.run_up_s)?;
-            require_positive("main_spindle.encoder_steps", spindle.encoder_steps)?;
+            positive!("main_spindle", spindle; run_up_s encoder_steps)?;
         }
         if let Some(turret) = &self.tool_post {
-            require_positive("tool_post.step_s", turret.step_s)?;
+            positive!("tool_post", turret; step_s)?;
         }
         let roll = self.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref());
         let roll_drive = roll.map(|roll| &roll.drive);
@@ -99,14 +97,21 @@ impl MachineFile {
             drive.map_or(Ok(()), |drive| drive.check(name))?;
         }
         self.check_layout()?;
-        self.positive_fields().into_iter().try_for_each(|(field, value)| require_positive(field, value))?;
-        if let Some(quill) = &self.hydraulics.tailstock {
-            require_positive("hydraulics.tailstock.travel_s", quill.travel_s)?;
+        let Self { wheel, hydraulics, cutting, .. } = self;
+        positive!("wheel", wheel; diameter_mm width_mm rated_m_s mains_rpm run_up_s coast_down_s)?;
+        positive!("wheel", wheel; power_w grinding_ratio)?;
+        positive!("second_spindle", self.second_spindle; rpm run_up_s)?;
+        positive!("hydraulics", hydraulics; time_constant_s gauge_arm_s oscillation_mm oscillation_mm_s)?;
+        positive!("gauges.probe", self.gauges.probe; second_mm travel_mm)?;
+        positive!("cutting", cutting; sharp_s dull_s dull_after_mm3 traverse_cylinder_mm traverse_face_mm)?;
+        positive!("cutting", cutting; traverse_plane_mm contact_mm)?;
+        if let Some(quill) = &hydraulics.tailstock {
+            positive!("hydraulics.tailstock", quill; travel_s)?;
         }
-        self.magnet
-            .iter()
-            .flat_map(MagnetFile::positive_fields)
-            .try_for_each(|(field, value)| require_positive(field, value))
+        if let Some(magnet) = &self.magnet {
+            positive!("magnet", magnet; magnetise_s release_s demagnetise_s reversal_s)?;
+        }
+        Ok(())
     }
 
     /// Checks that the axes of the layout exist and differ.
@@ -123,33 +128,5 @@ impl MachineFile {
             return Err(SimFileError::Incompatible { what: "layout".to_owned(), rule });
         }
         Ok(())
-    }
-
-    fn positive_fields(&self) -> [(&'static str, f64); 23] {
-        [
-            ("wheel.diameter_mm", self.wheel.diameter_mm),
-            ("wheel.width_mm", self.wheel.width_mm),
-            ("wheel.rated_m_s", self.wheel.rated_m_s),
-            ("wheel.mains_rpm", self.wheel.mains_rpm),
-            ("wheel.run_up_s", self.wheel.run_up_s),
-            ("wheel.coast_down_s", self.wheel.coast_down_s),
-            ("wheel.power_w", self.wheel.power_w),
-            ("wheel.grinding_ratio", self.wheel.grinding_ratio),
-            ("second_spindle.rpm", self.second_spindle.rpm),
-            ("second_spindle.run_up_s", self.second_spindle.run_up_s),
-            ("hydraulics.time_constant_s", self.hydraulics.time_constant_s),
-            ("hydraulics.gauge_arm_s", self.hydraulics.gauge_arm_s),
-            ("hydraulics.oscillation_mm", self.hydraulics.oscillation_mm),
-            ("hydraulics.oscillation_mm_s", self.hydraulics.oscillation_mm_s),
-            ("gauges.probe.second_mm", self.gauges.probe.second_mm),
-            ("gauges.probe.travel_mm", self.gauges.probe.travel_mm),
-            ("cutting.sharp_s", self.cutting.sharp_s),
-            ("cutting.dull_s", self.cutting.dull_s),
-            ("cutting.dull_after_mm3", self.cutting.dull_after_mm3),
-            ("cutting.traverse_cylinder_mm", self.cutting.traverse_cylinder_mm),
-            ("cutting.traverse_face_mm", self.cutting.traverse_face_mm),
-            ("cutting.traverse_plane_mm", self.cutting.traverse_plane_mm),
-            ("cutting.contact_mm", self.cutting.contact_mm),
-        ]
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, refuse_value, require_positive};
+use super::file_error::{SimFileError, refuse_value, require_positive_fields as positive};
 use crate::units::Axis;
 
 /// Greatest number of rows of an error table over position.
@@ -347,15 +347,7 @@ pub struct ProbeFile {
 impl AxisFile {
     pub(super) fn check(&self, letter: &str) -> Result<(), SimFileError> {
         let wrong = |field: &str, value, rule| refuse_value(format!("{letter}.{field}"), value, rule);
-        for (field, value) in [
-            ("following_rad_s", self.following_rad_s),
-            ("accel_mm_s2", self.accel_mm_s2),
-            ("jerk_mm_s3", self.jerk_mm_s3),
-            ("brake_mm_s2", self.brake_mm_s2),
-            ("resolution_mm", self.resolution_mm),
-        ] {
-            require_positive(&format!("{letter}.{field}"), value)?;
-        }
+        positive!(letter, self; following_rad_s accel_mm_s2 jerk_mm_s3 brake_mm_s2 resolution_mm)?;
         if !(self.stop_minus_mm..=self.stop_plus_mm).contains(&self.power_on_mm) {
             return wrong("power_on_mm", self.power_on_mm, "must lie between the stops");
         }
@@ -373,23 +365,10 @@ impl AxisFile {
 
 impl DriveFile {
     pub(super) fn check(&self, name: &str) -> Result<(), SimFileError> {
-        require_positive(&format!("{name}.high_rpm"), self.high_rpm)?;
-        require_positive(&format!("{name}.low_rpm"), self.low_rpm)?;
-        require_positive(&format!("{name}.run_up_s"), self.run_up_s)?;
+        positive!(name, self; high_rpm low_rpm run_up_s)?;
         if self.least_rpm > self.greatest_rpm {
             refuse_value(format!("{name}.least_rpm"), self.least_rpm, "must not exceed greatest_rpm")?;
         }
         Ok(())
-    }
-}
-
-impl MagnetFile {
-    pub(super) const fn positive_fields(&self) -> [(&'static str, f64); 4] {
-        [
-            ("magnet.magnetise_s", self.magnetise_s),
-            ("magnet.release_s", self.release_s),
-            ("magnet.demagnetise_s", self.demagnetise_s),
-            ("magnet.reversal_s", self.reversal_s),
-        ]
     }
 }

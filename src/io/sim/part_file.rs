@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, refuse_value, require_positive};
+use super::file_error::{SimFileError, refuse_value, require_positive, require_positive_fields};
 use crate::defs::kind::{GrindingForm, Kind};
 use crate::defs::program_number;
 use crate::units::{MachinePos, PerAxis};
@@ -372,11 +372,8 @@ impl PartFile {
     /// # Errors
     /// The built-in file is wrong, which a test excludes.
     pub fn builtin(number: u32) -> Result<Option<Self>, SimFileError> {
-        BUILTIN
-            .iter()
-            .find(|(name, _)| program_number::from_name(name) == number)
-            .map(|(_, text)| Self::parse(text))
-            .transpose()
+        let found = BUILTIN.iter().find(|(name, _)| program_number::from_name(name) == number);
+        found.map(|(_, text)| Self::parse(text)).transpose()
     }
 
     /// The built-in part of a program name (without extension, upper or lower case).
@@ -402,8 +399,7 @@ impl PartFile {
             }
         }
         if let Some(bar) = file.bar {
-            require_positive("bar.diameter", bar.diameter)?;
-            require_positive("bar.cell", bar.cell)?;
+            require_positive_fields!("bar", bar; diameter cell)?;
             let cells = (bar.z_to - bar.z_from) / bar.cell;
             if !(1.0..=CELL_LIMIT).contains(&cells) {
                 refuse_value("bar: cells", cells, CELL_RULE)?;

@@ -71,17 +71,9 @@ const fn side_of(looks: FaceDirection) -> (Side, f64) {
 
 /// The common values of a surface; `None` for a plane.
 fn profile_spec(file: &SurfaceFile) -> Option<ProfileSpec> {
-    let spec = |from, to, cell, stock, shape| ProfileSpec {
-        from,
-        to,
-        cell,
-        normal: 1.0,
-        stock,
-        rise: 0.0,
-        waviness: 0.0,
-        runout: 0.0,
-        shape,
-    };
+    let (normal, rise, waviness, runout) = (1.0, 0.0, 0.0, 0.0);
+    let spec =
+        |from, to, cell, stock, shape| ProfileSpec { from, to, cell, normal, stock, rise, waviness, runout, shape };
     match *file {
         SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
             let spec = spec(z_from, z_to, cell, stock / 2.0, ProfileShape::Diameter);
@@ -136,18 +128,13 @@ impl ProfileSurface {
 
     /// Whether the part must rotate for this surface to be ground.
     pub(super) const fn needs_rotation(&self) -> bool {
-        match self.shape {
-            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Disc => true,
-            ProfileShape::Face { turns, .. } => turns,
-        }
+        !matches!(self.shape, ProfileShape::Face { turns: false, .. })
     }
 
     /// Event text for a part that is stopped but should rotate.
     pub(super) const fn place_when_stopped(&self) -> &'static str {
-        match self.shape {
-            ProfileShape::Diameter | ProfileShape::Face { .. } => "part, workhead stopped",
-            ProfileShape::Bore { .. } | ProfileShape::Disc => "part, table stopped",
-        }
+        let on_table = matches!(self.shape, ProfileShape::Bore { .. } | ProfileShape::Disc);
+        if on_table { "part, table stopped" } else { "part, workhead stopped" }
     }
 
     /// Position along the infeed below which the wheel can touch the surface, mm.
@@ -168,10 +155,7 @@ impl ProfileSurface {
     /// Unworn rim over a cell, along the normal, mm.
     fn rim_over(&self, cell: usize, surface: f64, pass: &WheelMotion) -> f64 {
         let back = pass.swivel_tan * (self.row.middle(cell) - pass.left_mm);
-        match self.shape {
-            ProfileShape::Bore { .. } => surface + back,
-            ProfileShape::Diameter | ProfileShape::Disc | ProfileShape::Face { .. } => surface - back,
-        }
+        if matches!(self.shape, ProfileShape::Bore { .. }) { surface + back } else { surface - back }
     }
 
     /// The cells under the wheel, and the wheel's surface along the normal, mm.
@@ -387,10 +371,7 @@ impl ProfileSurface {
 
     /// Mean height of a disc at a radius on either side of the centre, mm; `None` outside the disc.
     pub(super) fn height_at(&self, x: f64) -> Option<f64> {
-        match self.shape {
-            ProfileShape::Disc => self.interpolate(x.abs(), Self::mean),
-            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Face { .. } => None,
-        }
+        if matches!(self.shape, ProfileShape::Disc) { self.interpolate(x.abs(), Self::mean) } else { None }
     }
 
     /// A value between the two cells next to a position; `None` outside the surface.

@@ -24,12 +24,9 @@ pub(super) struct Spindle {
 impl Spindle {
     /// The wheel: runs up under power and coasts down without brake.
     pub(super) fn wheel(file: &WheelFile) -> Self {
-        Self {
-            rpm: 0.0,
-            commanded_rpm: file.mains_rpm,
-            accel_rpm_s: file.mains_rpm / file.run_up_s,
-            decel_rpm_s: file.mains_rpm / file.coast_down_s,
-        }
+        let full = file.mains_rpm;
+        let (accel_rpm_s, decel_rpm_s) = (full / file.run_up_s, full / file.coast_down_s);
+        Self { rpm: 0.0, commanded_rpm: full, accel_rpm_s, decel_rpm_s }
     }
 
     /// Workhead, table or roll: decelerates as fast as it accelerates.

@@ -39,20 +39,19 @@ impl Surface {
         Some(Self { cells, contact: ContactFlags::default() })
     }
 
+    /// The cells of a surface with one dimension.
+    const fn profile(&self) -> Option<&ProfileSurface> {
+        if let Cells::Profile(line) = &self.cells { Some(line) } else { None }
+    }
+
     /// Whether the part must rotate for this surface to be ground.
-    pub(super) const fn needs_rotation(&self) -> bool {
-        match &self.cells {
-            Cells::Profile(line) => line.needs_rotation(),
-            Cells::Plane(_) => false,
-        }
+    pub(super) fn needs_rotation(&self) -> bool {
+        self.profile().is_some_and(ProfileSurface::needs_rotation)
     }
 
     /// Event text for a part that is stopped but should rotate.
-    pub(super) const fn place_when_stopped(&self) -> &'static str {
-        match &self.cells {
-            Cells::Profile(line) => line.place_when_stopped(),
-            Cells::Plane(_) => "part",
-        }
+    pub(super) fn place_when_stopped(&self) -> &'static str {
+        self.profile().map_or("part", ProfileSurface::place_when_stopped)
     }
 
     /// Position along the infeed below which the wheel can touch the surface, mm.
@@ -89,18 +88,12 @@ impl Surface {
 
     /// Mean diameter at Z, mm; `None` if there is no diameter at Z.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
-        match &self.cells {
-            Cells::Profile(line) => line.diameter_at(z),
-            Cells::Plane(_) => None,
-        }
+        self.profile()?.diameter_at(z)
     }
 
     /// Z of the face at X, of the given direction if one is given; `None` if there is no such face.
     pub(super) fn face_at(&self, x: f64, looks: Option<FaceDirection>) -> Option<f64> {
-        match &self.cells {
-            Cells::Profile(line) => line.face_at(x, looks),
-            Cells::Plane(_) => None,
-        }
+        self.profile()?.face_at(x, looks)
     }
 
     /// Height of a plane at X and Z, or of a disc at the radius X, mm; `None` if there is neither.

@@ -106,10 +106,7 @@ impl GrindingWheel {
 
     /// Wear of the rim at the corner next to a side, mm.
     pub(super) fn corner_wear_mm(&self, side: Side) -> f64 {
-        match side {
-            Side::Left => self.rim_wear_mm[0],
-            Side::Right => self.rim_wear_mm[SLICES - 1],
-        }
+        self.rim_wear_mm[if side == Side::Left { 0 } else { SLICES - 1 }]
     }
 
     /// Wear of a side, mm.

@@ -180,7 +180,8 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
             }
             RetainedChange::Offset { number, offset } => {
                 let row = |values: [f64; 6]| axes_checksum(RowTable::Offset, *number, &values);
-                set_row!(offsets, *number, Some(offset_values(offset)), row)
+                let ([gx, gy, gz], [wx, wy, wz]) = (offset.geometry.0, offset.wear.0);
+                set_row!(offsets, *number, Some([gx, gy, gz, wx, wy, wz]), row)
             }
             RetainedChange::WorkOffset { index, origin } => {
                 let row = |origin: [f64; 3]| axes_checksum(RowTable::WorkOffset, *index, &origin);
@@ -298,10 +299,4 @@ fn number_checksum(of: RowTable, key: &str, value: f64) -> u64 {
 fn axes_checksum(of: RowTable, number: u8, values: &[f64]) -> u64 {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     row_checksum(of, &[number], &bytes)
-}
-
-fn offset_values(offset: &ToolOffset) -> [f64; 6] {
-    let [gx, gy, gz] = offset.geometry.0;
-    let [wx, wy, wz] = offset.wear.0;
-    [gx, gy, gz, wx, wy, wz]
 }

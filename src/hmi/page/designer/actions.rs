@@ -5,10 +5,10 @@ use egui::Rect;
 
 use super::{DesignerPage, DesignerQuestion, DesignerTab};
 use crate::defs::page::Page;
-use crate::defs::page_text::COLUMN_ROWS;
+use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::variable_name;
-use crate::hmi::page::program::actions::EDIT_FIRST;
+use crate::hmi::page::program::actions::{EDIT_FIRST, NOTHING_TO_SAVE};
 use crate::hmi::widget::{self, page_keys};
 use crate::hmi::{Area, PageKey, View, requests};
 use crate::link::Command;
@@ -29,23 +29,18 @@ page_keys! {
     }
 }
 
-const VIEWING: &[DesignerAction] = &[DesignerAction::Edit, DesignerAction::OpenGrinding];
-const EDITING: &[DesignerAction] = &[
-    DesignerAction::Keyboard,
-    DesignerAction::Undo,
-    DesignerAction::Redo,
-    DesignerAction::Save,
-    DesignerAction::Discard,
-    DesignerAction::End,
-];
+use DesignerAction::{Discard, Edit, End, Keyboard, OpenGrinding, Redo, Save, Undo};
+
+const VIEWING: &[DesignerAction] = &[Edit, OpenGrinding];
+const EDITING: &[DesignerAction] = &[Keyboard, Undo, Redo, Save, Discard, End];
 
 /// Action of a keyboard key with Ctrl, as on the program page.
 pub const fn from_shortcut(key: egui::Key) -> Option<DesignerAction> {
     Some(match key {
-        egui::Key::S => DesignerAction::Save,
-        egui::Key::Z => DesignerAction::Undo,
-        egui::Key::Y => DesignerAction::Redo,
-        egui::Key::E => DesignerAction::Edit,
+        egui::Key::S => Save,
+        egui::Key::Z => Undo,
+        egui::Key::Y => Redo,
+        egui::Key::E => Edit,
         _ => return None,
     })
 }
@@ -57,9 +52,8 @@ pub fn ui(view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<Design
     let row = rect.band(0.0, widget::KEYS_HEIGHT - 2.0);
     let mut pressed = None;
     for (index, action) in actions.iter().enumerate() {
-        let on = (*action == DesignerAction::Keyboard && page.keyboard_open)
-            || (*action == DesignerAction::Save && page.document.changed);
-        let locked = (*action == DesignerAction::Undo && !undo) || (*action == DesignerAction::Redo && !redo);
+        let on = (*action == Keyboard && page.keyboard_open) || (*action == Save && page.document.changed);
+        let locked = (*action == Undo && !undo) || (*action == Redo && !redo);
         let key = PageKey::new(action.id(), action.label().get(view.lang)).on(on).locked(locked);
         if page.key(view, row.cell(index, EDITING.len()), key) {
             pressed = Some(*action);
@@ -101,23 +95,13 @@ impl DesignerPage {
             };
             view.snapshot.screens.pages.iter().find(of_page).map(|(other, _)| *other)
         };
-        let mut rows: Vec<_> = uses
-            .iter()
-            .map(|used| {
-                let label = label(used.variable);
-                let elsewhere = offers(used.variable).filter(|_| used.place.0 != number);
-                VariableRow {
-                    variable: used.variable,
-                    reads: used.reads,
-                    writes: used.writes,
-                    place: Some(used.place),
-                    comment: used.comment.clone(),
-                    missing: used.reads && !used.writes && label.is_none() && elsewhere.is_none(),
-                    elsewhere,
-                    label,
-                }
-            })
-            .collect();
+        let row = |used: &VariableUse| {
+            let (label, elsewhere) = (label(used.variable), offers(used.variable).filter(|_| used.place.0 != number));
+            let VariableUse { variable, reads, writes, place, comment } = used.clone();
+            let missing = reads && !writes && label.is_none() && elsewhere.is_none();
+            VariableRow { variable, reads, writes, place: Some(place), comment, label, elsewhere, missing }
+        };
+        let mut rows: Vec<_> = uses.iter().map(row).collect();
         for row in self.reading.page.rows() {
             if rows.iter().all(|known| known.variable != row.variable) {
                 let label = Some(row.label.clone());
@@ -130,26 +114,22 @@ impl DesignerPage {
 
     pub(super) fn perform(&mut self, action: DesignerAction, view: &View<'_>, out: &mut Vec<Command>) {
         self.message.clear();
-        if !self.editing && !matches!(action, DesignerAction::Edit | DesignerAction::OpenGrinding) {
+        if !self.editing && !matches!(action, Edit | OpenGrinding) {
             return self.message.refuse(EDIT_FIRST);
         }
         match action {
-            DesignerAction::Edit => self.request_edit(view, out),
-            DesignerAction::Keyboard => self.keyboard_open = !self.keyboard_open,
-            DesignerAction::Undo => self.document.undo(),
-            DesignerAction::Redo => self.document.redo(),
-            DesignerAction::Save if !self.document.changed => {
-                self.message.tell(LocalizedText::new("没有改动", "nothing to save"));
-            }
-            DesignerAction::Save => self.save(false, out),
-            DesignerAction::Discard if self.document.changed => {
+            Edit => self.request_edit(view, out),
+            Keyboard => self.keyboard_open = !self.keyboard_open,
+            Undo => self.document.undo(),
+            Redo => self.document.redo(),
+            Save if !self.document.changed => self.message.tell(NOTHING_TO_SAVE),
+            Save => self.save(false, out),
+            Discard if self.document.changed => {
                 let name = self.file.as_ref().map_or("", |file| file.name.as_str());
                 self.question.ask(DesignerQuestion::Discard, requests::discard_question(name));
             }
-            DesignerAction::Discard | DesignerAction::End => {
-                (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false)
-            }
-            DesignerAction::OpenGrinding => out.push(Command::OpenPage(Page::Grinding)),
+            Discard | End => (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false),
+            OpenGrinding => out.push(Command::OpenPage(Page::Grinding)),
         }
     }
 
@@ -160,10 +140,7 @@ impl DesignerPage {
         }
         let name = variable_name::variable_name_on(u32::from(row.variable), view.snapshot.kind);
         let label: String = row.comment.chars().filter(|sign| !";#%；＃％".contains(*sign)).take(16).collect();
-        let label = match label.trim() {
-            "" => view.text("参数", "value").to_owned(),
-            label => label.to_owned(),
-        };
+        let label = if label.trim().is_empty() { view.text("参数", "value") } else { label.trim() }.to_owned();
         let page = &self.reading.page;
         let slots = page.left.iter().chain(&page.right);
         let faulty = |line: u32| self.reading.faults.iter().any(|fault| fault.line == line);

@@ -9,12 +9,13 @@ use std::sync::Arc;
 
 use egui::{Rect, TextureId, vec2};
 
+use super::program::actions::UNKNOWN_ENCODING;
 use super::program::document::Document;
 use super::program::listing;
 use super::{PageContext, PageUi, Scroll, empty};
 use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
-use crate::defs::text::{Lang, Text};
+use crate::defs::text::Lang;
 use crate::hmi::{
     Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PageMessage, PendingRequests,
     QuestionDialog, RequestEvent, View, file_command, letter_pad, pictogram, requests, theme, widget,
@@ -121,24 +122,17 @@ impl PageUi for DesignerPage {
         let number = self.number(view.snapshot);
         let has_page = PROGRAMS_WITH_PAGE.contains(&number) || view.snapshot.kind_page.is_some();
         if !has_page {
-            paint::no_page(rect, view, number, out);
-            return;
+            return paint::no_page(rect, view, number, out);
         }
         self.handle_answers(view, login, out);
         self.sync_file(view, number, out);
         if self.file.is_none() && !self.document.changed {
+            let what = view.text("页面文件还没有读出", "the page file is not read yet");
             let remedy = view.text(
                 "原因见下面的提示行；检查 screens 目录中的文件。",
                 "See the line below; check the file in the folder screens.",
             );
-            empty::show(
-                view,
-                rect,
-                pictogram::NO_PAGE,
-                view.text("页面文件还没有读出", "the page file is not read yet"),
-                remedy,
-            );
-            return;
+            return empty::show(view, rect, pictogram::NO_PAGE, what, remedy);
         }
         if !self.question.is_open() && !login.is_open() {
             self.handle_typed(view, typed, out);
@@ -173,10 +167,8 @@ impl PageUi for DesignerPage {
 impl DesignerPage {
     /// Number of the page: 1000 plus the number of its files. A number outside `PROGRAMS_WITH_PAGE` has no page.
     fn number(&self, snapshot: &Snapshot) -> u32 {
-        match self.requested_program {
-            Some(program) if snapshot.kind_page.is_none() => program,
-            _ => snapshot.grinding_page_number().unwrap_or(snapshot.program.number),
-        }
+        let own = || snapshot.grinding_page_number().unwrap_or(snapshot.program.number);
+        self.requested_program.filter(|_| snapshot.kind_page.is_none()).unwrap_or_else(own)
     }
 
     /// Handles the answers of the core.
@@ -247,7 +239,7 @@ impl DesignerPage {
 
     fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
         if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
-            return self.message.refuse(Text::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited"));
+            return self.message.refuse(UNKNOWN_ENCODING);
         }
         let request = FileRequest::CheckEditable(self.number(view.snapshot));
         out.push(self.asking.send(Requester::Designer, DesignerRequest::Edit, request));

@@ -28,12 +28,9 @@ impl Camera {
         let (right, up) = (index(right), index(up));
         let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
         let scale = (rect.width() * 0.88 / size(right)).min(rect.height() * 0.88 / size(up));
+        let scale = scale.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
         let middle = |axis: usize| f32::midpoint(whole.low[axis], whole.high[axis]);
-        Self {
-            centre: (middle(right), middle(up)),
-            scale: scale.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end()),
-            fitted: true,
-        }
+        Self { centre: (middle(right), middle(up)), scale, fitted: true }
     }
 
     /// Pans by pixels.

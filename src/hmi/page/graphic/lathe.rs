@@ -35,10 +35,8 @@ pub fn bar_bounds(view: &View<'_>) -> Option<BoundingBox> {
     let room = work_area(view)?;
     let (x, z) = work_from_part(view, room);
     let end = room.chuck_face_z_mm + room.cell_mm * room.radius_mm.len() as f32;
-    Some(BoundingBox {
-        low: [x - room.stock_radius_mm, 0.0, z + room.chuck_face_z_mm - 10.0],
-        high: [x + room.stock_radius_mm, 0.0, z + end],
-    })
+    let (radius, chuck) = (room.stock_radius_mm, z + room.chuck_face_z_mm);
+    Some(BoundingBox { low: [x - radius, 0.0, chuck - 10.0], high: [x + radius, 0.0, z + end] })
 }
 
 /// Paints bar and chuck.
@@ -125,10 +123,8 @@ pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &
         let radius = diameter.unwrap_or(2.0 * room.stock_radius_mm) / 2.0;
         let (top, foot) = (camera.to_canvas(rect, *along, x + radius), camera.to_canvas(rect, *along, x - radius));
         view.painter.line_segment([top - vec2(0.0, 14.0), foot + vec2(0.0, 14.0)], Stroke::new(theme::FRAME, ink));
-        let words = match diameter {
-            Some(diameter) => format!("Ø{} Z{}", format_length(f64::from(diameter)), format_length(f64::from(*along))),
-            None => format!("Z{}", format_length(f64::from(*along))),
-        };
+        let z = format_length(f64::from(*along));
+        let words = diameter.map_or_else(|| format!("Z{z}"), |d| format!("Ø{} Z{z}", format_length(f64::from(d))));
         let above = top.y - 42.0 - 28.0 * index as f32;
         label(pos2(top.x + 4.0, above.max(rect.min.y + 2.0)), &words);
     }
@@ -136,9 +132,7 @@ pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &
         let below = camera.to_canvas(rect, *a, x - room.stock_radius_mm).y + 26.0;
         let (from, to) = (camera.to_canvas(rect, *a, 0.0).x, camera.to_canvas(rect, *b, 0.0).x);
         view.painter.hline(from.min(to)..=from.max(to), below, Stroke::new(theme::FRAME, ink));
-        label(
-            pos2(f32::midpoint(from, to) - 40.0, below + 4.0),
-            &format!("L {}", format_length(f64::from((b - a).abs()))),
-        );
+        let length = format_length(f64::from((b - a).abs()));
+        label(pos2(f32::midpoint(from, to) - 40.0, below + 4.0), &format!("L {length}"));
     }
 }

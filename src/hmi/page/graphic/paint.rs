@@ -57,10 +57,8 @@ impl Canvas {
     /// Paints everything into a clipped painter.
     pub fn paint(&mut self, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
         grid_lines(rect, view, scene.camera);
-        match lathe::work_area(view) {
-            Some(_) => lathe::paint(rect, view, scene),
-            None => paint_stock(rect, view, scene),
-        }
+        let paint_part = if lathe::work_area(view).is_some() { lathe::paint } else { paint_stock };
+        paint_part(rect, view, scene);
         if let Some(drawing) = scene.drawing {
             let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
             let same = self.of.as_ref().is_some_and(|(drawn, plane, camera, place)| {

@@ -202,12 +202,9 @@ fn page_entry(page: Page, kind: Kind) -> HelpEntry {
         let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
         words.collect::<Vec<_>>().join(" · ")
     };
-    let keys = LocalizedText::new(list(|text| text.zh), list(|text| text.en));
-    let parts = vec![
-        (PURPOSE, page.help().into()),
-        (USAGE, page.usage().into()),
-        (Text::new("打开时的软键", "its soft keys"), keys),
-    ];
+    let words = LocalizedText::new(list(|text| text.zh), list(|text| text.en));
+    let keys = (Text::new("打开时的软键", "its soft keys"), words);
+    let parts = vec![(PURPOSE, page.help().into()), (USAGE, page.usage().into()), keys];
     let id = format!("page-{}", page.id());
     HelpEntry::new(HelpTopic::Page(page), id, String::new(), page.title_on(kind).into(), parts)
 }
@@ -215,12 +212,11 @@ fn page_entry(page: Page, kind: Kind) -> HelpEntry {
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
     for row in 0..soft_key::ROWS {
         for (index, soft) in soft_key::row(kind, row).enumerate() {
-            let place = LocalizedText::new(
-                format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
-                format!("▶ to row {}, then F{}", row + 1, index + 1),
-            );
+            let (row, key) = (row + 1, index + 1);
+            let place =
+                LocalizedText::new(format!("▶ 翻到第 {row} 行，F{key}"), format!("▶ to row {row}, then F{key}"));
             let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
-            let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
+            let (id, sign) = (format!("soft-{row}-{key}"), format!("{row}·F{key}"));
             all.push(HelpEntry::new(HelpTopic::SoftKey(soft.action), id, sign, soft.label.into(), parts));
         }
     }

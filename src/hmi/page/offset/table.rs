@@ -245,11 +245,8 @@ impl OffsetTable {
             EntryMode::Increment => (" +=", *part, format!("{} {old}", view.text("原值", "was"))),
             EntryMode::Measured => {
                 let work = format_length(view.snapshot.axes[*axis].work);
-                (
-                    view.text(" 测量值=", " measured="),
-                    OffsetPart::Geometry,
-                    format!("{} {axis} {work}", view.text("当前", "now")),
-                )
+                let now = format!("{} {axis} {work}", view.text("当前", "now"));
+                (view.text(" 测量值=", " measured="), OffsetPart::Geometry, now)
             }
         };
         let what = format!("{} {number:02} {axis}{sign}", part.name().get(view.lang));

@@ -152,10 +152,8 @@ impl ParamPage {
             if level > AccessLevel::Operator {
                 out.push(Command::Page(PageCommand::Lock));
             } else {
-                let guard = self.list.rows.get(self.cursor).and_then(|row| PasswordScope::for_level(row.level));
-                let guard = guard
-                    .filter(|_| !self.shows_leadscrews)
-                    .or(self.shows_leadscrews.then_some(PasswordScope::Builder));
+                let of_row = self.list.rows.get(self.cursor).and_then(|row| PasswordScope::for_level(row.level));
+                let guard = if self.shows_leadscrews { Some(PasswordScope::Builder) } else { of_row };
                 login.unlock(view, guard.unwrap_or(PasswordScope::User));
             }
         }
@@ -164,8 +162,7 @@ impl ParamPage {
     /// The visible lines.
     fn lines(&mut self, places: &paint::ParamLayout, view: &View<'_>, typed: &KeyboardInput) {
         if self.list.lines.is_empty() {
-            paint::no_match(view, places.list);
-            return;
+            return paint::no_match(view, places.list);
         }
         let (rect, count) = (widget::round_to_lines(places.list, paint::LINE_HEIGHT), self.list.lines.len());
         let list = ScrollList { id: "params", rect, row: paint::LINE_HEIGHT, gap: 4.0, count };

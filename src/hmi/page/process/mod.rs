@@ -273,10 +273,8 @@ impl ProcessPage {
 
     fn keys(&mut self, rect: Rect, view: &View<'_>) -> Option<Command> {
         let words = format!("{} {:.0} s", view.text("时间", "SPAN"), self.span());
-        let live = match self.window_end {
-            None => view.text("实时", "LIVE").to_owned(),
-            Some(end) => format!("{} {}", view.text("回到实时", "TO LIVE"), view.time(end)),
-        };
+        let back = |end| format!("{} {}", view.text("回到实时", "TO LIVE"), view.time(end));
+        let live = self.window_end.map_or_else(|| view.text("实时", "LIVE").to_owned(), back);
         let keys = [
             PageKey::new("process-span", &words),
             PageKey::new("process-live", &live).on(self.window_end.is_none()),

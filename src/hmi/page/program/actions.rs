@@ -14,6 +14,8 @@ use crate::link::Command;
 
 /// Why a text that is not being edited does not change.
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
+pub const UNKNOWN_ENCODING: Text = Text::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited");
+pub const NOTHING_TO_SAVE: Text = Text::new("没有改动", "nothing to save");
 
 page_keys! {
     /// Action of a key.
@@ -165,9 +167,8 @@ impl ProgramPage {
         if let Ok(line) = text.parse::<usize>() {
             if line == 0 || line > self.document.lines() {
                 let last = self.document.lines();
-                return self
-                    .message
-                    .refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
+                let why = LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}"));
+                return self.message.refuse(why);
             }
             self.document.move_to(line - 1, 0);
             self.reveal_cursor();
@@ -217,7 +218,7 @@ impl ProgramPage {
     }
 
     pub(super) fn perform(&mut self, action: EditorAction, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        if self.task.is_some() && action != EditorAction::StopTask || login.is_open() {
+        if self.task.is_some() && action != StopTask || login.is_open() {
             return;
         }
         self.message.clear();
@@ -225,54 +226,48 @@ impl ProgramPage {
             return self.message.refuse(EDIT_FIRST);
         }
         match action {
-            EditorAction::Edit if view.snapshot.program.has_invalid_bytes => {
-                self.message.refuse(LocalizedText::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited"));
-            }
-            EditorAction::Edit => self.request_edit(out),
-            EditorAction::End => self.stop_editing(),
-            EditorAction::Keyboard => self.keyboard_open = !self.keyboard_open,
-            EditorAction::Find => self.open_prompt(Prompt::Find),
-            EditorAction::FindNext if self.pattern.is_empty() => self.open_prompt(Prompt::Find),
-            EditorAction::FindNext | EditorAction::Skip => {
-                self.task = Some(TextTask::find(&self.pattern, &self.document))
-            }
-            EditorAction::Replace => self.open_prompt(Prompt::ReplaceOld),
-            EditorAction::GoTo => self.open_prompt(Prompt::GoTo),
-            EditorAction::Renumber => self.open_prompt(Prompt::Renumber),
-            EditorAction::First => self.show_line(0),
-            EditorAction::Last => self.show_line(usize::MAX),
-            EditorAction::Left => self.edit(EditKey::Left, out),
-            EditorAction::Right => self.edit(EditKey::Right, out),
-            EditorAction::Up => self.edit(EditKey::Up, out),
-            EditorAction::Down => self.edit(EditKey::Down, out),
-            EditorAction::Save if !self.document.changed => {
-                self.message.tell(LocalizedText::new("没有改动", "nothing to save"));
-            }
-            EditorAction::Save => self.save(false, out),
-            EditorAction::Discard if !self.document.changed => self.stop_editing(),
-            EditorAction::Discard => {
+            Edit if view.snapshot.program.has_invalid_bytes => self.message.refuse(UNKNOWN_ENCODING),
+            Edit => self.request_edit(out),
+            End => self.stop_editing(),
+            Keyboard => self.keyboard_open = !self.keyboard_open,
+            Find => self.open_prompt(Prompt::Find),
+            FindNext if self.pattern.is_empty() => self.open_prompt(Prompt::Find),
+            FindNext | Skip => self.task = Some(TextTask::find(&self.pattern, &self.document)),
+            Replace => self.open_prompt(Prompt::ReplaceOld),
+            GoTo => self.open_prompt(Prompt::GoTo),
+            Renumber => self.open_prompt(Prompt::Renumber),
+            First => self.show_line(0),
+            Last => self.show_line(usize::MAX),
+            Left => self.edit(EditKey::Left, out),
+            Right => self.edit(EditKey::Right, out),
+            Up => self.edit(EditKey::Up, out),
+            Down => self.edit(EditKey::Down, out),
+            Save if !self.document.changed => self.message.tell(NOTHING_TO_SAVE),
+            Save => self.save(false, out),
+            Discard if !self.document.changed => self.stop_editing(),
+            Discard => {
                 let question = requests::discard_question(&view.snapshot.title(self.document.number));
                 self.question.ask(EditorQuestion::Discard, question);
             }
-            EditorAction::StopTask => self.task = None,
+            StopTask => self.task = None,
             // B5: the core reads the program up to the line and reports the modal state there.
-            EditorAction::RestartHere if self.document.changed => {
-                self.message.refuse(LocalizedText::new("先保存改动", "save the changes first"))
+            RestartHere if self.document.changed => {
+                self.message.refuse(Text::new("先保存改动", "save the changes first"))
             }
-            EditorAction::RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
-            EditorAction::Resume => out.push(Command::ResumeInterrupted),
-            EditorAction::OpenDesigner => out.push(Command::OpenPage(Page::Designer)),
-            EditorAction::PromptAccept => self.edit(EditKey::Enter, out),
-            EditorAction::PromptCancel => self.edit(EditKey::Cancel, out),
-            EditorAction::ReplaceThis => self.replace_match(),
-            EditorAction::ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
-            EditorAction::EndReplace => self.replacing = false,
-            EditorAction::Undo | EditorAction::Redo | EditorAction::Mark | EditorAction::Unmark => {
-                self.change_text(action)
+            RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
+            Resume => out.push(Command::ResumeInterrupted),
+            OpenDesigner => out.push(Command::OpenPage(Page::Designer)),
+            PromptAccept => self.edit(EditKey::Enter, out),
+            PromptCancel => self.edit(EditKey::Cancel, out),
+            // Replaces the match that is shown and searches the next one.
+            ReplaceThis => {
+                let to = self.document.cursor;
+                self.document.replace(to.saturating_sub(self.pattern.chars().count()), to, &self.prompt_text);
+                self.task = Some(TextTask::find(&self.pattern, &self.document));
             }
-            EditorAction::CopyBlock | EditorAction::Cut | EditorAction::DeleteBlock | EditorAction::Paste => {
-                self.change_text(action)
-            }
+            ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
+            EndReplace => self.replacing = false,
+            Undo | Redo | Mark | Unmark | CopyBlock | Cut | DeleteBlock | Paste => self.change_text(action),
         }
     }
 
@@ -281,13 +276,6 @@ impl ProgramPage {
         self.document.move_to(line, 0);
         self.position.scroll.top = self.document.cursor_position().0 as f64;
         self.position.scroll.user_scrolled = true;
-    }
-
-    /// Replaces the match that is shown and searches the next one.
-    fn replace_match(&mut self) {
-        let to = self.document.cursor;
-        self.document.replace(to.saturating_sub(self.pattern.chars().count()), to, &self.prompt_text);
-        self.task = Some(TextTask::find(&self.pattern, &self.document));
     }
 
     fn open_prompt(&mut self, ask: Prompt) {
@@ -304,27 +292,25 @@ impl ProgramPage {
     fn change_text(&mut self, action: EditorAction) {
         let document = &mut self.document;
         match action {
-            EditorAction::Undo => document.undo(),
-            EditorAction::Redo => document.redo(),
-            EditorAction::Mark => document.block_anchor = Some(document.cursor_position().0),
-            EditorAction::Unmark => document.block_anchor = None,
-            EditorAction::CopyBlock | EditorAction::Cut => {
-                if document.block_anchor.is_none() {
-                    document.block_anchor = Some(document.cursor_position().0);
-                }
+            Undo => document.undo(),
+            Redo => document.redo(),
+            Mark => document.block_anchor = Some(document.cursor_position().0),
+            Unmark => document.block_anchor = None,
+            CopyBlock | Cut => {
+                document.block_anchor = document.block_anchor.or_else(|| Some(document.cursor_position().0));
                 self.clipboard = document.copy_block();
                 let count = document.block().map_or(0, |(first, end)| end - first);
-                if action == EditorAction::Cut {
+                if action == Cut {
                     document.delete_block()
                 } else {
                     document.block_anchor = None
                 }
                 self.message.tell(LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")));
             }
-            EditorAction::DeleteBlock => document.delete_block(),
-            EditorAction::Paste => match &self.clipboard {
+            DeleteBlock => document.delete_block(),
+            Paste => match &self.clipboard {
                 Some(clip) => document.paste(clip),
-                None => self.message.refuse(LocalizedText::new("先复制一块", "copy a block first")),
+                None => self.message.refuse(Text::new("先复制一块", "copy a block first")),
             },
             _ => {}
         }

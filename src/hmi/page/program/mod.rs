@@ -339,11 +339,8 @@ impl ProgramPage {
             left = view.line_left(rect.with_min_x(left), words, theme::LABEL, ink).max.x + theme::PAD;
         }
         if listing::in_subprogram(program) {
-            let words = format!(
-                "{} {}",
-                view.text("正在执行子程序", "running subprogram"),
-                view.snapshot.title(program.block_program)
-            );
+            let name = view.snapshot.title(program.block_program);
+            let words = format!("{} {name}", view.text("正在执行子程序", "running subprogram"));
             let place = Rect::from_min_max(pos2(left, rect.min.y), pos2(right.min.x - theme::PAD, rect.max.y));
             view.fit_left(place, &words, theme::LABEL, view.theme.info);
         }

@@ -57,13 +57,8 @@ impl TextTask {
 
     /// Replaces all matches.
     pub fn replace(what: &str, with: &str) -> Self {
-        Self::Replace {
-            what: what.to_owned(),
-            with: with.to_owned(),
-            line: 0,
-            count: 0,
-            built: Some(RopeBuilder::new()),
-        }
+        let (what, with, built) = (what.to_owned(), with.to_owned(), Some(RopeBuilder::new()));
+        Self::Replace { what, with, line: 0, count: 0, built }
     }
 
     /// Renumbers the blocks from `first` in steps of `by`.
@@ -180,10 +175,7 @@ fn split_block_number(line: &str) -> (&str, Option<u64>, &str) {
     let (lead, rest) = line.split_at(begin);
     let Some(after) = rest.strip_prefix(['N', 'n']) else { return (lead, None, rest) };
     let digits = after.bytes().take_while(u8::is_ascii_digit).count();
-    match after[..digits].parse() {
-        Ok(number) => (lead, Some(number), &after[digits..]),
-        Err(_) => (lead, None, rest),
-    }
+    after[..digits].parse().map_or((lead, None, rest), |number| (lead, Some(number), &after[digits..]))
 }
 
 /// Whether a line gets a number when no block of the program has one.

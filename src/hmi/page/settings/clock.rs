@@ -70,10 +70,7 @@ impl ClockGroup {
                 Err(message) => return self.typing.refused = Some(message),
             }
         }
-        match field + 1 {
-            next if next < FIELDS.len() => self.go(next),
-            _ => self.close(),
-        }
+        if field + 1 < FIELDS.len() { self.go(field + 1) } else { self.close() }
     }
 
     /// Draws the group.
