@@ -16,6 +16,18 @@ pub struct PageTextRow {
     pub variable: u16,
 }
 
+/// What a label says of a whole number: a count, a mode, a number of an offset.
+const WHOLE_NUMBERS: [&str; 7] = ["次数", "方式", "件数", "计数", "刀补号", "间隔", "模式"];
+
+impl PageTextRow {
+    /// Whether the label speaks of a count, a switch (`头架 0低速 1高速`, `1用G27修整点`) or a mode.
+    #[must_use]
+    pub fn is_whole_number(&self) -> bool {
+        let digits = self.label.as_bytes().windows(2).filter(|pair| pair[0].is_ascii_digit() && !pair[1].is_ascii());
+        digits.count() > 0 || WHOLE_NUMBERS.iter().any(|word| self.label.contains(word))
+    }
+}
+
 /// A page text: a title and two columns of ten rows; rows may be empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageText {

@@ -8,6 +8,12 @@ const R_FIRST: u32 = 600;
 /// Number of R parameters.
 pub const R_COUNT: u32 = 300;
 
+/// Whether a common variable is a switch: it takes 0 or 1 only (B3).
+#[must_use]
+pub const fn is_switch(variable: u32) -> bool {
+    matches!(variable, 570..=579)
+}
+
 /// The common variable of R n; `None` if n is out of range.
 #[must_use]
 pub const fn variable_of_r(n: u32) -> Option<u32> {

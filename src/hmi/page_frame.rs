@@ -3,7 +3,7 @@
 
 use egui::{Color32, Rect, pos2, vec2};
 
-use super::{Area, View, format_whole, keycap, theme, widget};
+use super::{Area, View, format_feed, format_whole, keycap, theme, widget};
 use crate::defs::soft_key::{self, SoftKey, SoftKeyAction};
 use crate::link::Snapshot;
 use crate::link::snapshot::{RunState, Tone};
@@ -155,7 +155,7 @@ pub fn status_line(view: &View<'_>, rect: Rect) {
         blocks.to_owned(),
         snapshot.state.name().get(view.lang).to_owned(),
         format!("F {} %", snapshot.feed_override),
-        format!("{} mm/min", format_whole(snapshot.feed_mm_min)),
+        format!("{} mm/min", format_feed(snapshot.feed_mm_min)),
         format!("S {}", format_whole(snapshot.wheel_rpm)),
         format!("{} {}", view.text("件数", "parts"), snapshot.parts_counted),
     ];

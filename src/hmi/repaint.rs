@@ -9,7 +9,9 @@ use std::sync::Arc;
 use super::app::Hmi;
 use super::page::{FieldGroup, shown_fields};
 use super::page_frame::message_is_fresh;
-use super::{blink_phase, clock_time, format_cycle_time, format_length, format_strokes, format_volts, format_whole};
+use super::{
+    blink_phase, clock_time, format_cycle_time, format_feed, format_length, format_strokes, format_volts, format_whole,
+};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::link::snapshot::{AxisView, ProgramView};
@@ -55,7 +57,7 @@ compared_fields! {
     feed_override: differ;
     rapid_override: differ;
     spindle_override: differ;
-    feed_mm_min: |old, new, _| format_whole(*old) != format_whole(*new);
+    feed_mm_min: |old, new, _| format_feed(*old) != format_feed(*new);
     // The wheel page also shows the speed of the rim.
     wheel_rpm: |old, new, page| {
         page == Page::Wheel && old.to_bits() != new.to_bits() || format_whole(*old) != format_whole(*new)
@@ -128,8 +130,8 @@ fn on<T>(group: FieldGroup, rule: impl Fn(&T, &T, Page) -> bool) -> impl Fn(&T, 
 
 fn axes_differ(painted: &PerAxis<AxisView>, newest: &PerAxis<AxisView>) -> bool {
     let shown = |axis: &AxisView| {
-        let AxisView { present, work, machine, relative, to_go, homed, moving } = *axis;
-        ([present, homed, moving], [work, machine, relative, to_go].map(format_length))
+        let AxisView { present, work, machine, relative, to_go, homed, moving, decimals } = *axis;
+        ([present, homed, moving], [work, machine, relative, to_go].map(|mm| format_length(mm, decimals)))
     };
     painted.0.iter().zip(&newest.0).any(|(old, new)| old != new && shown(old) != shown(new))
 }

@@ -13,6 +13,7 @@ use egui::{
 use super::Area;
 use super::theme::{self, Theme};
 use crate::defs::date::DateTime;
+use crate::defs::page_text::PageTextRow;
 use crate::defs::text::{Lang, Text};
 use crate::defs::variable_name;
 use crate::link::Snapshot;
@@ -60,7 +61,25 @@ impl View<'_> {
     #[must_use]
     pub fn variable(&self, variable: u16) -> String {
         let value = self.snapshot.variables.get(usize::from(variable)).copied().flatten();
-        value.map_or_else(|| "—".to_owned(), format_length)
+        let decimals =
+            if variable_name::is_switch(u32::from(variable)) { 0 } else { self.snapshot.params.length_decimals() };
+        value.map_or_else(|| "—".to_owned(), |value| format_value(value, decimals))
+    }
+
+    /// Value of a row of a page text: without decimals if its label says that it is a count, a switch or a mode.
+    #[must_use]
+    pub fn page_value(&self, row: &PageTextRow) -> String {
+        let whole = self.snapshot.variables.get(usize::from(row.variable)).copied().flatten();
+        match whole.filter(|value| row.is_whole_number() && value.fract() == 0.0) {
+            Some(value) => format_whole(value),
+            None => self.variable(row.variable),
+        }
+    }
+
+    /// A length in the display resolution (P22.2).
+    #[must_use]
+    pub fn length(&self, value: f64) -> String {
+        format_length(value, self.snapshot.params.length_decimals())
     }
 
     /// Name of a macro variable on this kind of machine.
@@ -318,7 +337,7 @@ pub fn format_size(bytes: u64) -> String {
     }
 }
 
-/// Formats a feed or a speed as a whole number.
+/// Formats a speed as a whole number.
 #[must_use]
 pub fn format_whole(value: f64) -> String {
     format!("{value:.0}")
@@ -343,13 +362,34 @@ pub fn format_volts(volts: f64) -> String {
     format!("{volts:.2} V")
 }
 
-/// Formats a length with three decimals; NaN and infinity become a dash.
+/// Formats a length with these decimals; NaN and infinity become a dash.
 #[must_use]
-pub fn format_length(value: f64) -> String {
+pub fn format_length(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "—".to_owned();
     }
     // -0.0004 is shown as 0.000, never as -0.000.
-    let text = format!("{value:.3}");
-    if text == "-0.000" { "0.000".to_owned() } else { text }
+    let text = format!("{value:.decimals$}");
+    if text.bytes().all(|sign| matches!(sign, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
+}
+
+/// Formats a value with at least these decimals, and up to six if it needs them: 40.200, 0.0005.
+#[must_use]
+pub fn format_value(value: f64, decimals: usize) -> String {
+    let text = format_length(value, 6);
+    let needed = text.trim_end_matches('0').trim_end_matches('.');
+    let shown = needed.split_once('.').map_or(0, |(_, behind)| behind.len());
+    if shown > decimals { needed.to_owned() } else { format_length(value, decimals) }
+}
+
+/// Formats a feed, mm/min, to three significant digits below 100: 1500, 29.9, 0.3, 0.0215.
+#[must_use]
+pub fn format_feed(mm_min: f64) -> String {
+    let decimals = match mm_min.abs() {
+        100.0.. => 0,
+        10.0.. => 1,
+        1.0.. => 2,
+        _ => 4,
+    };
+    format_value(format!("{mm_min:.decimals$}").parse().unwrap_or(mm_min), 0)
 }

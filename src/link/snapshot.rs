@@ -116,6 +116,8 @@ pub struct AxisView {
     pub homed: bool,
     /// Moving now.
     pub moving: bool,
+    /// Decimals of the coordinates (P22.2).
+    pub decimals: usize,
 }
 
 /// The state of one key.

@@ -1,5 +1,7 @@
 //! The common variables #100–#433 and #500–#999. Source: spec B3, K7.5.
 
+use crate::defs::variable_name::is_switch;
+
 /// The highest common variable.
 const LAST_NUMBER: usize = 999;
 
@@ -78,7 +80,7 @@ impl CommonVariables {
         match value {
             Some(value) if !value.is_finite() => return Err(VariableError::NotFinite(number)),
             Some(0.0 | 1.0) => {}
-            Some(_) | None if matches!(number, 570..=579) => return Err(VariableError::Switch(number)),
+            Some(_) | None if is_switch(number) => return Err(VariableError::Switch(number)),
             Some(_) | None => {}
         }
         *place = value.unwrap_or(f64::NAN);

@@ -89,6 +89,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     snapshot.mode = Mode::Manual;
     snapshot.x_as_diameter = true;
     let axis = |work: f64, machine: f64, relative: f64| AxisView {
+        decimals: 3,
         present: true,
         work,
         machine,
@@ -316,6 +317,7 @@ pub fn troubled(page: Page) -> Snapshot {
 pub fn long(page: Page) -> Snapshot {
     let mut snapshot = busy(page);
     let most = |value: f64| AxisView {
+        decimals: 3,
         present: true,
         work: -value,
         machine: -value,

@@ -8,6 +8,7 @@ use egui::{Color32, Rect, Shape};
 use kt830::defs::alarm::ALARMS;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::defs::param;
 use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::theme::{DARK, LIGHT, Theme, font, scale};
@@ -456,4 +457,44 @@ fn h1_the_grinding_page_looks_as_committed() {
     let new = std::env::temp_dir().join("kt830_grinding.png");
     picture.save(&new).expect("the temporary folder can be written");
     panic!("the grinding page differs from {}; the new one is {}", path.display(), new.display());
+}
+
+#[test]
+fn b7_lengths_show_three_or_four_decimals_by_parameter() {
+    let mut machine = snapshot(Page::Position);
+    machine.axes[Axis::X] = AxisView { work: 40.123_46, ..machine.axes[Axis::X] };
+    assert!(says(&machine, "40.123") && !says(&machine, "40.1235"));
+    let mut params = (*machine.params).clone();
+    params.write(param::FINE_DISPLAY.address(), 1.0).unwrap();
+    (machine.axes[Axis::X].decimals, machine.params) = (params.length_decimals(), Arc::new(params));
+    assert!(says(&machine, "40.1235"));
+}
+
+/// Values of the grinding page: 0.0005 is 0.0005, a count has no decimals, a switch neither.
+#[test]
+fn k7_2_values_show_as_many_decimals_as_they_need() {
+    let mut machine = snapshot(Page::Grinding);
+    let text = machine.screens.find(1_001).unwrap().text.as_ref().unwrap().clone();
+    let row = |of: &dyn Fn(&str) -> bool| {
+        text.left.iter().chain(&text.right).flatten().find(|row| of(&row.label)).unwrap().variable
+    };
+    let (stock, count) = (row(&|label| label.contains("精磨余量")), row(&|label| label.contains("次数")));
+    machine.variables[usize::from(stock)] = Some(0.000_5);
+    machine.variables[usize::from(count)] = Some(7.0);
+    let texts = page_text(&machine, Lang::Zh);
+    assert!(texts.iter().any(|text| text == "0.0005") && texts.iter().any(|text| text == "7"), "{texts:?}");
+    assert!(!texts.iter().any(|text| text == "0.001" || text == "7.000"), "{texts:?}");
+}
+
+#[test]
+fn h7_grinding_feeds_show_the_digits_that_they_have() {
+    for (feed, shown) in
+        [(0.3, "0.3"), (1.2, "1.2"), (0.021_5, "0.0215"), (29.94, "29.9"), (1_500.4, "1500"), (0.0, "0")]
+    {
+        let mut machine = snapshot(Page::Position);
+        machine.feed_mm_min = feed;
+        let texts = page_text(&machine, Lang::Zh);
+        let status = format!("{shown} mm/min");
+        assert!(texts.iter().any(|text| *text == status), "{feed}: {texts:?}");
+    }
 }

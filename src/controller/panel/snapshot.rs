@@ -82,6 +82,7 @@ impl Panel {
                 to_go: to_go[axis],
                 homed: parts.plant.axes.is_homed(axis),
                 moving: parts.plant.is_moving(axis),
+                decimals: parts.plant.params.length_decimals(),
             }
         })
     }

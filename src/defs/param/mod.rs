@@ -100,6 +100,12 @@ impl Params {
         self.bits[usize::from(row.number)] >> row.bit & 1 == 1
     }
 
+    /// Decimals of a displayed length, mm: 3, with P22.2 4.
+    #[must_use]
+    pub fn length_decimals(&self) -> usize {
+        if self.bit(FINE_DISPLAY) { 4 } else { 3 }
+    }
+
     /// The port of an input; 0 is not connected.
     #[must_use]
     pub fn input_port(&self, input: Input) -> u8 {

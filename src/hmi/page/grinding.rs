@@ -258,7 +258,7 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
     view.fit_left(label, &label_of(view, row), small, ink);
-    let (words, ink) = (view.variable(row.variable), view.theme.text);
+    let (words, ink) = (view.page_value(row), view.theme.text);
     FieldEditor::paint(chosen, view, ValueField { plate: place, value, size: large, words, ink });
 }
 
@@ -270,7 +270,7 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: 
     let ink = input_line::typed_text(view, left, &format!("{}=", view.variable_name(row.variable)), &entry.editor);
     let told = match entry.editor.refusal(view.lang) {
         Some(reason) => reason.into_owned(),
-        None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.variable(row.variable)),
+        None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row)),
     };
     let (name, range) = rest.split_left_right_at_fraction(0.4);
     view.fit_left(name.trim_right(theme::PAD), &label_of(view, row), theme::LABEL, view.theme.muted);

@@ -8,7 +8,7 @@ use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
 use crate::hmi::{
-    Area, EditKey, View, format_cycle_time, format_length, format_strokes, format_whole, keycap, page_frame as lines,
+    Area, EditKey, View, format_cycle_time, format_feed, format_strokes, format_whole, keycap, page_frame as lines,
     pictogram, theme,
 };
 use crate::link::Command;
@@ -87,13 +87,13 @@ fn axis_card(rect: Rect, view: &View<'_>, axis: Axis, shown: CoordinateView, out
         digits.max.x -= theme::PAD;
     }
     let size = if rect.height() > 120.0 { theme::DIGITS * 1.4 } else { theme::DIGITS };
-    view.fit_right(digits, &format_length(large), size, view.theme.text);
+    view.fit_right(digits, &view.length(large), size, view.theme.text);
     let width = bottom.width() / others.len() as f32;
     for (index, (name, value)) in others.iter().enumerate() {
         let gap = if index + 1 == others.len() { 0.0 } else { theme::PAD };
         let place = bottom.trim_left(index as f32 * width).split_left(width - gap).0;
         view.line_left(place, name, theme::LABEL, view.theme.muted);
-        view.line_right(place, &format_length(*value), theme::SECONDARY, view.theme.text);
+        view.line_right(place, &view.length(*value), theme::SECONDARY, view.theme.text);
     }
 }
 
@@ -161,7 +161,7 @@ pub fn column(rect: Rect, view: &View<'_>, groups: &[PositionGroup<'_>]) -> Rect
             let ink = if state.moving { view.theme.info } else { view.theme.text };
             view.line_left(place, &axis.to_string(), theme::SECONDARY, ink);
             let (words, size, ink) = match value(axis, state) {
-                Some(value) => (format_length(value), theme::SECONDARY, view.theme.text),
+                Some(value) => (view.length(value), theme::SECONDARY, view.theme.text),
                 None => (view.text("未设置", "not set").to_owned(), theme::LABEL, view.theme.muted),
             };
             view.fit_right(place.trim_left(22.0), &words, size, ink);
@@ -205,7 +205,7 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
         None => (format_strokes(snapshot.strokes_per_min), "1/min"),
     };
     let rows = [
-        (view.text("进给", "feed"), format_whole(snapshot.feed_mm_min), "mm/min"),
+        (view.text("进给", "feed"), format_feed(snapshot.feed_mm_min), "mm/min"),
         (view.text("进给倍率", "feed ovr"), format!("{}", snapshot.feed_override), "%"),
         (view.text("快速倍率", "rapid ovr"), rapid, of),
         (face.spindle_name.get(view.lang), format_whole(snapshot.wheel_rpm), "r/min"),

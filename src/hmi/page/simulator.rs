@@ -9,9 +9,7 @@ use super::{PageContext, PageUi, empty};
 use crate::defs::signal::Input;
 use crate::defs::sim_fault;
 use crate::defs::text::Text;
-use crate::hmi::{
-    Area, KeyboardFocus, PageKey, View, format_length, format_whole, pictogram, round_to_lines, theme, widget,
-};
+use crate::hmi::{Area, KeyboardFocus, PageKey, View, format_whole, pictogram, round_to_lines, theme, widget};
 use crate::link::Command;
 use crate::link::simulation::{SimCommand, SimView};
 
@@ -139,7 +137,7 @@ impl SimulatorPage {
         let inside = body.shrink2(vec2(theme::PAD, 6.0));
         let mut lines: Vec<(Cow<'_, str>, String)> = if wheel {
             vec![
-                (view.text("砂轮直径 mm", "wheel diameter mm").into(), format_length(sim.wheel_diameter_mm)),
+                (view.text("砂轮直径 mm", "wheel diameter mm").into(), view.length(sim.wheel_diameter_mm)),
                 (view.text("砂轮钝化 %", "wheel dullness %").into(), format!("{:.0}", sim.wheel_dullness * 100.0)),
                 (view.text("砂轮负载 %", "wheel load %").into(), format!("{:.0}", sim.wheel_load_percent)),
             ]
@@ -150,7 +148,7 @@ impl SimulatorPage {
                 (view.text("刀位", "station").into(), format!("T{station}")),
             ]
         };
-        lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang), format_length(*size))));
+        lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang), view.length(*size))));
         lines.extend(sim.events.iter().map(|event| (event.get(view.lang), String::new())));
         let rows = (inside.height() / 27.0).floor().max(1.0) as usize;
         for (index, (name, value)) in lines.iter().enumerate().take(rows * 2) {

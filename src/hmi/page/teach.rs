@@ -4,9 +4,7 @@ use egui::{Rect, pos2, vec2};
 
 use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::param;
-use crate::hmi::{
-    Area, KeyboardFocus, Login, PageKey, View, format_length, format_whole, page_frame as lines, theme, widget,
-};
+use crate::hmi::{Area, KeyboardFocus, Login, PageKey, View, format_whole, page_frame as lines, theme, widget};
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
 use crate::link::teach::{TeachCommand, block_text};
@@ -139,7 +137,7 @@ fn tool_status(rect: Rect, view: &View<'_>) {
         let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), digits + 14.0));
         let ink = if state.moving { view.theme.info } else { view.theme.text };
         view.line_left(line, &axis.to_string(), digits, ink);
-        view.line_right(line, &format_length(state.work), digits, ink);
+        view.line_right(line, &view.length(state.work), digits, ink);
         top = line.max.y;
     }
     let fixed = snapshot.params.get(param::FIXED_STEP_LENGTH);

@@ -6,7 +6,7 @@ use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
 use super::camera::{Camera, GraphicScene, add_quad};
 use crate::defs::lathe_workspace::LatheWorkspace;
-use crate::hmi::{View, format_length, theme};
+use crate::hmi::{View, theme};
 use crate::link::toolpath::BoundingBox;
 use crate::units::Axis;
 
@@ -123,8 +123,8 @@ pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &
         let radius = diameter.unwrap_or(2.0 * room.stock_radius_mm) / 2.0;
         let (top, foot) = (camera.to_canvas(rect, *along, x + radius), camera.to_canvas(rect, *along, x - radius));
         view.painter.line_segment([top - vec2(0.0, 14.0), foot + vec2(0.0, 14.0)], Stroke::new(theme::FRAME, ink));
-        let z = format_length(f64::from(*along));
-        let words = diameter.map_or_else(|| format!("Z{z}"), |d| format!("Ø{} Z{z}", format_length(f64::from(d))));
+        let z = view.length(f64::from(*along));
+        let words = diameter.map_or_else(|| format!("Z{z}"), |d| format!("Ø{} Z{z}", view.length(f64::from(d))));
         let above = top.y - 42.0 - 28.0 * index as f32;
         label(pos2(top.x + 4.0, above.max(rect.min.y + 2.0)), &words);
     }
@@ -132,7 +132,7 @@ pub fn paint_measurements(rect: Rect, view: &View<'_>, camera: Camera, places: &
         let below = camera.to_canvas(rect, *a, x - room.stock_radius_mm).y + 26.0;
         let (from, to) = (camera.to_canvas(rect, *a, 0.0).x, camera.to_canvas(rect, *b, 0.0).x);
         view.painter.hline(from.min(to)..=from.max(to), below, Stroke::new(theme::FRAME, ink));
-        let length = format_length(f64::from((b - a).abs()));
+        let length = view.length(f64::from((b - a).abs()));
         label(pos2(f32::midpoint(from, to) - 40.0, below + 4.0), &format!("L {length}"));
     }
 }

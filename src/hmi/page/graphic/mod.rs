@@ -13,8 +13,8 @@ use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 use super::{PageContext, PageUi, empty};
 use crate::defs::text::Text;
 use crate::hmi::{
-    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, View, file_command, format_length,
-    page_frame as lines, theme, widget,
+    Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, View, file_command, page_frame as lines,
+    theme, widget,
 };
 use crate::link::files::{FileRequest, Requester};
 use crate::link::snapshot::RunState;
@@ -252,8 +252,8 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
     if let Some((low, high)) = drawing.extents {
         for axis in view.axes() {
             let factor = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
-            rows.push((format!("{} {}", axis.letter(), view.text("最小", "min")), format_length(low[axis] * factor)));
-            rows.push((format!("{} {}", axis.letter(), view.text("最大", "max")), format_length(high[axis] * factor)));
+            rows.push((format!("{} {}", axis.letter(), view.text("最小", "min")), view.length(low[axis] * factor)));
+            rows.push((format!("{} {}", axis.letter(), view.text("最大", "max")), view.length(high[axis] * factor)));
         }
     }
     let mut top = inside.min.y;

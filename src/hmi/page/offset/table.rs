@@ -7,9 +7,7 @@ use egui::{Rect, pos2, vec2};
 use crate::defs::text::Text;
 use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::widget::page_keys;
-use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, View, format_length, keycap, pictogram, theme, widget,
-};
+use crate::hmi::{Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, View, keycap, pictogram, theme, widget};
 use crate::link::Command;
 use crate::link::edit::{MAX_INCREMENT, OFFSET_COUNT, OffsetCommand, OffsetPart};
 use crate::units::Axis;
@@ -221,7 +219,7 @@ impl OffsetTable {
                 self.typing.pad_open = true;
             }
             keycap::plate(view, cell, &response);
-            let old = (format_length(view.snapshot.offsets[row].part(*part)[*axis]), view.theme.text);
+            let old = (view.length(view.snapshot.offsets[row].part(*part)[*axis]), view.theme.text);
             let chosen = (row, column) == (self.row, self.column);
             let (mut words, ink) = if chosen { self.typing.shown(view, old) } else { old };
             let typed = chosen && !self.typing.text.is_empty() && self.typing.refused.is_none();
@@ -239,12 +237,12 @@ impl OffsetTable {
     pub fn input_line(&self, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
         let Some((part, axis)) = form.columns.get(self.column) else { return };
         let number = self.row + 1;
-        let old = format_length(view.snapshot.offsets[self.row].part(*part)[*axis]);
+        let old = view.length(view.snapshot.offsets[self.row].part(*part)[*axis]);
         let (sign, part, then) = match self.mode {
             EntryMode::Absolute => ("=", *part, format!("{} {old}", view.text("原值", "was"))),
             EntryMode::Increment => (" +=", *part, format!("{} {old}", view.text("原值", "was"))),
             EntryMode::Measured => {
-                let work = format_length(view.snapshot.axes[*axis].work);
+                let work = view.length(view.snapshot.axes[*axis].work);
                 let now = format!("{} {axis} {work}", view.text("当前", "now"));
                 (view.text(" 测量值=", " measured="), OffsetPart::Geometry, now)
             }

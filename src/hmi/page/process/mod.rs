@@ -14,9 +14,7 @@ use super::{PageContext, PageUi};
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::{
-    Area, KeyboardFocus, PageKey, Question, QuestionDialog, View, file_command, format_length, theme, widget,
-};
+use crate::hmi::{Area, KeyboardFocus, PageKey, Question, QuestionDialog, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
@@ -237,7 +235,7 @@ impl ProcessPage {
         let row = |index: f32| words.trim_right(8.0).band(index * line, line);
         let last = self.visible_samples(now).last().or(self.samples.back()).map_or(0.0, value);
         view.line_left(row(0.0), &curve.name, theme::SMALL, colour);
-        view.line_left(row(1.0), &format_length(last), theme::TITLE, view.theme.text);
+        view.line_left(row(1.0), &view.length(last), theme::TITLE, view.theme.text);
         view.fit_left(row(2.0), &format!("{low:.3} … {high:.3}"), theme::SMALL, view.theme.muted);
         let room = (high - low).max(1e-3);
         let place = |sample: &Sample| {

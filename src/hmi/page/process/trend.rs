@@ -5,7 +5,7 @@ use egui::{Rect, Stroke, pos2, vec2};
 
 use super::{MAX_PARTS, ProcessPage};
 use crate::defs::param;
-use crate::hmi::{Area, View, format_length, theme};
+use crate::hmi::{Area, View, theme};
 use crate::link::Snapshot;
 
 /// A finished part.
@@ -67,7 +67,7 @@ impl ProcessPage {
         };
         let out = sized.iter().filter(|part| part.within_limits() == Some(false)).count();
         let ink = if last.within_limits() == Some(false) { view.theme.alarm_text } else { view.theme.text };
-        let mut words = format_length(last.size.unwrap_or(f64::NAN));
+        let mut words = view.length(last.size.unwrap_or(f64::NAN));
         if let Some([nominal, low, high]) = last.limits {
             words = format!("{words} / {nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
         }
@@ -108,7 +108,7 @@ impl ProcessPage {
         let next = if interval > 0.0 { format!("{:.0}", (interval - since).max(0.0)) } else { "—".to_owned() };
         let left = self.dressings_left(view.snapshot).map_or_else(|| "—".to_owned(), |left| left.to_string());
         let rows = [
-            (view.text("砂轮直径 mm", "wheel diameter mm"), format_length(params.get(param::WHEEL_DIAMETER))),
+            (view.text("砂轮直径 mm", "wheel diameter mm"), view.length(params.get(param::WHEEL_DIAMETER))),
             (view.text("修整次数", "dressings"), format!("{:.0}", params.get(param::DRESSING_COUNT))),
             (view.text("还可修整次数", "dressings left"), left),
             (view.text("修整后件数", "parts since dressing"), format!("{since:.0}")),

@@ -23,7 +23,8 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
             index_rest_of_line(index, &lines.text[..end], start, &mut open);
         }
     }
-    index.block_numbers.sort_unstable();
+    // Stable: numbers mostly ascend, and the sort keeps runs. A short text is sorted in place.
+    index.block_numbers.sort();
     index.inner_block_numbers.sort_unstable();
 }
 
