@@ -374,8 +374,7 @@ fn world_at_start(world: OfflineMachine, mut offsets: WorkOffsets, part: &PartFi
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         }
     }
-    let at = offsets.work_from_machine(part.start_mm.machine());
-    world.with_position(at).with_work_offsets(offsets)
+    world.with_position(offsets.work_from_machine(part.start_mm.machine())).with_work_offsets(offsets)
 }
 
 /// The verdict without errors: of the check, and of the run after it.

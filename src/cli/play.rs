@@ -167,15 +167,9 @@ fn state_json(host: &mut HeadlessHost, lang: Lang) -> Value {
 }
 
 /// Prints the result of a line; `refused` is what the control said to it.
-fn print_outcome(
-    format: OutputFormat,
-    line: &StoryLine,
-    done: &Result<(), String>,
-    refused: Option<&str>,
-    seconds: f64,
-) {
+fn print_outcome(form: OutputFormat, line: &StoryLine, done: &Result<(), String>, refused: Option<&str>, seconds: f64) {
     let text = &line.text;
-    match (format, done) {
+    match (form, done) {
         (OutputFormat::Json, done) => {
             let mut told = json!({"line": line.number, "statement": text, "ok": done.is_ok(), "seconds": seconds});
             if let Err(why) = done {

@@ -103,9 +103,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
     let (end, seconds) = loop {
         let end = run_one_part(&mut host, call, trace.as_mut());
         let seconds = host.now().since(started).as_secs_f64();
-        for _ in 0..SETTLE_TICKS {
-            host.step();
-        }
+        (0..SETTLE_TICKS).for_each(|_| host.step());
         batch.push(host.machine().measure());
         if end != RunEnd::Finished || batch.len() >= call.parts as usize {
             break (end, seconds);

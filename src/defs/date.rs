@@ -45,8 +45,7 @@ impl DateTime {
     pub fn parse(text: &str) -> Option<Self> {
         let (day, time) = text.split_once(' ')?;
         let numbers = day.split('-').chain(time.split(':')).map(|part| part.parse::<i64>());
-        let parts = numbers.collect::<Result<Vec<_>, _>>().ok()?;
-        Self::from_parts(parts.try_into().ok()?)
+        Self::from_parts(numbers.collect::<Result<Vec<_>, _>>().ok()?.try_into().ok()?)
     }
 
     /// `15:01:56`

@@ -197,16 +197,11 @@ pub const fn soft_key_row_count(view: &View<'_>) -> usize {
 }
 
 /// Draws a row; `chosen` tells whether the page of a key is the open one.
-pub fn soft_keys(
-    view: &View<'_>,
-    rect: Rect,
-    row: usize,
-    chosen: impl Fn(SoftKeyAction) -> bool,
-) -> Option<SoftKeyPress> {
+pub fn soft_keys(view: &View<'_>, rect: Rect, row: usize, on: impl Fn(SoftKeyAction) -> bool) -> Option<SoftKeyPress> {
     let mut pressed = None;
     let (keys, next) = rect.shrink2(vec2(theme::GAP, 3.0)).split_right(NEXT_WIDTH);
     for (index, soft) in soft_key::row(view.snapshot.kind, row).enumerate() {
-        if soft_key_ui(view, keys.trim_right(theme::GAP).cell(index, 5), index, &soft, chosen(soft.action)) {
+        if soft_key_ui(view, keys.trim_right(theme::GAP).cell(index, 5), index, &soft, on(soft.action)) {
             pressed = Some(SoftKeyPress::Act(soft.action));
         }
     }

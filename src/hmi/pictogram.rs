@@ -33,9 +33,7 @@ pub fn draw(painter: &Painter, rect: Rect, marks: &[PictogramShape], colour: Col
     let corner = rect.center() - vec2(12.0, 12.0) * unit;
     let at = |(x, y): (f32, f32)| corner + vec2(x, y) * unit;
     let stroke = Stroke::new((1.9 * unit).max(1.3), colour);
-    for mark in marks {
-        mark.paint(painter, &at, unit, stroke);
-    }
+    marks.iter().for_each(|mark| mark.paint(painter, &at, unit, stroke));
 }
 
 impl PictogramShape {

@@ -28,9 +28,7 @@ impl Rasterizer {
     /// Applies new and changed textures of a frame.
     pub fn update(&mut self, delta: &TexturesDelta) {
         for (id, changes) in &delta.set {
-            for change in changes {
-                self.apply(*id, change);
-            }
+            changes.iter().for_each(|change| self.apply(*id, change));
         }
     }
 

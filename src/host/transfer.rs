@@ -221,8 +221,7 @@ impl UsbTransfer<'_> {
             return Ok(done("未改动", "nothing was changed"));
         }
         part.write(&path).map_err(error_refusal)?;
-        let back = Values::read(&path).map_err(error_refusal)?;
-        check_read_back(name, back == part)?;
+        check_read_back(name, Values::read(&path).map_err(error_refusal)? == part)?;
         Ok(done(format!("已写出 {name}"), format!("{name} written")))
     }
 
@@ -237,8 +236,7 @@ impl UsbTransfer<'_> {
     }
 
     fn check_values(&self, part: &Values) -> Result<RestoredValues, Refusal> {
-        let holdings = self.holdings.ok_or_else(no_usb_drive)?;
-        value_set::check_values(part, holdings.kind)
+        value_set::check_values(part, self.holdings.ok_or_else(no_usb_drive)?.kind)
     }
 
     /// Writes everything into one archive, followed by a list of checksums.

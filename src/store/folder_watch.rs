@@ -143,10 +143,7 @@ fn handle_event(
     pending: &PendingChanges,
     sender: &SyncSender<FolderChange>,
 ) {
-    let Ok(event) = event else {
-        pending.lost.store(true, Ordering::Release);
-        return;
-    };
+    let Ok(event) = event else { return pending.lost.store(true, Ordering::Release) };
     if !is_change(&event.kind) {
         return;
     }

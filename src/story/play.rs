@@ -210,9 +210,7 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn ticks(&mut self, count: u32) {
-        for _ in 0..count {
-            self.step();
-        }
+        (0..count).for_each(|_| self.step());
     }
 
     /// Waits until the control has answered: two ticks, and up to 48 ms more while it brakes.
@@ -283,11 +281,7 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     /// Runs until the condition is true; returns false after the timeout or a touch.
-    fn run_until(
-        &mut self,
-        most: Micros,
-        mut done: impl FnMut(&mut Host<HostedSimulation, G::Storage>) -> bool,
-    ) -> bool {
+    fn run_until(&mut self, most: Micros, done: impl Fn(&mut Host<HostedSimulation, G::Storage>) -> bool) -> bool {
         let end = self.host().now() + most;
         while !done(self.host()) {
             if self.host().now() >= end || self.stage.is_interrupted() {

@@ -58,9 +58,7 @@ impl Params {
     #[must_use]
     pub fn factory(kind: Kind) -> Self {
         let mut params = Self { kind, numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
-        for row in NUMBERS {
-            params.numbers[usize::from(row.number)] = row.factory;
-        }
+        NUMBERS.iter().for_each(|row| params.numbers[usize::from(row.number)] = row.factory);
         for (row, value) in kind.row().factory.numbers {
             params.numbers[usize::from(row.number)] = *value;
         }
@@ -70,9 +68,7 @@ impl Params {
         for output in Output::ALL {
             params.numbers[usize::from(output.port_param())] = f64::from(factory_output_port(*output));
         }
-        for row in BITS {
-            params.put_bit(row.number, row.bit, row.factory_on(kind));
-        }
+        BITS.iter().for_each(|row| params.put_bit(row.number, row.bit, row.factory_on(kind)));
         params
     }
 

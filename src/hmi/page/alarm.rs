@@ -79,9 +79,7 @@ impl PageUi for AlarmPage {
         }
         let list = ScrollList { id: "alarms", rect: list, row: line, gap: theme::GAP, count: rows.len() };
         let (clipped, places) = self.scroll.rows(view, &list, typed.scroll_pages);
-        for (index, place) in places {
-            self.row(&clipped, place, rows[index]);
-        }
+        places.into_iter().for_each(|(index, place)| self.row(&clipped, place, rows[index]));
     }
 }
 
@@ -186,10 +184,8 @@ impl AlarmPage {
 /// Card of a row: red edge while the alarm is active, frame while it is selected. Returns the places of the number
 /// and of the texts.
 fn row_card(view: &View<'_>, place: Rect, here: bool, chosen: bool) -> (Rect, Rect) {
-    let fill = if chosen { view.theme.raised } else { view.theme.surface };
-    view.filled_card(place, fill, view.theme.line);
-    let edge = if here { view.theme.alarm } else { view.theme.line };
-    view.edge_bar(place, edge);
+    view.filled_card(place, if chosen { view.theme.raised } else { view.theme.surface }, view.theme.line);
+    view.edge_bar(place, if here { view.theme.alarm } else { view.theme.line });
     if chosen {
         view.frame(place, view.theme.focus);
     }

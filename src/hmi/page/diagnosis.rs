@@ -103,9 +103,7 @@ impl DiagnosisPage {
         ];
         let list = ScrollList { id: "ports", rect, row: LINE_HEIGHT, gap: 0.0, count: lines.len() };
         let (clipped, rows) = self.striped_table(view, &list, pages, COLUMN_SHARES, words);
-        for (index, place) in rows {
-            port_line(&clipped, place, &lines[index]);
-        }
+        rows.into_iter().for_each(|(index, place)| port_line(&clipped, place, &lines[index]));
     }
 
     /// Keys that are blocked now, each with the reason.

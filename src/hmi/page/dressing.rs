@@ -45,8 +45,7 @@ impl PageUi for DressingPage {
         out.extend(self.table.handle_typed(view, typed, &form));
         let (page, input) = input_line::split(rect);
         let main = page.shrink(theme::GAP);
-        let left_width = if main.width() > 900.0 { 210.0 } else { 172.0 };
-        let (left, rest) = main.split_left(left_width);
+        let (left, rest) = main.split_left(if main.width() > 900.0 { 210.0 } else { 172.0 });
         let (middle, right) = rest.split_right(theme::PICTURE.x + 2.0);
         positions(left, view);
         let fault = view.snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().err());

@@ -57,12 +57,8 @@ impl PageUi for MdiPage {
             self.history.truncate(MAX_HISTORY);
             self.scroll = Scroll::default();
         }
-        for sign in typed.text.chars().filter(|sign| !sign.is_control()) {
-            self.push_char(sign);
-        }
-        for edit in &typed.edits {
-            self.edit(*edit, view, out);
-        }
+        typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.push_char(sign));
+        typed.edits.iter().for_each(|edit| self.edit(*edit, view, out));
         let pad = letter_pad::block_layout(view.snapshot.kind);
         let (main, board) = rect.split_bottom(pad.height());
         if let Some(letter) = letter_pad::ui(view, board.trim_sides(theme::GAP), &pad) {
@@ -190,8 +186,7 @@ impl MdiPage {
         let (field, told) = rect.split_top(50.0);
         let refused = self.typing.refusal(view.lang);
         keycap::paint_body(view, field, KeycapState::default());
-        let edge = if refused.is_some() { view.theme.alarm } else { view.theme.focus };
-        view.frame(field, edge);
+        view.frame(field, if refused.is_some() { view.theme.alarm } else { view.theme.focus });
         let response = view.ui.interact(field, Id::unique("mdi-input"), Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "录入行 mdi-input"));
         let ink = if refused.is_some() { view.theme.alarm_text } else { view.theme.text };

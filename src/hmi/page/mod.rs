@@ -225,16 +225,10 @@ impl PageSet {
     }
 
     /// Draws the open page; returns its commands.
-    pub fn ui(
-        &mut self,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &KeyboardInput,
-        picture: Option<TextureId>,
-    ) -> Vec<Command> {
+    pub fn ui(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, image: Option<TextureId>) -> Vec<Command> {
         let mut out = Vec::new();
         let (login, hand_over) = (&mut self.login, &mut self.hand_over);
-        let ctx = PageContext { rect, view, typed, picture, login, hand_over, out: &mut out };
+        let ctx = PageContext { rect, view, typed, picture: image, login, hand_over, out: &mut out };
         self.pages[view.snapshot.page as usize].ui(ctx);
         self.login.ui(rect, view, &typed.edits, &mut out);
         out

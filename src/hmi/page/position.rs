@@ -65,8 +65,7 @@ fn coordinates(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
 /// One axis: letter, homed mark, large value, and smaller values below. The decimal points are aligned.
 fn axis_card(rect: Rect, view: &View<'_>, axis: Axis, shown: CoordinateView, out: &mut Vec<Command>) {
     let state = &view.snapshot.axes[axis];
-    let edge = if state.moving { view.theme.info } else { view.theme.line };
-    view.filled_card(rect, view.theme.surface, edge);
+    view.filled_card(rect, view.theme.surface, if state.moving { view.theme.info } else { view.theme.line });
     let (top, bottom) = rect.shrink2(vec2(theme::PAD, 8.0)).split_bottom(30.0);
     let letter = Rect::from_min_size(top.min, vec2(56.0, top.height().min(64.0)));
     let letter = Rect::from_center_size(pos2(letter.center().x, top.center().y), letter.size());

@@ -62,9 +62,7 @@ impl PageUi for ToolsPage {
         {
             self.go((field + 1) % FIELD_COUNT);
         }
-        for edit in &typed.edits {
-            self.edit(*edit, out);
-        }
+        typed.edits.iter().for_each(|edit| self.edit(*edit, out));
         let (page, input) = input_line::split(rect);
         let inside = page.shrink2(vec2(theme::PAD, theme::GAP));
         let (tools, bar) = inside.split_bottom((inside.height() * 0.2).clamp(64.0, 104.0));
@@ -109,8 +107,7 @@ impl ToolsPage {
 
     fn tool(&mut self, rect: Rect, view: &View<'_>, station: usize, out: &mut Vec<Command>) {
         let in_front = view.snapshot.tool_station == Some(station as u32 + 1);
-        let edge = if in_front { view.theme.info } else { view.theme.line };
-        view.filled_card(rect, view.theme.surface, edge);
+        view.filled_card(rect, view.theme.surface, if in_front { view.theme.info } else { view.theme.line });
         let (title, rest) = rect.shrink(theme::GAP).split_top(26.0);
         let ink = if in_front { view.theme.info } else { view.theme.text };
         view.line_left(title, &format!("T{}", station + 1), theme::TITLE, ink);

@@ -243,9 +243,7 @@ impl TransferPage {
         let id = if side == 0 { "files-here" } else { "files-there" };
         let list = ScrollList { id, rect: list, row: widget::ROW_HEIGHT, gap: 2.0, count: files.len() };
         let (clipped, rows) = self.scroll[side].rows(view, &list, pages);
-        for (index, place) in rows {
-            self.file(place, &clipped, side, files[index]);
-        }
+        rows.into_iter().for_each(|(index, place)| self.file(place, &clipped, side, files[index]));
     }
 
     fn file(&mut self, place: Rect, view: &View<'_>, side: usize, file: &MediaFile) {

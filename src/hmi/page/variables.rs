@@ -60,9 +60,7 @@ impl PageUi for VariablesPage {
         if typed.text.contains(['#', '/']) {
             self.begin_search();
         }
-        for edit in &typed.edits {
-            self.edit(*edit, &numbers, out);
-        }
+        typed.edits.iter().for_each(|edit| self.edit(*edit, &numbers, out));
         let (page, input) = input_line::split(rect);
         let (top, rest) = page.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         self.tabs(top, view);

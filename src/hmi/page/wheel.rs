@@ -56,9 +56,7 @@ impl PageUi for WheelPage {
             }
             CoreAnswer::Nothing => {}
         }
-        for edit in &typed.edits {
-            self.edit(*edit, view, out);
-        }
+        typed.edits.iter().for_each(|edit| self.edit(*edit, view, out));
         let (page, input) = input_line::split(rect);
         let (top, rest) = page.shrink(theme::PAD).split_top(BANNER_HEIGHT);
         banner(top, view);
@@ -236,8 +234,7 @@ fn banner(rect: Rect, view: &View<'_>) {
     let params = &view.snapshot.params;
     let inside = rect.shrink2(vec2(theme::PAD, 4.0));
     let undressed = params.bit(param::WHEEL_UNDRESSED);
-    let edge = if undressed { view.theme.hold } else { view.theme.line };
-    view.filled_card(rect, view.theme.surface, edge);
+    view.filled_card(rect, view.theme.surface, if undressed { view.theme.hold } else { view.theme.line });
     if !undressed {
         view.fit_left(inside, view.text("砂轮已修整", "the wheel is dressed"), theme::TITLE, view.theme.text);
         return;

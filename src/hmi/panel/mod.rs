@@ -87,8 +87,7 @@ impl OperatorPanel {
         let view = &view.clipped(rect);
         view.filled_card(rect, view.theme.surface, if active { view.theme.info } else { view.theme.line });
         let (words, ribs) = rect.shrink2(vec2(6.0, 3.0)).split_top_bottom_at_fraction(0.5);
-        let ink = if active { view.theme.text } else { view.theme.muted };
-        view.fit_centre(words, text, theme::LABEL, ink);
+        view.fit_centre(words, text, theme::LABEL, if active { view.theme.text } else { view.theme.muted });
         let ribs = ribs.shrink2(vec2(0.0, 2.0));
         let half = ribs.width() / 2.0;
         let mut x = ribs.min.x + self.rib_offset;

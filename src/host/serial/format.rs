@@ -353,11 +353,7 @@ impl SerialReader {
 }
 
 /// Splits the text between two `%` into programs, each with its own name if it has one.
-fn split_programs(
-    raw: &RawProgram,
-    named: bool,
-    found: &mut Vec<(Option<String>, Vec<u8>)>,
-) -> Result<(), SerialError> {
+fn split_programs(raw: &RawProgram, named: bool, out: &mut Vec<(Option<String>, Vec<u8>)>) -> Result<(), SerialError> {
     let decoded = decode(&raw.text).map_err(|error| SerialError::Noise(error.line as u32))?;
     let head = String::from_utf8_lossy(&raw.header).trim().to_ascii_uppercase();
     let own = head.strip_prefix(SINUMERIK).and_then(|rest| {
@@ -377,7 +373,7 @@ fn split_programs(
                 Encoding::Utf8 => text.into_bytes(),
                 Encoding::Gbk => GBK.encode(&text).0.into_owned(),
             };
-            found.push((name, text));
+            out.push((name, text));
         }
         lines.clear();
     };

@@ -136,9 +136,7 @@ impl JobQueues {
         tell: Sender<Arrival>,
     ) -> std::io::Result<JoinHandle<()>> {
         Builder::new().name(name.into()).spawn(move || {
-            for job in jobs {
-                worker.run(&job, &mut |arrival| drop(tell.send(arrival)));
-            }
+            jobs.into_iter().for_each(|job| worker.run(&job, &mut |arrival| drop(tell.send(arrival))));
         })
     }
 

@@ -54,9 +54,7 @@ impl SimulatedMachine {
         set.set(Input::CoolantFlow, h.coolant_flows() && !self.active_faults.coolant_missing);
         set.set(Input::LubricationLevel, !self.active_faults.lubrication_missing);
         set.set(Input::GuardClosed, true);
-        for (gear, input) in Input::GEARS.into_iter().enumerate() {
-            set.set(input, h.gear_in(gear));
-        }
+        Input::GEARS.into_iter().enumerate().for_each(|(gear, input)| set.set(input, h.gear_in(gear)));
         if let Some(turning) = &self.lathe {
             for (station, input) in Input::STATIONS.into_iter().enumerate() {
                 set.set(input, turning.at_station(station));

@@ -216,9 +216,7 @@ impl SimulatedMachine {
         }
         let steps = span.div_ceil(STEP_LIMIT_US).min(STEPS_LIMIT);
         let dt_s = (span as f64 / steps as f64).min(STEP_LIMIT_US as f64) / 1e6;
-        for _ in 0..steps {
-            self.step(dt_s);
-        }
+        (0..steps).for_each(|_| self.step(dt_s));
     }
 
     fn step(&mut self, dt_s: f64) {

@@ -148,8 +148,7 @@ impl ProfileSurface {
 
     /// Outer radius of the material around a bore, mm.
     fn outside_mm(&self, thickness_mm: f64) -> f64 {
-        let widest = self.height_mm.iter().copied().fold(f64::INFINITY, f64::min);
-        thickness_mm - widest
+        thickness_mm - self.height_mm.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
     /// Unworn rim over a cell, along the normal, mm.

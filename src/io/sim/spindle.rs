@@ -157,21 +157,13 @@ mod tests {
     fn p2_the_wheel_runs_up_in_eight_seconds_and_coasts_for_sixty() {
         let file = MachineFile::builtin(Kind::Gc).unwrap().wheel;
         let mut wheel = Spindle::wheel(&file);
-        for _ in 0..7_900 {
-            wheel.step(1_000.0, 0.001);
-        }
+        (0..7_900).for_each(|_| wheel.step(1_000.0, 0.001));
         assert!(wheel.rpm < 1_000.0 && wheel.can_cut());
-        for _ in 0..200 {
-            wheel.step(1_000.0, 0.001);
-        }
+        (0..200).for_each(|_| wheel.step(1_000.0, 0.001));
         assert!((wheel.rpm - 1_000.0).abs() < 1e-9);
-        for _ in 0..59_900 {
-            wheel.step(0.0, 0.001);
-        }
+        (0..59_900).for_each(|_| wheel.step(0.0, 0.001));
         assert!(wheel.rpm > 0.0 && !wheel.can_cut(), "it still turns");
-        for _ in 0..200 {
-            wheel.step(0.0, 0.001);
-        }
+        (0..200).for_each(|_| wheel.step(0.0, 0.001));
         assert!(wheel.rpm <= 0.0);
     }
 }

@@ -106,9 +106,7 @@ impl Wiring {
     pub(super) fn outputs(&mut self, terminals: Terminals) -> OutputSet {
         if self.last_outputs.0 != terminals {
             let mut set = OutputSet::NONE;
-            for (output, port) in &self.outputs {
-                set.set(*output, terminals.level(*port));
-            }
+            self.outputs.iter().for_each(|(output, port)| set.set(*output, terminals.level(*port)));
             self.last_outputs = (terminals, set);
         }
         self.last_outputs.1

@@ -144,8 +144,7 @@ impl PageUi for DesignerPage {
         let (body, below) = rest.split_bottom(widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
         let (told, keys) = below.split_top(MESSAGE_HEIGHT);
         // The preview needs 200 points for its picture and as much for each column.
-        let share = if body.width() > 900.0 { 0.40 } else { 0.34 };
-        let (text, right) = body.split_left_right_at_fraction(share);
+        let (text, right) = body.split_left_right_at_fraction(if body.width() > 900.0 { 0.40 } else { 0.34 });
         self.title(title, view);
         self.listing(text.trim_right(theme::GAP), view, typed.scroll_pages);
         self.right(right, view, picture);

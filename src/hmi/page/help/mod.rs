@@ -165,9 +165,7 @@ impl Help {
             self.search.text.extend(text.chars().filter(|sign| !sign.is_control()).take(room));
             self.refresh_list();
         }
-        for edit in &typed.edits {
-            self.handle_key(*edit);
-        }
+        typed.edits.iter().for_each(|edit| self.handle_key(*edit));
     }
 
     fn handle_key(&mut self, edit: EditKey) {
@@ -223,9 +221,7 @@ impl Help {
         }
         let list = ScrollList { id: "help-list", rect: list, row: widget::ROW_HEIGHT, gap: 4.0, count };
         let (clipped, rows) = self.scroll.rows(view, &list, pages);
-        for (row, place) in rows {
-            self.row(&clipped, place, row);
-        }
+        rows.into_iter().for_each(|(row, place)| self.row(&clipped, place, row));
     }
 
     fn row(&mut self, view: &View<'_>, place: Rect, row: usize) {

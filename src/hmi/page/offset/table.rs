@@ -76,12 +76,8 @@ impl OffsetTable {
         }
         self.column = self.column.min(form.columns.len().saturating_sub(1));
         let mut out = Vec::new();
-        for sign in typed.text.chars() {
-            self.handle_letter(sign, form);
-        }
-        for edit in &typed.edits {
-            self.edit(*edit, form, &mut out);
-        }
+        typed.text.chars().for_each(|sign| self.handle_letter(sign, form));
+        typed.edits.iter().for_each(|edit| self.edit(*edit, form, &mut out));
         out
     }
 
@@ -192,9 +188,7 @@ impl OffsetTable {
         }
         let list = ScrollList { id: form.id, rect, row: widget::ROW_HEIGHT, gap: 2.0, count: OFFSET_COUNT };
         let (clipped, rows) = self.scroll.rows(view, &list, typed.scroll_pages);
-        for (row, place) in rows {
-            self.line(place, &clipped, row, form);
-        }
+        rows.into_iter().for_each(|(row, place)| self.line(place, &clipped, row, form));
     }
 
     fn line(&mut self, place: Rect, view: &View<'_>, row: usize, form: &OffsetTableSpec<'_>) {

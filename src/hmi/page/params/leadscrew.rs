@@ -287,9 +287,7 @@ impl LeadscrewTab {
         let rect = widget::round_to_lines(body, widget::ROW_HEIGHT);
         let list = ScrollList { id: "screw", rect, row: widget::ROW_HEIGHT, gap: 3.0, count: points.len() };
         let (clipped, rows) = self.scroll.rows(view, &list, pages);
-        for (index, line) in rows {
-            self.line(line, &clipped, index, &points[index]);
-        }
+        rows.into_iter().for_each(|(index, line)| self.line(line, &clipped, index, &points[index]));
     }
 
     fn line(&mut self, line: Rect, view: &View<'_>, index: usize, point: &LeadscrewPoint) {

@@ -361,8 +361,7 @@ impl ProgramPage {
         }
         if pages != 0 {
             if self.editing {
-                let by = pages as isize * ((list.height() / LINE_HEIGHT) as isize - 1);
-                self.document.move_lines(by);
+                self.document.move_lines(pages as isize * ((list.height() / LINE_HEIGHT) as isize - 1));
                 self.follow_cursor();
             } else {
                 self.position.scroll.scroll_pages(pages, list, LINE_HEIGHT);

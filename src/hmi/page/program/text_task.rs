@@ -171,8 +171,7 @@ fn replace_in(line: &str, what: &str, with: &str, builder: &mut RopeBuilder) -> 
 
 /// Splits a line into leading blanks and `/`, the block number if there is one, and the rest.
 fn split_block_number(line: &str) -> (&str, Option<u64>, &str) {
-    let begin = line.len() - line.trim_start_matches([' ', '\t', '/']).len();
-    let (lead, rest) = line.split_at(begin);
+    let (lead, rest) = line.split_at(line.len() - line.trim_start_matches([' ', '\t', '/']).len());
     let Some(after) = rest.strip_prefix(['N', 'n']) else { return (lead, None, rest) };
     let digits = after.bytes().take_while(u8::is_ascii_digit).count();
     after[..digits].parse().map_or((lead, None, rest), |number| (lead, Some(number), &after[digits..]))
@@ -215,9 +214,7 @@ impl Renumbering {
             };
         };
         let end = (self.line + SLICE_LINES).min(lines);
-        for index in self.line..end {
-            self.write_numbered(&text.line(index).to_string(), &mut builder);
-        }
+        (self.line..end).for_each(|index| self.write_numbered(&text.line(index).to_string(), &mut builder));
         self.line = end;
         if end < lines {
             self.built = Some(builder);
