@@ -68,7 +68,7 @@ const CHANGES: &[Change] = &[
     ("output_terminals", Page::Diagnosis, |machine| machine.output_terminals.set(3, true)),
     ("analog_volts", Page::Diagnosis, |machine| machine.analog_volts[1] += 0.01),
     ("internals", Page::Diagnosis, |machine| machine.internals = machine.internals.with(InternalSignal::Held, true)),
-    ("alarm_history", Page::Alarm, |machine| machine.alarm_history = AlarmHistory::default()),
+    ("alarm_history", Page::Alarm, |machine| machine.alarm_history = AlarmHistory::new([], 7)),
     ("leadscrews", Page::Params, |machine| machine.leadscrews[Axis::Z] = leadscrew()),
     ("params", Page::Mdi, |machine| machine.params = Arc::new((*machine.params).clone())),
     ("simulated", Page::Simulator, |machine| load(machine, 64.0)),
