@@ -9,6 +9,8 @@ use super::text::Text;
 pub enum Reaction {
     /// The alarm is shown; nothing stops (for example an invalid page file).
     Show,
+    /// Blocks the wheel and the programs that start it. It ends a running program if it has stopped a unit.
+    BlockWheel,
     /// Blocks cycle start. The code that raises the alarm decides whether a running program ends.
     BlockStart,
     /// Holds the program like a feed hold and blocks cycle start. Nothing else stops.
@@ -27,6 +29,9 @@ impl Reaction {
     pub const fn name(self) -> Text {
         match self {
             Self::Show => Text::new("只显示，不停机", "display only, nothing stops"),
+            Self::BlockWheel => {
+                Text::new("禁止启动砂轮和启动砂轮的程序", "the wheel and programs that start it are blocked")
+            }
             Self::BlockStart => Text::new("禁止循环启动", "cycle start is blocked"),
             Self::HoldProgram => Text::new("程序暂停，禁止循环启动", "program held, cycle start is blocked"),
             Self::StopProgram => Text::new(
@@ -126,7 +131,7 @@ alarms! {
     IN_POSITION_TIMEOUT = 106, StopProgram, Reset, "到位超时", "in-position time-out",
         "运动结束后轴没有进入到位宽度", "an axis did not settle in position after its move",
         "检查驱动增益和机械", "check drive gain and mechanics";
-    HYDRAULIC_PRESSURE = 180, BlockStart, SelfClearingUnlessStopped, "砂轮启动时液压异常", "hydraulic pressure missing",
+    HYDRAULIC_PRESSURE = 180, BlockWheel, SelfClearingUnlessStopped, "砂轮启动时液压异常", "hydraulic pressure missing",
         "液压未打开，或延时 P270 后没有压力信号 P269", "hydraulics off, or no pressure signal P269 after the delay P270",
         "打开液压，检查油泵、油位和压力开关；停机后压力恢复按复位", "switch hydraulics on, check pump, oil, pressure switch; RESET once pressure is back";
     TAILSTOCK_INTERLOCK = 181, StopProgram, Reset, "头架与尾座互锁", "headstock and tailstock interlock",

@@ -266,6 +266,7 @@ impl Plant {
             dry_run: self.operator.switches.dry_run,
             machine_lock: self.axes.is_locked(),
             dressing_program: dressing.contains(&f64::from(self.execution.current_program)),
+            starts_wheel: self.work.programs.starts_wheel(self.execution.current_program),
             wheel_rpm: self.commanded_wheel_rpm(),
         }
     }
