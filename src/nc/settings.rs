@@ -25,7 +25,7 @@ pub struct SuperManSettings {
     pub increment_mm: f64,
     /// Work coordinates that G36, G37, G39 set at the machine origin, radius mm.
     pub origin: PerAxis<f64>,
-    /// G02 and G03 turn opposite to ISO, as the manual warns.
+    /// G02 and G03 turn opposite to ISO, also seen with X up (P5.4=0).
     pub arcs_reversed: bool,
     /// Spindle speed without S, rpm.
     pub spindle_rpm: f64,
@@ -43,7 +43,7 @@ impl Default for SuperManSettings {
             rapid_z_per_x: 2.0,
             increment_mm: 0.01,
             origin: PerAxis([0.0; 3]),
-            arcs_reversed: true,
+            arcs_reversed: false,
             spindle_rpm: 200.0,
             max_rpm: 5_000.0,
             z_accel_jerk: (800.0, 20_000.0),

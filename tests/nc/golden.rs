@@ -92,8 +92,9 @@ fn b1_wrong_programs_name_every_error_with_line_and_column() {
 /// The manual's own examples and a shaft: operations worked out from its text stand beside the tests.
 #[test]
 fn l1_to_l8_the_manuals_examples_give_their_operations() {
-    let programs = files("programs/lathe", "NC");
+    let mut programs = files("programs/lathe", "NC");
     assert!(programs.len() >= 12);
+    programs.extend(files("tests/nc/lathe", "NC"));
     for path in programs {
         let (ops, checked) = run_as(&path, Some(NcSettings::for_dialect(Dialect::SuperMan)));
         let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
