@@ -589,7 +589,7 @@ fn b4_the_second_spindle_pauses_before_it_reverses() {
 fn b4_m20_pulses_a_free_port_for_its_milliseconds() {
     let mut rig = ready_with("M20 P40 L500\nM00\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start");
-    let level = |rig: &HeadlessHost| rig.controller().outputs().terminals.level(40);
+    let level = |rig: &HeadlessHost| rig.controller().outputs().terminals.is_closed(40);
     let mut lasted = 0;
     for _ in 0..1_000 {
         rig.step();
@@ -611,7 +611,7 @@ fn b4_m20_pulses_a_free_port_for_its_milliseconds() {
 fn k6_1_two_functions_on_one_port_do_nothing_and_say_so() {
     let mut rig = ready();
     tell(&mut rig, "mode jog\nparam P301 1\nkey coolant\nexpect message \"同一个输出口\"\nexpect output coolant off");
-    assert!(!rig.controller().outputs().terminals.level(1));
+    assert!(!rig.controller().outputs().terminals.is_closed(1));
     tell(&mut rig, "key wheel-start\nexpect message \"同一个输出口\"\nexpect output wheel off");
     // The port of an output that is on is not taken from under it.
     tell(&mut rig, "param P301 2\nkey coolant\nexpect output coolant on");
@@ -626,7 +626,7 @@ fn k6_1_a_port_out_of_range_is_refused() {
     let mut rig = ready();
     assert!(refused(&mut rig, "param P301 65").contains("P301"));
     tell(&mut rig, "mode jog\nkey coolant\nexpect output coolant on");
-    assert!(rig.controller().outputs().terminals.level(2));
+    assert!(rig.controller().outputs().terminals.is_closed(2));
 }
 
 #[test]
@@ -747,10 +747,10 @@ fn k6_1_a_tower_lamp_on_the_wheels_port_never_switches_the_wheel() {
         &mut rig,
         "param P312 1\nmode jog\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0\nexpect output tower-red off",
     );
-    assert!(!rig.controller().outputs().terminals.level(1));
+    assert!(!rig.controller().outputs().terminals.is_closed(1));
     let mut rig = ready();
     tell(&mut rig, "param P302 1\nparam P85 1\nwait 61 s\nexpect output lubrication off");
-    assert!(!rig.controller().outputs().terminals.level(1));
+    assert!(!rig.controller().outputs().terminals.is_closed(1));
 }
 
 #[test]

@@ -203,7 +203,7 @@ impl Plant {
         }
         let of = |output: &Output| output.port_param() == at.number && output.exists_on(self.kind);
         let port = value as u8; // truncated: the range is checked when it is written
-        Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.image.terminals.level(port)))
+        Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.image.terminals.is_closed(port)))
     }
 
     /// X is programmed and shown as a diameter.

@@ -74,11 +74,11 @@ impl Plant {
         let of = |range: SystemVariableRange| range.index(number);
         if let Some(index) = of(system_variable::INPUTS) {
             let inverted = self.params.inverted_inputs() >> index & 1 == 1;
-            return Some(switched(self.inputs.image.terminals.level(index as u8 + 1) ^ inverted));
+            return Some(switched(self.inputs.image.terminals.is_closed(index as u8 + 1) ^ inverted));
         }
         if let Some(index) = of(system_variable::OUTPUTS) {
             // Switching by the previous block counts at once, one tick before it reaches the terminals.
-            return Some(switched(self.outputs_now().1.level(index as u8 + 1)));
+            return Some(switched(self.outputs_now().1.is_closed(index as u8 + 1)));
         }
         if let Some(index) = of(system_variable::GAUGE_POSITIONS) {
             return Some(self.work.gauge_positions[index]);
