@@ -1,7 +1,7 @@
 //! Settings of the interpreter from machine kind and parameters. Source: spec K1, B1, B2.
 
 pub use crate::defs::kind::Dialect;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// The meaning of S under G97.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,6 +84,8 @@ pub struct NcSettings {
     pub superman: SuperManSettings,
     /// P17.1: G35 moves a cylinder and has no words.
     pub oscillation_by_cylinder: bool,
+    /// P238 and P239: the oscillation that M35 alone starts (K4.3), axis and other end, radius mm.
+    pub oscillation_stroke: (Axis, f64),
     /// Rapid speed of each axis, mm/min; for the time estimate of a check.
     pub rapid_mm_min: PerAxis<f64>,
 }
@@ -107,6 +109,7 @@ impl NcSettings {
             needs_block_numbers: false,
             superman: SuperManSettings::default(),
             oscillation_by_cylinder: false,
+            oscillation_stroke: (Axis::X, 0.0),
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
     }

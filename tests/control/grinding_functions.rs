@@ -329,6 +329,34 @@ fn k4_3_m35_and_m36_are_aliases() {
     );
 }
 
+/// P238 X, P239, P240, P241 as the key has them (K4.3).
+#[test]
+fn k4_3_m35_alone_oscillates_by_the_parameters_and_m36_ends_it() {
+    let mut rig = ready();
+    tell(&mut rig, "param P239 -120\nparam P241 30\nmode mdi\nmdi G00 X-100\nwait 1 s\nexpect X -100 ±0.002\nmdi M35");
+    tell(&mut rig, "expect no alarm\nexpect lamp oscillation on\nwait until X<-119 max 5 s\nwait until X>-101 max 5 s");
+    tell(&mut rig, "mdi M36\nwait 4 s\nexpect lamp oscillation off\nexpect X -100 ±0.002");
+    // In a program; the other axes go on.
+    let mut rig = ready_with("M35\nG98 G01 X-90 F300\nM36\nM00\nM30");
+    tell(&mut rig, "param P238 1\nparam P239 -160\nparam P241 30\nmode auto\nkey cycle-start\nwait 1 s");
+    tell(&mut rig, "expect lamp oscillation on\nwait until stopped max 30 s\nexpect lamp oscillation off");
+    tell(&mut rig, "expect Z -150 ±0.001\nexpect X -90 ±0.001");
+}
+
+#[test]
+fn k4_3_m35_alone_without_a_stroke_is_refused() {
+    // Z stands at P239 already.
+    let mut rig = ready_with("M35\n#100=7\nM30");
+    tell(&mut rig, "param P238 1\nparam P239 -150\nmode auto\nkey cycle-start\nwait until alarm max 5 s");
+    tell(&mut rig, "expect alarm 197\nexpect lamp oscillation off\nexpect Z -150 ±0.001");
+    assert_eq!(rig.snapshot().variables[100], None);
+    // P17.1: the cylinder needs no words.
+    tell(
+        &mut ready(),
+        "param P17.1 1\nmode mdi\nmdi M35\nexpect output oscillation-forward on\nmdi M36\nwait 1 s\nexpect lamp oscillation off",
+    );
+}
+
 #[test]
 fn k4_4_the_cylinder_goes_to_and_fro_between_its_switches() {
     let mut rig = ready();

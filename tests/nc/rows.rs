@@ -370,6 +370,19 @@ fn l2_p5_4_zero_reverses_the_arcs() {
 }
 
 #[test]
+fn k4_3_m35_alone_is_the_oscillation_of_the_key() {
+    let settings = || NcSettings { oscillation_stroke: (Axis::Z, -160.0), ..NcSettings::lathe_a() };
+    let alone = lines("M35\nM36", settings());
+    assert_eq!(alone, lines("G35 Z-160\nG36", settings()));
+    assert!(alone[0].starts_with("oscillation-on z=-160"), "{alone:?}");
+    // With words it is G35, whatever the parameters say.
+    assert_eq!(lines("M35 X-120 D200 Q10", settings()), lines("G35 X-120 D200 Q10", settings()));
+    for wrong in ["M35 Q10", "M35 D200", "G35"] {
+        assert!(refused(wrong).contains("X / Z"), "{wrong}");
+    }
+}
+
+#[test]
 fn t4_the_json_form_is_radius_mm_with_the_named_keys() {
     let ops =
         run_with("G98 G0 X20 Z0\nG03 X40 Z-10 R10 F100\nG99 G1 X2 F0.1\nG4 X1\nM3", NcSettings::lathe_a()).unwrap();

@@ -15,6 +15,7 @@ mod work_data;
 
 pub use execution::{ControlEvent, ControlPhase, Execution, Homing};
 pub use operator::OperatorState;
+pub use oscillation::key_stroke;
 pub use outbox::Outbox;
 pub use spindles::Spindles;
 pub use work_data::{WorkData, offset_in_range};

@@ -1,15 +1,21 @@
 //! Servo oscillation beside the program: start, end, stop and flags.
 //! Source: spec K4.3.
 
-use super::Plant;
+use super::{Plant, displayed_per_mm};
 use crate::controller::axes::oscillation::{Oscillation, OscillationStatus, OscillationStroke};
 use crate::defs::mcode::Request;
-use crate::defs::param;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::defs::text::Text;
 use crate::units::Axis;
 
 const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis is oscillating: stop the oscillation first");
+
+/// The oscillation of the key and of M35 alone: axis (P238) and other end (P239), work coordinate of the slide.
+pub fn key_stroke(params: &Params) -> (Axis, f64) {
+    let axis = if params.get(param::OSCILLATION_AXIS) < 0.5 { Axis::X } else { Axis::Z };
+    (axis, params.get(param::OSCILLATION_POSITION) / displayed_per_mm(params, axis))
+}
 
 impl Plant {
     /// The axis that oscillates by servo.

@@ -2,7 +2,7 @@
 //! Numbers follow FANUC: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
-use super::Plant;
+use super::{Plant, key_stroke};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::system_variable::{self, SystemVariableRange};
@@ -45,6 +45,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
         jump_input: params.get(param::JUMP_INPUT) as u32,
         tool_count: TOOL_OFFSET_COUNT as u32,
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
+        oscillation_stroke: key_stroke(params),
         rapid_mm_min: PerAxis::from_fn(|axis| params.get_axis(param::RAPID_X, axis)),
         superman: SuperManSettings {
             line_feed: params.get(param::DEFAULT_LINE_FEED),
