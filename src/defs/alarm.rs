@@ -137,8 +137,8 @@ alarms! {
     TAILSTOCK_INTERLOCK = 181, StopProgram, Reset, "头架与尾座互锁", "headstock and tailstock interlock",
         "头架转动时尾座不能动作，尾座动作时头架不能启动", "tailstock moved while the headstock turns, or headstock started while it moves",
         "停止头架，或等待尾座到位后再操作", "stop the headstock, or wait for the tailstock";
-    OSCILLATING_AT_START = 182, BlockStart, Reset, "振荡中不能启动程序", "oscillating at cycle start",
-        "振荡没有关闭就按了循环启动", "cycle start while an axis is oscillating",
+    OSCILLATING_AT_START = 182, BlockStart, SelfClearing, "振荡中不能启动程序", "oscillating at cycle start",
+        "振荡没有关闭就按了循环启动；暂停中只指按键启动的振荡", "cycle start while an axis is oscillating; in a hold, by the key",
         "关闭振荡后再启动", "stop the oscillation first";
     GAUGE_SIGNAL_MISSING = 183, StopProgram, Reset, "G78 未收到量仪信号", "G78 without a gauge signal",
         "走到 Z 指定位置仍没有信号", "the end position was reached without a signal",

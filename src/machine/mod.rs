@@ -65,7 +65,7 @@ pub struct ControlState {
     pub alarm_blocks: bool,
     /// The drives are off after a stop-all alarm.
     pub drives_off: bool,
-    /// An axis oscillates by servo while no run is open.
+    /// An axis oscillates by servo while no run is open; in an open run, by the key.
     pub oscillating: bool,
     /// Machine lock is on.
     pub machine_lock: bool,

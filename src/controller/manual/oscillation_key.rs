@@ -16,7 +16,7 @@ pub fn toggle_oscillation(plant: &mut Plant) {
         return;
     }
     if plant.params.bit(param::OSCILLATION_BY_CYLINDER) {
-        plant.request(Request::CylinderOn);
+        plant.operator.cylinder_by_key = plant.is_granted(Request::CylinderOn);
         return;
     }
     let (axis, work) = key_stroke(&plant.params);

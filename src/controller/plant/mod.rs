@@ -263,7 +263,10 @@ impl Plant {
             homed: self.axes.all_homed() || self.kind.row().may_start_unhomed(),
             alarm_blocks: self.alarms.blocks_start(),
             drives_off: !self.outputs.drives_on,
-            oscillating: self.oscillation.is_some() && !self.execution.phase.is_run_open(),
+            oscillating: match self.execution.phase.is_run_open() {
+                true => self.oscillates_by_key(),
+                false => self.oscillation.is_some(),
+            },
             dry_run: self.operator.switches.dry_run,
             machine_lock: self.axes.is_locked(),
             dressing_program: dressing.contains(&f64::from(self.execution.current_program)),

@@ -3,6 +3,7 @@
 
 use super::{Plant, displayed_per_mm};
 use crate::controller::axes::oscillation::{Oscillation, OscillationStatus, OscillationStroke};
+use crate::defs::alarm;
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
@@ -23,9 +24,10 @@ impl Plant {
         self.oscillation.as_ref().map(|oscillation| oscillation.axis)
     }
 
-    /// The oscillation was started by the key in a pause: the held program does not know of it (K4.3).
+    /// The oscillation was started by the key: a held program does not know of it (K4.3).
     pub fn oscillates_by_key(&self) -> bool {
-        self.oscillation.as_ref().is_some_and(|oscillation| !oscillation.started_by_run)
+        let servo = self.oscillation.as_ref().is_some_and(|oscillation| !oscillation.started_by_run);
+        servo || self.operator.cylinder_by_key && self.machine.cylinder_is_on()
     }
 
     /// Whether an axis or the cylinder oscillates.
@@ -48,6 +50,9 @@ impl Plant {
 
     /// One tick of the oscillation.
     pub fn step_oscillation(&mut self) {
+        if !self.is_oscillating() {
+            self.alarms.clear(alarm::OSCILLATING_AT_START);
+        }
         let Some(mut oscillation) = self.oscillation.take() else { return };
         let axis = oscillation.axis;
         let in_position = self.axes.is_axis_in_position(axis, &self.params);
