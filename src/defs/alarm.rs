@@ -205,6 +205,9 @@ alarms! {
     OFFSET_RANGE = 204, StopProgram, Reset, "刀补超出范围", "offset out of range",
         "G10 或 #2001… 使磨耗超过 ±999.999，或几何超过 ±9999.999", "G10 or #2001… would make a wear exceed ±999.999 or a geometry ±9999.999",
         "检查数值，可能缺小数点", "check the value: a decimal point may be missing";
+    GAUGE_SECOND_TOO_EARLY = 205, StopProgram, Reset, "G78 第二信号过早", "second gauge signal of G78 too early",
+        "速度降到 J 以前第二信号 Q 已有效，没有测量", "signal Q came on before the axis ran at speed J: nothing was measured",
+        "减小 F，或拉开量仪两级信号的距离", "lower F, or set the two stages of the gauge further apart";
     TOOL_TURRET_TIMEOUT = 210, StopProgram, Reset, "刀架转位超时", "tool post time-out",
         "P388 时间内没有检测到所选刀位的信号", "the station switch did not come on within P388",
         "检查刀架电机、刀位信号 P365–P368", "check the tool post motor and switches P365 to P368";
