@@ -224,7 +224,7 @@ impl Operator {
         let opens = |act: SoftKeyAction| match act {
             SoftKeyAction::Open(other) => other == page,
             SoftKeyAction::Position(_) => page == Page::Position,
-            SoftKeyAction::Print => false,
+            SoftKeyAction::Print | SoftKeyAction::Continue => false,
         };
         let kind = self.rig.kind();
         let soft = |row: usize| soft_row(kind, row).position(|soft| opens(soft.action));
