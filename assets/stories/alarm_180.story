@@ -13,6 +13,19 @@ key hydraulic
 wait 4 s
 expect no alarm
 home all
+#! M14 switches the pump on under the alarm, and pressure that goes because of M15 is none.
+mdi M15
+wait 4 s
+expect no alarm
+mdi M14
+wait 4 s
+expect no alarm
+power on
+wait 4 s
+expect alarm 180
+mdi M14
+wait 4 s
+expect no alarm
 
 #! 2. After switching on: the pump runs, the pressure does not come. The delay begins anew with the pump.
 power on

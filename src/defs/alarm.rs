@@ -9,6 +9,8 @@ use super::text::Text;
 pub enum Reaction {
     /// The alarm is shown; nothing stops (for example an invalid page file).
     Show,
+    /// Blocks the wheel and the programs that start it. It ends a running program if it has stopped a unit.
+    BlockWheel,
     /// Blocks cycle start. The code that raises the alarm decides whether a running program ends.
     BlockStart,
     /// Holds the program like a feed hold and blocks cycle start. Nothing else stops.
@@ -27,6 +29,9 @@ impl Reaction {
     pub const fn name(self) -> Text {
         match self {
             Self::Show => Text::new("只显示，不停机", "display only, nothing stops"),
+            Self::BlockWheel => {
+                Text::new("禁止启动砂轮和启动砂轮的程序", "the wheel and programs that start it are blocked")
+            }
             Self::BlockStart => Text::new("禁止循环启动", "cycle start is blocked"),
             Self::HoldProgram => Text::new("程序暂停，禁止循环启动", "program held, cycle start is blocked"),
             Self::StopProgram => Text::new(
@@ -126,14 +131,14 @@ alarms! {
     IN_POSITION_TIMEOUT = 106, StopProgram, Reset, "到位超时", "in-position time-out",
         "运动结束后轴没有进入到位宽度", "an axis did not settle in position after its move",
         "检查驱动增益和机械", "check drive gain and mechanics";
-    HYDRAULIC_PRESSURE = 180, BlockStart, SelfClearingUnlessStopped, "砂轮启动时液压异常", "hydraulic pressure missing",
+    HYDRAULIC_PRESSURE = 180, BlockWheel, SelfClearingUnlessStopped, "砂轮启动时液压异常", "hydraulic pressure missing",
         "液压未打开，或延时 P270 后没有压力信号 P269", "hydraulics off, or no pressure signal P269 after the delay P270",
         "打开液压，检查油泵、油位和压力开关；停机后压力恢复按复位", "switch hydraulics on, check pump, oil, pressure switch; RESET once pressure is back";
     TAILSTOCK_INTERLOCK = 181, StopProgram, Reset, "头架与尾座互锁", "headstock and tailstock interlock",
         "头架转动时尾座不能动作，尾座动作时头架不能启动", "tailstock moved while the headstock turns, or headstock started while it moves",
         "停止头架，或等待尾座到位后再操作", "stop the headstock, or wait for the tailstock";
-    OSCILLATING_AT_START = 182, BlockStart, Reset, "振荡中不能启动程序", "oscillating at cycle start",
-        "振荡没有关闭就按了循环启动", "cycle start while an axis is oscillating",
+    OSCILLATING_AT_START = 182, BlockStart, SelfClearing, "振荡中不能启动程序", "oscillating at cycle start",
+        "振荡没有关闭就按了循环启动；暂停中只指按键启动的振荡", "cycle start while an axis is oscillating; in a hold, by the key",
         "关闭振荡后再启动", "stop the oscillation first";
     GAUGE_SIGNAL_MISSING = 183, StopProgram, Reset, "G78 未收到量仪信号", "G78 without a gauge signal",
         "走到 Z 指定位置仍没有信号", "the end position was reached without a signal",
@@ -200,6 +205,9 @@ alarms! {
     OFFSET_RANGE = 204, StopProgram, Reset, "刀补超出范围", "offset out of range",
         "G10 或 #2001… 使磨耗超过 ±999.999，或几何超过 ±9999.999", "G10 or #2001… would make a wear exceed ±999.999 or a geometry ±9999.999",
         "检查数值，可能缺小数点", "check the value: a decimal point may be missing";
+    GAUGE_SECOND_TOO_EARLY = 205, StopProgram, Reset, "G78 第二信号过早", "second gauge signal of G78 too early",
+        "速度降到 J 以前第二信号 Q 已有效，没有测量", "signal Q came on before the axis ran at speed J: nothing was measured",
+        "减小 F，或拉开量仪两级信号的距离", "lower F, or set the two stages of the gauge further apart";
     TOOL_TURRET_TIMEOUT = 210, StopProgram, Reset, "刀架转位超时", "tool post time-out",
         "P388 时间内没有检测到所选刀位的信号", "the station switch did not come on within P388",
         "检查刀架电机、刀位信号 P365–P368", "check the tool post motor and switches P365 to P368";

@@ -60,7 +60,7 @@ dialects! {
         m_codes: [mcode::MCODES, mcode::EXTRA_802D],
         excluded_m_codes: mcode::EXCLUDED_802D,
     };
-    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arc direction reversed (L1–L8).
+    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters (L1–L8).
     SuperMan = DialectTables {
         kt830: false,
         mill: false,

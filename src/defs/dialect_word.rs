@@ -28,9 +28,9 @@ words! {
         "G00 X_ Z_：两轴先联动，再走余下的一轴。F 2000–6000 只在本段有效，不写按 P30、P32。", "G00 X_ Z_: both axes move together, then one axis the rest. F 2000 to 6000 for this block only; without F, P30 and P32.";
     "G01", "直线插补", "linear interpolation",
         "G01 X_ Z_ F_：X Z 绝对、U W 增量，可混用；F 6–2000，X 向最多为一半；不写 F 按 P380。", "G01 X_ Z_ F_: X, Z absolute, U, W incremental; F 6 to 2000, X at most half of it; P380 without F.";
-    "G02", "圆弧（方向与通常相反）", "arc, opposite direction",
-        "G02 X_ Z_ I_ K_ 或 R_：I 为直径，从起点量；R 为负取优弧，整圆只能用 I K；F 6–600。P5.4=1 按 ISO 方向。", "G02 X_ Z_ I_ K_ or R_: I is a diameter, from the start point; R negative is the major arc, a full circle needs I, K; F 6 to 600. P5.4=1: ISO direction.";
-    "G03", "圆弧（方向与通常相反）", "arc, opposite direction",
+    "G02", "顺圆弧（X 向上看）", "arc, clockwise with X up",
+        "G02 X_ Z_ I_ K_ 或 R_：I 为直径，从起点量；R 为负取优弧，整圆只能用 I K；F 6–600。P5.4=0 反向。", "G02 X_ Z_ I_ K_ or R_: I is a diameter, from the start point; R negative is the major arc, a full circle needs I, K; F 6 to 600. P5.4=0 reverses the direction.";
+    "G03", "逆圆弧（X 向上看）", "arc, counter-clockwise with X up",
         "写法同 G02，方向相反。", "Same format as G02, other direction.";
     "G04", "延时", "dwell",
         "G04 F_：秒，0.01–9999.99。", "G04 F_: seconds, 0.01 to 9999.99.";

@@ -164,7 +164,7 @@ g_codes! {
     76 "threading-cycle" NonModal NotYet No "复合螺纹循环" "threading cycle"
         "复合螺纹循环，本版本不提供。" "Threading cycle, not in this version.";
     78 "gauge-positioning" NonModal Yes Yes "量仪对刀" "gauge positioning"
-        "G78 Z_ F_ J_ P_ Q_ L_：以 F 接近到信号 P，退 L，再以 J 接近并记录；#434 = X，#435 快速、#436 精确 Z，#437 为差。写 Q 时以 J 走到第二信号。到终点无信号报警 183。" "G78 Z_ F_ J_ P_ Q_ L_: approaches at F until signal P, retracts by L, approaches again at J and stores the positions: #434 X, #435 fast Z, #436 fine Z, #437 their difference. With Q it continues at J to the second signal. No signal: alarm 183.";
+        "G78 Z_ F_ J_ P_ Q_ L_：以 F 接近到信号 P，退 L，再以 J 接近并记录；#434 = X，#435 快速、#436 精确 Z，#437 为差。写 Q 时以 J 走到第二信号，速度降到 J 以前 Q 有效报警 205。到终点无信号报警 183。" "G78 Z_ F_ J_ P_ Q_ L_: approaches at F until signal P, retracts by L, approaches again at J and stores the positions: #434 X, #435 fast Z, #436 fine Z, #437 their difference. With Q it continues at J to the second signal; Q before speed J: alarm 205. No signal: alarm 183.";
     90 "longitudinal-cycle" Motion Yes Yes "轴向切削循环（平磨、圆台磨：绝对编程）" "longitudinal cycle (GS, GA: absolute)"
         "外圆磨：G90 X_ Z_ F_ 轴向切削循环；与 G00–G03 同段时为绝对编程。平磨、圆台磨：以后的坐标为绝对值。" "GC: G90 X_ Z_ F_ is one longitudinal cycle; in a block with G00 to G03 it means absolute. GS, GA: the following coordinates are absolute.";
     91 "incremental" DistanceMode No Yes "增量编程" "incremental"

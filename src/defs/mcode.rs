@@ -234,7 +234,7 @@ mcodes! {
     33, "K3.8", false, MCodeAction::Request(Request::Switch(Output::Lubrication, false)), "润滑关", "lubrication off",
         "润滑关。", "Lubrication off.";
     35, "K4.3", true, MCodeAction::ProgramFlow, "振荡开启 (G35)", "oscillation on (G35)",
-        "同 G35（原文 M35 为误写）。", "Same as G35 (another way to write it).";
+        "单独写：按 P238–P241 振荡，同振荡键；带 X/Z D Q 同 G35。", "Alone: oscillates by P238 to P241 as the key does; with X/Z D Q the same as G35.";
     36, "K4.3", true, MCodeAction::ProgramFlow, "振荡关闭 (G36)", "oscillation off (G36)",
         "同 G36。", "Same as G36.";
     41, "B4", true, MCodeAction::Request(Request::Gear(0)), "1 档", "gear 1",

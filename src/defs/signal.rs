@@ -224,18 +224,20 @@ signal_set! {
     OutputSet of Output
 }
 
-/// The levels of a terminal block: bit 0 is port 1.
+/// The circuits of a terminal block: bit 0 is port 1. A set bit means that current flows through the terminal: the contact
+/// of an input is closed to 0 V, the transistor of an output draws its load to 0 V. A fitter then measures 0 V there, which
+/// pages and manual call 低 (low); an open terminal is at +24 V, 高 (high). A backend whose modules tell +24 V as 1 inverts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Terminals(pub u64);
 
 impl Terminals {
-    /// The level of a port; port 0 and ports beyond the block are low.
+    /// Whether current flows: the terminal is low. Port 0 and ports beyond the block are open.
     #[must_use]
-    pub const fn level(self, port: u8) -> bool {
+    pub const fn is_closed(self, port: u8) -> bool {
         port >= 1 && port <= PORTS && self.0 >> (port - 1) & 1 == 1
     }
 
-    /// Sets the level of a port; port 0 and ports beyond the block are ignored.
+    /// Closes or opens the circuit of a port; port 0 and ports beyond the block are ignored.
     pub const fn set(&mut self, port: u8, on: bool) {
         if port >= 1 && port <= PORTS {
             let bit = 1 << (port - 1);

@@ -40,6 +40,8 @@ pub enum SoftKeyAction {
     Position(CoordinateView),
     /// Saves a picture of the screen.
     Print,
+    /// Continues the stopped program.
+    Continue,
 }
 
 impl SoftKeyAction {
@@ -64,6 +66,10 @@ impl SoftKeyAction {
                 "把当前画面存成图片；位置在信息行说明。",
                 "Saves a picture of the screen; the message line shows where.",
             ),
+            Self::Continue => Text::new(
+                "程序停止（M00）后继续，同循环启动。",
+                "Continues after a program stop (M00), as cycle start does.",
+            ),
         }
     }
 
@@ -77,6 +83,7 @@ impl SoftKeyAction {
             Self::Position(CoordinateView::All) => Text::new("综合", "ALL"),
             Self::Position(CoordinateView::Machine) => Text::new("机床", "MACHINE"),
             Self::Print => Text::new("屏幕打印", "PRINT"),
+            Self::Continue => Text::new("继续", "CONTINUE"),
         }
     }
 }
@@ -110,6 +117,13 @@ pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = SoftKey> {
         let here = keys.clone().filter(move |(at, _)| *at == (row % ROWS, place));
         here.map(move |(_, action)| SoftKey { label: action.label_on(kind), action })
     })
+}
+
+/// The keys of a row as they act now: on the lathe F1 continues a stopped program (L7).
+pub fn row_now(kind: Kind, number: usize, stopped: bool) -> impl Iterator<Item = SoftKey> {
+    let continues = stopped && kind.is_lathe();
+    let key = SoftKey { label: SoftKeyAction::Continue.label_on(kind), action: SoftKeyAction::Continue };
+    row(kind, number).enumerate().map(move |(index, soft)| if continues && index == 0 { key } else { soft })
 }
 
 /// The number of rows: without a simulated machine the last row is omitted (P1).

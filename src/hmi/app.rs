@@ -13,9 +13,10 @@ use super::panel::layout::panel_layout;
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
 use super::{KeyboardInput, View, blink_phase, clock_time, file_command, keyboard, numeric_pad};
+use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param;
-use crate::defs::soft_key::{self, SoftKeyAction};
+use crate::defs::soft_key::SoftKeyAction;
 use crate::defs::text::{Lang, Text};
 use crate::hmi::page::grinding::GrindingPage;
 use crate::hmi::page::help::Help;
@@ -222,13 +223,13 @@ impl Hmi {
         let chosen = |action: SoftKeyAction| match action {
             SoftKeyAction::Open(other) => other == page,
             SoftKeyAction::Position(other) => page == Page::Position && other == shown,
-            SoftKeyAction::Print => false,
+            SoftKeyAction::Print | SoftKeyAction::Continue => false,
         };
         let rows = page_frame::soft_key_row_count(view);
         let row = view.snapshot.soft_key_row % rows;
         let touched = page_frame::soft_keys(view, regions.soft, row, chosen);
         // The label shown counts, even if the core has changed the row since.
-        let by_key = asked.soft_key.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
+        let by_key = asked.soft_key.and_then(|index| page_frame::soft_key_row(view, row).nth(index));
         match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {
             Some(SoftKeyPress::Act(action)) => self.run_soft_key(view.ui, action, out),
             Some(SoftKeyPress::Next) => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
@@ -251,6 +252,7 @@ impl Hmi {
             SoftKeyAction::Open(page) => out.push(Command::OpenPage(page)),
             SoftKeyAction::Position(coordinates) => out.push(Command::ShowCoordinates(coordinates)),
             SoftKeyAction::Print => self.request_screenshot(ui),
+            SoftKeyAction::Continue => out.push(Command::Press(Key::F1)),
         }
     }
 

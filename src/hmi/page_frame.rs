@@ -196,11 +196,16 @@ pub const fn soft_key_row_count(view: &View<'_>) -> usize {
     soft_key::row_count(view.snapshot.simulated.is_some())
 }
 
-/// Draws a row; `chosen` tells whether the page of a key is the open one.
+/// The soft keys of a row as they act now.
+pub fn soft_key_row(view: &View<'_>, row: usize) -> impl Iterator<Item = SoftKey> {
+    soft_key::row_now(view.snapshot.kind, row, view.snapshot.state == RunState::Stopped)
+}
+
+/// Draws a row; `on` tells whether the page of a key is the open one.
 pub fn soft_keys(view: &View<'_>, rect: Rect, row: usize, on: impl Fn(SoftKeyAction) -> bool) -> Option<SoftKeyPress> {
     let mut pressed = None;
     let (keys, next) = rect.shrink2(vec2(theme::GAP, 3.0)).split_right(NEXT_WIDTH);
-    for (index, soft) in soft_key::row(view.snapshot.kind, row).enumerate() {
+    for (index, soft) in soft_key_row(view, row).enumerate() {
         if soft_key_ui(view, keys.trim_right(theme::GAP).cell(index, 5), index, &soft, on(soft.action)) {
             pressed = Some(SoftKeyPress::Act(soft.action));
         }

@@ -19,6 +19,7 @@ use crate::defs::{page_text, program_number};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
+use crate::nc::program_uses::WheelUse;
 use crate::store::{
     DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PICTURE, PROGRAM,
     ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
@@ -165,7 +166,8 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dial
     };
     let stamp = stamp(&bytes);
     let source = Arc::new(Source::new(number, name, bytes, dialect));
-    StoredProgram { number, source, text, stamp, has_invalid_bytes }
+    let wheel_use = WheelUse::of(&source);
+    StoredProgram { number, source, text, stamp, wheel_use, has_invalid_bytes }
 }
 
 /// The named programs in the folder of a named program. A call such as `L10` is searched there first.

@@ -1,4 +1,4 @@
-//! The interface between control and machine: input levels in, output levels and set-points out, once a tick.
+//! The interface between control and machine: input terminals in, output terminals and set-points out, once a tick.
 //!
 //! A [`Backend`] is the simulated machine or a field bus; the control does not know which.
 //! Source: spec P1–P8, style "time and hardware are arguments".
@@ -14,7 +14,7 @@ use crate::units::{EncoderPos, Micros};
 /// The inputs of one tick, from the machine to the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InputImage {
-    /// Levels of the input terminals as wired, before polarity and debounce.
+    /// Circuits of the input terminals as wired, before polarity and debounce.
     pub terminals: Terminals,
     /// Encoder position of each axis in the encoder's frame, mm of slide travel (radius on X).
     /// Zero is where the drive was switched on; homing finds the machine zero.
@@ -30,7 +30,7 @@ pub struct InputImage {
 /// The outputs of one tick, from the control to the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputImage {
-    /// Levels of the output terminals.
+    /// Circuits of the output terminals; closed is on.
     pub terminals: Terminals,
     /// Set-point of each axis in the encoder's frame, mm of slide travel.
     pub set_point_mm: EncoderPos,

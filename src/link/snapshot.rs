@@ -268,9 +268,9 @@ pub struct Snapshot {
     pub message: Message,
     /// The message of the program (`MSG`), or what the run waits for.
     pub waiting_for: Option<LocalizedText>,
-    /// Electrical level of the input terminals.
+    /// Circuits of the input terminals; a closed one is low.
     pub input_terminals: Terminals,
-    /// Electrical level of the output terminals.
+    /// Circuits of the output terminals; a closed one is low.
     pub output_terminals: Terminals,
     /// The analog outputs: wheel speed, second output; volts.
     pub analog_volts: [f64; 2],

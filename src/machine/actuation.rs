@@ -151,7 +151,7 @@ impl Machine {
         }
         let ports = self.ports.terminals();
         for output in Output::ALL.iter().filter(|output| ports.0 != 0 && output.is_freely_switchable()) {
-            if ports.level(params.output_port(*output)) {
+            if ports.is_closed(params.output_port(*output)) {
                 on.set(*output, true); // a pulse on the port of a plain function is that function
             }
         }

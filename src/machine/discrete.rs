@@ -14,7 +14,7 @@ pub const MAX_AGE_TICKS: u64 = 3;
 
 /// One number per unit that takes part in interlocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct DiscreteState(pub [u8; 9]);
+pub struct DiscreteState(pub [u8; 10]);
 
 impl Machine {
     /// The discrete state at a moment, for ticks of this length.
@@ -53,6 +53,7 @@ impl Machine {
         let flags = [self.e_stop, guard.open, guard.alarm, guard.stopped_drive, self.fluids.coolant];
         let flags = flags.iter().fold(0, |all, flag| all << 1 | u8::from(*flag));
         let (spindle, turret) = (self.main_spindle.discrete(age), self.turret.discrete(age));
-        DiscreteState([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age), spindle, turret])
+        let [pump, pump_flags] = self.hydraulic.discrete(age);
+        DiscreteState([wheel, drive, second, tailstock, magnet, flags, pump, pump_flags, spindle, turret])
     }
 }

@@ -29,6 +29,10 @@ pub struct Hydraulic {
     alarm: PressureAlarm,
     refused_start: bool,
     acknowledged: bool,
+    /// A running pump was switched off by key or M15: its pressure may go.
+    commanded_off: bool,
+    /// The pressure was missing before the open run began; the pump has not been switched on since.
+    missing_before_run: bool,
 }
 
 impl Hydraulic {
@@ -45,6 +49,11 @@ impl Hydraulic {
         self.on
     }
 
+    /// Alarm 180 is active.
+    pub fn has_alarm(&self) -> bool {
+        self.alarm != PressureAlarm::Clear
+    }
+
     /// Alarm 180 stopped the wheel or a program and waits for RESET.
     pub fn is_latched(&self) -> bool {
         self.alarm == PressureAlarm::Latched
@@ -52,12 +61,13 @@ impl Hydraulic {
 
     pub fn switch_on(&mut self, now: Micros) {
         if !self.on {
-            self.on = true;
+            (self.on, self.commanded_off) = (true, false);
             self.since = Some(now);
         }
     }
 
     pub fn switch_off(&mut self) {
+        self.commanded_off |= self.on;
         self.on = false;
     }
 
@@ -74,12 +84,12 @@ impl Hydraulic {
         self.refused_start = true;
     }
 
-    /// The state as a small number; `age` returns the ticks since a moment.
-    pub fn discrete(&self, age: impl Fn(Micros) -> u8) -> u8 {
+    /// The state as small numbers; `age` returns the ticks since a moment.
+    pub fn discrete(&self, age: impl Fn(Micros) -> u8) -> [u8; 2] {
         let since = self.since.map_or(4, age);
-        let flags = [self.on, self.refused_start, self.acknowledged];
+        let flags = [self.on, self.refused_start, self.acknowledged, self.commanded_off, self.missing_before_run];
         let flags = flags.iter().fold(0, |all, flag| all << 1 | u8::from(*flag));
-        (since * 4 + self.alarm as u8) * 8 + flags
+        [since * 4 + self.alarm as u8, flags]
     }
 
     /// RESET: the next tick clears a latched alarm if its cause is gone.
@@ -87,7 +97,9 @@ impl Hydraulic {
         self.acknowledged = true;
     }
 
-    /// K3.7, each tick. Supervised from P270 after power-on and after each switching-on, even after a deliberate M15.
+    /// K3.7, each tick. Supervised from P270 after power-on and after each switching-on; pressure that goes because a
+    /// running pump was switched off is no alarm. A run that does not need the wheel stops when its pump loses the
+    /// pressure or does not get it, not because of an alarm that was there before.
     pub fn supervise(
         &mut self,
         now: Micros,
@@ -99,7 +111,9 @@ impl Hydraulic {
         let delay = params.millis(param::HYDRAULIC_DELAY);
         let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
         let due = self.is_due(now, delay);
-        let missing = looked_at && due && !inputs.has(Input::HydraulicPressure);
+        let missing = looked_at && due && !self.commanded_off && !inputs.has(Input::HydraulicPressure);
+        self.missing_before_run = missing && (!run_open || self.missing_before_run);
+        let stops = missing && (wheel_on || run_open && self.on && !self.missing_before_run);
         let pressure_ok = !looked_at || inputs.has(Input::HydraulicPressure);
         let refused = std::mem::take(&mut self.refused_start);
         let acknowledged = std::mem::take(&mut self.acknowledged);
@@ -108,7 +122,7 @@ impl Hydraulic {
             PressureAlarm::Latched if acknowledged && pressure_ok => PressureAlarm::Clear,
             PressureAlarm::Latched => PressureAlarm::Latched,
             PressureAlarm::Clear | PressureAlarm::Present | PressureAlarm::StartRefused
-                if missing && (wheel_on || run_open) || refused && run_open =>
+                if stops || refused && run_open =>
             {
                 PressureAlarm::Latched
             }

@@ -45,6 +45,8 @@ pub struct InterlockInputs {
     pub hydraulic_needed: bool,
     /// P17.0=0 and P270>0: the pressure signal is supervised.
     pub hydraulic_checked: bool,
+    /// Alarm 180 is active.
+    pub hydraulic_alarm: bool,
     /// Alarm 180 stopped the wheel or a program and waits for RESET.
     pub hydraulic_latched: bool,
     /// The pump's output is on.

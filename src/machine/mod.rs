@@ -65,7 +65,7 @@ pub struct ControlState {
     pub alarm_blocks: bool,
     /// The drives are off after a stop-all alarm.
     pub drives_off: bool,
-    /// An axis oscillates by servo while no run is open.
+    /// An axis oscillates by servo while no run is open; in an open run, by the key.
     pub oscillating: bool,
     /// Machine lock is on.
     pub machine_lock: bool,
@@ -73,6 +73,8 @@ pub struct ControlState {
     pub dry_run: bool,
     /// The current program is a dressing program (P91 to P92).
     pub dressing_program: bool,
+    /// The current program or one that it calls starts the wheel.
+    pub starts_wheel: bool,
     /// Commanded speed of the wheel, rpm.
     pub wheel_rpm: f64,
 }
@@ -113,8 +115,8 @@ impl Consequence {
     #[must_use]
     pub fn of(number: u16, stopped: bool) -> Self {
         match alarm::reaction(number) {
-            Reaction::BlockStart if stopped => Self::Abort,
-            Reaction::Show | Reaction::BlockStart => Self::Nothing,
+            Reaction::BlockWheel | Reaction::BlockStart if stopped => Self::Abort,
+            Reaction::Show | Reaction::BlockWheel | Reaction::BlockStart => Self::Nothing,
             Reaction::HoldProgram => Self::Hold,
             Reaction::StopProgram => Self::Abort,
             Reaction::StopProgramAndWheel => Self::AbortAndStop,
@@ -269,6 +271,7 @@ impl Machine {
             hydraulic_needed: supervised,
             hydraulic_checked: supervised && params.get(param::HYDRAULIC_DELAY) > 0.0,
             hydraulic_on: self.hydraulic.is_on(),
+            hydraulic_alarm: self.hydraulic.has_alarm(),
             hydraulic_latched: self.hydraulic.is_latched(),
             hydraulic_settled: self.hydraulic.is_settled(now, params),
             pressure: inputs.has(Input::HydraulicPressure),

@@ -164,6 +164,10 @@ rules! {
         => Alarm(alarm::OSCILLATING_AT_START), "振荡中，不能启动程序", "an axis is oscillating: no cycle start";
     row: "B8", cycle_start, |inputs| inputs.control_state.alarm_blocks
         => Deny, "有报警，先排除并复位", "an alarm is present: clear it first";
+    row: "K3.7", |request| matches!(request, Request::CycleStart),
+        |inputs| inputs.hydraulic_alarm && inputs.control_state.starts_wheel
+        => Deny, "报警 180：没有液压压力，启动砂轮的程序不能运行",
+            "alarm 180: no hydraulic pressure, a program that starts the wheel cannot run";
     row: "B5", cycle_start, |inputs| inputs.external_hold
         => Deny, "外接暂停有效，不能启动", "the external hold is active: no cycle start";
     row: "K5.13", cycle_start, |inputs| inputs.drive_stopped_by_guard

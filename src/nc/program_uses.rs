@@ -22,6 +22,47 @@ pub struct ProgramUses {
     pub calls: Vec<u32>,
 }
 
+/// What a program does with the wheel (K3.7). Computed codes are not found.
+#[derive(Clone, Debug, Default)]
+pub struct WheelUse {
+    /// It has an M03.
+    pub starts_wheel: bool,
+    /// The numbers of the called programs.
+    pub calls: Vec<u32>,
+}
+
+impl WheelUse {
+    /// Scans a program.
+    #[must_use]
+    pub fn of(source: &Source) -> Self {
+        let (mut found, dialect) = (Self::default(), source.dialect());
+        for line in 1..=source.line_count() as u32 {
+            let bytes = &source.bytes()[source.line_start(line - 1)..source.line_start(line)];
+            // M03, M98, G65, G66: most lines of a long program have none of them.
+            if bytes.iter().any(|byte| byte.eq_ignore_ascii_case(&b'M')) || bytes.windows(2).any(is_macro_code) {
+                let (code, _) = split_comment(&source.line(line).unwrap_or_default(), dialect);
+                found.starts_wheel |= code.split('M').skip(1).any(is_wheel_start);
+                found.calls.extend((dialect::rules(dialect).call_in_text)(&code));
+            }
+        }
+        found.calls.sort_unstable();
+        found.calls.dedup();
+        found
+    }
+}
+
+/// Whether two bytes may be the digits of G65 or G66.
+fn is_macro_code(digits: &[u8]) -> bool {
+    matches!(digits, b"65" | b"66")
+}
+
+/// Whether an M word continues as M03.
+fn is_wheel_start(behind: &str) -> bool {
+    let digits = behind.trim_start();
+    let digits = &digits[..digits.bytes().take_while(u8::is_ascii_digit).count()];
+    digits.trim_start_matches('0') == "3"
+}
+
 /// Scans a program.
 #[must_use]
 pub fn find_uses(source: &Source, dialect: Dialect) -> ProgramUses {

@@ -1,7 +1,7 @@
 //! Settings of the interpreter from machine kind and parameters. Source: spec K1, B1, B2.
 
 pub use crate::defs::kind::Dialect;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// The meaning of S under G97.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub struct SuperManSettings {
     pub increment_mm: f64,
     /// Work coordinates that G36, G37, G39 set at the machine origin, radius mm.
     pub origin: PerAxis<f64>,
-    /// G02 and G03 turn opposite to ISO, as the manual warns.
+    /// G02 and G03 turn opposite to ISO, also seen with X up (P5.4=0).
     pub arcs_reversed: bool,
     /// Spindle speed without S, rpm.
     pub spindle_rpm: f64,
@@ -33,6 +33,8 @@ pub struct SuperManSettings {
     pub max_rpm: f64,
     /// Acceleration and jerk of Z, mm/s² and mm/s³, for the run-up of a thread.
     pub z_accel_jerk: (f64, f64),
+    /// Lag time of the drives (P391), s.
+    pub servo_lag_s: f64,
 }
 
 impl Default for SuperManSettings {
@@ -43,10 +45,11 @@ impl Default for SuperManSettings {
             rapid_z_per_x: 2.0,
             increment_mm: 0.01,
             origin: PerAxis([0.0; 3]),
-            arcs_reversed: true,
+            arcs_reversed: false,
             spindle_rpm: 200.0,
             max_rpm: 5_000.0,
             z_accel_jerk: (800.0, 20_000.0),
+            servo_lag_s: 0.02,
         }
     }
 }
@@ -84,6 +87,8 @@ pub struct NcSettings {
     pub superman: SuperManSettings,
     /// P17.1: G35 moves a cylinder and has no words.
     pub oscillation_by_cylinder: bool,
+    /// P238 and P239: the oscillation that M35 alone starts (K4.3), axis and other end, radius mm.
+    pub oscillation_stroke: (Axis, f64),
     /// Rapid speed of each axis, mm/min; for the time estimate of a check.
     pub rapid_mm_min: PerAxis<f64>,
 }
@@ -107,6 +112,7 @@ impl NcSettings {
             needs_block_numbers: false,
             superman: SuperManSettings::default(),
             oscillation_by_cylinder: false,
+            oscillation_stroke: (Axis::X, 0.0),
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
     }

@@ -208,6 +208,7 @@ fn k3_the_check_reads_the_interlock_table() {
         ("gc", "S2000 M03\nM30", 1, 186),
         ("gc", "M10\nM63\nM11\nM30", 3, 181),
         ("ga", "M94\nM63\nM95\nM30", 3, 187),
+        ("gc", "M15\nM03\nM30", 2, 180),
     ] {
         let errors = json(kind, "O0500.NC", text)["errors"].clone();
         assert_eq!(errors.as_array().map(Vec::len), Some(1), "{text:?} {errors}");
@@ -227,6 +228,9 @@ fn k3_what_the_machine_allows_is_no_error() {
         ("gc", "G35 Z-200 Q10\nG00 X-10\nG36\nG01 Z-160 F100\nM80\nM21 P40\n#1139=0\nM30"),
         ("gs", "M94\nM03 S1000\nM63\nM65\nM05\nM95\nM30"),
         ("ga", "M63\nM65\nM95\nM94\nM63\nM30"),
+        // K3.7: M15 with the wheel off is no alarm; the wheel may start once the pump is on again.
+        ("gc", "M05\nM15\nG04 X2\nM31\nM30"),
+        ("gc", "M15\nG04 X2\nM14\nG04 X4\nM03 S1000\nM30"),
     ] {
         let out = check(kind, "O0500.NC", text, &[]);
         assert_eq!(out.status.code(), Some(0), "{kind} {text:?} {}", said(&out));

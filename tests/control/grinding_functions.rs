@@ -329,6 +329,34 @@ fn k4_3_m35_and_m36_are_aliases() {
     );
 }
 
+/// P238 X, P239, P240, P241 as the key has them (K4.3).
+#[test]
+fn k4_3_m35_alone_oscillates_by_the_parameters_and_m36_ends_it() {
+    let mut rig = ready();
+    tell(&mut rig, "param P239 -120\nparam P241 30\nmode mdi\nmdi G00 X-100\nwait 1 s\nexpect X -100 ±0.002\nmdi M35");
+    tell(&mut rig, "expect no alarm\nexpect lamp oscillation on\nwait until X<-119 max 5 s\nwait until X>-101 max 5 s");
+    tell(&mut rig, "mdi M36\nwait 4 s\nexpect lamp oscillation off\nexpect X -100 ±0.002");
+    // In a program; the other axes go on.
+    let mut rig = ready_with("M35\nG98 G01 X-90 F300\nM36\nM00\nM30");
+    tell(&mut rig, "param P238 1\nparam P239 -160\nparam P241 30\nmode auto\nkey cycle-start\nwait 1 s");
+    tell(&mut rig, "expect lamp oscillation on\nwait until stopped max 30 s\nexpect lamp oscillation off");
+    tell(&mut rig, "expect Z -150 ±0.001\nexpect X -90 ±0.001");
+}
+
+#[test]
+fn k4_3_m35_alone_without_a_stroke_is_refused() {
+    // Z stands at P239 already.
+    let mut rig = ready_with("M35\n#100=7\nM30");
+    tell(&mut rig, "param P238 1\nparam P239 -150\nmode auto\nkey cycle-start\nwait until alarm max 5 s");
+    tell(&mut rig, "expect alarm 197\nexpect lamp oscillation off\nexpect Z -150 ±0.001");
+    assert_eq!(rig.snapshot().variables[100], None);
+    // P17.1: the cylinder needs no words.
+    tell(
+        &mut ready(),
+        "param P17.1 1\nmode mdi\nmdi M35\nexpect output oscillation-forward on\nmdi M36\nwait 1 s\nexpect lamp oscillation off",
+    );
+}
+
 #[test]
 fn k4_4_the_cylinder_goes_to_and_fro_between_its_switches() {
     let mut rig = ready();
@@ -409,6 +437,50 @@ fn k4_5_two_stages_go_on_in_the_same_direction() {
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s");
     touch(&mut rig, -155.0, Some(-156.0));
     tell(&mut rig, "expect state stopped\nexpect no alarm\nexpect #435 -155.005 ±0.012\nexpect #436 -156 ±0.002");
+}
+
+/// The customer's sample, F1500 and J60: the axis needs 25²/(2·800) mm to brake, with its jerk 2·√(25/20000) s · 25/2 mm/s
+/// = 0.88 mm, and the drive lags 20 ms · 25 mm/s = 0.5 mm behind. A second stage 1 mm behind the first comes on in that.
+#[test]
+fn k4_5_an_edge_of_q_before_speed_j_is_alarm_205_and_no_measurement() {
+    for (second, what) in [(-155.0, "with P"), (-156.0, "while it brakes"), (-154.0, "before P")] {
+        let mut rig = ready_with("M78\nG78 Z-170 F1500 J60 P4 Q6 L3\nM00\nM30");
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s");
+        touch(&mut rig, -155.0, Some(second));
+        tell(&mut rig, "wait until alarm max 2 s\nexpect alarm 205\nexpect output axial-gauge off");
+        assert_eq!(rig.controller().system_variable(436), None, "{what}");
+        let stands = rig.snapshot().axes[Axis::Z].work;
+        // From the edge of P or Q: 0.88 mm of braking and 0.5 mm of lag.
+        let first = second.max(-155.0);
+        assert!((first - 1.5..first).contains(&stands), "{what}: it stands at {stands}");
+    }
+    // A second stage 2 mm behind the first is measured at J.
+    let mut rig = ready_with("M78\nG78 Z-170 F1500 J60 P4 Q6 L3\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s");
+    touch(&mut rig, -155.0, Some(-157.0));
+    tell(&mut rig, "expect state stopped\nexpect no alarm\nexpect #436 -157 ±0.002");
+}
+
+#[test]
+fn k4_5_q_that_is_on_at_the_start_or_comes_in_a_hold_is_alarm_205() {
+    let mut rig = ready_with("G78 Z-170 F1500 J60 P4 Q6 L3\nM30");
+    tell(&mut rig, "input gauge-6 on\nmode auto\nkey cycle-start\nwait until alarm max 5 s\nexpect alarm 205");
+    tell(&mut rig, "expect Z -150 ±0.001");
+    let mut rig = ready_with("G78 Z-250 F1500 J60 P4 Q6 L3\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until Z<-160 max 30 s\nkey feed-hold\ninput gauge-4 on");
+    tell(&mut rig, "input gauge-6 on\ninput gauge-6 off\nwait until held max 5 s\nexpect no alarm\nkey cycle-start");
+    tell(&mut rig, "wait until alarm max 5 s\nexpect alarm 205");
+}
+
+#[test]
+fn k4_5_speed_j_under_the_feed_override_is_reached_too() {
+    let mut rig = ready_with("M78\nG78 Z-170 F600 J60 P4 Q6 L3\nM00\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey feed-override-down\nkey feed-override-down\nkey feed-override-down\nkey cycle-start\nwait 0.1 s",
+    );
+    touch(&mut rig, -155.0, Some(-156.0));
+    tell(&mut rig, "expect state stopped\nexpect no alarm\nexpect #436 -156 ±0.002");
 }
 
 /// Gives the gauge's signals as a part at these places would, until the run stands.

@@ -175,15 +175,28 @@ fn k4_3_strokes_begun_by_the_key_in_a_hold_must_end_before_cycle_start() {
     tell(&mut rig, "param P238 1\nparam P239 -140\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s");
     tell(
         &mut rig,
-        "key oscillation\nwait 3 s\nkey cycle-start\nexpect state held\nexpect message \"振荡\"\nkey oscillation",
+        "key oscillation\nwait 3 s\nkey cycle-start\nexpect state held\nexpect message \"振荡\"\nexpect alarm 182",
     );
+    // K4.3: the alarm goes with the oscillation, and the run goes on.
+    tell(&mut rig, "key cycle-start\nexpect state held\nkey oscillation");
     tell(
         &mut rig,
-        "wait 20 s\nexpect lamp oscillation off\nkey cycle-start\nwait until stopped max 60 s\nexpect Z -170 ±0.001",
+        "wait 20 s\nexpect lamp oscillation off\nexpect no alarm\nkey cycle-start\nwait until stopped max 60 s\nexpect Z -170 ±0.001",
     );
     tell(
         &mut rig,
         "key reset\nmode auto\nmdi G00 Z-150\nwait 1 s\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s",
     );
     tell(&mut rig, "key oscillation\nwait 1.3 s\nkey reset\nwait 2 s\nexpect no alarm\nexpect lamp oscillation off");
+}
+
+#[test]
+fn k4_3_the_cylinder_begun_by_the_key_in_a_hold_is_alarm_182_the_programs_own_is_not() {
+    let mut rig = ready_with("G98 G01 Z-170 F120\nM00\nM30");
+    tell(&mut rig, "param P17.1 1\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s\nkey oscillation");
+    tell(&mut rig, "expect lamp oscillation on\nkey cycle-start\nexpect alarm 182\nexpect state held\nkey oscillation");
+    tell(&mut rig, "wait 1 s\nexpect no alarm\nkey cycle-start\nexpect state running");
+    let mut rig = ready_with("G98 G35\nG01 Z-170 F120\nM00\nM30");
+    tell(&mut rig, "param P17.1 1\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s");
+    tell(&mut rig, "expect lamp oscillation on\nkey cycle-start\nexpect no alarm\nexpect state running");
 }

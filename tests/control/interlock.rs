@@ -74,6 +74,18 @@ fn k3_7_a_latched_alarm_180_blocks_the_wheel_although_the_pressure_is_back() {
 }
 
 #[test]
+fn k3_7_alarm_180_bars_programs_that_start_the_wheel_not_mdi() {
+    let mut alarm = InterlockInputs { hydraulic_alarm: true, pressure: false, ..ready() };
+    assert_eq!(outcome(Request::CycleStart, alarm), None);
+    alarm.control_state.starts_wheel = true;
+    assert_eq!(outcome(Request::CycleStart, alarm), Some(RuleOutcome::Deny));
+    assert_eq!(outcome(Request::MdiStart, alarm), None);
+    assert_eq!(outcome(Request::HydraulicOn, alarm), None);
+    alarm.hydraulic_alarm = false;
+    assert_eq!(outcome(Request::CycleStart, alarm), None);
+}
+
+#[test]
 fn b5_nothing_moves_while_the_drives_are_off() {
     let mut inputs = ready();
     inputs.control_state.drives_off = true;

@@ -27,10 +27,15 @@ fn folders() -> Folders {
 
 /// A ready lathe with a program of this text and a bar of 45 mm.
 fn lathe(text: &str) -> HeadlessHost {
+    lathe_with_bar(text, 45.0)
+}
+
+/// The same with a bar of another diameter.
+fn lathe_with_bar(text: &str, diameter: f64) -> HeadlessHost {
     let mut rig = rig_of(Kind::Lathe, folders());
     rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     let mut params = rig.retained().params.clone();
-    params.write(ParamAddress::parse("P384").unwrap(), 45.0).unwrap();
+    params.write(ParamAddress::parse("P384").unwrap(), diameter).unwrap();
     let source = rig.program_source(7_000).unwrap();
     if let Some(bar) = bar::bar_of_program(Kind::Lathe, &params, &source) {
         rig.mount_part(&bar);
@@ -175,6 +180,34 @@ fn l5_fine_threads_are_in_step_after_three_leads() {
         assert!(cut.length_mm > 40.0 - 1.2 - 0.5, "{cut:?}");
         assert!(cut.error_mm < 0.005, "{cut:?}");
     }
+}
+
+/// The printed two-start thread begins at Z6 with lead 4 at 200 rpm, 13.3 mm/s. A lead of 2 at 400 rpm has the same run-up and
+/// is measured from three leads = 6 mm on: Z is in step there.
+#[test]
+fn l5_the_printed_two_start_thread_is_in_step_at_the_part() {
+    let cut = run("N0010G92X100Z50\nN0020M03S400\nN0025G04F5\nN0030G01U-2F300\nN0040G33W-40F2\nN0050M02")
+        .controller()
+        .threads()[0];
+    assert!(cut.length_mm > 40.0 - 1.2 - 0.5 && cut.error_mm < 0.005, "{cut:?}");
+    let text = std::fs::read_to_string(crate::stories::folders_of(Kind::Lathe).programs.join("TWOSTART.NC")).unwrap();
+    // Its bar is 20 mm thick.
+    let mut rig = lathe_with_bar(&text, 20.0);
+    tell(&mut rig, "key cycle-start\nwait until idle max 600 s\nexpect no alarm\nexpect no event");
+    let threads = rig.controller().threads();
+    assert!(threads.len() == 2 && threads.iter().all(|cut| cut.error_mm < 0.005), "{threads:?}");
+}
+
+/// L7: the manual's F1 beside 循环启动. Nothing else than a stopped program gives F1 this meaning.
+#[test]
+fn l7_after_m00_f1_continues() {
+    let mut rig = lathe("N0010M00\nN0015M00\nN0020G04F1\nN0030M02");
+    tell(&mut rig, "key f1\nwait 0.5 s\nexpect state idle\nkey cycle-start\nwait until stopped max 5 s\nkey f1");
+    tell(&mut rig, "wait until stopped max 5 s\nkey next-row\nkey f1\nwait 0.2 s\nexpect state running");
+    tell(&mut rig, "key f1\nexpect state running\nwait until idle max 5 s\nexpect no alarm");
+    // A grinder keeps its soft keys in M00.
+    let mut rig = crate::stories::ready_with("M00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 5 s\nkey f1\nwait 0.5 s\nexpect state stopped");
 }
 
 /// A legal S turns the spindle at S, however slow; one that the spindle cannot turn at is refused with its range.

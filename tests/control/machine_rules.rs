@@ -4,10 +4,17 @@ use crate::stories::{ready, ready_with, refused, story, story_on, tell};
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::signal::{Input, Output};
+use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::simulation::SimCommand;
 use kt830::link::snapshot::RunState;
+
+/// Adds a program.
+fn add(rig: &mut HeadlessHost, number: u32, text: &str) {
+    let name = format!("O{number}.NC");
+    rig.add_program(program_from_bytes(number, &name, text.as_bytes().to_vec(), rig.kind().dialect()));
+}
 
 /// Hydraulics on, pressure there, its delay gone by, nothing homed.
 const HYDRAULICS: &str = "key hydraulic\nwait 4 s\nexpect no alarm\n";
@@ -16,16 +23,99 @@ const HYDRAULICS: &str = "key hydraulic\nwait 4 s\nexpect no alarm\n";
 fn k3_7_missing_pressure_after_power_on_is_alarm_180_from_p270_on() {
     // P270 = 3000 ms, then the tick that looks; the input has been off since power-on, so its filter adds nothing.
     let mut rig = story("wait 2.9 s\nexpect no alarm\nwait 0.2 s\nexpect alarm 180\nexpect state alarm");
-    // It blocks wheel and cycle start, not homing or jogging, and goes by itself when the signal comes.
+    // It blocks the wheel, not homing or jogging, and goes by itself when the signal comes.
     tell(&mut rig, "key wheel-start\nexpect output wheel off\nmode jog\nhold X+ 0.5 s\nexpect state alarm");
     tell(&mut rig, "key hydraulic\nwait 4 s\nexpect no alarm");
 }
 
 #[test]
-fn k3_7_a_deliberate_m15_brings_the_alarm_and_the_signal_takes_it_away() {
+fn k3_7_pressure_that_goes_with_a_commanded_off_is_no_alarm_and_the_wheel_still_needs_it() {
+    for off in ["key hydraulic", "mdi M15"] {
+        let mut rig = story(HYDRAULICS);
+        tell(&mut rig, &format!("{off}\nexpect output hydraulic off\nwait 5 s\nexpect no alarm"));
+        tell(
+            &mut rig,
+            "expect input hydraulic-pressure off\nkey wheel-start\nexpect output wheel off\nexpect alarm 180",
+        );
+        // The refused start clears when it would be granted: pump on, P270 = 3 s, pressure.
+        tell(&mut rig, "key hydraulic\nwait 4 s\nexpect no alarm\nkey wheel-start\nexpect output wheel on");
+    }
+}
+
+#[test]
+fn k3_7_after_a_deliberate_m15_the_next_m14_is_supervised_from_p270_on() {
     let mut rig = story(HYDRAULICS);
-    tell(&mut rig, "key hydraulic\nexpect output hydraulic off\nwait 4 s\nexpect alarm 180");
-    tell(&mut rig, "key hydraulic\nwait 2 s\nexpect no alarm");
+    tell(&mut rig, "mdi M15\nwait 4 s\nexpect no alarm\ninput hydraulic-pressure off\nmdi M14");
+    tell(&mut rig, "wait 1.8 s\nexpect no alarm\nwait 1.5 s\nexpect alarm 180");
+    tell(&mut rig, "input hydraulic-pressure free\nwait 0.1 s\nexpect no alarm");
+}
+
+#[test]
+fn k3_7_m14_works_under_alarm_180_in_mdi_and_in_a_program() {
+    tell(&mut story("wait 4 s\nexpect alarm 180"), "mdi M14\nexpect output hydraulic on\nwait 4 s\nexpect no alarm");
+    let mut rig = story("wait 4 s\nexpect alarm 180\nhome all\nexpect alarm 180");
+    add(&mut rig, 7_000, "M14\nG04 X4\n#100=7\nM30");
+    tell(
+        &mut rig,
+        "load O7000\nmode auto\nkey cycle-start\nwait 0.5 s\nexpect state running\nexpect output hydraulic on",
+    );
+    tell(&mut rig, "wait until idle max 20 s\nexpect no alarm\nexpect #100 7");
+}
+
+#[test]
+fn k3_7_m15_in_a_program_whose_wheel_is_off_is_no_alarm_and_the_part_counts() {
+    let mut rig = ready_with("M05\nM15\nG04 X2\nM31\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait until idle max 20 s\nexpect no alarm\nexpect output hydraulic off",
+    );
+    assert_eq!(rig.snapshot().parts_counted, 1);
+    // A wheel start without the pump stays refused, in the program as by key.
+    let mut rig = ready_with("M15\nG04 X2\nM03\n#100=7\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 20 s\nexpect alarm 180\nexpect output wheel off");
+    assert_eq!(rig.snapshot().variables[100], None);
+}
+
+#[test]
+fn k3_7_alarm_180_bars_programs_that_start_the_wheel_and_no_others() {
+    let mut rig = ready_with("G98 G00 X-100\n#100=7\nM30");
+    add(&mut rig, 7_001, "#101=7\nG01 X-50 F500\nm3 S1200\nM30");
+    add(&mut rig, 7_002, "#102=7\nM98 P7001\nM30");
+    add(&mut rig, 7_003, "#103=7\nG65 P7002\nM30");
+    add(&mut rig, 7_004, "#104=3\nM#104\n#105=7\nM30");
+    add(&mut rig, 7_005, "; no M03\n(M03)\nM30\n");
+    tell(&mut rig, "input hydraulic-pressure off\nwait 1 s\nexpect alarm 180\nmode auto");
+    for program in ["O7001", "O7002", "O7003"] {
+        tell(&mut rig, &format!("load {program}\nkey cycle-start\nexpect message \"报警 180\"\nexpect state alarm"));
+    }
+    assert_eq!(rig.snapshot().variables[101..104], [None; 3], "nothing of them ran");
+    tell(&mut rig, "load O7000\nkey cycle-start\nwait until alarm max 60 s\nexpect X -100 ±0.002\nexpect #100 7");
+    tell(&mut rig, "load O7005\nkey cycle-start\nexpect alarm 180\nwait 1 s\nexpect state alarm");
+    // What no text shows is stopped at its M03.
+    tell(&mut rig, "load O7004\nkey cycle-start\nwait 1 s\nexpect alarm 180\nexpect output wheel off\nexpect #104 3");
+    assert_eq!(rig.snapshot().variables[105], None);
+}
+
+#[test]
+fn k3_7_a_pump_that_loses_its_pressure_or_never_gets_it_stops_its_program() {
+    let mut rig = ready_with("G04 X5\n#100=7\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait 1 s\nfault pressure-loss\nwait until alarm max 3 s\nexpect alarm 180",
+    );
+    assert_eq!(rig.snapshot().variables[100], None);
+    let mut rig = ready_with("M14\nG04 X9\n#100=7\nM30");
+    tell(&mut rig, "key hydraulic\nwait 3 s\ninput hydraulic-pressure off\nmode auto\nkey cycle-start\nwait 2.5 s");
+    tell(&mut rig, "expect state running\nwait 1 s\nexpect alarm 180\nexpect state alarm");
+    assert_eq!(rig.snapshot().variables[100], None);
+    // The same when alarm 180 was there before: the new M14 gets its own P270.
+    let mut rig = ready_with("M14\nG04 X9\n#100=7\nM30");
+    tell(
+        &mut rig,
+        "input hydraulic-pressure off\nwait 1 s\nexpect alarm 180\nkey hydraulic\nmode auto\nkey cycle-start",
+    );
+    tell(&mut rig, "wait 2.5 s\nexpect state running\nwait 1 s\nexpect state alarm");
+    assert_eq!(rig.snapshot().variables[100], None);
 }
 
 #[test]
@@ -499,7 +589,7 @@ fn b4_the_second_spindle_pauses_before_it_reverses() {
 fn b4_m20_pulses_a_free_port_for_its_milliseconds() {
     let mut rig = ready_with("M20 P40 L500\nM00\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start");
-    let level = |rig: &HeadlessHost| rig.controller().outputs().terminals.level(40);
+    let level = |rig: &HeadlessHost| rig.controller().outputs().terminals.is_closed(40);
     let mut lasted = 0;
     for _ in 0..1_000 {
         rig.step();
@@ -521,7 +611,7 @@ fn b4_m20_pulses_a_free_port_for_its_milliseconds() {
 fn k6_1_two_functions_on_one_port_do_nothing_and_say_so() {
     let mut rig = ready();
     tell(&mut rig, "mode jog\nparam P301 1\nkey coolant\nexpect message \"同一个输出口\"\nexpect output coolant off");
-    assert!(!rig.controller().outputs().terminals.level(1));
+    assert!(!rig.controller().outputs().terminals.is_closed(1));
     tell(&mut rig, "key wheel-start\nexpect message \"同一个输出口\"\nexpect output wheel off");
     // The port of an output that is on is not taken from under it.
     tell(&mut rig, "param P301 2\nkey coolant\nexpect output coolant on");
@@ -536,7 +626,7 @@ fn k6_1_a_port_out_of_range_is_refused() {
     let mut rig = ready();
     assert!(refused(&mut rig, "param P301 65").contains("P301"));
     tell(&mut rig, "mode jog\nkey coolant\nexpect output coolant on");
-    assert!(rig.controller().outputs().terminals.level(2));
+    assert!(rig.controller().outputs().terminals.is_closed(2));
 }
 
 #[test]
@@ -657,10 +747,10 @@ fn k6_1_a_tower_lamp_on_the_wheels_port_never_switches_the_wheel() {
         &mut rig,
         "param P312 1\nmode jog\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0\nexpect output tower-red off",
     );
-    assert!(!rig.controller().outputs().terminals.level(1));
+    assert!(!rig.controller().outputs().terminals.is_closed(1));
     let mut rig = ready();
     tell(&mut rig, "param P302 1\nparam P85 1\nwait 61 s\nexpect output lubrication off");
-    assert!(!rig.controller().outputs().terminals.level(1));
+    assert!(!rig.controller().outputs().terminals.is_closed(1));
 }
 
 #[test]

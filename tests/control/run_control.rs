@@ -28,8 +28,15 @@ fn b5_cycle_start_with_an_alarm_present_is_refused() {
     let mut rig = ready_with("#100=1\nM30");
     tell(
         &mut rig,
-        "fault pressure-loss\nwait 5 s\nexpect alarm 180\nmode auto\nkey cycle-start\nexpect message \"报警\"",
+        "fault drive-X\nwait 1 s\nexpect alarm 104\nmode auto\nkey cycle-start\nexpect message \"驱动已断开\"",
     );
+    tell(&mut rig, "key cycle-start\nexpect state alarm");
+    let mut rig = ready_with("#100=1\nM30");
+    tell(
+        &mut rig,
+        "param P333 60\ninput coolant-flow off\nkey coolant\nwait 10 s\nexpect alarm 192\nmode auto\nkey cycle-start",
+    );
+    tell(&mut rig, "expect message \"报警\"\nexpect state alarm");
     assert_eq!(rig.snapshot().variables[100], None);
 }
 

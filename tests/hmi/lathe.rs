@@ -4,8 +4,9 @@ use crate::live_screen::Bench;
 use crate::stories::{rig_of, tell};
 use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
-use kt830::host::folders::Folders;
+use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::HeadlessHost;
+use kt830::link::snapshot::RunState;
 
 /// A ready lathe with SHAFT and its bar of 45 mm.
 fn lathe() -> HeadlessHost {
@@ -102,4 +103,23 @@ fn l9_f4_and_f5_are_the_lathes_own_pages_and_no_page_speaks_of_a_wheel() {
             assert!(!bench.shows(word), "{word} on {}", page.id());
         }
     }
+}
+
+/// L7: what F1 does stands on the key.
+#[test]
+fn l7_after_m00_the_key_f1_reads_continue() {
+    let mut rig = lathe();
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", b"N0010M00\nN0020M02".to_vec(), Dialect::SuperMan));
+    tell(&mut rig, "load O7000\nkey cycle-start\nwait until stopped max 5 s");
+    let mut bench = Bench::new(rig, Page::Position);
+    assert!(bench.shows("继续"));
+    bench.press(egui::Key::F1);
+    (0..50).for_each(|_| bench.turn());
+    assert_eq!(bench.rig.snapshot().state, RunState::Idle, "it went on to its end");
+    assert!(!bench.shows("继续"));
+    tell(&mut bench.rig, "key cycle-start\nwait until stopped max 5 s");
+    bench.turn();
+    bench.touch("继续 f1");
+    (0..50).for_each(|_| bench.turn());
+    assert_eq!(bench.rig.snapshot().state, RunState::Idle);
 }

@@ -83,14 +83,21 @@ impl Bench {
 
     /// Whether the screen itself paints the words now, with all that was touched and typed on it.
     pub fn shows(&self, words: &str) -> bool {
-        fn has(shape: &egui::Shape, words: &str) -> bool {
+        self.painted().iter().any(|text| text.contains(words))
+    }
+
+    /// The texts that the screen paints, in order.
+    pub fn painted(&self) -> Vec<String> {
+        fn collect(shape: &egui::Shape, found: &mut Vec<String>) {
             match shape {
-                egui::Shape::Vec(shapes) => shapes.iter().any(|shape| has(shape, words)),
-                egui::Shape::Text(text) => text.galley.job.text.contains(words),
-                _ => false,
+                egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, found)),
+                egui::Shape::Text(text) => found.push(text.galley.job.text.clone()),
+                _ => {}
             }
         }
-        self.screen.output().shapes.iter().any(|clipped| has(&clipped.shape, words))
+        let mut found = Vec::new();
+        self.screen.output().shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut found));
+        found
     }
 
     pub fn message(&mut self) -> String {

@@ -59,8 +59,8 @@ impl Operator {
         let tower = [Output::TowerRed, Output::TowerYellow, Output::TowerGreen];
         for output in Output::ALL.iter().filter(|output| !tower.contains(output)) {
             let port = params.output_port(*output);
-            if ports.level(port) != self.ports.level(port) {
-                self.trace.push(format!("{} {}", output.id(), if ports.level(port) { "on" } else { "off" }));
+            if ports.is_closed(port) != self.ports.is_closed(port) {
+                self.trace.push(format!("{} {}", output.id(), if ports.is_closed(port) { "on" } else { "off" }));
             }
         }
         self.ports = ports;
@@ -224,7 +224,7 @@ impl Operator {
         let opens = |act: SoftKeyAction| match act {
             SoftKeyAction::Open(other) => other == page,
             SoftKeyAction::Position(_) => page == Page::Position,
-            SoftKeyAction::Print => false,
+            SoftKeyAction::Print | SoftKeyAction::Continue => false,
         };
         let kind = self.rig.kind();
         let soft = |row: usize| soft_row(kind, row).position(|soft| opens(soft.action));

@@ -250,12 +250,48 @@ fn b6_diagnosis_shows_a_forced_input_with_its_port_level_and_contact() {
         // Figure, name, id, port, level, contact, parameter.
         texts[at - 1..at + 6].to_vec()
     };
-    assert_eq!(line(&mut rig, "gauge-6")[1..], ["gauge-6", "12", "低", "常开 NO", "P328", "0"]);
+    // Inputs switch to 0 V: an open contact is at +24 V (high), a closed one at 0 V (low).
+    assert_eq!(line(&mut rig, "gauge-6")[1..], ["gauge-6", "12", "高", "常开 NO", "P328", "0"]);
     crate::stories::tell(&mut rig, "input gauge-6 on");
-    assert_eq!(line(&mut rig, "量仪信号 6")[..5], ["1", "量仪信号 6", "gauge-6", "12", "高"]);
-    assert_eq!(line(&mut rig, "emergency-stop")[..5], ["急停", "emergency-stop", "4", "高", "常闭 NC"]);
+    assert_eq!(line(&mut rig, "量仪信号 6")[..5], ["1", "量仪信号 6", "gauge-6", "12", "低"]);
+    assert_eq!(line(&mut rig, "emergency-stop")[..5], ["急停", "emergency-stop", "4", "低", "常闭 NC"]);
     crate::stories::tell(&mut rig, "input 4 on");
-    assert_eq!(line(&mut rig, "emergency-stop")[0..4], ["急停", "emergency-stop", "4", "低"]);
+    assert_eq!(line(&mut rig, "emergency-stop")[0..4], ["急停", "emergency-stop", "4", "高"]);
+}
+
+/// M80 waits until its input is active, and the page calls that low; the same for M91.
+#[test]
+fn k3_13_an_active_user_input_is_low_on_the_page() {
+    let mut rig = crate::stories::ready_with("M80\n#100=1\nM91 P13 L50\nM30\nN50 #101=1\nM30");
+    crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait until waiting max 5 s\npage diagnosis");
+    let level = |rig: &mut HeadlessHost| {
+        (0..20).for_each(|_| rig.step());
+        let texts = page_text(rig.snapshot(), Lang::Zh);
+        let at = texts.iter().position(|text| text == "user-1").unwrap();
+        texts[at + 2].clone()
+    };
+    assert_eq!(level(&mut rig), "高");
+    crate::stories::tell(&mut rig, "input user-1 on");
+    assert_eq!(level(&mut rig), "低");
+    crate::stories::tell(&mut rig, "wait until idle max 5 s\nexpect #100 1\nexpect #101 1");
+}
+
+/// An output that is on draws its load to 0 V.
+#[test]
+fn k3_13_an_output_that_is_on_is_low_on_the_page() {
+    let mut rig = crate::stories::rig();
+    crate::stories::tell(&mut rig, "page diagnosis");
+    let mut bench = Bench::new(rig, Page::Diagnosis);
+    bench.touch("输出 tab-outputs");
+    let level = |bench: &Bench| {
+        let texts = bench.painted();
+        let at = texts.iter().position(|text| text == "lubrication").unwrap();
+        texts[at + 2].clone()
+    };
+    assert_eq!(level(&bench), "高");
+    bench.rig.send(Command::Press(Key::Lubrication));
+    bench.turn();
+    assert_eq!(level(&bench), "低");
 }
 
 #[test]

@@ -416,13 +416,13 @@ fn b6_mdi_needs_its_mode_and_a_line() {
 #[test]
 fn b6_a_ready_mdi_line_outlives_a_refused_cycle_start() {
     let mut rig = crate::stories::rig();
-    crate::stories::tell(&mut rig, "mode mdi\nwait 4 s\nexpect alarm 180");
+    crate::stories::tell(&mut rig, "mode mdi\nfault drive-X\nwait 1 s\nexpect alarm 104");
     let mut bench = Bench::new(rig, Page::Mdi);
     type_in(&mut bench, "M08");
     assert_eq!(&*bench.rig.snapshot().prepared_mdi, "M08");
     bench.rig.send(Command::Press(Key::CycleStart));
     bench.turn();
-    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "M08", "alarm 180 blocks: it waits on");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "M08", "alarm 104 blocks: it waits on");
     assert!(bench.rig.snapshot().state != RunState::Running);
 }
 

@@ -224,7 +224,7 @@ fn judge(row: &Row, rig: &mut HeadlessHost, mode: &str, kind: Kind) {
     if let Some((output, on)) = row.output {
         assert_eq!(snapshot.outputs.has(output), on, "{}: output {}", at(), output.id());
         let port = rig.controller().params().output_port(output);
-        assert_eq!(rig.controller().outputs().terminals.level(port), on, "{}: port {port}", at());
+        assert_eq!(rig.controller().outputs().terminals.is_closed(port), on, "{}: port {port}", at());
     }
     if let Some((key, lamp)) = row.key {
         assert_eq!(snapshot.key(key).lamp, lamp, "{}: lamp {}", at(), key.id());

@@ -355,6 +355,34 @@ fn k5_11_g50_and_several_tools_refuse_each_other_in_both_orders() {
 }
 
 #[test]
+fn l2_p5_4_zero_reverses_the_arcs() {
+    let arcs = |arcs_reversed| {
+        let mut settings = NcSettings::for_dialect(Dialect::SuperMan);
+        settings.superman.arcs_reversed = arcs_reversed;
+        let figure = "N0010G92X60Z100\nN0020G02X120Z10R50F300\nN0030G03X60Z100I0K50\nN0040M02";
+        lines(figure, settings).into_iter().filter(|line| line.starts_with("arc")).collect::<Vec<_>>()
+    };
+    // The two circles of radius 50 through A (30, 100) and C (60, 10) have their centres at (60, 60) and (30, 50).
+    let [minor, back] = &arcs(false)[..] else { panic!("two arcs") };
+    assert!(minor.contains("cx=60 cz=60 turn=-1") && back.contains("cx=60 cz=60 turn=1"), "{minor}\n{back}");
+    let [minor, back] = &arcs(true)[..] else { panic!("two arcs") };
+    assert!(minor.contains("cx=30 cz=50 turn=1") && back.contains("cx=60 cz=60 turn=-1"), "{minor}\n{back}");
+}
+
+#[test]
+fn k4_3_m35_alone_is_the_oscillation_of_the_key() {
+    let settings = || NcSettings { oscillation_stroke: (Axis::Z, -160.0), ..NcSettings::lathe_a() };
+    let alone = lines("M35\nM36", settings());
+    assert_eq!(alone, lines("G35 Z-160\nG36", settings()));
+    assert!(alone[0].starts_with("oscillation-on z=-160"), "{alone:?}");
+    // With words it is G35, whatever the parameters say.
+    assert_eq!(lines("M35 X-120 D200 Q10", settings()), lines("G35 X-120 D200 Q10", settings()));
+    for wrong in ["M35 Q10", "M35 D200", "G35"] {
+        assert!(refused(wrong).contains("X / Z"), "{wrong}");
+    }
+}
+
+#[test]
 fn t4_the_json_form_is_radius_mm_with_the_named_keys() {
     let ops =
         run_with("G98 G0 X20 Z0\nG03 X40 Z-10 R10 F100\nG99 G1 X2 F0.1\nG4 X1\nM3", NcSettings::lathe_a()).unwrap();

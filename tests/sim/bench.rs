@@ -133,7 +133,7 @@ impl Rig {
     pub fn input(&self, input: Input) -> bool {
         let port = self.params.input_port(input);
         assert_ne!(port, 0, "{} is not connected", input.id());
-        self.seen.terminals.level(port) != (self.params.inverted_inputs() >> (port - 1) & 1 == 1)
+        self.seen.terminals.is_closed(port) != (self.params.inverted_inputs() >> (port - 1) & 1 == 1)
     }
 
     /// Wheel and workhead, table or roll up to speed.

@@ -5,29 +5,29 @@ use kt830::defs::param::ParamAddress;
 use kt830::defs::signal::{Input, Output};
 use kt830::io::Backend;
 
-/// Forces an input and reads the level of a port.
-fn level_after(rig: &mut Rig, input: &str, on: Option<bool>, port: u8) -> bool {
+/// Forces an input; whether the circuit of a port is closed then.
+fn closed_after(rig: &mut Rig, input: &str, on: Option<bool>, port: u8) -> bool {
     rig.sim.force_input(input, on).unwrap();
     rig.step();
-    rig.seen.terminals.level(port)
+    rig.seen.terminals.is_closed(port)
 }
 
 #[test]
-fn p1_a_normally_closed_contact_is_high_at_rest() {
+fn p1_a_normally_closed_contact_is_closed_at_rest_and_its_terminal_low() {
     let mut rig = cold();
     // Port 4 emergency stop, 34 limit X+; port 3 hydraulic pressure is normally open.
     let rest = rig.seen.terminals;
-    assert!(rest.level(4) && rest.level(34) && !rest.level(3));
-    assert!(!level_after(&mut rig, Input::LimitXPlus.id(), Some(true), 34));
-    assert!(level_after(&mut rig, Input::HydraulicPressure.id(), Some(true), 3));
+    assert!(rest.is_closed(4) && rest.is_closed(34) && !rest.is_closed(3));
+    assert!(!closed_after(&mut rig, Input::LimitXPlus.id(), Some(true), 34));
+    assert!(closed_after(&mut rig, Input::HydraulicPressure.id(), Some(true), 3));
 }
 
 #[test]
 fn p8_a_forced_input_is_logical_and_a_port_too() {
     let mut rig = cold();
     for name in [Input::EmergencyStop.id(), "4"] {
-        assert!(!level_after(&mut rig, name, Some(true), 4), "{name}");
-        assert!(level_after(&mut rig, name, None, 4), "{name}");
+        assert!(!closed_after(&mut rig, name, Some(true), 4), "{name}");
+        assert!(closed_after(&mut rig, name, None, 4), "{name}");
     }
 }
 
@@ -35,11 +35,11 @@ fn p8_a_forced_input_is_logical_and_a_port_too() {
 fn k6_1_a_function_moves_to_its_new_port() {
     // The guard of the simulated machine is closed; its switch has no port by factory.
     let mut rig = cold();
-    assert!(rig.params.input_port(Input::GuardClosed) == 0 && !rig.seen.terminals.level(60));
+    assert!(rig.params.input_port(Input::GuardClosed) == 0 && !rig.seen.terminals.is_closed(60));
     rig.params.write(ParamAddress::parse("P332").unwrap(), 60.0).unwrap();
     rig.sim.rewire(&rig.params);
     rig.step();
-    assert!(rig.seen.terminals.level(60));
+    assert!(rig.seen.terminals.is_closed(60));
 }
 
 #[test]

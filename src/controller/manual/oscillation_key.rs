@@ -2,7 +2,7 @@
 //! Source: spec K4.3.
 
 use crate::controller::axes::oscillation::{MIN_STROKE_MM, OscillationStroke};
-use crate::controller::plant::{Plant, STILL_MOVING};
+use crate::controller::plant::{Plant, STILL_MOVING, key_stroke};
 use crate::controller::program::move_refusal::MoveRefusal;
 use crate::controller::program::queue::check_soft_limits;
 use crate::defs::mcode::Request;
@@ -16,17 +16,16 @@ pub fn toggle_oscillation(plant: &mut Plant) {
         return;
     }
     if plant.params.bit(param::OSCILLATION_BY_CYLINDER) {
-        plant.request(Request::CylinderOn);
+        plant.operator.cylinder_by_key = plant.is_granted(Request::CylinderOn);
         return;
     }
-    let axis = if plant.params.get(param::OSCILLATION_AXIS) < 0.5 { Axis::X } else { Axis::Z };
+    let (axis, work) = key_stroke(&plant.params);
     if !plant.allows_manual_motion() || !plant.axes.is_at_rest() {
         return plant.refuse(STILL_MOVING);
     }
     if !plant.is_granted(Request::Jog) {
         return;
     }
-    let work = plant.params.get(param::OSCILLATION_POSITION) / plant.displayed_per_mm(axis);
     let to = work + plant.work.offsets.machine_minus_work(axis);
     if let Err(forbidden) = check_stroke(plant, axis, to) {
         let message = forbidden.text(&plant.params);

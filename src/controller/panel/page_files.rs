@@ -2,6 +2,7 @@
 //! Source: spec K7.1, K7.3, K7.6.
 
 use super::{Panel, Parts, PartsView};
+use crate::controller::plant::ControlPhase;
 use crate::defs::alarm;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
@@ -48,7 +49,8 @@ impl Panel {
     /// A soft key pressed on the panel: acts like a touch on the screen.
     pub fn press_soft_key(&mut self, parts: &mut Parts<'_>, index: usize) {
         let row = self.pages.soft_row;
-        let Some(soft) = soft_key::row(parts.plant.kind, row).nth(index) else {
+        let stopped = matches!(parts.plant.execution.phase, ControlPhase::Stopped);
+        let Some(soft) = soft_key::row_now(parts.plant.kind, row, stopped).nth(index) else {
             let (row, key) = (row + 1, index + 1);
             return parts.plant.refuse(phrase!(
                 "第 {row} 行软键没有 F{key}，按 ▶ 换行",
@@ -62,6 +64,7 @@ impl Panel {
             SoftKeyAction::Open(page) => self.open_page(parts, page),
             SoftKeyAction::Position(coordinates) => self.show_coordinates(parts, coordinates),
             SoftKeyAction::Print => return parts.plant.refuse(PRINT),
+            SoftKeyAction::Continue => return parts.program.cycle_start(parts.plant),
         }
         if before == (parts.plant.operator.page, self.pages.coordinates) {
             let name = Arg::SoftKey(soft.action, parts.plant.kind);

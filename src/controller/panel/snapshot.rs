@@ -4,6 +4,7 @@
 use super::{Panel, PartsView};
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::{ControlPhase, OperatorState};
+use crate::defs::alarm::Reaction;
 use crate::defs::key::Key;
 use crate::defs::signal::Output;
 use crate::link::snapshot::{AxisView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
@@ -113,7 +114,9 @@ pub fn run_state(parts: PartsView<'_>) -> RunState {
         ControlPhase::Running => RunState::Running,
         ControlPhase::Holding | ControlPhase::Held => RunState::Held,
         ControlPhase::Stopped => RunState::Stopped,
-        ControlPhase::Idle | ControlPhase::Aborting if parts.plant.alarms.blocks_start() => RunState::Alarm,
+        ControlPhase::Idle | ControlPhase::Aborting if parts.plant.alarms.has_reaction(Reaction::BlockWheel) => {
+            RunState::Alarm
+        }
         ControlPhase::Idle | ControlPhase::Aborting => RunState::Idle,
     }
 }

@@ -15,6 +15,7 @@ mod work_data;
 
 pub use execution::{ControlEvent, ControlPhase, Execution, Homing};
 pub use operator::OperatorState;
+pub use oscillation::key_stroke;
 pub use outbox::Outbox;
 pub use spindles::Spindles;
 pub use work_data::{WorkData, offset_in_range};
@@ -203,7 +204,7 @@ impl Plant {
         }
         let of = |output: &Output| output.port_param() == at.number && output.exists_on(self.kind);
         let port = value as u8; // truncated: the range is checked when it is written
-        Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.image.terminals.level(port)))
+        Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.image.terminals.is_closed(port)))
     }
 
     /// X is programmed and shown as a diameter.
@@ -262,10 +263,14 @@ impl Plant {
             homed: self.axes.all_homed() || self.kind.row().may_start_unhomed(),
             alarm_blocks: self.alarms.blocks_start(),
             drives_off: !self.outputs.drives_on,
-            oscillating: self.oscillation.is_some() && !self.execution.phase.is_run_open(),
+            oscillating: match self.execution.phase.is_run_open() {
+                true => self.oscillates_by_key(),
+                false => self.oscillation.is_some(),
+            },
             dry_run: self.operator.switches.dry_run,
             machine_lock: self.axes.is_locked(),
             dressing_program: dressing.contains(&f64::from(self.execution.current_program)),
+            starts_wheel: self.work.programs.starts_wheel(self.execution.current_program),
             wheel_rpm: self.commanded_wheel_rpm(),
         }
     }

@@ -53,6 +53,8 @@ pub struct OperatorState {
     pub handwheel_axis: Axis,
     /// Step per detent, mm as displayed.
     pub step_mm: f64,
+    /// The oscillation cylinder was switched on by its key, not by a program.
+    pub cylinder_by_key: bool,
     /// When the screen was last heard; `None` while it is not supervised.
     pub screen_alive_at: Option<Micros>,
 }
@@ -67,6 +69,7 @@ impl Default for OperatorState {
             rapid_jog: false,
             handwheel_axis: Axis::X,
             step_mm: 0.01,
+            cylinder_by_key: false,
             screen_alive_at: None,
         }
     }

@@ -1,15 +1,22 @@
 //! Servo oscillation beside the program: start, end, stop and flags.
 //! Source: spec K4.3.
 
-use super::Plant;
+use super::{Plant, displayed_per_mm};
 use crate::controller::axes::oscillation::{Oscillation, OscillationStatus, OscillationStroke};
+use crate::defs::alarm;
 use crate::defs::mcode::Request;
-use crate::defs::param;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::defs::text::Text;
 use crate::units::Axis;
 
 const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis is oscillating: stop the oscillation first");
+
+/// The oscillation of the key and of M35 alone: axis (P238) and other end (P239), work coordinate of the slide.
+pub fn key_stroke(params: &Params) -> (Axis, f64) {
+    let axis = if params.get(param::OSCILLATION_AXIS) < 0.5 { Axis::X } else { Axis::Z };
+    (axis, params.get(param::OSCILLATION_POSITION) / displayed_per_mm(params, axis))
+}
 
 impl Plant {
     /// The axis that oscillates by servo.
@@ -17,9 +24,10 @@ impl Plant {
         self.oscillation.as_ref().map(|oscillation| oscillation.axis)
     }
 
-    /// The oscillation was started by the key in a pause: the held program does not know of it (K4.3).
+    /// The oscillation was started by the key: a held program does not know of it (K4.3).
     pub fn oscillates_by_key(&self) -> bool {
-        self.oscillation.as_ref().is_some_and(|oscillation| !oscillation.started_by_run)
+        let servo = self.oscillation.as_ref().is_some_and(|oscillation| !oscillation.started_by_run);
+        servo || self.operator.cylinder_by_key && self.machine.cylinder_is_on()
     }
 
     /// Whether an axis or the cylinder oscillates.
@@ -42,6 +50,9 @@ impl Plant {
 
     /// One tick of the oscillation.
     pub fn step_oscillation(&mut self) {
+        if !self.is_oscillating() {
+            self.alarms.clear(alarm::OSCILLATING_AT_START);
+        }
         let Some(mut oscillation) = self.oscillation.take() else { return };
         let axis = oscillation.axis;
         let in_position = self.axes.is_axis_in_position(axis, &self.params);

@@ -2,7 +2,7 @@
 //! Numbers follow FANUC: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
-use super::Plant;
+use super::{Plant, key_stroke};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::system_variable::{self, SystemVariableRange};
@@ -45,6 +45,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
         jump_input: params.get(param::JUMP_INPUT) as u32,
         tool_count: TOOL_OFFSET_COUNT as u32,
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
+        oscillation_stroke: key_stroke(params),
         rapid_mm_min: PerAxis::from_fn(|axis| params.get_axis(param::RAPID_X, axis)),
         superman: SuperManSettings {
             line_feed: params.get(param::DEFAULT_LINE_FEED),
@@ -56,6 +57,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
             spindle_rpm: params.get(param::WHEEL_RPM),
             max_rpm: params.get(param::WHEEL_RPM_MAX),
             z_accel_jerk: (params.get_axis(param::ACCELERATION_X, Axis::Z), params.get_axis(param::JERK_X, Axis::Z)),
+            servo_lag_s: params.millis(param::SERVO_LAG).as_secs_f64(),
         },
         ..NcSettings::for_dialect(row.dialect)
     }
@@ -74,11 +76,11 @@ impl Plant {
         let of = |range: SystemVariableRange| range.index(number);
         if let Some(index) = of(system_variable::INPUTS) {
             let inverted = self.params.inverted_inputs() >> index & 1 == 1;
-            return Some(switched(self.inputs.image.terminals.level(index as u8 + 1) ^ inverted));
+            return Some(switched(self.inputs.image.terminals.is_closed(index as u8 + 1) ^ inverted));
         }
         if let Some(index) = of(system_variable::OUTPUTS) {
             // Switching by the previous block counts at once, one tick before it reaches the terminals.
-            return Some(switched(self.outputs_now().1.level(index as u8 + 1)));
+            return Some(switched(self.outputs_now().1.is_closed(index as u8 + 1)));
         }
         if let Some(index) = of(system_variable::GAUGE_POSITIONS) {
             return Some(self.work.gauge_positions[index]);

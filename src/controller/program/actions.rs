@@ -238,6 +238,7 @@ impl ProgramRun {
 
 /// G35 by cylinder, and G36: the stroke ends at its start point, then the next block runs (K4.3).
 fn switch_cylinder(plant: &mut Plant, on: bool) -> ActionStatus {
+    plant.operator.cylinder_by_key = false;
     let done = if on {
         matches!(plant.request(Request::CylinderOn), RequestResult::Accepted | RequestResult::NoEffect(_))
     } else {

@@ -91,6 +91,10 @@ pub struct GaugeCycle {
     pub latched: Option<f64>,
     /// Work coordinate of the first contact, mm displayed.
     pub first_contact: f64,
+    /// The axis has reached the speed J; a second signal counts from then on.
+    pub at_fine_speed: bool,
+    /// The second signal came before that.
+    pub second_too_early: bool,
 }
 
 /// State of a manual intervention.

@@ -62,12 +62,6 @@ impl Program {
         if let Some(why) = self.spindle_stopped_in_pause(plant) {
             return plant.refuse(why);
         }
-        if plant.oscillates_by_key() {
-            return plant.refuse(phrase!(
-                "暂停中用按键启动的振荡未关闭，先关闭再循环启动",
-                "an oscillation was started by key during the hold: stop it before cycle start"
-            ));
-        }
         self.resume_run(plant);
     }
 

@@ -15,6 +15,9 @@ use crate::motion::{CornerMode, MotionSpeed, MoveShape};
 use crate::nc::GaugeMove;
 use crate::units::{Axis, MachinePos};
 
+/// From this share of J on the axis counts as running at J.
+const FINE_SPEED_SHARE: f64 = 0.99;
+
 impl ProgramRun {
     /// One tick of G78.
     pub fn step_gauge(&mut self, plant: &mut Plant, asked: &GaugeMove) -> ActionStatus {
@@ -23,12 +26,22 @@ impl ProgramRun {
                 if gauge_signal(plant, asked.first_input) {
                     return fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, asked.first_input);
                 }
-                let stage = GaugeStage::Approach;
-                let begun = GaugeCycle { request: *asked, stage, tag: None, latched: None, first_contact: 0.0 };
-                self.activity = Activity::Gauge(begun);
+                self.activity = Activity::Gauge(GaugeCycle {
+                    request: *asked,
+                    stage: GaugeStage::Approach,
+                    tag: None,
+                    latched: None,
+                    first_contact: 0.0,
+                    at_fine_speed: false,
+                    second_too_early: false,
+                });
             }
             return ActionStatus::Wait;
         };
+        watch_second(plant, &mut gauging);
+        if let (true, Some(second)) = (gauging.second_too_early, asked.second_input) {
+            return fail_gauge(plant, alarm::GAUGE_SECOND_TOO_EARLY, second);
+        }
         let status = self.gauge_stage(plant, &mut gauging);
         if matches!(status, ActionStatus::Wait) {
             self.activity = Activity::Gauge(gauging);
@@ -42,6 +55,8 @@ impl ProgramRun {
     /// Latches a contact that occurs while the run brakes to a hold or is held.
     pub fn latch_in_pause(&mut self, plant: &mut Plant) {
         let Activity::Gauge(mut gauging) = self.activity else { return };
+        watch_second(plant, &mut gauging);
+        self.activity = Activity::Gauge(gauging);
         if gauging.tag.is_none() || gauging.latched.is_some() {
             return;
         }
@@ -108,6 +123,19 @@ impl ProgramRun {
         gauging.tag = self.push_move(plant, to, MoveShape::Line, rate, CornerMode::ExactStop);
         ActionStatus::Wait
     }
+}
+
+/// K4.5: the second signal counts once the axis runs at J. Before that (on the way to P, while it brakes from F, and in the
+/// ramp to J) its place would be that of a fast axis: no measurement.
+fn watch_second(plant: &Plant, gauging: &mut GaugeCycle) {
+    let (GaugeStage::Approach | GaugeStage::Fine, Some(second)) = (gauging.stage, gauging.request.second_input) else {
+        return;
+    };
+    let asked_mm_s = gauging.request.fine_mm_min / SECONDS_PER_MINUTE * plant.override_factors().feed;
+    gauging.at_fine_speed |= gauging.stage == GaugeStage::Fine
+        && gauging.tag.is_some()
+        && plant.path_speed_mm_s() >= FINE_SPEED_SHARE * asked_mm_s;
+    gauging.second_too_early |= !gauging.at_fine_speed && gauge_signal(plant, second);
 }
 
 /// Latches the contact, brakes the axis and starts the next stage once the axis is at rest.

@@ -4,7 +4,11 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
+use crate::nc::program_uses::WheelUse;
 use crate::nc::{Library, Source};
+
+/// Most programs that are followed from a program to those that it calls.
+const MAX_CALLED: usize = 32;
 
 /// All programs; replaced as a whole when the folder changes.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +27,8 @@ pub struct StoredProgram {
     pub text: Rope,
     /// Checksum of the file.
     pub stamp: u64,
+    /// Whether it starts the wheel, and what it calls.
+    pub wheel_use: WheelUse,
     /// Some bytes are not valid characters: the program can be shown but not edited.
     pub has_invalid_bytes: bool,
 }
@@ -52,6 +58,28 @@ impl Programs {
     #[must_use]
     pub fn get(&self, number: u32) -> Option<&StoredProgram> {
         self.rows.binary_search_by_key(&number, |row| row.number).ok().and_then(|index| self.rows.get(index))
+    }
+
+    /// Whether a program or one that it calls starts the wheel (K3.7). With more than [`MAX_CALLED`] programs it counts
+    /// as such. What a program computes (M#1, P#2) is not found: the interlock stops it at its M03.
+    #[must_use]
+    pub fn starts_wheel(&self, number: u32) -> bool {
+        let (mut seen, mut count, mut next) = ([number; MAX_CALLED], 1, 0);
+        while next < count {
+            if let Some(program) = self.get(seen[next]) {
+                if program.wheel_use.starts_wheel {
+                    return true;
+                }
+                for called in &program.wheel_use.calls {
+                    if !seen[..count].contains(called) {
+                        let Some(free) = seen.get_mut(count) else { return true };
+                        (*free, count) = (*called, count + 1);
+                    }
+                }
+            }
+            next += 1;
+        }
+        false
     }
 }
 

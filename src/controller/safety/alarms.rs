@@ -148,10 +148,16 @@ impl AlarmList {
         self.present.iter().any(|alarm| alarm.number == number)
     }
 
-    /// Whether an active alarm blocks cycle start.
+    /// Whether an active alarm blocks every cycle start.
     #[must_use]
     pub fn blocks_start(&self) -> bool {
-        self.present.iter().any(|alarm| alarm::reaction(alarm.number) >= Reaction::BlockStart)
+        self.has_reaction(Reaction::BlockStart)
+    }
+
+    /// Whether an active alarm has this reaction or a graver one.
+    #[must_use]
+    pub fn has_reaction(&self, least: Reaction) -> bool {
+        self.present.iter().any(|alarm| alarm::reaction(alarm.number) >= least)
     }
 
     /// The alarm history, including alarms before the last power-off, latest last.

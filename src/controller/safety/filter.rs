@@ -80,7 +80,7 @@ impl Filter {
     fn active_inputs(&self, active: u64) -> InputSet {
         let mut set = InputSet::NONE;
         for input in Input::ALL {
-            set.set(*input, Terminals(active).level(self.ports[*input as usize]));
+            set.set(*input, Terminals(active).is_closed(self.ports[*input as usize]));
         }
         set
     }

@@ -2,6 +2,7 @@
 //! Source: spec K5.15, K6.1, K2.4, table "what stops what".
 
 use crate::controller::plant::{ControlPhase, Plant};
+use crate::defs::alarm::Reaction;
 use crate::defs::param;
 use crate::defs::signal::{Output, OutputSet, Terminals};
 
@@ -13,7 +14,7 @@ impl Plant {
     pub fn outputs_now(&self) -> (OutputSet, Terminals) {
         let mut on = self.machine.outputs(&self.params);
         // K5.15: red for an alarm that stops or blocks, yellow for a program that waits, green for work.
-        on.set(Output::TowerRed, self.alarms.blocks_start());
+        on.set(Output::TowerRed, self.alarms.has_reaction(Reaction::BlockWheel));
         on.set(Output::TowerGreen, matches!(self.execution.phase, ControlPhase::Running | ControlPhase::Homing(_)));
         let waits = matches!(self.execution.phase, ControlPhase::Holding | ControlPhase::Held | ControlPhase::Stopped);
         on.set(Output::TowerYellow, waits);

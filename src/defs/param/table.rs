@@ -35,7 +35,7 @@ bits! {
     HOME_MINUS_Y = 5 bit 1, Off, Builder, "Y 回零方向为负", "Y homes in minus direction";
     HOME_MINUS_Z = 5 bit 2, Off, Builder, "Z 回零方向为负", "Z homes in minus direction";
     S_IS_SURFACE_SPEED = 5 bit 3, Off, Builder, "S 为砂轮线速度 m/s", "S is the surface speed of the wheel, m/s";
-    ISO_ARC_DIRECTION = 5 bit 4, Off, Builder, "超人：G02/G03 方向按 ISO", "SuperMan: G02/G03 direction as in ISO";
+    ISO_ARC_DIRECTION = 5 bit 4, On, Builder, "超人：G02/G03 方向按说明书图（ISO），0 为反向", "SuperMan: G02/G03 as the manual draws them (ISO); 0 reverses them";
     RADIUS_PROGRAMMING = 6 bit 0, Off, Builder, "半径编程", "radius programming";
     INTEGERS_AS_LEAST_INCREMENTS = 6 bit 1, Off, Builder, "无小数点数值为最小单位", "numbers without a decimal point are in least increments";
     IN_POSITION_CHECK = 6 bit 2, Off, Builder, "准停时检测到位", "in-position check at every exact stop";

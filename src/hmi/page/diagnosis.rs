@@ -47,7 +47,8 @@ struct PortLine {
     id: &'static str,
     port: u8,
     in_conflict: bool,
-    level: Option<bool>,
+    /// K3.13: the circuit is closed, so that 0 V is measured at the terminal.
+    low: Option<bool>,
     normally_closed: Option<bool>,
     param: u16,
     volts: Option<f64>,
@@ -206,7 +207,7 @@ fn inputs(view: &View<'_>) -> Vec<PortLine> {
             id: input.id(),
             port,
             in_conflict: twice.iter().any(|conflict| conflict.functions.contains(input)),
-            level: connected.then(|| snapshot.input_terminals.level(port)),
+            low: connected.then(|| snapshot.input_terminals.is_closed(port)),
             normally_closed: connected.then(|| inverted >> (port - 1) & 1 == 1),
             param: input.port_param(),
             ..PortLine::default()
@@ -236,7 +237,7 @@ fn outputs(view: &View<'_>) -> Vec<PortLine> {
             id: output.id(),
             port,
             in_conflict: twice.iter().any(|conflict| conflict.functions.contains(output)),
-            level: (port > 0).then(|| snapshot.output_terminals.level(port)),
+            low: (port > 0).then(|| snapshot.output_terminals.is_closed(port)),
             param: output.port_param(),
             ..PortLine::default()
         }
@@ -262,9 +263,9 @@ fn port_line(view: &View<'_>, place: Rect, line: &PortLine) {
         (number, true) => put(port, &format!("⚠ {number}"), view.theme.hold),
         (number, false) => put(port, &number.to_string(), text),
     }
-    match line.level {
-        Some(true) => put(level, view.text("高", "HIGH"), text),
-        Some(false) => put(level, view.text("低", "LOW"), quiet),
+    match line.low {
+        Some(true) => put(level, view.text("低", "LOW"), text),
+        Some(false) => put(level, view.text("高", "HIGH"), quiet),
         None => {}
     }
     if let Some(closed) = line.normally_closed {

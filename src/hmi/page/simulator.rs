@@ -67,7 +67,7 @@ impl PageUi for SimulatorPage {
 }
 
 impl SimulatorPage {
-    /// Two columns of inputs. A touch forces a free input to its opposite level, a forced 1 to 0; it frees a forced 0.
+    /// Two columns of inputs. A touch forces a free input to its opposite state, a forced 1 to 0; it frees a forced 0.
     fn inputs(&mut self, rect: Rect, view: &View<'_>, sim: &SimView, pages: i32) -> Option<SimCommand> {
         let (list, keys) = rect.split_bottom(ROW_HEIGHT);
         let list = round_to_lines(list, ROW_HEIGHT);

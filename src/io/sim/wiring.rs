@@ -1,7 +1,7 @@
 //! Assignment of functions to terminals by the parameters (P1, K6.1), and what is forced or faulty in
 //! between (P8): stuck and bouncing switches, inputs forced by a story.
 //!
-//! Level of an input terminal = logical state XOR inverted; several functions on one port are combined by OR.
+//! An input terminal is closed = logical state XOR normally closed; several functions on one port are combined by OR.
 
 use crate::defs::param::Params;
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, PORTS, Terminals};
@@ -106,7 +106,7 @@ impl Wiring {
     pub(super) fn outputs(&mut self, terminals: Terminals) -> OutputSet {
         if self.last_outputs.0 != terminals {
             let mut set = OutputSet::NONE;
-            self.outputs.iter().for_each(|(output, port)| set.set(*output, terminals.level(*port)));
+            self.outputs.iter().for_each(|(output, port)| set.set(*output, terminals.is_closed(*port)));
             self.last_outputs = (terminals, set);
         }
         self.last_outputs.1

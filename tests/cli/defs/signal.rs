@@ -21,5 +21,5 @@ fn k6_1_port_zero_is_not_connected() {
     block.set(65, true);
     assert_eq!(block, Terminals(0));
     block.set(64, true);
-    assert!(block.level(64) && !block.level(0) && !block.level(63));
+    assert!(block.is_closed(64) && !block.is_closed(0) && !block.is_closed(63));
 }

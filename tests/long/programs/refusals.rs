@@ -76,7 +76,7 @@ fn k7_5_senseless_values_are_refused_before_anything_moves() {
         let outputs = shop.rig.controller().outputs();
         for output in [Output::Wheel, Output::Coolant, Output::HeadstockHigh, Output::AxialGauge] {
             let port = shop.rig.retained().params.output_port(output);
-            assert!(!outputs.terminals.level(port), "O{program} #{variable}={value}: {}", output.id());
+            assert!(!outputs.terminals.is_closed(port), "O{program} #{variable}={value}: {}", output.id());
         }
         assert_eq!(shop.events(), []);
     }

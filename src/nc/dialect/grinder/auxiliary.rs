@@ -90,8 +90,7 @@ pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Fl
             91 | 92 => flow = input_jump(running, *code)?,
             98 => flow = subprogram(running, *code)?,
             99 => flow = return_from_subprogram(running, *code)?,
-            // K4.3: M35 and M36 are misprints of G35 and G36 in the customer's text.
-            35 => super::grinding::oscillation_on(running, *code)?,
+            35 => super::grinding::oscillation_by_m_code(running, *code)?,
             36 => running.ops.push(Op::OscillationOff),
             number if !codes::acts_after_motion(number) => push_m_code(running, *code)?,
             _ => {}

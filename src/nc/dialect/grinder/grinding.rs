@@ -5,7 +5,7 @@ use super::{MAX_VALUE, OneShot, axis_letters, integer, length_mm, out_of_range};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, GaugeMove, Op};
-use crate::nc::words::{Code, ValueKind, Word};
+use crate::nc::words::{Code, ValueKind, Word, letter_mask};
 use crate::units::{Axis, PerAxis};
 
 /// Number of gauge inputs.
@@ -87,6 +87,16 @@ pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, code: Code) -> 
     let ramp_ms = words.take(b'D').map(bounded).transpose()?;
     let strokes_min = words.take(b'Q').map(bounded).transpose()?;
     running.ops.push(Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min });
+    Ok(())
+}
+
+/// M35: G35 with words; alone, the oscillation of the key by P238 to P241 (K4.3).
+pub(super) fn oscillation_by_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+    if running.settings.oscillation_by_cylinder || running.words.has_any(letter_mask(b"XZUWDQ")) {
+        return oscillation_on(running, code);
+    }
+    let stroke = Some(running.settings.oscillation_stroke);
+    running.ops.push(Op::OscillationOn { stroke, ramp_ms: None, strokes_min: None });
     Ok(())
 }
 

@@ -242,8 +242,8 @@ fn modal_move(running: &mut BlockContext<'_, '_>, place: usize, named: bool) -> 
     }
     match running.modals.motion {
         MotionMode::Feed => motion::line(running),
-        MotionMode::ArcClockwise => motion::arc_move(running, place, 1),
-        MotionMode::ArcCounterClockwise => motion::arc_move(running, place, -1),
+        MotionMode::ArcClockwise => motion::arc_move(running, place, -1),
+        MotionMode::ArcCounterClockwise => motion::arc_move(running, place, 1),
         MotionMode::RectangleCycle => motion::rectangle(running, place),
         _ => motion::rapid(running, feed),
     }

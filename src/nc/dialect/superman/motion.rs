@@ -137,9 +137,10 @@ pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     Ok(())
 }
 
-/// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R (negative: major arc).
-pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opposite: i8) -> ReadResult<()> {
-    let turn = if running.settings.superman.arcs_reversed { iso_opposite } else { -iso_opposite };
+/// G02 (`iso_turn` −1) and G03 (1): I (a diameter) and K from the start, or R (negative: major arc).
+pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_turn: i8) -> ReadResult<()> {
+    // L2: the manual draws X down to the operator; with X drawn up its G02 is the clockwise one of ISO.
+    let turn = if running.settings.superman.arcs_reversed { -iso_turn } else { iso_turn };
     let MoveTarget { from, to, words, incremental } = target(running)?;
     let offsets = [running.words.take(b'I'), running.words.take(b'K')];
     let center = match (offsets, running.words.take(b'R')) {

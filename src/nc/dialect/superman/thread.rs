@@ -19,6 +19,9 @@ const TURNS_PER_INCH_RANGE: (f64, f64) = (3.0, 33.5);
 const RUN_OUT_MM: f64 = 1.2;
 /// Approach length before the part, in leads.
 const APPROACH_LEADS: f64 = 3.0;
+/// Lag times of the drives after the run-up until Z is surely in step. The manual's printed two-start thread (lead 4, from
+/// Z6) has 21 of them at 200 rpm.
+const SETTLING_LAGS: f64 = 20.0;
 
 /// A thread from the present position.
 pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
@@ -92,8 +95,10 @@ fn run_up_mm(speed: f64, (accel, jerk): (f64, f64)) -> f64 {
 fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64, along: f64) {
     let z = running.scope.position()[Axis::Z];
     let speed = running.modals.speed.unwrap_or(running.settings.superman.spindle_rpm);
-    // Note 5: the approach is at least three leads and at least the run-up of the axis.
-    let needed = (APPROACH_LEADS * lead).max(run_up_mm(lead * speed / 60.0, running.settings.superman.z_accel_jerk));
+    // Note 5: the approach is at least three leads, unless Z is in step before, and at least the run-up of the axis.
+    let (turning, mm_s) = (&running.settings.superman, lead * speed / 60.0);
+    let run_up = run_up_mm(mm_s, turning.z_accel_jerk);
+    let needed = (APPROACH_LEADS * lead).min(run_up + SETTLING_LAGS * turning.servo_lag_s * mm_s).max(run_up);
     // The part's face is at Z 0, if the thread crosses it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
     if enters && z.abs() < needed {
