@@ -495,6 +495,6 @@ fn h7_grinding_feeds_show_the_digits_that_they_have() {
         machine.feed_mm_min = feed;
         let texts = page_text(&machine, Lang::Zh);
         let status = format!("{shown} mm/min");
-        assert!(texts.iter().any(|text| *text == status), "{feed}: {texts:?}");
+        assert!(texts.contains(&status), "{feed}: {texts:?}");
     }
 }
