@@ -39,7 +39,7 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     touched = touched.or(chip_touched.then_some(FrameTouch::Alarm));
     right = left;
     let (fill, ink) = state_colours(view);
-    let state = view.chip(right, row, view.snapshot.state.name().get(view.lang), fill, ink);
+    let state = view.chip(right, row, view.snapshot.state_name().get(view.lang), fill, ink);
     let mode = view.snapshot.mode.key().label().get(view.lang);
     let mode = view.chip(state.min.x - theme::GAP, row, mode, view.theme.raised, view.theme.text);
     right = mode.min.x - theme::PAD;
@@ -153,7 +153,7 @@ pub fn status_line(view: &View<'_>, rect: Rect) {
     let words = [
         snapshot.mode.name().get(view.lang).to_owned(),
         blocks.to_owned(),
-        snapshot.state.name().get(view.lang).to_owned(),
+        snapshot.state_name().get(view.lang).to_owned(),
         format!("F {} %", snapshot.feed_override),
         format!("{} mm/min", format_feed(snapshot.feed_mm_min)),
         format!("S {}", format_whole(snapshot.wheel_rpm)),

@@ -46,6 +46,7 @@ compared_fields! {
     date: differ;
     mode: differ;
     state: differ;
+    own_motion: differ;
     coordinates: differ;
     soft_key_row: differ;
     x_as_diameter: differ;

@@ -99,6 +99,29 @@ impl RunState {
     }
 }
 
+/// A motion that a key began and that goes on by itself; the run state does not speak of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OwnMotion {
+    /// 振荡: an axis or the cylinder oscillates by its key.
+    Oscillation,
+    /// 回修整点: an axis returns to its dressing point.
+    DressReturn,
+    /// 回退: the one-key retract moves the wheel.
+    Retract,
+}
+
+impl OwnMotion {
+    /// The text of header and status line.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Oscillation => Text::new("振荡", "OSCILL."),
+            Self::DressReturn => Text::new("回修整点", "TO DRESS"),
+            Self::Retract => Text::new("回退", "RETRACT"),
+        }
+    }
+}
+
 /// One axis as the position page shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisView {
@@ -212,6 +235,8 @@ pub struct Snapshot {
     pub mode: Mode,
     /// State.
     pub state: RunState,
+    /// What moves by itself.
+    pub own_motion: Option<OwnMotion>,
     /// Open page.
     pub page: Page,
     /// Coordinates shown by the position page.
@@ -380,6 +405,15 @@ pub struct DirectoryRow {
 }
 
 impl Snapshot {
+    /// The state that header and status line show: what moves by itself comes before stop, run and hold.
+    #[must_use]
+    pub const fn state_name(&self) -> Text {
+        match (self.own_motion, self.state) {
+            (Some(motion), RunState::Idle | RunState::Running | RunState::Held | RunState::Stopped) => motion.name(),
+            _ => self.state.name(),
+        }
+    }
+
     /// The command of a pressed key. The emergency stop is a state: its key latches it, or turns it out if the screen
     /// shows it latched.
     #[must_use]
@@ -398,6 +432,7 @@ impl Snapshot {
             now: Micros::ZERO,
             mode: Mode::default(),
             state: RunState::default(),
+            own_motion: None,
             page: Page::default(),
             coordinates: CoordinateView::default(),
             soft_key_row: 0,

@@ -2,9 +2,11 @@
 
 use kt830::controller::WORK_PER_TICK;
 use kt830::defs::key::Key;
+use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::snapshot::RunState;
 use kt830::motion::MAX_TRAJECTORY_WORK;
+use kt830::units::Axis;
 
 use crate::stories::{ready, ready_with, rig, tell};
 
@@ -440,4 +442,56 @@ fn b6_a_refused_mdi_line_takes_back_the_one_before() {
         assert!(rig.controller().refusal().is_some(), "{wrong}");
         tell(&mut rig, "key cycle-start\nexpect message \"先输入一行\"\nwait 0.1 s\nexpect state idle");
     }
+}
+
+/// H7: what a key began is named in header and status line, and its way counts.
+#[test]
+fn h7_what_moves_by_itself_has_its_name_and_its_distance_to_go() {
+    // The return to the dressing point at machine X -80, a diameter.
+    let mut host = ready();
+    tell(&mut host, "mode jog\npage position\nkey f1\nkey address-x\nkey input\nhold X+ 2 s\nwait 0.5 s");
+    tell(&mut host, "key dress-return\nkey x-plus\nwait 0.5 s");
+    let commanded = 2.0 * host.controller().set_point()[Axis::X];
+    let shown = host.snapshot();
+    assert_eq!((shown.state, shown.state_name().zh), (RunState::Idle, "回修整点"));
+    assert!((shown.axes[Axis::X].to_go - (-80.0 - commanded)).abs() < 1e-6, "{commanded} {:?}", shown.axes[Axis::X]);
+    tell(&mut host, "wait 20 s\nexpect machine X -80 ±0.001");
+    assert_eq!((host.snapshot().state_name().zh, host.snapshot().axes[Axis::X].to_go), ("停止", 0.0));
+    // The oscillation by its key: from the first half stroke on its strokes per minute show.
+    let mut host = ready();
+    tell(&mut host, "param P238 1\nparam P239 -140\nmode jog\nkey oscillation\nwait 0.2 s");
+    let shown = host.snapshot();
+    assert_eq!((shown.state_name().en, shown.strokes_per_min), ("OSCILL.", None));
+    assert!(shown.axes[Axis::Z].to_go.abs() > 1.0);
+    // P241: 5 strokes a minute, half a stroke is 6 s and its ramps.
+    tell(&mut host, "wait 9 s");
+    assert!(host.snapshot().strokes_per_min.is_some_and(|strokes| (3.0..=5.5).contains(&strokes)));
+    tell(&mut host, "key oscillation\nwait 20 s\nexpect lamp oscillation off");
+    assert_eq!(host.snapshot().state_name().zh, "停止");
+}
+
+/// M00 says that the program waits and for what; a single block has nothing to say; #3006 says its own text, too.
+#[test]
+fn h7_a_stopped_program_says_what_it_waits_for() {
+    let waiting = |host: &mut HeadlessHost| host.snapshot().waiting_for.as_ref().map(|text| text.zh().into_owned());
+    let mut host = ready_with("M00\n#3006=1(CHECK SIZE)\nG04 X0.1\nM30");
+    tell(&mut host, "mode auto\nkey cycle-start\nwait until stopped max 2 s\nwait 10 s");
+    assert_eq!(waiting(&mut host).as_deref(), Some("M00 程序暂停：按循环启动继续"));
+    tell(&mut host, "key cycle-start\nwait until stopped max 2 s\nwait 10 s");
+    assert_eq!(waiting(&mut host).as_deref(), Some("CHECK SIZE：按循环启动继续"));
+    tell(&mut host, "key single-block\nkey cycle-start\nwait until stopped max 2 s\nwait 1 s");
+    assert_eq!(waiting(&mut host), None);
+    tell(&mut host, "key cycle-start\nwait until idle max 2 s");
+    assert_eq!(waiting(&mut host), None);
+}
+
+#[test]
+fn k4_3_the_refusal_of_the_oscillation_key_names_the_one_that_is_true() {
+    let mut host = rig();
+    tell(&mut host, "power on\nwait 4 s\nkey hydraulic\nparam P238 1\nparam P239 -140\nmode jog\nkey oscillation");
+    assert_eq!(host.snapshot().message.text.zh(), "先回零");
+    let mut host = ready();
+    let z = host.snapshot().axes[Axis::Z].work;
+    tell(&mut host, &format!("param P238 1\nparam P239 {z}\nmode jog\nkey oscillation"));
+    assert_eq!(host.snapshot().message.text.zh(), "Z 轴没有振荡行程：终点就是现在的位置");
 }

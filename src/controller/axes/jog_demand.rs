@@ -59,6 +59,16 @@ impl JogDemand {
         self.held_keys.iter().any(|(_, jog)| jog.is_some()) || self.target.iter().any(|(_, target)| target.is_some())
     }
 
+    /// Whether an axis moves to a given point (回修整点, not a step).
+    pub fn moves_to_point(&self) -> bool {
+        self.target.iter().any(|(_, target)| matches!(target, Some((_, Some(_)))))
+    }
+
+    /// The target of an axis, machine mm, if it has one.
+    pub fn target(&self, axis: Axis) -> Option<f64> {
+        self.target[axis].map(|(target, _)| target)
+    }
+
     /// Releases all jog keys and drops all targets.
     pub fn stop_all(&mut self) {
         self.held_keys = PerAxis::default();

@@ -61,8 +61,9 @@ pub struct Oscillation {
     ending: bool,
     /// #438: in position forward; #439: backward.
     pub in_position: (bool, bool),
+    begun_at: Option<Micros>,
     last_forward_at: Option<Micros>,
-    /// Measured double strokes per minute; 0 before the second stroke.
+    /// Measured double strokes per minute, first from a half stroke; 0 before its end.
     pub strokes_min: f64,
 }
 
@@ -108,6 +109,7 @@ impl Oscillation {
             step: OscillationStep::Moving { forward: true },
             ending: false,
             in_position: (false, false),
+            begun_at: None,
             last_forward_at: None,
             strokes_min: 0.0,
         };
@@ -138,6 +140,7 @@ impl Oscillation {
     /// One tick; `in_position`: the axis has followed its set-point.
     pub fn tick(&mut self, now: Micros, in_position: bool, params: &Params) -> OscillationStatus {
         let rest = self.mover.is_at_rest();
+        self.begun_at = self.begun_at.or(Some(now));
         match self.step {
             OscillationStep::Stopping if rest => return OscillationStatus::Finished,
             OscillationStep::Stopping => {}
@@ -169,8 +172,20 @@ impl Oscillation {
         self.in_position = (forward, !forward);
         let until = now + Micros::from_millis_f64(DWELL_UNIT_MS * params.get(dwell));
         self.step = OscillationStep::Dwelling { forward, until };
-        if forward && let Some(last) = self.last_forward_at.replace(now) {
-            self.strokes_min = SECONDS_PER_MINUTE / now.since(last).as_secs_f64();
+        if forward {
+            let stroke = match (self.last_forward_at.replace(now), self.begun_at) {
+                (Some(last), _) => now.since(last).as_secs_f64(),
+                (None, begun) => 2.0 * until.since(begun.unwrap_or(now)).as_secs_f64(),
+            };
+            self.strokes_min = SECONDS_PER_MINUTE / stroke;
+        }
+    }
+
+    /// The way to the end point of the present stroke, mm; 0 while it dwells or stops.
+    pub fn way_to_end(&self) -> f64 {
+        match self.step {
+            OscillationStep::Moving { forward } => (if forward { self.to } else { self.from }) - self.mover.position(),
+            OscillationStep::Dwelling { .. } | OscillationStep::Stopping => 0.0,
         }
     }
 

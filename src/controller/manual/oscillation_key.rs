@@ -35,7 +35,10 @@ pub fn toggle_oscillation(plant: &mut Plant) {
 }
 
 fn check_stroke(plant: &Plant, axis: Axis, to: f64) -> Result<(), MoveRefusal> {
-    if !plant.axes.is_homed(axis) || (to - plant.axes.set_point()[axis]).abs() < MIN_STROKE_MM {
+    if !plant.axes.is_homed(axis) {
+        return Err(MoveRefusal::NotHomed);
+    }
+    if (to - plant.axes.set_point()[axis]).abs() < MIN_STROKE_MM {
         return Err(MoveRefusal::NoStroke(axis));
     }
     check_soft_limits(axis, to, &plant.params)

@@ -17,6 +17,7 @@ impl Panel {
         out.kind = parts.plant.kind;
         out.now = parts.plant.now;
         out.state = run_state(parts);
+        out.own_motion = parts.program.own_motion(parts.plant);
         (out.coordinates, out.soft_key_row) = (self.pages.coordinates, self.pages.soft_row);
         out.kind_page = self.kind_page(parts);
         out.grinding_sheet = self.grinding_pages(parts);
@@ -55,7 +56,7 @@ impl Panel {
         if out.message != parts.plant.outbox.message {
             out.message.clone_from(&parts.plant.outbox.message);
         }
-        let awaited = parts.program.awaited_input(parts.plant);
+        let awaited = parts.program.awaited_event(parts.plant);
         let told = awaited.as_ref().or(parts.plant.outbox.program_message.as_ref());
         if out.waiting_for.as_ref() != told {
             out.waiting_for = told.cloned();

@@ -5,6 +5,7 @@ use super::Plant;
 use crate::controller::axes::homing::AxisHoming;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::signal::Output;
+use crate::defs::text::LocalizedText;
 use crate::machine::phase;
 use crate::nc::BlockLocation;
 use crate::units::{Micros, PerAxis};
@@ -40,6 +41,8 @@ pub struct Execution {
     pub cycle_time: Micros,
     /// Running when the run was paused: wheel, and workpiece drive (headstock, table, roll) or main spindle.
     pub spindles_before_pause: [bool; 2],
+    /// What a stop of the program waits for (M00, M01, #3006); none after a single block.
+    pub stop_reason: Option<LocalizedText>,
     /// RESET or emergency stop is among the commands of this tick: nothing starts in it.
     pub starts_void: bool,
 }
@@ -49,6 +52,9 @@ impl Plant {
     pub fn transition(&mut self, event: ControlEvent) {
         let before = self.execution.phase.is_pause();
         self.execution.phase = std::mem::take(&mut self.execution.phase).after(event);
+        if !self.execution.phase.is_pause() {
+            self.execution.stop_reason = None;
+        }
         if self.execution.phase.is_pause() && !before {
             self.execution.spindles_before_pause = self.running_spindles();
         }

@@ -7,14 +7,18 @@ use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
 use crate::controller::plant::{ControlEvent, Plant};
 use crate::defs::alarm;
+use crate::defs::kind::Kind;
 use crate::defs::mcode::{MCodeAction, Request};
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::defs::text::{LocalizedText, phrase};
+use crate::defs::text::arg::Arg;
+use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::RequestResult;
 use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
 use crate::nc::CoordinateChange;
 use crate::units::{MachinePos, Micros};
+
+const CONTINUE: &Template = &Template::new("{text}：按循环启动继续", "{text}: cycle start continues", &["text"]);
 
 impl ProgramRun {
     /// One tick of the action at the front of the queue.
@@ -70,6 +74,7 @@ impl ProgramRun {
             }
             QueuedAction::Message(text) => {
                 plant.show_note(text.clone());
+                plant.execution.stop_reason = Some(LocalizedText::phrase_of(CONTINUE, [], [text.clone()]));
                 ActionStatus::Stop
             }
             QueuedAction::EndOfText => ActionStatus::EndRun,
@@ -113,7 +118,10 @@ impl ProgramRun {
             {
                 ActionStatus::Wait
             }
-            MCodeAction::ProgramStop | MCodeAction::OptionalStop => ActionStatus::Stop,
+            MCodeAction::ProgramStop | MCodeAction::OptionalStop => {
+                plant.execution.stop_reason = Some(stop_reason(plant.kind, call));
+                ActionStatus::Stop
+            }
             MCodeAction::CountWorkpiece => {
                 plant.count_part();
                 ActionStatus::Done
@@ -233,6 +241,19 @@ impl ProgramRun {
         plant.axes.planner.push(Move { to, shape, speed, corner, tag }).ok()?;
         self.next_tag += 1;
         Some(tag)
+    }
+}
+
+/// What M00 and M01 wait for.
+fn stop_reason(kind: Kind, call: MCall) -> LocalizedText {
+    let code = Arg::from(format_args!("M{:02}", call.row.code));
+    match kind.is_lathe() {
+        true => phrase!(
+            "{code} 程序暂停：按循环启动或 F1 继续",
+            "{code}, the program waits: cycle start or F1 continues",
+            code
+        ),
+        false => phrase!("{code} 程序暂停：按循环启动继续", "{code}, the program waits: cycle start continues", code),
     }
 }
 

@@ -28,9 +28,11 @@ use run::{Origin, PreflightStart, ProgramRun, RunPool, RunStart};
 
 use super::plant::system_variables::nc_settings;
 use super::plant::{ControlEvent, ControlPhase, Plant};
+use crate::controller::axes::oscillation::Oscillation;
 use crate::defs::kind::Kind;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
+use crate::link::snapshot::OwnMotion;
 use crate::nc::{self, ModalState, Source, VariableError, WorkOffsets};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -210,10 +212,26 @@ impl Program {
         true
     }
 
-    /// Distance to go of the present block, mm displayed.
+    /// Distance to go, mm displayed: of the present block, of a step, of a stroke of the oscillation.
     pub fn distance_to_go(&self, plant: &Plant) -> PerAxis<f64> {
-        let way = if self.run.is_some() { plant.axes.planner.distance_to_go() } else { PerAxis::default() };
-        PerAxis::from_fn(|axis: Axis| way[axis] * plant.displayed_per_mm(axis))
+        let block = if self.run.is_some() { plant.axes.planner.distance_to_go() } else { PerAxis::default() };
+        PerAxis::from_fn(|axis: Axis| {
+            let stroke = plant.oscillation.as_ref().filter(|oscillation| oscillation.axis == axis);
+            let own = plant.jog.target(axis).map(|target| target - plant.axes.set_point()[axis]);
+            stroke.map(Oscillation::way_to_end).or(own).unwrap_or(block[axis]) * plant.displayed_per_mm(axis)
+        })
+    }
+
+    /// What moves by itself while the run state does not speak of it.
+    pub fn own_motion(&self, plant: &Plant) -> Option<OwnMotion> {
+        if self.retract.is_moving() {
+            Some(OwnMotion::Retract)
+        } else if plant.jog.moves_to_point() {
+            Some(OwnMotion::DressReturn)
+        } else {
+            let running = matches!(plant.execution.phase, ControlPhase::Running);
+            (plant.oscillates_by_key() && !running).then_some(OwnMotion::Oscillation)
+        }
     }
 
     /// Whether the run waits for an input (M80–M89).
@@ -221,8 +239,11 @@ impl Program {
         self.run.as_ref().is_some_and(|run| matches!(run.activity, Activity::AwaitInput(_)))
     }
 
-    /// What the run waits for, in words (M80–M89).
-    pub fn awaited_input(&self, plant: &Plant) -> Option<LocalizedText> {
+    /// What the run waits for, in words: cycle start after M00, M01 and #3006, an input (M80–M89).
+    pub fn awaited_event(&self, plant: &Plant) -> Option<LocalizedText> {
+        if matches!(plant.execution.phase, ControlPhase::Stopped) {
+            return plant.execution.stop_reason.clone();
+        }
         match self.run.as_ref()?.activity {
             Activity::AwaitInput(input) if !matches!(plant.execution.phase, ControlPhase::Aborting) => {
                 Some(actions::awaited_input_text(input, plant.params.input_port(input)))

@@ -44,7 +44,11 @@ impl MoveRefusal {
                 phrase!("{axis} 轴在振荡中，先用 G36 关闭", "{axis} is oscillating: stop it with G36 first", axis)
             }
             MoveRefusal::NoStroke(axis) => {
-                phrase!("{axis} 轴没有振荡行程，或未回零", "{axis} has no oscillation stroke, or is not homed", axis)
+                phrase!(
+                    "{axis} 轴没有振荡行程：终点就是现在的位置",
+                    "{axis} has no oscillation stroke: it stands at the end point",
+                    axis
+                )
             }
             MoveRefusal::WearOutOfRange(axis, sum) => {
                 let sum = sum * displayed_per_mm(params, axis);

@@ -147,10 +147,17 @@ impl Restart {
         if let Some(alarm) = state.alarm.take() {
             return Err(alarm);
         }
-        if state.position_unknown || state.oscillates {
+        if state.position_unknown {
             return Err(phrase!(
-                "第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始",
-                "G50, G27, G31 or G78 before line {line}, or G35 active there: the program cannot start there",
+                "第 {line} 行之前有 G50、G27、G31 或 G78，位置算不出，不能从该行开始",
+                "G50, G27, G31 or G78 before line {line}: the position there is not known, the program cannot start there",
+                line
+            ));
+        }
+        if state.oscillates {
+            return Err(phrase!(
+                "第 {line} 行处在振荡 (G35)，不能从该行开始",
+                "an axis oscillates (G35) at line {line}: the program cannot start there",
                 line
             ));
         }
