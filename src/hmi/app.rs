@@ -46,6 +46,8 @@ pub struct Hmi {
     help: Help,
     help_open: bool,
     hint: Option<(Text, f64)>,
+    /// When the numeric pad was last drawn, s.
+    pad_drawn_at: Option<f64>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
     /// Screenshots that wait to be sent to the disk thread.
     screenshots: Arc<Mutex<Vec<Arc<ColorImage>>>>,
@@ -67,6 +69,7 @@ impl Hmi {
             help: Help::default(),
             help_open: false,
             hint: None,
+            pad_drawn_at: None,
             picture: None,
             screenshots: Arc::default(),
         }
@@ -145,6 +148,9 @@ impl Hmi {
         if !self.help_open && self.pages.wants_pad(&view) {
             // Drawn after the panel to lie on top, before the page so that its touches count in this frame.
             numeric_pad::ui(&view, panel.pad, &mut asked.edits);
+            self.pad_drawn_at = Some(ui.input(|input| input.time));
+        } else if self.pad_drawn_at.is_some_and(|at| ui.input(|input| input.time) - at < numeric_pad::COVERED_S) {
+            numeric_pad::cover(&view, panel.pad);
         }
         if self.help_open {
             self.help_open = !self.help.overlay(&view, regions.content.shrink(theme::GAP), &asked);

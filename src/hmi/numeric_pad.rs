@@ -31,10 +31,18 @@ const KEYS: [PadKey; 15] = [
     digit(".", "pad-point", 2, 3, '.'),
 ];
 
+/// How long the place of a pad that has closed takes no touch, s: a double tap must not reach the machine keys there.
+pub const COVERED_S: f64 = 0.6;
+
+/// The whole area takes touches: nothing beneath can be pressed through a gap, nor by the second tap on a key that
+/// closed the pad.
+pub fn cover(view: &View<'_>, rect: Rect) {
+    view.ui.interact(rect, Id::unique("pad"), Sense::CLICK | Sense::DRAG);
+}
+
 /// Draws the pad; appends the touched keys to `edits`.
 pub fn ui(view: &View<'_>, rect: Rect, edits: &mut Vec<EditKey>) {
-    // The whole area takes touches: nothing beneath can be pressed through a gap.
-    view.ui.interact(rect, Id::unique("pad"), Sense::CLICK | Sense::DRAG);
+    cover(view, rect);
     view.filled_card(rect.expand(2.0), view.theme.surface, view.theme.focus);
     let inside = rect.shrink(4.0);
     let unit = vec2((inside.width() - 9.0) / 4.0, (inside.height() - 9.0) / 4.0);

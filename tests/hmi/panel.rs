@@ -302,3 +302,32 @@ fn detents(command: &Command) -> i32 {
         _ => 0,
     }
 }
+
+/// H6: the pad lies over the machine keys. The second tap of a double tap on 取消 must not reach the key beneath.
+#[test]
+fn h6_a_double_tap_on_a_key_that_closes_the_pad_reaches_no_machine_key() {
+    let mut screen = open(snapshot(Page::Grinding));
+    screen.get_by_label("卡尺X轴始磨位置 #500").click();
+    (0..4).for_each(|_| screen.step());
+    let cancel = screen.get_by_label("取消 cancel").rect().center();
+    let beneath = layout(Kind::Gc, vec2(1_024.0, 768.0)).keys.into_iter().find(|(_, rect)| rect.contains(cancel));
+    assert!(beneath.is_some(), "a machine key lies there");
+    sent(&mut screen);
+    let tap = |screen: &mut Screen| {
+        screen.event(Event::PointerMoved(cancel));
+        for pressed in [true, false] {
+            let (pos, button, modifiers) = (cancel, PointerButton::Primary, Modifiers::NONE);
+            screen.event(Event::PointerButton { pos, button, pressed, modifiers });
+            screen.step();
+        }
+    };
+    tap(&mut screen);
+    screen.step();
+    assert!(screen.query_by_label("取消 cancel").is_none(), "the pad is closed");
+    tap(&mut screen);
+    (0..8).for_each(|_| screen.step());
+    assert_eq!(sent(&mut screen), Vec::<String>::new());
+    tap(&mut screen);
+    screen.step();
+    assert!(!sent(&mut screen).is_empty(), "later the key acts");
+}
