@@ -123,7 +123,7 @@ impl GrindingLayout {
     fn new(rect: Rect, several: bool) -> Self {
         let (main, input) = rect.split_bottom(theme::INPUT);
         let main = main.shrink(theme::GAP);
-        let (left, rest) = main.split_left(if main.width() > 900.0 { 190.0 } else { 152.0 });
+        let (left, rest) = main.split_left(if main.width() > 900.0 { 190.0 } else { 172.0 });
         let (middle, picture) = rest.split_right(theme::PICTURE.x + 2.0);
         let (title, body) =
             middle.trim_sides(theme::GAP).split_top(if several { theme::TOUCH_TARGET + 4.0 } else { 34.0 });

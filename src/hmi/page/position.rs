@@ -212,18 +212,25 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
         (view.text("件数", "parts"), snapshot.parts_counted.to_string(), ""),
         (face.last_process_item.get(view.lang), last, of_last),
     ];
-    let narrow = rect.width() < 190.0;
-    let height = if narrow { 46.0 } else { 34.0 };
+    // Name, value and unit in one line; the value below the name where there is no room for both.
+    let (stacked, narrow) = (rect.width() < 148.0, rect.width() < 190.0);
+    let height = if stacked { 46.0 } else if narrow { 30.0 } else { 34.0 };
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
         let place = Rect::from_min_size(rect.min + vec2(0.0, index as f32 * height), vec2(rect.width(), height));
         if place.max.y > rect.max.y + 0.5 {
             return;
         }
-        if narrow {
+        if stacked {
             let (label, figure) = place.split_top_bottom_at_fraction(0.46);
             view.line_left(label, name, theme::LABEL, view.theme.muted);
             view.line_right(label, unit, theme::SMALL, view.theme.muted);
             view.line_right(figure, &value, theme::SECONDARY, view.theme.text);
+        } else if narrow {
+            let (label, figure) = place.split_left_right_at_fraction(0.36);
+            let (figure, tail) = if unit.is_empty() { (figure, figure) } else { figure.split_right(56.0) };
+            view.fit_left(label, name, theme::LABEL, view.theme.muted);
+            view.fit_right(figure, &value, theme::TITLE, view.theme.text);
+            view.line_left(tail.trim_left(4.0), unit, theme::SMALL, view.theme.muted);
         } else {
             let (figure, tail) = place.split_right(62.0);
             view.line_left(figure, name, theme::LABEL, view.theme.muted);
