@@ -146,6 +146,15 @@ impl EditKey {
     }
 }
 
+/// What was typed into a text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TypedInput {
+    /// A character; no control character.
+    Char(char),
+    /// An edit or cursor key.
+    Key(EditKey),
+}
+
 /// The keyboard input of one frame.
 #[derive(Debug, Default)]
 pub struct KeyboardInput {
@@ -153,8 +162,10 @@ pub struct KeyboardInput {
     pub keys: Vec<Shortcut>,
     /// Edit and cursor keys.
     pub edits: Vec<EditKey>,
-    /// All typed characters, for text fields.
+    /// All typed characters.
     pub text: String,
+    /// Characters and edit keys as they were typed, one after the other; for texts. A frame may hold several lines.
+    pub in_order: Vec<TypedInput>,
     /// Address keys X Y Z.
     pub address_keys: Vec<Key>,
     /// Keys with Ctrl that are not panel keys, for the pages.
@@ -206,6 +217,7 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> KeyboardInpu
             Event::Text(text) if !alt => {
                 asked.edits.extend(text.chars().filter_map(edit_key_of));
                 asked.text.push_str(text);
+                asked.in_order.extend(text.chars().filter(|sign| !sign.is_control()).map(TypedInput::Char));
             }
             _ => {}
         }
@@ -231,6 +243,11 @@ const fn edit_key_of(sign: char) -> Option<EditKey> {
 }
 
 impl KeyboardInput {
+    fn add_edit(&mut self, edit: EditKey) {
+        self.edits.push(edit);
+        self.in_order.push(TypedInput::Key(edit));
+    }
+
     fn add_unmodified(&mut self, key: egui::Key, shift: bool) {
         match key {
             egui::Key::F1 => self.soft_key = Some(0),
@@ -246,18 +263,18 @@ impl KeyboardInput {
             egui::Key::Z => self.address_keys.push(Key::AddressZ),
             egui::Key::PageUp => self.scroll_pages -= 1,
             egui::Key::PageDown => self.scroll_pages += 1,
-            egui::Key::Enter => self.edits.push(EditKey::Enter),
-            egui::Key::Escape => self.edits.push(EditKey::Cancel),
-            egui::Key::Backspace => self.edits.push(EditKey::Backspace),
-            egui::Key::Delete => self.edits.push(EditKey::Delete),
-            egui::Key::Home => self.edits.push(EditKey::LineStart),
-            egui::Key::End => self.edits.push(EditKey::LineEnd),
-            egui::Key::ArrowUp => self.edits.push(EditKey::Up),
-            egui::Key::ArrowDown => self.edits.push(EditKey::Down),
-            egui::Key::ArrowLeft => self.edits.push(EditKey::Left),
-            egui::Key::ArrowRight => self.edits.push(EditKey::Right),
-            egui::Key::Tab if shift => self.edits.push(EditKey::Previous),
-            egui::Key::Tab => self.edits.push(EditKey::Next),
+            egui::Key::Enter => self.add_edit(EditKey::Enter),
+            egui::Key::Escape => self.add_edit(EditKey::Cancel),
+            egui::Key::Backspace => self.add_edit(EditKey::Backspace),
+            egui::Key::Delete => self.add_edit(EditKey::Delete),
+            egui::Key::Home => self.add_edit(EditKey::LineStart),
+            egui::Key::End => self.add_edit(EditKey::LineEnd),
+            egui::Key::ArrowUp => self.add_edit(EditKey::Up),
+            egui::Key::ArrowDown => self.add_edit(EditKey::Down),
+            egui::Key::ArrowLeft => self.add_edit(EditKey::Left),
+            egui::Key::ArrowRight => self.add_edit(EditKey::Right),
+            egui::Key::Tab if shift => self.add_edit(EditKey::Previous),
+            egui::Key::Tab => self.add_edit(EditKey::Next),
             _ => {}
         }
     }

@@ -80,7 +80,7 @@ impl Login {
                 return;
             }
         }
-        if draw(rect, view, talk) {
+        if draw(rect, view, talk).is_some_and(|touched| talk.handle_key(touched, out)) {
             self.dialog = None;
         }
     }
@@ -156,8 +156,8 @@ impl PasswordDialog {
     }
 }
 
-/// Draws the dialog; true if CANCEL (取消) was touched.
-fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> bool {
+/// Draws the dialog. Returns the key that was touched: 取消 or 确认.
+fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> Option<EditKey> {
     let place = view.dialog(rect, "login-veil", vec2(440.0, 236.0), view.theme.focus);
     let inside = place.shrink2(vec2(20.0, theme::PAD));
     let row = |top: f32, height: f32| inside.band(top, height);
@@ -176,6 +176,10 @@ fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> bool {
     if let Some(reason) = talk.refused {
         view.paragraph(row(126.0, 40.0), reason.get(view.lang), theme::LABEL, view.theme.alarm_text);
     }
-    let cancel = Rect::from_min_size(pos2(inside.max.x - 120.0, inside.max.y - 48.0), vec2(120.0, 48.0));
-    widget::button(view, cancel, PageKey::new("login-cancel", view.text("取消", "CANCEL")))
+    let enter = Rect::from_min_size(pos2(inside.max.x - 120.0, inside.max.y - 48.0), vec2(120.0, 48.0));
+    let cancel = enter.translate(vec2(-128.0, 0.0));
+    let ready = !talk.text.is_empty() && !talk.sent;
+    let cancelled = widget::button(view, cancel, PageKey::new("login-cancel", view.text("取消", "CANCEL")));
+    let entered = widget::button(view, enter, PageKey::new("login-enter", view.text("确认", "OK")).locked(!ready));
+    cancelled.then_some(EditKey::Cancel).or((entered && ready).then_some(EditKey::Enter))
 }

@@ -33,7 +33,7 @@ pub mod window;
 
 pub use app::Hmi;
 pub(crate) use field_editor::{CoreAnswer, FieldEditor, ValueField, param_range, parse_number};
-pub(crate) use keyboard::{EditKey, KeyboardInput};
+pub(crate) use keyboard::{EditKey, KeyboardInput, TypedInput};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub(crate) use keycap::KeycapState;
 pub(crate) use layout::Area;

@@ -356,6 +356,19 @@ fn k2_4_every_key_of_every_kind_acts_or_says_why_not() {
 }
 
 #[test]
+fn b6_the_password_is_confirmed_by_touch_as_well() {
+    let mut bench = Bench::new(crate::stories::rig(), Page::Params);
+    bench.set("P270", "2500");
+    assert!(bench.asks_password());
+    bench.write("1");
+    bench.touch("确认 login-enter");
+    bench.turn();
+    assert!(bench.asks_password() && bench.shows("密码错误"), "a wrong one");
+    bench.touch("取消 login-cancel");
+    assert!(!bench.asks_password());
+}
+
+#[test]
 fn b6_the_history_tells_when_an_alarm_came_and_went() {
     let mut bench = Bench::new(crate::stories::ready(), Page::Alarm);
     assert!(bench.says("没有报警"));

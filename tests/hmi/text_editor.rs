@@ -264,3 +264,28 @@ fn s1_labels_and_jumps_to_them_are_of_one_colour() {
         assert!(all.iter().any(|(text, _)| text == line), "{line}");
     }
 }
+
+/// What is typed between two frames comes in one frame, in its order: `Z390⏎G01` is never `Z390G⏎01`.
+#[test]
+fn b6_what_is_typed_in_one_slow_frame_stays_in_order() {
+    let in_one_frame = |shop: &mut Shop, words: &[&str]| {
+        for word in words {
+            let (key, pressed, repeat) = (Key::Enter, true, false);
+            let (physical_key, modifiers) = (None, Modifiers::NONE);
+            let event = match *word {
+                "\n" => Event::Key { key, physical_key, pressed, repeat, modifiers },
+                text => Event::Text(text.to_owned()),
+            };
+            shop.bench.screen.input_mut().events.push(event);
+        }
+        shop.bench.turn();
+    };
+    let mut shop = open("M30\r\n");
+    in_one_frame(&mut shop, &["Z", "390", "\n", "G", "01", "\n"]);
+    assert_eq!(shop.text(), "Z390\r\nG01\r\nM30\r\n");
+    let mut shop = Shop::new(b"M30\r\n");
+    shop.tell("mode mdi\npage mdi");
+    in_one_frame(&mut shop, &["G04", " X1", "\n", "G", "00"]);
+    assert_eq!(&*shop.bench.rig.snapshot().prepared_mdi, "G04 X1");
+    assert!(shop.bench.shows("G00"), "the rest is the next line");
+}

@@ -7,8 +7,8 @@ use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::key::Mode;
 use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, LetterKey, View, keycap, letter_pad, page_frame as lines,
-    theme, widget,
+    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, LetterKey, TypedInput, View, keycap, letter_pad,
+    page_frame as lines, theme, widget,
 };
 use crate::link::Command;
 use crate::link::snapshot::RunState;
@@ -57,8 +57,12 @@ impl PageUi for MdiPage {
             self.history.truncate(MAX_HISTORY);
             self.scroll = Scroll::default();
         }
-        typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.push_char(sign));
-        typed.edits.iter().for_each(|edit| self.edit(*edit, view, out));
+        for typed in &typed.in_order {
+            match *typed {
+                TypedInput::Char(sign) => self.push_char(sign),
+                TypedInput::Key(edit) => self.edit(edit, view, out),
+            }
+        }
         let pad = letter_pad::block_layout(view.snapshot.kind);
         let (main, board) = rect.split_bottom(pad.height());
         if let Some(letter) = letter_pad::ui(view, board.trim_sides(theme::GAP), &pad) {

@@ -214,7 +214,13 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
     ];
     // Name, value and unit in one line; the value below the name where there is no room for both.
     let (stacked, narrow) = (rect.width() < 148.0, rect.width() < 190.0);
-    let height = if stacked { 46.0 } else if narrow { 30.0 } else { 34.0 };
+    let height = if stacked {
+        46.0
+    } else if narrow {
+        30.0
+    } else {
+        34.0
+    };
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
         let place = Rect::from_min_size(rect.min + vec2(0.0, index as f32 * height), vec2(rect.width(), height));
         if place.max.y > rect.max.y + 0.5 {

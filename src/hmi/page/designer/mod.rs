@@ -18,7 +18,7 @@ use crate::defs::page_text::{self, ParsedPageText};
 use crate::defs::text::Lang;
 use crate::hmi::{
     Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PageMessage, PendingRequests,
-    QuestionDialog, RequestEvent, View, file_command, letter_pad, pictogram, requests, theme, widget,
+    QuestionDialog, RequestEvent, TypedInput, View, file_command, letter_pad, pictogram, requests, theme, widget,
 };
 use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Refusal, Requester};
@@ -283,19 +283,18 @@ impl DesignerPage {
         self.keys_focused &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
         let text = self.editing && !self.keys_focused;
         self.walk.begin_frame(if text { &[] } else { &typed.edits });
-        if text {
-            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.type_char(sign));
-        }
-        for edit in &typed.edits {
-            match edit {
-                EditKey::Next | EditKey::Previous if self.editing => {
+        for typed in &typed.in_order {
+            match *typed {
+                TypedInput::Char(sign) if text => self.type_char(sign),
+                TypedInput::Char(_) => {}
+                TypedInput::Key(EditKey::Next | EditKey::Previous) if self.editing => {
                     self.keys_focused = !self.keys_focused;
                     self.walk.select(0, 1);
                 }
-                EditKey::Cancel if self.keys_focused => self.keys_focused = false,
-                _ if text => self.edit(*edit),
-                EditKey::Cancel => self.message.clear(),
-                _ => {}
+                TypedInput::Key(EditKey::Cancel) if self.keys_focused => self.keys_focused = false,
+                TypedInput::Key(edit) if text => self.edit(edit),
+                TypedInput::Key(EditKey::Cancel) => self.message.clear(),
+                TypedInput::Key(_) => {}
             }
         }
     }

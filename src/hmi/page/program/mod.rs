@@ -14,7 +14,8 @@ use crate::defs::key::Mode;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
     Area, EditKey, KeyboardFocus, KeyboardInput, LetterKey, Login, PageMessage, PendingRequests, QuestionDialog,
-    RequestEvent, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme, widget,
+    RequestEvent, TypedInput, View, file_command, letter_pad, page_frame as lines, requests, round_to_lines, theme,
+    widget,
 };
 use crate::link::Command;
 use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
@@ -235,23 +236,23 @@ impl ProgramPage {
             self.walk.begin_frame(&[]);
         }
         let text = self.prompt.is_some() || (self.editing && !self.keys_focused);
-        if text {
-            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.type_char(sign));
-        } else if typed.text.contains('/') {
+        if !text && typed.text.contains('/') {
             self.perform(EditorAction::Find, view, login, out);
-        } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
+        } else if !text && !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
             self.message.refuse(actions::EDIT_FIRST);
         }
-        for edit in &typed.edits {
-            match edit {
-                EditKey::Next | EditKey::Previous if self.editing && self.prompt.is_none() => {
+        for typed in &typed.in_order {
+            match *typed {
+                TypedInput::Char(sign) if text => self.type_char(sign),
+                TypedInput::Char(_) => {}
+                TypedInput::Key(EditKey::Next | EditKey::Previous) if self.editing && self.prompt.is_none() => {
                     self.keys_focused = !self.keys_focused;
                     self.walk.select(0, 1);
                 }
-                EditKey::Cancel if self.keys_focused => self.keys_focused = false,
-                _ if text => self.edit(*edit, out),
-                EditKey::Cancel => self.message.clear(),
-                _ => {}
+                TypedInput::Key(EditKey::Cancel) if self.keys_focused => self.keys_focused = false,
+                TypedInput::Key(edit) if text => self.edit(edit, out),
+                TypedInput::Key(EditKey::Cancel) => self.message.clear(),
+                TypedInput::Key(_) => {}
             }
         }
     }
