@@ -127,21 +127,6 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
     shared.data.is_some().then(|| data_dir(shared)).transpose()
 }
 
-/// Connects a control with its machine and its storage.
-fn connect<P: HostedMachine, S: Storage>(
-    shared: &SharedArgs,
-    retained: PowerOnState,
-    machine: P,
-    storage: S,
-    damaged: Option<&str>,
-) -> Host<P, S> {
-    let mut host = Host::connect(shared.kind, retained, machine, storage);
-    if let Some(damaged) = damaged {
-        host.report_damage(damaged);
-    }
-    host
-}
-
 /// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.
 fn simulated(shared: &SharedArgs, params: &Params, view_interval: Micros) -> Result<HostedSimulation, CallError> {
     let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
@@ -165,7 +150,9 @@ pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
     let parts = host_parts(shared, named_data(shared)?)?;
     let storage = DirectStorage::new(RetainedWorker::new(parts.store), parts.jobs).map_err(CallError::new)?;
     let machine = simulated(shared, &parts.retained.params, Micros::ZERO)?;
-    Ok(connect(shared, parts.retained, machine, storage, parts.damaged.as_deref()))
+    let mut host = Host::connect(shared.kind, parts.retained, machine, storage);
+    parts.damaged.iter().for_each(|damaged| host.report_damage(damaged));
+    Ok(host)
 }
 
 /// Creates a host for a display, with storage on threads; `machine` opens its machine. The control itself always has a
@@ -184,7 +171,9 @@ pub fn threaded_host<P: HostedMachine>(
     let worker = StorageWorker::new(parts.jobs);
     let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;
     let machine = machine(shared, &parts.retained.params)?;
-    Ok(connect(shared, parts.retained, machine, storage, parts.damaged.as_deref()))
+    let mut host = Host::connect(shared.kind, parts.retained, machine, storage);
+    parts.damaged.iter().for_each(|damaged| host.report_damage(damaged));
+    Ok(host)
 }
 
 /// The part: `--part`, otherwise the part of the program.

@@ -17,14 +17,8 @@ const TOO_MANY_PULSES: Text = Text::new("同时输出的脉冲太多", "too many
 
 impl Machine {
     /// Executes a request that the interlock table has granted.
-    pub(super) fn execute(
-        &mut self,
-        request: Request,
-        now: Micros,
-        inputs: InputSet,
-        params: &Params,
-    ) -> RequestResult {
-        match request {
+    pub(super) fn execute(&mut self, asked: Request, now: Micros, inputs: InputSet, params: &Params) -> RequestResult {
+        match asked {
             Request::WheelStart => self.wheel.start(now),
             Request::CycleStart | Request::MdiStart | Request::HomeAxes | Request::Jog => {}
             Request::CylinderOn => self.cylinder.start(now),
@@ -33,7 +27,7 @@ impl Machine {
             // One speed only where both codes use the same output.
             Request::WorkDriveHigh | Request::WorkDriveLow => {
                 let row = self.kind.row();
-                let fast = request == Request::WorkDriveHigh || row.drive_output(false) == row.drive_output(true);
+                let fast = asked == Request::WorkDriveHigh || row.drive_output(false) == row.drive_output(true);
                 self.workpiece_drive.start(fast, now);
             }
             Request::WorkDriveStop => self.workpiece_drive = WorkpieceDrive::Off,

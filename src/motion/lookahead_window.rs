@@ -310,10 +310,8 @@ impl LookaheadWindow {
     fn smoothing_round(&self, round: usize) -> WindowPhase {
         if self.start.is_urgent || ROUND_ITERATIONS[1] == 0 {
             let round = if round == 0 { 0 } else { LAST_ROUND };
-            return WindowPhase::Smooth {
-                round,
-                left: if self.start.is_urgent { ROUND_ITERATIONS_URGENT[round] } else { ROUND_ITERATIONS[round] },
-            };
+            let left = if self.start.is_urgent { ROUND_ITERATIONS_URGENT[round] } else { ROUND_ITERATIONS[round] };
+            return WindowPhase::Smooth { round, left };
         }
         WindowPhase::Smooth { round, left: ROUND_ITERATIONS[round] }
     }
@@ -341,11 +339,8 @@ impl LookaheadWindow {
                 l.jerk_mm_s3 * d * d * d * share * JERK_SHARE,
             ]
         });
-        let limits = KnotLimits {
-            velocity: axes.0.map(|l| l[0]),
-            acceleration: axes.0.map(|l| l[1]),
-            jerk: axes.0.map(|l| l[2]),
-        };
+        let of = |k: usize| axes.0.map(|l| l[k]);
+        let limits = KnotLimits { velocity: of(0), acceleration: of(1), jerk: of(2) };
         self.speed.feed.clear();
         for knot in &self.smoother.knots[1..self.smoother.points.len() - 1] {
             self.speed.feed.push(self.band.moves[knot.near.1].feed * d);

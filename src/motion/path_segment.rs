@@ -65,12 +65,8 @@ impl PathSegment {
                 };
                 let run = f64::midpoint(r0, r1) * sweep;
                 let length = run.hypot(to[axes[2]] - from[axes[2]]);
-                Self::with_directions(
-                    from,
-                    to,
-                    SegmentForm::Arc { center, axes, radius: [r0, r1], angle: a0, sweep },
-                    length,
-                )
+                let form = SegmentForm::Arc { center, axes, radius: [r0, r1], angle: a0, sweep };
+                Self::with_directions(from, to, form, length)
             }
         }
     }
@@ -196,13 +192,10 @@ impl PathSegment {
                 let share = |axis: Axis| if axis as usize == axes[2] { linear } else { 1.0 };
                 let AxisLimits { velocity_mm_s: v, acceleration_mm_s2: a, jerk_mm_s3: j } = limits_along(limits, share);
                 let r = radius[0].min(radius[1]).max(MIN_LENGTH_MM);
-                let velocity = v.min((ARC_SHARE * a * r).sqrt()).min((ARC_JERK_CURVATURE * j * r * r).cbrt());
-                let across = ARC_SHARE * j * r / (3.0 * velocity);
-                AxisLimits {
-                    velocity_mm_s: velocity,
-                    acceleration_mm_s2: (ARC_SHARE * a).min(across),
-                    jerk_mm_s3: ARC_JERK_TANGENTIAL * j,
-                }
+                let velocity_mm_s = v.min((ARC_SHARE * a * r).sqrt()).min((ARC_JERK_CURVATURE * j * r * r).cbrt());
+                let across = ARC_SHARE * j * r / (3.0 * velocity_mm_s);
+                let acceleration_mm_s2 = (ARC_SHARE * a).min(across);
+                AxisLimits { velocity_mm_s, acceleration_mm_s2, jerk_mm_s3: ARC_JERK_TANGENTIAL * j }
             }
         }
     }

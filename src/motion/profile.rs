@@ -163,6 +163,7 @@ fn run(start: AxisState, legs: &[JerkSegment]) -> AxisState {
 /// The fastest change from a velocity and an acceleration to another velocity at zero acceleration.
 fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLimits) -> [JerkSegment; 3] {
     let (most, jerk) = (limits.acceleration_mm_s2, limits.jerk_mm_s3);
+    let leg = |seconds: f64, jerk: f64| JerkSegment { seconds, jerk };
     // The final velocity if the acceleration only drops to zero decides the direction.
     let settled = velocity + acceleration * acceleration.abs() / (2.0 * jerk);
     let way = if target >= settled { 1.0 } else { -1.0 };
@@ -170,18 +171,10 @@ fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLi
     let peak = (jerk * rise + first * first / 2.0).max(0.0).sqrt();
     if peak <= most {
         let up = (peak - first).max(0.0) / jerk;
-        return [
-            JerkSegment { seconds: up, jerk: way * jerk },
-            JerkSegment::default(),
-            JerkSegment { seconds: peak / jerk, jerk: -way * jerk },
-        ];
+        return [leg(up, way * jerk), JerkSegment::default(), leg(peak / jerk, -way * jerk)];
     }
     // An acceleration above its limit (limits lowered at rest, or after an emergency stop) is first reduced to it.
     let bend = if first > most { -jerk } else { jerk };
     let gained = (most * most - first * first) / (2.0 * bend) + most * most / (2.0 * jerk);
-    [
-        JerkSegment { seconds: (most - first) / bend, jerk: way * bend },
-        JerkSegment { seconds: (rise - gained).max(0.0) / most, jerk: 0.0 },
-        JerkSegment { seconds: most / jerk, jerk: -way * jerk },
-    ]
+    [leg((most - first) / bend, way * bend), leg((rise - gained).max(0.0) / most, 0.0), leg(most / jerk, -way * jerk)]
 }

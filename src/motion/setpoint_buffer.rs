@@ -130,11 +130,7 @@ impl SetpointBuffer {
     pub fn sample(&self, spot: BufferPosition) -> BufferSample {
         let t = spot.fraction;
         let before = self.setpoint(spot.tick.saturating_sub(1)).position;
-        let (here, next, after) = (
-            self.setpoint(spot.tick).position,
-            self.setpoint(spot.tick + 1).position,
-            self.setpoint(spot.tick + 2).position,
-        );
+        let [here, next, after] = [0, 1, 2].map(|k| self.setpoint(spot.tick + k).position);
         let u = 1.0 - t;
         let step = [0, 1, 2].map(|x| {
             let (b, n, a) = (before[x] - here[x], next[x] - here[x], after[x] - here[x]);

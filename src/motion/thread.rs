@@ -220,11 +220,8 @@ impl ThreadMover {
 
     /// Hands each axis over to its mover in its present state.
     fn hand_over_to_movers(&mut self) {
-        let state = |axis: Axis| AxisState {
-            position: self.setpoint.position[axis],
-            velocity: self.setpoint.velocity_mm_s[axis],
-            acceleration: 0.0,
-        };
+        let (at, speed) = (self.setpoint.position, self.setpoint.velocity_mm_s);
+        let state = |axis: Axis| AxisState { position: at[axis], velocity: speed[axis], acceleration: 0.0 };
         let (x, z) = (state(Axis::X), state(Axis::Z));
         self.x.set_state(x);
         self.z.set_state(z);

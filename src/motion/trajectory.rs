@@ -125,10 +125,8 @@ impl TrajectoryPlanner {
     /// As [`Self::tick`], within a budget. The caller grants [`MAX_TRAJECTORY_WORK`]: with less, plans and changes of
     /// rate come later.
     pub fn tick_within(&mut self, requested: Override, budget: &mut WorkBudget) -> Setpoint {
-        let requested = Override {
-            feed: clamp_factor(requested.feed, MAX_FEED_OVERRIDE),
-            rapid: clamp_factor(requested.rapid, 1.0),
-        };
+        let feed = clamp_factor(requested.feed, MAX_FEED_OVERRIDE);
+        let requested = Override { feed, rapid: clamp_factor(requested.rapid, 1.0) };
         // A verified change of rate relies on the end of a closed buffer: nothing may be appended until it has ended.
         // An abort appends only what it needs until a change of rate to rest has been found.
         let wanted = !self.aborting || (self.buffer.is_open() && self.feed_scaling.target() > 0.0);
@@ -284,12 +282,8 @@ impl TrajectoryPlanner {
             self.feed_scaling = FeedScaling::steady(target);
             self.unmet_ticks = 0;
         } else {
-            let ahead = SetpointsAhead {
-                buffer: &self.buffer,
-                spot: self.buffer_position,
-                past: &self.history,
-                limits: &self.steps,
-            };
+            let (buffer, spot) = (&self.buffer, self.buffer_position);
+            let ahead = SetpointsAhead { buffer, spot, past: &self.history, limits: &self.steps };
             self.feed_scaling.change_to(target, &ahead, budget);
             let met = (target - self.feed_scaling.target()).abs() <= RATE_MET_TOLERANCE;
             self.unmet_ticks = if met { 0 } else { self.unmet_ticks.saturating_add(1) };

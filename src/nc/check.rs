@@ -159,15 +159,10 @@ impl ProgramCheck {
     }
 
     /// Starts at the head of another program, in the memory of this check.
-    pub fn begin(
-        &mut self,
-        (source, library): (Arc<Source>, SharedLibrary),
-        settings: &NcSettings,
-        memory: &CommonVariables,
-    ) {
-        self.unread.begin(source.line_count());
-        self.source = Arc::clone(&source);
-        self.interpreter.begin((source, library), settings.clone(), memory);
+    pub fn begin(&mut self, program: (Arc<Source>, SharedLibrary), settings: &NcSettings, memory: &CommonVariables) {
+        self.unread.begin(program.0.line_count());
+        self.source = Arc::clone(&program.0);
+        self.interpreter.begin(program, settings.clone(), memory);
         self.settings = settings.clone();
         self.block.restart(*self.interpreter.modals());
         self.report.clear();

@@ -381,17 +381,12 @@ impl Interpreter {
 
     /// Executes the flow action of a block: jump, call, loop, assignment or end.
     #[inline]
-    fn apply_flow_action(
-        &mut self,
-        step: FlowAction,
-        cursor: &Cursor<'_>,
-        block: &mut Block,
-    ) -> ReadResult<StepStatus> {
-        if !matches!(step, FlowAction::SecondHalf) {
+    fn apply_flow_action(&mut self, act: FlowAction, cursor: &Cursor<'_>, block: &mut Block) -> ReadResult<StepStatus> {
+        if !matches!(act, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
         let moves = self.flow.modal_call.is_some() && block.ops.iter().any(|op| op.effect().is_motion());
-        match step {
+        match act {
             FlowAction::Goto { at, .. } | FlowAction::Call(Call { at, .. }) | FlowAction::Return { at, .. }
                 if moves =>
             {

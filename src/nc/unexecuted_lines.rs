@@ -29,13 +29,8 @@ pub(crate) struct UnexecutedLines {
 
 impl UnexecutedLines {
     pub fn new(lines: usize) -> Self {
-        Self {
-            visited: vec![false; lines + 1],
-            text_end: None,
-            calls: Vec::new(),
-            line: 0,
-            words: BlockWords::default(),
-        }
+        let (visited, words) = (vec![false; lines + 1], BlockWords::default());
+        Self { visited, text_end: None, calls: Vec::new(), line: 0, words }
     }
 
     /// For texts of up to `lines` lines without further memory.
@@ -130,10 +125,7 @@ impl UnexecutedLines {
 }
 
 /// Mistakes of the text as a whole: repeated labels, no blocks.
-pub(crate) fn check_whole_text<'a>(
-    source: &'a Source,
-    settings: &NcSettings,
-) -> impl Iterator<Item = ProgramFault> + use<'a> {
+pub fn check_whole_text<'a>(source: &'a Source, settings: &NcSettings) -> impl Iterator<Item = ProgramFault> + use<'a> {
     let told =
         |at: usize, error: E, detail: Arg| source.fault(None, ErrorAt { at, error, details: [detail, Arg::None] });
     let rules = dialect::rules(settings.dialect);

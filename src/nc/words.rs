@@ -293,11 +293,8 @@ fn push_code<const N: usize>(
         None => return Ok(()),
         Some(value) => whole_u32(value).map_or_else(
             || {
-                fail1(
-                    at as usize,
-                    if letter == b'G' { E::UnknownG } else { E::UnknownM },
-                    format_args!("{name}{value}"),
-                )
+                let unknown = if letter == b'G' { E::UnknownG } else { E::UnknownM };
+                fail1(at as usize, unknown, format_args!("{name}{value}"))
             },
             Ok,
         )?,

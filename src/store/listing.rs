@@ -77,10 +77,8 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Ca
         // It may have been deleted since the folder was opened.
         let Ok(metadata) = entry.metadata() else { continue };
         if !metadata.is_file() {
-            ignored.push(IgnoredFile {
-                name,
-                reason: "a link, folder or device: only regular files are listed".to_owned(),
-            });
+            let reason = "a link, folder or device: only regular files are listed".to_owned();
+            ignored.push(IgnoredFile { name, reason });
             continue;
         }
         let candidate = Candidate { name, rank, metadata };

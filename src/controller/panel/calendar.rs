@@ -64,13 +64,8 @@ impl Panel {
     pub fn set_date(&mut self, parts: &mut Parts<'_>, wanted: DateTime) {
         let [year, ..] = wanted.parts();
         if !YEARS.contains(&year) {
-            let (first, last) = (*YEARS.start(), *YEARS.end());
-            return parts.plant.refuse(phrase!(
-                "年份应为 {first}-{last}",
-                "the year must be {first} to {last}",
-                first,
-                last
-            ));
+            let (from, to) = (*YEARS.start(), *YEARS.end());
+            return parts.plant.refuse(phrase!("年份应为 {from}-{to}", "the year must be {from} to {to}", from, to));
         }
         let Some(offset_s) = self.calendar.offset_for(parts.plant.now, wanted) else {
             return parts.plant.refuse(phrase!("没有系统时钟", "the computer has no clock"));

@@ -116,12 +116,9 @@ impl Panel {
         parts.plant.axes.set_leadscrew_table(axis, table.clone());
         parts.plant.store(StorageRequest::LeadscrewTable(axis, table.clone()));
         let points = table.points().len();
-        parts.plant.show_note(phrase!(
-            "{axis} 轴丝杠补偿表：{points} 点",
-            "screw table of axis {axis}: {points} points",
-            axis,
-            points
-        ));
+        let note =
+            phrase!("{axis} 轴丝杠补偿表：{points} 点", "screw table of axis {axis}: {points} points", axis, points);
+        parts.plant.show_note(note);
     }
 
     fn set_geometry(parts: &mut Parts<'_>, number: usize, geometry: PerAxis<f64>) {

@@ -23,7 +23,7 @@ use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 /// The queue that the operations go to.
 type QueueItems = VecDeque<QueueItem>;
 /// A value, or why the operation is refused.
-type Checked<T> = Result<T, MoveRefusal>;
+type Checked<T = ()> = Result<T, MoveRefusal>;
 
 /// Work offsets, position and modal state at the end of the blocks read so far.
 #[derive(Clone, Debug)]
@@ -62,13 +62,7 @@ impl LookaheadState {
     }
 
     /// Converts one operation to queue items.
-    pub(super) fn queue_op(
-        &mut self,
-        op: &Op,
-        at: BlockLocation,
-        items: &mut QueueItems,
-        params: &Params,
-    ) -> Checked<()> {
+    pub(super) fn queue_op(&mut self, op: &Op, at: BlockLocation, items: &mut QueueItems, params: &Params) -> Checked {
         let action = match op.effect() {
             OpEffect::Motion(motion) => return self.queue_motion(motion, items, params),
             OpEffect::IndexTurret { station, by } => return self.queue_turret(station, by, items, params),
@@ -99,7 +93,7 @@ impl LookaheadState {
         Ok(())
     }
 
-    fn queue_motion(&mut self, motion: OpMotion<'_>, items: &mut QueueItems, params: &Params) -> Checked<()> {
+    fn queue_motion(&mut self, motion: OpMotion<'_>, items: &mut QueueItems, params: &Params) -> Checked {
         match motion {
             OpMotion::Work(by) => self.queue_work_move(by, items, params),
             OpMotion::Machine { to, feed } => {
@@ -141,7 +135,7 @@ impl LookaheadState {
     }
 
     /// A line or arc to a work coordinate.
-    fn queue_work_move(&mut self, by: WorkMove, items: &mut QueueItems, params: &Params) -> Checked<()> {
+    fn queue_work_move(&mut self, by: WorkMove, items: &mut QueueItems, params: &Params) -> Checked {
         let target = self.machine_target(by.to, by.words);
         let shape = match by.arc {
             None => MoveShape::Line,
@@ -200,7 +194,7 @@ impl LookaheadState {
     }
 
     /// A thread and its run-out (L5).
-    fn queue_thread(&mut self, threading: &ThreadMove, items: &mut QueueItems, params: &Params) -> Checked<()> {
+    fn queue_thread(&mut self, threading: &ThreadMove, items: &mut QueueItems, params: &Params) -> Checked {
         let out = self.with_y(self.work_offsets.machine_from_work(threading.run_out_start));
         let to = self.with_y(self.work_offsets.machine_from_work(threading.to));
         for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.soft_limits_active) {
@@ -220,7 +214,7 @@ impl LookaheadState {
         by: Option<PerAxis<f64>>,
         items: &mut QueueItems,
         params: &Params,
-    ) -> Checked<()> {
+    ) -> Checked {
         self.work_offsets.change_tool(station, by);
         items.push_back(QueueItem::Action(QueuedAction::IndexTurret(station)));
         items.push_back(QueueItem::Action(QueuedAction::ChangeTool(station, by)));
@@ -249,7 +243,7 @@ impl LookaheadState {
         feed: Option<f64>,
         items: &mut QueueItems,
         params: &Params,
-    ) -> Checked<()> {
+    ) -> Checked {
         let mut target = self.machine_position;
         for axis in axes.iter() {
             target[axis] = self.dress_points[axis].ok_or(MoveRefusal::NoDressPoint(axis))?;
@@ -262,7 +256,7 @@ impl LookaheadState {
         pushed
     }
 
-    fn queue_move(&mut self, mut planned: PlannedMove, items: &mut QueueItems, params: &Params) -> Checked<()> {
+    fn queue_move(&mut self, mut planned: PlannedMove, items: &mut QueueItems, params: &Params) -> Checked {
         if let Some(axis) = self.oscillating.filter(|axis| planned.named_axes.contains(*axis)) {
             return Err(MoveRefusal::Oscillating(axis)); // K4.3: before the block starts
         }

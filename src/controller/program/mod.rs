@@ -109,12 +109,8 @@ impl Program {
             // L3: at program start, work zero, reference point and start point coincide.
             plant.work.offsets.set_coordinates(plant.axes.set_point(), &PerAxis([Some(0.0), None, Some(0.0)]));
         }
-        let mut lookahead = LookaheadState::new(
-            plant.work.offsets.clone(),
-            plant.axes.set_point(),
-            plant.work.dress_points,
-            modals.path_mode,
-        );
+        let (offsets, at) = (plant.work.offsets.clone(), plant.axes.set_point());
+        let mut lookahead = LookaheadState::new(offsets, at, plant.work.dress_points, modals.path_mode);
         lookahead.oscillating = plant.oscillating_axis();
         lookahead.soft_limits_active = plant.axes.all_homed();
         lookahead.homed = lookahead.soft_limits_active || plant.kind.row().may_start_unhomed();

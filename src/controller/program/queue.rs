@@ -37,14 +37,9 @@ pub struct PlannedMove {
 impl PlannedMove {
     /// A move with exact stop, not yet handed to the planner.
     #[must_use]
-    pub const fn new(
-        to: MachinePos,
-        shape: MoveShape,
-        speed: ProgrammedFeed,
-        (named_axes, incremental_axes): NamedAxes,
-    ) -> Self {
-        let end = CornerMode::ExactStop;
-        Self { to, shape, speed, end, tag: None, named_axes, incremental_axes }
+    pub const fn new(to: MachinePos, shape: MoveShape, speed: ProgrammedFeed, named: NamedAxes) -> Self {
+        let (named_axes, incremental_axes) = named;
+        Self { to, shape, speed, end: CornerMode::ExactStop, tag: None, named_axes, incremental_axes }
     }
 
     /// Checks the soft limits of a move that starts at `from`: its end point, and the extreme points of an arc.

@@ -390,12 +390,8 @@ impl Program {
         plant.spindles.wheel_rpm_limit = switched.rpm_limit.or(plant.spindles.wheel_rpm_limit);
         let speed = ProgrammedFeed::PerMinute(plant.params.get(param::WHEEL_ON_INFEED_SPEED));
         for (target, speed) in [(beside, ProgrammedFeed::Rapid), (to, speed)] {
-            run.queue.push_back(QueueItem::Move(PlannedMove::new(
-                target,
-                MoveShape::Line,
-                speed,
-                (all_axes(), AxisSet::NONE),
-            )));
+            let planned = PlannedMove::new(target, MoveShape::Line, speed, (all_axes(), AxisSet::NONE));
+            run.queue.push_back(QueueItem::Move(planned));
         }
         run.lookahead.oscillating = plant.oscillating_axis();
         run.lookahead.dialect = plant.kind.row().dialect;

@@ -162,7 +162,8 @@ impl Program {
         };
         let still =
             plant.allows_manual_motion() && (plant.axes.owner() == AxisOwner::Program || plant.axes.is_at_rest());
-        if !still || !no_manual_motion(plant) {
+        let by_hand = plant.axes.owner() != AxisOwner::Program && plant.jog.is_active();
+        if !still || by_hand {
             return plant.refuse(STILL_MOVING);
         }
         if !matches!(plant.request(Request::Jog), RequestResult::Accepted) || !self.detach_from_run(plant) {
@@ -254,11 +255,6 @@ impl Program {
 fn position_deviation(plant: &Plant, from: MachinePos) -> Option<(Axis, f64)> {
     let now = plant.axes.program_set_point();
     Axis::ALL.into_iter().map(|axis| (axis, now[axis] - from[axis])).find(|(_, off)| off.abs() > RETURN_TOLERANCE_MM)
-}
-
-/// Whether no manual motion or withdrawal is in progress.
-fn no_manual_motion(plant: &Plant) -> bool {
-    plant.axes.owner() == AxisOwner::Program || !plant.jog.is_active()
 }
 
 fn moved_away_text(plant: &Plant, axis: Axis, off: f64) -> LocalizedText {

@@ -103,11 +103,8 @@ impl SetpointPlanner {
         let (first, next) = (point.segment, queued.number);
         let brake = self.brake_s(top_speed(queued, &self.limits, request.feed_override));
         let horizon_s = self.first_horizon_s(brake);
-        self.begin_job(
-            start,
-            HandoverChoice { handover: 0, first, end: point, horizon_s, next, steady: false },
-            request,
-        );
+        let choice = HandoverChoice { handover: 0, first, end: point, horizon_s, next, steady: false };
+        self.begin_job(start, choice, request);
     }
 
     fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, request: PlanRequest) {

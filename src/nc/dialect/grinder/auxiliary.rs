@@ -26,12 +26,8 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let value = integer(word, 0, 9_999)?;
     let (tool, offset) = (value / 100, value % 100);
     if tool > count || offset > count || (tool == 0 && offset != 0) {
-        return fail2(
-            word.at as usize,
-            E::OutOfRange,
-            format_args!("T{value:04}"),
-            format_args!("Txxyy xx 1–{count} yy 0–{count}"),
-        );
+        let expected = format_args!("Txxyy xx 1–{count} yy 0–{count}");
+        return fail2(word.at as usize, E::OutOfRange, format_args!("T{value:04}"), expected);
     }
     let modals = &mut *running.modals;
     let tool = tool as u16;

@@ -122,27 +122,21 @@ fn gauge_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> 
     let Some(fine) = words.take(b'J') else { return missing("J") };
     let Some(first) = words.take(b'P') else { return missing("P") };
     let (fast_mm_min, fine_mm_min) = (feed_word(running, fast)?, feed_word(running, fine)?);
-    let first = integer(first, 1, GAUGE_INPUTS)? as u8;
-    let second = words.take(b'Q').map(|word| integer(word, 1, GAUGE_INPUTS)).transpose()?.map(|signal| signal as u8);
+    let first_input = integer(first, 1, GAUGE_INPUTS)? as u8;
+    let second_input =
+        words.take(b'Q').map(|word| integer(word, 1, GAUGE_INPUTS)).transpose()?.map(|signal| signal as u8);
     let retract = words.take(b'L').map(|word| length_mm(running, word).map(|mm| (word, mm))).transpose()?;
     let retract_mm = match retract {
-        Some((word, mm)) if mm < 0.0 || second.is_none() && mm <= 0.0 => {
+        Some((word, mm)) if mm < 0.0 || second_input.is_none() && mm <= 0.0 => {
             return out_of_range(word, "> 0");
         }
         Some((_, mm)) => mm,
         // A single contact is approached twice, so a retract is required.
-        None if second.is_none() => return missing("L"),
+        None if second_input.is_none() => return missing("L"),
         None => 0.0,
     };
-    running.ops.push(Op::Gauge(GaugeMove {
-        axis,
-        to,
-        fast_mm_min,
-        fine_mm_min,
-        first_input: first,
-        second_input: second,
-        retract_mm,
-    }));
+    let gauging = GaugeMove { axis, to, fast_mm_min, fine_mm_min, first_input, second_input, retract_mm };
+    running.ops.push(Op::Gauge(gauging));
     Ok(())
 }
 

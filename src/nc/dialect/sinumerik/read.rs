@@ -240,7 +240,7 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             return Ok(true);
         }
         if accept_keyword(cursor, "CR") {
-            let value = value_after_equals(cursor, scope, words, at)?;
+            let value = assigned_value(cursor, scope, words, at)?;
             words.add(Word { value, at: start, letter: CR_ADDRESS, kind: ValueKind::Decimal })?;
             return Ok(true);
         }
@@ -260,7 +260,7 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             refuse_r_as_radius(cursor)?;
         }
         let variable = parameter_number(cursor, scope, &words.assignments)?;
-        let value = value_after_equals(cursor, scope, words, at)?;
+        let value = assigned_value(cursor, scope, words, at)?;
         words.push_assignment(Assignment { variable, value, at: start })?;
         return Ok(true);
     }
@@ -321,12 +321,7 @@ fn read_number(cursor: &mut Cursor<'_>, at: usize, letter: u8) -> ReadResult<(f6
 }
 
 /// The value after `=`; `at` is the start of the word.
-fn value_after_equals<S: Scope>(
-    cursor: &mut Cursor<'_>,
-    scope: &mut S,
-    words: &BlockWords,
-    at: usize,
-) -> ReadResult<f64> {
+fn assigned_value<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &BlockWords, at: usize) -> ReadResult<f64> {
     let end = cursor.at;
     skip_blanks(cursor);
     if !cursor.accept(b'=') {

@@ -110,10 +110,7 @@ fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64
     }
     let limit = ThreadMove::max_spindle_rpm(lead);
     if speed > limit {
-        running.scope.warn(
-            place,
-            E::SpindleTooFast,
-            [format_args!("{speed}").into(), format_args!("{limit:.0}").into()],
-        );
+        let details = [format_args!("{speed}").into(), format_args!("{limit:.0}").into()];
+        running.scope.warn(place, E::SpindleTooFast, details);
     }
 }
