@@ -23,7 +23,7 @@ use kt830::link::files::FileRequest;
 use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::PageCommand;
 use kt830::link::simulation::SimView;
-use kt830::link::snapshot::{RestartView, RunState};
+use kt830::link::snapshot::{OwnMotion, RestartView, RunState};
 use kt830::link::{Command, Snapshot};
 use kt830::units::{Axis, Micros, PerAxis};
 
@@ -37,6 +37,7 @@ const CHANGES: &[Change] = &[
     ("date", Page::Mdi, |machine| machine.date = Some(DateTime(1_795_273_316))),
     ("mode", Page::Mdi, |machine| machine.mode = Mode::Home),
     ("state", Page::Mdi, |machine| machine.state = RunState::Held),
+    ("own_motion", Page::Position, |machine| machine.own_motion = Some(OwnMotion::DressReturn)),
     ("coordinates", Page::Position, |machine| machine.coordinates = CoordinateView::Relative),
     ("soft_key_row", Page::Mdi, |machine| machine.soft_key_row += 1),
     ("x_as_diameter", Page::Offset, |machine| machine.x_as_diameter = false),
@@ -166,7 +167,7 @@ fn h8_a_machine_at_rest_asks_for_no_frame() {
         load(&mut machine, 63.0);
         // Less than a digit that is shown.
         machine.axes[Axis::X].work += 0.000_01;
-        (machine.feed_mm_min, machine.cycle_seconds) = (before.feed_mm_min + 0.1, before.cycle_seconds + 0.4);
+        (machine.feed_mm_min, machine.cycle_seconds) = (before.feed_mm_min + 0.000_01, before.cycle_seconds + 0.4);
         if *page != Page::Wheel {
             machine.wheel_rpm += 0.1;
         }
