@@ -119,9 +119,15 @@ pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = SoftKey> {
     })
 }
 
-/// The keys of a row as they act now: on the lathe F1 continues a stopped program (L7).
+/// Whether F1 continues a stopped program on a kind (L7).
+#[must_use]
+pub fn f1_continues(kind: Kind) -> bool {
+    kind.is_lathe()
+}
+
+/// The keys of a row as they act now: F1 may continue a stopped program.
 pub fn row_now(kind: Kind, number: usize, stopped: bool) -> impl Iterator<Item = SoftKey> {
-    let continues = stopped && kind.is_lathe();
+    let continues = stopped && f1_continues(kind);
     let key = SoftKey { label: SoftKeyAction::Continue.label_on(kind), action: SoftKeyAction::Continue };
     row(kind, number).enumerate().map(move |(index, soft)| if continues && index == 0 { key } else { soft })
 }

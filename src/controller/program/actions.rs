@@ -11,6 +11,7 @@ use crate::defs::kind::Kind;
 use crate::defs::mcode::{MCodeAction, Request};
 use crate::defs::param;
 use crate::defs::signal::Input;
+use crate::defs::soft_key;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::RequestResult;
@@ -247,7 +248,7 @@ impl ProgramRun {
 /// What M00 and M01 wait for.
 fn stop_reason(kind: Kind, call: MCall) -> LocalizedText {
     let code = Arg::from(format_args!("M{:02}", call.row.code));
-    match kind.is_lathe() {
+    match soft_key::f1_continues(kind) {
         true => phrase!(
             "{code} 程序暂停：按循环启动或 F1 继续",
             "{code}, the program waits: cycle start or F1 continues",

@@ -133,7 +133,20 @@ fn parameters(tokens: &[&str]) -> usize {
     });
     let Some(open) = list else { return 0 };
     let list = &tokens[open + 1..after_bracket(tokens, open) - 1];
-    let (mut depth, mut count, mut fresh) = (0, 0, true);
+    let parameters = starts(list).into_iter().map(|at| {
+        let name = at + unqualified(&list[at..]);
+        if list.get(name) == Some(&"self") {
+            return 0;
+        }
+        let behind = if list.get(name + 1) == Some(&":") { name + 2 } else { name };
+        elements(&list[behind + unqualified(&list[behind..])..])
+    });
+    parameters.sum()
+}
+
+/// Where the elements of a list begin, between commas outside brackets.
+fn starts(list: &[&str]) -> Vec<usize> {
+    let (mut depth, mut fresh, mut starts) = (0, true, Vec::new());
     for (at, token) in list.iter().enumerate() {
         match *token {
             "(" | "[" | "{" | "<" => depth += 1,
@@ -144,16 +157,11 @@ fn parameters(tokens: &[&str]) -> usize {
             }
             _ => {}
         }
-        if fresh {
-            let name = at + unqualified(&list[at..]);
-            if list.get(name) != Some(&"self") {
-                let behind = if list.get(name + 1) == Some(&":") { name + 2 } else { name };
-                count += elements(&list[behind + unqualified(&list[behind..])..]);
-            }
-            fresh = false;
+        if std::mem::take(&mut fresh) {
+            starts.push(at);
         }
     }
-    count
+    starts
 }
 
 /// Where `&` and `mut` end.
@@ -166,21 +174,7 @@ fn elements(tokens: &[&str]) -> usize {
     if tokens.first() != Some(&"(") {
         return 1;
     }
-    let (mut depth, mut count, mut fresh) = (0, 0, true);
-    for token in &tokens[1..after_bracket(tokens, 0) - 1] {
-        match *token {
-            "(" | "[" | "{" | "<" => depth += 1,
-            ")" | "]" | "}" | ">" => depth -= 1,
-            "," if depth == 0 => {
-                fresh = true;
-                continue;
-            }
-            _ => {}
-        }
-        count += usize::from(fresh);
-        fresh = false;
-    }
-    count.max(1)
+    starts(&tokens[1..after_bracket(tokens, 0) - 1]).len().max(1)
 }
 
 /// The types, functions and modules that a text declares: keyword and name.
