@@ -6,8 +6,8 @@ use super::block::Block;
 use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, contour_move};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ReadResult, fail, fail1};
-use super::flow::Flow;
-use super::interpreter::{Interpreter, PendingCycle, StepStatus};
+use super::flow::{Flow, PendingCycle};
+use super::interpreter::{Interpreter, StepStatus};
 use crate::units::WorkPos;
 
 /// The state while a contour is read: the position is the end of its last block.

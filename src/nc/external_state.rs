@@ -18,10 +18,14 @@ pub(crate) struct RunTotals {
 
 impl RunTotals {
     /// Adds a segment of a path.
+    #[inline]
     fn add(&mut self, segment: &MotionSegment, rapid_mm_min: PerAxis<f64>, rpm: f64) {
         let (from, to) = (self.position, segment.to);
         self.extend_to(from);
-        let length = segment.arc.map_or_else(|| distance(from, to), |arc| self.extend_along(arc, to));
+        let length = match &segment.arc {
+            None => distance(from, to),
+            Some(arc) => self.extend_along(arc, to),
+        };
         self.extend_to(to);
         self.seconds += match segment.speed {
             SegmentSpeed::Rapid => {
@@ -37,7 +41,7 @@ impl RunTotals {
     }
 
     /// Extends the extents by the bulges of an arc; returns its length.
-    fn extend_along(&mut self, arc: ArcMove, to: WorkPos) -> f64 {
+    fn extend_along(&mut self, arc: &ArcMove, to: WorkPos) -> f64 {
         let from = self.position;
         let (radius, swept) = (arc.radius_at(from), arc.sweep(from, to));
         for quarter in 0..4 {
@@ -254,8 +258,9 @@ impl OfflineMachine {
     /// mm.
     #[inline]
     pub fn apply_traced(&mut self, op: &Op, mut sink: impl FnMut(WorkPos, &MotionSegment)) {
-        let machine = self.work_offsets.machine_from_work(self.totals.position);
-        self.start.get_or_insert(machine);
+        if self.start.is_none() {
+            self.start = Some(self.machine_position());
+        }
         match op.effect() {
             OpEffect::Motion(motion) => {
                 let Self { totals, work_offsets, references, rapid_mm_min, rpm, .. } = self;
@@ -265,6 +270,7 @@ impl OfflineMachine {
                 });
             }
             OpEffect::Coordinates(change) => {
+                let machine = self.machine_position();
                 change.apply(&mut self.work_offsets, machine);
                 self.totals.position = self.work_offsets.work_from_machine(machine);
             }
@@ -280,6 +286,10 @@ impl OfflineMachine {
             OpEffect::Speed(..) | OpEffect::SpeedLimit(_) | OpEffect::PathMode(_) | OpEffect::MCode(_) => {}
             OpEffect::Variable(..) | OpEffect::Message(_) => {}
         }
+    }
+
+    fn machine_position(&self) -> MachinePos {
+        self.work_offsets.machine_from_work(self.totals.position)
     }
 
     /// Changes the tool. With compensation, the slides and the stored start position move by the difference.

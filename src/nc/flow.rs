@@ -2,10 +2,13 @@
 
 use std::sync::Arc;
 
+use super::contour::ContourCycle;
 use super::expression::Value;
 use super::fault::{E, ReadResult, fail1, fail2};
+use super::lexer::Cursor;
 use super::source::Source;
 use super::source_index::{LOOP_DEPTH, LoopEnd};
+use super::statement::line_continues;
 
 /// Deepest nesting of counted loops (G22) and of subprograms in the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
@@ -70,6 +73,25 @@ pub(crate) struct Place {
     pub line: u32,
     /// A block of this line was already read.
     pub mid_line: bool,
+}
+
+impl Place {
+    /// The place behind a block that the cursor has read; `line` is the line of the block.
+    #[inline]
+    pub fn behind(mut cursor: Cursor<'_>, line: u32) -> Self {
+        if line_continues(&cursor) {
+            return Self { at: cursor.at, line, mid_line: true };
+        }
+        cursor.skip_line_end();
+        Self { at: cursor.at, line: line + 1, mid_line: false }
+    }
+}
+
+/// A cycle whose contour is not read yet, and the start of its own block.
+#[derive(Debug)]
+pub(crate) struct PendingCycle {
+    pub cycle: ContourCycle,
+    pub block_start: Place,
 }
 
 /// A call frame: the position to return to, and the state of the caller.

@@ -5,19 +5,19 @@ use std::sync::Arc;
 
 use super::block::Block;
 use super::common_variables::{CommonVariables, VariableError};
-use super::contour::{ContourCycle, ContourMemory};
+use super::contour::ContourMemory;
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
 use super::external_state::ExternalState;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
-use super::flow::{Call, Callee, Flow, Locals, Place};
+use super::flow::{Call, Callee, Flow, Locals, PendingCycle, Place};
 use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::op::Op;
 use super::scope::{LiveScope, NullUse};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
-use super::statement::{self, BlockContent, BlockReader};
+use super::statement::{BlockContent, BlockReader};
 use super::words::BlockWords;
 use crate::defs::program_number;
 use crate::defs::system_variable::{self as system_variable, VariableAccess};
@@ -68,12 +68,6 @@ pub struct Interpreter {
     pub(crate) null_uses: Option<Vec<NullUse>>,
     /// Warnings; collected by a check only.
     pub(crate) warnings: Option<Vec<ErrorAt>>,
-}
-
-/// A cycle whose contour is not read yet, and the start of its own block.
-pub(super) struct PendingCycle {
-    pub cycle: ContourCycle,
-    pub block_start: Place,
 }
 
 /// The result of reading one block.
@@ -231,6 +225,9 @@ impl Interpreter {
     /// Reads one block, with the contour if it is a cycle.
     pub(super) fn step(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> ReadResult<StepStatus> {
         let stepped = self.read_block(world, block)?;
+        if self.pending_cycle.is_none() {
+            return Ok(stepped);
+        }
         self.pending_cycle.take().map_or(Ok(stepped), |pending| self.expand_contour(&pending, world, block))
     }
 
@@ -239,8 +236,8 @@ impl Interpreter {
         if self.ended {
             return Ok(StepStatus::End);
         }
-        let source = Arc::clone(&self.flow.source);
-        let (text, at, line) = (source.bytes(), self.flow.place.at, self.flow.place.line + 1);
+        let source = &self.flow.source;
+        let (text, program, at, line) = (source.bytes(), source.number(), self.flow.place.at, self.flow.place.line + 1);
         let mut cursor = Cursor::window(text, at);
         if cursor.is_at_end() {
             return self.end_of_text(at);
@@ -253,13 +250,13 @@ impl Interpreter {
             common_variables: &self.common_variables,
             modals: &before,
             settings: &self.settings,
-            program: source.number(),
+            program,
             block_number: self.last_block_number,
             used_variables: self.null_uses.is_some().then_some(&mut block.used_variables),
             null_uses: &mut self.null_uses,
             last_null: 0,
             warnings: &mut self.warnings,
-            source: &source,
+            source,
             world,
         };
         let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
@@ -279,18 +276,21 @@ impl Interpreter {
                 at,
                 flow: &self.flow,
                 arguments: &mut self.call_arguments,
+                pending_cycle: &mut self.pending_cycle,
                 second_half: self.second_half,
             };
-            let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
+            let next = Place::behind(cursor, self.flow.place.line);
+            let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, next, block));
             match &done {
                 Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
-                Err(_) => self.modals = before,
+                Err(_) => (self.modals, self.pending_cycle) = (before, None),
             }
             done?
         } else {
-            self.run_statement(content, &cursor, block, text)?
+            let next = Place::behind(cursor, self.flow.place.line);
+            self.run_statement(content, next, block)?
         };
-        self.finish_block(source.number(), line, block);
+        self.finish_block(program, line, block);
         Ok(step)
     }
 
@@ -307,15 +307,9 @@ impl Interpreter {
 
     /// Moves the flow past the block just read.
     #[inline]
-    fn advance_past_block(&mut self, cursor: &Cursor<'_>) {
+    fn advance_past_block(&mut self, next: Place) {
         self.second_half = false;
-        if statement::line_continues(cursor) {
-            (self.flow.place.at, self.flow.place.mid_line) = (cursor.at, true);
-            return;
-        }
-        let mut cursor = *cursor;
-        cursor.skip_line_end();
-        self.flow.place = Place { at: cursor.at, line: self.flow.place.line + 1, mid_line: false };
+        self.flow.place = next;
     }
 
     fn end_of_text(&mut self, at: usize) -> ReadResult<StepStatus> {
@@ -331,13 +325,7 @@ impl Interpreter {
         Ok(StepStatus::Empty)
     }
 
-    fn run_statement(
-        &mut self,
-        content: BlockContent,
-        cursor: &Cursor<'_>,
-        block: &mut Block,
-        text: &[u8],
-    ) -> ReadResult<StepStatus> {
+    fn run_statement(&mut self, content: BlockContent, next: Place, block: &mut Block) -> ReadResult<StepStatus> {
         match content {
             BlockContent::Assign { at, .. }
             | BlockContent::Goto { at, .. }
@@ -348,31 +336,33 @@ impl Interpreter {
                 return fail(at, E::NoMacros);
             }
             BlockContent::Empty | BlockContent::Words => {
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
             }
             BlockContent::Assign { variable, value, at, text: comment } => {
                 self.assign(variable, value, at, comment, block)?;
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
             }
             BlockContent::Goto { n, at } => self.flow.go_to_block(n, at)?,
             BlockContent::Jump { label, forward, holds } => {
                 let line = self.flow.source.find_label(label, self.flow.place.line, forward)?;
-                if holds { self.flow.go_to_line(line) } else { self.advance_past_block(cursor) }
+                if holds { self.flow.go_to_line(line) } else { self.advance_past_block(next) }
             }
             BlockContent::DisplayMessage { text } => {
                 block.ops.push(Op::DisplayMessage { text: self.flow.source.message_text(text) });
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
             }
             BlockContent::While { holds, number, at } => {
                 self.flow.begin_loop(holds, number, at)?;
                 if holds {
-                    self.advance_past_block(cursor);
+                    self.advance_past_block(next);
                 }
             }
             BlockContent::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // A `%` at the head of a text does not end it.
-            BlockContent::TextEnd { at } if self.flow.source.is_at_head(at) && !text[..at].contains(&b'%') => {
-                self.advance_past_block(cursor)
+            BlockContent::TextEnd { at }
+                if self.flow.source.is_at_head(at) && !self.flow.source.bytes()[..at].contains(&b'%') =>
+            {
+                self.advance_past_block(next);
             }
             BlockContent::TextEnd { at } => return self.end_of_text(at),
         }
@@ -381,7 +371,7 @@ impl Interpreter {
 
     /// Executes the flow action of a block: jump, call, loop, assignment or end.
     #[inline]
-    fn apply_flow_action(&mut self, act: FlowAction, cursor: &Cursor<'_>, block: &mut Block) -> ReadResult<StepStatus> {
+    fn apply_flow_action(&mut self, act: FlowAction, next: Place, block: &mut Block) -> ReadResult<StepStatus> {
         if !matches!(act, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
@@ -393,7 +383,7 @@ impl Interpreter {
                 // The G66 macro would have to run between the move and the jump.
                 return fail2(at, E::NotTogether, "G66", "M");
             }
-            FlowAction::Next => self.call_modal_macro(moves, cursor)?,
+            FlowAction::Next => self.call_modal_macro(moves, next)?,
             FlowAction::SecondHalf => {
                 self.second_half = true;
                 block.complete = false;
@@ -403,22 +393,17 @@ impl Interpreter {
                     self.find_program(modal.program, self.flow.place.at)?;
                 }
                 (self.flow.modal_call, self.flow.modal_arguments) = (modal, self.call_arguments);
-                self.advance_past_block(cursor);
-            }
-            FlowAction::Contour(cycle) => {
-                let begin = self.flow.place;
-                self.advance_past_block(cursor);
-                self.pending_cycle = Some(PendingCycle { cycle, block_start: begin });
+                self.advance_past_block(next);
             }
             FlowAction::Assign { variable, value, at } => {
                 self.assign(variable, value, at, None, block)?;
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
             }
             FlowAction::End => {
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
                 self.ended = true;
             }
-            elsewhere => self.change_flow(elsewhere, cursor)?,
+            elsewhere => self.change_flow(elsewhere, next)?,
         }
         Ok(match (block.ops.is_empty(), self.ended) {
             (false, _) => StepStatus::Block,
@@ -429,11 +414,11 @@ impl Interpreter {
 
     /// Goes to the next block. After a block with motion, calls the macro of G66 first.
     #[inline]
-    fn call_modal_macro(&mut self, moves: bool, cursor: &Cursor<'_>) -> ReadResult<()> {
+    fn call_modal_macro(&mut self, moves: bool, next: Place) -> ReadResult<()> {
         let modal = self.flow.modal_call.filter(|_| moves);
         let at = self.flow.place.at;
         let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
-        self.advance_past_block(cursor);
+        self.advance_past_block(next);
         if let (Some(modal), Some(source)) = (modal, source) {
             let call = Call { program: modal.program, times: modal.times, callee: Callee::Macro, at };
             self.flow.call_modal(source, call, (dialect::rules(self.settings.dialect).call_limit)(call.callee))?;
@@ -442,7 +427,7 @@ impl Interpreter {
     }
 
     /// Executes jumps, loops, calls and returns.
-    fn change_flow(&mut self, step: FlowAction, cursor: &Cursor<'_>) -> ReadResult<()> {
+    fn change_flow(&mut self, step: FlowAction, next: Place) -> ReadResult<()> {
         self.condition_changed |= !matches!(step, FlowAction::Goto { .. } | FlowAction::GotoUnique { .. });
         match step {
             FlowAction::Goto { n, at } => {
@@ -455,7 +440,7 @@ impl Interpreter {
             }
             FlowAction::CallLocal { n, at } => {
                 let stood = self.flow.place;
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
                 if let Err(stop) = self.flow.call_local(n, at) {
                     self.flow.place = stood;
                     return Err(stop);
@@ -463,17 +448,17 @@ impl Interpreter {
             }
             FlowAction::BeginCountedLoop { times, at } => {
                 if self.flow.begin_counted_loop(times, at)? {
-                    self.advance_past_block(cursor);
+                    self.advance_past_block(next);
                 }
             }
             FlowAction::EndCountedLoop { at } => {
                 if self.flow.end_counted_loop(at)? {
-                    self.advance_past_block(cursor);
+                    self.advance_past_block(next);
                 }
             }
             FlowAction::Call(call) => {
                 let source = self.find_program(call.program, call.at)?;
-                self.advance_past_block(cursor);
+                self.advance_past_block(next);
                 let limit = (dialect::rules(self.settings.dialect).call_limit)(call.callee);
                 self.flow.call(source, call, &self.call_arguments, limit)?;
             }
@@ -485,7 +470,7 @@ impl Interpreter {
                 self.flow.return_to(target, at)?;
             }
             FlowAction::Next | FlowAction::SecondHalf | FlowAction::SetModalCall(_) => {}
-            FlowAction::Contour(_) | FlowAction::Assign { .. } | FlowAction::End => {}
+            FlowAction::Assign { .. } | FlowAction::End => {}
         }
         Ok(())
     }

@@ -87,6 +87,7 @@ impl<'a> TextLines<'a> {
 }
 
 /// The text after leading spaces and, with `brackets`, `( )` comments.
+#[inline]
 pub(crate) fn after_blanks(mut bytes: &[u8], brackets: bool) -> &[u8] {
     loop {
         let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
@@ -116,6 +117,7 @@ pub(crate) fn leading_number(bytes: &[u8], brackets: bool) -> Option<u32> {
 }
 
 /// The block number at the start of a line, and the text after it.
+#[inline]
 pub(crate) fn block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
     let mut rest = after_blanks(line, brackets);
     if rest.first() == Some(&b'/') {

@@ -18,6 +18,15 @@ pub struct Filter {
     ticks: u64,
     /// Tick time, µs, as read at power-on (P58).
     tick_us: f64,
+    /// The inputs of the last stable levels, and of the last levels before the filter.
+    seen: [SeenInputs; 2],
+}
+
+/// Levels and the inputs that they mean. Most ticks repeat those of the tick before.
+#[derive(Clone, Copy, Debug, Default)]
+struct SeenInputs {
+    levels: u64,
+    inputs: InputSet,
 }
 
 impl Filter {
@@ -31,6 +40,7 @@ impl Filter {
             inverted: 0,
             ticks: 0,
             tick_us: params.get(param::TICK_TIME),
+            seen: [SeenInputs::default(); 2],
         };
         filter.configure(params);
         filter.stable = first.0 ^ filter.inverted;
@@ -43,6 +53,8 @@ impl Filter {
             self.ports[*input as usize] = params.input_port(*input);
         }
         self.inverted = params.inverted_inputs();
+        self.seen =
+            self.seen.map(|SeenInputs { levels, .. }| SeenInputs { levels, inputs: self.active_inputs(levels) });
         let ticks = params.get(param::INPUT_FILTER) * 1_000.0 / self.tick_us;
         self.ticks = (ticks.round() as u64).min((1 << PLANES) - 1);
     }
@@ -68,13 +80,20 @@ impl Filter {
         for plane in &mut self.planes {
             *plane &= !settled;
         }
-        self.active_inputs(self.stable)
+        self.look_up(0, self.stable)
     }
 
     /// The active inputs before the filter, for latching a position in the tick of the edge.
     #[must_use]
-    pub fn unfiltered(&self, terminals: Terminals) -> InputSet {
-        self.active_inputs(terminals.0 ^ self.inverted)
+    pub fn unfiltered(&mut self, terminals: Terminals) -> InputSet {
+        self.look_up(1, terminals.0 ^ self.inverted)
+    }
+
+    fn look_up(&mut self, row: usize, levels: u64) -> InputSet {
+        if self.seen[row].levels != levels {
+            self.seen[row] = SeenInputs { levels, inputs: self.active_inputs(levels) };
+        }
+        self.seen[row].inputs
     }
 
     fn active_inputs(&self, active: u64) -> InputSet {

@@ -1,9 +1,8 @@
 //! What a dialect decides, and what it gets and returns. Knows no dialect.
 
-use crate::nc::contour::ContourCycle;
 use crate::nc::expression::{Scope, Value};
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::{Call, CallLimit, Callee, Flow, Locals, ModalCall};
+use crate::nc::flow::{Call, CallLimit, Callee, Flow, Locals, ModalCall, PendingCycle};
 use crate::nc::modal::{ModalCodes, ModalState};
 use crate::nc::op::Op;
 use crate::nc::scope::LiveScope;
@@ -29,6 +28,8 @@ pub(crate) struct BlockContext<'r, 'w> {
     pub flow: &'r Flow,
     /// Where a call of a macro puts its arguments.
     pub arguments: &'r mut Locals,
+    /// Where a cycle over a contour of the program (G70–G73) puts itself.
+    pub pending_cycle: &'r mut Option<PendingCycle>,
     /// This is the second half of a block that `FlowAction::SecondHalf` split.
     pub second_half: bool,
 }
@@ -55,8 +56,6 @@ pub(crate) enum FlowAction {
     SetModalCall(Option<ModalCall>),
     /// M99.
     Return { target: Option<u32>, at: usize },
-    /// Expands a cycle over a contour of the program (G70–G73).
-    Contour(ContourCycle),
     /// Sets a variable.
     Assign { variable: u32, value: Value, at: usize },
     /// M02, M30.

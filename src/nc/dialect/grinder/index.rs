@@ -12,10 +12,13 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
     for (_, start, line) in lines.iter() {
         let (n, rest) = block_head(line, true);
         open.closed = None;
-        index.block_numbers.extend(n.map(|n| (n, start as u32)));
+        if let Some(n) = n {
+            index.block_numbers.push((n, start as u32));
+        }
         let end = start + line.len();
         match rest.first() {
             Some(b'W' | b'w' | b'E' | b'e') => open.visit_block(&mut index.while_loops, rest, start, end),
+            Some(b'#') if rest.get(1) != Some(&b'3') => {}
             Some(b'#' | b'I' | b'i') => index_messages(index, rest, end - rest.len()),
             _ => {}
         }
@@ -30,9 +33,6 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
 
 /// The texts of `#3000=n(text)` and `#3006=n(text)` in a line that begins with them or with IF.
 fn index_messages(index: &mut SourceIndex, line: &[u8], start: usize) {
-    if line[0] == b'#' && !line.starts_with(b"#300") {
-        return;
-    }
     let is_message = |word: &[u8]| word == b"#3000" || word == b"#3006";
     let mut at = 0;
     while let Some(found) = line[at..].windows(5).position(is_message) {

@@ -18,7 +18,7 @@ use super::common::{self, MAX_VALUE, out_of_range};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
 use crate::nc::fault::{E, ReadResult, fail1};
-use crate::nc::flow::{CallLimit, Callee};
+use crate::nc::flow::{CallLimit, Callee, PendingCycle};
 use crate::nc::modal::ModalCodes;
 use crate::nc::settings::NcSettings;
 use crate::nc::words::{BlockWords, Code, ValueKind, Word, letter_mask};
@@ -98,12 +98,12 @@ const AXIS_WORDS: u32 = letter_mask(b"XYZUVW");
 /// Executes what follows the modes, the work offset and the tool.
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     auxiliary::spindle_speed(running, plan)?;
-    let mut flow = auxiliary::before_motion(running)?;
+    let flow = auxiliary::before_motion(running)?;
     match plan.one_shot {
         Some(code) if cycles::is_contour_cycle(code.number) => {
-            if let Some(cycle) = cycles::contour_cycle(running, code)? {
-                flow = FlowAction::Contour(cycle);
-            }
+            let block_start = running.flow.place;
+            *running.pending_cycle =
+                cycles::contour_cycle(running, code)?.map(|cycle| PendingCycle { cycle, block_start });
         }
         _ => execute_one_shot_or_move(running, plan)?,
     }
