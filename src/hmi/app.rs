@@ -1,18 +1,20 @@
 //! Draws one frame of the screen: layout, page frame, page, panel, input. It keeps only UI state (cursor, edit text,
 //! scroll positions) and reads the machine state only from the snapshot.
 
+use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
 
 use super::key_press::KeyPresses;
 use super::layout::Regions;
+use super::numeric_pad::NumericPad;
 use super::page_frame::{self, FrameTouch, SoftKeyPress};
 use super::panel::OperatorPanel;
 use super::panel::layout::panel_layout;
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
-use super::{KeyboardInput, View, blink_phase, clock_time, file_command, keyboard, numeric_pad};
+use super::{KeyboardInput, View, aside, blink_phase, clock_time, file_command, keyboard};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param;
@@ -46,11 +48,18 @@ pub struct Hmi {
     help: Help,
     help_open: bool,
     hint: Option<(Text, f64)>,
-    /// When the numeric pad was last drawn, s.
-    pad_drawn_at: Option<f64>,
-    picture: Option<(Arc<Picture>, TextureHandle)>,
+    pad: NumericPad,
+    /// The picture of the page, and whether its colours are those of the light theme.
+    picture: Option<(Arc<Picture>, bool, TextureHandle)>,
     /// Screenshots that wait to be sent to the disk thread.
     screenshots: Arc<Mutex<Vec<Arc<ColorImage>>>>,
+}
+
+/// What lives for one frame.
+struct FrameScratch {
+    theme: Theme,
+    clock: String,
+    entry: Cell<Option<Rect>>,
 }
 
 impl Hmi {
@@ -69,7 +78,7 @@ impl Hmi {
             help: Help::default(),
             help_open: false,
             hint: None,
-            pad_drawn_at: None,
+            pad: NumericPad::default(),
             picture: None,
             screenshots: Arc::default(),
         }
@@ -131,8 +140,8 @@ impl Hmi {
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let (ui, mut out) = (&*ui, Vec::new());
         self.record(snapshot);
-        let (clock, theme) = (clock_time(snapshot), self.theme);
-        let view = self.view(ui, snapshot, &theme, &clock);
+        let frame = FrameScratch { theme: self.theme, clock: clock_time(snapshot), entry: Cell::new(None) };
+        let view = self.view(ui, snapshot, &frame);
         self.follow_snapshot(&view);
         let regions = Regions::new(ui.max_rect());
         let panel = panel_layout(snapshot.kind, regions.panel, regions.portrait);
@@ -145,18 +154,19 @@ impl Hmi {
         if let Some(reason) = self.panel.ui(&panel, &view, &mut self.presses, &mut out) {
             self.show_hint(ui, reason);
         }
-        if !self.help_open && self.pages.wants_pad(&view) {
-            // Drawn after the panel to lie on top, before the page so that its touches count in this frame.
-            numeric_pad::ui(&view, panel.pad, &mut asked.edits);
-            self.pad_drawn_at = Some(ui.input(|input| input.time));
-        } else if self.pad_drawn_at.is_some_and(|at| ui.input(|input| input.time) - at < numeric_pad::COVERED_S) {
-            numeric_pad::cover(&view, panel.pad);
+        asked.edits.splice(..0, self.pad.take_touched());
+        let (content, strip) = aside::split(regions.content, snapshot.page);
+        if let Some(strip) = strip {
+            aside::ui(&view, strip);
+            frame.entry.set(None);
         }
         if self.help_open {
-            self.help_open = !self.help.overlay(&view, regions.content.shrink(theme::GAP), &asked);
+            self.help_open = !self.help.overlay(&view, content.shrink(theme::GAP), &asked);
         } else {
-            self.draw_page(regions.content, &view, &asked, &mut out);
+            self.draw_page(content, &view, &asked, &mut out);
         }
+        let typing = !self.help_open && self.pages.wants_pad(&view);
+        self.pad.ui(&view, content, typing);
         self.draw_frame(&regions, &view, &asked, &mut out);
         if self.brightness < *BRIGHTNESS.end() {
             ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
@@ -171,10 +181,11 @@ impl Hmi {
     }
 
     /// What the pages draw from in this frame.
-    fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, theme: &'a Theme, clock: &'a str) -> View<'a> {
+    fn view<'a>(&self, ui: &'a Ui, snapshot: &'a Snapshot, frame: &'a FrameScratch) -> View<'a> {
+        let FrameScratch { theme, clock, entry } = frame;
         let (painter, blink) = (ui.painter().clone(), blink_phase(snapshot.now));
         let Self { lang, light, brightness, .. } = *self;
-        View { ui, painter, snapshot, lang, theme, light, brightness, clock, blink }
+        View { ui, painter, snapshot, lang, theme, light, brightness, clock, blink, entry }
     }
 
     /// Reacts to a new page, program or picture in the snapshot.
@@ -186,8 +197,8 @@ impl Hmi {
             self.pages.open(view);
         }
         match (self.pages.page(snapshot.page).picture(snapshot), &self.picture) {
-            (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
-            (Some(wanted), _) => self.picture = load_picture(ui.ctx(), wanted),
+            (Some(wanted), Some((shown, light, _))) if Arc::ptr_eq(wanted, shown) && *light == self.light => {}
+            (Some(wanted), _) => self.picture = load_picture(ui.ctx(), wanted, self.light),
             (None, _) => self.picture = None,
         }
         let now = ui.input(|input| input.time);
@@ -203,7 +214,7 @@ impl Hmi {
         if !typed.edits.is_empty() {
             self.hint = None;
         }
-        let texture = self.picture.as_ref().map(|(_, texture)| texture.id());
+        let texture = self.picture.as_ref().map(|(_, _, texture)| texture.id());
         let commands = self.pages.ui(rect, view, typed, texture);
         for command in &commands {
             match command {
@@ -315,8 +326,15 @@ impl Hmi {
     }
 }
 
-fn load_picture(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, TextureHandle)> {
-    let rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Png).ok()?.into_rgb8();
+fn load_picture(
+    ctx: &egui::Context,
+    picture: &Arc<Picture>,
+    light: bool,
+) -> Option<(Arc<Picture>, bool, TextureHandle)> {
+    let mut rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Png).ok()?.into_rgb8();
+    if light {
+        theme::for_light_theme(&mut rgb);
+    }
     let image = ColorImage::from_rgb([rgb.width() as usize, rgb.height() as usize], &rgb);
-    Some((Arc::clone(picture), ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
+    Some((Arc::clone(picture), light, ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
 }

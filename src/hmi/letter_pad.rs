@@ -7,16 +7,23 @@ use super::{PageKey, View, theme, widget};
 use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 
-/// The keys of a letter pad.
+/// The uses of the keyboard: its words and the label of the key that finishes the input. All letters and signs have the
+/// same places everywhere.
 #[derive(Clone, Copy, Debug)]
 pub struct LetterLayout {
     /// Words entered by one touch each.
     words: &'static [Text],
-    /// Characters, ten per row; the last row leaves space for two keys.
-    rows: &'static [&'static str],
     /// Label of the key that finishes the input.
     enter_label: Text,
 }
+
+/// The characters, twelve per row; the last row leaves space for the two wide keys.
+const ROWS: [&str; 5] = ["1234567890-\u{8}", "QWERTYUIOP[]", "ASDFGHJKL.#=", "ZXCVBNM()+*/", ";%_:,<>$"];
+const COLUMNS: usize = 12;
+/// The place of the key that deletes a character.
+const BACKSPACE: char = '\u{8}';
+/// Columns of space and of the key that finishes the input.
+const WIDE: usize = 2;
 
 macro_rules! words {
     ($($zh:literal $en:literal,)*) => { &[$(Text::new($zh, $en)),*] };
@@ -28,7 +35,6 @@ pub const SEARCH_LAYOUT: LetterLayout = LetterLayout {
         "速度" "speed", "延时" "delay", "限位" "limit", "零点" "home", "液压" "hydraulic", "振荡" "oscillation",
         "砂轮" "wheel", "尾座" "tailstock", "量仪" "gauge",
     },
-    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
     enter_label: Text::new("完成", "OK"),
 };
 /// For a page text, with words of its labels.
@@ -37,27 +43,17 @@ pub const PAGE_TEXT_LAYOUT: LetterLayout = LetterLayout {
         "粗磨" "rough", "精磨" "finish", "余量" "amount", "速度" "speed", "位置" "place", "次数" "count",
         "X轴" "X axis", "Z轴" "Z axis", "砂轮" "wheel",
     },
-    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
     enter_label: Text::new("换行", "ENTER"),
 };
 /// For a program block, with the most frequent codes of the kind.
 pub const fn block_layout(kind: Kind) -> LetterLayout {
-    let face = kind.ui();
-    let rows: &[&str] = if face.has_macros { MACRO_ROWS } else { PLAIN_ROWS };
-    LetterLayout { words: face.mdi_codes, rows, enter_label: Text::new("输入", "INPUT") }
+    LetterLayout { words: kind.ui().mdi_codes, enter_label: Text::new("输入", "INPUT") }
 }
 
-const MACRO_ROWS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"];
-/// Without the characters of the macro language.
-const PLAIN_ROWS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"];
 const ROW: f32 = 46.0;
 
-impl LetterLayout {
-    /// Height of the pad: one row of words and the rows of characters.
-    pub const fn height(&self) -> f32 {
-        (self.rows.len() + 1) as f32 * ROW + 2.0 * theme::GAP
-    }
-}
+/// Height of the keyboard: one row of words and the rows of characters.
+pub const HEIGHT: f32 = (ROWS.len() + 1) as f32 * ROW + 2.0 * theme::GAP;
 
 /// What was touched.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,26 +74,32 @@ pub fn ui(view: &View<'_>, rect: Rect, board: &LetterLayout) -> Option<LetterKey
     view.filled_card(rect, view.theme.surface, view.theme.focus);
     let inside = rect.shrink(theme::GAP);
     let mut touched = None;
-    let mut key = |column: usize, row: usize, columns: usize, key: PageKey<'_>, meaning: LetterKey| {
+    let mut key = |cell: (usize, usize, usize), key: PageKey<'_>, meaning: LetterKey| {
+        let (column, row, columns) = cell;
         let width = (inside.width() + 3.0) / columns as f32;
+        let wide = if matches!(meaning, LetterKey::Char(' ') | LetterKey::Done) { WIDE as f32 } else { 1.0 };
         let corner = inside.min + vec2(column as f32 * width, row as f32 * ROW);
-        if widget::button(view, Rect::from_min_size(corner, vec2(width - 3.0, ROW - 2.0)), key) {
+        if widget::button(view, Rect::from_min_size(corner, vec2(wide * width - 3.0, ROW - 2.0)), key) {
             touched = Some(meaning);
         }
     };
     for (index, word) in board.words.iter().enumerate() {
         let (name, label) = (format!("word-{}", word.en), word.get(view.lang));
-        key(index, 0, board.words.len(), PageKey::new(&name, label), LetterKey::Word(label));
+        key((index, 0, board.words.len()), PageKey::new(&name, label), LetterKey::Word(label));
     }
-    for (line, signs) in board.rows.iter().enumerate() {
+    for (line, signs) in ROWS.iter().enumerate() {
         for (index, sign) in signs.chars().enumerate() {
+            let cell = (index, 1 + line, COLUMNS);
+            if sign == BACKSPACE {
+                key(cell, PageKey::new("letter-back", view.text("退格", "DEL")), LetterKey::Backspace);
+                continue;
+            }
             let (mut label, name) = ([0; 4], format!("letter-{sign}"));
-            let label = if sign == ' ' { view.text("空格", "SPACE") } else { sign.encode_utf8(&mut label) };
-            key(index, 1 + line, 10, PageKey::new(&name, label), LetterKey::Char(sign));
+            key(cell, PageKey::new(&name, sign.encode_utf8(&mut label)), LetterKey::Char(sign));
         }
     }
-    let last = board.rows.len();
-    key(8, last, 10, PageKey::new("letter-back", view.text("退格", "DEL")), LetterKey::Backspace);
-    key(9, last, 10, PageKey::new("letter-done", board.enter_label.get(view.lang)), LetterKey::Done);
+    let last = |column| (column, ROWS.len(), COLUMNS);
+    key(last(COLUMNS - 2 * WIDE), PageKey::new("letter- ", view.text("空格", "SPACE")), LetterKey::Char(' '));
+    key(last(COLUMNS - WIDE), PageKey::new("letter-done", board.enter_label.get(view.lang)), LetterKey::Done);
     touched
 }

@@ -158,7 +158,11 @@ impl PasswordDialog {
 
 /// Draws the dialog. Returns the key that was touched: 取消 or 确认.
 fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> Option<EditKey> {
-    let place = view.dialog(rect, "login-veil", vec2(440.0, 236.0), view.theme.focus);
+    view.veil(rect, "login-veil");
+    // In the upper part of the page: the numeric pad needs the lower one.
+    let middle = rect.center_top() + vec2(0.0, 3.0 * theme::PAD + 118.0);
+    let place = Rect::from_center_size(middle, vec2(440.0_f32.min(rect.width() - 24.0), 236.0));
+    view.filled_card(place, view.theme.surface, view.theme.focus);
     let inside = place.shrink2(vec2(20.0, theme::PAD));
     let row = |top: f32, height: f32| inside.band(top, height);
     let title = format!("{} · {}", talk.scope.name().get(view.lang), view.text("密码", "password"));
@@ -167,6 +171,7 @@ fn draw(rect: Rect, view: &View<'_>, talk: &PasswordDialog) -> Option<EditKey> {
     let field = row(66.0, 52.0);
     view.filled_card(field, view.theme.raised, view.theme.line);
     view.frame(field, if talk.refused.is_some() { view.theme.alarm } else { view.theme.focus });
+    view.entry.set(Some(place));
     let response = view.ui.interact(field, Id::unique("password"), Sense::HOVER);
     response.widget_info(|| WidgetInfo::labeled(Role::PasswordInput, true, "密码 password"));
     let dots =

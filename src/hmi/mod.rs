@@ -5,6 +5,7 @@
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;
+pub mod aside;
 pub mod core_fault;
 pub mod field_editor;
 mod key_press;

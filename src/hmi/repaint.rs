@@ -65,9 +65,9 @@ compared_fields! {
     };
     tool_station: differ;
     teach: on(FieldGroup::Teach, differ);
-    strokes_per_min: on(FieldGroup::Cycle, |old, new, _| format_strokes(*old) != format_strokes(*new));
+    strokes_per_min: |old, new, _| format_strokes(*old) != format_strokes(*new);
     parts_counted: differ;
-    cycle_seconds: on(FieldGroup::Cycle, |old, new, _| format_cycle_time(*old) != format_cycle_time(*new));
+    cycle_seconds: |old, new, _| format_cycle_time(*old) != format_cycle_time(*new);
     inputs: on(FieldGroup::Inputs, differ);
     outputs: on(FieldGroup::Diagnosis, differ);
     keys: differ;

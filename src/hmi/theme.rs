@@ -130,9 +130,9 @@ pub const DARK: Theme = Theme {
 
 /// The light theme of H4, for bright halls.
 pub const LIGHT: Theme = Theme {
-    background: rgb(0xEDF0F3),
-    surface: rgb(0xFFFFFF),
-    raised: rgb(0xE1E6EB),
+    background: rgb(0xDDE3E9),
+    surface: rgb(0xF2F5F7),
+    raised: rgb(0xFFFFFF),
     line: rgb(0xA9B4BE),
     text: rgb(0x10161B),
     muted: rgb(0x44515C),
@@ -145,7 +145,7 @@ pub const LIGHT: Theme = Theme {
     info: rgb(0x00567A),
     macros: rgb(0x6233A0),
     on_accent: rgb(0xFFFFFF),
-    // The emergency stop and the pictures look the same in both themes.
+    // The emergency stop looks the same in both themes. The page pictures are drawn dark; see `for_light_theme`.
     ..DARK
 };
 
@@ -153,6 +153,23 @@ pub const LIGHT: Theme = Theme {
 #[must_use]
 pub fn dimming_overlay(percent: u8) -> Color32 {
     Color32::from_black_alpha((255.0 * (1.0 - f32::from(percent.min(100)) / 100.0)).round() as u8)
+}
+
+/// Makes a dark drawing light: every colour keeps its hue, its lightness is inverted. A drawing is a picture whose edge
+/// has one dark colour all around; a photograph or a light drawing stays as it is.
+pub fn for_light_theme(picture: &mut image::RgbImage) {
+    let (width, height) = picture.dimensions();
+    let paper = *picture.get_pixel(0, 0);
+    let at_edge = |x: u32, y: u32| x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+    let dark = paper.0.into_iter().all(|channel| channel < 64);
+    if !dark || picture.enumerate_pixels().any(|(x, y, pixel)| at_edge(x, y) && *pixel != paper) {
+        return;
+    }
+    for pixel in picture.pixels_mut() {
+        let [most, least] =
+            [pixel.0.into_iter().max(), pixel.0.into_iter().min()].map(|edge| i16::from(edge.unwrap_or(0)));
+        pixel.0 = pixel.0.map(|channel| (i16::from(channel) + 255 - most - least) as u8);
+    }
 }
 
 /// Display scale relative to 1024 × 768 px, in steps of 0.1: 1.4 at 1920 × 1080 px.

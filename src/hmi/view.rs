@@ -1,5 +1,6 @@
 //! The context that a page draws from, and the drawing functions for text and lines.
 
+use std::cell::Cell;
 use std::fmt::Debug;
 use std::hash::Hash;
 use std::sync::Arc;
@@ -43,6 +44,8 @@ pub struct View<'a> {
     pub clock: &'a str,
     /// The lit half of the 1 Hz blink.
     pub blink: bool,
+    /// The framed field, as far as the frame is drawn: the numeric pad stays beside it.
+    pub entry: &'a Cell<Option<Rect>>,
 }
 
 impl View<'_> {
@@ -283,10 +286,15 @@ impl View<'_> {
         self.painter.rect(rect, theme::RADIUS, fill, Stroke::new(theme::HAIRLINE, line), StrokeKind::Inside);
     }
 
-    /// Draws the card of a dialog over a page. The page beneath takes no touches while the dialog is open.
-    pub fn dialog(&self, page: Rect, name: &str, size: Vec2, line: Color32) -> Rect {
+    /// Darkens a page under a dialog. It takes no touches while the dialog is open.
+    pub fn veil(&self, page: Rect, name: &str) {
         self.ui.interact(page, Id::unique(name), Sense::CLICK | Sense::DRAG);
         self.painter.rect_filled(page, 0.0, self.theme.background.gamma_multiply(0.86));
+    }
+
+    /// Draws the card of a dialog over a page. The page beneath takes no touches while the dialog is open.
+    pub fn dialog(&self, page: Rect, name: &str, size: Vec2, line: Color32) -> Rect {
+        self.veil(page, name);
         let card = Rect::from_center_size(page.center(), size.min(page.size() - vec2(24.0, 12.0)));
         self.filled_card(card, self.theme.surface, line);
         card
@@ -294,6 +302,7 @@ impl View<'_> {
 
     /// Paints a frame around a selected field.
     pub fn frame(&self, rect: Rect, colour: Color32) {
+        self.entry.set(Some(rect));
         self.painter.rect_stroke(rect, theme::RADIUS, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
     }
 

@@ -19,11 +19,14 @@ pub type Screen = Harness<'static, Desk>;
 
 /// A screen of 1024×768 after its first frame; what that sent is forgotten.
 pub fn open(snapshot: Snapshot) -> Screen {
+    open_sized(snapshot, vec2(1_024.0, 768.0))
+}
+
+/// A screen of another size, points.
+pub fn open_sized(snapshot: Snapshot, size: egui::Vec2) -> Screen {
     let desk = Desk { hmi: Hmi::new(Lang::Zh), snapshot, sent: Vec::new() };
-    let mut screen = Harness::builder()
-        .with_size(vec2(1_024.0, 768.0))
-        .with_context_setup(|ctx| Hmi::new(Lang::Zh).install(ctx))
-        .build_ui_state(
+    let mut screen =
+        Harness::builder().with_size(size).with_context_setup(|ctx| Hmi::new(Lang::Zh).install(ctx)).build_ui_state(
             |ui, desk: &mut Desk| {
                 let commands = desk.hmi.ui(ui, &desk.snapshot);
                 desk.sent.extend(commands);

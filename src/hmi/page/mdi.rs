@@ -64,7 +64,7 @@ impl PageUi for MdiPage {
             }
         }
         let pad = letter_pad::block_layout(view.snapshot.kind);
-        let (main, board) = rect.split_bottom(pad.height());
+        let (main, board) = rect.split_bottom(letter_pad::HEIGHT);
         if let Some(letter) = letter_pad::ui(view, board.trim_sides(theme::GAP), &pad) {
             self.letter(&letter, view, out);
         }

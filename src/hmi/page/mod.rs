@@ -108,8 +108,6 @@ pub trait PageUi: Any + fmt::Debug + Send {
 /// Fields of a snapshot that only some pages show: a change of them is painted on those pages alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldGroup {
-    /// Strokes and time of the cycle, in the position column.
-    Cycle,
     /// Values of macro variables.
     Variables,
     /// Inputs.
@@ -149,9 +147,9 @@ macro_rules! page_rows {
 
 // One row per page; a page without a row does not compile.
 page_rows! {
-    Position => position::PositionPage, shows Cycle;
-    Panel => position::PositionPage, shows Cycle;
-    Grinding => grinding::GrindingPage, shows Cycle Variables;
+    Position => position::PositionPage;
+    Panel => position::PositionPage;
+    Grinding => grinding::GrindingPage, shows Variables;
     Dressing => dressing::DressingPage, shows Offsets DressingPoint;
     Program => program::ProgramPage, shows Restart;
     Designer => designer::DesignerPage, shows Variables;

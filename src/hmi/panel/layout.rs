@@ -29,8 +29,6 @@ pub struct PanelLayout {
     pub feed_value: Rect,
     /// Spindle override value, between its two keys.
     pub spindle_value: Rect,
-    /// Numeric pad; it never covers cycle start, feed hold, reset and emergency stop.
-    pub pad: Rect,
 }
 
 /// Gap between keys of a group, gap between groups, height of a caption, margin of the panel; points.
@@ -51,7 +49,6 @@ pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         handwheel: empty,
         feed_value: empty,
         spindle_value: empty,
-        pad: empty,
     };
     let inside = rect.shrink(MARGIN);
     // On a portrait display three columns of six rows of keys, else one column: fifteen rows of keys, fourteen on the
@@ -74,15 +71,11 @@ pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         build.cursor = column(2.0);
         build.jog();
         build.run_row();
-        layout.pad = Rect::from_min_max(column(1.0), pos2(column(1.0).x + width, inside.max.y));
     } else {
         build.machine_units();
-        let top = build.cursor.y;
         build.overrides();
         build.jog();
-        let bottom = build.cursor.y - GROUP_GAP;
         build.run_row();
-        layout.pad = Rect::from_min_max(pos2(inside.min.x, top), pos2(inside.max.x, bottom));
     }
     layout
 }

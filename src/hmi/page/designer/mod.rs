@@ -139,7 +139,7 @@ impl PageUi for DesignerPage {
         }
         self.read_text();
         let (title, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(32.0);
-        let board = if self.keyboard_open { letter_pad::PAGE_TEXT_LAYOUT.height() } else { 0.0 };
+        let board = if self.keyboard_open { letter_pad::HEIGHT } else { 0.0 };
         let (rest, pad) = rest.split_bottom(board);
         let (body, below) = rest.split_bottom(widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
         let (told, keys) = below.split_top(MESSAGE_HEIGHT);

@@ -118,7 +118,7 @@ impl Help {
         if self.keyboard_map_open {
             return keyboard_map::ui(view, rest);
         }
-        let board = if self.search.open { letter_pad::SEARCH_LAYOUT.height() } else { 0.0 };
+        let board = if self.search.open { letter_pad::HEIGHT } else { 0.0 };
         let (body, board) = rest.split_bottom(board);
         let (left, right) = body.split_left_right_at_fraction(0.42);
         let (field, list) = left.trim_right(theme::GAP).split_top(theme::TOUCH_TARGET);

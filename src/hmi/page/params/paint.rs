@@ -34,7 +34,7 @@ impl ParamLayout {
     /// `bits` of the selected parameter are listed in two columns; a single bit needs no list.
     pub fn new(rect: Rect, searching: bool, bits: usize) -> Self {
         let (main, input) = rect.split_bottom(theme::INPUT);
-        let pad = if searching { letter_pad::SEARCH_LAYOUT.height() } else { 0.0 };
+        let pad = if searching { letter_pad::HEIGHT } else { 0.0 };
         let (main, letters) = main.split_bottom(pad);
         let (top, rest) = main.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         let (tabs, right) = top.split_left_right_at_fraction(0.56);

@@ -40,7 +40,7 @@ pub struct LineMarks {
 }
 
 /// The visible part of a line, from column `left` on.
-fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
+pub fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
     let slice = rope.line(line);
     let length = content_len(slice);
     let from = left.min(length);

@@ -112,7 +112,7 @@ impl PageUi for ProgramPage {
             self.handle_typed(view, typed, login, out);
         }
         let (title, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(32.0);
-        let board = if self.keyboard_open { letter_pad::block_layout(view.snapshot.kind).height() } else { 0.0 };
+        let board = if self.keyboard_open { letter_pad::HEIGHT } else { 0.0 };
         let rows = if self.editing && !self.keyboard_open && self.prompt.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_bottom(board);
         let (list, below) = rest.split_bottom(rows * widget::KEYS_HEIGHT + MESSAGE_HEIGHT);
