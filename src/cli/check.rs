@@ -13,16 +13,19 @@ use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
 use crate::controller::{PARAM_VARIABLES, PowerOnState, Programs, nc_settings, reference_points};
+use crate::defs::page_text::{self, PageTextFault};
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
 use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
+use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
     BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault, Source,
     WorkOffsets,
 };
+use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, decode, folder_of};
 use crate::units::{Axis, PerAxis};
 
 /// Prefix of a warning.
@@ -60,8 +63,10 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let found = match file_kind(&name) {
             CheckedFileKind::Program => FileCheck::new(shared, call, path, bytes)?.execute()?,
-            CheckedFileKind::PageText => print_file(shared, path, parse_page_text(&name, &bytes).err()),
-            CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err()),
+            CheckedFileKind::PageText => {
+                print_file(shared, path, parse_page_text(&name, &bytes).err(), &english_warnings(path, &name, &bytes))
+            }
+            CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err(), &[]),
         };
         status = status.max(found);
     }
@@ -89,14 +94,58 @@ fn shared_error(shared: &SharedArgs, position: Option<(u32, u32)>, message: &Loc
 }
 
 /// Prints the result for a page text or picture; returns the exit status.
-fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>) -> u8 {
-    let wrong: Vec<_> = fault.iter().map(|fault| shared_error(shared, fault.position, &fault.message)).collect();
+fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>, warnings: &[FileFault]) -> u8 {
+    let error = |fault: &FileFault| shared_error(shared, fault.position, &fault.message);
+    let wrong: Vec<_> = fault.iter().map(error).collect();
     let file = path.display().to_string();
     match shared.format {
-        OutputFormat::Json => print_line(json!({"file": file, "errors": errors_json(&wrong)})),
-        OutputFormat::Text => print_errors(shared, &file, &wrong, &OK.into()),
+        OutputFormat::Json => {
+            let warnings: Vec<_> = warnings.iter().map(error).collect();
+            print_line(json!({"file": file, "errors": errors_json(&wrong), "warnings": errors_json(&warnings)}));
+        }
+        OutputFormat::Text => {
+            for warning in warnings {
+                let (place, at) = (path.with_file_name(&warning.file), error(warning));
+                print_warning(shared, &place.display().to_string(), &at);
+            }
+            print_errors(shared, &file, &wrong, &OK.into());
+        }
     }
     if wrong.is_empty() { SUCCESS } else { USAGE_ERROR }
+}
+
+fn print_warning(shared: &SharedArgs, file: &str, at: &CheckError) {
+    eprintln!("{file}:{}:{}: {}{}", at.line, at.column, WARNING.get(shared.lang), at.message);
+}
+
+/// Where a page text and the English text beside it do not fit (H9); either of them may be the checked file. A page
+/// text without an English one has no warnings.
+fn english_warnings(path: &Path, name: &str, bytes: &[u8]) -> Vec<FileFault> {
+    let folder = Folder::new(folder_of(path));
+    let other = |class: &FileClass, number| folder.read(class, number).ok();
+    let own = FileContent { name: name.to_owned(), bytes: bytes.to_vec() };
+    let pair = match (PAGE_TEXT.parse(name), PAGE_TEXT_EN.parse(name)) {
+        (Some((number, _)), _) => other(&PAGE_TEXT_EN, number).map(|english| (own, english)),
+        (None, Some((number, _))) => other(&PAGE_TEXT, number).map(|page| (page, own)),
+        (None, None) => None,
+    };
+    let Some((page, english)) = pair else { return Vec::new() };
+    let Ok(page) = parse_page_text(&page.name, &page.bytes) else { return Vec::new() };
+    match parse_page_text(&english.name, &english.bytes) {
+        // The faults of the checked file itself are errors.
+        Err(fault) => Some(fault).filter(|_| english.name != name).into_iter().collect(),
+        Ok(_) => {
+            let text = decode(&english.bytes).map(|decoded| decoded.text).unwrap_or_default();
+            let faults = page_text::english_faults(&page, &page_text::parse_all(&text)).into_iter();
+            let file = english.name;
+            let fault = |fault: PageTextFault| FileFault {
+                file: file.clone(),
+                position: Some((fault.line, fault.column)),
+                message: fault.message,
+            };
+            faults.map(fault).collect()
+        }
+    }
 }
 
 fn errors_json(wrong: &[CheckError]) -> Value {
@@ -333,7 +382,9 @@ impl<'a> FileCheck<'a> {
         let faults = checked.faults.iter().map(|fault| self.fault_error(fault));
         let met = ran.map_or(&[][..], |(_, met)| met);
         let wrong: Vec<_> = faults.chain(found.move_errors.iter().chain(met).cloned()).collect();
-        let warnings: Vec<_> = checked.warnings.iter().map(|fault| self.fault_error(fault)).collect();
+        let rows = text_row_faults(&self.source).into_iter();
+        let rows = rows.map(|fault| self.error(fault.line, 1, &fault.message));
+        let warnings: Vec<_> = checked.warnings.iter().map(|fault| self.fault_error(fault)).chain(rows).collect();
         let diameter = self.settings.diameter;
         let shown = |axis: Axis, value: f64| if axis == Axis::X && diameter { value * 2.0 } else { value };
         let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {
@@ -354,9 +405,7 @@ impl<'a> FileCheck<'a> {
                 print_line(told);
             }
             OutputFormat::Text => {
-                for at in &warnings {
-                    eprintln!("{file}:{}:{}: {}{}", at.line, at.column, WARNING.get(shared.lang), at.message);
-                }
+                warnings.iter().for_each(|at| print_warning(shared, &file, at));
                 print_errors(shared, &file, &wrong, &verdict(checked, ran.map(|(ran, _)| ran)));
                 let ranges = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}"));
                 print_line(format!("{}  {}", summary(checked).get(shared.lang), ranges.collect::<Vec<_>>().join("  ")));

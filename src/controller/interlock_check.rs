@@ -196,7 +196,7 @@ impl<'a> InterlockCheck<'a> {
                 let before = self.wheel_diameter_mm;
                 let text = phrase!(
                     "#{number} = {value:.4}，现直径 {before:.4}",
-                    "#{number} = {value:.4}, present diameter {before:.4}",
+                    "#{number} = {value:.4}, current diameter {before:.4}",
                     number,
                     value,
                     before

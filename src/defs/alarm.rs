@@ -182,7 +182,7 @@ alarms! {
         "该轴没有设置砂轮修整点", "the dressing point of the axis has not been set",
         "手动方式移到修整处，位置页面 F1 相对，按轴名键，再按输入", "in JOG, move to the dressing position; position page, F1 RELATIVE: axis letter, then INPUT";
     OSCILLATION_REFUSED = 197, StopProgram, Reset, "振荡不能开始", "oscillation cannot start",
-        "换向点与当前位置相同、超出软限位或轴未回零", "the reversal point is the present position or beyond a soft limit, or the axis is not homed",
+        "换向点与当前位置相同、超出软限位或轴未回零", "the reversal point is the current position or beyond a soft limit, or the axis is not homed",
         "检查 G35 的坐标和 P238 P239", "check the coordinate of G35, or P238 and P239";
     AXIS_OSCILLATES = 198, StopProgram, Reset, "轴在振荡中", "the axis is oscillating",
         "程序对正在振荡的轴编写了移动", "the program moves an axis that is oscillating",
@@ -200,7 +200,7 @@ alarms! {
         "M80–M89 等待的输入没有分配输入口", "the input that M80 to M89 waits for has no port",
         "在参数中分配输入口", "assign its port in the parameters";
     WHEEL_DIAMETER_REFUSED = 203, StopProgram, Reset, "砂轮直径不能接受", "wheel diameter not accepted",
-        "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is larger than the present one or too small, or no tool offset is active",
+        "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is larger than the current one or too small, or no tool offset is active",
         "新砂轮在换砂轮页面输入；修整程序先调用刀补 (T0101)", "enter a new wheel on the wheel change page; call the tool offset first (T0101)";
     OFFSET_RANGE = 204, StopProgram, Reset, "刀补超出范围", "offset out of range",
         "G10 或 #2001… 使磨耗超过 ±999.999，或几何超过 ±9999.999", "G10 or #2001… would make a wear exceed ±999.999 or a geometry ±9999.999",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::date::DateTime;
-use super::text::{LocalizedText, Text};
+use super::text::{LocalizedText, SharedWords, Text};
 
 /// Maximum number of alarms in the history; a new alarm replaces the oldest.
 pub const MAX_ALARM_HISTORY: usize = 1_000;
@@ -43,6 +43,12 @@ pub struct PastAlarm {
     pub number: u16,
     /// Alarm text.
     pub text: LocalizedText,
+    /// The cause that a program gave; empty for alarms of the table.
+    #[serde(default, skip_serializing_if = "SharedWords::is_empty")]
+    pub cause: SharedWords,
+    /// The remedy that a program gave; empty for alarms of the table.
+    #[serde(default, skip_serializing_if = "SharedWords::is_empty")]
+    pub remedy: SharedWords,
     /// Active program and line when it was raised; `None` if no program was running.
     pub place: Option<(u32, u32)>,
     /// When it was raised; without a clock the time since power-on.

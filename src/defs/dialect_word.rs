@@ -57,7 +57,7 @@ words! {
     "G80", "循环结束", "end of a loop",
         "结束最近的 G22；写在段首，没有配对报错。", "Ends the last G22; must be first in its block; an error without G22.";
     "G92", "设定坐标", "set coordinates",
-        "G92 X_ Z_：当前点的坐标，不移动；X、Z 都要写，不能写 U W。", "G92 X_ Z_: sets the coordinates of the present point without moving; both X and Z, not U, W.";
+        "G92 X_ Z_：当前点的坐标，不移动；X、Z 都要写，不能写 U W。", "G92 X_ Z_: sets the coordinates of the current point without moving; both X and Z, not U, W.";
     "T", "换刀", "tool",
         "T2 换到 2 号刀位；T20 换刀并补偿，坐标不变。刀位信号 P388 内不到报警 210。", "T2 indexes to station 2; T20 with offset, the coordinates stay. No station switch within P388: alarm 210.";
 }

@@ -105,7 +105,7 @@ g_codes! {
         "G28 X_ Z_：经过给定的中间点快速回机械零点（P45–P47）。" "G28 X_ Z_: through the given point to the machine zero (P45 to P47) at rapid speed.";
     30 "other-reference" NonModal Yes Yes "回第 2–4 参考点" "return to reference point 2, 3 or 4"
         "G30 P2–P4 X_ Z_：经过中间点回第 2–4 参考点（P161–P169）。" "G30 P2 to P4 X_ Z_: through the given point to reference point 2, 3 or 4 (P161 to P169).";
-    31 "skip" NonModal Yes Yes "跳转插补" "feed until signal"
+    31 "skip" NonModal Yes Yes "跳转插补" "skip: feed until a signal"
         "G31 Z_ P_ F_：按 F 走到信号 P（1–6）为止，位置存入 #5061…；没有信号时停在终点。" "G31 Z_ P_ F_: at feed F until signal P (1 to 6); the position is stored in #5061 …; without a signal it stops at the end point.";
     32 "thread" Motion NotYet No "螺纹切削" "thread"
         "螺纹切削，本版本不提供：程序在该段前停止并说明。" "Thread cutting, not in this version: the program stops before the block with a message.";
@@ -114,7 +114,7 @@ g_codes! {
     34 "variable-thread" Motion NotYet No "变螺距螺纹" "thread of variable lead"
         "变螺距螺纹，本版本不提供：程序在该段前停止并说明。" "A thread of variable lead, not in this version: the program stops before the block with a message.";
     35 "oscillation-on" NonModal Yes Yes "振荡开启" "oscillation on"
-        "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P240、P241。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between the present and the given position while the program continues; Q strokes per minute, D time constant in ms (default P240, P241). G36, the key, RESET or the emergency stop ends it.";
+        "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P240、P241。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between the current and the given position while the program continues; Q strokes per minute, D time constant in ms (default P240, P241). G36, the key, RESET or the emergency stop ends it.";
     36 "oscillation-off" NonModal Yes Yes "振荡关闭" "oscillation off"
         "G36：振荡回到起始端停止，然后执行下一段。" "G36: the oscillation stops at the position where it started, then the next block runs.";
     40 "compensation-off" Compensation Yes Yes "取消半径补偿" "wheel radius compensation off"
@@ -124,7 +124,7 @@ g_codes! {
     42 "compensation-right" Compensation NotYet NotYet "右侧半径补偿" "wheel radius compensation right"
         "右侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation right, not in this version: the program stops before the block with a message.";
     50 "preset" NonModal Yes Yes "设定坐标系" "set work coordinates"
-        "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: sets the coordinates of the present position to X Z without moving; clears the wear of the active tool offset. An alarm if the program uses several tools.";
+        "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: sets the coordinates of the current position to X Z without moving; clears the wear of the active tool offset. An alarm if the program uses several tools.";
     53 "machine-move" NonModal Yes Yes "机床坐标定位" "machine coordinates"
         "G53 X_ Z_：本段坐标为机床坐标。" "G53 X_ Z_: the coordinates of this block are machine coordinates.";
     54 "frame-1" WorkOffset Yes Yes "工件坐标系 1" "work offset 1"

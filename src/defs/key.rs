@@ -299,15 +299,15 @@ keys! {
     Cancel = "cancel", "取消", "CANCEL", Screen, ANY, true, Dark,
         "取消：清除所键入的值，恢复原值。", "CANCEL: discards the typed value, the old value stays.";
     F1 = "f1", "F1", "F1", Screen, ANY, true, Dark,
-        "当前软键行的第 1 个键。", "Key 1 of the present soft key row.";
+        "当前软键行的第 1 个键。", "Key 1 of the current soft key row.";
     F2 = "f2", "F2", "F2", Screen, ANY, true, Dark,
-        "当前软键行的第 2 个键。", "Key 2 of the present soft key row.";
+        "当前软键行的第 2 个键。", "Key 2 of the current soft key row.";
     F3 = "f3", "F3", "F3", Screen, ANY, true, Dark,
-        "当前软键行的第 3 个键。", "Key 3 of the present soft key row.";
+        "当前软键行的第 3 个键。", "Key 3 of the current soft key row.";
     F4 = "f4", "F4", "F4", Screen, ANY, true, Dark,
-        "当前软键行的第 4 个键。", "Key 4 of the present soft key row.";
+        "当前软键行的第 4 个键。", "Key 4 of the current soft key row.";
     F5 = "f5", "F5", "F5", Screen, ANY, true, Dark,
-        "当前软键行的第 5 个键。", "Key 5 of the present soft key row.";
+        "当前软键行的第 5 个键。", "Key 5 of the current soft key row.";
     NextRow = "next-row", "▶", "NEXT", Screen, ANY, true, Dark,
         "软键翻到下一行。", "The next row of soft keys.";
 }

@@ -22,7 +22,6 @@ pub mod param_row;
 pub mod port_conflict;
 pub mod program_error;
 pub mod program_number;
-pub mod r_parameter_name;
 pub mod signal;
 pub mod sim_fault;
 pub mod soft_key;

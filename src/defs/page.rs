@@ -77,7 +77,7 @@ macro_rules! pages {
 pages! {
     Position = "position", ANY, "位置", "position", row 0,
         "轴在哪里：相对、综合、机床坐标，余移动量，生效的代码和程序段。", "Axis positions: relative, all, machine; distance to go, active codes, running block.",
-        "F1 相对、F2 综合、F3 机床。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。", "F1 RELATIVE, F2 ALL, F3 MACHINE. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the present position becomes the dressing point of the axis (homed axes only).";
+        "F1 相对、F2 综合、F3 机床。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。", "F1 RELATIVE, F2 ALL, F3 MACHINE. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the current position becomes the dressing point of the axis (homed axes only).";
     Grinding = "grinding", Wheel, "磨削", "grinding", row 1, key 0 4 "磨削" "GRINDING",
         "O1001–O1020 的磨削参数：左栏、右栏最多各十项，右边是图；键入的值下一次运行生效。", "The values of O1001 to O1020, up to ten in each column beside the picture; typed values act from the next run.",
         "点一项或用方向键选择，键入数值，按输入；取消恢复原值。运行中不能改（P6.3=1 可改）。#570–#579 只能是 0 或 1。", "Touch a field or choose it with the arrow keys, type, INPUT; CANCEL keeps the old value. Locked during a run unless P6.3=1. #570 to #579 are 0 or 1.";
@@ -88,7 +88,7 @@ pages! {
         "当前程序：运行的段有标记；编辑方式下可以改。", "The current program with the running block marked; edited in mode EDIT.",
         "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：从光标行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。", "EDIT (asks for the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM N runs from the cursor line, RESUME continues after a power failure. A red bar marks an error: touch the line to read it.";
     Designer = "designer", Wheel, "页面设计", "page designer", row 2,
-        "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。", "The text C00nn.TXT and the picture B00nn.BMP of a grinding page: text on the left, page preview on the right.",
+        "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。", "The text C00nn.TXT, its English text C00nn.EN.TXT and the picture B00nn.BMP of a grinding page: text on the left, preview on the right.",
         "编辑（编辑方式、密码同程序）后键入；红条为错误行。变量：程序用了而页面没有的，加入即成一行。图片：任意 PNG、JPEG、BMP 换用时转换为 200×400、24 位。", "EDIT (mode and password as for programs), then type; a red bar marks an error. VARS: ADD adds a line for a variable that the program uses and the page lacks. PICTURES: any PNG, JPEG, BMP is converted to 200×400, 24 bit.";
     Mdi = "mdi", ANY, "录入", "MDI", row 2, key 2 2 "录入" "MDI",
         "录入一行程序并执行。", "Enter one program line and execute it.",
@@ -104,7 +104,7 @@ pages! {
         "查找号码或名称，键入数值，按输入。要 P22.0=1。", "Search by number or name, type, INPUT. Needs P22.0=1.";
     Teach = "teach", MainSpindle, "录返", "teach-in", row 0, key 0 4 "录返" "TEACH-IN",
         "录返：把手动走的动作记录成程序段。", "Teach-in: manual moves are recorded as program blocks.",
-        "按开始录返，用手动、单步或手轮移动；停止后存为程序，即可在自动方式运行。", "START, move by JOG, steps or handwheel, STOP, KEEP; the program then runs in mode AUTO.";
+        "按开始录返，用手动、单步或手轮移动；停止后存为程序，即可在自动方式运行。", "START, move by JOG, steps or handwheel, STOP, SAVE; the program then runs in mode AUTO.";
     Tools = "tools", MainSpindle, "刀具棒料", "tools, bar", row 0, key 0 5 "刀具棒料" "TOOLS, BAR",
         "刀架上的刀具和卡盘里的棒料：图形页据此画出切削，并检查干涉。", "The tools on the post and the bar in the chuck: the graphic page uses them to show the cut and to check for collisions.",
         "点一项键入数值，按输入。毫米，直径值。", "Touch a field, type, INPUT. In mm, diameter values.";
@@ -127,8 +127,8 @@ pages! {
         "运行曲线：轴位置、进给、砂轮负载、量仪；工件趋势；砂轮和修整。", "Live curves of axes, feed, wheel load, gauge; the trend of the parts; wheel and dressings.",
         "拖动、双指缩放曲线；存为 CSV 供电脑分析；清除从头开始。", "Drag and pinch the curves; SAVE CSV for a computer; CLEAR starts again.";
     Alarm = "alarm", ANY, "报警", "alarms", row 3, key 3 2 "报警" "ALARMS",
-        "当前报警的原因和处理，以及最近 1000 条历史，断电保留。", "The present alarms with cause and remedy, and the last 1000, retained at power-off.",
-        "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。", "Remove the cause, then RESET; some clear automatically. Touch a row (or ↑ ↓ INPUT): the history shows its cause and remedy; then ? opens its help.";
+        "当前报警的原因和处理，以及最近 1000 条历史，断电保留。", "The active alarms with cause and remedy, and the last 1000, retained at power-off.",
+        "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。", "Remove the cause, then RESET; some clear automatically. Touch a row (or ↑ ↓ INPUT): the history shows its cause and remedy; ? opens its help. EDIT # opens the value that is wrong.";
     Settings = "settings", ANY, "设置", "settings", row 3, key 3 4 "设置" "SETTINGS",
         "时钟（日期、时间）、语言、颜色、亮度、开关、密码、机型。", "The clock (date and time), language, colours, brightness, switches, passwords, kind of machine.",
         "密码每级一个；机型下次开机生效。", "One password per level; the kind takes effect at the next power-on.";

@@ -1,7 +1,7 @@
-//! The page text of a grinding program (C00nn.TXT): format and parser.
-//! Source: spec K7.2–K7.4. Parses text only; `store` reads the files.
+//! The page text of a grinding program (C00nn.TXT) and its English text (C00nn.EN.TXT): format and parser.
+//! Source: spec K7.2–K7.4, H9. Parses text only; `store` reads the files.
 
-use super::text::LocalizedText;
+use super::text::{Lang, LocalizedText};
 use super::variable_name;
 
 /// Rows of one column.
@@ -12,6 +12,8 @@ pub const COLUMN_ROWS: usize = 10;
 pub struct PageTextRow {
     /// Label as written by the customer.
     pub label: String,
+    /// Label of the English text, if it has one.
+    pub english: Option<String>,
     /// Macro variable number.
     pub variable: u16,
 }
@@ -20,6 +22,12 @@ pub struct PageTextRow {
 const WHOLE_NUMBERS: [&str; 7] = ["次数", "方式", "件数", "计数", "刀补号", "间隔", "模式"];
 
 impl PageTextRow {
+    /// The label in a language; as written by the customer where there is no English.
+    #[must_use]
+    pub fn label_in(&self, lang: Lang) -> &str {
+        in_language(lang, &self.label, self.english.as_deref())
+    }
+
     /// Whether the label speaks of a count, a switch (`头架 0低速 1高速`, `1用G27修整点`) or a mode.
     #[must_use]
     pub fn is_whole_number(&self) -> bool {
@@ -33,6 +41,8 @@ impl PageTextRow {
 pub struct PageText {
     /// Title; the page appends 参数设置.
     pub title: String,
+    /// Title of the English text, if there is one.
+    pub english_title: Option<String>,
     /// Left column.
     pub left: [Option<PageTextRow>; COLUMN_ROWS],
     /// Right column.
@@ -44,6 +54,55 @@ impl PageText {
     pub fn rows(&self) -> impl Iterator<Item = &PageTextRow> {
         self.left.iter().chain(self.right.iter()).flatten()
     }
+
+    /// The title in a language; as written by the customer where there is no English.
+    #[must_use]
+    pub fn title_in(&self, lang: Lang) -> &str {
+        in_language(lang, &self.title, self.english_title.as_deref())
+    }
+
+    /// Takes over the title and the labels of the English text. A label belongs to the row of its variable.
+    pub fn add_english(&mut self, english: &Self) {
+        self.english_title = Some(english.title.clone());
+        for row in self.left.iter_mut().chain(&mut self.right).flatten() {
+            row.english = english.label_of(row.variable).map(str::to_owned);
+        }
+    }
+
+    /// The label of a variable, as written.
+    fn label_of(&self, variable: u16) -> Option<&str> {
+        self.rows().find(|row| row.variable == variable).map(|row| row.label.as_str())
+    }
+}
+
+fn in_language<'t>(lang: Lang, own: &'t str, english: Option<&'t str>) -> &'t str {
+    english.filter(|_| lang == Lang::En).unwrap_or(own)
+}
+
+/// Where an English text does not fit its page text: rows of other variables, and rows that it lacks.
+#[must_use]
+pub fn english_faults(page: &PageText, english: &ParsedPageText) -> Vec<PageTextFault> {
+    let slots = english.page.left.iter().chain(&english.page.right).zip(&english.entry_positions);
+    let strange = slots.filter_map(|(row, at)| {
+        let variable = row.as_ref()?.variable;
+        let wrong = || {
+            let zh = format!("页面文字中没有 #{variable}：请改正变量号，或删除该行");
+            let en = format!("the page text has no #{variable}: correct the variable number, or delete the row");
+            fault(*at, zh, en)
+        };
+        page.label_of(variable).is_none().then(wrong)
+    });
+    let end = english.end.unwrap_or((1, 1));
+    let missing = page.rows().filter(|row| english.page.label_of(row.variable).is_none()).map(|row| {
+        let PageTextRow { label, variable, .. } = row;
+        let zh = format!("“{label} #{variable}”没有英文，显示原文：请加一行“英文名称 #{variable};”");
+        let en =
+            format!("'{label} #{variable}' has no English and is shown as written: add a row 'label #{variable};'");
+        fault(end, zh, en)
+    });
+    let mut all: Vec<_> = strange.chain(missing).collect();
+    all.sort_by_key(|fault| (fault.line, fault.column));
+    all
 }
 
 /// Whether a variable is allowed on a page.
@@ -242,7 +301,7 @@ fn named(entry: &PageTextEntry<'_>, label: &str, variable: u16) -> Result<Option
     if label.trim().is_empty() {
         return Err(fault(entry.at, "缺少名称", "the label is missing"));
     }
-    Ok(Some(PageTextRow { label: label.trim().to_owned(), variable }))
+    Ok(Some(PageTextRow { label: label.trim().to_owned(), english: None, variable }))
 }
 
 /// Parses `名称 R18`: an R parameter after the last blank (S3).

@@ -54,7 +54,7 @@ impl CoreFault {
     pub const fn texts(self) -> [Text; 4] {
         match self {
             Self::Failed => [
-                Text::new("控制系统故障", "Control failed"),
+                Text::new("控制系统故障", "control failed"),
                 Text::new(
                     "控制程序出错停止，屏幕不再显示机床状态。",
                     "The control has stopped because of an internal error. The screen no longer shows the machine.",
@@ -70,7 +70,7 @@ impl CoreFault {
                 ),
             ],
             Self::Silent => [
-                Text::new("控制没有应答", "Control does not answer"),
+                Text::new("控制没有应答", "control does not answer"),
                 Text::new(
                     "超过 0.5 秒没有收到控制的数据，屏幕不再显示机床状态。",
                     "No data from the control for more than 0.5 s. The screen no longer shows the machine.",

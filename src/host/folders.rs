@@ -21,8 +21,8 @@ use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
 use crate::nc::program_uses::WheelUse;
 use crate::store::{
-    DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PICTURE, PROGRAM,
-    ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
+    DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
+    PROGRAM, ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
 };
 
 /// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
@@ -100,18 +100,21 @@ impl Folders {
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
             if let Ok(read) = read {
-                rows.push(program_from_bytes(row.number, &read.name, read.bytes, self.dialect));
-                directory.push(row);
+                let program = program_from_bytes(row.number, &read.name, read.bytes, self.dialect);
+                directory.push(DirectoryRow { english: english_title(&program), ..row });
+                rows.push(program);
             }
         };
         for FolderEntry { number: file, size, modified, comment, .. } in folder.list(&PROGRAM)?.entries {
             let number = u32::from(file);
             let (name, modified) = (program_number::name_of(number), time_text(modified));
-            add(folder.read(&PROGRAM, file), DirectoryRow { number, name, size, comment, modified });
+            let row = DirectoryRow { number, name, size, comment, english: None, modified };
+            add(folder.read(&PROGRAM, file), row);
         }
         for NamedProgram { stem, name: file, size, modified, comment } in list_named_programs(&self.programs)? {
             let (number, modified) = (program_number::from_name(&stem), time_text(modified));
-            add(folder.read_named(&PROGRAM, &file), DirectoryRow { number, name: stem, size, comment, modified });
+            let row = DirectoryRow { number, name: stem, size, comment, english: None, modified };
+            add(folder.read_named(&PROGRAM, &file), row);
         }
         Ok((Programs::new(rows), directory))
     }
@@ -128,7 +131,8 @@ impl Folders {
             let comment = program.source.comment_title().unwrap_or_default();
             let told = self.programs.join(&name).metadata().ok();
             let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
-            directory.push(DirectoryRow { number: program.number, name: stem, size, comment, modified });
+            let (number, english) = (program.number, english_title(&program));
+            directory.push(DirectoryRow { number, name: stem, size, comment, english, modified });
             rows.push(program);
         }
         (Programs::new(rows), directory)
@@ -147,10 +151,7 @@ impl Folders {
         let pages = PAGE_NUMBERS
             .chain(R_PAGE_NUMBERS)
             .filter(|number| texts.contains(number) || pictures.contains(number))
-            .map(|number| {
-                let files = ScreenFiles { text: page_text(&folder, number), picture: picture(&folder, number) };
-                (1_000 + u32::from(number), files)
-            })
+            .map(|number| (1_000 + u32::from(number), screen_files(&folder, number)))
             .collect();
         let dressing = Some(picture(&folder, DRESSING_PICTURE));
         Ok(Screens { pages, dressing })
@@ -168,6 +169,11 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dial
     let source = Arc::new(Source::new(number, name, bytes, dialect));
     let wheel_use = WheelUse::of(&source);
     StoredProgram { number, source, text, stamp, wheel_use, has_invalid_bytes }
+}
+
+/// The English title that a program gives (H9).
+fn english_title(program: &StoredProgram) -> Option<String> {
+    program.source.english_title().map(str::to_owned)
 }
 
 /// The named programs in the folder of a named program. A call such as `L10` is searched there first.
@@ -221,9 +227,22 @@ fn read_page_file(folder: &Folder, class: &FileClass, number: u16) -> Result<Fil
     })
 }
 
-fn page_text(folder: &Folder, number: u16) -> Result<Arc<page_text::PageText>, FileFault> {
-    let found = read_page_file(folder, &PAGE_TEXT, number)?;
-    parse_page_text(&found.name, &found.bytes).map(Arc::new)
+/// Page text with its English, and picture. Without a valid English text the page is shown as written (H9).
+fn screen_files(folder: &Folder, number: u16) -> ScreenFiles {
+    let parsed = |class: &FileClass| -> Result<page_text::PageText, FileFault> {
+        let found = read_page_file(folder, class, number)?;
+        parse_page_text(&found.name, &found.bytes)
+    };
+    let (mut text, mut english_fault) = (parsed(&PAGE_TEXT), None);
+    if folder.find(&PAGE_TEXT_EN, number).is_ok()
+        && let Ok(text) = &mut text
+    {
+        match parsed(&PAGE_TEXT_EN) {
+            Ok(english) => text.add_english(&english),
+            Err(fault) => english_fault = Some(fault),
+        }
+    }
+    ScreenFiles { text: text.map(Arc::new), english_fault, picture: picture(folder, number) }
 }
 
 /// Parses a page text in UTF-8 or GBK.

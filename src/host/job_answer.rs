@@ -46,7 +46,7 @@ pub(super) fn error_refusal(error: impl Display) -> Refusal {
 }
 
 pub(super) fn no_usb_drive() -> Refusal {
-    refusal("没有 U 盘或已拔出", "no USB medium, or it was pulled out")
+    refusal("没有 U 盘或已拔出", "no USB stick, or it was removed")
 }
 
 pub(super) fn cancelled() -> Refusal {
@@ -56,7 +56,7 @@ pub(super) fn cancelled() -> Refusal {
 /// Compares what was written to a USB drive with what is read back.
 pub(super) fn check_read_back(name: &str, same: bool) -> Result<(), Refusal> {
     let differs =
-        || refusal(format!("{name} 校验不符，请换 U 盘"), format!("{name} failed verification: use another medium"));
+        || refusal(format!("{name} 校验不符，请换 U 盘"), format!("{name} failed verification: use another USB stick"));
     if same { Ok(()) } else { Err(differs()) }
 }
 

@@ -139,11 +139,11 @@ impl JobRunner {
             FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) | FileRequest::ExportLeadscrew(..) => {
                 report_answer(self.export(job).map(FileAnswer::Done), tell)
             }
-            FileRequest::ReadPage { page, program } => {
-                report_answer(pages.read(*page, *program, job).map(|read| FileAnswer::Page(Arc::new(read))), tell)
+            FileRequest::ReadPage { id, program } => {
+                report_answer(pages.read(*id, *program, job).map(|read| FileAnswer::Page(Arc::new(read))), tell)
             }
-            FileRequest::SavePage { page, text, base_stamp: base, overwrite: force } => {
-                report_page_change(pages.save(*page, text, *base, *force), tell)
+            FileRequest::SavePage { id, text, base_stamp: base, overwrite: force } => {
+                report_page_change(pages.save(*id, text, *base, *force), tell)
             }
             FileRequest::ImportPicture { page, from, name } => {
                 report_page_change(pages.take_picture(*page, *from, name), tell)

@@ -35,7 +35,7 @@ pub fn read(axis: Axis, drive: Option<&UsbDrive>) -> JobResult {
     // The name without a date sorts after those with a date.
     let file =
         drive.files()?.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
-    let missing = || refusal(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium"));
+    let missing = || refusal(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the USB stick"));
     let name = file.map(|file| file.name).ok_or_else(missing)?;
     let wrong = |zh: String, en: String| refusal(format!("{name} {zh}"), format!("{name} {en}"));
     let bytes = read_regular_file(&drive.root().join(&name), FILE_LIMIT)?;

@@ -11,11 +11,13 @@ use super::job_answer::{JobResult, done, error_refusal, no_usb_drive, refusal, s
 use super::transfer::{FOREIGN_PICTURE, convert_picture};
 use crate::controller::files::BackgroundJob;
 use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
+use crate::defs::text::Lang;
 use crate::link::files::Refusal;
-use crate::link::page_file::{PageFile, PictureFile, PictureLocation};
+use crate::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use crate::nc::program_uses::find_uses;
 use crate::store::{
-    Encoding, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, UsbDrive, decode, encode, stamp,
+    Encoding, FileClass, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_EN, PAGE_TEXT_LIMIT, PICTURE, UsbDrive, decode,
+    encode, stamp,
 };
 
 /// Page number minus file number.
@@ -37,6 +39,14 @@ fn file_number(page: u32) -> Result<u16, Refusal> {
     number.filter(|number| (1..=9_999).contains(number)).ok_or_else(missing)
 }
 
+/// The class of a page text.
+const fn class(id: PageTextId) -> &'static FileClass {
+    match id.lang {
+        Lang::Zh => &PAGE_TEXT,
+        Lang::En => &PAGE_TEXT_EN,
+    }
+}
+
 /// An empty page text: a title and ten empty entries for each column.
 fn empty_page_text() -> Rope {
     let mut text = String::from("标题;\r\n\r\n");
@@ -50,10 +60,10 @@ fn empty_page_text() -> Rope {
 
 impl PageFileFolder {
     /// Reads the page text, the variables that a program uses, and the list of available pictures.
-    pub fn read(&self, page: u32, program: u32, job: &BackgroundJob) -> Result<PageFile, Refusal> {
-        let file = file_number(page)?;
-        let mut read = PageFile { number: page, uses: variables_used(program, job), ..PageFile::default() };
-        match self.screens.read(&PAGE_TEXT, file) {
+    pub fn read(&self, id: PageTextId, program: u32, job: &BackgroundJob) -> Result<PageFile, Refusal> {
+        let file = file_number(id.page)?;
+        let mut read = PageFile { id, uses: variables_used(program, job), ..PageFile::default() };
+        match self.screens.read(class(id), file) {
             Ok(found) => {
                 (read.name, read.stamp) = (found.name, stamp(&found.bytes));
                 match decode(&found.bytes) {
@@ -63,11 +73,17 @@ impl PageFileFolder {
                     }
                 }
             }
-            Err(FolderError::Missing { name, .. }) => (read.name, read.text) = (name, empty_page_text()),
+            Err(FolderError::Missing { name, .. }) => (read.name, read.text) = (name, self.template(id, file)),
             Err(error) => return Err(error.into()),
         }
         read.pictures = self.pictures();
         Ok(read)
+    }
+
+    /// The text of a file that does not exist yet. The English text begins as the page text, to be translated.
+    fn template(&self, id: PageTextId, file: u16) -> Rope {
+        let own = Some(PAGE_TEXT).filter(|_| id.lang == Lang::En).and_then(|own| self.screens.read(&own, file).ok());
+        own.and_then(|own| Some(decode(&own.bytes).ok()?.text.into())).unwrap_or_else(empty_page_text)
     }
 
     fn pictures(&self) -> Vec<PictureFile> {
@@ -87,9 +103,9 @@ impl PageFileFolder {
     }
 
     /// Replaces the text unless the file was changed since it was read. Keeps the encoding; a new file is GBK (K7.4).
-    pub fn save(&self, page: u32, text: &Rope, base: u64, force: bool) -> JobResult {
-        let file = file_number(page)?;
-        let encoding = match self.screens.read(&PAGE_TEXT, file) {
+    pub fn save(&self, id: PageTextId, text: &Rope, base: u64, force: bool) -> JobResult {
+        let file = file_number(id.page)?;
+        let encoding = match self.screens.read(class(id), file) {
             Ok(read) if !force && stamp(&read.bytes) != base => return Err(Refusal::Conflict),
             Ok(read) => decode(&read.bytes).map_or(Encoding::Gbk, |decoded| decoded.encoding),
             Err(FolderError::Missing { .. }) => Encoding::Gbk,
@@ -99,8 +115,8 @@ impl PageFileFolder {
         if bytes.len() as u64 > PAGE_TEXT_LIMIT {
             return Err(refusal("文件太大", "the text is too long"));
         }
-        let name = self.screens.write(&PAGE_TEXT, file, &bytes)?;
-        Ok(saved(&name, page, &bytes, kept))
+        let name = self.screens.write(class(id), file, &bytes)?;
+        Ok(saved(&name, id.page, &bytes, kept))
     }
 
     /// Copies a file to the picture of a page; converts it if necessary.

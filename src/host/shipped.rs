@@ -11,11 +11,16 @@ macro_rules! shipped {
             $(
                 (concat!("programs/O1", $page, ".NC"), include_bytes!(concat!("../../programs/O1", $page, ".NC"))),
                 (concat!("screens/C0", $page, ".TXT"), include_bytes!(concat!("../../screens/C0", $page, ".TXT"))),
+                (concat!("screens/C0", $page, ".EN.TXT"), include_bytes!(concat!("../../screens/C0", $page, ".EN.TXT"))),
                 (concat!("screens/B0", $page, ".BMP"), include_bytes!(concat!("../../screens/B0", $page, ".BMP"))),
             )*
             $((concat!("programs/O", $sub, ".NC"), include_bytes!(concat!("../../programs/O", $sub, ".NC"))),)*
             $(
                 (concat!("screens/C0", $sheet, ".TXT"), include_bytes!(concat!("../../screens/C0", $sheet, ".TXT"))),
+                (
+                    concat!("screens/C0", $sheet, ".EN.TXT"),
+                    include_bytes!(concat!("../../screens/C0", $sheet, ".EN.TXT")),
+                ),
                 (concat!("screens/B0", $sheet, ".BMP"), include_bytes!(concat!("../../screens/B0", $sheet, ".BMP"))),
             )*
             ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),

@@ -14,7 +14,7 @@ use crate::defs::text::{LocalizedText, Text};
 use crate::link::files::{FileAnswer, Refusal, RestoredValues};
 use crate::link::media::{Direction, MediaFile, MediaView, Screenshot, TransferRequest, TransferSet};
 use crate::store::{
-    CommentSource, FileClass, FileContent, Folder, FolderEntry, FolderError, ListedFile, PAGE_TEXT, PICTURE, PROGRAM,
+    CommentSource, FileClass, FileContent, Folder, FolderEntry, FolderError, ListedFile, PAGE_FILES, PICTURE, PROGRAM,
     ProgramFolder, UsbDrive, Values, read_regular_file, stamp, write_atomic,
 };
 
@@ -48,7 +48,7 @@ const PICTURE_MEMORY_LIMIT: u64 = 256 * 1024 * 1024;
 
 /// The class and number of a page file.
 fn parse_page_file(name: &str) -> Option<(&'static FileClass, u16)> {
-    static CLASSES: [FileClass; 2] = [PAGE_TEXT, PICTURE];
+    static CLASSES: [FileClass; 3] = PAGE_FILES;
     CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
 }
 
@@ -73,7 +73,7 @@ pub fn media_view(folders: &Folders, drive: Option<&UsbDrive>) -> MediaView {
     let there = there.filter_map(|found| set_of(&found.name, &shelf).map(|set| file(found.name, found.size, set)));
     let programs = shelf.list().unwrap_or_default().into_iter();
     let mut here: Vec<_> = programs.map(|found| file(found.name, found.size, TransferSet::Programs)).collect();
-    for class in [PAGE_TEXT, PICTURE] {
+    for class in PAGE_FILES {
         let entries = Folder::new(&folders.screens).list(&class).map(|listing| listing.entries).unwrap_or_default();
         here.extend(entries.into_iter().map(|found| file(found.name, found.size, TransferSet::Screens)));
     }
@@ -141,7 +141,7 @@ impl UsbTransfer<'_> {
             return Ok(waiting);
         }
         let (from, to) = in_direction(import, Folder::new(&self.folders.screens), Folder::new(self.usb_drive.root()));
-        for class in [PAGE_TEXT, PICTURE] {
+        for class in PAGE_FILES {
             // Incoming pictures can have other formats.
             let foreign = import && class.letter == PICTURE.letter;
             let read_as = if foreign { FOREIGN_PICTURE } else { class };
@@ -275,7 +275,7 @@ impl UsbTransfer<'_> {
         let files = self.usb_drive.files().map_err(FolderError::from)?;
         let fits = |name: &&String| is_archive(name) && (ask.names.is_empty() || ask.names.contains(name));
         let chosen = files.iter().rev().map(|file| &file.name).find(fits);
-        let name = chosen.ok_or_else(|| refusal("U 盘上没有备份文件", "there is no backup on the medium"))?;
+        let name = chosen.ok_or_else(|| refusal("U 盘上没有备份文件", "there is no backup on the USB stick"))?;
         if ask.overwrite.is_none() {
             return Err(Refusal::Overwrite(vec![name.clone()]));
         }
@@ -485,7 +485,7 @@ impl SaveTarget<'_> {
     pub(super) fn save(self, bytes: &[u8], (stem, extension): (&str, &str)) -> Result<LocalizedText, Refusal> {
         let present = self.usb_drive.filter(|drive| drive.is_present()).map(UsbDrive::root);
         let Some(folder) = present.or(self.folder) else {
-            return Err(refusal("没有保存位置：请插入 U 盘", "no place to save it: plug in a USB medium"));
+            return Err(refusal("没有保存位置：请插入 U 盘", "no place to save it: plug in a USB stick"));
         };
         let free =
             |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };

@@ -125,8 +125,10 @@ impl Screens {
 /// Page text and picture of one program.
 #[derive(Clone, Debug)]
 pub struct ScreenFiles {
-    /// The page text, or its fault.
+    /// The page text with its English, or its fault.
     pub text: Result<Arc<PageText>, FileFault>,
+    /// The fault of the English text, if it has one; the page is then shown as written.
+    pub english_fault: Option<FileFault>,
     /// The picture, or its fault.
     pub picture: Result<Arc<Picture>, FileFault>,
 }

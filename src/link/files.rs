@@ -9,7 +9,7 @@ use ropey::Rope;
 
 use super::line_fault::LineFault;
 use super::media::{MediaView, Screenshot, TransferRequest};
-use super::page_file::{PageFile, PictureLocation};
+use super::page_file::{PageFile, PageTextId, PictureLocation};
 use super::teach::TaughtBlock;
 use super::toolpath::Toolpath;
 use crate::defs::alarm;
@@ -123,15 +123,15 @@ pub enum FileRequest {
     SaveTable(String),
     /// Reads a page text for editing, with the variables that the program uses.
     ReadPage {
-        /// 1000 plus the file number.
-        page: u32,
+        /// Which text.
+        id: PageTextId,
         /// O number of the program.
         program: u32,
     },
     /// Replaces a page text.
     SavePage {
-        /// 1000 plus the file number.
-        page: u32,
+        /// Which text.
+        id: PageTextId,
         /// The new text.
         text: Rope,
         /// Checksum of the file that was edited; 0 if there was none.

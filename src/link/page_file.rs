@@ -4,6 +4,7 @@
 use ropey::Rope;
 
 use crate::defs::page_text::VariableUse;
+use crate::defs::text::Lang;
 
 /// Where a picture is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,11 +26,20 @@ pub struct PictureFile {
     pub size: u64,
 }
 
+/// A page text: its page, and whether it is the customer's own text (C0001.TXT) or the English one (C0001.EN.TXT).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PageTextId {
+    /// 1000 plus the file number: 1001 is C0001.TXT.
+    pub page: u32,
+    /// English: the English text; Chinese: the customer's own text.
+    pub lang: Lang,
+}
+
 /// A page text as read for editing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PageFile {
-    /// 1000 plus the file number: 1001 is C0001.TXT.
-    pub number: u32,
+    /// Which text it is.
+    pub id: PageTextId,
     /// The file name, also of a file that does not exist yet.
     pub name: String,
     /// The text; a template where there is no file yet.

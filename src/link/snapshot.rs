@@ -22,7 +22,7 @@ use crate::defs::param::{AccessLevel, Params};
 use crate::defs::program_number;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::soft_key::CoordinateView;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Programs with a grinding page of their own (K7.2).
@@ -161,8 +161,12 @@ pub struct AlarmView {
     pub number: u16,
     /// The alarm text, with its place.
     pub text: LocalizedText,
+    /// The cause; empty where the text says it.
+    pub cause: LocalizedText,
     /// The remedy.
     pub remedy: LocalizedText,
+    /// The variable whose value is wrong, if the program says so (B8).
+    pub variable: Option<u16>,
     /// When it was raised.
     pub since: Micros,
     /// Program and line that ran when it was raised; none outside a run.
@@ -398,10 +402,20 @@ pub struct DirectoryRow {
     pub name: String,
     /// Bytes.
     pub size: u64,
-    /// Comment of its first line, or the title of its page text.
+    /// Comment of its first line.
     pub comment: String,
+    /// Its English title, if it gives one (H9).
+    pub english: Option<String>,
     /// Date of the last change as shown, local time.
     pub modified: String,
+}
+
+impl DirectoryRow {
+    /// The title in a language: the comment, unless the program gives an English one.
+    #[must_use]
+    pub fn comment_in(&self, lang: Lang) -> &str {
+        self.english.as_deref().filter(|_| lang == Lang::En).unwrap_or(&self.comment)
+    }
 }
 
 impl Snapshot {

@@ -139,7 +139,7 @@ rules! {
     row: "K3.11", releases_part, |inputs| inputs.drive_on && inputs.drive_carries_part
         => Alarm(alarm::MAGNET_INTERLOCK), "台面转动中，不能退磁", "the table is turning: no demagnetising";
     row: "K3.11", releases_part, |inputs| inputs.wheel_on
-        => Alarm(alarm::MAGNET_INTERLOCK), "砂轮转动中，不能退磁", "the wheel runs: no demagnetising";
+        => Alarm(alarm::MAGNET_INTERLOCK), "砂轮转动中，不能退磁", "the wheel is running: no demagnetising";
     row: "K3.11", drive_start, |inputs| inputs.drive_carries_part && inputs.magnet_enabled && !inputs.magnetised
         => Alarm(alarm::MAGNET_INTERLOCK), "工件未充磁，台面不能旋转", "the part is not magnetised: the table cannot start";
     row: "K5.3", tailstock, |inputs| !inputs.tailstock_on_kind
@@ -157,7 +157,7 @@ rules! {
         => Alarm(alarm::WORK_DRIVE_BLOCKED), "尾座未顶紧，头架不能启动",
             "the tailstock is not advanced: the headstock cannot start";
     row: "K3.5", hydraulic, |inputs| inputs.wheel_on
-        => NoEffect, "砂轮启动中，液压操作无效", "the wheel runs: hydraulics cannot be switched";
+        => NoEffect, "砂轮启动中，液压操作无效", "the wheel is running: hydraulics cannot be switched";
     // An MDI line may end the oscillation.
     row: "K5.8", |request| matches!(request, Request::CycleStart),
         |inputs| inputs.control_state.oscillating || inputs.cylinder_on && !inputs.control_state.run_open

@@ -20,6 +20,7 @@ mod flow;
 mod functions;
 pub mod interpreter;
 mod lexer;
+mod message_texts;
 pub mod modal;
 mod offline_run;
 pub mod op;
@@ -43,6 +44,7 @@ pub use dialect::{call_text, new_program_text};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine, SystemVariables};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Interpreter, NextStatus};
+pub use message_texts::{AlarmHelp, TextRowFault};
 pub use modal::{ModalState, MotionMode};
 pub use op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
 pub use op_effect::{

@@ -1,10 +1,12 @@
-//! Finds the variables that a program reads and writes, and the programs it calls, for the page designer.
+//! Finds the variables that a program reads and writes, and the programs it calls, for the page designer; checks its
+//! rows of texts.
 //! Variables with computed numbers (`#[#1+2]`) are not found.
-//! Source: spec B3, K7.4, S1.
+//! Source: spec B3, B8, K7.4, S1.
 
 use std::collections::BTreeMap;
 
 use super::dialect;
+use super::message_texts::TextRowFault;
 use super::settings::Dialect;
 use super::source::Source;
 use crate::defs::page_text::{VariableUse, is_allowed_on_page};
@@ -71,6 +73,15 @@ pub fn find_uses(source: &Source, dialect: Dialect) -> ProgramUses {
         scan_line(&mut found, source, line, dialect);
     }
     found
+}
+
+/// Rows of texts of a program that do not fit: for the check (B8).
+#[must_use]
+pub fn text_row_faults(source: &Source) -> Vec<TextRowFault> {
+    let (texts, shown) = source.message_texts();
+    let lines = 1..=source.line_count().min(MAX_LINES) as u32;
+    let code = lines.map(|line| split_comment(&source.line(line).unwrap_or_default(), source.dialect()).0);
+    texts.faults(code, shown.iter())
 }
 
 /// Splits a line into its code without comments and quoted texts, and its first comment.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use encoding_rs::{CoderResult, GB18030};
 
 use super::fault::{BlockLocation, Capitals, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
+use super::message_texts::{self, AlarmHelp, MessageTexts};
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
 use crate::defs::program_number;
@@ -48,8 +49,10 @@ pub struct Source {
     line_offsets: Vec<u32>,
     dialect: Dialect,
     index: SourceIndex,
-    /// The texts of the index, decoded.
+    /// The texts of the index, decoded; with their English where the program gives it.
     messages: Vec<Arg>,
+    /// What the program says of its messages and alarms.
+    texts: MessageTexts,
 }
 
 impl Source {
@@ -64,10 +67,60 @@ impl Source {
         let named = program_number::is_named(number);
         let title = if named { program_number::stem(&name).into() } else { Arg::Program(number) };
         let (line_offsets, index) = (Vec::with_capacity(bytes.len() / 24 + 1), SourceIndex::default());
-        let messages = Vec::new();
-        let mut source = Self { number, name, title, bytes, utf8: false, line_offsets, dialect, index, messages };
+        let (messages, texts) = (Vec::new(), MessageTexts::default());
+        let mut source =
+            Self { number, name, title, bytes, utf8: false, line_offsets, dialect, index, messages, texts };
         source.index_with(index_text);
+        source.read_message_texts();
         source
+    }
+
+    /// Reads the rows of texts, and puts the English of the messages beside them.
+    fn read_message_texts(&mut self) {
+        let brackets = self.dialect.has_bracket_comments();
+        let rows = (0..self.line_offsets.len()).filter_map(|line| {
+            let comment = self.lone_comment(line, brackets).filter(|bytes| message_texts::is_row_start(bytes))?;
+            Some((line as u32 + 1, self.decode(comment)))
+        });
+        let mut texts = MessageTexts::read(rows);
+        for ((start, _), message) in self.index.message_texts.iter().zip(&mut self.messages) {
+            let start = *start as usize;
+            let line = self.line_offsets.partition_point(|offset| *offset as usize <= start);
+            let from = line.checked_sub(1).map_or(0, |line| self.line_offsets[line] as usize);
+            // Before the bracket or the quotation mark.
+            let before = self.bytes.get(from..start.saturating_sub(1)).unwrap_or_default();
+            texts.name_variable(before, message);
+            *message = texts.translate(before, std::mem::take(message));
+        }
+        self.texts = texts;
+    }
+
+    /// The comment of a line (from 0) that has nothing else.
+    fn lone_comment(&self, line: usize, brackets: bool) -> Option<&[u8]> {
+        let start = *self.line_offsets.get(line)? as usize;
+        let end = self.line_offsets.get(line + 1).map_or(self.bytes.len(), |next| *next as usize);
+        let text = self.bytes.get(start..end)?.trim_ascii();
+        match brackets {
+            true => text.strip_prefix(b"(")?.strip_suffix(b")").map(<[u8]>::trim_ascii_start),
+            false => text.strip_prefix(b";").map(<[u8]>::trim_ascii_start),
+        }
+    }
+
+    /// The English title of the program, if it gives one.
+    #[must_use]
+    pub fn english_title(&self) -> Option<&str> {
+        self.texts.english_title()
+    }
+
+    /// What the program says of an alarm that it raises, 3000 to 3999.
+    #[must_use]
+    pub fn alarm_help(&self, number: u32) -> Option<&AlarmHelp> {
+        self.texts.alarm_help(number)
+    }
+
+    /// The rows of texts, and the texts that the program shows.
+    pub(crate) fn message_texts(&self) -> (&MessageTexts, &[Arg]) {
+        (&self.texts, &self.messages)
     }
 
     /// Takes memory for the index of a short text.

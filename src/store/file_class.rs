@@ -13,9 +13,15 @@ pub const PROGRAM: FileClass =
 /// Page texts `C0001.TXT`; `C0001.NC` is used only without it (K7.3).
 pub const PAGE_TEXT: FileClass =
     FileClass { letter: 'C', extensions: &["TXT", "NC"], limit: PAGE_TEXT_LIMIT, comment_source: CommentSource::Title };
+/// English texts of the pages, `C0001.EN.TXT`, beside the page texts (H9).
+pub const PAGE_TEXT_EN: FileClass =
+    FileClass { letter: 'C', extensions: &["EN.TXT"], limit: PAGE_TEXT_LIMIT, comment_source: CommentSource::Title };
 /// Pictures `B0001.BMP` (K7.3).
 pub const PICTURE: FileClass =
     FileClass { letter: 'B', extensions: &["BMP"], limit: PICTURE_LIMIT, comment_source: CommentSource::None };
+
+/// The files of the pages.
+pub const PAGE_FILES: [FileClass; 3] = [PAGE_TEXT, PAGE_TEXT_EN, PICTURE];
 
 /// A type of file: its names and its maximum size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +63,7 @@ impl FileClass {
     /// Number and rank of the extension (0 is best) of a name, case-insensitive; `None` for names of other classes.
     #[must_use]
     pub fn parse(&self, name: &str) -> Option<(u16, usize)> {
-        let (stem, extension) = name.rsplit_once('.')?;
+        let (stem, extension) = name.split_once('.')?;
         let rank = self.extensions.iter().position(|known| known.eq_ignore_ascii_case(extension))?;
         let digits = stem.strip_prefix([self.letter, self.letter.to_ascii_lowercase()])?;
         let numbered = digits.len() == DIGITS && digits.bytes().all(|byte| byte.is_ascii_digit());

@@ -9,7 +9,7 @@ use std::time::SystemTime;
 use encoding_rs::GBK;
 
 use super::atomic_file::is_temporary;
-use super::file_class::{CommentSource, FileClass};
+use super::file_class::{CommentSource, FileClass, PAGE_FILES};
 use super::io_fault::IoFault;
 
 /// Maximum number of files read in a folder; the next one is reported as ignored.
@@ -104,7 +104,8 @@ fn misnamed_file(class: &FileClass, name: String) -> Option<IgnoredFile> {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension)?;
     let known = class.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension));
     let lettered = name.chars().next().is_some_and(|first| first.eq_ignore_ascii_case(&class.letter));
-    (known && lettered && !is_temporary(&name))
+    let other = PAGE_FILES.iter().any(|class| class.parse(&name).is_some());
+    (known && lettered && !other && !is_temporary(&name))
         .then(|| IgnoredFile { reason: format!("rename it like {}", class.file_name(1001)), name })
 }
 

@@ -147,7 +147,11 @@ fn s4_a_program_that_refuses_itself_is_no_success() {
         ["check", "--kind", "vertical", "--simulate", "--lang", "en", "--set", "R28=0", "programs/802d/VGRIND.MPF"];
     let out = kt830(&words);
     assert_eq!(out.status.code(), Some(1), "{out:?}");
-    assert!(said(&out).starts_with("programs/802d/VGRIND.MPF:29:6: 错误10:粗磨参数错误\n"), "{}", said(&out));
+    assert!(
+        said(&out).starts_with("programs/802d/VGRIND.MPF:29:6: error 10: roughing parameters wrong\n"),
+        "{}",
+        said(&out)
+    );
 }
 
 /// A program without a number runs under another one: its line is told all the same.
@@ -174,7 +178,11 @@ fn s6_the_bore_begins_with_values_of_its_own() {
     let set = ["--set", "R20=200.5", "--set", "R18=200"];
     let out = kt830(&[&words[..], &set[..]].concat());
     assert_eq!(out.status.code(), Some(1), "{out:?}");
-    assert!(said(&out).starts_with("programs/802d/VBORE.MPF:84:10: 错误06:砂轮进不了孔\n"), "{}", said(&out));
+    assert!(
+        said(&out).starts_with("programs/802d/VBORE.MPF:84:10: error 06: wheel does not fit into the bore\n"),
+        "{}",
+        said(&out)
+    );
 }
 
 /// RBORE and RGRIND set the values of the two programs and move nothing.

@@ -448,3 +448,39 @@ fn t5_a_wrong_time_and_a_trace_that_cannot_be_written_are_told() {
         assert!(status(&out) == 2 && errors(&out).contains(why), "{words:?}: {}", errors(&out));
     }
 }
+
+/// H9: the English text beside a page text is checked with it, and by itself.
+#[test]
+fn h9_the_check_names_where_an_english_text_does_not_fit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (own, english) = (path("C0009.TXT"), path("C0009.EN.TXT"));
+    std::fs::write(&own, "磨削;\n毛坯 #520;\n成品 #521;\n;;;;;;;;%").unwrap();
+    let out = kt830(&["check", &own, "--lang", "en"]);
+    assert!(status(&out) == 0 && errors(&out).is_empty(), "a page text needs no English: {out:?}");
+    std::fs::write(&english, "grinding;\nblank #520;\nfinish #522;\n;;;;;;;;%").unwrap();
+    for file in [&own, &english] {
+        let out = kt830(&["check", file, "--lang", "en"]);
+        assert_eq!(status(&out), 0, "{out:?}");
+        let told = errors(&out);
+        assert!(told.contains("C0009.EN.TXT:3:1: warning: the page text has no #522"), "{told}");
+        assert!(told.contains("C0009.EN.TXT:4:9: warning: '成品 #521' has no English"), "{told}");
+        assert_eq!(json(&["check", file, "--format", "json"])["warnings"].as_array().unwrap().len(), 2);
+    }
+    std::fs::write(&english, "grinding;\nblank 520;\n%").unwrap();
+    let out = kt830(&["check", &own, "--lang", "en"]);
+    assert!(status(&out) == 0 && errors(&out).contains("C0009.EN.TXT:2:1: warning"), "{out:?}");
+    let out = kt830(&["check", &english, "--lang", "en"]);
+    assert!(status(&out) == 2 && String::from_utf8_lossy(&out.stdout).contains("C0009.EN.TXT:2:1"), "{out:?}");
+}
+
+/// B8: a row of texts that belongs to nothing is a warning.
+#[test]
+fn b8_the_check_names_text_rows_that_do_not_fit() {
+    let (_folder, path) = file("O2001.NC", "O2001\nM30\n(#3000=1 原因: 尺寸)\n(#3000=1 原因)\n".as_bytes());
+    let out = kt830(&["check", &path, "--lang", "en"]);
+    assert_eq!(status(&out), 0, "{out:?}");
+    let told = errors(&out);
+    assert!(told.contains(":3:1: warning: the program has no #3000=1"), "{told}");
+    assert!(told.contains(":4:1: warning: text row not understood"), "{told}");
+}

@@ -9,8 +9,8 @@ use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::text::Lang;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
-    DataDir, Encoding, FileClass, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL,
-    PROGRAM, StoredSettings, Values, decode, password, program_stem, stamp,
+    DataDir, Encoding, FileClass, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
+    POLL_INTERVAL, PROGRAM, StoredSettings, Values, decode, password, program_stem, stamp,
 };
 use kt830::units::PerAxis;
 use serde::{Deserialize, Serialize};
@@ -435,4 +435,18 @@ fn work_offsets_keep_their_name_in_a_file_of_values() {
     let written = read.to_text().unwrap();
     assert!(written.contains("frames:") && !written.contains("work_offsets"), "{written}");
     assert_eq!(Values::from_text(&written).unwrap(), read);
+}
+
+#[test]
+fn h9_english_texts_are_files_of_their_own_beside_the_page_texts() {
+    let folder = folder_with(&["C0001.TXT", "c0001.en.txt", "C0002.EN.TXT", "C001.EN.TXT"]);
+    let numbers = |class: &FileClass| -> Vec<u16> {
+        folder.1.list(class).unwrap().entries.iter().map(|entry| entry.number).collect()
+    };
+    assert_eq!((numbers(&PAGE_TEXT), numbers(&PAGE_TEXT_EN)), (vec![1], vec![1, 2]));
+    assert_eq!(PAGE_TEXT_EN.file_name(7), "C0007.EN.TXT");
+    let ignored = |class: &FileClass| -> Vec<String> {
+        folder.1.list(class).unwrap().ignored.into_iter().map(|ignored| ignored.name).collect()
+    };
+    assert_eq!(ignored(&PAGE_TEXT), ["C001.EN.TXT"], "an English text is not a misnamed page text");
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use kt830::defs::date::DateTime;
-use kt830::defs::text::LocalizedText;
+use kt830::defs::text::{LocalizedText, SharedWords};
 use kt830::store::{
     Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset,
 };
@@ -40,6 +40,8 @@ fn alarm(count: u64, text: &str) -> PastAlarm {
         count,
         number: 0,
         text: LocalizedText::new(text, text),
+        cause: SharedWords::default(),
+        remedy: SharedWords::either("改数值", "correct the value"),
         place: Some((1_001, 7)),
         came: DateTime(1_795_273_316),
         ended,

@@ -14,13 +14,13 @@ use kt830::defs::page::Page;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::Input;
-use kt830::defs::text::{Lang, LocalizedText, Text};
+use kt830::defs::text::{Lang, LocalizedText, SharedWords, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
-use kt830::link::page_file::{PageFile, PictureFile, PictureLocation};
+use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
 use kt830::link::toolpath::{MoveKind, PathPoint, StockBox, Toolpath};
@@ -67,7 +67,7 @@ pub fn page_file() -> PageFile {
     uses.extend([used(101, true, true, 3, "步距 step sizes"), used(560, true, false, 12, "修整间隔")]);
     let pictures = [(PictureLocation::Medium, "drawing of the part.png"), (PictureLocation::Screens, "B0001.BMP")];
     PageFile {
-        number: 1_001,
+        id: PageTextId { page: 1_001, lang: Lang::Zh },
         name: "C0001.TXT".into(),
         text: C0001.into(),
         stamp: 1,
@@ -136,7 +136,7 @@ pub fn snapshot(page: Page) -> Snapshot {
         position: Some((fault.line, fault.column)),
         message: fault.message,
     });
-    let files = ScreenFiles { text, picture: Ok(picture("B0001.BMP")) };
+    let files = ScreenFiles { text, english_fault: None, picture: Ok(picture("B0001.BMP")) };
     snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
     snapshot.directory = Arc::new(directory());
     for (index, row) in snapshot.offsets.iter_mut().enumerate() {
@@ -162,6 +162,7 @@ fn directory() -> Vec<DirectoryRow> {
         number,
         size,
         comment: comment.into(),
+        english: None,
         modified: "2026-06-03 15:01".into(),
     };
     let mut rows = vec![
@@ -267,6 +268,8 @@ pub fn alarm(page: Page) -> Snapshot {
         AlarmView {
             number: 180,
             text: said("砂轮启动时液压异常", "hydraulic pressure missing"),
+            cause: said("没有压力信号", "no pressure signal"),
+            variable: None,
             remedy: said("检查油泵和压力开关，信号恢复后按复位", "find the leak, press RESET once the signal is back"),
             since: snapshot.now,
             place: None,
@@ -274,6 +277,8 @@ pub fn alarm(page: Page) -> Snapshot {
         AlarmView {
             number: 66,
             text: said("页面文件不全或格式错误", "page files missing"),
+            cause: said("", ""),
+            variable: None,
             remedy: said("", ""),
             since: snapshot.now,
             place: None,
@@ -303,7 +308,8 @@ pub fn troubled(page: Page) -> Snapshot {
         let ended =
             gone.map(|minutes| (if number == 102 { AlarmEnd::Reset } else { AlarmEnd::Itself }, Some(date(minutes))));
         let count = 1_000 - minutes;
-        PastAlarm { count, number, text: row.text.into(), place, came: date(minutes), ended }
+        let (cause, remedy) = (SharedWords::default(), SharedWords::default());
+        PastAlarm { count, number, text: row.text.into(), cause, remedy, place, came: date(minutes), ended }
     };
     let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
     history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
@@ -345,7 +351,9 @@ pub fn long(page: Page) -> Snapshot {
     let view = |row: &Alarm| AlarmView {
         number: row.number,
         text: row.text.into(),
+        cause: row.cause.into(),
         remedy: row.remedy.into(),
+        variable: Some(999),
         since: snapshot.now,
         place: Some((9_999, 999_999)),
     };

@@ -2,6 +2,7 @@
 
 use kt830::controller::WORK_PER_TICK;
 use kt830::defs::key::Key;
+use kt830::defs::text::Lang;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::snapshot::RunState;
@@ -494,4 +495,39 @@ fn k4_3_the_refusal_of_the_oscillation_key_names_the_one_that_is_true() {
     let z = host.snapshot().axes[Axis::Z].work;
     tell(&mut host, &format!("param P238 1\nparam P239 {z}\nmode jog\nkey oscillation"));
     assert_eq!(host.snapshot().message.text.zh(), "Z 轴没有振荡行程：终点就是现在的位置");
+}
+
+/// B8: what the program says of its alarm, and the value that is wrong.
+#[test]
+fn b8_a_program_alarm_has_cause_remedy_and_the_variable_that_is_wrong() {
+    let mut rig = ready();
+    let values = [(520, 41.0), (521, 40.0), (522, 60.0), (524, 0.4), (525, 0.05), (526, 1.2), (527, 0.0)];
+    values.iter().for_each(|(number, value)| tell(&mut rig, &format!("set #{number} = {value}")));
+    tell(&mut rig, "load O1002\nmode auto\nkey cycle-start\nwait 0.3 s\nexpect alarm 3005");
+    let alarm = rig.snapshot().alarms[0].clone();
+    assert_eq!(alarm.variable, Some(527), "the roughing feed #526 is right");
+    assert_eq!(alarm.text.zh(), "速度 #526 #527 必须大于 0");
+    assert_eq!(alarm.text.en(), "roughing feed and finishing feed #526 #527 must be above 0");
+    assert!(alarm.cause.zh().contains("没有输入") && alarm.cause.en().contains("missing"));
+    assert!(alarm.remedy.zh().contains("磨削页面") && alarm.remedy.en().contains("grinding page"));
+    // The disk has both languages of the history, too.
+    let past = rig.snapshot().alarm_history.last().unwrap().clone();
+    assert_eq!((past.text.en(), past.cause.get(Lang::En)), (alarm.text.en(), &*alarm.cause.en()));
+    assert_eq!(past.remedy.get(Lang::Zh), alarm.remedy.zh());
+    // Of a called program.
+    tell(&mut rig, "key reset\nwait 0.1 s\nload O1011\nkey cycle-start\nwait 0.5 s\nexpect alarm 3032");
+    assert_eq!(rig.snapshot().alarms[0].variable, Some(763));
+}
+
+#[test]
+fn b8_a_program_alarm_without_texts_says_what_it_said() {
+    let mut rig = ready_with("#3000=7(尺寸 #521 不对)\nM30\n");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.3 s\nexpect alarm 3007");
+    let alarm = rig.snapshot().alarms[0].clone();
+    assert_eq!((&*alarm.text.en(), alarm.variable, alarm.cause.is_empty()), ("尺寸 #521 不对", Some(521), true));
+    assert!(!alarm.remedy.is_empty(), "the remedy of every program alarm");
+    // Faults of the machine and of the program's text name no variable.
+    let mut rig = ready_with("G01 X\nM30\n");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.3 s");
+    assert!(rig.snapshot().alarms.iter().all(|alarm| alarm.variable.is_none()) && !rig.snapshot().alarms.is_empty());
 }

@@ -340,3 +340,32 @@ fn s3_a_page_of_the_kind_is_called_by_its_title_and_offers_on_all_its_sheets() {
     scroll(&mut bench, -500.0);
     assert!(bench.shows("在页面 C080"));
 }
+
+/// H9: the English text of a page is edited beside it.
+#[test]
+fn h9_the_english_text_begins_as_the_page_text_and_is_saved_beside_it() {
+    let mut shop = Shop::new();
+    shop.bench.touch("英文 page-language");
+    assert!(shop.bench.shows("C0003.EN.TXT") && shop.bench.shows("还没有这个文件"));
+    shop.edit();
+    shop.bench.write("EN ");
+    shop.bench.touch("保存 page-save");
+    let file = shop.path("screens/C0003.EN.TXT");
+    let saved = GBK.decode(&fs::read(&file).unwrap()).0.into_owned();
+    assert!(saved.starts_with("EN 测试;") && saved.contains("终点位置 #501;"), "{saved}");
+    assert_eq!(shop.page(), PAGE, "the page text is unchanged");
+    shop.bench.touch("结束 page-end");
+    // A row that does not fit the page text is an error of its line.
+    let wrong = saved.replace("#501", "#502");
+    fs::write(&file, GBK.encode(&wrong).0).unwrap();
+    shop.bench.touch("英文 page-language");
+    assert!(shop.bench.shows("C0003.TXT · ") && !shop.bench.shows("C0003.EN.TXT · "));
+    shop.bench.touch("英文 page-language");
+    assert!(shop.bench.shows("页面文字中没有 #502"), "{:?}", shop.bench.painted());
+    // Unsaved changes keep the text on the screen.
+    shop.edit();
+    shop.bench.write("x");
+    shop.bench.touch("结束 page-end");
+    shop.bench.touch("英文 page-language");
+    assert!(shop.refusal().contains("保存") && shop.bench.shows("C0003.EN.TXT · "), "{}", shop.refusal());
+}

@@ -12,6 +12,7 @@ mod alarm;
 mod core_fault;
 mod designer;
 mod editor;
+mod english;
 mod entry;
 mod graphic;
 mod help;

@@ -506,3 +506,29 @@ fn h8_a_refusal_of_another_request_does_not_end_the_work_under_way() {
     let answers: Vec<_> = rig.snapshot().files.answers.iter().map(|answer| answer.ticket.requester).collect();
     assert_eq!(answers, [Requester::Screen, Requester::Directory]);
 }
+
+/// H9: the English text of a page goes with it: to the medium, back, and into the backup.
+#[test]
+fn h9_english_texts_are_copied_and_backed_up_as_page_files() {
+    let mut shop = Shop::new();
+    let name = "screens/C0001.EN.TXT";
+    fs::copy(crate::stories::folders().screens.join("C0001.EN.TXT"), shop.path(name)).unwrap();
+    let text = fs::read(shop.path(name)).unwrap();
+    shop.bench.touch("页面文件 set-screens");
+    shop.out();
+    assert_eq!(fs::read(shop.usb("C0001.EN.TXT")).unwrap(), text, "{}", shop.refusal());
+    shop.bench.touch("全部备份 set-backup");
+    shop.out();
+    fs::remove_file(shop.path(name)).unwrap();
+    shop.builder();
+    shop.bring();
+    shop.bench.touch("覆盖 question-overwrite");
+    assert_eq!(fs::read(shop.path(name)).unwrap(), text, "{}", shop.refusal());
+    fs::remove_file(shop.path(name)).unwrap();
+    shop.bench.touch("页面文件 set-screens");
+    shop.bring();
+    assert_eq!(fs::read(shop.path(name)).unwrap(), text, "{}", shop.refusal());
+    let screens = shop.bench.rig.snapshot().screens.clone();
+    let page = screens.find(1_001).unwrap().text.clone().unwrap();
+    assert_eq!(page.title_in(Lang::En), "caliper grinding", "the page is read again");
+}

@@ -541,8 +541,8 @@ fn the_search_notices_each_rule_that_is_taken_out() {
         (Kind::Gc, &["the tailstock is moving: the headstock cannot start"], "headstock and tailstock"),
         (Kind::Ga, &["the part is not magnetised: the table cannot start"], "the table turns unmagnetised"),
         (Kind::Ga, &["the table is turning: no demagnetising"], "the table turns unmagnetised"),
-        (Kind::Gs, &["the wheel runs: no demagnetising"], "demagnetised while the wheel"),
-        (Kind::Gc, &["the wheel runs: hydraulics cannot be switched"], "hydraulics switch"),
+        (Kind::Gs, &["the wheel is running: no demagnetising"], "demagnetised while the wheel"),
+        (Kind::Gc, &["the wheel is running: hydraulics cannot be switched"], "hydraulics switch"),
     ];
     for (kind, rule, expected) in without {
         fails_without(kind, rule, expected);

@@ -5,6 +5,7 @@
 mod common_variables;
 mod fuzz;
 mod golden;
+mod message_texts;
 mod op_effect;
 mod program_uses;
 mod rows;

@@ -14,6 +14,7 @@ use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::files::{Completion, FileAnswer, FileRequest, FilesView, Refusal, RestoredValues, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
+use crate::link::page_file::PageTextId;
 use crate::link::snapshot::{Snapshot, Tone};
 use crate::link::toolpath::StockBox;
 use crate::units::WorkPos;
@@ -110,7 +111,7 @@ impl Panel {
             }
             FileRequest::SaveRecording(_) => self.check_program_write(parts, 0),
             // K6.2: a page has the same protection as its program.
-            FileRequest::SavePage { page, .. } | FileRequest::ImportPicture { page, .. } => {
+            FileRequest::SavePage { id: PageTextId { page, .. }, .. } | FileRequest::ImportPicture { page, .. } => {
                 self.check_program_edit(parts, *page)
             }
             FileRequest::Copy { to, .. } => self.check_program_edit(parts, *to),

@@ -123,7 +123,7 @@ impl Panel {
         };
         let number = shown - PAGE_FILES;
         let detail = match self.screens.find(shown) {
-            Some(files) => [files.text.as_ref().err(), files.picture.as_ref().err()]
+            Some(files) => [files.text.as_ref().err(), files.english_fault.as_ref(), files.picture.as_ref().err()]
                 .into_iter()
                 .flatten()
                 .map(FileFault::full_message)

@@ -7,7 +7,7 @@ use crate::defs::param::{self, NumberParam};
 use crate::defs::signal::Output;
 use crate::defs::text::{Text, phrase};
 
-const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel runs: stop it first");
+const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel is running: stop it first");
 const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is active: press RESET first");
 const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "use the wheel change page");
 

@@ -1,6 +1,8 @@
 //! Queued actions: everything a run does besides moving, executed in program order.
 //! Source: spec B2, B3, K3.14, K4.
 
+use std::sync::Arc;
+
 use super::activity::{ActionStatus, Activity};
 use super::gauge::gauge_signal;
 use super::queue::{MCall, PlannedMove, QueuedAction};
@@ -57,7 +59,7 @@ impl ProgramRun {
             QueuedAction::Skip(planned, signal) => self.step_skip(plant, planned, *signal),
             QueuedAction::Alarm(number, text, place) => {
                 plant.execution.current_block = *place;
-                plant.raise(*number, Some(text.clone()));
+                raise_program_alarm(plant, *number, text, place.program);
                 ActionStatus::Wait
             }
             QueuedAction::Note(text) => {
@@ -242,6 +244,18 @@ impl ProgramRun {
         plant.axes.planner.push(Move { to, shape, speed, corner, tag }).ok()?;
         self.next_tag += 1;
         Some(tag)
+    }
+}
+
+/// Raises an alarm of `#3000` with what its program says of it: cause, remedy, and the variable whose value is wrong (B8).
+fn raise_program_alarm(plant: &mut Plant, number: u16, text: &LocalizedText, program: u32) {
+    let programs = Arc::clone(&plant.work.programs);
+    let help = programs.get(program).and_then(|program| program.source.alarm_help(u32::from(number)));
+    let own = Some(text).filter(|text| !text.is_blank());
+    plant.raise(number, Some(own.or(help.map(|help| &help.text)).cloned().unwrap_or_default()));
+    if let Some(help) = help {
+        let variable = help.variable(|variable| plant.work.variables.get(u32::from(variable)).ok().flatten());
+        plant.alarms.explain(number, help, variable);
     }
 }
 

@@ -119,7 +119,7 @@ impl ProgramRun {
         let refusal = if diameter_mm > before || diameter_mm < param::WHEEL_DIAMETER.min {
             Some(phrase!(
                 "#5801={diameter_mm:.4}，现直径 {before:.4}",
-                "#5801={diameter_mm:.4}, present diameter {before:.4}",
+                "#5801={diameter_mm:.4}, current diameter {before:.4}",
                 diameter_mm,
                 before
             ))

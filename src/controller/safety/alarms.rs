@@ -4,8 +4,9 @@
 use crate::defs::alarm::{self, Reaction, ResetRule};
 use crate::defs::alarm_history::{AlarmEnd, AlarmHistory, MAX_ALARM_HISTORY, PastAlarm};
 use crate::defs::date::DateTime;
-use crate::defs::text::{LocalizedText, phrase};
+use crate::defs::text::{LocalizedText, SharedWords, phrase};
 use crate::link::snapshot::AlarmView;
+use crate::nc::AlarmHelp;
 use crate::units::Micros;
 
 /// Maximum number of active alarms. Further ones are dropped: the first alarms show the cause.
@@ -78,18 +79,41 @@ impl AlarmList {
         if self.has(number) || self.present.len() >= MAX_ALARMS {
             return;
         }
-        let (text, remedy) = match alarm::find(number) {
-            Some(row) => (row.text.into(), row.remedy.into()),
-            None => (phrase!("程序报警", "program alarm"), LocalizedText::default()),
+        let (text, cause, remedy) = match alarm::find(number) {
+            Some(row) => (row.text.into(), row.cause.into(), row.remedy.into()),
+            None if number >= alarm::USER_ALARM_FIRST => {
+                (phrase!("程序报警", "program alarm"), LocalizedText::default(), alarm::USER_ALARM_TEXTS.1.into())
+            }
+            None => (phrase!("程序报警", "program alarm"), LocalizedText::default(), LocalizedText::default()),
         };
         let text = match detail {
             Some(detail) if alarm::find(number).is_some() => detail.after_alarm(number),
             Some(detail) if !detail.is_blank() => detail,
             Some(_) | None => text,
         };
-        let alarm = AlarmView { number, text, remedy, since: self.now, place };
+        let alarm = AlarmView { number, text, cause, remedy, variable: None, since: self.now, place };
         self.record(&alarm);
         self.present.push(alarm);
+    }
+
+    /// Adds to an alarm raised in this tick what its program says of it (B8): the words that it gives, and the variable
+    /// whose value is wrong.
+    pub fn explain(&mut self, number: u16, help: &AlarmHelp, variable: Option<u16>) {
+        let now = self.now;
+        let Some(alarm) = self.present.last_mut().filter(|alarm| alarm.number == number && alarm.since == now) else {
+            return;
+        };
+        for (place, words) in [(&mut alarm.cause, &help.cause), (&mut alarm.remedy, &help.remedy)] {
+            if !words.is_empty() {
+                *place = words.into();
+            }
+        }
+        alarm.variable = variable;
+        let entries = self.history.entries_mut();
+        if let Some(past) = entries.iter_mut().rev().find(|past| past.number == number && past.ended.is_none()) {
+            past.cause.clone_from(&help.cause);
+            past.remedy.clone_from(&help.remedy);
+        }
     }
 
     /// Writes an alarm into the history.
@@ -105,7 +129,8 @@ impl AlarmList {
         }
         let count = self.history.last().map_or(1, |last| last.count + 1);
         let (number, place) = (alarm.number, alarm.place);
-        self.history.push(PastAlarm { count, number, text, place, came: self.date, ended: None });
+        let (cause, remedy) = (SharedWords::default(), SharedWords::default());
+        self.history.push(PastAlarm { count, number, text, cause, remedy, place, came: self.date, ended: None });
         self.changed.push(count);
     }
 

@@ -72,7 +72,7 @@ impl Arg {
         matches!(self, Self::None | Self::ShortName(0, _))
     }
 
-    /// The characters of a name; empty for any other argument.
+    /// The characters of a name, or Chinese words; empty for any other argument.
     #[must_use]
     pub fn as_name(&self) -> &str {
         match self {
@@ -81,8 +81,14 @@ impl Arg {
                 std::str::from_utf8(bytes).unwrap_or_default()
             }
             Self::LongName(name) => name,
+            Self::Words(words) => words.get(Lang::Zh),
             _ => "",
         }
+    }
+
+    /// The characters of a name, or words in a language; empty for any other argument.
+    pub(super) fn as_name_in(&self, lang: Lang) -> &str {
+        if let Self::Words(words) = self { words.get(lang) } else { self.as_name() }
     }
 
     /// The argument alone, in English where languages differ.

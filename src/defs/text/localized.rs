@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::arg::Arg;
-use super::{Lang, MAX_ARGS, Template, Text, Words};
+use super::{Lang, MAX_ARGS, SharedWords, Template, Text, Words};
 use crate::defs::alarm;
 
 /// A phrase: the Chinese and the English template, then the arguments, `name` or `name = value`.
@@ -52,7 +52,7 @@ impl LocalizedText {
         Self::of(TextContent::Words(Arc::new(Words { zh: zh.into(), en: en.into() })))
     }
 
-    /// A text of a program, the same in both languages.
+    /// A text of a program; without its English the same in both languages.
     #[must_use]
     pub fn of_program(text: &Arg) -> Self {
         Self::phrase(OF_PROGRAM, [text.clone()])
@@ -162,7 +162,7 @@ impl LocalizedText {
             TextContent::Text(text) => Some(text.get(lang)),
             TextContent::Words(words) => Some(words.get(lang)),
             TextContent::Phrase(template, _) if template.names.is_empty() => Some(template.text.get(lang)),
-            TextContent::Phrase(template, args) if *template == OF_PROGRAM => Some(args[0].as_name()),
+            TextContent::Phrase(template, args) if *template == OF_PROGRAM => Some(args[0].as_name_in(lang)),
             TextContent::Phrase(..) => None,
         }
     }
@@ -188,6 +188,12 @@ impl From<Text> for LocalizedText {
 impl From<Words> for LocalizedText {
     fn from(words: Words) -> Self {
         Self::of(TextContent::Words(Arc::new(words)))
+    }
+}
+
+impl From<&SharedWords> for LocalizedText {
+    fn from(words: &SharedWords) -> Self {
+        words.0.as_ref().map_or_else(Self::default, |words| Self::of(TextContent::Words(Arc::clone(words))))
     }
 }
 

@@ -6,6 +6,8 @@
 pub mod arg;
 mod localized;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 pub use localized::LocalizedText;
@@ -116,6 +118,11 @@ pub struct Words {
 }
 
 impl Words {
+    /// A text from its Chinese and English words.
+    pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
+        Self { zh: zh.into(), en: en.into() }
+    }
+
     /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> &str {
@@ -123,5 +130,42 @@ impl Words {
             Lang::Zh => &self.zh,
             Lang::En => &self.en,
         }
+    }
+}
+
+/// Words that are shared: a copy allocates nothing and is small.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Words", into = "Words")]
+pub struct SharedWords(Option<Arc<Words>>);
+
+impl SharedWords {
+    /// Words in both languages; where one is empty, the other stands for it.
+    #[must_use]
+    pub fn either(zh: &str, en: &str) -> Self {
+        Words::new(if zh.is_empty() { en } else { zh }, if en.is_empty() { zh } else { en }).into()
+    }
+
+    /// The words in a language.
+    #[must_use]
+    pub fn get(&self, lang: Lang) -> &str {
+        self.0.as_ref().map_or("", |words| words.get(lang))
+    }
+
+    /// Whether there are no words.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.0.is_none()
+    }
+}
+
+impl From<Words> for SharedWords {
+    fn from(words: Words) -> Self {
+        Self(Some(words).filter(|words| *words != Words::default()).map(Arc::new))
+    }
+}
+
+impl From<SharedWords> for Words {
+    fn from(shared: SharedWords) -> Self {
+        shared.0.map_or_else(Self::default, Arc::unwrap_or_clone)
     }
 }

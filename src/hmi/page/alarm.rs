@@ -1,15 +1,17 @@
 //! Alarm page: active alarms with cause and remedy, and the history, also from before the last power-off. One alarm can
-//! be selected: help opens at it, and the history shows its cause, its remedy and how it is cleared.
+//! be selected: help opens at it, and the history shows its cause, its remedy and how it is cleared. An alarm of a
+//! program leads to the value that is wrong.
 //! Source: spec B6, B8, H7.
 
 use std::borrow::Cow;
 
 use egui::{Align2, Rect, pos2, vec2};
 
-use super::help::{self, HelpEntry};
+use super::help::{self, CAUSE, HelpEntry, REMEDY};
 use super::{PageContext, PageUi, Scroll, ScrollList, empty};
-use crate::defs::alarm::{self, ALARMS};
+use crate::defs::alarm;
 use crate::defs::alarm_history::PastAlarm;
+use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::hmi::{Area, EditKey, KeyboardInput, PageKey, View, file_command, format_date_time, theme, widget};
 use crate::link::Command;
@@ -22,6 +24,8 @@ const PRESENT_HEIGHT: f32 = 158.0;
 const PAST_HEIGHT: f32 = 56.0;
 /// Width of the captions beside cause and remedy.
 const CAPTION_WIDTH: f32 = 80.0;
+/// Width of the key that opens the entry of a variable.
+const ENTRY_KEY_WIDTH: f32 = 132.0;
 
 /// Identifies an alarm while its place in the list changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +55,7 @@ impl PageUi for AlarmPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { rect, view, typed, out, .. } = ctx;
+        let PageContext { rect, view, typed, out, hand_over, .. } = ctx;
         let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         out.extend(self.bar(bar, view, typed));
         let rest = rest.trim_top(theme::PAD);
@@ -65,13 +69,16 @@ impl PageUi for AlarmPage {
             return empty::note(view, rest, words);
         }
         let line = if self.shows_history { PAST_HEIGHT } else { PRESENT_HEIGHT };
-        self.move_selection(&rows, &typed.edits, widget::round_to_lines(rest, line), line);
+        let entered = self.move_selection(&rows, &typed.edits, widget::round_to_lines(rest, line), line);
         let chosen = self.selected.filter(|chosen| rows.contains(chosen));
         let told = chosen.filter(|_| self.shows_history).and(self.selected_number(view));
+        let own = chosen.map_or_else(Vec::new, |row| own_words(view, row));
         let below = told.and_then(|number| self.help_of(number)).map_or(0.0, |entry| {
             let parts = entry.paragraphs.iter().map(|(caption, words)| (caption.get(view.lang), words.get(view.lang)));
+            // What the program said stands for the general words about its alarms.
+            let general = parts.filter(|(caption, _)| own.is_empty() || !is_remedy(caption));
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
-            detail(view, place, parts.collect())
+            detail(view, place, own.iter().cloned().chain(general).collect())
         });
         let list = widget::round_to_lines(rest.trim_bottom(below), line);
         if let Some(at) = rows.iter().position(|row| Some(*row) == chosen).filter(|_| !self.scroll.user_scrolled) {
@@ -79,7 +86,12 @@ impl PageUi for AlarmPage {
         }
         let list = ScrollList { id: "alarms", rect: list, row: line, gap: theme::GAP, count: rows.len() };
         let (clipped, places) = self.scroll.rows(view, &list, typed.scroll_pages);
-        places.into_iter().for_each(|(index, place)| self.row(&clipped, place, rows[index]));
+        let touched = places.into_iter().filter_map(|(index, place)| self.row(&clipped, place, rows[index])).last();
+        let entered = entered.and_then(|row| find_present(view, row)).and_then(|alarm| alarm.variable);
+        if let Some(variable) = touched.or(entered) {
+            *hand_over = Some(u32::from(variable));
+            out.push(Command::OpenPage(entry_page(view, variable)));
+        }
     }
 }
 
@@ -106,7 +118,7 @@ impl AlarmPage {
     fn bar(&mut self, bar: Rect, view: &View<'_>, typed: &KeyboardInput) -> Option<Command> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
         let keys = [
-            ("alarms-present", format!("{} {}", view.text("当前", "PRESENT"), present.len())),
+            ("alarms-present", format!("{} {}", view.text("当前", "ACTIVE"), present.len())),
             ("alarm-history", format!("{} {}", view.text("历史", "HISTORY"), past.len())),
         ];
         let tabs = Rect::from_min_size(bar.min, vec2(bar.width().min(420.0), bar.height()));
@@ -135,8 +147,9 @@ impl AlarmPage {
         }
     }
 
-    /// Moves the selection; 取消 clears it.
-    fn move_selection(&mut self, rows: &[AlarmRef], edits: &[EditKey], list: Rect, line: f32) {
+    /// Moves the selection; 取消 clears it. Returns the selected row on which 输入 was pressed.
+    fn move_selection(&mut self, rows: &[AlarmRef], edits: &[EditKey], list: Rect, line: f32) -> Option<AlarmRef> {
+        let mut entered = None;
         for edit in edits {
             let at = self.selected.and_then(|chosen| rows.iter().position(|row| *row == chosen));
             // Without a selection the first visible row is next.
@@ -151,34 +164,82 @@ impl AlarmPage {
                     self.selected = None;
                     continue;
                 }
+                (EditKey::Enter, Some(_)) => {
+                    entered = self.selected;
+                    continue;
+                }
                 _ => continue,
             };
             self.selected = rows.get(to.min(rows.len() - 1)).copied();
             self.scroll.user_scrolled = false;
         }
+        entered
     }
 
-    fn row(&mut self, view: &View<'_>, place: Rect, row: AlarmRef) {
+    /// Draws a row. Returns the variable whose key was touched.
+    fn row(&mut self, view: &View<'_>, place: Rect, row: AlarmRef) -> Option<u16> {
         let chosen = self.selected == Some(row);
-        let name = match row {
-            AlarmRef::Present(number, since) => {
-                let is = |alarm: &&AlarmView| alarm.number == number && alarm.since == since;
-                let Some(alarm) = view.snapshot.alarms.iter().find(is) else { return };
-                present_row(view, place, alarm, chosen);
-                format!("{number:03} {} alarm-{number}", alarm.text.get(view.lang))
+        let alarm = find_present(view, row);
+        let name = match (row, alarm) {
+            (AlarmRef::Present(number, _), alarm) => {
+                present_row(view, place, alarm?, chosen);
+                format!("{number:03} {} alarm-{number}", alarm?.text.get(view.lang))
             }
-            AlarmRef::Past(count) => {
-                let Some(past) = view.snapshot.alarm_history.iter().find(|past| past.count == count) else { return };
+            (AlarmRef::Past(count), _) => {
+                let past = view.snapshot.alarm_history.iter().find(|past| past.count == count)?;
                 past_row(view, place, past, chosen);
                 format!("{:03} {} past-{count}", past.number, past.text.get(view.lang))
             }
         };
-        if view.touch_row(place, ("alarm-row", &name), chosen, &name).clicked() {
+        let variable = alarm.and_then(|alarm| alarm.variable);
+        let card = if variable.is_some() { place.trim_right(ENTRY_KEY_WIDTH + theme::PAD) } else { place };
+        if view.touch_row(card, ("alarm-row", &name), chosen, &name).clicked() {
             self.selected = (!chosen).then_some(row);
             // The detail card must not cover the row.
             self.scroll.user_scrolled = false;
         }
+        alarm.and_then(|alarm| alarm.variable.filter(|variable| entry_key(view, place, (alarm.number, *variable))))
     }
+}
+
+/// Cause and remedy that a program gave for an alarm of the history.
+fn own_words<'v>(view: &View<'v>, row: AlarmRef) -> Vec<(&'static str, Cow<'v, str>)> {
+    let AlarmRef::Past(count) = row else { return Vec::new() };
+    let past = view.snapshot.alarm_history.iter().find(|past| past.count == count);
+    let words = past.map_or_else(Vec::new, |past| vec![(CAUSE, &past.cause), (REMEDY, &past.remedy)]);
+    let words = words.into_iter().filter(|(_, words)| !words.is_empty());
+    words.map(|(caption, words)| (caption.get(view.lang), words.get(view.lang).into())).collect()
+}
+
+/// Whether a caption of the help is that of the remedy.
+fn is_remedy(caption: &str) -> bool {
+    [REMEDY.zh, REMEDY.en].contains(&caption)
+}
+
+/// The active alarm of a row.
+fn find_present<'v>(view: &View<'v>, row: AlarmRef) -> Option<&'v AlarmView> {
+    let AlarmRef::Present(number, since) = row else { return None };
+    view.snapshot.alarms.iter().find(|alarm| alarm.number == number && alarm.since == since)
+}
+
+/// The page on which a variable is entered: the grinding page if it has the variable, else the list of all variables.
+fn entry_page(view: &View<'_>, variable: u16) -> Page {
+    let text = view.snapshot.page_files().and_then(|files| files.text.as_ref().ok());
+    match text.is_some_and(|text| text.rows().any(|row| row.variable == variable)) {
+        true => Page::Grinding,
+        false => Page::Macro,
+    }
+}
+
+/// The key of an alarm that opens the entry of its variable; true if it is touched.
+fn entry_key(view: &View<'_>, row: Rect, (alarm, variable): (u16, u16)) -> bool {
+    let right = row.split_right(ENTRY_KEY_WIDTH + theme::PAD).1;
+    let place = Rect::from_min_size(pos2(right.min.x, row.max.y - 56.0), vec2(ENTRY_KEY_WIDTH, theme::TOUCH_TARGET));
+    if place.intersect(view.painter.clip_rect()).height() < 20.0 {
+        return false;
+    }
+    let label = format!("{} {}", view.text("修改", "EDIT"), view.variable_name(variable));
+    widget::button(view, place, PageKey::new(&format!("alarm-entry-{alarm}"), &label))
 }
 
 /// Card of a row: red edge while the alarm is active, frame while it is selected. Returns the places of the number
@@ -234,13 +295,13 @@ fn present_row(view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
         word = format!("{place} · {word}");
     }
     view.fit_right(when, &word, theme::LABEL, view.theme.muted);
-    let cause = ALARMS.iter().find(|row| row.number == alarm.number).map_or("", |row| row.cause.get(view.lang));
     let parts = [
-        (view.text("原因", "cause"), cause),
-        (view.text("处理", "remedy"), &alarm.remedy.get(view.lang)),
-        (view.text("清除", "cleared"), alarm::reset_rule(alarm.number).name().get(view.lang)),
+        (CAUSE.get(view.lang), alarm.cause.get(view.lang)),
+        (REMEDY.get(view.lang), alarm.remedy.get(view.lang)),
+        (view.text("清除", "cleared"), alarm::reset_rule(alarm.number).name().get(view.lang).into()),
     ];
-    captioned_texts(view, below, &parts.map(|(caption, words)| (caption, words.into())));
+    let key = if alarm.variable.is_some() { ENTRY_KEY_WIDTH + theme::PAD } else { 0.0 };
+    captioned_texts(view, below.trim_right(key), &parts);
 }
 
 fn past_row(view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
@@ -260,7 +321,7 @@ fn past_row(view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
 
 /// `15:01:56 复位`, with the date if the alarm ended on another day.
 fn end_text(view: &View<'_>, past: &PastAlarm) -> String {
-    let Some((how, when)) = past.ended else { return view.text("仍在", "present").to_owned() };
+    let Some((how, when)) = past.ended else { return view.text("仍在", "active").to_owned() };
     let how = how.name().get(view.lang);
     match when {
         None => how.to_owned(),
@@ -273,7 +334,7 @@ fn end_text(view: &View<'_>, past: &PastAlarm) -> String {
 fn history_csv(lang: Lang, history: &[PastAlarm]) -> String {
     let head = match lang {
         Lang::Zh => "序号,报警号,出现,消除,方式,程序,行,内容",
-        Lang::En => "count,number,came,ended,how,program,line,text",
+        Lang::En => "count,number,raised,cleared,how,program,line,text",
     };
     let mut text = format!("\u{FEFF}{head}\r\n");
     for past in history {

@@ -7,7 +7,7 @@ use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, empty, input_line};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeyboardFocus, KeycapState, Login, PageKey, PendingRequests, Question, QuestionDialog,
@@ -168,10 +168,10 @@ impl DirectoryPage {
     fn begin_action(&mut self, action: DirectoryAction, view: &View<'_>) {
         let chosen = view.snapshot.directory.get(self.cursor);
         if let (DirectoryAction::Delete, Some(row)) = (action, chosen) {
-            let (number, name, comment) = (row.number, &row.name, &row.comment);
+            let (number, name) = (row.number, &row.name);
             let body = LocalizedText::new(
-                format!("{name} {comment}\n删除后不能恢复，除非有备份。"),
-                format!("{name} {comment}\nIt can be restored only from a backup."),
+                format!("{name} {}\n删除后不能恢复，除非有备份。", row.comment),
+                format!("{name} {}\nIt can be restored only from a backup.", row.comment_in(Lang::En)),
             );
             self.request = Some(FileRequest::Delete(number));
             let key = ("question-delete", Text::new("删除", "DELETE"));
@@ -222,7 +222,7 @@ impl DirectoryPage {
         if rows.is_empty() {
             let remedy = view.text(
                 "把程序 O1001.NC … 拷贝到 programs 目录。",
-                "Copy programs (O1001.NC …) into the folder programs.",
+                "Copy programs (O1001.NC …) into the programs folder.",
             );
             empty::show(view, rect, pictogram::NO_PAGE, view.text("没有程序", "no programs"), remedy);
             return Vec::new();
@@ -274,7 +274,7 @@ impl DirectoryPage {
         let (rest, action) = rest.split_right(96.0);
         let (comment, details) = rest.split_right(210.0);
         // A long comment takes two lines of the same size.
-        let words = row.comment.replace('\u{FFFD}', "?");
+        let words = row.comment_in(view.lang).replace('\u{FFFD}', "?");
         view.text_rows(comment.trim_right(theme::PAD), &words, theme::LABEL, view.theme.text, 2);
         let (size, date) = details.split_left_right_at_fraction(0.34);
         view.line_right(size, &format_size(row.size), theme::LABEL, view.theme.muted);

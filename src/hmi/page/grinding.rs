@@ -9,14 +9,15 @@ use super::position::{self, PositionGroup};
 use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
-use crate::defs::r_parameter_name;
 use crate::defs::text::Lang;
 use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
     Area, FieldEditor, KeycapState, PageKey, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
 };
 use crate::link::command::{FileFault, Picture, ScreenFiles};
+use crate::link::snapshot::AlarmView;
 use crate::link::{Command, Snapshot};
+use crate::units::Micros;
 
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
@@ -34,17 +35,33 @@ pub struct GrindingPage {
     pub entry: VariableEntry,
     /// Program and its page; another one drops the typed value.
     shown: (u32, Option<u32>),
+    /// The alarm to whose value the cursor went last: number and time.
+    pointed_at: Option<(u16, Micros)>,
 }
 
 impl PageUi for GrindingPage {
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    /// The cursor is at the variable that was handed over, else at that of the latest alarm.
+    fn open(&mut self, view: &View<'_>, handed_over: Option<u32>) {
+        let handed_over = handed_over.and_then(|variable| u16::try_from(variable).ok());
+        let variable = handed_over.or(wrong_value(view.snapshot).and_then(|alarm| alarm.variable));
         self.entry = VariableEntry::default();
+        self.entry.cursor = variable.and_then(|variable| field_of(view.snapshot, variable)).unwrap_or_default();
     }
 
     fn record(&mut self, snapshot: &Snapshot) {
         let shown = (snapshot.program.number, snapshot.grinding_page_number());
         if self.shown != shown {
             (self.shown, self.entry) = (shown, VariableEntry::default());
+        }
+        let alarm = wrong_value(snapshot);
+        let pointed_at = alarm.map(|alarm| (alarm.number, alarm.since));
+        if self.pointed_at != pointed_at {
+            self.pointed_at = pointed_at;
+            let field = alarm.and_then(|alarm| field_of(snapshot, alarm.variable?));
+            // A value that is being typed stays.
+            if let Some(field) = field.filter(|_| self.entry.editor.text.is_empty()) {
+                self.entry.cursor = field;
+            }
         }
     }
 
@@ -65,6 +82,17 @@ impl PageUi for GrindingPage {
         let Some(shown) = shown else { return no_page(ctx.rect, ctx.view, ctx.out) };
         page(shown, &mut self.entry, ctx);
     }
+}
+
+/// The latest alarm that names the value that is wrong.
+fn wrong_value(snapshot: &Snapshot) -> Option<&AlarmView> {
+    snapshot.alarms.iter().rev().find(|alarm| alarm.variable.is_some())
+}
+
+/// The field of a variable on the page, in reading order.
+fn field_of(snapshot: &Snapshot, variable: u16) -> Option<usize> {
+    let text = snapshot.page_files()?.text.as_ref().ok()?;
+    text.rows().position(|row| row.variable == variable)
 }
 
 /// Draws the page with a number.
@@ -100,7 +128,7 @@ fn page(shown: u32, entry: &mut VariableEntry, ctx: PageContext<'_>) {
             let what = format!("{} C{:04}.TXT", view.text("缺少文件", "missing file"), shown % 1_000);
             let remedy = view.text(
                 "把页面文字 C00nn.TXT 和图片 B00nn.BMP 拷贝到 screens 目录；程序不受影响，仍可运行。",
-                "Copy the page text C00nn.TXT and the picture B00nn.BMP into the folder screens; the program itself can run.",
+                "Copy the page text C00nn.TXT and the picture B00nn.BMP into the screens folder; the program itself can run.",
             );
             empty::show(view, places.body, pictogram::NO_PAGE, &what, remedy);
         }
@@ -161,29 +189,22 @@ fn field_places(body: Rect, columns: Columns<'_>) -> impl Iterator<Item = (Rect,
 fn fields(body: Rect, view: &View<'_>, columns: Columns<'_>, entry: &mut VariableEntry) {
     let layout = FieldLayout::of(view, body, columns);
     for (index, (place, row)) in field_places(body, columns).enumerate() {
-        let name = format!("{} {}", row.label, view.variable_name(row.variable));
+        let name = format!("{} {}", row.label_in(view.lang), view.variable_name(row.variable));
         let response = view.touch(place, ("field", index), name);
         if response.clicked() {
             entry.select(index);
         }
         keycap::plate(view, place, &response);
         field(place, view, row, layout, (entry.cursor == index).then_some(&entry.editor));
+        if view.snapshot.alarms.iter().any(|alarm| alarm.variable == Some(row.variable)) {
+            view.edge_bar(place, view.theme.alarm);
+        }
     }
-}
-
-/// A text of the page file in the screen language: the known translation, else as written.
-fn translated(view: &View<'_>, text: &str, english: impl FnOnce(&str) -> Option<String>) -> String {
-    let known = if view.lang == Lang::En { english(text) } else { None };
-    known.unwrap_or_else(|| text.to_owned())
-}
-
-fn label_of(view: &View<'_>, row: &PageTextRow) -> String {
-    translated(view, &row.label, r_parameter_name::english_label)
 }
 
 /// Width of a label in one line.
 fn label_width(view: &View<'_>, row: &PageTextRow, size: f32) -> f32 {
-    view.painter.layout_no_wrap(label_of(view, row), theme::font(size), view.theme.text).size().x
+    view.painter.layout_no_wrap(row.label_in(view.lang).to_owned(), theme::font(size), view.theme.text).size().x
 }
 
 /// Arrangement of label and value; the same in all fields of a page.
@@ -239,8 +260,7 @@ pub fn preview(rect: Rect, view: &View<'_>, text: &PageText, files: Option<&Scre
 
 /// The title as the grinding page shows it (K7.2).
 fn heading(view: &View<'_>, text: &PageText) -> String {
-    let name = translated(view, &text.title, |title| r_parameter_name::english_title(title).map(str::to_owned));
-    format!("{name}{}", view.text("参数设置", " · parameters"))
+    format!("{}{}", text.title_in(view.lang), view.text("参数设置", " · parameters"))
 }
 
 /// One label and its value; the selected one is framed and shows the typed text.
@@ -257,7 +277,7 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
         FieldLayout::Dense => inside.split_top_bottom_at_fraction(0.5),
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
-    view.fit_left(label, &label_of(view, row), small, ink);
+    view.fit_left(label, row.label_in(view.lang), small, ink);
     let (words, ink) = (view.page_value(row), view.theme.text);
     FieldEditor::paint(chosen, view, ValueField { plate: place, value, size: large, words, ink });
 }
@@ -273,7 +293,7 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: 
         None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row)),
     };
     let (name, range) = rest.split_left_right_at_fraction(0.4);
-    view.fit_left(name.trim_right(theme::PAD), &label_of(view, row), theme::LABEL, view.theme.muted);
+    view.fit_left(name.trim_right(theme::PAD), row.label_in(view.lang), theme::LABEL, view.theme.muted);
     view.fit_right(range, &told, theme::LABEL, ink);
 }
 
@@ -316,7 +336,7 @@ fn no_page(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     };
     let remedy = view.text(
         "磨削页面只用于 O1001–O1020，文字和图片在 screens 目录（C00nn.TXT、B00nn.BMP）。请在目录中装入其中一个程序。",
-        "Only O1001–O1020 have a grinding page (C00nn.TXT and B00nn.BMP in the folder screens). Load one of them in the directory.",
+        "Only O1001–O1020 have a grinding page (C00nn.TXT and B00nn.BMP in the screens folder). Load one of them in the directory.",
     );
     empty::show(view, rect, pictogram::NO_PAGE, &what, remedy);
     let key = Rect::from_center_size(pos2(rect.center().x, rect.min.y + rect.height() * 0.72), vec2(200.0, 52.0));

@@ -53,7 +53,8 @@ pub struct PageContext<'a> {
     pub picture: Option<TextureId>,
     /// The password dialog; it is drawn over the page.
     pub login: &'a mut Login,
-    /// The program that this page hands to the page that it opens.
+    /// What this page hands to the page that it opens: a program to the page designer, a variable to a page that shows
+    /// variables.
     pub hand_over: &'a mut Option<u32>,
     /// The operator's commands.
     pub out: &'a mut Vec<Command>,
@@ -64,7 +65,7 @@ pub trait PageUi: Any + fmt::Debug + Send {
     /// Draws the page and handles its input.
     fn ui(&mut self, ctx: PageContext<'_>);
 
-    /// The page was opened; the page before may have handed over a program.
+    /// The page was opened; the page before may have handed over a program or a variable.
     fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {}
 
     /// Another page was opened in its place.
@@ -178,7 +179,7 @@ pub struct PageSet {
     pages: Vec<Box<dyn PageUi>>,
     /// The open page.
     open: Option<Page>,
-    /// Program handed over to the next page.
+    /// Program or variable handed over to the next page.
     hand_over: Option<u32>,
     login: Login,
 }

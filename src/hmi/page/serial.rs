@@ -90,7 +90,7 @@ impl SerialPane {
         let baud = view.snapshot.params.get(param::SERIAL_BAUD);
         let settings = [
             (view.text("波特率", "baud rate"), format!("{baud} bit/s  (P370)")),
-            (view.text("格式", "form"), format!("8N1 · XON/XOFF · {}", view.text("% O号 … %", "% O number … %"))),
+            (view.text("格式", "format"), format!("8N1 · XON/XOFF · {}", view.text("% O号 … %", "% O number … %"))),
         ];
         for (index, (word, value)) in settings.iter().enumerate() {
             fact(view, rect.band(FIELD_HEIGHT + theme::GAP + index as f32 * 26.0, 26.0), word, value, view.theme.text);

@@ -107,7 +107,7 @@ impl TeachPage {
             PageKey::new("teach-start", view.text("开始录返", "START")).on(teach.recording),
             PageKey::new("teach-stop", view.text("停止", "STOP")).locked(!teach.recording),
             PageKey::new("teach-undo", view.text("撤销一段", "UNDO")).locked(nothing),
-            PageKey::new("teach-keep", view.text("存为程序", "KEEP")).on(teach.saved).locked(nothing),
+            PageKey::new("teach-keep", view.text("存为程序", "SAVE")).on(teach.saved).locked(nothing),
         ];
         let commands = [TeachCommand::Start, TeachCommand::Stop, TeachCommand::Undo, TeachCommand::Save];
         match self.walk.keys(view, rect.band(0.0, KEY_HEIGHT), &keys).map(|index| commands[index]) {

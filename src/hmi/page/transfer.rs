@@ -215,7 +215,7 @@ impl TransferPage {
     /// One side: its name, free space, its files.
     fn side(&mut self, rect: Rect, view: &View<'_>, side: usize, media: &MediaView, pages: i32) {
         let (head, body) = rect.split_top(34.0);
-        let name = if side == 0 { view.text("本机", "this control") } else { view.text("U 盘", "USB medium") };
+        let name = if side == 0 { view.text("本机", "this control") } else { view.text("U 盘", "USB stick") };
         lines::title(view, head, name);
         if let Some(free) = media.free_bytes.filter(|_| side == 1 && media.medium_folder.is_some()) {
             let words = format!("{} {}", view.text("剩余", "free"), format_size(free));
@@ -227,12 +227,12 @@ impl TransferPage {
         let none = if side == 1 && media.medium_folder.is_none() {
             Some(view.text(
                 "没有 U 盘。请插入 U 盘（FAT32 或 exFAT），几秒后自动识别。",
-                "No USB medium. Plug one in (FAT32 or exFAT); it is found within seconds.",
+                "No USB stick. Plug one in (FAT32 or exFAT); it is found within seconds.",
             ))
         } else if side == 0 && !self.set.file_set().has_file_list() {
             Some(set_description(self.set, view))
         } else {
-            files.is_empty().then(|| view.text("没有此类文件", "no files of this sort"))
+            files.is_empty().then(|| view.text("没有此类文件", "no files of this type"))
         };
         if let Some(words) = none {
             let ink = if side == 1 && media.medium_folder.is_none() { view.theme.hold } else { view.theme.muted };
@@ -316,7 +316,7 @@ impl TransferPage {
             Some(_) if missing => {
                 let message = match serial {
                     true => Text::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
-                    false => Text::new("没有 U 盘", "no USB medium"),
+                    false => Text::new("没有 U 盘", "no USB stick"),
                 };
                 self.message.refuse(message);
             }

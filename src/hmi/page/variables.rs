@@ -37,10 +37,12 @@ const fn is_read_only(variable: u16) -> bool {
 }
 
 impl PageUi for VariablesPage {
-    /// Selection and filter stay.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
-        let (chosen, labelled) = (self.selected, self.only_labelled);
-        *self = Self { selected: chosen, only_labelled: labelled, ..Self::default() };
+    /// Selection and filter stay, unless a variable was handed over.
+    fn open(&mut self, _view: &View<'_>, handed_over: Option<u32>) {
+        let handed_over = handed_over.and_then(|variable| u16::try_from(variable).ok());
+        let (selected, only_labelled) =
+            handed_over.map_or((self.selected, self.only_labelled), |variable| (variable, false));
+        *self = Self { selected, only_labelled, ..Self::default() };
     }
 
     fn typing(&self) -> Option<&FieldEditor> {
@@ -240,7 +242,7 @@ fn head(rect: Rect, view: &View<'_>) {
     let title = view.snapshot.page_files().and_then(|files| files.text.as_ref().ok());
     let words = title.map_or_else(
         || view.text("当前程序没有页面文字", "the current program has no page text").to_owned(),
-        |text| format!("C{:04} {}", number % 1_000, text.title),
+        |text| format!("C{:04} {}", number % 1_000, text.title_in(view.lang)),
     );
     let locked = !view.snapshot.params.bit(param::EDIT_OFFSETS);
     let rest = if locked {
@@ -261,7 +263,7 @@ fn page_rows<'a>(view: &View<'a>) -> impl Iterator<Item = &'a crate::defs::page_
 }
 
 fn label_of<'a>(view: &View<'a>, variable: u16) -> &'a str {
-    page_rows(view).find(|row| row.variable == variable).map_or("", |row| row.label.as_str())
+    page_rows(view).find(|row| row.variable == variable).map_or("", |row| row.label_in(view.lang))
 }
 
 /// Names of the variables that the control sets (K4.3, K4.5).

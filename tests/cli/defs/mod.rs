@@ -3,6 +3,7 @@
 mod alarm;
 mod availability;
 mod date;
+mod english;
 mod gcode;
 mod key;
 mod kind;
@@ -14,7 +15,6 @@ mod param_row;
 mod port_conflict;
 mod program_error;
 mod program_number;
-mod r_parameter_name;
 mod signal;
 mod soft_key;
 mod system_variable;

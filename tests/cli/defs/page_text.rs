@@ -12,7 +12,7 @@ const SAMPLE: &str = "外卡磨削;\n\n卡尺 X 轴始磨位置 #500;\n卡尺 X 
 fn k7_4_the_customers_sample_is_read() {
     let page = parse(SAMPLE).unwrap();
     assert_eq!(page.title, "外卡磨削");
-    assert_eq!(page.left[0], Some(PageTextRow { label: "卡尺 X 轴始磨位置".into(), variable: 500 }));
+    assert_eq!(page.left[0], Some(PageTextRow { label: "卡尺 X 轴始磨位置".into(), english: None, variable: 500 }));
     assert_eq!(page.left[7].as_ref().unwrap().variable, 508);
     assert_eq!((&page.left[8], &page.left[9]), (&None, &None));
     assert_eq!(page.right[0].as_ref().unwrap().variable, 502);

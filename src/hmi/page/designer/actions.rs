@@ -6,7 +6,7 @@ use egui::Rect;
 use super::{DesignerPage, DesignerQuestion, DesignerTab};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, VariableUse};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::defs::variable_name;
 use crate::hmi::page::program::actions::{EDIT_FIRST, NOTHING_TO_SAVE};
 use crate::hmi::widget::{self, page_keys};
@@ -24,14 +24,16 @@ page_keys! {
         Save = "page-save", "保存", "SAVE";
         Discard = "page-discard", "放弃", "DISCARD";
         End = "page-end", "结束", "END";
+        /// Shows the English text of the page, or the page text again.
+        SwitchText = "page-language", "英文", "ENGLISH";
         /// Opens the grinding page.
         OpenGrinding = "page-show", "磨削页面", "GRINDING";
     }
 }
 
-use DesignerAction::{Discard, Edit, End, Keyboard, OpenGrinding, Redo, Save, Undo};
+use DesignerAction::{Discard, Edit, End, Keyboard, OpenGrinding, Redo, Save, SwitchText, Undo};
 
-const VIEWING: &[DesignerAction] = &[Edit, OpenGrinding];
+const VIEWING: &[DesignerAction] = &[Edit, SwitchText, OpenGrinding];
 const EDITING: &[DesignerAction] = &[Keyboard, Undo, Redo, Save, Discard, End];
 
 /// Action of a keyboard key with Ctrl, as on the program page.
@@ -52,7 +54,9 @@ pub fn ui(view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<Design
     let row = rect.band(0.0, widget::KEYS_HEIGHT - 2.0);
     let mut pressed = None;
     for (index, action) in actions.iter().enumerate() {
-        let on = (*action == Keyboard && page.keyboard_open) || (*action == Save && page.document.changed);
+        let on = (*action == Keyboard && page.keyboard_open)
+            || (*action == Save && page.document.changed)
+            || (*action == SwitchText && page.lang == Lang::En);
         let locked = (*action == Undo && !undo) || (*action == Redo && !redo);
         let key = PageKey::new(action.id(), action.label().get(view.lang)).on(on).locked(locked);
         if page.key(view, row.cell(index, EDITING.len()), key) {
@@ -114,7 +118,7 @@ impl DesignerPage {
 
     pub(super) fn perform(&mut self, action: DesignerAction, view: &View<'_>, out: &mut Vec<Command>) {
         self.message.clear();
-        if !self.editing && !matches!(action, Edit | OpenGrinding) {
+        if !self.editing && !matches!(action, Edit | SwitchText | OpenGrinding) {
             return self.message.refuse(EDIT_FIRST);
         }
         match action {
@@ -129,6 +133,7 @@ impl DesignerPage {
                 self.question.ask(DesignerQuestion::Discard, requests::discard_question(name));
             }
             Discard | End => (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false),
+            SwitchText => self.switch_text(),
             OpenGrinding => out.push(Command::OpenPage(Page::Grinding)),
         }
     }

@@ -1,6 +1,6 @@
-//! Page designer: the text of a grinding page on the left. On the right a preview, the variables that its program uses,
-//! the available pictures, or the errors by line.
-//! Source: spec K5.12, K6.2, K7.2–K7.4.
+//! Page designer: the text of a grinding page, or its English text, on the left. On the right a preview, the variables
+//! that its program uses, the available pictures, or the errors by line.
+//! Source: spec K5.12, K6.2, K7.2–K7.4, H9.
 
 mod actions;
 mod paint;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use egui::{Rect, TextureId, vec2};
 
-use super::program::actions::UNKNOWN_ENCODING;
+use super::program::actions::{SAVE_FIRST, UNKNOWN_ENCODING};
 use super::program::document::Document;
 use super::program::listing;
 use super::{PageContext, PageUi, Scroll, empty};
@@ -22,7 +22,7 @@ use crate::hmi::{
 };
 use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Refusal, Requester};
-use crate::link::page_file::{PageFile, PictureLocation};
+use crate::link::page_file::{PageFile, PageTextId, PictureLocation};
 use crate::link::snapshot::{PROGRAMS_WITH_PAGE, RunState};
 use crate::link::{Command, Snapshot};
 
@@ -74,7 +74,11 @@ const MAX_TRIES: u8 = 3;
 pub struct DesignerPage {
     /// Page selected in the directory; none: the page of the current program.
     requested_program: Option<u32>,
+    /// Chinese: the page text; English: the English text beside it.
+    lang: Lang,
     document: Document,
+    /// The text that the document holds.
+    document_lang: Lang,
     file: Option<Arc<PageFile>>,
     reading: ParsedPageText,
     /// Page, file stamp and version of the text that was parsed last.
@@ -130,14 +134,14 @@ impl PageUi for DesignerPage {
             let what = view.text("页面文件还没有读出", "the page file is not read yet");
             let remedy = view.text(
                 "原因见下面的提示行；检查 screens 目录中的文件。",
-                "See the line below; check the file in the folder screens.",
+                "See the line below; check the file in the screens folder.",
             );
             return empty::show(view, rect, pictogram::NO_PAGE, what, remedy);
         }
         if !self.question.is_open() && !login.is_open() {
             self.handle_typed(view, typed, out);
         }
-        self.read_text();
+        self.read_text(view);
         let (title, rest) = rect.shrink2(vec2(theme::PAD, 6.0)).split_top(32.0);
         let board = if self.keyboard_open { letter_pad::HEIGHT } else { 0.0 };
         let (rest, pad) = rest.split_bottom(board);
@@ -201,39 +205,60 @@ impl DesignerPage {
         if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
             (self.editing, self.keyboard_open) = (false, false);
         }
-        let other = self.document.number != number && !self.document.changed;
+        let id = PageTextId { page: number, lang: self.lang };
+        let shown = PageTextId { page: self.document.number, lang: self.document_lang };
+        let other = shown != id && !self.document.changed;
         let (asked, since, tries) = self.last_request;
         let again = asked != number || (self.file.is_none() && now - since > RETRY_SECONDS && tries < MAX_TRIES);
         if self.stale || (other && again) {
             self.last_request = (number, now, if asked == number && !self.stale { tries + 1 } else { 1 });
             self.stale = false;
-            let page = if self.document.changed { self.document.number } else { number };
-            let program = if PROGRAMS_WITH_PAGE.contains(&page) { page } else { view.snapshot.program.number };
-            out.push(file_command(Requester::Designer, FileRequest::ReadPage { page, program }));
+            let id = if self.document.changed { shown } else { id };
+            let program = if PROGRAMS_WITH_PAGE.contains(&id.page) { id.page } else { view.snapshot.program.number };
+            out.push(file_command(Requester::Designer, FileRequest::ReadPage { id, program }));
             if other {
                 (self.file, self.document) = (None, Document::default());
             }
         }
         let Some(file) = &view.snapshot.files.page else { return };
-        if self.file.as_ref().is_some_and(|known| Arc::ptr_eq(known, file)) || file.number != number {
+        if self.file.as_ref().is_some_and(|known| Arc::ptr_eq(known, file)) || file.id != id {
             return;
         }
-        let same = (file.number, file.stamp) == (self.document.number, self.document.base);
+        let same = (file.id, file.stamp) == (shown, self.document.base);
         if !self.document.changed && !same {
-            let line = if file.number == self.document.number { self.document.cursor_position().0 } else { 0 };
-            self.document = Document::open(file.number, file.stamp, &file.text);
+            let line = if file.id.page == self.document.number { self.document.cursor_position().0 } else { 0 };
+            self.open_document(&Arc::clone(file));
             self.document.move_to(line, 0);
         }
         self.file = Some(Arc::clone(file));
     }
 
-    /// Parses the text after a change.
-    fn read_text(&mut self) {
+    /// Opens the text of a file.
+    fn open_document(&mut self, file: &PageFile) {
+        self.document = Document::open(file.id.page, file.stamp, &file.text);
+        (self.document_lang, self.read_version) = (file.id.lang, None);
+    }
+
+    /// Parses the text after a change. An English text is compared with its page text.
+    fn read_text(&mut self, view: &View<'_>) {
         let now = (self.document.number, self.document.base, self.document.version);
         if self.read_version != Some(now) {
             self.read_version = Some(now);
             self.reading = page_text::parse_all(&self.document.rope.to_string());
+            let own = view.snapshot.screens.find(self.document.number).and_then(|files| files.text.as_ref().ok());
+            if let Some(own) = own.filter(|_| self.document_lang == Lang::En && self.reading.faults.is_empty()) {
+                self.reading.faults = page_text::english_faults(own, &self.reading);
+            }
         }
+    }
+
+    /// Shows the English text instead of the page text, or back.
+    fn switch_text(&mut self) {
+        if self.document.changed {
+            return self.message.refuse(SAVE_FIRST);
+        }
+        self.lang = if self.lang == Lang::Zh { Lang::En } else { Lang::Zh };
+        self.stale = true;
     }
 
     fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
@@ -245,8 +270,9 @@ impl DesignerPage {
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
-        let (page, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
-        let request = FileRequest::SavePage { page, text, base_stamp: base, overwrite: force };
+        let id = PageTextId { page: self.document.number, lang: self.document_lang };
+        let (text, base) = (self.document.rope.clone(), self.document.base);
+        let request = FileRequest::SavePage { id, text, base_stamp: base, overwrite: force };
         out.push(self.asking.send(Requester::Designer, DesignerRequest::Save(self.document.version), request));
     }
 
@@ -260,8 +286,8 @@ impl DesignerPage {
                 self.message.tell(requests::READ_FROM_DISK);
             }
             DesignerQuestion::Discard => {
-                if let Some(file) = &self.file {
-                    self.document = Document::open(file.number, file.stamp, &file.text);
+                if let Some(file) = self.file.clone() {
+                    self.open_document(&file);
                 }
                 (self.editing, self.keyboard_open, self.stale) = (false, false, true);
             }

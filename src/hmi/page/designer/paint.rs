@@ -162,12 +162,12 @@ impl DesignerPage {
         view.fit_left(head.band(0.0, 22.0), &format!("B{number:04}.BMP: {now}"), theme::LABEL, ink);
         let words = view.text(
             "U 盘或 screens 目录中的 PNG、JPEG、BMP；换用时转换为 200×400、24 位，不足处补白。",
-            "PNG, JPEG, BMP from the USB stick or the folder screens; converted to 200×400, 24 bit, on white.",
+            "PNG, JPEG, BMP from the USB stick or the screens folder; converted to 200×400, 24 bit, on white.",
         );
         view.paragraph(head.trim_top(24.0), words, theme::SMALL, view.theme.muted);
         if file.pictures.is_empty() {
             let words =
-                view.text("没有图片：插入 U 盘后再按“图片”", "no pictures: plug in a stick, press PICTURES again");
+                view.text("没有图片：插入 U 盘后再按“图片”", "no pictures: plug in a USB stick, press PICTURES again");
             view.paragraph(rest, words, theme::LABEL, view.theme.hold);
         }
         let mut taken = None;
@@ -291,7 +291,7 @@ impl DesignerPage {
         view.fit_left(top, &file.name, theme::LABEL, view.theme.text);
         let from = match file.location {
             PictureLocation::Medium => view.text("U 盘", "USB stick"),
-            PictureLocation::Screens => view.text("screens 目录", "folder screens"),
+            PictureLocation::Screens => view.text("screens 目录", "screens folder"),
         };
         let size = format!("{from} · {:.0} kB", file.size as f64 / 1_024.0);
         view.fit_left(below, &size, theme::SMALL, view.theme.muted);

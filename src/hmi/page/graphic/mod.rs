@@ -246,7 +246,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
     };
     let mut rows = vec![
         (view.text("时间", "time").to_owned(), duration(drawing.duration_s)),
-        (view.text("行程 m", "path m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
+        (view.text("行程 m", "length m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
         (view.text("行数", "lines").to_owned(), drawing.lines.to_string()),
     ];
     if let Some((low, high)) = drawing.extents {

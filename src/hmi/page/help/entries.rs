@@ -159,8 +159,8 @@ fn contains_word(text: &str, word: &str) -> bool {
 
 const PURPOSE: Text = Text::new("作用", "what it does");
 const USAGE: Text = Text::new("操作", "how to use it");
-const CAUSE: Text = Text::new("原因", "cause");
-const REMEDY: Text = Text::new("处理", "remedy");
+pub const CAUSE: Text = Text::new("原因", "cause");
+pub const REMEDY: Text = Text::new("处理", "remedy");
 const REACTION: Text = Text::new("反应", "reaction");
 const CLEARED_BY: Text = Text::new("清除", "cleared");
 const KEYBOARD: Text = Text::new("键盘", "keyboard");

@@ -8,7 +8,7 @@ mod keyboard_map;
 use egui::accesskit::Role;
 use egui::{Align2, Color32, Id, Rect, Sense, WidgetInfo, vec2};
 
-pub use entries::{HelpEntry, HelpTopic, Section, alarm_entry, entries};
+pub use entries::{CAUSE, HelpEntry, HelpTopic, REMEDY, Section, alarm_entry, entries};
 
 use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;

@@ -280,7 +280,7 @@ impl LeadscrewTab {
         if points.is_empty() {
             let words = view.text(
                 "没有补偿点：丝杠按无误差处理。按 加点 输入，或按 导入 从 U 盘读入 KT830-SCREW-轴.CSV。",
-                "No points: no error is compensated. Touch ADD POINT, or IMPORT to read KT830-SCREW-AXIS.CSV from the USB medium.",
+                "No points: no error is compensated. Touch ADD POINT, or IMPORT to read KT830-SCREW-AXIS.CSV from the USB stick.",
             );
             return view.note(body.shrink(theme::PAD), words);
         }

@@ -110,7 +110,7 @@ impl ProcessPage {
         let rows = [
             (view.text("砂轮直径 mm", "wheel diameter mm"), view.length(params.get(param::WHEEL_DIAMETER))),
             (view.text("修整次数", "dressings"), format!("{:.0}", params.get(param::DRESSING_COUNT))),
-            (view.text("还可修整次数", "dressings left"), left),
+            (view.text("还可修整次数", "remaining dressings"), left),
             (view.text("修整后件数", "parts since dressing"), format!("{since:.0}")),
             (view.text("距下次修整 件", "parts to dressing"), next),
         ];

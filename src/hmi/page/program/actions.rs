@@ -15,6 +15,7 @@ use crate::link::Command;
 /// Why a text that is not being edited does not change.
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
 pub const UNKNOWN_ENCODING: Text = Text::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited");
+pub const SAVE_FIRST: Text = Text::new("先保存改动", "save the changes first");
 pub const NOTHING_TO_SAVE: Text = Text::new("没有改动", "nothing to save");
 
 page_keys! {
@@ -251,9 +252,7 @@ impl ProgramPage {
             }
             StopTask => self.task = None,
             // B5: the core reads the program up to the line and reports the modal state there.
-            RestartHere if self.document.changed => {
-                self.message.refuse(Text::new("先保存改动", "save the changes first"))
-            }
+            RestartHere if self.document.changed => self.message.refuse(SAVE_FIRST),
             RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
             Resume => out.push(Command::ResumeInterrupted),
             OpenDesigner => out.push(Command::OpenPage(Page::Designer)),

@@ -188,7 +188,7 @@ impl SettingsPage {
     /// Frequently used switches with their password level.
     fn switches(&mut self, group: &SettingsGroup<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let view = group.view;
-        group.title_note(view.text("亮条为开", "bar lit: on"));
+        group.title_note(view.text("亮条为开", "lit bar = on"));
         for (index, (bit, id, label)) in SWITCHES.iter().enumerate() {
             let key = PageKey::new(id, label.get(view.lang)).on(view.snapshot.params.bit(*bit));
             let key = key.locked(view.snapshot.access.level < bit.level);
@@ -240,7 +240,7 @@ impl SettingsPage {
         if self.walk.button(view, group.row(1).cell(1, 2), PageKey::new("lock", view.text("锁定", "LOCK"))) {
             out.push(Command::Page(PageCommand::Lock));
         }
-        group.note(view.text("输入一次密码，锁定或关机前有效", "one password opens it until LOCK or power-off"));
+        group.note(view.text("输入一次密码，锁定或关机前有效", "one password unlocks it until LOCK or power-off"));
     }
 
     fn passwords(&mut self, group: &SettingsGroup<'_>, login: &mut Login) {
