@@ -21,8 +21,10 @@ use crate::units::Micros;
 
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
-/// Width of a value beside its label.
-const VALUE_WIDTH: f32 = 104.0;
+/// Width of a value with its unit beside its label.
+const VALUE_WIDTH: f32 = 150.0;
+/// Width of the unit behind a value.
+const UNIT_WIDTH: f32 = 46.0;
 /// Field height from which label and value are stacked in normal text sizes.
 const STACKED_HEIGHT: f32 = 46.0;
 /// The same for smaller text sizes.
@@ -204,7 +206,7 @@ fn fields(body: Rect, view: &View<'_>, columns: Columns<'_>, entry: &mut Variabl
 
 /// Width of a label in one line.
 fn label_width(view: &View<'_>, row: &PageTextRow, size: f32) -> f32 {
-    view.painter.layout_no_wrap(row.label_in(view.lang).to_owned(), theme::font(size), view.theme.text).size().x
+    view.painter.layout_no_wrap(row.name_in(view.lang).to_owned(), theme::font(size), view.theme.text).size().x
 }
 
 /// Arrangement of label and value; the same in all fields of a page.
@@ -277,7 +279,11 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
         FieldLayout::Dense => inside.split_top_bottom_at_fraction(0.5),
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
-    view.fit_left(label, row.label_in(view.lang), small, ink);
+    view.fit_left(label, row.name_in(view.lang), small, ink);
+    let (value, unit) = value.split_right(UNIT_WIDTH);
+    if let Some(words) = row.unit() {
+        view.line_left(unit.trim_left(4.0), words.get(view.lang), theme::SMALL, view.theme.muted);
+    }
     let (words, ink) = (view.page_value(row), view.theme.text);
     FieldEditor::paint(chosen, view, ValueField { plate: place, value, size: large, words, ink });
 }
@@ -293,7 +299,7 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: 
         None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row)),
     };
     let (name, range) = rest.split_left_right_at_fraction(0.4);
-    view.fit_left(name.trim_right(theme::PAD), row.label_in(view.lang), theme::LABEL, view.theme.muted);
+    view.fit_left(name.trim_right(theme::PAD), row.name_in(view.lang), theme::LABEL, view.theme.muted);
     view.fit_right(range, &told, theme::LABEL, ink);
 }
 

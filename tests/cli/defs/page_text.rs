@@ -1,6 +1,7 @@
 //! Tests of `kt830::defs::page_text`.
 
 use kt830::defs::page_text::*;
+use kt830::defs::text::Lang;
 
 /// The customer's own sample (seed 000), remarks of the document left out.
 const SAMPLE: &str = "外卡磨削;\n\n卡尺 X 轴始磨位置 #500;\n卡尺 X 轴终点位置 #501;\n卡尺 X 轴安全位置 #503;\n\
@@ -63,4 +64,36 @@ fn k7_4_what_is_not_of_the_format_is_refused() {
     assert_eq!(parse(&long).unwrap_err().line, 22);
     assert_eq!(parse(&long.replacen("\n;", "", 1)).unwrap().rows().count(), 0);
     assert_eq!(parse("标题;\n;;;;;;;;;;").unwrap_err().message.en(), "the % at the end of the file is missing");
+}
+
+#[test]
+fn k7_2_a_label_tells_the_unit_of_its_value() {
+    let told = |label: &str| {
+        let row = PageTextRow { label: label.to_owned(), english: None, variable: 500 };
+        (row.name_in(Lang::Zh).to_owned(), row.unit().map(|unit| unit.zh))
+    };
+    let unit = |label: &str| told(label).1;
+    // Written behind the label: it is shown behind the value.
+    assert_eq!(told("粗磨速度 mm/min"), ("粗磨速度".to_owned(), Some("mm/min")));
+    assert_eq!(told("光磨时间 秒"), ("光磨时间".to_owned(), Some("s")));
+    assert_eq!(told("修整间隔 件"), ("修整间隔".to_owned(), Some("件")));
+    assert_eq!(told("往复频率 次/分"), ("往复频率".to_owned(), Some("1/min")));
+    // Told by its words.
+    assert_eq!(
+        [unit("卡尺X轴始磨位置"), unit("粗磨速度 到P1"), unit("R15 停顿时间")],
+        [Some("mm"), Some("mm/min"), Some("s")]
+    );
+    assert_eq!([unit("R14 磨架角度"), unit("R8 砂轮转速"), unit("R7 线速度")], [Some("°"), Some("r/min"), Some("m/s")]);
+    // Counts, switches and modes have none, nor has a speed that does not say of what.
+    assert_eq!([unit("光磨次数"), unit("头架 0低速 1高速"), unit("粗磨进给方式"), unit("1用G27修整点")], [None; 4]);
+    assert_eq!([unit("R5 速度下限"), unit("R62 错误标志")], [None; 2]);
+}
+
+#[test]
+fn k7_2_the_english_label_loses_the_unit_that_it_ends_with() {
+    let row =
+        |english: &str| PageTextRow { label: "修整间隔 件".into(), english: Some(english.into()), variable: 531 };
+    assert_eq!(row("dressing interval, parts").name_in(Lang::En), "dressing interval");
+    assert_eq!(row("oscillations per minute").name_in(Lang::En), "oscillations per minute");
+    assert_eq!(row("roughing feed mm/min").name_in(Lang::En), "roughing feed");
 }
