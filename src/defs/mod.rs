@@ -21,6 +21,7 @@ pub mod param;
 pub mod param_row;
 pub mod port_conflict;
 pub mod program_error;
+pub mod program_kind;
 pub mod program_number;
 pub mod r_parameter_name;
 pub mod signal;

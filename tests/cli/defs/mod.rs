@@ -13,6 +13,7 @@ mod param;
 mod param_row;
 mod port_conflict;
 mod program_error;
+mod program_kind;
 mod program_number;
 mod r_parameter_name;
 mod signal;
