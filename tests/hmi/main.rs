@@ -22,6 +22,7 @@ mod pages;
 mod panel;
 mod params;
 mod process;
+mod program_list;
 mod reach;
 mod repaint;
 mod screen;
