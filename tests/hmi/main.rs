@@ -30,6 +30,7 @@ mod screw;
 mod service;
 mod shift;
 mod simulator;
+mod soft_keys;
 mod text_editor;
 mod transfer;
 mod values;
