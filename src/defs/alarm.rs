@@ -180,7 +180,7 @@ alarms! {
         "改用未分配的输出口，或用该功能的 M 代码", "use a free port, or the function's own M code";
     NO_DRESSING_POINT = 196, StopProgram, Reset, "没有设置修整点", "no dressing point",
         "该轴没有设置砂轮修整点", "the dressing point of the axis has not been set",
-        "手动方式移到修整处，位置页面 F1 相对，按轴名键，再按输入", "in JOG, move to the dressing position; position page, F1 RELATIVE: axis letter, then INPUT";
+        "手动方式移到修整处，软键 相对（第 1 行 F1），按轴名键，再按输入", "in JOG, move to the dressing position; RELATIVE (row 1 F1), axis letter, then INPUT";
     OSCILLATION_REFUSED = 197, StopProgram, Reset, "振荡不能开始", "oscillation cannot start",
         "换向点与当前位置相同、超出软限位或轴未回零", "the reversal point is the current position or beyond a soft limit, or the axis is not homed",
         "检查 G35 的坐标和 P238 P239", "check the coordinate of G35, or P238 and P239";

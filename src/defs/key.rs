@@ -310,6 +310,8 @@ keys! {
         "当前软键行的第 5 个键。", "Key 5 of the current soft key row.";
     NextRow = "next-row", "▶", "NEXT", Screen, ANY, true, Dark,
         "软键翻到下一行。", "The next row of soft keys.";
+    PreviousRow = "previous-row", "◀", "PREVIOUS", Screen, ANY, true, Dark,
+        "软键翻回上一行。", "The previous row of soft keys.";
 }
 
 impl Key {

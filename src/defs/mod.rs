@@ -21,6 +21,7 @@ pub mod param;
 pub mod param_row;
 pub mod port_conflict;
 pub mod program_error;
+pub mod program_kind;
 pub mod program_number;
 pub mod signal;
 pub mod sim_fault;

@@ -77,7 +77,7 @@ macro_rules! pages {
 pages! {
     Position = "position", ANY, "位置", "position", row 0,
         "轴在哪里：相对、综合、机床坐标，余移动量，生效的代码和程序段。", "Axis positions: relative, all, machine; distance to go, active codes, running block.",
-        "F1 相对、F2 综合、F3 机床。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。", "F1 RELATIVE, F2 ALL, F3 MACHINE. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the current position becomes the dressing point of the axis (homed axes only).";
+        "软键 相对（第 1 行 F1）、综合（第 1 行 F2）、机床（第 1 行 F3）选坐标。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。", "RELATIVE (row 1 F1), ALL (row 1 F2), MACHINE (row 1 F3) choose the coordinates. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the current position becomes the dressing point of the axis (homed axes only).";
     Grinding = "grinding", Wheel, "磨削", "grinding", row 1, key 0 4 "磨削" "GRINDING",
         "O1001–O1020 的磨削参数：左栏、右栏最多各十项，右边是图；键入的值下一次运行生效。", "The values of O1001 to O1020, up to ten in each column beside the picture; typed values act from the next run.",
         "点一项或用方向键选择，键入数值，按输入；取消恢复原值。运行中不能改（P6.3=1 可改）。#570–#579 只能是 0 或 1。", "Touch a field or choose it with the arrow keys, type, INPUT; CANCEL keeps the old value. Locked during a run unless P6.3=1. #570 to #579 are 0 or 1.";
@@ -86,7 +86,7 @@ pages! {
         "点一格键入：绝对值；增量键后为累加。运行中不能改（P6.3=1 可改）。", "Touch a cell and type its value; after the increment key the value is added. Locked during a run unless P6.3=1.";
     Program = "program", ANY, "程序", "program", row 2, key 2 1 "程序" "PROGRAM",
         "当前程序：运行的段有标记；编辑方式下可以改。", "The current program with the running block marked; edited in mode EDIT.",
-        "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：从光标行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。", "EDIT (asks for the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM N runs from the cursor line, RESUME continues after a power failure. A red bar marks an error: touch the line to read it.";
+        "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：点一行或用 ↑ ↓ 选行，从框住的行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。", "EDIT (asks for the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM N runs from the framed line, chosen by touch or ↑ ↓; RESUME continues after a power failure. A red bar marks an error: touch the line to read it.";
     Designer = "designer", Wheel, "页面设计", "page designer", row 2,
         "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。", "The text C00nn.TXT, its English text C00nn.EN.TXT and the picture B00nn.BMP of a grinding page: text on the left, preview on the right.",
         "编辑（编辑方式、密码同程序）后键入；红条为错误行。变量：程序用了而页面没有的，加入即成一行。图片：任意 PNG、JPEG、BMP 换用时转换为 200×400、24 位。", "EDIT (mode and password as for programs), then type; a red bar marks an error. VARS: ADD adds a line for a variable that the program uses and the page lacks. PICTURES: any PNG, JPEG, BMP is converted to 200×400, 24 bit.";
@@ -95,7 +95,7 @@ pages! {
         "键入一段，按输入检查并备好，在录入方式按循环启动执行。", "Type a block; INPUT checks it and makes it ready; cycle start in mode MDI executes it.";
     Directory = "directory", ANY, "目录", "directory", row 2, key 2 3 "目录" "DIRECTORY",
         "全部程序：大小、说明、日期。", "All programs with size, comment and date.",
-        "选中后按装入成为当前程序。编辑方式下可新建、复制、改号、删除。", "Choose one and press LOAD to make it the current program. In mode EDIT: NEW, COPY, RENAME, DELETE.";
+        "选中后按装入成为当前程序。查找按程序号、名称、说明。编辑方式下可新建（立即打开编辑）、复制、改号、删除选中的程序。其他机型的程序变暗。", "Choose one and press LOAD to make it the current program; FIND searches number, name and comment. In mode EDIT: NEW opens for editing at once, COPY, RENAME, DELETE act on the chosen one. Programs of other kinds are dimmed.";
     Offset = "offset", ANY, "刀补", "offsets", row 2, key 2 4 "刀补" "OFFSETS",
         "刀补 1–16：几何和磨耗。", "Offsets 1 to 16: geometry and wear.",
         "绝对值、增量或测量输入；修改磨耗和测量要 P22.0=1。测量要求轴已回零并静止，并清除该轴磨耗。", "Values, increments or measurements; wear and measuring need P22.0=1. Measuring needs homed axes at rest and clears the wear of that axis.";

@@ -1,5 +1,6 @@
-//! The soft keys F1–F5 and ▶: five rows. The key of a page stands in the row of the page. The screen and the core use
-//! the same keys, so a key in a story does the same as a touch.
+//! The soft keys F1–F5 in five rows, and ◀ ▶ that turn the rows. A page shows the row of its key when it opens; the
+//! grinding page shows the row of the customer's picture. The screen and the core use the same keys, so a key in a story
+//! does the same as a touch.
 //! Source: spec K7.1, K7.2.
 
 use super::kind::Kind;
@@ -130,6 +131,23 @@ pub fn row_now(kind: Kind, number: usize, stopped: bool) -> impl Iterator<Item =
     let continues = stopped && f1_continues(kind);
     let key = SoftKey { label: SoftKeyAction::Continue.label_on(kind), action: SoftKeyAction::Continue };
     row(kind, number).enumerate().map(move |(index, soft)| if continues && index == 0 { key } else { soft })
+}
+
+/// Row and index of the key of an action on a kind, from 0; `None` if the kind has no such key.
+#[must_use]
+pub fn place(kind: Kind, action: SoftKeyAction) -> Option<(usize, usize)> {
+    (0..ROWS).find_map(|number| Some((number, row(kind, number).position(|soft| soft.action == action)?)))
+}
+
+/// The key that is lit while a page is open. The page designer opens from the program, the panel stands beside the
+/// positions: they have no key of their own.
+#[must_use]
+pub const fn key_of_page(page: Page, coordinates: CoordinateView) -> SoftKeyAction {
+    match page {
+        Page::Position | Page::Panel => SoftKeyAction::Position(coordinates),
+        Page::Designer => SoftKeyAction::Open(Page::Program),
+        other => SoftKeyAction::Open(other),
+    }
 }
 
 /// The number of rows: without a simulated machine the last row is omitted (P1).

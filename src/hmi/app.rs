@@ -236,21 +236,16 @@ impl Hmi {
             None => {}
         }
         page_frame::status_line(view, regions.status);
-        let (page, shown) = (view.snapshot.page, view.snapshot.coordinates);
-        let chosen = |action: SoftKeyAction| match action {
-            SoftKeyAction::Open(other) => other == page,
-            SoftKeyAction::Position(other) => page == Page::Position && other == shown,
-            SoftKeyAction::Print | SoftKeyAction::Continue => false,
-        };
         let rows = page_frame::soft_key_row_count(view);
         let row = view.snapshot.soft_key_row % rows;
-        let touched = page_frame::soft_keys(view, regions.soft, row, chosen);
+        let touched = page_frame::soft_keys(view, regions.soft, row);
         // The label shown counts, even if the core has changed the row since.
         let by_key = asked.soft_key.and_then(|index| page_frame::soft_key_row(view, row).nth(index));
         match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {
             Some(SoftKeyPress::Act(action)) => self.run_soft_key(view.ui, action, out),
-            Some(SoftKeyPress::Next) => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
+            Some(SoftKeyPress::Row(row)) => out.push(Command::ShowSoftKeyRow(row)),
             None if asked.next_soft_row => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
+            None if asked.previous_soft_row => out.push(Command::ShowSoftKeyRow((row + rows - 1) % rows)),
             None => {}
         }
     }

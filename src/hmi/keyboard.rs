@@ -174,6 +174,8 @@ pub struct KeyboardInput {
     pub soft_key: Option<usize>,
     /// F6: next row of soft keys.
     pub next_soft_row: bool,
+    /// Shift+F6: previous row of soft keys.
+    pub previous_soft_row: bool,
     /// F12: help overlay.
     pub help: bool,
     /// F7: alarm page.
@@ -255,6 +257,7 @@ impl KeyboardInput {
             egui::Key::F3 => self.soft_key = Some(2),
             egui::Key::F4 => self.soft_key = Some(3),
             egui::Key::F5 => self.soft_key = Some(4),
+            egui::Key::F6 if shift => self.previous_soft_row = true,
             egui::Key::F6 => self.next_soft_row = true,
             egui::Key::F7 => self.alarm_page = true,
             egui::Key::F12 => self.help = true,

@@ -16,7 +16,7 @@ pub struct Regions {
     pub message: Rect,
     /// Mode, state, feed, speed, count.
     pub status: Rect,
-    /// F1 … F5 ▶.
+    /// The open page, F1 … F5, ◀ ▶.
     pub soft: Rect,
     /// The operator panel.
     pub panel: Rect,

@@ -37,6 +37,14 @@ pub const SEARCH_LAYOUT: LetterLayout = LetterLayout {
     },
     enter_label: Text::new("完成", "OK"),
 };
+/// For the search of a program, with frequent words of comments.
+pub const PROGRAM_SEARCH_LAYOUT: LetterLayout = LetterLayout {
+    words: words! {
+        "外圆" "cylindrical", "平面" "plane", "圆台" "rotary", "端面" "face", "锥面" "cone", "切入" "plunge",
+        "修整" "dressing", "量仪" "gauge", "回退" "retract",
+    },
+    ..SEARCH_LAYOUT
+};
 /// For a page text, with words of its labels.
 pub const PAGE_TEXT_LAYOUT: LetterLayout = LetterLayout {
     words: words! {

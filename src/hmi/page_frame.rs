@@ -5,6 +5,7 @@ use egui::{Color32, Rect, pos2, vec2};
 
 use super::{Area, View, format_feed, format_whole, keycap, theme, widget};
 use crate::defs::soft_key::{self, SoftKey, SoftKeyAction};
+use crate::defs::text::Lang;
 use crate::link::Snapshot;
 use crate::link::snapshot::{RunState, Tone};
 use crate::units::Micros;
@@ -179,16 +180,20 @@ pub fn title(view: &View<'_>, rect: Rect, words: &str) -> Rect {
     view.fit_left(rect, words, theme::SECONDARY, view.theme.text)
 }
 
-/// Width of the key ▶, points.
-const NEXT_WIDTH: f32 = 52.0;
+/// Width of the key of the open page, points.
+const OPEN_PAGE_WIDTH: f32 = 96.0;
+/// Width of ◀ and ▶ each, points.
+const TURN_WIDTH: f32 = theme::TOUCH_TARGET;
+/// Width between ◀ and ▶ for the number of the row, points.
+const ROW_NUMBER_WIDTH: f32 = 32.0;
 
 /// Which soft key was pressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SoftKeyPress {
     /// One of F1–F5.
     Act(SoftKeyAction),
-    /// ▶
-    Next,
+    /// Shows this row: ◀, ▶, or the key of the open page.
+    Row(usize),
 }
 
 /// Number of soft key rows of this machine.
@@ -201,20 +206,51 @@ pub fn soft_key_row(view: &View<'_>, row: usize) -> impl Iterator<Item = SoftKey
     soft_key::row_now(view.snapshot.kind, row, view.snapshot.state == RunState::Stopped)
 }
 
-/// Draws a row; `on` tells whether the page of a key is the open one.
-pub fn soft_keys(view: &View<'_>, rect: Rect, row: usize, on: impl Fn(SoftKeyAction) -> bool) -> Option<SoftKeyPress> {
+/// Draws a row of soft keys between the key of the open page and ◀ ▶.
+pub fn soft_keys(view: &View<'_>, rect: Rect, row: usize) -> Option<SoftKeyPress> {
+    let open = soft_key::key_of_page(view.snapshot.page, view.snapshot.coordinates);
+    let (page, rest) = rect.shrink2(vec2(theme::GAP, 3.0)).split_left(OPEN_PAGE_WIDTH);
+    let (keys, turn) = rest.split_right(2.0 * TURN_WIDTH + ROW_NUMBER_WIDTH);
     let mut pressed = None;
-    let (keys, next) = rect.shrink2(vec2(theme::GAP, 3.0)).split_right(NEXT_WIDTH);
     for (index, soft) in soft_key_row(view, row).enumerate() {
-        if soft_key_ui(view, keys.trim_right(theme::GAP).cell(index, 5), index, &soft, on(soft.action)) {
+        if soft_key_ui(view, keys.trim_sides(theme::GAP).cell(index, 5), index, &soft, soft.action == open) {
             pressed = Some(SoftKeyPress::Act(soft.action));
         }
     }
-    let response = keycap::plain(view, next, "soft-next", "▶ next-row");
-    let (sign, count) = next.split_top_bottom_at_fraction(0.6);
-    view.line_centre(sign, "▶", theme::TITLE, view.theme.text);
-    view.line_centre(count, &format!("{}/{}", row + 1, soft_key_row_count(view)), theme::SMALL, view.theme.muted);
-    if response.clicked() { Some(SoftKeyPress::Next) } else { pressed }
+    pressed.or(open_page_key(view, page, open).or(turn_keys(view, turn, row)).map(SoftKeyPress::Row))
+}
+
+/// Draws the key of the open page: it is lit in every row and names its place. Returns its row if it is touched.
+fn open_page_key(view: &View<'_>, place: Rect, open: SoftKeyAction) -> Option<usize> {
+    let label = open.label_on(view.snapshot.kind).get(view.lang);
+    let response = view.touch_row(place, "soft-open-page", true, format!("{label} open-page"));
+    keycap::plate(view, place, &response);
+    let (tag, name) = place.trim_sides(4.0).split_top(18.0);
+    let (row, index) = soft_key::place(view.snapshot.kind, open)?;
+    let where_ = match view.lang {
+        Lang::Zh => format!("第 {} 行 F{}", row + 1, index + 1),
+        Lang::En => format!("row {} F{}", row + 1, index + 1),
+    };
+    view.line_centre(tag.trim_top(2.0), &where_, theme::SMALL, view.theme.muted);
+    view.fit_centre(name.trim_bottom(3.0), label, theme::TITLE, view.theme.info);
+    widget::selected_bar(view, place);
+    response.clicked().then_some(row)
+}
+
+/// Draws ◀ and ▶ with the number of the row between them; returns the row to show.
+fn turn_keys(view: &View<'_>, rect: Rect, row: usize) -> Option<usize> {
+    let count = soft_key_row_count(view);
+    let (previous, rest) = rect.split_left(TURN_WIDTH);
+    let (number, next) = rest.split_right(TURN_WIDTH);
+    view.line_centre(number, &format!("{}/{count}", row + 1), theme::LABEL, view.theme.muted);
+    let key = |place: Rect, sign: &str, name: &str| {
+        let response = keycap::plain(view, place, ("soft", name), format!("{sign} {name}"));
+        view.line_centre(place, sign, theme::TITLE, view.theme.text);
+        response.clicked()
+    };
+    let back = key(previous, "◀", "previous-row");
+    let on = key(next, "▶", "next-row");
+    back.then_some((row + count - 1) % count).or(on.then_some((row + 1) % count))
 }
 
 fn soft_key_ui(view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {

@@ -1,7 +1,7 @@
 //! Widgets of the pages: keys, tabs, small lamps, tables.
 //! Source: spec H3, H4.
 
-use egui::{Rect, Stroke, pos2, vec2};
+use egui::{Rect, Response, Stroke, Vec2, pos2, vec2};
 
 use super::{Area, EditKey, View, keycap, pictogram, theme};
 
@@ -74,6 +74,12 @@ pub fn button(view: &View<'_>, rect: Rect, key: PageKey<'_>) -> bool {
         pictogram::draw(&view.painter, corner, pictogram::LOCK, view.theme.muted);
     }
     response.clicked()
+}
+
+/// How far a drag moved in this frame. The frame of the press does not count: a touch screen that acts as a mouse comes
+/// from where it was touched last.
+pub fn drag_delta(response: &Response) -> Vec2 {
+    if response.dragged() && !response.drag_started() { response.drag_delta() } else { Vec2::ZERO }
 }
 
 /// Paints the bar at the lower edge of a key that is on.

@@ -15,7 +15,7 @@ use super::shipped::{SHIPPED, Shipped};
 use crate::controller::{Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
-use crate::defs::{page_text, program_number};
+use crate::defs::{page_text, program_kind, program_number};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
@@ -31,6 +31,9 @@ const PAGE_NUMBERS: std::ops::RangeInclusive<u16> = 1..=20;
 const R_PAGE_NUMBERS: std::ops::RangeInclusive<u16> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
 const DRESSING_PICTURE: u16 = 100;
+/// Lines of a program that are searched for its kinds of machine, and characters of a line.
+const HEAD_LINES: usize = 10;
+const HEAD_CHARS: usize = 200;
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);
 /// Size of a page picture, bytes: 54 of header, 3 per pixel (K5.12).
@@ -101,19 +104,22 @@ impl Folders {
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
             if let Ok(read) = read {
                 let program = program_from_bytes(row.number, &read.name, read.bytes, self.dialect);
-                directory.push(DirectoryRow { english: english_title(&program), ..row });
+                let (english, kinds) = (english_title(&program), kinds_of_program(&program));
+                directory.push(DirectoryRow { english, kinds, ..row });
                 rows.push(program);
             }
         };
         for FolderEntry { number: file, size, modified, comment, .. } in folder.list(&PROGRAM)?.entries {
             let number = u32::from(file);
             let (name, modified) = (program_number::name_of(number), time_text(modified));
-            let row = DirectoryRow { number, name, size, comment, english: None, modified };
+            let (english, kinds) = (None, Vec::new());
+            let row = DirectoryRow { number, name, size, comment, english, modified, kinds };
             add(folder.read(&PROGRAM, file), row);
         }
         for NamedProgram { stem, name: file, size, modified, comment } in list_named_programs(&self.programs)? {
             let (number, modified) = (program_number::from_name(&stem), time_text(modified));
-            let row = DirectoryRow { number, name: stem, size, comment, english: None, modified };
+            let (english, kinds) = (None, Vec::new());
+            let row = DirectoryRow { number, name: stem, size, comment, english, modified, kinds };
             add(folder.read_named(&PROGRAM, &file), row);
         }
         Ok((Programs::new(rows), directory))
@@ -131,8 +137,8 @@ impl Folders {
             let comment = program.source.comment_title().unwrap_or_default();
             let told = self.programs.join(&name).metadata().ok();
             let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
-            let (number, english) = (program.number, english_title(&program));
-            directory.push(DirectoryRow { number, name: stem, size, comment, english, modified });
+            let (number, english, kinds) = (program.number, english_title(&program), kinds_of_program(&program));
+            directory.push(DirectoryRow { number, name: stem, size, comment, english, modified, kinds });
             rows.push(program);
         }
         (Programs::new(rows), directory)
@@ -156,6 +162,13 @@ impl Folders {
         let dressing = Some(picture(&folder, DRESSING_PICTURE));
         Ok(Screens { pages, dressing })
     }
+}
+
+/// The kinds that a program names in its first lines.
+fn kinds_of_program(program: &StoredProgram) -> Vec<Kind> {
+    let head = program.text.lines().take(HEAD_LINES).map(|line| line.chars().take(HEAD_CHARS).collect());
+    let head: Vec<String> = head.collect();
+    program_kind::kinds_of(head.iter().map(String::as_str))
 }
 
 /// Creates a program from the bytes of its file.

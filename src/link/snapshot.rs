@@ -408,6 +408,16 @@ pub struct DirectoryRow {
     pub english: Option<String>,
     /// Date of the last change as shown, local time.
     pub modified: String,
+    /// The kinds of machine that it is for; empty: every kind.
+    pub kinds: Vec<Kind>,
+}
+
+impl DirectoryRow {
+    /// Whether it is for a kind of machine.
+    #[must_use]
+    pub fn is_for(&self, kind: Kind) -> bool {
+        self.kinds.is_empty() || self.kinds.contains(&kind)
+    }
 }
 
 impl DirectoryRow {

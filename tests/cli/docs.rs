@@ -10,6 +10,7 @@ use kt830::defs::mcode::{Gauge, MCODES, Request};
 use kt830::defs::param::{BITS, NUMBERS, Params};
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::sim_fault::FAULTS;
+use kt830::defs::soft_key;
 use kt830::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
 use kt830::defs::text::Text;
 use kt830::defs::{kind::Kind, program_error::ProgramError};
@@ -53,6 +54,7 @@ const REQUEST_EXAMPLES: &[(Request, Text)] = &[
 fn tables() -> String {
     let mut text = String::from("# 表 Tables\n\n本页由 `defs/` 生成，请勿手改。Generated from `defs/`; do not edit.\n");
     keys(&mut text);
+    soft_keys(&mut text);
     codes(&mut text);
     variables(&mut text);
     alarms(&mut text);
@@ -69,6 +71,28 @@ fn keys(text: &mut String) {
         let (row, run) = (key.row(), if key.row().active_in_run { "有效 acts" } else { "–" });
         let (label, help) = (row.label, row.help);
         writeln!(text, "| {} | {} | `{}` | {run} | {} | {} |", label.zh, label.en, row.id, help.zh, help.en).unwrap();
+    }
+}
+
+/// The soft keys of the kinds, those with the same keys together.
+fn soft_keys(text: &mut String) {
+    text.push_str("\n## 软键 Soft keys\n");
+    let mut tables: Vec<(Vec<&str>, String)> = Vec::new();
+    for kind in Kind::ALL {
+        let mut table = String::new();
+        for row in 0..soft_key::ROWS {
+            let keys: Vec<_> = soft_key::row(kind, row).map(|soft| soft.label).collect();
+            let cell = |place: usize| keys.get(place).map_or_else(String::new, |key| format!("{} {}", key.zh, key.en));
+            writeln!(table, "| {} | {} |", row + 1, (0..5).map(cell).collect::<Vec<_>>().join(" | ")).unwrap();
+        }
+        match tables.iter_mut().find(|(_, same)| *same == table) {
+            Some((kinds, _)) => kinds.push(kind.short_name()),
+            None => tables.push((vec![kind.short_name()], table)),
+        }
+    }
+    for (kinds, table) in tables {
+        let head = "| 行 row | F1 | F2 | F3 | F4 | F5 |\n|---|---|---|---|---|---|";
+        writeln!(text, "\n{}:\n\n{head}\n{}", kinds.join(", "), table.trim_end()).unwrap();
     }
 }
 

@@ -164,6 +164,7 @@ fn directory() -> Vec<DirectoryRow> {
         comment: comment.into(),
         english: None,
         modified: "2026-06-03 15:01".into(),
+        kinds: if number == 1_008 { vec![Kind::Gs] } else { Vec::new() },
     };
     let mut rows = vec![
         row(1_001, 1_812, "外卡磨削"),

@@ -252,6 +252,17 @@ fn k7_2_the_designer_is_reached_from_grinding_program_and_directory() {
     assert!(shop.bench.shows("O2000 没有磨削页面"));
 }
 
+#[test]
+fn b6_a_finger_moves_the_cursor_of_the_page_text() {
+    let mut shop = Shop::new();
+    shop.edit();
+    let text = shop.bench.screen.get_by_label("page-text").rect();
+    // The fourth line, in front of its first character.
+    shop.bench.tap(text.min + egui::vec2(41.0, 3.5 * 28.0));
+    shop.bench.write("A");
+    assert_eq!(shop.save(), PAGE.replace("终点位置", "A终点位置"));
+}
+
 /// Turns the wheel of the mouse over the list on the right.
 fn scroll(bench: &mut Bench, by: f32) {
     let at = egui::pos2(600.0, 400.0);

@@ -50,6 +50,16 @@ impl Bench {
         self.turn();
     }
 
+    /// A finger taps a place.
+    pub fn tap(&mut self, pos: egui::Pos2) {
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            let events = &mut self.screen.input_mut().events;
+            events.extend([Event::PointerMoved(pos), Event::PointerButton { pos, button, pressed, modifiers }]);
+            self.turn();
+        }
+    }
+
     pub fn press(&mut self, key: egui::Key) {
         self.screen.key_press(key);
         self.turn();

@@ -126,6 +126,16 @@ impl Operator {
         self.snapshot().message.text.zh().contains(words)
     }
 
+    /// Whether the screen paints this text.
+    pub fn paints(&self, text: &str) -> bool {
+        crate::screen::painted(&self.screen).iter().any(|painted| painted == text)
+    }
+
+    /// Whether the screen paints a text with these words.
+    pub fn paints_part(&self, words: &str) -> bool {
+        crate::screen::painted(&self.screen).iter().any(|painted| painted.contains(words))
+    }
+
     /// Whether what bears this label is on the screen, with room for a finger.
     pub fn sees(&self, label: &str) -> bool {
         self.screen.query_by_label(label).is_some_and(|found| found.rect().height() > 20.0)
@@ -151,7 +161,11 @@ impl Operator {
 
     /// A finger taps what bears this label.
     pub fn tap(&mut self, label: &str) {
-        let at = self.place(label);
+        self.tap_at(self.place(label));
+    }
+
+    /// A finger taps a place.
+    pub fn tap_at(&mut self, at: Pos2) {
         self.finger(at, TouchPhase::Start);
         self.finger(at, TouchPhase::End);
         self.look();
@@ -163,7 +177,7 @@ impl Operator {
     }
 
     /// A finger draws a list up, or down.
-    fn swipe(&mut self, up: bool) {
+    pub fn swipe(&mut self, up: bool) {
         let at = |y: f32| pos2(300.0, if up { y } else { 700.0 - y });
         self.finger(at(480.0), TouchPhase::Start);
         for y in [420.0, 330.0, 220.0] {

@@ -308,6 +308,17 @@ fn k2_3_the_handwheel_sends_detents() {
     assert_eq!(screen.state().sent.iter().map(detents).sum::<i32>(), -1);
 }
 
+/// A touch screen that acts as a mouse reports the way to the handwheel and the press at once.
+#[test]
+fn k2_3_the_way_to_the_handwheel_turns_nothing() {
+    let mut screen = open(snapshot(Page::Position));
+    let wheel = screen.get_by_label("手轮 handwheel").rect().center();
+    pointer(&mut screen, pos2(100.0, 300.0), None);
+    pointer(&mut screen, wheel, Some(true));
+    pointer(&mut screen, wheel, Some(false));
+    assert_eq!(screen.state().sent.iter().map(detents).sum::<i32>(), 0);
+}
+
 fn detents(command: &Command) -> i32 {
     match command {
         Command::Handwheel(detents) => *detents,

@@ -52,8 +52,8 @@ impl Manual {
         };
         let refusal = if let Some(why) = elsewhere {
             Some(phrase!(
-                "{why}：修整点在手动方式、位置页面 F1“相对”下设置",
-                "{why}: dressing points are set in JOG, position page, F1 RELATIVE",
+                "{why}：修整点在手动方式、位置页面“相对”（第 1 行 F1）下设置",
+                "{why}: dressing points are set in JOG, position page RELATIVE (row 1 F1)",
                 why
             ))
         } else if !plant.axes.is_homed(axis) {

@@ -151,7 +151,17 @@ impl Panel {
         parts.plant.set_current_program(number);
         self.check_page_files(parts);
         let title = parts.plant.program_title(number);
-        parts.plant.show_note(phrase!("当前程序 {title}", "current program {title}", title));
+        let kind = parts.plant.kind;
+        let is_for = self.directory.iter().find(|row| row.number == number).is_none_or(|row| row.is_for(kind));
+        parts.plant.show_note(match is_for {
+            true => phrase!("当前程序 {title}", "current program {title}", title),
+            false => phrase!(
+                "当前程序 {title}：不是本机 {own} 的程序",
+                "current program {title}: it is not for this machine, {own}",
+                title,
+                own = kind.short_name()
+            ),
+        });
     }
 
     /// Resumes the run that a power failure interrupted.

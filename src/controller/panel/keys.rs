@@ -6,6 +6,7 @@ use super::{Panel, Parts};
 use crate::controller::manual::toggle_oscillation;
 use crate::controller::plant::Plant;
 use crate::defs::key::{Key, KeyGroup, Mode};
+use crate::defs::soft_key;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::phrase;
 use crate::link::snapshot::Message;
@@ -81,6 +82,7 @@ impl Panel {
             Key::F4 => self.press_soft_key(parts, 3),
             Key::F5 => self.press_soft_key(parts, 4),
             Key::NextRow => self.show_soft_row(self.pages.soft_row + 1),
+            Key::PreviousRow => self.show_soft_row(self.pages.soft_row + soft_key::ROWS - 1),
             _ => press_override(parts.plant, key),
         }
     }

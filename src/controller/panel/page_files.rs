@@ -19,16 +19,16 @@ const BOTH_FILES: &Template = &Template::new("{first}；{next}", "{first}; {next
 const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "screen print: touch the soft key on the screen");
 
 impl Panel {
-    /// Opens a page.
+    /// Opens a page and shows its row of soft keys, also if the page is open and the row was turned (K7.1).
     pub fn open_page(&mut self, parts: &mut Parts<'_>, page: Page) {
         if !page.exists_on(parts.plant.kind) {
             return parts.plant.refuse(phrase!("本机床没有“{page}”页面", "this machine has no page {page}", page));
         }
         if parts.plant.operator.page != page {
             parts.plant.operator.page = page;
-            self.pages.soft_row = page.soft_row();
             parts.manual.dressing.withdraw_question();
         }
+        self.pages.soft_row = page.soft_row();
         self.check_page_files(parts);
     }
 
@@ -53,8 +53,8 @@ impl Panel {
         let Some(soft) = soft_key::row_now(parts.plant.kind, row, stopped).nth(index) else {
             let (row, key) = (row + 1, index + 1);
             return parts.plant.refuse(phrase!(
-                "第 {row} 行软键没有 F{key}，按 ▶ 换行",
-                "soft key row {row} has no F{key}: press ▶ for the next row",
+                "第 {row} 行软键没有 F{key}，按 ◀ ▶ 换行",
+                "soft key row {row} has no F{key}: ◀ ▶ turn the rows",
                 row,
                 key
             ));

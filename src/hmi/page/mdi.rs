@@ -55,7 +55,7 @@ impl PageUi for MdiPage {
             self.history.retain(|old| *old != line);
             self.history.insert(0, line);
             self.history.truncate(MAX_HISTORY);
-            self.scroll = Scroll::default();
+            (self.recalled, self.scroll) = (None, Scroll::default());
         }
         for typed in &typed.in_order {
             match *typed {
@@ -107,7 +107,7 @@ impl MdiPage {
         match edit {
             // A refused line is corrected, not typed again.
             EditKey::Backspace | EditKey::Delete => {
-                self.typing.refused = None;
+                (self.typing.refused, self.recalled) = (None, None);
                 self.typing.text.pop();
             }
             EditKey::Enter if self.typing.text.trim().is_empty() => {}
@@ -137,7 +137,7 @@ impl MdiPage {
         if let Some(line) = self.history.get(index) {
             self.typing.clear();
             self.typing.text.clone_from(line);
-            self.recalled = Some(index);
+            (self.recalled, self.scroll.user_scrolled) = (Some(index), false);
         }
     }
 
@@ -168,6 +168,9 @@ impl MdiPage {
             return view.note(list.shrink2(vec2(theme::PAD, 4.0)), words);
         }
         let rect = widget::round_to_lines(list, widget::ROW_HEIGHT);
+        if let (Some(index), false) = (self.recalled, self.scroll.user_scrolled) {
+            self.scroll.reveal(index, rect, widget::ROW_HEIGHT);
+        }
         let list = ScrollList { id: "mdi-history", rect, row: widget::ROW_HEIGHT, gap: 2.0, count: self.history.len() };
         let ((view, rows), mut touched) = (self.scroll.rows(view, &list, pages), None);
         for (index, place) in rows {

@@ -2,7 +2,7 @@
 
 use egui::{Id, Rect, Sense, Ui, vec2};
 
-use crate::hmi::{Area, View, theme};
+use crate::hmi::{Area, View, theme, widget};
 
 /// Scroll position of a list.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,10 +56,7 @@ impl Scroll {
     /// Handles finger and mouse wheel; returns the lines to draw, first and one past the last.
     pub fn handle_input(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
         let response = ui.interact(rect, Id::unique(id), Sense::DRAG | Sense::HOVER);
-        let mut moved = 0.0;
-        if response.dragged() {
-            moved -= response.drag_delta().y;
-        }
+        let mut moved = -widget::drag_delta(&response).y;
         if response.hovered() {
             moved -= ui.input(|input| input.smooth_scroll_delta()).y;
         }

@@ -12,7 +12,7 @@ use crate::defs::text::Text;
 use crate::hmi::key_press::KeyPresses;
 use crate::hmi::keycap::{self, Keycap};
 use crate::hmi::pictogram::{self, PictogramShape};
-use crate::hmi::{Area, KeycapState, View, theme};
+use crate::hmi::{Area, KeycapState, View, theme, widget};
 use crate::link::Command;
 use crate::link::snapshot::KeyView;
 use crate::units::Axis;
@@ -62,10 +62,9 @@ impl OperatorPanel {
         let text = format!("{} {} ×{step}", view.text("手轮", "WHEEL"), view.snapshot.handwheel_axis);
         let name = view.text("手轮 handwheel", "handwheel handwheel");
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-        if response.dragged() {
-            self.drag_points += response.drag_delta().x;
-            self.rib_offset = (self.rib_offset + response.drag_delta().x).rem_euclid(DETENT);
-        }
+        let dragged = widget::drag_delta(&response).x;
+        self.drag_points += dragged;
+        self.rib_offset = (self.rib_offset + dragged).rem_euclid(DETENT);
         if response.hovered() {
             let scroll = view.ui.input(|input| input.smooth_scroll_delta());
             self.drag_points += (scroll.y + scroll.x) * 0.5;

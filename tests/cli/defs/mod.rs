@@ -14,6 +14,7 @@ mod param;
 mod param_row;
 mod port_conflict;
 mod program_error;
+mod program_kind;
 mod program_number;
 mod signal;
 mod soft_key;

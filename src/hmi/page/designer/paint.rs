@@ -1,8 +1,7 @@
 //! Drawing of the page designer: the text with its errors, the preview, the lists beside it.
 //! Source: spec H4, K7.2–K7.4.
 
-use egui::accesskit::Role;
-use egui::{Id, Rect, Sense, TextureId, WidgetInfo, pos2, vec2};
+use egui::{Id, Rect, Sense, TextureId, pos2, vec2};
 
 use super::actions::VariableRow;
 use super::{DesignerPage, DesignerQuestion};
@@ -88,11 +87,9 @@ impl DesignerPage {
             let room = list.width() - NUMBER_WIDTH;
             self.position.follow_cursor(&view.painter, &self.document.rope, (line, column), room);
         }
-        let tap = view.ui.interact(list, Id::unique("page-text"), Sense::CLICK);
-        tap.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "page-text"));
         let rope = self.document.rope.clone();
-        let spec = ScrollList { id: "page-lines", rect: list, row: height, gap: 0.0, count };
-        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, NUMBER_WIDTH);
+        let spec = ScrollList { id: "page-text", rect: list, row: height, gap: 0.0, count };
+        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, NUMBER_WIDTH);
         if let Some((line, column)) = tapped {
             self.document.move_to(line, column);
             self.keys_focused = false;

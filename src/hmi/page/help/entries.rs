@@ -213,8 +213,10 @@ fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
     for row in 0..soft_key::ROWS {
         for (index, soft) in soft_key::row(kind, row).enumerate() {
             let (row, key) = (row + 1, index + 1);
-            let place =
-                LocalizedText::new(format!("▶ 翻到第 {row} 行，F{key}"), format!("▶ to row {row}, then F{key}"));
+            let place = LocalizedText::new(
+                format!("第 {row} 行 F{key}，◀ ▶ 换行"),
+                format!("row {row} F{key}; ◀ ▶ turn the rows"),
+            );
             let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{row}-{key}"), format!("{row}·F{key}"));
             all.push(HelpEntry::new(HelpTopic::SoftKey(soft.action), id, sign, soft.label.into(), parts));

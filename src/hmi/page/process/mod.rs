@@ -168,7 +168,7 @@ impl ProcessPage {
             // Zooms around the middle of the displayed span.
             end += (span - self.span()) / 2.0;
         }
-        let moved = if response.dragged() { f64::from(response.drag_delta().x) } else { 0.0 };
+        let moved = f64::from(widget::drag_delta(&response).x);
         end -= moved / width * span;
         self.span_seconds = Some(span);
         if moved.abs() < f64::EPSILON && !(drawn && self.window_end.is_some()) {

@@ -5,12 +5,14 @@
 use egui::{Rect, Ui};
 
 use super::text_task::{TaskStep, TextTask};
-use super::{EditorQuestion, ProgramPage, Prompt};
+use super::{EditorQuestion, EditorRequest, ProgramPage, Prompt};
+use crate::defs::key::Mode;
 use crate::defs::page::Page;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::widget::{self, page_keys};
 use crate::hmi::{Area, EditKey, Login, PageKey, View, requests};
 use crate::link::Command;
+use crate::link::snapshot::RunState;
 
 /// Why a text that is not being edited does not change.
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
@@ -228,7 +230,7 @@ impl ProgramPage {
         }
         match action {
             Edit if view.snapshot.program.has_invalid_bytes => self.message.refuse(UNKNOWN_ENCODING),
-            Edit => self.request_edit(out),
+            Edit => self.request_edit(EditorRequest::Edit, out),
             End => self.stop_editing(),
             Keyboard => self.keyboard_open = !self.keyboard_open,
             Find => self.open_prompt(Prompt::Find),
@@ -253,7 +255,7 @@ impl ProgramPage {
             StopTask => self.task = None,
             // B5: the core reads the program up to the line and reports the modal state there.
             RestartHere if self.document.changed => self.message.refuse(SAVE_FIRST),
-            RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
+            RestartHere => self.restart_here(out),
             Resume => out.push(Command::ResumeInterrupted),
             OpenDesigner => out.push(Command::OpenPage(Page::Designer)),
             PromptAccept => self.edit(EditKey::Enter, out),
@@ -268,6 +270,30 @@ impl ProgramPage {
             EndReplace => self.replacing = false,
             Undo | Redo | Mark | Unmark | CopyBlock | Cut | DeleteBlock | Paste => self.change_text(action),
         }
+    }
+
+    /// Starts at the cursor's line (B5). A line out of sight is shown first: nobody starts where he does not look.
+    fn restart_here(&mut self, out: &mut Vec<Command>) {
+        let line = self.document.cursor_position().0;
+        if self.sight.contains(&line) {
+            return out.push(Command::RestartAt(line as u32 + 1));
+        }
+        let line = line + 1;
+        self.message.refuse(LocalizedText::new(
+            format!("光标在第 {line} 行，刚才看不见：确认后再按“从此段”，或点要开始的行"),
+            format!("the cursor was out of sight, in line {line}: press FROM N again, or touch the line to start from"),
+        ));
+        self.reveal_cursor();
+    }
+
+    /// Where cycle start begins, while the cursor stands further down and 从此段 has not been pressed.
+    pub(super) fn start_hint(&self, view: &View<'_>) -> Option<String> {
+        let (snapshot, line) = (view.snapshot, self.document.cursor_position().0 + 1);
+        let ready = snapshot.mode == Mode::Auto && snapshot.state == RunState::Idle && snapshot.restart.is_none();
+        (ready && !self.editing && line > 1).then(|| match view.lang {
+            Lang::Zh => format!("循环启动从程序开头运行；按“从此段”才从第 {line} 行开始"),
+            Lang::En => format!("cycle start begins at the top of the program, FROM N at line {line}"),
+        })
     }
 
     /// Puts the cursor on a line, or on the last one, and shows it on top.

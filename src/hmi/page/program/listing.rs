@@ -1,8 +1,9 @@
 //! Painting of program lines in syntax colours; only visible lines are laid out. Where a restart would begin.
 //! Source: spec B5, B6, H4, K7.
 
+use egui::accesskit::Role;
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Color32, Id, Painter, Rect, Response, Ui, pos2, vec2};
+use egui::{Color32, Id, Painter, Rect, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::content_len;
@@ -35,8 +36,10 @@ pub struct LineMarks {
     pub faulty: bool,
     /// Column of the cursor.
     pub cursor: Option<usize>,
-    /// It was selected by touch or search: a restart begins here (B5).
+    /// The cursor outside edit mode, moved by touch, arrow keys or search: 从此段 acts on it (B5).
     pub chosen: bool,
+    /// Cycle start begins here (B5).
+    pub restart: bool,
 }
 
 /// The visible part of a line, from column `left` on.
@@ -92,10 +95,11 @@ impl ListingPosition {
             view.painter.rect_filled(place, theme::RADIUS, fill);
         }
         if mark.chosen {
-            view.frame(place, view.theme.line);
+            view.frame(place, view.theme.focus);
         }
-        if mark.faulty || mark.running {
-            view.edge_bar(place, if mark.faulty { view.theme.alarm } else { view.theme.run });
+        let bar = [(mark.faulty, view.theme.alarm), (mark.restart, view.theme.hold), (mark.running, view.theme.run)];
+        if let Some((_, colour)) = bar.into_iter().find(|(shown, _)| *shown) {
+            view.edge_bar(place, colour);
         }
         let (number, words) = place.split_left(NUMBER_WIDTH);
         let ink = if mark.faulty { view.theme.alarm_text } else { view.theme.muted };
@@ -120,10 +124,11 @@ impl ListingPosition {
         view: &View<'v>,
         list: &ScrollList<'_>,
         rope: &Rope,
-        tap: &Response,
         number_width: f32,
     ) -> (View<'v>, VisibleRows, Option<(usize, usize)>) {
         let (clipped, rows) = self.scroll.rows(view, list, 0);
+        // Above the area that scrolls: a drag area takes the taps of everything below it.
+        let tap = clipped.touch_as(Role::TextInput, list.rect, (list.id, "tap"), list.id);
         let first = rows.first().map_or(0, |(first, _)| *first);
         self.drag_sideways(view.ui, list.id, rope, first..first + rows.len());
         let tapped = tap.interact_pointer_pos().filter(|_| tap.clicked()).and_then(|at| {
@@ -166,7 +171,9 @@ impl ListingPosition {
             self.drag_remainder = 0.0;
             return;
         }
-        self.drag_remainder -= ui.input(|input| input.pointer.delta().x);
+        // The frame of the press does not count, as in `widget::drag_delta`.
+        let moved = ui.input(|input| if input.pointer.any_pressed() { 0.0 } else { input.pointer.delta().x });
+        self.drag_remainder -= moved;
         let longest = lines.map(|line| content_len(rope.line(line))).max().unwrap_or(0);
         let columns = (self.drag_remainder / COLUMN_WIDTH).trunc();
         self.drag_remainder -= columns * COLUMN_WIDTH;

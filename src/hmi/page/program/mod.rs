@@ -7,9 +7,11 @@ pub mod document;
 pub mod listing;
 mod text_task;
 
-use egui::{Id, Rect, Sense, Ui, pos2, vec2};
+use std::ops::Range;
 
-use super::{PageContext, PageUi, ScrollList, empty};
+use egui::{Rect, Ui, pos2, vec2};
+
+use super::{PageContext, PageUi, ScrollList, VisibleRows, empty};
 use crate::defs::key::Mode;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
@@ -49,6 +51,8 @@ enum Prompt {
 enum EditorRequest {
     /// May the text be edited?
     Edit,
+    /// May the text of a new program be edited?
+    EditNew,
     /// Save the text of this version.
     Save(u64),
 }
@@ -83,11 +87,22 @@ pub struct ProgramPage {
     keys_focused: bool,
     /// Editing has just begun: the cursor moves to the visible lines.
     editing_began: bool,
-    /// A search outside edit mode has moved the cursor: the listing scrolls to it once.
+    /// Search or keys outside edit mode have moved the cursor: the listing scrolls to it once.
     cursor_moved: bool,
+    /// Lines by which the arrow keys of this frame move the cursor outside edit mode.
+    cursor_lines: isize,
+    /// The lines that were fully visible in the last frame.
+    sight: Range<usize>,
+    /// A new program that is edited as soon as it is the current one.
+    edit_when_current: Option<u32>,
 }
 
 impl PageUi for ProgramPage {
+    /// A program that was handed over is new: it is edited at once.
+    fn open(&mut self, _view: &View<'_>, handed_over: Option<u32>) {
+        self.edit_when_current = handed_over;
+    }
+
     /// Typed text stays; editing must be requested again.
     fn close(&mut self) {
         self.stop_editing();
@@ -105,6 +120,9 @@ impl PageUi for ProgramPage {
         let PageContext { rect, view, typed, login, out, .. } = ctx;
         self.handle_answers(view, login, out);
         self.sync_with_core(view);
+        if self.edit_when_current.take_if(|number| *number == self.document.number).is_some() {
+            self.begin_new_program(out);
+        }
         if self.document.number == 0 {
             return empty::no_program(view, rect);
         }
@@ -147,9 +165,10 @@ impl ProgramPage {
     fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         while let Some(heard) = self.asking.poll_protected(Requester::Editor, view, login) {
             match heard {
-                RequestEvent::Unlocked => self.request_edit(out),
-                RequestEvent::Answer(EditorRequest::Edit, Ok(_)) => {
+                RequestEvent::Unlocked => self.request_edit(EditorRequest::Edit, out),
+                RequestEvent::Answer(request @ (EditorRequest::Edit | EditorRequest::EditNew), Ok(_)) => {
                     (self.editing, self.editing_began) = (true, true);
+                    self.keyboard_open |= request == EditorRequest::EditNew;
                     self.message.clear();
                     self.position.scroll.user_scrolled = true;
                 }
@@ -196,9 +215,17 @@ impl ProgramPage {
         self.position.first_column = 0;
     }
 
-    fn request_edit(&mut self, out: &mut Vec<Command>) {
+    /// Opens a new program for editing: the cursor in its empty line, the letter pad open.
+    fn begin_new_program(&mut self, out: &mut Vec<Command>) {
+        let lines = self.document.lines();
+        let empty = (0..lines).find(|line| content_len(self.document.rope.line(*line)) == 0);
+        self.document.move_to(empty.unwrap_or(0), 0);
+        self.request_edit(EditorRequest::EditNew, out);
+    }
+
+    fn request_edit(&mut self, why: EditorRequest, out: &mut Vec<Command>) {
         let request = FileRequest::CheckEditable(self.document.number);
-        out.push(self.asking.send(Requester::Editor, EditorRequest::Edit, request));
+        out.push(self.asking.send(Requester::Editor, why, request));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
@@ -230,8 +257,12 @@ impl ProgramPage {
                 self.perform(action, view, login, out);
             }
         }
-        if self.keys_focused || (!self.editing && self.prompt.is_none()) {
+        if self.keys_focused {
             self.walk.begin_frame(&typed.edits);
+        } else if !self.editing && self.prompt.is_none() {
+            // Up and down move the cursor in the text, the other keys walk over the keys below it.
+            let of_keys = |edit: &EditKey| !matches!(edit, EditKey::Up | EditKey::Down);
+            self.walk.begin_frame(&typed.edits.iter().copied().filter(of_keys).collect::<Vec<_>>());
         } else {
             self.walk.begin_frame(&[]);
         }
@@ -252,6 +283,8 @@ impl ProgramPage {
                 TypedInput::Key(EditKey::Cancel) if self.keys_focused => self.keys_focused = false,
                 TypedInput::Key(edit) if text => self.edit(edit, out),
                 TypedInput::Key(EditKey::Cancel) => self.message.clear(),
+                TypedInput::Key(EditKey::Up) if !self.editing => self.cursor_lines -= 1,
+                TypedInput::Key(EditKey::Down) if !self.editing => self.cursor_lines += 1,
                 TypedInput::Key(_) => {}
             }
         }
@@ -320,7 +353,8 @@ impl ProgramPage {
         let program = &view.snapshot.program;
         let document = &self.document;
         let (line, column) = document.cursor_position();
-        let line = if self.editing { line + 1 } else { program.line as usize };
+        let at_cursor = self.editing || self.shows_cursor_line(view);
+        let line = if at_cursor { line + 1 } else { program.line as usize };
         let place = if self.editing {
             format!("{} {line}:{} / {}", view.text("行", "line"), column + 1, document.lines())
         } else {
@@ -360,42 +394,73 @@ impl ProgramPage {
             self.position.followed_line = program.line;
             self.position.scroll.user_scrolled = program.line == 0;
         }
-        if pages != 0 {
-            if self.editing {
-                self.document.move_lines(pages as isize * ((list.height() / LINE_HEIGHT) as isize - 1));
-                self.follow_cursor();
-            } else {
-                self.position.scroll.scroll_pages(pages, list, LINE_HEIGHT);
-            }
-        }
+        let followed = (program.line as usize).checked_sub(1).filter(|_| current);
+        self.move_by_keys(view, list, pages, followed);
         if std::mem::take(&mut self.editing_began) {
-            let running = (program.line as usize).checked_sub(1).filter(|_| current);
-            self.move_cursor_into_view(self.position.scroll.visible_lines(list, LINE_HEIGHT), running);
+            self.move_cursor_into_view(self.position.scroll.visible_lines(list, LINE_HEIGHT), followed);
         }
-        let (line, column) = self.document.cursor_position();
         if !self.position.scroll.user_scrolled {
-            self.scroll_to_followed(view.ui, list, (program.line as usize).checked_sub(1).filter(|_| current));
+            self.scroll_to_followed(view.ui, list, followed);
         }
-        let tap = view.ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
         let rope = self.document.rope.clone();
         let spec = ScrollList { id: "listing", rect: list, row: LINE_HEIGHT, gap: 0.0, count };
-        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, &tap, listing::NUMBER_WIDTH);
+        let (clipped, rows, tapped) = self.position.handle_input(view, &spec, &rope, listing::NUMBER_WIDTH);
         if let Some((line, column)) = tapped {
             self.document.move_to(line, column);
             self.keys_focused = false;
+            self.message.clear();
         }
-        let block = self.document.block();
-        let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
+        self.sight = self.position.scroll.visible_lines(list, LINE_HEIGHT);
+        self.paint_lines(&clipped, rows, current);
+    }
+
+    /// Paints the visible lines; `current`: the running line belongs to this text.
+    fn paint_lines(&self, view: &View<'_>, rows: VisibleRows, current: bool) {
+        let (line, column) = self.document.cursor_position();
+        let (block, rope) = (self.document.block(), &self.document.rope);
         let running = current && !self.document.changed;
+        let restart = view.snapshot.restart.as_ref().filter(|restart| restart.program == self.document.number);
         for (row, place) in rows {
             let mark = LineMarks {
-                running: running && row + 1 == program.line as usize,
+                running: running && row + 1 == view.snapshot.program.line as usize,
                 block: block.is_some_and(|(from, to)| (from..to).contains(&row)),
                 faulty: self.fault_in_line(view, row).is_some(),
                 cursor: (self.editing && row == line).then_some(column),
-                chosen: idle && !self.editing && row == line,
+                chosen: self.shows_cursor_line(view) && row == line,
+                restart: restart.is_some_and(|restart| row + 1 == restart.line as usize),
             };
-            self.position.paint_line(&clipped, place, &rope, row, mark);
+            self.position.paint_line(view, place, rope, row, mark);
+        }
+    }
+
+    /// Whether the cursor's line is framed: outside edit mode, unless a run moves through the text.
+    const fn shows_cursor_line(&self, view: &View<'_>) -> bool {
+        let still =
+            matches!(view.snapshot.state, RunState::Idle | RunState::Alarm | RunState::Held | RunState::Stopped);
+        still && !self.editing
+    }
+
+    /// Moves the cursor by the arrow keys and by pages; while a run moves through the text, pages scroll it.
+    fn move_by_keys(&mut self, view: &View<'_>, list: Rect, pages: i32, running: Option<usize>) {
+        let page = (list.height() / LINE_HEIGHT) as isize - 1;
+        let by = pages as isize * page + std::mem::take(&mut self.cursor_lines);
+        if by == 0 {
+            return;
+        }
+        if self.editing {
+            self.document.move_lines(by);
+            self.follow_cursor();
+        } else if self.shows_cursor_line(view) {
+            let sight = self.position.scroll.visible_lines(list, LINE_HEIGHT);
+            if sight.contains(&self.document.cursor_position().0) {
+                self.document.move_lines(by);
+            } else {
+                self.move_cursor_into_view(sight, running);
+            }
+            self.message.clear();
+            self.reveal_cursor();
+        } else if pages != 0 {
+            self.position.scroll.scroll_pages(pages, list, LINE_HEIGHT);
         }
     }
 
@@ -411,7 +476,7 @@ impl ProgramPage {
     }
 
     /// Moves a hidden cursor to the running line, else to the first visible one.
-    fn move_cursor_into_view(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
+    fn move_cursor_into_view(&mut self, sight: Range<usize>, running: Option<usize>) {
         if !sight.contains(&self.document.cursor_position().0) {
             self.document.move_to(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
         }
@@ -456,6 +521,8 @@ impl ProgramPage {
         } else if self.document.changed && self.document.number != view.snapshot.program.number {
             let words = view.text("这是未保存的程序，不是当前程序", "this is the unsaved program, not the current one");
             (words.to_owned(), view.theme.hold)
+        } else if let Some(words) = self.start_hint(view) {
+            (words, view.theme.muted)
         } else {
             return;
         };
