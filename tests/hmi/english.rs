@@ -10,7 +10,8 @@ use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::defs::page_text::{self, PageText};
 use kt830::defs::text::Lang;
-use kt830::hmi::page_text as painted_text;
+use kt830::hmi::offscreen::OffscreenHmi;
+use kt830::hmi::{Hmi, page_text as painted_text};
 use kt830::host::folders::{Folders, parse_page_text};
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
@@ -29,13 +30,14 @@ fn chinese_on(rig: &mut HeadlessHost, page: Page) -> Vec<String> {
 
 #[test]
 fn h9_the_pages_of_the_shipped_programs_are_english_in_english() {
-    for kind in [Kind::Gc, Kind::Gs, Kind::Ga] {
+    for (kind, programs) in [(Kind::Gc, 1_001..=1_012), (Kind::Gs, 1_007..=1_013), (Kind::Ga, 1_010..=1_014)] {
         let mut rig = ready_of(kind);
-        for number in 1_001..=1_014 {
+        for number in programs {
             tell(&mut rig, &format!("load O{number}"));
-            for page in [Page::Grinding, Page::Dressing, Page::Macro, Page::Directory] {
-                assert_eq!(chinese_on(&mut rig, page), [""; 0], "O{number} {page:?}");
-            }
+            assert_eq!(chinese_on(&mut rig, Page::Grinding), [""; 0], "O{number}");
+        }
+        for page in [Page::Dressing, Page::Macro, Page::Directory] {
+            assert_eq!(chinese_on(&mut rig, page), [""; 0], "{page:?}");
         }
     }
     for kind in [Kind::Lathe, Kind::Vertical] {
@@ -220,4 +222,32 @@ fn h9_every_page_follows_the_one_rule_of_capitals() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// No English label of a shipped page is cut, on a wide and on a tall display.
+#[test]
+fn h9_the_english_labels_of_the_shipped_pages_have_their_room() {
+    let mut cut = std::collections::BTreeSet::new();
+    let mut look = |rig: &mut HeadlessHost, what: &str| {
+        tell(rig, "page grinding");
+        for size in [(1_024, 768), (768, 1_024)] {
+            let mut stage = OffscreenHmi::new(Hmi::new(Lang::En), size);
+            stage.frame(rig.snapshot());
+            let texts = stage.texts().into_iter().filter(|(_, _, _, cut)| *cut);
+            cut.extend(texts.map(|(text, ..)| format!("{what} {size:?}: {text}")));
+        }
+    };
+    for (kind, programs) in [(Kind::Gc, 1_001..=1_012), (Kind::Gs, 1_007..=1_013), (Kind::Ga, 1_010..=1_014)] {
+        let mut rig = ready_of(kind);
+        for number in programs {
+            tell(&mut rig, &format!("load O{number}"));
+            look(&mut rig, &format!("O{number}"));
+        }
+    }
+    let mut rig = ready_of(Kind::Vertical);
+    for sheet in 1..=3 {
+        tell(&mut rig, &format!("page grinding\nsheet {sheet}"));
+        look(&mut rig, &format!("sheet {sheet}"));
+    }
+    assert!(cut.is_empty(), "{cut:#?}");
 }

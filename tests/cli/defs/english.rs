@@ -10,9 +10,9 @@ use kt830::defs::signal::{Input, Output};
 use kt830::defs::system_variable::SYSTEM_VARIABLES;
 use kt830::link::internal_signal::InternalSignal;
 
-/// Whether a text begins with a small letter, a sign, or a name: RESET, X, P270, XON/XOFF.
+/// Whether a text begins with a small letter, a sign, or a name: RESET, X, P270, XON/XOFF, C00nn.TXT, MSG("text").
 fn begins_small(text: &str) -> bool {
-    let word = text.split([' ', ':', ',', '/']).next().unwrap_or_default();
+    let word = text.split([' ', ':', ',', '/', '(', '0']).next().unwrap_or_default();
     let capital = word.starts_with(|sign: char| sign.is_ascii_uppercase());
     !capital || word == "SuperMan" || !word.contains(|sign: char| sign.is_ascii_lowercase())
 }
