@@ -84,6 +84,11 @@ pub trait PageUi: Any + fmt::Debug + Send {
         Some((typing.text.clone(), typing.refusal(lang)?.into_owned()))
     }
 
+    /// The message that the page shows itself; the message line does not repeat it.
+    fn message(&self, _lang: Lang) -> Option<String> {
+        None
+    }
+
     /// Whether the numeric pad is shown.
     fn wants_pad(&self, _view: &View<'_>) -> bool {
         self.typing().is_some_and(|typing| typing.pad_open)
@@ -110,6 +115,8 @@ pub trait PageUi: Any + fmt::Debug + Send {
 pub enum FieldGroup {
     /// Strokes and time of the cycle, in the position column.
     Cycle,
+    /// The part of the last cycle.
+    PartResult,
     /// Values of macro variables.
     Variables,
     /// Inputs.
@@ -151,7 +158,7 @@ macro_rules! page_rows {
 page_rows! {
     Position => position::PositionPage, shows Cycle;
     Panel => position::PositionPage, shows Cycle;
-    Grinding => grinding::GrindingPage, shows Cycle Variables;
+    Grinding => grinding::GrindingPage, shows Cycle Variables PartResult DressingPoint;
     Dressing => dressing::DressingPage, shows Offsets DressingPoint;
     Program => program::ProgramPage, shows Restart;
     Designer => designer::DesignerPage, shows Variables;
