@@ -12,7 +12,7 @@ use super::run::{RunEnd, RunResult};
 use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
-use crate::controller::{PARAM_VARIABLES, PowerOnState, Programs, nc_settings, reference_points};
+use crate::controller::{PowerOnState, Programs, nc_settings, reference_points, stored_system_variables};
 use crate::defs::page_text::{self, PageTextFault};
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
@@ -327,8 +327,8 @@ impl<'a> FileCheck<'a> {
         let mut world = OfflineMachine::new(&self.settings)
             .with_references(reference_points(&self.retained.params))
             .with_work_offsets(self.retained.work_offsets.clone());
-        for (variable, row) in PARAM_VARIABLES {
-            world.set_system(variable.first, Some(self.retained.params.get(row)));
+        for (number, value) in stored_system_variables(&self.retained.params, self.retained.dress_points) {
+            world.set_system(number, value);
         }
         world
     }

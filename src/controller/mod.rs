@@ -31,11 +31,11 @@ use program::Program;
 pub use crate::nc::WorkOffsets;
 pub use panel::files;
 pub use plant::WORK_PER_TICK;
-pub use plant::system_variables::{PARAM_VARIABLES, nc_settings};
+pub use plant::system_variables::{nc_settings, stored_system_variables};
 pub use power_on::PowerOnState;
 pub use program::library::{Programs, StoredProgram};
 pub use program::lookahead_state::reference_points;
-pub use safety::alarms::AlarmList;
+pub use safety::alarms::{AlarmList, AlarmWords};
 pub use storage_request::StorageRequest;
 
 /// The core of one control: its parts and the order of a tick.
@@ -93,6 +93,7 @@ impl Controller {
         program.finish_braking(plant);
         plant.write_outputs();
         plant.store_alarm_changes();
+        panel.follow_cycle(plant);
         plant.outbox.refusal = refused; // later refusals in this tick do not answer a command
         &plant.outputs.image
     }

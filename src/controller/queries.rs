@@ -8,6 +8,7 @@ use crate::defs::param::Params;
 use crate::defs::signal::{OutputSet, Terminals};
 use crate::defs::text::LocalizedText;
 use crate::io::OutputImage;
+use crate::link::part_result::PartResult;
 use crate::link::snapshot::{RunState, ThreadCut};
 use crate::nc::BlockLocation;
 use crate::units::{Axis, MachinePos, Micros};
@@ -18,6 +19,12 @@ impl Controller {
     #[must_use]
     pub const fn work_of_last_tick(&self) -> usize {
         self.plant.tick_budget.spent()
+    }
+
+    /// The part that the last cycle has finished.
+    #[must_use]
+    pub const fn part_result(&self) -> Option<PartResult> {
+        self.panel.part_result
     }
 
     /// Why a command of the last tick was refused; `None` if all were executed.

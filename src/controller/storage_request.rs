@@ -34,8 +34,8 @@ pub enum StorageRequest {
     },
     /// Store a work offset: index 0 is G54; origin in machine coordinates, radius mm.
     WorkOffset(usize, PerAxis<f64>),
-    /// Store the dressing point of an axis: machine coordinate, radius mm.
-    DressPoint(Axis, f64),
+    /// Store the dressing point of an axis: machine coordinate, radius mm; `None` removes it.
+    DressPoint(Axis, Option<f64>),
     /// Store the leadscrew compensation table of an axis.
     LeadscrewTable(Axis, LeadscrewCompensation),
     /// Store the number of the current program.
@@ -114,8 +114,8 @@ pub struct DrawingStart {
     pub position: WorkPos,
     /// The reference points, machine coordinates.
     pub reference_points: [MachinePos; REFERENCE_POINTS],
-    /// System variables stored in parameters: number, value.
-    pub system_variables: Vec<(u32, f64)>,
+    /// System variables that are stored: number, value.
+    pub system_variables: Vec<(u32, Option<f64>)>,
     /// Block skip (跳段) is on.
     pub block_skip: bool,
 }

@@ -1,45 +1,46 @@
-//! Which axes, keys, signals, M codes and pages a kind of machine has, and how it names them: derived from its row.
+//! Which keys, signals, faults, M codes and pages a machine has, and how its kind names them: derived from what is fitted.
 //! Source: spec K1, K2.1, K5.3, K7.1, L9.
 
+use super::fitted::Fitted;
 use super::key::Key;
-use super::kind::{Kind, KindRow};
+use super::kind::Kind;
 use super::mcode::MCode;
 use super::page::Page;
-use super::param::{self, Params};
 use super::signal::{Input, Output};
+use super::sim_fault::FaultRow;
 use super::text::Text;
-use crate::units::{Axis, PerAxis};
-
-impl KindRow {
-    /// The axes of a machine of this kind with these parameters.
-    #[must_use]
-    pub fn fitted(&self, params: &Params) -> PerAxis<bool> {
-        PerAxis::from_fn(|axis| self.axes[axis] || axis == Axis::Y && params.bit(param::Y_FITTED))
-    }
-}
 
 impl Output {
-    /// Whether a kind has the function. Of the functions that share a parameter, a kind has at most one.
+    /// Whether a machine has the function. Of the functions that share a parameter, a machine has at most one.
     #[must_use]
-    pub fn exists_on(self, kind: Kind) -> bool {
-        kind.row().meets(self.needs())
+    pub fn exists_on(self, machine: impl Into<Fitted>) -> bool {
+        machine.into().meets(self.needs())
     }
 }
 
 impl Input {
-    /// Whether a kind has the switch; pages show only those.
+    /// Whether a machine has the switch; pages show only those.
     #[must_use]
-    pub fn exists_on(self, kind: Kind) -> bool {
-        kind.row().meets(self.needs())
+    pub fn exists_on(self, machine: impl Into<Fitted>) -> bool {
+        machine.into().meets(self.needs())
+    }
+}
+
+impl FaultRow {
+    /// Whether a machine can have the fault.
+    #[must_use]
+    pub fn exists_on(&self, machine: impl Into<Fitted>) -> bool {
+        machine.into().meets(self.needs)
     }
 }
 
 impl Page {
-    /// Whether a kind has the page.
+    /// Whether a machine has the page.
     #[must_use]
-    pub fn exists_on(self, kind: Kind) -> bool {
-        let has_offsets = kind.dialect().has_tool_offsets() || !matches!(self, Self::Dressing | Self::Offset);
-        kind.row().meets(self.needs()) && has_offsets
+    pub fn exists_on(self, machine: impl Into<Fitted>) -> bool {
+        let machine = machine.into();
+        let has_offsets = machine.kind.dialect().has_tool_offsets() || !matches!(self, Self::Dressing | Self::Offset);
+        machine.meets(self.needs()) && has_offsets
     }
 
     /// The title on a kind.
@@ -50,16 +51,17 @@ impl Page {
     }
 }
 
-/// The M codes of a kind of machine.
-pub fn m_codes(kind: Kind) -> impl Iterator<Item = &'static MCode> {
-    kind.dialect().m_codes().filter(move |row| kind.row().meets(row.action.needs()))
+/// The M codes of a machine.
+pub fn m_codes(machine: impl Into<Fitted>) -> impl Iterator<Item = &'static MCode> {
+    let machine = machine.into();
+    machine.kind.dialect().m_codes().filter(move |row| machine.meets(row.action.needs()))
 }
 
 impl Key {
-    /// Whether a kind has the key.
+    /// Whether a machine has the key. Those of the axis Y are dead without it, but the keyboard says why.
     #[must_use]
-    pub fn exists_on(self, kind: Kind) -> bool {
-        kind.row().meets(self.row().needs)
+    pub fn exists_on(self, machine: impl Into<Fitted>) -> bool {
+        machine.into().meets(self.row().needs)
     }
 
     /// The full label on a kind.
@@ -76,10 +78,23 @@ impl Key {
         own.map_or_else(|| self.short(), |label| label.short)
     }
 
-    /// The key of an id or of a Chinese label (full or short) on a kind; an ambiguous label gives `None`.
+    /// The label on a key that is too narrow for the short one.
+    #[must_use]
+    pub fn narrow_label(self, kind: Kind) -> Text {
+        match self {
+            Self::SecondSpindle => Text::new("主轴 2", "SP 2"),
+            Self::DressReturn => Text::new("修整点", "POINT"),
+            Self::WheelRetract => Text::new("回退", "RETR"),
+            Self::Magnetise => Text::new("充磁", "MAG"),
+            _ => self.short_label(kind),
+        }
+    }
+
+    /// The key of an id or of a Chinese label (full or short) that a machine of a kind can have; an ambiguous label gives
+    /// `None`.
     #[must_use]
     pub fn from_word(word: &str, kind: Kind) -> Option<Self> {
-        let on_kind = || Self::ALL.iter().copied().filter(move |key| key.exists_on(kind));
+        let on_kind = || Self::ALL.iter().copied().filter(move |key| key.exists_on(Fitted::fully(kind)));
         let only = |text: fn(Self, Kind) -> Text| {
             let mut matches = on_kind().filter(|key| text(*key, kind).zh == word);
             matches.next().filter(|_| matches.next().is_none())

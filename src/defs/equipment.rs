@@ -1,5 +1,5 @@
-//! The devices that some kinds of machine have and others lack. Keys, signals, M codes, pages and factory bits that
-//! belong to a device exist where the device exists. Source: spec K1, K2.1, L7–L9.
+//! The devices that some machines have and others lack. Keys, signals, M codes, pages, parameters and faults that belong
+//! to a device exist where it is fitted (`defs::fitted`). Source: spec K1, K2.1, L7–L9.
 
 /// A device of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,13 +24,18 @@ pub enum Equipment {
     Gauges,
     /// A tool turret with four stations.
     ToolTurret,
+    /// The axis Y.
+    AxisY,
 }
 
 /// The device that a key, a signal or a page needs; `None` if every machine has it.
 pub type Needs = Option<Equipment>;
 
-/// What a row of a table needs: a device, or `ANY` if every machine has it.
+/// What a row of a table needs: a device; `ANY` or nothing if every machine has it.
 macro_rules! needs {
+    () => {
+        None
+    };
     (ANY) => {
         None
     };

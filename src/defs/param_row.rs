@@ -1,7 +1,7 @@
-//! All parameters of a kind as one list: bits, numbers and ports with name, unit, range, factory value and level.
+//! All parameters of a machine as one list: bits, numbers and ports with name, unit, range, factory value and level.
 //! Source: spec B6, K6.1; the rows are defined in `param` and `signal`.
 
-use super::kind::Kind;
+use super::fitted::Fitted;
 use super::param::{AccessLevel, BITS, NUMBERS, ParamAddress, Params, is_port};
 use super::signal::{Input, Output, PORTS};
 use super::text::{LocalizedText, Text};
@@ -58,18 +58,20 @@ impl ParamRow {
     }
 }
 
-/// Every parameter of a kind: bits, then numbers, then ports, each by number.
+/// Every parameter of what a machine is fitted with: bits, then numbers, then ports, each by number.
 #[must_use]
-pub fn rows(kind: Kind) -> Vec<ParamRow> {
-    let factory = Params::factory(kind);
+pub fn rows(machine: impl Into<Fitted>) -> Vec<ParamRow> {
+    let machine = machine.into();
+    let (kind, factory) = (machine.kind, Params::factory(machine.kind));
     let row = |address, name: LocalizedText, (min, max), level, param_type| {
         // `read` uses the same tables, so every address is found.
         let factory = factory.read(address).unwrap_or(f64::NAN);
         ParamRow { address, name, unit: "", min, max, factory, level, param_type }
     };
-    let bits = BITS.iter().map(|bit| row(bit.address(), bit.name.into(), (0.0, 1.0), bit.level, ParamType::Bit));
+    let bits = BITS.iter().filter(|bit| machine.meets(bit.needs));
+    let bits = bits.map(|bit| row(bit.address(), bit.name.into(), (0.0, 1.0), bit.level, ParamType::Bit));
     let mut rows: Vec<ParamRow> = bits.collect();
-    let numbers = NUMBERS.iter().map(|number| {
+    let numbers = NUMBERS.iter().filter(|number| machine.meets(number.needs)).map(|number| {
         let range = number.range_on(kind);
         let shown = row(number.address(), number.name.into(), range, number.level, ParamType::Number);
         ParamRow { unit: number.unit, ..shown }
@@ -79,9 +81,10 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
         row(ParamAddress { number, bit: None }, name, (0.0, f64::from(PORTS)), AccessLevel::Builder, sort)
     };
     let (into, out_of) = (Text::new("输入口", "input port"), Text::new("输出口", "output port"));
-    let inputs = Input::ALL.iter().map(|input| port(input.port_param(), input.name(), into, ParamType::Input(*input)));
-    let on_kind = Output::ALL.iter().filter(|output| output.exists_on(kind));
-    let outputs = on_kind.map(|output| port(output.port_param(), output.name(), out_of, ParamType::Output(*output)));
+    let inputs = Input::ALL.iter().filter(|input| input.exists_on(machine));
+    let inputs = inputs.map(|input| port(input.port_param(), input.name(), into, ParamType::Input(*input)));
+    let outputs = Output::ALL.iter().filter(|output| output.exists_on(machine));
+    let outputs = outputs.map(|output| port(output.port_param(), output.name(), out_of, ParamType::Output(*output)));
     let mut numbers: Vec<ParamRow> = numbers.collect();
     let mut ports: Vec<ParamRow> = inputs.chain(outputs).collect();
     numbers.sort_by_key(|row| row.address);
@@ -89,6 +92,15 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
     rows.append(&mut numbers);
     rows.append(&mut ports);
     rows
+}
+
+/// The address of every parameter, also of devices that a machine lacks: a backup has them all.
+pub fn addresses() -> impl Iterator<Item = ParamAddress> {
+    let ports =
+        Input::ALL.iter().map(|input| input.port_param()).chain(Output::ALL.iter().map(|output| output.port_param()));
+    let numbers = NUMBERS.iter().map(|number| number.number).chain(ports);
+    let numbers = numbers.map(|number| ParamAddress { number, bit: None });
+    BITS.iter().map(|bit| bit.address()).chain(numbers)
 }
 
 /// The access level of a parameter; `None` if it does not exist.

@@ -1,7 +1,6 @@
 //! Ports assigned to more than one function: shown on the diagnosis page and refused by the interlock table.
 //! Source: spec K6.1. Functions that never exist on the same kind may share a port (P153). Port 0 is "not connected".
 
-use super::kind::Kind;
 use super::param::Params;
 use super::signal::{Input, Output, PORTS};
 
@@ -17,13 +16,15 @@ pub struct PortConflict<T> {
 /// Input ports with more than one function.
 #[must_use]
 pub fn input_conflicts(params: &Params) -> Vec<PortConflict<Input>> {
-    conflicts(Input::ALL.iter().copied(), |input| params.input_port(input))
+    let fitted = params.fitted();
+    conflicts(Input::ALL.iter().copied().filter(|input| input.exists_on(fitted)), |input| params.input_port(input))
 }
 
 /// Output ports with more than one function.
 #[must_use]
-pub fn output_conflicts(kind: Kind, params: &Params) -> Vec<PortConflict<Output>> {
-    let used = Output::ALL.iter().copied().filter(|output| output.exists_on(kind));
+pub fn output_conflicts(params: &Params) -> Vec<PortConflict<Output>> {
+    let fitted = params.fitted();
+    let used = Output::ALL.iter().copied().filter(|output| output.exists_on(fitted));
     conflicts(used, |output| params.output_port(output))
 }
 

@@ -85,7 +85,7 @@ signals! {
         User9 = "user-9", 287, ANY, "用户输入 9 (M88)", "user input 9 (M88)";
         User10 = "user-10", 288, ANY, "用户输入 10 (M89)", "user input 10 (M89)";
         HomeX = "home-x", 329, ANY, "X 零点开关", "home switch X";
-        HomeY = "home-y", 330, ANY, "Y 零点开关", "home switch Y";
+        HomeY = "home-y", 330, AxisY, "Y 零点开关", "home switch Y";
         HomeZ = "home-z", 331, ANY, "Z 零点开关", "home switch Z";
         GuardClosed = "guard-closed", 332, ANY, "防护门关", "guard closed";
         CoolantFlow = "coolant-flow", 333, ANY, "冷却液流量", "coolant flow";
@@ -97,12 +97,12 @@ signals! {
         AxialArmOut = "axial-arm-out", 339, Gauges, "轴向量仪伸出到位", "axial gauge arm out";
         AxialArmIn = "axial-arm-in", 340, Gauges, "轴向量仪缩回到位", "axial gauge arm in";
         DriveX = "drive-x", 341, ANY, "X 驱动报警", "drive fault X";
-        DriveY = "drive-y", 342, ANY, "Y 驱动报警", "drive fault Y";
+        DriveY = "drive-y", 342, AxisY, "Y 驱动报警", "drive fault Y";
         DriveZ = "drive-z", 343, ANY, "Z 驱动报警", "drive fault Z";
         LimitXPlus = "limit-x-plus", 344, ANY, "X+ 限位", "limit switch X+";
         LimitXMinus = "limit-x-minus", 345, ANY, "X- 限位", "limit switch X-";
-        LimitYPlus = "limit-y-plus", 346, ANY, "Y+ 限位", "limit switch Y+";
-        LimitYMinus = "limit-y-minus", 347, ANY, "Y- 限位", "limit switch Y-";
+        LimitYPlus = "limit-y-plus", 346, AxisY, "Y+ 限位", "limit switch Y+";
+        LimitYMinus = "limit-y-minus", 347, AxisY, "Y- 限位", "limit switch Y-";
         LimitZPlus = "limit-z-plus", 348, ANY, "Z+ 限位", "limit switch Z+";
         LimitZMinus = "limit-z-minus", 349, ANY, "Z- 限位", "limit switch Z-";
         Gear1In = "gear-1-in", 350, ANY, "1 档到位", "gear 1 engaged";
@@ -123,9 +123,8 @@ signals! {
         Coolant = "coolant", 301, ANY, "冷却", "coolant";
         Lubrication = "lubrication", 302, ANY, "润滑", "lubrication";
         Tailstock = "tailstock", 303, Tailstock, "尾座", "tailstock";
-        // P16.0 fits a magnet to any kind.
-        Magnetise = "magnetise", 304, ANY, "充磁", "magnetise";
-        Demagnetise = "demagnetise", 305, ANY, "退磁", "demagnetise";
+        Magnetise = "magnetise", 304, MagneticChuck, "充磁", "magnetise";
+        Demagnetise = "demagnetise", 305, MagneticChuck, "退磁", "demagnetise";
         SecondSpindle = "second-spindle", 306, Wheel, "第二主轴正转", "second spindle cw";
         SecondSpindleCcw = "second-spindle-ccw", 307, Wheel, "第二主轴反转", "second spindle ccw";
         OscillationForward = "oscillation-forward", 226, Wheel, "振荡前进", "oscillation forward";

@@ -1,5 +1,5 @@
 //! The table of system variables that a program can read or write.
-//! Numbers follow FANUC; #434–#439 are defined by the customer, #5801–#5805 by this control.
+//! Numbers follow FANUC; #434–#439 are defined by the customer, #5801–#5813 by this control.
 //! Source: spec B3, K4.3, K4.5; docs/decisions.md "Grinding functions".
 
 use super::text::Text;
@@ -76,12 +76,13 @@ ranges! {
     PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
     DRESSING_INTERVAL = 5_804, 1, Read, "修整间隔件数 (P95)", "dressing interval in parts (P95)";
     DRESSING_COUNT = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
+    DRESSING_POINT = 5_811, 3, Read, "修整点 (机床坐标)，没有设置为空", "dressing point, machine position; null where none is set";
 }
 
 /// Whether a variable is a position or a distance; programs read it in the active unit (mm or inch).
 #[must_use]
 pub fn is_position(number: u32) -> bool {
-    [GAUGE_POSITIONS, BLOCK_END, MACHINE_POSITION, WORK_POSITION, SKIP_POSITION]
+    [GAUGE_POSITIONS, BLOCK_END, MACHINE_POSITION, WORK_POSITION, SKIP_POSITION, DRESSING_POINT]
         .iter()
         .any(|range| range.index(number).is_some())
 }

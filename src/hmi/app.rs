@@ -144,11 +144,11 @@ impl Hmi {
         let view = self.view(ui, snapshot, &frame);
         self.follow_snapshot(&view);
         let regions = Regions::new(ui.max_rect());
-        let panel = panel_layout(snapshot.kind, regions.panel, regions.portrait);
+        let panel = panel_layout(snapshot.fitted(), regions.panel, regions.portrait);
         let words =
             if self.help_open { self.help.accepts_text() } else { self.pages.page(snapshot.page).accepts_text() };
         let words = words && !snapshot.state.is_active();
-        let mut asked = keyboard::read(ui, snapshot.kind, words);
+        let mut asked = keyboard::read(ui, snapshot.fitted(), words);
         out.extend(self.screenshot_commands(snapshot.params.bit(param::PRINT_AS_BMP)));
         self.handle_physical_keys(&view, &asked, &mut out);
         if let Some(reason) = self.panel.ui(&panel, &view, &mut self.presses, &mut out) {
@@ -230,7 +230,8 @@ impl Hmi {
     fn draw_frame(&mut self, regions: &Regions, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
         let header = page_frame::header(view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        match header.or(page_frame::message_line(view, regions.message, hint)) {
+        let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.help_open);
+        match header.or(page_frame::message_line(view, regions.message, hint, of_page.as_deref())) {
             Some(FrameTouch::Help) => self.toggle_help(view),
             Some(FrameTouch::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
             None => {}

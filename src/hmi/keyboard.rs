@@ -187,7 +187,7 @@ pub struct KeyboardInput {
 }
 
 /// Reads the keyboard of this frame. `words`: a page takes text and nothing runs, so the space bar types a space.
-pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> KeyboardInput {
+pub fn read(ui: &Ui, machine: crate::defs::fitted::Fitted, words: bool) -> KeyboardInput {
     let mut asked = KeyboardInput::default();
     let events = ui.input(|input| input.events.clone());
     // Alt with a digit is a panel key, not a digit; egui sends the text event right after the key event.
@@ -200,7 +200,7 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> KeyboardInpu
                 let is_it = |shortcut: &&Shortcut| {
                     shortcut.physical == *key
                         && modifiers.matches_exact(shortcut.modifiers)
-                        && shortcut.key.exists_on(kind)
+                        && shortcut.key.exists_on(machine)
                 };
                 let found = SHORTCUTS.iter().find(is_it).filter(|_| !(words && !modified && *key == egui::Key::Space));
                 match found {

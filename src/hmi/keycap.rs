@@ -58,8 +58,10 @@ fn paint_standard(view: &View<'_>, rect: Rect, keycap: Keycap) {
     if has_lamp {
         paint_lamp(view, rect, face, lamp_colour(theme, key));
     }
-    let text = key.short_label(view.snapshot.kind).get(view.lang);
     let inner = body.trim_sides(2.0);
+    let short = key.short_label(view.snapshot.kind).get(view.lang);
+    let elided = view.layout_line(short, theme::SMALL, ink, inner.width()).elided;
+    let text = if elided { key.narrow_label(view.snapshot.kind).get(view.lang) } else { short };
     if text.is_empty() {
         pictogram::draw(&view.painter, Rect::from_center_size(body.center(), vec2(24.0, 24.0)), marks, ink);
     } else if marks.is_empty() {

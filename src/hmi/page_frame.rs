@@ -107,17 +107,21 @@ pub fn message_is_fresh(snapshot: &Snapshot) -> bool {
     snapshot.now.since(snapshot.message.since) < MESSAGE_DURATION && !snapshot.message.text.zh().is_empty()
 }
 
-/// Text and colour of the message line.
-fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
+/// Text and colour of the message line. What the page says itself (`of_page`) is not repeated; an alarm that has just come
+/// is an alarm, not a refusal.
+fn message(view: &View<'_>, hint: Option<&str>, of_page: Option<&str>) -> Option<(String, Color32)> {
     let lang = view.lang;
     if let Some(hint) = hint {
         return Some((hint.to_owned(), view.theme.hold));
     }
-    let (message, fresh) = (&view.snapshot.message, message_is_fresh(view.snapshot));
-    if fresh && message.tone == Tone::Refused {
+    let message = &view.snapshot.message;
+    let fresh = message_is_fresh(view.snapshot) && of_page.is_none_or(|shown| shown != message.text.get(lang));
+    let alarms = &view.snapshot.alarms;
+    let raised = alarms.iter().find(|alarm| fresh && alarm.text == message.text);
+    if fresh && message.tone == Tone::Refused && raised.is_none() {
         return Some((message.text.get(lang).into_owned(), view.theme.hold));
     }
-    if let Some(alarm) = view.snapshot.alarms.first() {
+    if let Some(alarm) = raised.or(alarms.first()) {
         let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
         let arrow = if remedy.is_empty() { "" } else { " → " };
         return Some((format!("{:03} {text}{arrow}{remedy}", alarm.number), view.theme.alarm_text));
@@ -128,12 +132,12 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     fresh.then(|| (message.text.get(lang).into_owned(), view.theme.text))
 }
 
-/// Draws the message line: a refusal in amber for 5 s, else the first alarm with its remedy in red, else what the run
-/// waits for, else a note for 5 s. Returns [`FrameTouch::Alarm`] if it was touched while there is an alarm.
-pub fn message_line(view: &View<'_>, rect: Rect, hint: Option<&str>) -> Option<FrameTouch> {
+/// Draws the message line: a refusal in amber for 5 s, else the alarm that has just come or the first one, with its remedy
+/// in red, else what the run waits for, else a note for 5 s. Returns [`FrameTouch::Alarm`] if it was touched while there is an alarm.
+pub fn message_line(view: &View<'_>, rect: Rect, hint: Option<&str>, of_page: Option<&str>) -> Option<FrameTouch> {
     view.painter.rect_filled(rect, 0.0, view.theme.surface);
     view.hairline(rect, rect.min.y + 0.5);
-    if let Some((words, colour)) = message(view, hint) {
+    if let Some((words, colour)) = message(view, hint, of_page) {
         let mark = Rect::from_min_size(rect.min + vec2(0.0, 1.0), vec2(4.0, rect.height() - 1.0));
         view.painter.rect_filled(mark, 0.0, colour);
         view.fit_left(rect.shrink2(vec2(theme::PAD, 2.0)), &words, theme::LABEL, colour);

@@ -26,6 +26,11 @@ impl PageMessage {
         self.0 = None;
     }
 
+    /// The text.
+    pub fn text(&self, lang: Lang) -> Option<String> {
+        self.0.as_ref().map(|(text, _)| text.get(lang).into_owned())
+    }
+
     /// The reason, if the message is a refusal.
     pub fn refusal(&self, lang: Lang) -> Option<String> {
         self.0.as_ref().filter(|(_, refused)| *refused).map(|(text, _)| text.get(lang).into_owned())

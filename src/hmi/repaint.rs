@@ -14,7 +14,7 @@ use super::{
 };
 use crate::defs::key::Key;
 use crate::defs::page::Page;
-use crate::link::snapshot::{AxisView, ProgramView};
+use crate::link::snapshot::{AxisView, CycleView, ProgramView};
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 
@@ -67,7 +67,10 @@ compared_fields! {
     teach: on(FieldGroup::Teach, differ);
     strokes_per_min: |old, new, _| format_strokes(*old) != format_strokes(*new);
     parts_counted: differ;
-    cycle_seconds: |old, new, _| format_cycle_time(*old) != format_cycle_time(*new);
+    cycle: |old, new, page| {
+        let shown = |cycle: &CycleView| format_cycle_time(cycle.seconds);
+        shown(old) != shown(new) || shown_fields(page).contains(&FieldGroup::PartResult) && old.part != new.part
+    };
     inputs: on(FieldGroup::Inputs, differ);
     outputs: on(FieldGroup::Diagnosis, differ);
     keys: differ;

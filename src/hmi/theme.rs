@@ -41,6 +41,8 @@ pub const FRAME: f32 = 2.0;
 pub const DIGITS: f32 = 40.0;
 /// Secondary digits and values.
 pub const SECONDARY: f32 = 20.0;
+/// Text size of the size of a finished part.
+pub const FIGURE: f32 = 26.0;
 /// Titles.
 pub const TITLE: f32 = 18.0;
 /// Labels.

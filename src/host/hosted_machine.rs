@@ -19,6 +19,8 @@ pub trait HostedMachine: Backend {
     fn power_on(&mut self, params: &Params);
     /// Puts an unmachined part into the machine.
     fn mount_part(&mut self, part: &PartFile);
+    /// A cycle has ended: keeps the sizes of its part.
+    fn measure_finished_part(&mut self);
     /// Executes a command of the simulator page.
     fn simulate(&mut self, command: SimCommand);
     /// What the simulator page shows at `now`; `None` without a simulated machine.

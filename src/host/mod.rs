@@ -78,6 +78,8 @@ struct MountedPart {
     mounted: Option<PartFile>,
     /// Number of parts mounted because of a program.
     changes: u32,
+    /// End of the cycle whose part was measured last.
+    measured_at: Option<Micros>,
 }
 
 /// A control with its machine and its storage.
@@ -106,8 +108,15 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         let now = Micros::ZERO;
         let image = plant.read(now);
         let controller = Controller::new(kind, retained.clone(), image, now);
-        let part =
-            MountedPart { rule: PartRule::Keep, to_ask: None, asked: 0, waiting: None, mounted: None, changes: 0 };
+        let part = MountedPart {
+            rule: PartRule::Keep,
+            to_ask: None,
+            asked: 0,
+            waiting: None,
+            mounted: None,
+            changes: 0,
+            measured_at: None,
+        };
         let mut host = Self {
             kind,
             controller,
@@ -165,9 +174,19 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.outputs = tick(&mut self.controller, self.now, &self.image, &self.inbox);
         self.inbox.clear();
         self.plant.write(self.now, &self.outputs);
+        self.note_end_of_cycle();
         self.submit_requests();
         self.take_arrivals();
         self.mount_waiting_part();
+    }
+
+    /// The part of a cycle is measured once, at its end.
+    fn note_end_of_cycle(&mut self) {
+        let ended = self.controller.part_result().map(|part| part.ended_at);
+        if ended.is_some() && ended != self.part.measured_at {
+            self.plant.measure_finished_part();
+        }
+        self.part.measured_at = ended;
     }
 
     /// Hands the control's storage requests on. What storage cannot take now is submitted again after the next tick.

@@ -99,7 +99,9 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
         StorageRequest::WorkOffset(index, origin) => {
             RetainedChange::WorkOffset { index: *index as u8, origin: *origin }
         }
-        StorageRequest::DressPoint(axis, at) => number(DRESS_POINTS[*axis as usize], *at),
+        StorageRequest::DressPoint(axis, at) => {
+            RetainedChange::Number { key: DRESS_POINTS[*axis as usize].into(), value: *at }
+        }
         StorageRequest::LeadscrewTable(axis, table) => {
             RetainedChange::Text { key: SCREWS[*axis as usize].into(), value: Some(table.to_text()) }
         }
@@ -132,7 +134,7 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
                 *frame = *origin;
             }
         }
-        StorageRequest::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
+        StorageRequest::DressPoint(axis, at) => retained.dress_points[*axis] = *at,
         StorageRequest::LeadscrewTable(axis, table) => retained.leadscrew_tables[*axis] = table.clone(),
         StorageRequest::CurrentProgram(number) => retained.current_program = *number,
         StorageRequest::Alarm(past) => {

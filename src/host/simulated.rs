@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::hosted_machine::HostedMachine;
 use super::pace::Pace;
+use crate::defs::page_meaning::SizeKind;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::simulation::{SimCommand, SimView};
+use crate::link::simulation::{PartSize, SimCommand, SimView};
 use crate::units::Micros;
 
 /// Maximum number of events shown.
@@ -25,6 +26,8 @@ pub struct HostedSimulation {
     part: Option<PartFile>,
     forced: Vec<(Input, bool)>,
     faults: Vec<&'static str>,
+    /// Sizes of the part at the end of the last cycle.
+    finished_sizes: Vec<PartSize>,
     /// The view as last built, and when.
     view: Arc<SimView>,
     viewed_at: Option<Micros>,
@@ -35,8 +38,8 @@ impl HostedSimulation {
     /// A machine without a part. The view of the simulator page is built anew at most every `view_interval`.
     #[must_use]
     pub fn new(machine: SimulatedMachine, view_interval: Micros) -> Self {
-        let (forced, faults, view) = (Vec::new(), Vec::new(), Arc::default());
-        Self { machine, part: None, forced, faults, view, viewed_at: None, view_interval }
+        let (forced, faults, finished_sizes, view) = (Vec::new(), Vec::new(), Vec::new(), Arc::default());
+        Self { machine, part: None, forced, faults, finished_sizes, view, viewed_at: None, view_interval }
     }
 
     /// The machine.
@@ -50,17 +53,27 @@ impl HostedSimulation {
         &mut self.machine
     }
 
+    /// The sizes of the part as it is now.
+    fn part_sizes(&self) -> Vec<PartSize> {
+        let report = self.machine.measure();
+        let size = |kind: SizeKind, place: String, mm: f64| {
+            let (zh, en) = match kind {
+                SizeKind::Diameter => ("直径", "diameter"),
+                SizeKind::Length => ("端面", "face"),
+                SizeKind::Height => ("高度", "height"),
+            };
+            PartSize { kind, name: LocalizedText::new(format!("{zh} {place}"), format!("{en} {place}")), mm }
+        };
+        let diameters = report.diameters.iter().map(|at| size(SizeKind::Diameter, format!("Z{:.1}", at.z), at.d));
+        let faces = report.faces.iter().map(|at| size(SizeKind::Length, format!("X{:.1}", at.x), at.z));
+        let heights =
+            report.heights.iter().map(|at| size(SizeKind::Height, format!("X{:.0} Z{:.0}", at.x, at.z), at.y));
+        diameters.chain(faces).chain(heights).take(MAX_SIZES).collect()
+    }
+
     fn build_view(&self) -> SimView {
         let machine = &self.machine;
         let wheel = machine.wheel();
-        let report = machine.measure();
-        let size = |(zh, en): (&str, &str), place: String, mm: f64| {
-            (LocalizedText::new(format!("{zh} {place}"), format!("{en} {place}")), mm)
-        };
-        let diameters = report.diameters.iter().map(|at| size(("直径", "diameter"), format!("Z{:.1}", at.z), at.d));
-        let faces = report.faces.iter().map(|at| size(("端面", "face"), format!("X{:.1}", at.x), at.z));
-        let heights =
-            report.heights.iter().map(|at| size(("高度", "height"), format!("X{:.0} Z{:.0}", at.x, at.z), at.y));
         let events = machine.events().iter().rev().take(MAX_EVENTS).rev();
         let events = events.map(|event| LocalizedText::same(&format!("{:.1} s {}", event.seconds, event.kind.id())));
         SimView {
@@ -69,7 +82,8 @@ impl HostedSimulation {
             wheel_diameter_mm: wheel.diameter_mm,
             wheel_dullness: wheel.dullness,
             wheel_load_percent: wheel.load_percent,
-            sizes: diameters.chain(faces).chain(heights).take(MAX_SIZES).collect(),
+            sizes: self.part_sizes(),
+            finished_sizes: self.finished_sizes.clone(),
             events: events.collect(),
             lathe_workspace: machine.lathe_workspace(),
         }
@@ -102,6 +116,11 @@ impl HostedMachine for HostedSimulation {
     fn mount_part(&mut self, part: &PartFile) {
         self.machine.set_part(Some(part));
         self.part = Some(part.clone());
+        self.viewed_at = None;
+    }
+
+    fn measure_finished_part(&mut self) {
+        self.finished_sizes = self.part_sizes();
         self.viewed_at = None;
     }
 

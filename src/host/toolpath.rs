@@ -40,7 +40,7 @@ pub fn compute_toolpath(
         .with_block_skip(start.block_skip)
         .with_position(start.position)
         .with_work_offsets(start.work_offsets.clone());
-    start.system_variables.iter().for_each(|(number, value)| world.set_system(*number, Some(*value)));
+    start.system_variables.iter().for_each(|(number, value)| world.set_system(*number, *value));
     let (path, interference_check) = (RecordedPath::default(), interference_check(program, start));
     let (dialect, interferences) = (job.settings.dialect, Vec::new());
     let mut pen = ToolpathRecorder { world: world.clone(), dialect, path, interference_check, interferences };

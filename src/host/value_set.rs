@@ -16,9 +16,9 @@ use crate::units::PerAxis;
 #[must_use]
 pub fn from_holdings(holdings: &TransferValues) -> Values {
     let mut values = Values { kind: Some(holdings.kind), ..Values::default() };
-    for row in param_row::rows(holdings.kind) {
-        if let Ok(value) = holdings.params.read(row.address) {
-            values.params.insert(row.address.to_string(), value);
+    for address in param_row::addresses() {
+        if let Ok(value) = holdings.params.read(address) {
+            values.params.insert(address.to_string(), value);
         }
     }
     let kept = holdings.memory.iter().filter(|(number, _)| CommonVariables::is_retained(*number));

@@ -9,6 +9,7 @@ pub mod line_fault;
 pub mod media;
 pub mod page_command;
 pub mod page_file;
+pub mod part_result;
 pub mod simulation;
 pub mod snapshot;
 pub mod teach;

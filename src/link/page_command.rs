@@ -120,6 +120,8 @@ pub enum PageCommand {
     SetBrightness(u8),
     /// Selects the RS232 port, from now on.
     SetSerialPort(String),
+    /// Removes the dressing points (K4.2).
+    ClearDressPoints,
     /// Sets date and time of day.
     SetDate(DateTime),
     /// A request about programs or folders, or for a long calculation.

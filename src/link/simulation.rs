@@ -2,6 +2,7 @@
 //! Source: spec P1–P8; tools.md (faults).
 
 use crate::defs::lathe_workspace::LatheWorkspace;
+use crate::defs::page_meaning::SizeKind;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 
@@ -18,6 +19,17 @@ pub enum SimCommand {
     SharpenWheel,
 }
 
+/// A size of the workpiece in the simulated machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartSize {
+    /// What is measured.
+    pub kind: SizeKind,
+    /// Its name with its place.
+    pub name: LocalizedText,
+    /// The size; the coordinate of a face. mm.
+    pub mm: f64,
+}
+
 /// The simulated machine as the page shows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimView {
@@ -31,8 +43,10 @@ pub struct SimView {
     pub wheel_dullness: f64,
     /// Load of the wheel motor, percent.
     pub wheel_load_percent: f64,
-    /// Sizes of the workpiece: name of the dimension, size in mm.
-    pub sizes: Vec<(LocalizedText, f64)>,
+    /// Sizes of the workpiece.
+    pub sizes: Vec<PartSize>,
+    /// Sizes of the part of the last cycle at its end.
+    pub finished_sizes: Vec<PartSize>,
     /// Events of the workpiece, newest last.
     pub events: Vec<LocalizedText>,
     /// The working area of a lathe (L10).

@@ -9,11 +9,13 @@ use super::command::{Command, ScreenFiles, Screens};
 use super::edit::{EditAnswer, ModalView, OFFSET_COUNT, OffsetView};
 use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
+use super::part_result::{PartResult, SizeValues};
 use super::simulation::SimView;
 use super::teach::TeachView;
 use super::toolpath::StockBox;
 use crate::defs::alarm_history::AlarmHistory;
 use crate::defs::date::DateTime;
+use crate::defs::fitted::Fitted;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
@@ -209,6 +211,15 @@ pub struct Message {
     pub since: Micros,
 }
 
+/// The running or last cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CycleView {
+    /// Its duration, s.
+    pub seconds: f64,
+    /// The part that it has finished; none from the next cycle start on.
+    pub part: Option<PartResult>,
+}
+
 /// The current program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgramView {
@@ -277,8 +288,8 @@ pub struct Snapshot {
     pub strokes_per_min: Option<f64>,
     /// Number of workpieces counted.
     pub parts_counted: u32,
-    /// Duration of the running or last cycle, s.
-    pub cycle_seconds: f64,
+    /// The running or last cycle.
+    pub cycle: CycleView,
     /// Inputs, debounced, by function.
     pub inputs: InputSet,
     /// Outputs by function.
@@ -475,7 +486,7 @@ impl Snapshot {
             teach: TeachView::default(),
             strokes_per_min: None,
             parts_counted: 0,
-            cycle_seconds: 0.0,
+            cycle: CycleView::default(),
             inputs: InputSet::NONE,
             outputs: OutputSet::NONE,
             keys: [KeyView::default(); Key::COUNT],
@@ -530,6 +541,27 @@ impl Snapshot {
     #[must_use]
     pub fn page_files(&self) -> Option<&ScreenFiles> {
         self.screens.find(self.grinding_page_number()?)
+    }
+
+    /// What the machine is fitted with.
+    #[must_use]
+    pub fn fitted(&self) -> Fitted {
+        Fitted { kind: self.kind, ..self.params.fitted() }
+    }
+
+    /// The values that the sizes of the part are taken from, as they are now.
+    #[must_use]
+    pub fn size_values(&self) -> SizeValues<'_, impl Fn(u16) -> Option<f64>> {
+        let files = self.screens.find(self.program.number);
+        let page = files.and_then(|files| files.text.as_deref().ok());
+        let variable = |variable: u16| self.variables.get(usize::from(variable)).copied().flatten();
+        SizeValues { params: &self.params, page, variable }
+    }
+
+    /// Parts between two dressings, as set by P95 or by the page of the current program.
+    #[must_use]
+    pub fn dressing_interval(&self) -> Option<f64> {
+        self.size_values().dressing_interval()
     }
 
     /// The title of a program.

@@ -46,7 +46,7 @@ impl Machine {
             Request::Gauge(gauge, out) => self.gauge_arms.move_arm(gauge, out, now),
             Request::Gear(gear) => self.gears.change(gear, now),
             Request::Switch(output, on) => self.switch(output, on),
-            Request::Port(port, on) => match port_owner(port, params, self.kind) {
+            Request::Port(port, on) => match port_owner(port, params) {
                 PortOwner::Plain(output) => self.switch(output, on),
                 PortOwner::Unassigned | PortOwner::Interlocked(_) => self.ports.switch(port, on),
             },

@@ -30,7 +30,7 @@ impl SupervisedSwitch {
         let before = std::mem::replace(self, next);
         match (before, next) {
             (before, next) if before == next => None,
-            (_, Self::Alarm) => Some(MachineFinding::Alarm { number, stopped: false }),
+            (_, Self::Alarm) => Some(MachineFinding::Alarm { number, stopped: false, title: None }),
             (Self::Alarm, _) => Some(MachineFinding::Cleared(number)),
             (Self::Present | Self::Missing { .. }, Self::Present | Self::Missing { .. }) => None,
         }

@@ -5,7 +5,11 @@ use super::MachineFinding;
 use crate::defs::alarm;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet};
+use crate::defs::text::Text;
 use crate::units::Micros;
+
+/// Alarm 180 where no wheel is concerned.
+const NO_PRESSURE: Text = Text::new("没有液压压力", "no hydraulic pressure");
 
 /// State of alarm 180.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -139,8 +143,10 @@ impl Hydraulic {
             (before, next) if before == next => None,
             (_, PressureAlarm::Clear) => Some(MachineFinding::Cleared(alarm::HYDRAULIC_PRESSURE)),
             (_, PressureAlarm::Present | PressureAlarm::StartRefused | PressureAlarm::Latched) => {
-                let stopped = next == PressureAlarm::Latched;
-                Some(MachineFinding::Alarm { number: alarm::HYDRAULIC_PRESSURE, stopped })
+                // The text of the table speaks of the wheel.
+                let of_wheel = wheel_on || refused || next == PressureAlarm::StartRefused;
+                let (number, stopped) = (alarm::HYDRAULIC_PRESSURE, next == PressureAlarm::Latched);
+                Some(MachineFinding::Alarm { number, stopped, title: (!of_wheel).then_some(NO_PRESSURE) })
             }
         }
     }

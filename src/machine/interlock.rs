@@ -55,7 +55,7 @@ pub struct InterlockInputs {
     pub hydraulic_settled: bool,
     /// The pressure switch is on.
     pub pressure: bool,
-    /// The kind has a magnet, or P16.0 enables one.
+    /// A magnet is fitted.
     pub magnet_on_kind: bool,
     /// P16.0: the magnet is enabled.
     pub magnet_enabled: bool,

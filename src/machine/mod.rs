@@ -88,6 +88,8 @@ pub enum MachineFinding {
         number: u16,
         /// Whether it ends the run and stops the wheel.
         stopped: bool,
+        /// What is so, where the text of the table says more than that.
+        title: Option<Text>,
     },
     /// A self-clearing alarm's condition is gone.
     Cleared(u16),
@@ -237,7 +239,7 @@ impl Machine {
         if params.bit(param::TAILSTOCK_ENABLED) && row.has(Equipment::Tailstock) {
             self.tailstock = Tailstock::Clamped;
         }
-        if params.bit(param::MAGNET_ENABLED) && row.has(Equipment::MagneticChuck) {
+        if params.bit(param::MAGNET_ENABLED) && params.fitted().has(Equipment::MagneticChuck) {
             self.magnet = MagneticChuck::Holding;
         }
     }
@@ -275,7 +277,7 @@ impl Machine {
             hydraulic_latched: self.hydraulic.is_latched(),
             hydraulic_settled: self.hydraulic.is_settled(now, params),
             pressure: inputs.has(Input::HydraulicPressure),
-            magnet_on_kind: row.has(Equipment::MagneticChuck) || params.bit(param::MAGNET_ENABLED),
+            magnet_on_kind: params.fitted().has(Equipment::MagneticChuck),
             magnet_enabled: params.bit(param::MAGNET_ENABLED),
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),
             magnetised: self.magnet.is_holding(),
@@ -301,9 +303,9 @@ impl Machine {
         let mut inputs = self.interlock_inputs(now, inputs, params);
         let output = self.output_of(request);
         inputs.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
-        inputs.port_conflict = output.is_some_and(|output| params.output_conflict(self.kind, output).is_some());
+        inputs.port_conflict = output.is_some_and(|output| params.output_conflict(output).is_some());
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
-            inputs.port_owned = matches!(ports::port_owner(port, params, self.kind), PortOwner::Interlocked(_));
+            inputs.port_owned = matches!(ports::port_owner(port, params), PortOwner::Interlocked(_));
         }
         interlock::first_blocking_rule(self.rules, request, &inputs)
     }
@@ -312,7 +314,7 @@ impl Machine {
     #[must_use]
     pub fn reason_text(&self, reason: &'static Text, request: Request, params: &Params) -> LocalizedText {
         if let Request::Port(port, _) | Request::Pulse(port, _) = request
-            && let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.kind)
+            && let PortOwner::Interlocked(output) = ports::port_owner(port, params)
         {
             return phrase!(
                 "{reason} (输出口 {port}：{output})",
@@ -362,7 +364,7 @@ impl Machine {
         if let Some(MachineFinding::Alarm { stopped: true, .. }) = hydraulic {
             self.wheel = WheelContactor::Off; // K3.7: in the tick of the filtered edge
         }
-        let alarm = |number| MachineFinding::Alarm { number, stopped: true };
+        let alarm = |number| MachineFinding::Alarm { number, stopped: true, title: None };
         let pressed = pressed.then(|| alarm(alarm::EMERGENCY_STOP));
         let tailstock = self.tailstock.supervise(now, inputs, params);
         if tailstock == Some(alarm::TAILSTOCK_SIGNAL_LOST) {
@@ -391,7 +393,7 @@ impl Machine {
         match (self.guard.open, self.guard.alarm) {
             (true, false) if !was_open && self.control_state.run_open => {
                 self.guard.alarm = true;
-                Some(MachineFinding::Alarm { number: alarm::GUARD_OPEN, stopped: false })
+                Some(MachineFinding::Alarm { number: alarm::GUARD_OPEN, stopped: false, title: None })
             }
             (false, true) => {
                 self.guard.alarm = false;

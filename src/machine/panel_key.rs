@@ -2,8 +2,8 @@
 //! Source: spec K2.1–K2.4.
 
 use super::phase::RunPhase;
+use crate::defs::fitted::Fitted;
 use crate::defs::key::{Key, Mode};
-use crate::defs::kind::Kind;
 use crate::defs::mcode::{Gauge, Request};
 use crate::defs::signal::{Output, OutputSet};
 use crate::defs::text::Text;
@@ -12,14 +12,14 @@ use crate::units::PerAxis;
 /// K2.2.
 pub const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "not active while a program runs");
 /// K2.1.
-pub const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "not available on this kind of machine");
+pub const NOT_FITTED: Text = Text::new("本机床没有此功能", "not available on this machine");
 
-/// Why a key is inactive regardless of interlocks: not on this kind, axis not fitted, or a program runs.
+/// Why a key is inactive regardless of interlocks: its device or axis is not fitted, or a program runs. `axes` are those
+/// that the machine was switched on with.
 #[must_use]
-pub fn inactive_reason(key: Key, kind: Kind, fitted: PerAxis<bool>, phase: RunPhase) -> Option<Text> {
-    let axis = key.axis();
-    if !key.exists_on(kind) || axis.is_some_and(|axis| !fitted[axis]) {
-        return Some(NOT_ON_KIND);
+pub fn inactive_reason(key: Key, fitted: Fitted, axes: PerAxis<bool>, phase: RunPhase) -> Option<Text> {
+    if !key.exists_on(fitted) || key.axis().is_some_and(|axis| !axes[axis]) {
+        return Some(NOT_FITTED);
     }
     (phase.is_automatic() && !key.row().active_in_run).then_some(NOT_IN_RUN)
 }

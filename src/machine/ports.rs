@@ -1,7 +1,6 @@
 //! Output ports switched by number: M20 pulse, M21 on, M22 off.
 //! Source: spec B4. Ports of interlocked functions are refused; a port of a plain function switches that function.
 
-use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::signal::{Output, PORTS, Terminals};
 use crate::units::Micros;
@@ -21,10 +20,10 @@ pub enum PortOwner {
 }
 
 /// The owner of an output port.
-pub fn port_owner(port: u8, params: &Params, kind: Kind) -> PortOwner {
-    let mut found = PortOwner::Unassigned;
+pub fn port_owner(port: u8, params: &Params) -> PortOwner {
+    let (mut found, fitted) = (PortOwner::Unassigned, params.fitted());
     for output in Output::ALL {
-        if port == 0 || !output.exists_on(kind) || params.output_port(*output) != port {
+        if port == 0 || !output.exists_on(fitted) || params.output_port(*output) != port {
             continue;
         }
         if !output.is_freely_switchable() {

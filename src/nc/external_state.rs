@@ -321,6 +321,8 @@ impl ExternalState for OfflineMachine {
         // A missing axis reads as null.
         let none = LiveValue::Value(None);
         match number {
+            // No dressing point is set.
+            _ if system_variable::DRESSING_POINT.index(number).is_some() => none,
             // Values that only the machine knows.
             434..=439 | 5061..=5063 if self.known_values_only => LiveValue::Drain,
             5001..=5003 | 5041..=5043 | 5061..=5063 => {

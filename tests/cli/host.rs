@@ -115,6 +115,10 @@ impl HostedMachine for NotedPlant {
         self.plant.mount_part(part);
     }
 
+    fn measure_finished_part(&mut self) {
+        self.plant.measure_finished_part();
+    }
+
     fn simulate(&mut self, command: SimCommand) {
         self.notes.lock().unwrap().simulated.push(command);
         self.plant.simulate(command);

@@ -72,7 +72,7 @@ fn t5_every_expectation_of_the_specification_is_read() {
 #[test]
 fn t5_what_is_not_of_the_language_is_refused_with_its_place() {
     assert_eq!(fault("power on\n  jump X"), (2, 3));
-    assert_eq!(fault("key 充磁"), (1, 5)); // not on GC
+    assert_eq!(fault("key 台面旋转"), (1, 5)); // not on GC
     assert_eq!(fault("wait 2 parsecs"), (1, 8));
     assert_eq!(fault("wait 2 s s"), (1, 10));
     assert_eq!(fault("expect message \"振荡"), (1, 16));

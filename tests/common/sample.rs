@@ -11,6 +11,7 @@ use kt830::defs::date::DateTime;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::defs::page_meaning::SizeKind;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::Input;
@@ -21,7 +22,8 @@ use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
-use kt830::link::simulation::SimView;
+use kt830::link::part_result::{NominalSize, PartResult};
+use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
 use kt830::link::toolpath::{MoveKind, PathPoint, StockBox, Toolpath};
 use kt830::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
@@ -111,7 +113,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     snapshot.wheel_rpm = 1_260.0;
     snapshot.feed_mm_min = 0.0;
     snapshot.parts_counted = 12;
-    snapshot.cycle_seconds = 187.0;
+    snapshot.cycle.seconds = 187.0;
     for (number, value) in
         [(500, 40.2), (501, -12.5), (503, 120.0), (504, 85.0), (505, 0.03), (506, 0.25), (507, 0.0), (508, 1.0)]
     {
@@ -203,6 +205,19 @@ pub fn running(page: Page) -> Snapshot {
     snapshot
 }
 
+/// A diameter of the simulated part.
+fn size(row: u32) -> PartSize {
+    let name = LocalizedText::new(format!("直径 Z{row}0.0"), format!("diameter Z{row}0.0"));
+    PartSize { kind: SizeKind::Diameter, name, mm: 40.012 }
+}
+
+/// The part of a cycle that has ended.
+pub fn part_result() -> PartResult {
+    let nominal = NominalSize { kind: Some(SizeKind::Diameter), mm: 40.0, limits: Some((39.985, 40.005)) };
+    let (nominal, ended_at) = (Some(nominal), Micros::from_millis(90_000));
+    PartResult { number: 12, program: 1_001, ended_at, cycle_seconds: 84.3, nominal, measured: None }
+}
+
 /// A simulated machine, a medium with files, a path: what the pages of work beside the tick show.
 pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
@@ -213,7 +228,8 @@ pub fn busy(page: Page) -> Snapshot {
         wheel_diameter_mm: 599.987,
         wheel_dullness: 0.4,
         wheel_load_percent: 63.0,
-        sizes: (0..12).map(|row| (said(&format!("直径 Z{row}0.0"), &format!("diameter Z{row}0.0")), 40.012)).collect(),
+        sizes: (0..12).map(size).collect(),
+        finished_sizes: vec![size(3)],
         events: vec![said("12.3 s burn", "12.3 s burn")],
         lathe_workspace: None,
     }));
@@ -336,7 +352,7 @@ pub fn long(page: Page) -> Snapshot {
     snapshot.axes =
         PerAxis::from_fn(|axis| if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() });
     (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts_counted) = (24_000.0, 99_999.0, 999_999);
-    (snapshot.cycle_seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
+    (snapshot.cycle.seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
     (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override) = (150, 100, 120);
     snapshot.single_block = true;
     for value in snapshot.variables.iter_mut() {

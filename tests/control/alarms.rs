@@ -1,6 +1,6 @@
 //! The list of active alarms and their history.
 
-use kt830::controller::AlarmList;
+use kt830::controller::{AlarmList, AlarmWords};
 use kt830::defs::alarm;
 use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use kt830::defs::date::DateTime;
@@ -17,9 +17,9 @@ fn changed_of(alarms: &mut AlarmList) -> Vec<PastAlarm> {
 #[test]
 fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
     let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
-    alarms.raise(alarm::EMERGENCY_STOP, None, None);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::EMERGENCY_STOP, AlarmWords::OfTable, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     assert_eq!(alarms.present().len(), 2);
     alarms.reset(|number| number == alarm::EMERGENCY_STOP);
     assert!(alarms.has(alarm::EMERGENCY_STOP) && !alarms.has(alarm::TAILSTOCK_INTERLOCK) && alarms.blocks_start());
@@ -29,16 +29,16 @@ fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
 fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
     let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     alarms.set_time(Micros(5), DateTime(105));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Some((1_001, 7)));
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, Some((1_001, 7)));
     let shown = alarms.history().version();
     alarms.set_time(Micros(9), DateTime(109));
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
     assert_eq!(alarms.history().version(), shown, "nothing went: the list is as before");
     alarms.reset(|_| false);
     alarms.set_time(Micros(12), DateTime(112));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     alarms.clear(alarm::TAILSTOCK_INTERLOCK);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     let times: Vec<_> = alarms.history().iter().map(|past| (past.came, past.ended)).collect();
     assert_eq!(times, [(DateTime(105), Some((AlarmEnd::Reset, Some(DateTime(109))))), (DateTime(112), None)]);
     assert_eq!(alarms.history()[0].place, Some((1_001, 7)));
@@ -54,11 +54,11 @@ fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
 fn b6_what_came_before_the_clock_was_known_has_its_date() {
     let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     alarms.set_time(Micros(2_000_000), DateTime(2));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     alarms.clear(alarm::TAILSTOCK_INTERLOCK);
     let mut alarms = AlarmList::new(changed_of(&mut alarms), Micros::ZERO);
     alarms.set_time(Micros(3_000_000), DateTime(3));
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, AlarmWords::OfTable, None);
     alarms.set_power_on_date(DateTime(1_000));
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
     let times: Vec<_> = alarms.history().iter().map(|past| (past.came.0, past.ended)).collect();
@@ -73,11 +73,11 @@ fn b6_the_history_outlives_the_power_and_keeps_a_thousand() {
     for round in 0..1_200 {
         alarms.set_time(Micros(20 + round), DateTime(round as i64));
         alarms.clear(alarm::HYDRAULIC_PRESSURE);
-        alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+        alarms.raise(alarm::HYDRAULIC_PRESSURE, AlarmWords::OfTable, None);
         alarms.clear(alarm::HYDRAULIC_PRESSURE);
         alarms.set_time(Micros(20 + round) + Micros(1), DateTime(round as i64));
     }
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     assert_eq!(alarms.history().len(), MAX_ALARM_HISTORY);
     let slots: std::collections::BTreeSet<_> = alarms.history().iter().map(|past| past.slot()).collect();
     assert_eq!(slots.len(), MAX_ALARM_HISTORY, "each has a place of its own in the store");
@@ -85,14 +85,14 @@ fn b6_the_history_outlives_the_power_and_keeps_a_thousand() {
     let mut alarms = AlarmList::new(kept, Micros::ZERO);
     let last = alarms.history()[MAX_ALARM_HISTORY - 1].clone();
     assert_eq!((last.number, last.ended), (alarm::TAILSTOCK_INTERLOCK, Some((AlarmEnd::PowerOff, None))));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     assert_eq!(alarms.history().last().map(|past| past.count), Some(last.count + 1));
 }
 
 #[test]
 fn k3_7_alarm_180_is_not_reset_by_the_list() {
     let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, AlarmWords::OfTable, None);
     alarms.reset(|_| false);
     assert!(alarms.has(alarm::HYDRAULIC_PRESSURE) && !alarms.blocks_start(), "180 bars the wheel only");
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
@@ -111,13 +111,13 @@ fn k7_3_page_files_never_block_a_run() {
 fn b6_two_alarms_cleared_and_raised_again_in_one_tick_stay_two_entries() {
     let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     alarms.set_time(Micros(1), DateTime(1));
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     alarms.set_time(Micros(2), DateTime(2));
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, AlarmWords::OfTable, None);
     alarms.set_time(Micros(3), DateTime(3));
     alarms.reset(|_| false);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, AlarmWords::OfTable, None);
     assert_eq!(alarms.history().iter().map(|past| past.ended).collect::<Vec<_>>(), [None, None]);
 }
 
@@ -125,12 +125,12 @@ fn b6_two_alarms_cleared_and_raised_again_in_one_tick_stay_two_entries() {
 fn b6_an_alarm_that_went_long_ago_is_not_opened_again_by_another_that_goes_now() {
     let mut alarms = AlarmList::new(Vec::new(), Micros::ZERO);
     alarms.set_time(Micros(1), DateTime(1));
-    alarms.raise(alarm::HYDRAULIC_PRESSURE, None, None);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::HYDRAULIC_PRESSURE, AlarmWords::OfTable, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     alarms.clear(alarm::TAILSTOCK_INTERLOCK);
     alarms.set_time(Micros(9), DateTime(9));
     alarms.clear(alarm::HYDRAULIC_PRESSURE);
-    alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, None);
+    alarms.raise(alarm::TAILSTOCK_INTERLOCK, AlarmWords::OfTable, None);
     let came: Vec<_> = alarms.history().iter().map(|past| (past.number, past.came.0, past.ended.is_some())).collect();
     let (pressure, tailstock) = (alarm::HYDRAULIC_PRESSURE, alarm::TAILSTOCK_INTERLOCK);
     assert_eq!(came, [(pressure, 1, true), (tailstock, 1, true), (tailstock, 9, false)]);

@@ -12,7 +12,7 @@ const LIMITS: JogLimits = JogLimits { jog_mode: true, rapid_jog: false, feed: 1.
 
 fn begin() -> (Params, Axes, JogDemand) {
     let params = Params::factory(Kind::Gc);
-    let axes = Axes::new(&params, Kind::Gc.row(), &InputImage::default(), PerAxis::default());
+    let axes = Axes::new(&params, &InputImage::default(), PerAxis::default());
     (params, axes, JogDemand::default())
 }
 

@@ -51,6 +51,17 @@ fn k3_7_after_a_deliberate_m15_the_next_m14_is_supervised_from_p270_on() {
 }
 
 #[test]
+fn k3_7_alarm_180_says_what_is_so() {
+    // The wheel is off: there is no pressure. At a wheel start, and when the wheel ran, it is the customer's text.
+    tell(&mut story("wait 4 s"), "expect alarm \"没有液压压力\"");
+    let start = "key hydraulic\nwait 1 s\nkey wheel-start\nexpect alarm \"砂轮启动时液压异常\"";
+    tell(&mut story(""), start);
+    let mut rig =
+        story("key hydraulic\nwait 4 s\nkey wheel-start\nwait 9.5 s\nexpect output wheel on\nexpect no alarm");
+    tell(&mut rig, "fault pressure-loss\nwait until alarm max 3 s\nexpect alarm \"砂轮启动时液压异常\"");
+}
+
+#[test]
 fn k3_7_m14_works_under_alarm_180_in_mdi_and_in_a_program() {
     tell(&mut story("wait 4 s\nexpect alarm 180"), "mdi M14\nexpect output hydraulic on\nwait 4 s\nexpect no alarm");
     let mut rig = story("wait 4 s\nexpect alarm 180\nhome all\nexpect alarm 180");

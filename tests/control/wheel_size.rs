@@ -53,6 +53,20 @@ fn k4_2_a_dressing_makes_the_wheel_smaller_and_everything_follows() {
 }
 
 #[test]
+fn k4_2_a_program_reads_the_dressing_points_and_null_where_none_is_set() {
+    let text = "T0101\n#200=7\n#201=#5811\nIF[#5812 EQ #0]THEN #200=1\n#5801=#5801-0.04\n#202=#5811\nM30";
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode jog\npage position\nkey f1\nkey address-x\nkey input\nexpect message \"成功\"");
+    let point = rig.snapshot().dressing_point[Axis::X].unwrap();
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm\nexpect #200 1");
+    let variable = |rig: &mut HeadlessHost, number: usize| rig.snapshot().variables[number].unwrap();
+    assert!((variable(&mut rig, 201) - point).abs() < 1e-9, "as displayed: a diameter");
+    assert!((variable(&mut rig, 202) - (point - 0.04)).abs() < 1e-9, "it follows a dressing");
+    // A program cannot write it.
+    alarmed("#5811=5\nM30", 25);
+}
+
+#[test]
 fn k4_2_the_dressing_point_stays_or_goes_the_other_way_by_p98() {
     for (side, factor) in [(0, 0.0), (1, 1.0)] {
         let mut rig = ready_with("T0101\n#5801=#5801-0.04\nM30");

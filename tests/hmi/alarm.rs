@@ -104,3 +104,31 @@ fn b8_a_program_alarm_of_the_history_has_its_remedy() {
     press(&mut bench, egui::Key::Enter);
     assert!(bench.shows(error.remedy().zh));
 }
+
+/// Texts of the screen with their colours.
+fn coloured(bench: &Bench) -> Vec<(String, egui::Color32)> {
+    let texts = bench.screen.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) => Some(text),
+        _ => None,
+    });
+    let colour = |text: &egui::epaint::TextShape| Some(text.galley.job.sections.first()?.format.color);
+    texts.filter_map(|text| Some((text.galley.job.text.clone(), colour(text)?))).collect()
+}
+
+#[test]
+fn h7_an_alarm_has_one_severity_in_chip_line_and_page() {
+    use kt830::hmi::theme::DARK;
+    let mut bench = Bench::new(crate::stories::story("wait 3.1 s\nexpect alarm 180"), Page::Alarm);
+    let texts = coloured(&bench);
+    let of = |words: &str| -> Vec<egui::Color32> {
+        texts.iter().filter(|(text, _)| text.contains(words)).map(|(_, ink)| *ink).collect()
+    };
+    // Raised a moment ago: the message line is red at once, with the remedy, not amber as a refusal.
+    assert_eq!(of("180 没有液压压力 → 打开液压"), [DARK.alarm_text], "{texts:?}");
+    assert_eq!(of("⚠ 180"), [DARK.on_accent]);
+    // A refusal is still amber, then the alarm comes back.
+    crate::stories::tell(&mut bench.rig, "key wheel-start");
+    bench.turn();
+    let texts = coloured(&bench);
+    assert!(texts.iter().any(|(text, ink)| text.contains("砂轮不能启动") && *ink == DARK.hold), "{texts:?}");
+}

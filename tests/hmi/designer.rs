@@ -109,6 +109,39 @@ fn k7_4_the_page_is_seen_as_it_is_typed_and_saved_as_it_was_read() {
 }
 
 #[test]
+fn h8_what_was_saved_is_said_once() {
+    let mut shop = Shop::new();
+    shop.edit();
+    shop.bench.write("二");
+    shop.save();
+    let said = |shop: &Shop| shop.bench.painted().iter().filter(|text| text.contains("C0003.TXT 已保存")).count();
+    assert_eq!(said(&shop), 1, "{:?}", shop.bench.painted());
+    // On another page the message line says it.
+    shop.tell("page position");
+    assert_eq!(said(&shop), 1);
+}
+
+#[test]
+fn k7_3_the_preview_of_a_new_page_names_its_own_picture() {
+    let mut shop = Shop::with(None);
+    fs::write(shop.path("programs").join("O1004.NC"), "O1004\r\nM30\r\n").unwrap();
+    shop.tell("load O1003");
+    // O1003 is current; the page of another program is chosen in the directory.
+    let mut rig = crate::stories::rig_in(Folders {
+        programs: shop.path("programs"),
+        screens: shop.path("screens"),
+        by_name: false,
+        dialect: Dialect::LatheA,
+    });
+    crate::stories::tell(&mut rig, "load O1003");
+    let mut bench = Bench::new(rig, Page::Directory);
+    bench.press(egui::Key::ArrowDown);
+    bench.touch("页面设计 design-page");
+    assert!(bench.shows("C0004.TXT"), "{:?}", bench.painted());
+    assert!(bench.shows("B0004.BMP") && !bench.shows("B0003.BMP"), "{:?}", bench.painted());
+}
+
+#[test]
 fn k7_4_every_mistake_is_told_with_its_line() {
     let mut shop = Shop::new();
     shop.edit();

@@ -4,6 +4,7 @@ use crate::sample::snapshot;
 use crate::screen::{Screen, open, open_sized};
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
+use kt830::defs::fitted::Fitted;
 use kt830::defs::key::{Key, KeyGroup};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
@@ -42,24 +43,30 @@ fn place(screen: &Screen, key: Key) -> Rect {
     screen.get_by_label(&format!("{} {}", key.label().zh, key.id())).rect()
 }
 
-fn layout(kind: Kind, size: egui::Vec2) -> PanelLayout {
+fn layout(machine: impl Into<Fitted>, size: egui::Vec2) -> PanelLayout {
     let regions = Regions::new(Rect::from_min_size(Pos2::ZERO, size));
-    panel(kind, regions.panel, regions.portrait)
+    panel(machine, regions.panel, regions.portrait)
 }
 
-fn panel_keys(kind: Kind) -> impl Iterator<Item = Key> {
-    Key::ALL.iter().copied().filter(move |key| key.exists_on(kind) && key.row().group != KeyGroup::Screen)
+fn panel_keys(machine: impl Into<Fitted>) -> impl Iterator<Item = Key> {
+    let machine = machine.into();
+    Key::ALL.iter().copied().filter(move |key| key.exists_on(machine) && key.row().group != KeyGroup::Screen)
+}
+
+/// Every kind as delivered, and with all that parameters can add.
+fn machines() -> impl Iterator<Item = Fitted> {
+    Kind::ALL.into_iter().flat_map(|kind| [kind.into(), Fitted::fully(kind)])
 }
 
 #[test]
 fn k2_1_every_key_has_a_place_of_44_points_and_none_overlaps() {
     for size in [vec2(1_024.0, 768.0), vec2(1_280.0, 800.0), vec2(1_371.4, 771.4), vec2(768.0, 1_024.0)] {
-        for kind in Kind::ALL {
-            let layout = layout(kind, size);
+        for machine in machines() {
+            let layout = layout(machine, size);
             let screen = Rect::from_min_size(Pos2::ZERO, size);
-            for key in panel_keys(kind) {
+            for key in panel_keys(machine) {
                 let count = layout.keys.iter().filter(|(other, _)| *other == key).count();
-                assert_eq!(count, 1, "{} of {kind:?} at {size}", key.id());
+                assert_eq!(count, 1, "{} of {machine:?} at {size}", key.id());
             }
             for (index, (key, rect)) in layout.keys.iter().enumerate() {
                 assert!(rect.width() >= 43.99 && rect.height() >= 43.99, "{} {rect} at {size}", key.id());

@@ -55,7 +55,7 @@ const CHANGES: &[Change] = &[
     ("teach", Page::Teach, |machine| machine.teach.recording = true),
     ("strokes_per_min", Page::Position, |machine| machine.strokes_per_min = Some(12.5)),
     ("parts_counted", Page::Mdi, |machine| machine.parts_counted += 1),
-    ("cycle_seconds", Page::Position, |machine| machine.cycle_seconds += 1.0),
+    ("cycle", Page::Grinding, |machine| machine.cycle.part = Some(crate::sample::part_result())),
     ("inputs", Page::Diagnosis, |machine| machine.inputs.set(Input::Gauge1, true)),
     ("outputs", Page::Diagnosis, |machine| machine.outputs.set(Output::Coolant, true)),
     ("keys", Page::Mdi, |machine| machine.keys[Key::Coolant as usize].lamp ^= true),
@@ -167,7 +167,7 @@ fn h8_a_machine_at_rest_asks_for_no_frame() {
         load(&mut machine, 63.0);
         // Less than a digit that is shown.
         machine.axes[Axis::X].work += 0.000_01;
-        (machine.feed_mm_min, machine.cycle_seconds) = (before.feed_mm_min + 0.000_01, before.cycle_seconds + 0.4);
+        (machine.feed_mm_min, machine.cycle.seconds) = (before.feed_mm_min + 0.000_01, before.cycle.seconds + 0.4);
         if *page != Page::Wheel {
             machine.wheel_rpm += 0.1;
         }

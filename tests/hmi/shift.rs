@@ -80,7 +80,7 @@ fn measured(operator: &mut Operator) -> Vec<f64> {
     let right = (ArrowRight, Modifiers::NONE);
     operator.page_key("工件与砂轮 sim-part", &[right, right, right, (Enter, Modifiers::NONE)]);
     assert!(operator.sees("换上新毛坯 sim-new-part"));
-    operator.snapshot().simulated.as_ref().unwrap().sizes.iter().map(|(_, size)| *size).collect()
+    operator.snapshot().simulated.as_ref().unwrap().sizes.iter().map(|size| size.mm).collect()
 }
 
 fn gc_shift(hand: Hand) -> Outcome {

@@ -304,7 +304,7 @@ impl Search {
 
     fn tick(&self, node: &mut Node, inputs: InputSet, now: Micros) {
         for finding in node.machine.tick(now, inputs, &self.params, control_state(node)).into_iter().flatten() {
-            let MachineFinding::Alarm { number, stopped } = finding else { continue };
+            let MachineFinding::Alarm { number, stopped, .. } = finding else { continue };
             match Consequence::of(number, stopped) {
                 Consequence::Nothing => {}
                 Consequence::Hold => node.phase = node.phase.after(PhaseEvent::Hold),
@@ -324,10 +324,10 @@ impl Search {
 
     /// A key as the controller takes it; false when it is not on the panel.
     fn press(&self, node: &mut Node, key: Key, inputs: InputSet, now: Micros) -> Result<bool, String> {
-        let fitted = self.plan.kind.row().fitted(&self.params);
-        if let Some(reason) = panel_key::inactive_reason(key, self.plan.kind, fitted, node.phase) {
+        let fitted = self.params.fitted();
+        if let Some(reason) = panel_key::inactive_reason(key, fitted, fitted.axes(), node.phase) {
             self.reasoned(reason.en)?;
-            let by_run = node.phase.is_automatic() && key.exists_on(self.plan.kind);
+            let by_run = node.phase.is_automatic() && key.exists_on(fitted);
             if !(by_run && self.plan.without.dead_keys) {
                 return Ok(false);
             }
@@ -559,6 +559,6 @@ fn the_search_notices_what_stands_outside_the_table() {
 
 #[test]
 fn fitted_axes_are_those_of_the_kind() {
-    assert_eq!(Kind::Gs.row().fitted(&Params::factory(Kind::Gs)), PerAxis([true; 3]));
-    assert_eq!(Kind::Gc.row().fitted(&Params::factory(Kind::Gc)), PerAxis([true, false, true]));
+    assert_eq!(Params::factory(Kind::Gs).fitted().axes(), PerAxis([true; 3]));
+    assert_eq!(Params::factory(Kind::Gc).fitted().axes(), PerAxis([true, false, true]));
 }

@@ -13,7 +13,6 @@ pub mod thread_recorder;
 use homing::AxisHoming;
 use leadscrew::LeadscrewCompensator;
 
-use crate::defs::kind::KindRow;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{self, Params};
 use crate::io::InputImage;
@@ -95,7 +94,7 @@ pub struct Axes {
 impl Axes {
     /// Axes at rest at their encoder positions; not homed.
     #[must_use]
-    pub fn new(params: &Params, row: &KindRow, image: &InputImage, screws: PerAxis<LeadscrewCompensation>) -> Self {
+    pub fn new(params: &Params, image: &InputImage, screws: PerAxis<LeadscrewCompensation>) -> Self {
         let tick_time = Micros(params.get(param::TICK_TIME) as u64);
         let tick_s = tick_time.as_secs_f64();
         let limits = limits(params, tick_s);
@@ -105,7 +104,7 @@ impl Axes {
         Self {
             planner: TrajectoryPlanner::new(limits, start),
             movers,
-            present: row.fitted(params),
+            present: params.fitted().axes(),
             owner: AxisOwner::Manual,
             homed: PerAxis::default(),
             feedback: Feedback { machine_minus_encoder_mm: PerAxis::default(), measured: start, actual: start },

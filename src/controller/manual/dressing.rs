@@ -87,13 +87,25 @@ impl Manual {
         self.dressing.awaiting_answer = None;
         let at = plant.axes.actual()[axis];
         plant.work.dress_points[axis] = Some(at);
-        plant.store(StorageRequest::DressPoint(axis, at));
+        plant.store(StorageRequest::DressPoint(axis, Some(at)));
         let shown = at * plant.displayed_per_mm(axis);
         plant.show_note(phrase!(
             "{axis} 轴修整点设置成功：机床坐标 {shown:.3}",
             "dressing point of {axis} set: machine {shown:.3}",
             axis,
             shown
+        ));
+    }
+
+    /// Removes all dressing points: the dressing programs use the values of their pages again.
+    pub fn clear_dress_points(&mut self, plant: &mut Plant) {
+        self.dressing.cancel();
+        for axis in Axis::ALL {
+            plant.remove_dress_point(axis);
+        }
+        plant.show_note(phrase!(
+            "修整点已清除，修整程序用页面数值",
+            "dressing points cleared: the values of the pages count"
         ));
     }
 
@@ -168,7 +180,7 @@ mod tests {
         manual.ask_dress_point(&mut plant, CoordinateView::Relative, Axis::X);
         manual.set_dress_point(&mut plant);
         assert_eq!(plant.outbox.refusal, None);
-        assert_eq!(plant.outbox.requests, [StorageRequest::DressPoint(Axis::X, 0.0)]);
+        assert_eq!(plant.outbox.requests, [StorageRequest::DressPoint(Axis::X, Some(0.0))]);
         assert!(plant.work.dress_points[Axis::X].is_some());
     }
 }

@@ -12,6 +12,7 @@ mod lamps;
 mod offsets;
 mod page_files;
 mod pages;
+mod part_result;
 mod snapshot;
 mod switches;
 mod wheel_change;
@@ -28,6 +29,7 @@ use crate::defs::kind::Kind;
 use crate::defs::text::LocalizedText;
 use crate::link::command::Screens;
 use crate::link::edit::EditAnswer;
+use crate::link::part_result::PartResult;
 use crate::link::snapshot::DirectoryRow;
 use crate::units::MachinePos;
 
@@ -77,6 +79,8 @@ pub struct Panel {
     /// Date and time of day.
     pub calendar: calendar::Calendar,
     relative_zero: MachinePos,
+    /// The part that the last cycle has finished; cleared by the next cycle.
+    pub part_result: Option<PartResult>,
 }
 
 impl Panel {

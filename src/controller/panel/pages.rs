@@ -18,6 +18,7 @@ use crate::link::page_command::{
     BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordScope, SettingsRequest, StorageAnswer,
 };
 use crate::link::snapshot::{RunState, Snapshot};
+use crate::machine::panel_key::NOT_IN_RUN;
 use crate::units::Axis;
 
 const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password has 4 to 16 digits");
@@ -78,6 +79,8 @@ impl Panel {
             }
             PageCommand::SetSerialPort(port) => save(SettingsRequest::SaveSerialPort(port.clone())),
             PageCommand::SetDate(wanted) => self.set_date(parts, *wanted),
+            PageCommand::ClearDressPoints if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
+            PageCommand::ClearDressPoints => parts.manual.clear_dress_points(parts.plant),
             PageCommand::File(ticket, request) => self.handle_file_request(parts, *ticket, request),
             PageCommand::StorageAnswered(answer) => self.handle_page_answer(parts, answer),
         }

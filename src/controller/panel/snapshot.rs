@@ -7,7 +7,7 @@ use crate::controller::plant::{ControlPhase, OperatorState};
 use crate::defs::alarm::Reaction;
 use crate::defs::key::Key;
 use crate::defs::signal::Output;
-use crate::link::snapshot::{AxisView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
+use crate::link::snapshot::{AxisView, CycleView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
 use crate::units::{Axis, PerAxis};
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ impl Panel {
         out.interrupted = parts.program.power_cut.interrupted;
         let started = parts.program.started_at();
         let cycle = started.map_or(parts.plant.execution.cycle_time, |at| parts.plant.now.since(at));
-        out.cycle_seconds = cycle.as_secs_f64();
+        out.cycle = CycleView { seconds: cycle.as_secs_f64(), part: self.part_result };
         out.inputs = parts.plant.inputs.filtered;
         out.outputs = parts.plant.outputs.on;
         for key in Key::ALL {

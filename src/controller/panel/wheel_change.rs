@@ -1,4 +1,5 @@
-//! Wheel change: sets size and rating, and blocks cycle start until the wheel is dressed.
+//! Wheel change: sets size and rating, removes the dressing point of the wheel axis, and blocks cycle start until the
+//! wheel is dressed.
 //! Source: spec K5.17; seed 000 (the dressing point is set again after the wheel was mounted).
 
 use super::{Edited, Parts};
@@ -45,5 +46,7 @@ pub fn change_wheel(parts: &mut Parts<'_>, [diameter_mm, width_mm, rated_m_s]: [
         parts.plant.store_param(at, value);
     }
     parts.plant.reset_dressing_counts();
+    // The rim of the new wheel touches the dresser elsewhere.
+    parts.plant.remove_dress_point(parts.plant.kind.row().wheel_axis);
     Ok(phrase!("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
 }

@@ -24,6 +24,19 @@ pub type ControlPhase = phase::RunPhase<Homing>;
 /// An event that may change the phase.
 pub type ControlEvent = phase::PhaseEvent<Homing>;
 
+/// A cycle that has finished a part.
+#[derive(Clone, Copy, Debug)]
+pub struct FinishedCycle {
+    /// The part count.
+    pub number: u32,
+    /// The program.
+    pub program: u32,
+    /// When it ended.
+    pub ended_at: Micros,
+    /// How long it took.
+    pub duration: Micros,
+}
+
 /// What is executed: phase, program, block.
 #[derive(Clone, Debug, Default)]
 pub struct Execution {
@@ -39,12 +52,26 @@ pub struct Execution {
     pub repeats_left: u32,
     /// Duration of the last run.
     pub cycle_time: Micros,
+    /// M30 has ended the open program: its part is finished.
+    pub part_finished: bool,
+    /// The cycle that has finished a part; none from the next cycle start on.
+    pub finished_cycle: Option<FinishedCycle>,
     /// Running when the run was paused: wheel, and workpiece drive (headstock, table, roll) or main spindle.
     pub spindles_before_pause: [bool; 2],
     /// What a stop of the program waits for (M00, M01, #3006); none after a single block.
     pub stop_reason: Option<LocalizedText>,
     /// RESET or emergency stop is among the commands of this tick: nothing starts in it.
     pub starts_void: bool,
+}
+
+impl Execution {
+    /// A run is over. If M30 has ended a program its part is finished.
+    pub fn end_cycle(&mut self, ended_at: Micros, duration: Micros, number: u32) {
+        self.cycle_time = duration;
+        if std::mem::take(&mut self.part_finished) {
+            self.finished_cycle = Some(FinishedCycle { number, program: self.current_program, ended_at, duration });
+        }
+    }
 }
 
 impl Plant {

@@ -13,7 +13,7 @@ pub mod system_variables;
 pub mod wheel_size;
 mod work_data;
 
-pub use execution::{ControlEvent, ControlPhase, Execution, Homing};
+pub use execution::{ControlEvent, ControlPhase, Execution, FinishedCycle, Homing};
 pub use operator::OperatorState;
 pub use oscillation::key_stroke;
 pub use outbox::Outbox;
@@ -102,7 +102,7 @@ impl Plant {
             tick_budget: WorkBudget::new(WORK_PER_TICK),
             inputs: Inputs::new(&params, image),
             machine: Machine::new(kind, now),
-            axes: Axes::new(&params, kind.row(), &image, retained.leadscrew_tables),
+            axes: Axes::new(&params, &image, retained.leadscrew_tables),
             jog: JogDemand::default(),
             oscillation: None,
             spindles: Spindles::new(&params),
@@ -202,7 +202,7 @@ impl Plant {
         if Input::ALL.iter().any(|input| input.port_param() == at.number) {
             return turns || self.machine.drive_is_on();
         }
-        let of = |output: &Output| output.port_param() == at.number && output.exists_on(self.kind);
+        let of = |output: &Output| output.port_param() == at.number && output.exists_on(self.params.fitted());
         let port = value as u8; // truncated: the range is checked when it is written
         Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.image.terminals.is_closed(port)))
     }

@@ -94,7 +94,7 @@ impl Plant {
     /// Why a key is inactive regardless of interlocks, if it is.
     pub fn inactive_reason(&self, key: Key) -> Option<Text> {
         let phase = self.execution.phase.without_homing();
-        panel_key::inactive_reason(key, self.kind, self.axes.fitted(), phase)
+        panel_key::inactive_reason(key, self.params.fitted(), self.axes.fitted(), phase)
     }
 
     /// Length of a manual step, mm as displayed: P395 on a lathe if set (L9 定长进给), else the selected step.

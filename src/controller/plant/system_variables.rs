@@ -30,13 +30,27 @@ pub const GEOMETRY: [(SystemVariableRange, Axis); 3] = [
     (system_variable::GEOMETRY_Y, Axis::Y),
 ];
 
+/// The system variables that a program without a machine reads: those of parameters, and the dressing points, machine
+/// coordinates, radius mm.
+pub fn stored_system_variables(
+    params: &Params,
+    dress_points: PerAxis<Option<f64>>,
+) -> impl Iterator<Item = (u32, Option<f64>)> {
+    let of_params = PARAM_VARIABLES.iter().map(|(range, row)| (range.first, Some(params.get(*row))));
+    let fitted = params.fitted().axes();
+    let axes = Axis::ALL.into_iter().filter(move |axis| fitted[*axis]).zip(system_variable::DRESSING_POINT.first..);
+    let per_mm = if params.bit(param::RADIUS_PROGRAMMING) { 1.0 } else { 2.0 };
+    let shown = move |axis: Axis| dress_points[axis].map(|mm| if axis == Axis::X { mm * per_mm } else { mm });
+    of_params.chain(axes.map(move |(axis, number)| (number, shown(axis))))
+}
+
 /// Interpreter settings for a kind of machine with these parameters.
 #[must_use]
 pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
     let row = kind.row();
     NcSettings {
         diameter: !params.bit(param::RADIUS_PROGRAMMING),
-        axes: row.fitted(params),
+        axes: params.fitted().axes(),
         least_increment_mm: params.bit(param::INTEGERS_AS_LEAST_INCREMENTS).then_some(0.001),
         inch: false,
         tolerance_mm: params.get(param::PATH_TOLERANCE),
@@ -117,13 +131,14 @@ impl Plant {
         of(&WEAR, &self.work.offsets.wear).or_else(|| of(&GEOMETRY, &self.work.offsets.geometry))
     }
 
-    /// A position; `Some(None)`, null, for an axis that this machine does not have.
+    /// A position; `Some(None)`, null, for an axis that this machine does not have, or a dressing point that is not set.
     pub fn read_position(&self, number: u32) -> Option<Option<f64>> {
         let ranges = [
             system_variable::BLOCK_END,
             system_variable::MACHINE_POSITION,
             system_variable::WORK_POSITION,
             system_variable::SKIP_POSITION,
+            system_variable::DRESSING_POINT,
         ];
         let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
         let Some(axis) = self.axes.present().nth(index) else { return Some(None) };
@@ -131,7 +146,11 @@ impl Plant {
             0 => self.work.offsets.work_from_machine(self.axes.set_point())[axis],
             1 => self.axes.actual()[axis],
             2 => self.work_position()[axis],
-            _ => self.work.skip_position[axis],
+            3 => self.work.skip_position[axis],
+            _ => match self.work.dress_points[axis] {
+                Some(mm) => mm,
+                None => return Some(None),
+            },
         };
         Some(Some(mm * self.displayed_per_mm(axis)))
     }

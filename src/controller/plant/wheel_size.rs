@@ -7,9 +7,11 @@
 
 use super::Plant;
 use crate::controller::axes::SECONDS_PER_MINUTE;
+use crate::controller::storage_request::StorageRequest;
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::phrase;
 use crate::nc::SpeedMode;
+use crate::units::Axis;
 
 impl Plant {
     /// Counts a ground part since the last dressing.
@@ -23,6 +25,13 @@ impl Plant {
                 "{parts:.0} parts ground: the wheel is due for dressing (P95)",
                 parts
             ));
+        }
+    }
+
+    /// Removes the dressing point of an axis.
+    pub fn remove_dress_point(&mut self, axis: Axis) {
+        if self.work.dress_points[axis].take().is_some() {
+            self.store(StorageRequest::DressPoint(axis, None));
         }
     }
 

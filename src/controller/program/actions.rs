@@ -310,7 +310,9 @@ fn end_program(plant: &mut Plant, origin: Origin) {
         plant.count_part();
     }
     let really = origin == Origin::Program && !plant.is_dry_or_locked();
-    if really && plant.params.bit(param::WHEEL_UNDRESSED) && plant.control_state().dressing_program {
+    let dressing = plant.control_state().dressing_program;
+    plant.execution.part_finished = really && !dressing;
+    if really && plant.params.bit(param::WHEEL_UNDRESSED) && dressing {
         plant.store_param(param::WHEEL_UNDRESSED.address(), 0.0);
     }
 }

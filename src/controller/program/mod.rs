@@ -122,6 +122,9 @@ impl Program {
         let start = RunStart { program, settings, modals, memory, lookahead, preflight };
         let mut run = self.pool.open(start, plant.now);
         run.origin = origin;
+        if origin == Origin::Program {
+            (plant.execution.part_finished, plant.execution.finished_cycle) = (false, None);
+        }
         // The planner keeps the tag of the last finished move across runs.
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(run);
@@ -179,7 +182,7 @@ impl Program {
                 self.clear_run_position(plant);
             }
             if run.origin != Origin::Retract {
-                plant.execution.cycle_time = plant.now.since(run.started_at);
+                plant.execution.end_cycle(plant.now, plant.now.since(run.started_at), plant.work.part_count);
                 self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
             }
             self.pool.close(run);

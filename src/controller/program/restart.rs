@@ -426,7 +426,7 @@ impl Program {
     }
 }
 
-/// Copies system variables to a check world: offsets, counts, wheel data.
+/// Copies system variables to a check world: offsets, counts, wheel data, dressing points.
 fn copy_system_variables(plant: &Plant, mut world: OfflineMachine) -> OfflineMachine {
     let kept = [
         system_variable::WEAR_X,
@@ -436,6 +436,7 @@ fn copy_system_variables(plant: &Plant, mut world: OfflineMachine) -> OfflineMac
         system_variable::GEOMETRY_Y,
         system_variable::GEOMETRY_Z,
         system_variable::PARTS_DONE,
+        system_variable::DRESSING_POINT,
     ];
     let params = PARAM_VARIABLES.iter().map(|(range, _)| *range);
     for range in kept.into_iter().chain(params) {

@@ -139,7 +139,7 @@ impl ProgramRun {
         self.lookahead.work_offsets.clone_from(&plant.work.offsets);
         if let Some(point) = &mut plant.work.dress_points[axis] {
             *point += lost_mm * plant.params.get(param::DRESSING_POINT_SIDE);
-            plant.outbox.requests.push(StorageRequest::DressPoint(axis, *point));
+            plant.outbox.requests.push(StorageRequest::DressPoint(axis, Some(*point)));
         }
         self.lookahead.dress_points = plant.work.dress_points;
         plant.store_param(param::WHEEL_DIAMETER.address(), diameter_mm);

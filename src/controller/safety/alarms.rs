@@ -4,7 +4,7 @@
 use crate::defs::alarm::{self, Reaction, ResetRule};
 use crate::defs::alarm_history::{AlarmEnd, AlarmHistory, MAX_ALARM_HISTORY, PastAlarm};
 use crate::defs::date::DateTime;
-use crate::defs::text::{LocalizedText, SharedWords, phrase};
+use crate::defs::text::{LocalizedText, SharedWords, Text, phrase};
 use crate::link::snapshot::AlarmView;
 use crate::nc::AlarmHelp;
 use crate::units::Micros;
@@ -14,6 +14,29 @@ pub const MAX_ALARMS: usize = 32;
 
 /// Maximum characters of an alarm text in the history.
 const MAX_TEXT_CHARS: u16 = 200;
+
+/// The text of an alarm.
+#[derive(Debug)]
+pub enum AlarmWords {
+    /// That of the table.
+    OfTable,
+    /// That of the table and a detail.
+    After(LocalizedText),
+    /// Another one.
+    Instead(Text),
+}
+
+impl From<Option<LocalizedText>> for AlarmWords {
+    fn from(detail: Option<LocalizedText>) -> Self {
+        detail.map_or(Self::OfTable, Self::After)
+    }
+}
+
+impl From<Option<Text>> for AlarmWords {
+    fn from(title: Option<Text>) -> Self {
+        title.map_or(Self::OfTable, Self::Instead)
+    }
+}
 
 /// The active alarms, oldest first, and the alarm history.
 #[derive(Debug)]
@@ -74,8 +97,8 @@ impl AlarmList {
         }
     }
 
-    /// Adds an alarm of the table; `detail` follows its text. An alarm that is already active is not added twice.
-    pub fn raise(&mut self, number: u16, detail: Option<LocalizedText>, place: Option<(u32, u32)>) {
+    /// Adds an alarm of the table. An alarm that is already active is not added twice.
+    pub fn raise(&mut self, number: u16, words: impl Into<AlarmWords>, place: Option<(u32, u32)>) {
         if self.has(number) || self.present.len() >= MAX_ALARMS {
             return;
         }
@@ -86,10 +109,11 @@ impl AlarmList {
             }
             None => (phrase!("程序报警", "program alarm"), LocalizedText::default(), LocalizedText::default()),
         };
-        let text = match detail {
-            Some(detail) if alarm::find(number).is_some() => detail.after_alarm(number),
-            Some(detail) if !detail.is_blank() => detail,
-            Some(_) | None => text,
+        let text = match words.into() {
+            AlarmWords::Instead(title) => title.into(),
+            AlarmWords::After(detail) if alarm::find(number).is_some() => detail.after_alarm(number),
+            AlarmWords::After(detail) if !detail.is_blank() => detail,
+            AlarmWords::After(_) | AlarmWords::OfTable => text,
         };
         let alarm = AlarmView { number, text, cause, remedy, variable: None, since: self.now, place };
         self.record(&alarm);

@@ -47,7 +47,7 @@ impl Plant {
         let mut dead = OutputSet::NONE;
         for output in Output::ALL {
             let lost = self.params.output_port(*output) == 0;
-            dead.set(*output, lost || self.params.output_conflict(self.kind, *output).is_some());
+            dead.set(*output, lost || self.params.output_conflict(*output).is_some());
         }
         self.outputs.unusable = dead;
     }

@@ -1,6 +1,7 @@
 //! Supervision: findings of the machine logic, and the control's own checks of drives, limits, bus and screen.
 //! Source: spec B5, B8, K3.7, table "what stops what".
 
+use super::alarms::AlarmWords;
 use crate::controller::plant::Plant;
 use crate::defs::alarm;
 use crate::defs::param;
@@ -18,7 +19,9 @@ impl Plant {
         let state = self.control_state();
         for finding in self.machine.tick(self.now, self.inputs.filtered, &self.params, state).into_iter().flatten() {
             match finding {
-                MachineFinding::Alarm { number, stopped } => self.raise_with_reaction(number, None, stopped),
+                MachineFinding::Alarm { number, stopped, title } => {
+                    self.raise_with_reaction(number, title.into(), stopped)
+                }
                 MachineFinding::Cleared(number) => self.alarms.clear(number),
                 MachineFinding::Message(why) => self.refuse(why),
             }
@@ -98,14 +101,14 @@ impl Plant {
 
     /// Raises an alarm and executes its reaction.
     pub fn raise(&mut self, number: u16, detail: Option<LocalizedText>) {
-        self.raise_with_reaction(number, detail, false);
+        self.raise_with_reaction(number, detail.into(), false);
     }
 
-    pub fn raise_with_reaction(&mut self, number: u16, detail: Option<LocalizedText>, stopped: bool) {
+    fn raise_with_reaction(&mut self, number: u16, words: AlarmWords, stopped: bool) {
         if !self.alarms.has(number) {
             let block = self.execution.current_block;
             let place = self.execution.phase.is_run_open().then_some((block.program, block.line));
-            self.alarms.raise(number, detail, place);
+            self.alarms.raise(number, words, place);
             if let Some(alarm) = self.alarms.present().last().filter(|_| self.outbox.message.since < self.now) {
                 let text = alarm.text.clone();
                 self.warn(text);

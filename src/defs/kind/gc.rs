@@ -11,6 +11,8 @@ use crate::units::{Axis, PerAxis};
 
 const HEADSTOCK: MachineUnit =
     MachineUnit::new(Text::new("头架", "HEAD"), &[Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop], 1);
+/// The magnet is there with P16.0=1, between the others.
+const MAGNET: MachineUnit = MachineUnit::new(Text::new("磁力", "MAG"), &[Key::Magnetise, Key::Demagnetise], 1);
 const TAILSTOCK: MachineUnit =
     MachineUnit::new(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
 
@@ -35,9 +37,9 @@ pub(super) static ROW: KindRow = KindRow {
         grinding_forms: &[GrindingForm::Outside],
         wheel_pose: Some(WheelPose { body: Axis::X, spindle: Axis::Z, position_is_centre: false }),
         jog_cross: [[Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], JOG_Y],
-        panel: MachineUnits::new(&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
+        panel: MachineUnits::new(&[WHEEL, HEADSTOCK, MAGNET, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
         wide_panel: MachineUnits::new(
-            &[WHEEL_ALONE, HEADSTOCK, FLUIDS, DRESSING, TRIAL],
+            &[WHEEL_ALONE, HEADSTOCK, MAGNET, FLUIDS, DRESSING, TRIAL],
             &[SECOND_SPINDLE, TAILSTOCK, GAUGES],
         ),
         ..GRINDER

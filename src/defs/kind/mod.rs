@@ -15,7 +15,7 @@ pub use ui::{GrindingForm, KeyLabel, KindUi, WheelPose};
 
 use serde::{Deserialize, Serialize};
 
-use super::equipment::{Equipment, Needs};
+use super::equipment::Equipment;
 use super::param::row::{BitParam, NumberParam};
 use super::signal::Output;
 use super::text::Text;
@@ -173,16 +173,10 @@ impl Kind {
 }
 
 impl KindRow {
-    /// Whether it has a device.
+    /// Whether every machine of the kind has a device; `defs::fitted` knows what parameters add.
     #[must_use]
     pub fn has(&self, device: Equipment) -> bool {
         self.equipment.contains(&device)
-    }
-
-    /// Whether it has the device that something needs.
-    #[must_use]
-    pub fn meets(&self, needs: Needs) -> bool {
-        needs.is_none_or(|device| self.has(device))
     }
 
     /// Whether it is a lathe: a main spindle turns the part and tools cut it (L7, L8).
@@ -231,7 +225,8 @@ impl Equipment {
             | Self::MagneticChuck
             | Self::Hydraulics
             | Self::Gauges
-            | Self::ToolTurret => None,
+            | Self::ToolTurret
+            | Self::AxisY => None,
         }
     }
 }

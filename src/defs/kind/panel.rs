@@ -1,4 +1,5 @@
-//! The units of the machine on the operator panel: captions and keys. `hmi::panel` places them. Source: spec H2, K1, K2.1.
+//! The units of the machine on the operator panel: captions and keys. `hmi::panel` places those that are fitted.
+//! Source: spec H2, K1, K2.1.
 
 use crate::defs::key::Key;
 use crate::defs::text::Text;

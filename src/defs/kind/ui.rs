@@ -35,7 +35,7 @@ pub struct KindUi {
     pub picture_program: &'static str,
     /// Jog keys of the cross: left and right, up and down, and on the diagonal away from and towards the operator.
     pub jog_cross: [[Key; 2]; 3],
-    /// The machine units on the panel, four key columns wide.
+    /// The machine units on the panel, four key columns wide where all that is standard is fitted.
     pub panel: MachineUnits,
     /// The machine units on the wide panel, five key columns wide.
     pub wide_panel: MachineUnits,

@@ -10,6 +10,7 @@ pub use row::*;
 pub use table::*;
 use table::{factory_input_port, factory_output_port};
 
+use super::fitted::Fitted;
 use super::kind::Kind;
 use super::signal::{Input, Output, PORTS};
 use crate::units::{Axis, Micros};
@@ -41,6 +42,13 @@ impl NumberParam {
     pub fn range_on(&self, kind: Kind) -> (f64, f64) {
         let own = kind.row().factory.ranges.iter().find(|(row, ..)| row.number == self.number);
         own.map_or((self.min, self.max), |(_, min, max)| (*min, *max))
+    }
+}
+
+impl From<Kind> for Fitted {
+    /// A machine of the kind as delivered.
+    fn from(kind: Kind) -> Self {
+        Self { kind, axis_y: Y_FITTED.factory_on(kind), magnet: MAGNET_ENABLED.factory_on(kind) }
     }
 }
 
@@ -114,12 +122,18 @@ impl Params {
         self.numbers[usize::from(output.port_param())] as u8
     }
 
-    /// Another output of the kind that is assigned to the same port (K6.1).
+    /// What the machine is fitted with.
     #[must_use]
-    pub fn output_conflict(&self, kind: Kind, output: Output) -> Option<Output> {
-        let port = self.output_port(output);
-        let others = Output::ALL.iter().copied().filter(|other| *other != output && other.exists_on(kind));
-        others.into_iter().find(|other| port != 0 && output.exists_on(kind) && self.output_port(*other) == port)
+    pub fn fitted(&self) -> Fitted {
+        Fitted { kind: self.kind, axis_y: self.bit(Y_FITTED), magnet: self.bit(MAGNET_ENABLED) }
+    }
+
+    /// Another output of the machine that is assigned to the same port (K6.1).
+    #[must_use]
+    pub fn output_conflict(&self, output: Output) -> Option<Output> {
+        let (port, fitted) = (self.output_port(output), self.fitted());
+        let others = Output::ALL.iter().copied().filter(|other| *other != output && other.exists_on(fitted));
+        others.into_iter().find(|other| port != 0 && output.exists_on(fitted) && self.output_port(*other) == port)
     }
 
     /// A number parameter in milliseconds, as a time span.

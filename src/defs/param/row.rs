@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::{Equipment, Needs};
 use crate::defs::text::Text;
 
 /// Who may change a parameter.
@@ -34,6 +34,8 @@ pub struct NumberParam {
     pub factory: f64,
     /// Who may change it.
     pub level: AccessLevel,
+    /// The device that it belongs to.
+    pub needs: Needs,
 }
 
 /// The factory value of a bit.
@@ -62,6 +64,8 @@ pub struct BitParam {
     pub factory: FactoryBit,
     /// Who may change it.
     pub level: AccessLevel,
+    /// The device that it belongs to.
+    pub needs: Needs,
 }
 
 impl BitParam {

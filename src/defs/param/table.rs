@@ -2,14 +2,15 @@
 //! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; numbers 30 to 99 are defined by this project.
 
 use super::row::{AccessLevel, BitParam, FactoryBit, NumberParam};
-use crate::defs::equipment::Equipment;
+use crate::defs::equipment::{Equipment, needs};
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::Text;
 
 macro_rules! bits {
-    ($($name:ident = $number:literal bit $bit:literal, $factory:expr, $level:ident, $zh:literal, $en:literal;)*) => {
+    ($($name:ident = $number:literal bit $bit:literal, $factory:expr, $level:ident, $zh:literal, $en:literal $(, $needs:ident)?;)*) => {
         $(#[doc = $en] pub const $name: BitParam = BitParam {
             number: $number, bit: $bit, name: Text::new($zh, $en), factory: $factory, level: AccessLevel::$level,
+            needs: needs!($($needs)?),
         };)*
         /// Every bit, by number and bit.
         pub const BITS: &[BitParam] = &[$($name,)*];
@@ -17,10 +18,11 @@ macro_rules! bits {
 }
 
 macro_rules! numbers {
-    ($($name:ident = $number:literal, $min:expr => $max:expr, $factory:expr, $unit:literal, $level:ident, $zh:literal, $en:literal;)*) => {
+    ($($name:ident = $number:literal, $min:expr => $max:expr, $factory:expr, $unit:literal, $level:ident, $zh:literal, $en:literal $(, $needs:ident)?;)*) => {
         $(#[doc = $en] pub const $name: NumberParam = NumberParam {
             number: $number, name: Text::new($zh, $en), unit: $unit,
             min: $min as f64, max: $max as f64, factory: $factory as f64, level: AccessLevel::$level,
+            needs: needs!($($needs)?),
         };)*
         /// Every number parameter except the ports, in table order.
         pub const NUMBERS: &[NumberParam] = &[$($name,)*];
@@ -32,7 +34,7 @@ use FactoryBit::{Off, On, With, Without};
 bits! {
     WHEEL_RETRACT = 4 bit 4, Off, User, "一键回退有效", "one-key wheel retract enabled";
     HOME_MINUS_X = 5 bit 0, Off, Builder, "X 回零方向为负", "X homes in the minus direction";
-    HOME_MINUS_Y = 5 bit 1, Off, Builder, "Y 回零方向为负", "Y homes in the minus direction";
+    HOME_MINUS_Y = 5 bit 1, Off, Builder, "Y 回零方向为负", "Y homes in the minus direction", AxisY;
     HOME_MINUS_Z = 5 bit 2, Off, Builder, "Z 回零方向为负", "Z homes in the minus direction";
     S_IS_SURFACE_SPEED = 5 bit 3, Off, Builder, "S 为砂轮线速度 m/s", "S is the surface speed of the wheel, m/s";
     ISO_ARC_DIRECTION = 5 bit 4, On, Builder, "超人：G02/G03 方向按说明书图（ISO），0 为反向", "SuperMan: G02/G03 as the manual draws them (ISO); 0 reverses them";
@@ -41,7 +43,7 @@ bits! {
     IN_POSITION_CHECK = 6 bit 2, Off, Builder, "准停时检测到位", "in-position check at every exact stop";
     EDIT_VALUES_IN_RUN = 6 bit 3, Off, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
     COUNT_ON_M30 = 6 bit 4, Off, User, "M30 工件计数", "M30 counts a workpiece";
-    TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, Off, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
+    TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, Off, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced", Tailstock;
     Y_FITTED = 6 bit 6, Off, Builder, "装有 Y 轴", "axis Y is fitted";
     WHEEL_UNDRESSED = 6 bit 7, Off, User, "换砂轮后未修整", "wheel changed and not dressed yet";
     MAGNET_ENABLED = 16 bit 0, With(Equipment::MagneticChuck), Builder, "充磁/退磁有效", "magnet codes and keys enabled";
@@ -60,27 +62,27 @@ bits! {
 
 numbers! {
     RAPID_X = 30, 1 => 60_000, 6_000, "mm/min", Builder, "X 快速", "rapid X";
-    RAPID_Y = 31, 1 => 60_000, 6_000, "mm/min", Builder, "Y 快速", "rapid Y";
+    RAPID_Y = 31, 1 => 60_000, 6_000, "mm/min", Builder, "Y 快速", "rapid Y", AxisY;
     RAPID_Z = 32, 1 => 60_000, 10_000, "mm/min", Builder, "Z 快速", "rapid Z";
     ACCELERATION_X = 33, 1 => 20_000, 800, "mm/s²", Builder, "X 加速度", "acceleration X";
-    ACCELERATION_Y = 34, 1 => 20_000, 800, "mm/s²", Builder, "Y 加速度", "acceleration Y";
+    ACCELERATION_Y = 34, 1 => 20_000, 800, "mm/s²", Builder, "Y 加速度", "acceleration Y", AxisY;
     ACCELERATION_Z = 35, 1 => 20_000, 800, "mm/s²", Builder, "Z 加速度", "acceleration Z";
     JERK_X = 36, 100 => 500_000, 20_000, "mm/s³", Builder, "X 加加速度", "jerk X";
-    JERK_Y = 37, 100 => 500_000, 20_000, "mm/s³", Builder, "Y 加加速度", "jerk Y";
+    JERK_Y = 37, 100 => 500_000, 20_000, "mm/s³", Builder, "Y 加加速度", "jerk Y", AxisY;
     JERK_Z = 38, 100 => 500_000, 20_000, "mm/s³", Builder, "Z 加加速度", "jerk Z";
     SOFT_PLUS_X = 39, -9_999 => 9_999, 1, "mm", Builder, "X 正软限位", "soft limit X+";
-    SOFT_PLUS_Y = 40, -9_999 => 9_999, 1, "mm", Builder, "Y 正软限位", "soft limit Y+";
+    SOFT_PLUS_Y = 40, -9_999 => 9_999, 1, "mm", Builder, "Y 正软限位", "soft limit Y+", AxisY;
     SOFT_PLUS_Z = 41, -9_999 => 9_999, 1, "mm", Builder, "Z 正软限位", "soft limit Z+";
     SOFT_MINUS_X = 42, -9_999 => 9_999, -300, "mm", Builder, "X 负软限位", "soft limit X-";
-    SOFT_MINUS_Y = 43, -9_999 => 9_999, -300, "mm", Builder, "Y 负软限位", "soft limit Y-";
+    SOFT_MINUS_Y = 43, -9_999 => 9_999, -300, "mm", Builder, "Y 负软限位", "soft limit Y-", AxisY;
     SOFT_MINUS_Z = 44, -9_999 => 9_999, -900, "mm", Builder, "Z 负软限位", "soft limit Z-";
     HOME_X = 45, -9_999 => 9_999, 0, "mm", Builder, "X 零点坐标", "home coordinate X";
-    HOME_Y = 46, -9_999 => 9_999, 0, "mm", Builder, "Y 零点坐标", "home coordinate Y";
+    HOME_Y = 46, -9_999 => 9_999, 0, "mm", Builder, "Y 零点坐标", "home coordinate Y", AxisY;
     HOME_Z = 47, -9_999 => 9_999, 0, "mm", Builder, "Z 零点坐标", "home coordinate Z";
     HOME_FAST = 48, 1 => 20_000, 3_000, "mm/min", Builder, "回零快速", "homing fast speed";
     HOME_SLOW = 49, 1 => 2_000, 30, "mm/min", Builder, "回零慢速", "homing slow speed";
     BACKLASH_X = 50, 0 => 2, 0, "mm", Builder, "X 反向间隙", "backlash X";
-    BACKLASH_Y = 51, 0 => 2, 0, "mm", Builder, "Y 反向间隙", "backlash Y";
+    BACKLASH_Y = 51, 0 => 2, 0, "mm", Builder, "Y 反向间隙", "backlash Y", AxisY;
     BACKLASH_Z = 52, 0 => 2, 0, "mm", Builder, "Z 反向间隙", "backlash Z";
     FOLLOWING_LIMIT = 53, 0.01 => 100, 8, "mm", Builder, "跟随误差极限", "following error limit";
     IN_POSITION = 54, 0.0001 => 1, 0.0006, "mm", Builder, "到位宽度", "in-position width";
@@ -92,7 +94,7 @@ numbers! {
     HOMING_TRAVEL = 60, 1 => 9_999, 1_500, "mm", Builder, "回零最大行程", "maximum homing travel";
     WHEEL_RUN_UP = 61, 0 => 60_000, 9_000, "ms", Builder, "砂轮启动延时", "wheel run-up delay";
     HEADSTOCK_RUN_UP = 62, 0 => 60_000, 2_000, "ms", Builder, "头架启动延时", "headstock run-up delay";
-    TAILSTOCK_TIMEOUT = 63, 0 => 60_000, 3_000, "ms", Builder, "尾座动作超时", "tailstock time-out";
+    TAILSTOCK_TIMEOUT = 63, 0 => 60_000, 3_000, "ms", Builder, "尾座动作超时", "tailstock time-out", Tailstock;
     WHEEL_RPM_MAX = 64, 1 => 20_000, 1_260, "rpm", Builder, "砂轮最高转速 (10V)", "wheel speed at 10 V";
     ANALOG_2_RPM_MAX = 65, 1 => 20_000, 300, "rpm", Builder, "第二模拟量最高转速 (10V)", "second analog speed at 10 V";
     JOG_KEEP_ALIVE = 66, 20 => 1_000, 200, "ms", Builder, "手动键保持时间", "jog keep-alive";
@@ -108,8 +110,8 @@ numbers! {
     WHEEL_WIDTH = 78, 1 => 1_000, 20, "mm", User, "砂轮宽度", "wheel width";
     WHEEL_RATED_SPEED = 79, 1 => 200, 35, "m/s", User, "砂轮额定线速度", "rated surface speed of the wheel";
     GAUGE_ARM_TIMEOUT = 80, 0 => 60_000, 3_000, "ms", Builder, "量仪动作超时", "gauge arm time-out";
-    MAGNETISE_TIME = 81, 0 => 60_000, 1_000, "ms", Builder, "充磁时间", "magnetising time";
-    DEMAGNETISE_TIME = 82, 0 => 60_000, 6_000, "ms", Builder, "退磁时间", "demagnetising time";
+    MAGNETISE_TIME = 81, 0 => 60_000, 1_000, "ms", Builder, "充磁时间", "magnetising time", MagneticChuck;
+    DEMAGNETISE_TIME = 82, 0 => 60_000, 6_000, "ms", Builder, "退磁时间", "demagnetising time", MagneticChuck;
     COOLANT_FLOW_DELAY = 83, 0 => 60_000, 3_000, "ms", Builder, "冷却液流量检测延时", "coolant flow check delay";
     LUBRICATION_LEVEL_DELAY = 84, 0 => 60_000, 5_000, "ms", Builder, "润滑油位检测延时", "lubrication level check delay";
     LUBRICATION_INTERVAL = 85, 0 => 1_440, 0, "min", Builder, "润滑间隔 (0 为手动)", "lubrication interval, 0: manual";
@@ -127,43 +129,43 @@ numbers! {
     DRESSING_COUNT = 97, 0 => 999_999, 0, "", User, "换砂轮后修整次数", "dressings since the wheel was changed";
     DRESSING_POINT_SIDE = 98, -1 => 1, -1, "", Builder, "修整器位置 -1:工件侧 0:修整点不变 1:对侧", "dresser: -1 part side, 0 point fixed, 1 opposite side";
     REFERENCE_2_X = 161, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 X", "reference point 2 X";
-    REFERENCE_2_Y = 162, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 Y", "reference point 2 Y";
+    REFERENCE_2_Y = 162, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 Y", "reference point 2 Y", AxisY;
     REFERENCE_2_Z = 163, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 Z", "reference point 2 Z";
     REFERENCE_3_X = 164, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 X", "reference point 3 X";
-    REFERENCE_3_Y = 165, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 Y", "reference point 3 Y";
+    REFERENCE_3_Y = 165, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 Y", "reference point 3 Y", AxisY;
     REFERENCE_3_Z = 166, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 Z", "reference point 3 Z";
     REFERENCE_4_X = 167, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 X", "reference point 4 X";
-    REFERENCE_4_Y = 168, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Y", "reference point 4 Y";
+    REFERENCE_4_Y = 168, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Y", "reference point 4 Y", AxisY;
     REFERENCE_4_Z = 169, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Z", "reference point 4 Z";
     COMPENSATION_SPEED = 99, 6 => 6_000, 600, "mm/min", Builder, "螺距/间隙补偿最大速度", "maximum speed of screw compensation";
-    SPINDLE_PULSE_TIME = 386, 10 => 5_000, 400, "ms", Builder, "主轴 M03 M04 M05 脉冲时间", "spindle pulse time";
-    SPINDLE_RUN_UP = 387, 0 => 60_000, 2_000, "ms", Builder, "主轴启动延时", "spindle run-up delay";
-    TOOL_TURRET_TIMEOUT = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out";
-    TOOL_TURRET_CLAMP_TIME = 389, 0 => 10_000, 500, "ms", Builder, "刀架反转锁紧时间", "tool post clamping time";
-    SERVO_LAG = 391, 0 => 200, 20, "ms", Builder, "螺纹：驱动滞后时间", "threading: lag time of the drives";
+    SPINDLE_PULSE_TIME = 386, 10 => 5_000, 400, "ms", Builder, "主轴 M03 M04 M05 脉冲时间", "spindle pulse time", MainSpindle;
+    SPINDLE_RUN_UP = 387, 0 => 60_000, 2_000, "ms", Builder, "主轴启动延时", "spindle run-up delay", MainSpindle;
+    TOOL_TURRET_TIMEOUT = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out", ToolTurret;
+    TOOL_TURRET_CLAMP_TIME = 389, 0 => 10_000, 500, "ms", Builder, "刀架反转锁紧时间", "tool post clamping time", ToolTurret;
+    SERVO_LAG = 391, 0 => 200, 20, "ms", Builder, "螺纹：驱动滞后时间", "threading: lag time of the drives", MainSpindle;
     DEFAULT_LINE_FEED = 380, 6 => 2_000, 300, "mm/min", User, "G01 默认速度", "feed of G01 without F";
     DEFAULT_ARC_FEED = 381, 6 => 600, 300, "mm/min", User, "G02/G03 默认速度", "feed of G02 and G03 without F";
     RAPID_Z_PER_X = 382, 0.1 => 10, 2, "mm/mm", Builder, "G00 联动时 Z 与 X 位移比", "Z to X travel ratio of G00";
     LEAST_INPUT_INCREMENT = 383, 0.0001 => 0.1, 0.01, "mm", Builder, "编程最小增量", "least programming increment";
-    BAR_DIAMETER = 384, 0 => 1_000, 0, "mm", Operator, "棒料直径 (0 按程序)", "bar diameter, 0: from the program";
-    BAR_LENGTH = 385, 1 => 2_000, 120, "mm", Operator, "棒料伸出长度", "protruding length of the bar";
+    BAR_DIAMETER = 384, 0 => 1_000, 0, "mm", Operator, "棒料直径 (0 按程序)", "bar diameter, 0: from the program", MainSpindle;
+    BAR_LENGTH = 385, 1 => 2_000, 120, "mm", Operator, "棒料伸出长度", "protruding length of the bar", MainSpindle;
     FIXED_STEP_LENGTH = 395, 0 => 500, 0, "mm", Operator, "单步方式定长进给 (0 按倍率键)", "fixed step length in STEP, 0: step keys";
-    TOOL_1_SHAPE = 400, 1 => 4, 1, "", Operator, "1 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 1: 1 turning, 2 neutral, 3 grooving, 4 threading";
-    TOOL_1_WIDTH = 401, 0.5 => 50, 8, "mm", Operator, "1 号刀刀刃宽度", "tool 1: edge width";
-    TOOL_1_EDGE = 402, 1 => 100, 8, "mm", Operator, "1 号刀刀刃高度", "tool 1: edge length";
-    TOOL_1_SHANK = 403, 5 => 200, 25, "mm", Operator, "1 号刀刀杆宽度", "tool 1: shank width";
-    TOOL_2_SHAPE = 404, 1 => 4, 2, "", Operator, "2 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 2: 1 turning, 2 neutral, 3 grooving, 4 threading";
-    TOOL_2_WIDTH = 405, 0.5 => 50, 8, "mm", Operator, "2 号刀刀刃宽度", "tool 2: edge width";
-    TOOL_2_EDGE = 406, 1 => 100, 8, "mm", Operator, "2 号刀刀刃高度", "tool 2: edge length";
-    TOOL_2_SHANK = 407, 5 => 200, 25, "mm", Operator, "2 号刀刀杆宽度", "tool 2: shank width";
-    TOOL_3_SHAPE = 408, 1 => 4, 3, "", Operator, "3 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 3: 1 turning, 2 neutral, 3 grooving, 4 threading";
-    TOOL_3_WIDTH = 409, 0.5 => 50, 3, "mm", Operator, "3 号刀刀刃宽度", "tool 3: edge width";
-    TOOL_3_EDGE = 410, 1 => 100, 8, "mm", Operator, "3 号刀刀刃高度", "tool 3: edge length";
-    TOOL_3_SHANK = 411, 5 => 200, 25, "mm", Operator, "3 号刀刀杆宽度", "tool 3: shank width";
-    TOOL_4_SHAPE = 412, 1 => 4, 4, "", Operator, "4 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 4: 1 turning, 2 neutral, 3 grooving, 4 threading";
-    TOOL_4_WIDTH = 413, 0.5 => 50, 2, "mm", Operator, "4 号刀刀刃宽度", "tool 4: edge width";
-    TOOL_4_EDGE = 414, 1 => 100, 8, "mm", Operator, "4 号刀刀刃高度", "tool 4: edge length";
-    TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: shank width";
+    TOOL_1_SHAPE = 400, 1 => 4, 1, "", Operator, "1 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 1: 1 turning, 2 neutral, 3 grooving, 4 threading", ToolTurret;
+    TOOL_1_WIDTH = 401, 0.5 => 50, 8, "mm", Operator, "1 号刀刀刃宽度", "tool 1: edge width", ToolTurret;
+    TOOL_1_EDGE = 402, 1 => 100, 8, "mm", Operator, "1 号刀刀刃高度", "tool 1: edge length", ToolTurret;
+    TOOL_1_SHANK = 403, 5 => 200, 25, "mm", Operator, "1 号刀刀杆宽度", "tool 1: shank width", ToolTurret;
+    TOOL_2_SHAPE = 404, 1 => 4, 2, "", Operator, "2 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 2: 1 turning, 2 neutral, 3 grooving, 4 threading", ToolTurret;
+    TOOL_2_WIDTH = 405, 0.5 => 50, 8, "mm", Operator, "2 号刀刀刃宽度", "tool 2: edge width", ToolTurret;
+    TOOL_2_EDGE = 406, 1 => 100, 8, "mm", Operator, "2 号刀刀刃高度", "tool 2: edge length", ToolTurret;
+    TOOL_2_SHANK = 407, 5 => 200, 25, "mm", Operator, "2 号刀刀杆宽度", "tool 2: shank width", ToolTurret;
+    TOOL_3_SHAPE = 408, 1 => 4, 3, "", Operator, "3 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 3: 1 turning, 2 neutral, 3 grooving, 4 threading", ToolTurret;
+    TOOL_3_WIDTH = 409, 0.5 => 50, 3, "mm", Operator, "3 号刀刀刃宽度", "tool 3: edge width", ToolTurret;
+    TOOL_3_EDGE = 410, 1 => 100, 8, "mm", Operator, "3 号刀刀刃高度", "tool 3: edge length", ToolTurret;
+    TOOL_3_SHANK = 411, 5 => 200, 25, "mm", Operator, "3 号刀刀杆宽度", "tool 3: shank width", ToolTurret;
+    TOOL_4_SHAPE = 412, 1 => 4, 4, "", Operator, "4 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 4: 1 turning, 2 neutral, 3 grooving, 4 threading", ToolTurret;
+    TOOL_4_WIDTH = 413, 0.5 => 50, 2, "mm", Operator, "4 号刀刀刃宽度", "tool 4: edge width", ToolTurret;
+    TOOL_4_EDGE = 414, 1 => 100, 8, "mm", Operator, "4 号刀刀刃高度", "tool 4: edge length", ToolTurret;
+    TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: shank width", ToolTurret;
     PROGRAM_REPEATS = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "program repetitions per cycle start";
     SERIAL_BAUD = 370, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
     SERIAL_PAUSE_TIMEOUT = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";

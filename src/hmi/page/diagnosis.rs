@@ -152,9 +152,9 @@ impl DiagnosisPage {
     }
 }
 
-/// Panel keys of this kind of machine that are blocked now, with the reason.
+/// Panel keys of this machine that are blocked now, with the reason.
 fn blocked_keys<'a>(view: &View<'a>) -> Vec<(Key, &'a str)> {
-    let on_panel = |key: &&Key| key.exists_on(view.snapshot.kind) && key.row().group != KeyGroup::Screen;
+    let on_panel = |key: &&Key| key.exists_on(view.snapshot.fitted()) && key.row().group != KeyGroup::Screen;
     let reason = |key: &Key| panel::key_state(view, *key).blocked.map(|why| (*key, why.get(view.lang)));
     Key::ALL.iter().filter(on_panel).filter_map(reason).collect()
 }
@@ -167,7 +167,7 @@ fn conflicts(view: &View<'_>, rect: Rect) -> Rect {
         let names = found.functions.iter().map(|input| (input.name().get(view.lang), input.port_param()));
         words.push(conflict_text(view, view.text("输入口", "input port"), found.port, names));
     }
-    for found in port_conflict::output_conflicts(view.snapshot.kind, params) {
+    for found in port_conflict::output_conflicts(params) {
         let names = found.functions.iter().map(|output| (output.name().get(view.lang), output.port_param()));
         words.push(conflict_text(view, view.text("输出口", "output port"), found.port, names));
     }
@@ -213,12 +213,12 @@ fn inputs(view: &View<'_>) -> Vec<PortLine> {
             ..PortLine::default()
         }
     };
-    Input::ALL.iter().filter(|input| input.exists_on(snapshot.kind)).map(line).collect()
+    Input::ALL.iter().filter(|input| input.exists_on(snapshot.fitted())).map(line).collect()
 }
 
 fn outputs(view: &View<'_>) -> Vec<PortLine> {
     let snapshot = view.snapshot;
-    let twice = port_conflict::output_conflicts(snapshot.kind, &snapshot.params);
+    let twice = port_conflict::output_conflicts(&snapshot.params);
     let [first, second] = snapshot.kind.ui().analog_output_names.map(|name| name.get(view.lang));
     let analog = [(first, "wheel-speed"), (second, "analog-2")];
     let analog = analog.into_iter().zip(snapshot.analog_volts).map(|((name, id), volts)| PortLine {
@@ -228,7 +228,7 @@ fn outputs(view: &View<'_>) -> Vec<PortLine> {
         volts: Some(volts),
         ..PortLine::default()
     });
-    let used = Output::ALL.iter().filter(|output| output.exists_on(snapshot.kind));
+    let used = Output::ALL.iter().filter(|output| output.exists_on(snapshot.fitted()));
     let line = |output: &Output| {
         let port = snapshot.params.output_port(*output);
         PortLine {
@@ -276,10 +276,12 @@ fn port_line(view: &View<'_>, place: Rect, line: &PortLine) {
 
 /// Internal signals, in two columns.
 fn internals(rect: Rect, view: &View<'_>) {
-    let rows = InternalSignal::ALL.len().div_ceil(2);
+    let fitted = view.snapshot.fitted();
+    let signals: Vec<_> = InternalSignal::ALL.iter().filter(|signal| fitted.meets(signal.needs())).collect();
+    let rows = signals.len().div_ceil(2);
     let height = (rect.height() / rows as f32).min(LINE_HEIGHT + 2.0);
     let width = (rect.width() - theme::PAD) / 2.0;
-    for (index, state) in InternalSignal::ALL.iter().enumerate() {
+    for (index, state) in signals.into_iter().enumerate() {
         let corner = rect.min + vec2((index / rows) as f32 * (width + theme::PAD), (index % rows) as f32 * height);
         let place = Rect::from_min_size(corner, vec2(width, height));
         if index % rows % 2 == 1 {

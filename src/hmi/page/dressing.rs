@@ -10,10 +10,13 @@ use super::offset::table::{EntryMode, OffsetTable, OffsetTableSpec, columns};
 use super::position::{self, PositionGroup};
 use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::param;
-use crate::hmi::{Area, FieldEditor, View, page_frame as lines, theme, widget};
-use crate::link::Snapshot;
+use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::{
+    Area, FieldEditor, KeyboardInput, PageKey, Question, QuestionDialog, View, page_frame as lines, theme, widget,
+};
 use crate::link::command::Picture;
 use crate::link::edit::OffsetPart;
+use crate::link::{Command, PageCommand, Snapshot};
 
 /// Entry modes of this page.
 const ENTRY_MODES: [EntryMode; 2] = [EntryMode::Absolute, EntryMode::Increment];
@@ -23,6 +26,8 @@ const ENTRY_MODES: [EntryMode; 2] = [EntryMode::Absolute, EntryMode::Increment];
 pub struct DressingPage {
     /// The wear table.
     pub table: OffsetTable,
+    /// Question whether to clear the dressing points.
+    question: QuestionDialog<()>,
 }
 
 impl PageUi for DressingPage {
@@ -40,6 +45,8 @@ impl PageUi for DressingPage {
 
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, picture, out, .. } = ctx;
+        let (edits, answered) = (&typed.edits, KeyboardInput::default());
+        let typed = if self.question.is_open() { &answered } else { typed };
         let columns = columns(view, &[OffsetPart::Wear]);
         let form = OffsetTableSpec { id: "dressing", columns: &columns, modes: &ENTRY_MODES, locked: false };
         out.extend(self.table.handle_typed(view, typed, &form));
@@ -50,6 +57,7 @@ impl PageUi for DressingPage {
         positions(left, view);
         let fault = view.snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().err());
         empty::picture(right, view, picture, "B0100.BMP", fault);
+        self.clear_key(right, view, typed);
         let (title, rest) = middle.trim_sides(theme::GAP).split_top(30.0);
         lines::title(view, title, view.text("砂轮磨耗", "wheel wear"));
         view.line_right(title, view.position_unit(), theme::LABEL, view.theme.muted);
@@ -57,6 +65,26 @@ impl PageUi for DressingPage {
         self.table.mode_keys(hows, view, &form);
         self.table.ui(list.trim_top(4.0), view, typed, &form);
         self.table.input_line(input, view, &form);
+        if let Some(((), Some(_))) = self.question.ui(rect, view, edits) {
+            out.push(Command::Page(PageCommand::ClearDressPoints));
+        }
+    }
+
+    fn close(&mut self) {
+        self.question.close();
+    }
+}
+
+impl DressingPage {
+    /// The key that clears the dressing points, where one is set: below the picture; Ctrl+D.
+    fn clear_key(&mut self, column: Rect, view: &View<'_>, typed: &KeyboardInput) {
+        let key = column.with_min_y(column.max.y - 48.0);
+        let is_set = view.snapshot.dressing_point.iter().any(|(_, point)| point.is_some());
+        let words = view.text("清除修整点", "CLEAR POINT");
+        let by_keyboard = typed.ctrl_keys.contains(&egui::Key::D);
+        if is_set && (widget::button(view, key, PageKey::new("clear-dress-points", words)) || by_keyboard) {
+            self.question.ask((), clear_question());
+        }
     }
 }
 
@@ -80,4 +108,14 @@ fn positions(rect: Rect, view: &View<'_>) {
         (view.text(zh, en).to_owned(), view.theme.muted)
     };
     view.paragraph(rest.trim_top(8.0), &words, theme::LABEL, ink);
+}
+
+/// The question says what the dressing programs use then.
+fn clear_question() -> Question {
+    let body = LocalizedText::new(
+        "修整程序改用其页面上的数值；没有数值时报警，不会移动。",
+        "The dressing programs use the values of their pages then; without a value they stop with an alarm before they move.",
+    );
+    let key = ("question-clear-points", Text::new("清除", "CLEAR"));
+    Question::new(Text::new("清除按键设置的修整点？", "clear the dressing points set by key?"), body, key)
 }

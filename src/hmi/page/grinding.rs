@@ -1,5 +1,8 @@
-//! Grinding page: positions, the customer's two columns of macro variables, the picture.
+//! Grinding page: positions, the customer's two columns of macro variables, the picture, the part of the last cycle.
 //! Source: spec K7.2–K7.5, H6, H8; seed 000.
+
+mod dressing_line;
+mod part_card;
 
 use std::sync::Arc;
 
@@ -12,7 +15,8 @@ use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::Lang;
 use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
-    Area, FieldEditor, KeycapState, PageKey, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
+    Area, EditKey, FieldEditor, KeycapState, PageKey, ValueField, View, keycap, page_frame as lines, pictogram, theme,
+    widget,
 };
 use crate::link::command::{FileFault, Picture, ScreenFiles};
 use crate::link::snapshot::AlarmView;
@@ -35,6 +39,8 @@ const COMPACT_HEIGHT: f32 = 36.0;
 pub struct GrindingPage {
     /// The value being typed.
     pub entry: VariableEntry,
+    /// The part of the last cycle.
+    part: part_card::PartCard,
     /// Program and its page; another one drops the typed value.
     shown: (u32, Option<u32>),
     /// The alarm to whose value the cursor went last: number and time.
@@ -82,7 +88,13 @@ impl PageUi for GrindingPage {
     fn ui(&mut self, ctx: PageContext<'_>) {
         let shown = ctx.view.snapshot.grinding_page_number();
         let Some(shown) = shown else { return no_page(ctx.rect, ctx.view, ctx.out) };
-        page(shown, &mut self.entry, ctx);
+        if self.entry.editor.text.is_empty()
+            && !self.entry.editor.pad_open
+            && ctx.typed.edits.contains(&EditKey::Cancel)
+        {
+            self.part.dismiss(ctx.view.snapshot);
+        }
+        page(shown, self, ctx);
     }
 }
 
@@ -98,7 +110,8 @@ fn field_of(snapshot: &Snapshot, variable: u16) -> Option<usize> {
 }
 
 /// Draws the page with a number.
-fn page(shown: u32, entry: &mut VariableEntry, ctx: PageContext<'_>) {
+fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
+    let GrindingPage { entry, part, .. } = state;
     let PageContext { rect, view, typed, picture, out, .. } = ctx;
     let several = view.snapshot.grinding_sheet.1 > 1;
     let places = GrindingLayout::new(rect, several);
@@ -107,11 +120,8 @@ fn page(shown: u32, entry: &mut VariableEntry, ctx: PageContext<'_>) {
         out.push(Command::ShowGrindingSheet(view.snapshot.grinding_sheet.0 + 1));
     }
     position_column(places.left, view);
-    show_picture(places.picture, view, files, picture);
-    let key = places.picture.with_min_y(places.picture.max.y - 48.0);
-    if key.min.y > places.picture.min.y + theme::PICTURE.y + theme::GAP
-        && widget::button(view, key, PageKey::new("design-page", view.text("页面设计", "PAGE DESIGN")))
-    {
+    show_picture(places.picture, view, shown, files, picture);
+    if design_key(places.picture, view, part) {
         out.push(Command::OpenPage(Page::Designer));
     }
     match files.map(|files| &files.text) {
@@ -122,7 +132,14 @@ fn page(shown: u32, entry: &mut VariableEntry, ctx: PageContext<'_>) {
             for edit in &typed.edits {
                 out.extend(entry.handle_key(*edit, (&columns.0, &columns.1)));
             }
-            fields(places.body, view, [&text.left, &text.right], entry);
+            let (line, body) = match dressing_line::is_shown(text) {
+                true => places.body.split_top(dressing_line::HEIGHT),
+                false => (Rect::NOTHING, places.body),
+            };
+            if line.is_positive() {
+                dressing_line::paint(line, view, text);
+            }
+            fields(body, view, [&text.left, &text.right], entry);
             draw_input_line(places.input, view, entry, [&text.left, &text.right]);
         }
         Some(Err(fault)) => text_fault(&places, view, fault),
@@ -135,6 +152,21 @@ fn page(shown: u32, entry: &mut VariableEntry, ctx: PageContext<'_>) {
             empty::show(view, places.body, pictogram::NO_PAGE, &what, remedy);
         }
     }
+}
+
+/// Below the picture: the part of the last cycle, and the key of the page designer where there is room; true if the key
+/// is touched.
+fn design_key(column: Rect, view: &View<'_>, part: &mut part_card::PartCard) -> bool {
+    let key = column.with_min_y(column.max.y - 48.0);
+    let below = column.min.y + theme::PICTURE.y + theme::GAP;
+    let mut room = key.min.y > below;
+    if part.shown(view.snapshot).is_some() {
+        room &= key.min.y - theme::GAP - part_card::HEIGHT > below;
+        let bottom = if room { key.min.y - theme::GAP } else { column.max.y };
+        let top = (bottom - part_card::HEIGHT).max(column.min.y);
+        part.ui(Rect::from_min_max(pos2(column.min.x, top), pos2(column.max.x, bottom)), view);
+    }
+    room && widget::button(view, key, PageKey::new("design-page", view.text("页面设计", "PAGE DESIGN")))
 }
 
 /// The left and the right column of fields.
@@ -236,8 +268,8 @@ impl FieldLayout {
     }
 }
 
-/// Preview for the page designer: title, fields and picture of a page text. Nothing in it reacts to input.
-pub fn preview(rect: Rect, view: &View<'_>, text: &PageText, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
+/// Preview for the page designer: title, fields and picture of the page with a number. Nothing in it reacts to input.
+pub fn preview(rect: Rect, view: &View<'_>, text: &PageText, number: u32, texture: Option<TextureId>) {
     let columns = [&text.left, &text.right];
     let split = |scale: f32| {
         let (middle, picture) = rect.split_right(theme::PICTURE.x * scale + 2.0);
@@ -257,7 +289,8 @@ pub fn preview(rect: Rect, view: &View<'_>, text: &PageText, files: Option<&Scre
         keycap::paint_body(view, place, KeycapState::default());
         field(place, view, row, layout, None);
     }
-    show_picture(Rect::from_min_size(picture.min, theme::PICTURE * scale), view, files, texture);
+    let files = view.snapshot.screens.find(number);
+    show_picture(Rect::from_min_size(picture.min, theme::PICTURE * scale), view, number, files, texture);
 }
 
 /// The title as the grinding page shows it (K7.2).
@@ -284,7 +317,8 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     if let Some(words) = row.unit() {
         view.line_left(unit.trim_left(4.0), words.get(view.lang), theme::SMALL, view.theme.muted);
     }
-    let (words, ink) = (view.page_value(row), view.theme.text);
+    let unused = dressing_line::point_instead_of(view.snapshot, row).is_some();
+    let (words, ink) = (view.page_value(row), if unused { view.theme.muted } else { view.theme.text });
     FieldEditor::paint(chosen, view, ValueField { plate: place, value, size: large, words, ink });
 }
 
@@ -294,17 +328,22 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: 
     let Some(row) = columns.into_iter().flatten().flatten().nth(entry.cursor) else { return };
     let (left, rest) = line.split_left_right_at_fraction(0.34);
     let ink = input_line::typed_text(view, left, &format!("{}=", view.variable_name(row.variable)), &entry.editor);
-    let told = match entry.editor.refusal(view.lang) {
-        Some(reason) => reason.into_owned(),
-        None => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row)),
+    let told = match (entry.editor.refusal(view.lang), dressing_line::point_instead_of(view.snapshot, row)) {
+        (Some(reason), _) => reason.into_owned(),
+        (None, Some((axis, point))) => {
+            let words = view.text("按键设置的点有效", "the point set by key counts");
+            format!("{words} {axis} {}", view.length(point))
+        }
+        (None, None) => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row)),
     };
     let (name, range) = rest.split_left_right_at_fraction(0.4);
     view.fit_left(name.trim_right(theme::PAD), row.name_in(view.lang), theme::LABEL, view.theme.muted);
     view.fit_right(range, &told, theme::LABEL, ink);
 }
 
-fn show_picture(rect: Rect, view: &View<'_>, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
-    let number = view.snapshot.grinding_page_number().unwrap_or_default() % 1_000;
+/// The picture of the page with a number.
+fn show_picture(rect: Rect, view: &View<'_>, page: u32, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
+    let number = page % 1_000;
     let fault = files.and_then(|files| files.picture.as_ref().err());
     empty::picture(rect, view, texture, &format!("B{number:04}.BMP"), fault);
 }

@@ -85,6 +85,11 @@ pub trait PageUi: Any + fmt::Debug + Send {
         Some((typing.text.clone(), typing.refusal(lang)?.into_owned()))
     }
 
+    /// The message that the page shows itself; the message line does not repeat it.
+    fn message(&self, _lang: Lang) -> Option<String> {
+        None
+    }
+
     /// Whether the numeric pad is shown.
     fn wants_pad(&self, _view: &View<'_>) -> bool {
         self.typing().is_some_and(|typing| typing.pad_open)
@@ -109,6 +114,8 @@ pub trait PageUi: Any + fmt::Debug + Send {
 /// Fields of a snapshot that only some pages show: a change of them is painted on those pages alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldGroup {
+    /// The part of the last cycle.
+    PartResult,
     /// Values of macro variables.
     Variables,
     /// Inputs.
@@ -150,7 +157,7 @@ macro_rules! page_rows {
 page_rows! {
     Position => position::PositionPage;
     Panel => position::PositionPage;
-    Grinding => grinding::GrindingPage, shows Variables;
+    Grinding => grinding::GrindingPage, shows Variables PartResult DressingPoint;
     Dressing => dressing::DressingPage, shows Offsets DressingPoint;
     Program => program::ProgramPage, shows Restart;
     Designer => designer::DesignerPage, shows Variables;

@@ -73,7 +73,7 @@ impl SimulatorPage {
         let list = round_to_lines(list, ROW_HEIGHT);
         let each = (list.height() / ROW_HEIGHT) as usize * 2;
         let inputs: Vec<Input> =
-            Input::ALL.iter().copied().filter(|input| input.exists_on(view.snapshot.kind)).collect();
+            Input::ALL.iter().copied().filter(|input| input.exists_on(view.snapshot.fitted())).collect();
         let count = inputs.len().div_ceil(each.max(1));
         self.input_page = (self.input_page as i32 + pages).rem_euclid(count as i32) as usize;
         let mut done = None;
@@ -112,7 +112,9 @@ impl SimulatorPage {
 
     fn faults(&mut self, rect: Rect, view: &View<'_>, sim: &SimView) -> Option<SimCommand> {
         let mut done = None;
-        for (index, row) in sim_fault::without_argument().enumerate() {
+        let fitted = view.snapshot.fitted();
+        let faults = sim_fault::without_argument().filter(|row| row.exists_on(fitted));
+        for (index, row) in faults.enumerate() {
             let name = row.name;
             let place = rect.band((index / 2) as f32 * (ROW_HEIGHT + 8.0), ROW_HEIGHT).cell(index % 2, 2);
             let on = sim.faults.contains(&name);
@@ -148,7 +150,7 @@ impl SimulatorPage {
                 (view.text("刀位", "station").into(), format!("T{station}")),
             ]
         };
-        lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang), view.length(*size))));
+        lines.extend(sim.sizes.iter().map(|size| (size.name.get(view.lang), view.length(size.mm))));
         lines.extend(sim.events.iter().map(|event| (event.get(view.lang), String::new())));
         let rows = (inside.height() / 27.0).floor().max(1.0) as usize;
         for (index, (name, value)) in lines.iter().enumerate().take(rows * 2) {

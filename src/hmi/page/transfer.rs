@@ -68,6 +68,10 @@ impl PageUi for TransferPage {
         self.message.refusal(lang).map(|why| (String::new(), why))
     }
 
+    fn message(&self, lang: Lang) -> Option<String> {
+        self.message.text(lang)
+    }
+
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, login, out, .. } = ctx;
         self.handle_answer(view, login, out);

@@ -2,6 +2,7 @@
 
 use egui::{Pos2, Rect, pos2, vec2};
 
+use crate::defs::fitted::Fitted;
 use crate::defs::key::Key;
 use crate::defs::kind::{Kind, MachineUnit};
 use crate::defs::text::Text;
@@ -19,7 +20,7 @@ pub struct PanelGroup {
 /// The layout of the panel.
 #[derive(Clone, Debug)]
 pub struct PanelLayout {
-    /// All keys of the kind.
+    /// All keys of the machine.
     pub keys: Vec<(Key, Rect)>,
     /// Groups.
     pub groups: Vec<PanelGroup>,
@@ -41,7 +42,7 @@ const UNIT_ROWS: f32 = 3.0;
 
 /// Computes the layout of the panel.
 #[must_use]
-pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
+pub fn panel_layout(machine: impl Into<Fitted>, rect: Rect, portrait: bool) -> PanelLayout {
     let empty = Rect::from_min_size(rect.min, vec2(0.0, 0.0));
     let mut layout = PanelLayout {
         keys: Vec::with_capacity(64),
@@ -61,7 +62,8 @@ pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         let fixed = 2.0 * CAPTION_HEIGHT + 7.0 * KEY_GAP + gaps * GROUP_GAP;
         (inside.width(), ((inside.height() - fixed) / rows).min(64.0))
     };
-    let mut build = PanelBuilder { layout: &mut layout, kind, key_height, cursor: inside.min, width, wide };
+    let machine = machine.into();
+    let mut build = PanelBuilder { layout: &mut layout, machine, key_height, cursor: inside.min, width, wide };
     build.modes();
     if portrait {
         let column = |index: f32| pos2(inside.min.x + index * (width + GROUP_GAP), inside.min.y);
@@ -109,7 +111,7 @@ const HANDWHEEL: [[Key; 2]; 3] =
 /// Places the groups from top to bottom.
 struct PanelBuilder<'a> {
     layout: &'a mut PanelLayout,
-    kind: Kind,
+    machine: Fitted,
     key_height: f32,
     cursor: Pos2,
     width: f32,
@@ -162,27 +164,26 @@ impl PanelBuilder<'_> {
 
     /// The units of the machine side by side, then the row of units below them.
     fn machine_units(&mut self) {
-        let ui = self.kind.ui();
+        let (machine, ui) = (self.machine, self.machine.kind.ui());
         let panel = if self.wide { ui.wide_panel } else { ui.panel };
         for (units, beside) in [(panel.beside, true), (panel.below, false)] {
             self.cursor.y += CAPTION_HEIGHT;
+            let fitted = units.iter().filter(|unit| unit.keys.iter().any(|key| key.exists_on(machine)));
+            let columns = fitted.clone().map(|unit| unit.columns).sum();
             let mut column = 0;
-            for unit in units {
-                self.unit(column, unit, beside);
+            for unit in fitted {
+                self.unit((column, columns), unit, beside);
                 column += unit.columns;
             }
             self.advance(if beside { UNIT_ROWS } else { 1.0 }, GROUP_GAP);
         }
     }
 
-    fn columns(&self) -> f32 {
-        if self.wide { 5.0 } else { 4.0 }
-    }
-
-    /// Keys in a column, two keys sharing the height of three; else side by side, sharing the columns of the unit.
-    fn unit(&mut self, column: usize, unit: &MachineUnit, upright: bool) {
+    /// Keys in a column, two keys sharing the height of three; else side by side, sharing the columns of the unit. The
+    /// unit begins at a column of so many.
+    fn unit(&mut self, (column, count): (usize, usize), unit: &MachineUnit, upright: bool) {
         let &MachineUnit { caption, keys, columns } = unit;
-        let top = self.cell(self.columns(), column, 0).union(self.cell(self.columns(), column + columns - 1, 0));
+        let top = self.cell(count as f32, column, 0).union(self.cell(count as f32, column + columns - 1, 0));
         let height = UNIT_ROWS * self.key_height + (UNIT_ROWS - 1.0) * KEY_GAP;
         let whole = if upright { height } else { top.width() };
         let each = (whole - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
@@ -227,7 +228,7 @@ impl PanelBuilder<'_> {
             let corner = at + vec2(left + f32::from(column) * (unit + KEY_GAP), f32::from(row) * (key + KEY_GAP));
             Rect::from_min_size(corner, vec2(unit, key))
         };
-        for (key, column, row) in jog_positions(self.kind) {
+        for (key, column, row) in jog_positions(self.machine.kind) {
             self.layout.keys.push((key, place(self.cursor, 0.0, column, row, self.key_height)));
         }
         let left = 3.0 * unit + 2.0 * KEY_GAP + GROUP_GAP;

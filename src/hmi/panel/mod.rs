@@ -39,7 +39,12 @@ impl OperatorPanel {
         for group in &layout.groups {
             view.filled_card(group.frame, view.theme.background, view.theme.line);
             if let Some((rect, text)) = &group.caption {
-                view.fit_left(rect.trim_sides(4.0), text.get(view.lang), theme::SMALL, view.theme.muted);
+                view.fit_left(
+                    rect.trim_sides(if rect.width() < 52.0 { 1.0 } else { 4.0 }),
+                    text.get(view.lang),
+                    theme::SMALL,
+                    view.theme.muted,
+                );
             }
         }
         override_value(view, layout.feed_value, view.text("进给", "FEED"), view.snapshot.feed_override);

@@ -1,10 +1,8 @@
 //! The dressing programs: the wheel has the asked form and is sharp, the control knows its size, and a part that is ground
 //! afterwards has the size as before.
 
-use kt830::defs::key::Key;
 use kt830::defs::param;
 use kt830::io::sim::PartFile;
-use kt830::link::command::Command;
 
 use super::shop::{End, PROGRAMS, Shop, part_of, shop, shop_with};
 
@@ -103,27 +101,44 @@ fn k4_1_a_part_has_its_size_after_every_dressing() {
     }
 }
 
-#[test]
-fn k4_2_o1011_dresses_from_the_dressing_point() {
-    let mut shop = shop_with(1011, 1, |part| {
-        part.variables.insert(775, 1.0);
+/// The values of the page are off the dresser; the points are set by key where the new wheel touches it.
+fn dresses_at_the_key(program: u32, off: [u16; 3], to_dresser: &str, keys: &str, depth_mm: f64) {
+    let mut shop = shop_with(program, 1, |part| {
+        for variable in off.into_iter().filter(|variable| *variable > 0) {
+            *part.variables.get_mut(&variable).unwrap() += 25.0;
+        }
     });
-    assert!(matches!(shop.run(), End::Alarm(196, _)), "no point has been set");
-    // The operator sets it where the new wheel's corner stands on the diamond.
-    shop.rig.send(Command::Press(Key::Reset));
-    shop.rig.step();
     crate::stories::tell(
         &mut shop.rig,
-        "mode mdi\nmdi G53 G00 X0\nwait until idle\nmdi G53 G00 Z-60\nwait until idle\nmdi G53 G00 X-318\nwait until idle
-mdi G53 G01 X-320 F200\nwait until idle\nwait 0.5 s\nmode jog\npage position\nkey f1\nkey address-x\nkey input
-key address-z\nkey input\nmode auto",
+        &format!("mode mdi\n{to_dresser}\nwait 0.5 s\nmode jog\npage position\nkey f1"),
     );
+    crate::stories::tell(&mut shop.rig, &format!("{keys}\nmode auto"));
     for times in 1..=2 {
         shop.grind();
         for mm in shop.rig.machine().rim_wear_mm() {
-            assert!((mm - 0.025 * f64::from(times)).abs() < 0.001, "{times} times: {mm} mm");
+            let wanted = depth_mm * f64::from(times);
+            assert!((mm - wanted).abs() < 0.001, "O{program}, {times} times: {mm} mm");
         }
     }
+}
+
+#[test]
+fn k4_2_every_dressing_program_uses_the_point_that_was_set_by_key() {
+    let go = |blocks: &[&str]| -> String {
+        blocks.iter().map(|block| format!("mdi G53 {block}\nwait until idle\n")).collect()
+    };
+    let keys = |axes: &[&str]| -> String {
+        axes.iter().map(|axis| format!("key address-{axis}\nkey input\nexpect message \"成功\"\n")).collect()
+    };
+    let gc = go(&["G00 X0", "G00 Z-60", "G00 X-318", "G01 X-320 F200"]);
+    dresses_at_the_key(1011, [760, 761, 0], &gc, &keys(&["x", "z"]), 0.025);
+    let value = |program: u32, variable: u16| part_of(program).variables[&variable];
+    let (x, z, y) = (value(1013, 800), value(1013, 801), value(1013, 802));
+    let gs = go(&["G00 Y0", &format!("G00 X{x} Z{z}"), &format!("G01 Y{y} F1000")]);
+    dresses_at_the_key(1013, [800, 801, 802], &gs, &keys(&["x", "y", "z"]), 0.03);
+    let (x, z) = (value(1014, 820), value(1014, 821));
+    let ga = go(&["G00 Z0", &format!("G00 X{x}"), &format!("G01 Z{z} F1000")]);
+    dresses_at_the_key(1014, [820, 821, 0], &ga, &keys(&["x", "z"]), 0.025);
 }
 
 #[test]

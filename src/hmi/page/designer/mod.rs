@@ -117,8 +117,14 @@ impl PageUi for DesignerPage {
         self.message.refusal(lang).map(|why| (self.document.rope.to_string(), why))
     }
 
+    fn message(&self, lang: Lang) -> Option<String> {
+        self.message.text(lang)
+    }
+
     fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
-        snapshot.screens.find(self.number(snapshot))?.picture.as_ref().ok()
+        // An unsaved text stays when another program becomes current.
+        let number = if self.document.changed { self.document.number } else { self.number(snapshot) };
+        snapshot.screens.find(number)?.picture.as_ref().ok()
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {

@@ -126,7 +126,7 @@ impl DesignerPage {
 
     /// Preview of the grinding page.
     pub(super) fn preview(&self, rect: Rect, view: &View<'_>, texture: Option<TextureId>) {
-        grinding::preview(rect, view, &self.reading.page, view.snapshot.screens.find(self.document.number), texture);
+        grinding::preview(rect, view, &self.reading.page, self.document.number, texture);
     }
 
     /// Variables of program and page.

@@ -4,6 +4,7 @@
 use super::keyboard_map;
 use crate::defs::alarm::{self, ALARMS};
 use crate::defs::availability;
+use crate::defs::fitted::Fitted;
 use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
 use crate::defs::key::{self, Key};
 use crate::defs::kind::Kind;
@@ -168,16 +169,18 @@ const DURING_RUN: Text = Text::new("运行中", "in a run");
 const SCOPE: Text = Text::new("有效", "in force");
 const NEXT_BLOCK: Text = Text::new("下一段", "next block");
 
-/// All help entries of a kind of machine.
-pub fn entries(kind: Kind) -> Vec<HelpEntry> {
-    let pages = Page::ALL.iter().copied().filter(|page| page.exists_on(kind));
+/// All help entries of a machine.
+pub fn entries(machine: impl Into<Fitted>) -> Vec<HelpEntry> {
+    let machine = machine.into();
+    let kind = machine.kind;
+    let pages = Page::ALL.iter().copied().filter(|page| page.exists_on(machine));
     let mut all: Vec<HelpEntry> = pages.map(|page| page_entry(page, kind)).collect();
     soft_keys(kind, &mut all);
-    all.extend(Key::ALL.iter().filter(|key| key.exists_on(kind)).map(|key| key_entry(*key, kind)));
+    all.extend(Key::ALL.iter().filter(|key| key.exists_on(machine)).map(|key| key_entry(*key, kind)));
     alarms(&mut all);
     g_codes(kind, &mut all);
-    all.extend(availability::m_codes(kind).map(mcode_entry));
-    all.extend(param_row::rows(kind).iter().map(param_entry));
+    all.extend(availability::m_codes(machine).map(mcode_entry));
+    all.extend(param_row::rows(machine).iter().map(param_entry));
     all
 }
 

@@ -69,9 +69,9 @@ fn groups(view: &View<'_>) -> Vec<Vec<MapLine>> {
     for (group, caption) in GROUPS {
         let mut lines = vec![MapLine::Caption(caption)];
         let mut last = None;
-        let shown = SHORTCUTS
-            .iter()
-            .filter(|shortcut| shortcut.key.row().group == group && shortcut.key.exists_on(view.snapshot.kind));
+        let fitted = view.snapshot.fitted();
+        let shown =
+            SHORTCUTS.iter().filter(|shortcut| shortcut.key.row().group == group && shortcut.key.exists_on(fitted));
         for shortcut in shown {
             match lines.last_mut() {
                 Some(MapLine::Entry(keys, _)) if last == Some(shortcut.key) => {

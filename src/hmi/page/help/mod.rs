@@ -11,7 +11,7 @@ use egui::{Align2, Color32, Id, Rect, Sense, WidgetInfo, vec2};
 pub use entries::{CAUSE, HelpEntry, HelpTopic, REMEDY, Section, alarm_entry, entries};
 
 use super::{PageContext, PageUi, Scroll, ScrollList};
-use crate::defs::kind::Kind;
+use crate::defs::fitted::Fitted;
 use crate::defs::page::Page;
 use crate::hmi::{
     Area, EditKey, KeyboardInput, LetterKey, PageKey, Search, SearchTouch, View, letter_pad, round_to_lines, theme,
@@ -28,9 +28,9 @@ const MAX_SEARCH_CHARS: usize = 20;
 /// State of the help.
 #[derive(Debug, Default)]
 pub struct Help {
-    /// The entries of this kind of machine.
+    /// The entries of this machine.
     entries: Vec<HelpEntry>,
-    kind: Option<Kind>,
+    machine: Option<Fitted>,
     section: Section,
     /// The keyboard map is shown instead of a section.
     keyboard_map_open: bool,
@@ -72,10 +72,10 @@ impl Help {
     }
 
     fn load_entries(&mut self, view: &View<'_>) {
-        let kind = view.snapshot.kind;
-        if self.kind != Some(kind) {
-            self.kind = Some(kind);
-            self.entries = entries(kind);
+        let machine = view.snapshot.fitted();
+        if self.machine != Some(machine) {
+            self.machine = Some(machine);
+            self.entries = entries(machine);
             self.refresh_list();
         }
     }

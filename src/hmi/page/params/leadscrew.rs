@@ -63,7 +63,7 @@ pub struct LeadscrewTab {
     question: QuestionDialog<()>,
     /// Exports and imports.
     asking: PendingRequests<()>,
-    message: PageMessage,
+    pub message: PageMessage,
 }
 
 impl LeadscrewTab {

@@ -1,7 +1,7 @@
 //! Parameter list: its lines, search results and cursor moves. Nothing is drawn here.
 //! Source: spec B6.
 
-use crate::defs::kind::Kind;
+use crate::defs::fitted::Fitted;
 use crate::defs::param_row::{ParamRow, ParamType, rows};
 use crate::defs::text::Text;
 
@@ -38,14 +38,14 @@ impl ParamLine {
     }
 }
 
-/// Parameters of a kind of machine, and the lines that match tab and search.
+/// Parameters of a machine, and the lines that match tab and search.
 #[derive(Debug, Default)]
 pub struct ParamList {
-    kind: Option<Kind>,
+    machine: Option<Fitted>,
     /// Index in `FILTERS`.
     filter: usize,
     search: String,
-    /// All parameters of the kind.
+    /// All parameters of the machine.
     pub rows: Vec<ParamRow>,
     /// The lines shown.
     pub lines: Vec<ParamLine>,
@@ -55,14 +55,14 @@ pub struct ParamList {
 
 impl ParamList {
     /// Updates the lines; true if they changed.
-    pub fn update(&mut self, kind: Kind, part: usize, search: &str) -> bool {
-        if self.kind == Some(kind) && self.filter == part && self.search == search {
+    pub fn update(&mut self, machine: Fitted, part: usize, search: &str) -> bool {
+        if self.machine == Some(machine) && self.filter == part && self.search == search {
             return false;
         }
-        if self.kind != Some(kind) {
-            self.rows = rows(kind);
+        if self.machine != Some(machine) {
+            self.rows = rows(machine);
         }
-        (self.kind, self.filter) = (Some(kind), part);
+        (self.machine, self.filter) = (Some(machine), part);
         search.clone_into(&mut self.search);
         let wanted = search.trim().to_lowercase();
         self.matches = self.rows.iter().map(|row| (FILTERS[part].2)(row) && matches_search(row, &wanted)).collect();

@@ -10,7 +10,7 @@ use egui::{Rect, vec2};
 use super::{PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
     CoreAnswer, EditKey, FieldEditor, KeyboardInput, LetterKey, Login, Search, SearchTouch, View, letter_pad,
     parse_number, theme, widget,
@@ -52,6 +52,10 @@ impl PageUi for ParamPage {
         Some(if self.shows_leadscrews { &self.leadscrew.typing } else { &self.typing })
     }
 
+    fn message(&self, lang: Lang) -> Option<String> {
+        self.leadscrew.message.text(lang).filter(|_| self.shows_leadscrews)
+    }
+
     fn accepts_text(&self) -> bool {
         self.search.open
     }
@@ -72,7 +76,7 @@ impl PageUi for ParamPage {
             out.extend(self.leadscrew.ui(rect.with_min_y(places.tabs.max.y + theme::GAP), view, typed, login));
             return;
         }
-        if self.list.update(view.snapshot.kind, self.filter, &self.search.text) {
+        if self.list.update(view.snapshot.fitted(), self.filter, &self.search.text) {
             self.scroll = Scroll::default();
             if !self.list.matches.get(self.cursor).copied().unwrap_or(false) {
                 self.select(self.list.first().unwrap_or(0));

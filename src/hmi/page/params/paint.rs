@@ -156,7 +156,7 @@ fn value_text(view: &View<'_>, at: ParamAddress) -> String {
 
 /// The port that this function shares with others, and the names of the others.
 fn shared_port(view: &View<'_>, row: &ParamRow) -> Option<(u8, Vec<&'static str>)> {
-    let (params, kind) = (&view.snapshot.params, view.snapshot.kind);
+    let params = &view.snapshot.params;
     match row.param_type {
         ParamType::Input(input) => {
             let all = port_conflict::input_conflicts(params);
@@ -165,7 +165,7 @@ fn shared_port(view: &View<'_>, row: &ParamRow) -> Option<(u8, Vec<&'static str>
             Some((found.port, others.map(|other| other.name().get(view.lang)).collect()))
         }
         ParamType::Output(output) => {
-            let all = port_conflict::output_conflicts(kind, params);
+            let all = port_conflict::output_conflicts(params);
             let found = all.into_iter().find(|found| found.functions.contains(&output))?;
             let others = found.functions.into_iter().filter(|other| *other != output);
             Some((found.port, others.map(|other| other.name().get(view.lang)).collect()))

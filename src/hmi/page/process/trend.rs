@@ -24,22 +24,16 @@ pub struct FinishedPart {
 impl FinishedPart {
     /// The part that was just counted.
     pub fn of(snapshot: &Snapshot) -> Self {
-        let params = &snapshot.params;
-        let variable = |at| {
-            let number = params.get(at) as usize;
-            snapshot.variables.get(number).copied().flatten().filter(|_| number > 0)
+        let values = snapshot.size_values();
+        let nominal = values.nominal();
+        let limits = nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high]));
+        let simulated = || {
+            let sizes = &snapshot.simulated.as_ref()?.sizes;
+            nominal.map_or_else(|| sizes.first().map(|size| size.mm), |nominal| nominal.nearest(sizes))
         };
-        let nominal: Option<f64> = variable(param::TREND_NOMINAL_VARIABLE);
-        let (lower, upper) = (params.get(param::TREND_LOWER), params.get(param::TREND_UPPER));
-        let limits = nominal.filter(|_| upper > lower).map(|nominal| [nominal, nominal + lower, nominal + upper]);
-        let near = |size: &f64| nominal.map_or(0.0, |nominal| (size - nominal).abs());
-        let simulated = snapshot.simulated.iter().flat_map(|sim| sim.sizes.iter().map(|(_, size)| *size));
-        // Without a size variable: the simulated diameter that is nearest to the nominal size.
-        let size = match params.get(param::TREND_SIZE_VARIABLE) > 0.0 {
-            true => variable(param::TREND_SIZE_VARIABLE),
-            false => simulated.min_by(|a, b| near(a).total_cmp(&near(b))),
-        };
-        Self { number: snapshot.parts_counted, cycle_seconds: snapshot.cycle_seconds, size, limits }
+        // Without a size variable: the simulated size that is nearest to the nominal one.
+        let size = if values.is_measured() { values.measured() } else { simulated() };
+        Self { number: snapshot.parts_counted, cycle_seconds: snapshot.cycle.seconds, size, limits }
     }
 
     /// Whether the size is within its limits; none: nothing to compare.
@@ -59,8 +53,8 @@ impl ProcessPage {
         let sized: Vec<&FinishedPart> = self.parts.iter().filter(|part| part.size.is_some()).collect();
         let Some(last) = sized.last() else {
             let words = view.text(
-                "还没有实测尺寸：P375 为存实测尺寸的变量，P376 为公称尺寸的变量，P377、P378 为偏差",
-                "no size yet: P375 is the variable of the size, P376 of the nominal size, P377 and P378 the deviations",
+                "还没有实测尺寸：P375 为存实测尺寸的变量，公称尺寸和偏差取自页面或 P376–P378",
+                "no size yet: P375 is the variable of the size; nominal size and deviations are those of the page or P376 to P378",
             );
             view.paragraph(plot, words, theme::SMALL, view.theme.muted);
             return;
@@ -103,9 +97,9 @@ impl ProcessPage {
         view.card(rect);
         let inside = rect.shrink2(vec2(10.0, 6.0));
         let params = &view.snapshot.params;
-        let interval = params.get(param::DRESSING_INTERVAL);
         let since = params.get(param::PARTS_SINCE_DRESSING);
-        let next = if interval > 0.0 { format!("{:.0}", (interval - since).max(0.0)) } else { "—".to_owned() };
+        let next = view.snapshot.dressing_interval().map(|interval| format!("{:.0}", (interval - since).max(0.0)));
+        let next = next.unwrap_or_else(|| "—".to_owned());
         let left = self.dressings_left(view.snapshot).map_or_else(|| "—".to_owned(), |left| left.to_string());
         let rows = [
             (view.text("砂轮直径 mm", "wheel diameter mm"), view.length(params.get(param::WHEEL_DIAMETER))),

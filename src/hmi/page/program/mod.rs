@@ -112,6 +112,10 @@ impl PageUi for ProgramPage {
         self.message.refusal(lang).map(|why| (self.document.rope.to_string(), why))
     }
 
+    fn message(&self, lang: Lang) -> Option<String> {
+        self.message.text(lang)
+    }
+
     fn accepts_text(&self) -> bool {
         self.editing || self.prompt.is_some()
     }

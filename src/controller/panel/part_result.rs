@@ -1,0 +1,26 @@
+//! The part that a cycle has finished: taken at the end of the program with the values as they are then.
+//! Source: spec K4.5, K7.2.
+
+use super::Panel;
+use crate::controller::plant::{FinishedCycle, Plant};
+use crate::link::part_result::{PartResult, SizeValues};
+
+impl Panel {
+    /// Takes the result at the end of a cycle; the start of a program clears it.
+    pub fn follow_cycle(&mut self, plant: &Plant) {
+        let cycle = plant.execution.finished_cycle;
+        let known = self.part_result.map(|part| part.ended_at);
+        if cycle.map(|cycle| cycle.ended_at) != known {
+            self.part_result = cycle.map(|cycle| self.result_of(plant, cycle));
+        }
+    }
+
+    fn result_of(&self, plant: &Plant, cycle: FinishedCycle) -> PartResult {
+        let FinishedCycle { number, program, ended_at, duration } = cycle;
+        let page = self.screens.find(program).and_then(|files| files.text.as_ref().ok());
+        let variable = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
+        let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable };
+        let (nominal, measured) = (values.nominal(), values.measured());
+        PartResult { number, program, ended_at, cycle_seconds: duration.as_secs_f64(), nominal, measured }
+    }
+}

@@ -1,0 +1,104 @@
+//! The part of the last cycle, at the end of the program: size, tolerance, verdict and time. It stays until the next
+//! cycle start or until it is touched away.
+//! Source: spec K7.2, K4.5, H8.
+
+use egui::{Color32, Rect, vec2};
+
+use crate::hmi::{Area, View, format_cycle_time, keycap, theme};
+use crate::link::Snapshot;
+use crate::link::part_result::PartResult;
+use crate::units::Micros;
+
+/// Height of the card, points.
+pub const HEIGHT: f32 = 118.0;
+
+/// Which result was touched away.
+#[derive(Debug, Default)]
+pub struct PartCard {
+    dismissed: Option<Micros>,
+}
+
+/// Where a size comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum SizeSource {
+    /// The program has measured it.
+    Gauge,
+    /// The simulated machine knows it.
+    Simulated,
+}
+
+impl PartCard {
+    /// The result to be shown.
+    pub fn shown<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a PartResult> {
+        snapshot.cycle.part.as_ref().filter(|part| self.dismissed != Some(part.ended_at))
+    }
+
+    /// The result is not shown any more; false if there was none.
+    pub fn dismiss(&mut self, snapshot: &Snapshot) -> bool {
+        let Some(part) = self.shown(snapshot) else { return false };
+        self.dismissed = Some(part.ended_at);
+        true
+    }
+
+    /// Draws the card; a touch dismisses it.
+    pub fn ui(&mut self, rect: Rect, view: &View<'_>) {
+        let Some(part) = self.shown(view.snapshot) else { return };
+        let size = size_of(view.snapshot, part);
+        let (verdict, ink) = verdict(view, part, size);
+        let response = keycap::plain(view, rect, "part-result", format!("{verdict} part-result"));
+        view.edge_bar(rect, ink);
+        let inside = rect.shrink2(vec2(10.0, 5.0));
+        let head = inside.band(0.0, 22.0);
+        let title = format!("{} {}", view.text("工件", "part"), part.number);
+        view.fit_left(head.trim_right(20.0), &title, theme::LABEL, view.theme.muted);
+        view.line_right(head, "×", theme::TITLE, view.theme.muted);
+        let figure = inside.band(24.0, 36.0);
+        match size {
+            Some((mm, _)) => {
+                let taken = view.line_left(figure, &view.length(mm), theme::FIGURE, view.theme.text);
+                view.fit_right(figure.with_min_x(taken.max.x + theme::GAP), &verdict, theme::TITLE, ink);
+            }
+            None => drop(view.fit_left(figure, &verdict, theme::SECONDARY, ink)),
+        }
+        view.fit_left(inside.band(64.0, 20.0), &tolerance(view, part), theme::LABEL, view.theme.muted);
+        let foot = inside.band(86.0, 20.0);
+        let time = format_cycle_time(part.cycle_seconds);
+        view.line_right(foot, &time, theme::LABEL, view.theme.text);
+        let source = match size {
+            Some((_, SizeSource::Gauge)) => view.text("实测", "measured"),
+            Some((_, SizeSource::Simulated)) => view.text("仿真尺寸", "simulated"),
+            None => view.text("时间", "time"),
+        };
+        view.fit_left(foot.trim_right(64.0), source, theme::LABEL, view.theme.muted);
+        if response.clicked() {
+            self.dismiss(view.snapshot);
+        }
+    }
+}
+
+/// The measured size, else that of the simulated part.
+fn size_of(snapshot: &Snapshot, part: &PartResult) -> Option<(f64, SizeSource)> {
+    let simulated = || part.nominal?.nearest(&snapshot.simulated.as_ref()?.finished_sizes);
+    let measured = part.measured.map(|mm| (mm, SizeSource::Gauge));
+    measured.or_else(|| simulated().map(|mm| (mm, SizeSource::Simulated)))
+}
+
+fn verdict(view: &View<'_>, part: &PartResult, size: Option<(f64, SizeSource)>) -> (String, Color32) {
+    let Some((mm, _)) = size else { return (view.text("未测量", "not measured").to_owned(), view.theme.muted) };
+    let (words, ink) = match part.nominal.and_then(|nominal| nominal.keeps(mm)) {
+        Some(true) => (view.text("合格", "OK"), view.theme.run),
+        Some(false) => (view.text("超差", "NOT OK"), view.theme.alarm_text),
+        None => (view.text("无公差", "no tolerance"), view.theme.muted),
+    };
+    (words.to_owned(), ink)
+}
+
+/// `40.000 +0.005 -0.015`
+fn tolerance(view: &View<'_>, part: &PartResult) -> String {
+    let Some(nominal) = part.nominal else { return view.text("没有公称尺寸", "no nominal size").to_owned() };
+    let words = view.length(nominal.mm);
+    match nominal.limits {
+        Some((low, high)) => format!("{words} {:+.3} {:+.3}", high - nominal.mm, low - nominal.mm),
+        None => format!("{} {words}", view.text("公称", "nominal")),
+    }
+}

@@ -1,0 +1,116 @@
+//! The part that the last cycle has finished: its nominal size, its limits and its measured size.
+//! Source: spec K4.5, K7.2, H8.
+
+use super::simulation::PartSize;
+use crate::defs::page_meaning::{PageMeaning, SizeKind};
+use crate::defs::page_text::PageText;
+use crate::defs::param::{self, NumberParam, Params};
+use crate::units::Micros;
+
+/// The nominal size of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NominalSize {
+    /// What is measured; `None` if only a parameter names the size.
+    pub kind: Option<SizeKind>,
+    /// Nominal size, mm.
+    pub mm: f64,
+    /// Least and greatest size, mm; `None` without a tolerance.
+    pub limits: Option<(f64, f64)>,
+}
+
+/// The part that the last cycle has finished.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartResult {
+    /// Its number in the part count.
+    pub number: u32,
+    /// The program.
+    pub program: u32,
+    /// When the cycle ended.
+    pub ended_at: Micros,
+    /// Cycle time, s.
+    pub cycle_seconds: f64,
+    /// Nominal size and limits, as in force at the end.
+    pub nominal: Option<NominalSize>,
+    /// The size that the program has measured, mm.
+    pub measured: Option<f64>,
+}
+
+/// The values that sizes are taken from.
+pub struct SizeValues<'a, V> {
+    /// The parameters.
+    pub params: &'a Params,
+    /// The page text of the program.
+    pub page: Option<&'a PageText>,
+    /// The value of a macro variable.
+    pub variable: V,
+}
+
+impl<V: Fn(u16) -> Option<f64>> SizeValues<'_, V> {
+    /// The variable that a parameter names; `None` if it names none.
+    fn of_param(&self, row: NumberParam) -> Option<u16> {
+        Some(self.params.get(row) as u16).filter(|variable| *variable > 0)
+    }
+
+    fn of_page(&self, meaning: PageMeaning) -> Option<u16> {
+        self.page?.variable(|found| found == meaning)
+    }
+
+    /// Nominal size and limits: P376 to P378, else what the page names.
+    #[must_use]
+    pub fn nominal(&self) -> Option<NominalSize> {
+        let by_param = self.of_param(param::TREND_NOMINAL_VARIABLE).map(|variable| (None, variable));
+        let of_page = || self.page?.nominal().map(|(kind, variable)| (Some(kind), variable));
+        let (kind, variable) = by_param.or_else(of_page)?;
+        let mm = (self.variable)(variable)?;
+        let of_params = (self.params.get(param::TREND_LOWER), self.params.get(param::TREND_UPPER));
+        let deviation = |meaning| self.of_page(meaning).and_then(&self.variable);
+        let of_page = deviation(PageMeaning::LowerDeviation).zip(deviation(PageMeaning::UpperDeviation));
+        let limits = Some(of_params).filter(|(lower, upper)| upper > lower).or(of_page);
+        let limits = limits.filter(|(lower, upper)| upper >= lower);
+        Some(NominalSize { kind, mm, limits: limits.map(|(lower, upper)| (mm + lower, mm + upper)) })
+    }
+
+    fn measured_variable(&self) -> Option<u16> {
+        self.of_param(param::TREND_SIZE_VARIABLE).or_else(|| self.of_page(PageMeaning::MeasuredSize))
+    }
+
+    /// Whether the program measures the part.
+    #[must_use]
+    pub fn is_measured(&self) -> bool {
+        self.measured_variable().is_some()
+    }
+
+    /// The measured size: the variable of P375, else that of the page.
+    #[must_use]
+    pub fn measured(&self) -> Option<f64> {
+        (self.variable)(self.measured_variable()?)
+    }
+
+    /// Parts between two dressings: P95, or what the page says; the smaller one if both do.
+    #[must_use]
+    pub fn dressing_interval(&self) -> Option<f64> {
+        let of_page = self.of_page(PageMeaning::DressingInterval).and_then(&self.variable);
+        let all = [Some(self.params.get(param::DRESSING_INTERVAL)), of_page];
+        all.into_iter().flatten().filter(|parts| *parts > 0.0).min_by(f64::total_cmp)
+    }
+}
+
+impl NominalSize {
+    /// Whether a size is within the limits; `None` without limits. Rounding errors up to 1e-6 mm are tolerated.
+    #[must_use]
+    pub fn keeps(&self, size: f64) -> Option<bool> {
+        self.limits.map(|(low, high)| size >= low - 1e-6 && size <= high + 1e-6)
+    }
+
+    /// The simulated size that this one is compared with: of the same kind, and nearest. The place of a face is no length.
+    #[must_use]
+    pub fn nearest(&self, sizes: &[PartSize]) -> Option<f64> {
+        let fits = |size: &&PartSize| match self.kind {
+            None => true,
+            Some(SizeKind::Length) => false,
+            Some(kind) => kind == size.kind,
+        };
+        let same = sizes.iter().filter(fits).map(|size| size.mm);
+        same.min_by(|a, b| (a - self.mm).abs().total_cmp(&(b - self.mm).abs()))
+    }
+}

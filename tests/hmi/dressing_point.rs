@@ -1,0 +1,109 @@
+//! The dressing point: where one is set by key the dressing programs use it, else the value of their page; the page says
+//! which, and with none nothing moves. Source: spec K4.2, K5.17, K7.6.
+
+use kt830::defs::page::Page;
+use kt830::units::Axis;
+
+use crate::live_screen::Bench;
+use crate::stories::{ready, tell};
+
+/// O1011 with its values: the diamond at −320, −60.
+fn bench(page: Page) -> Bench {
+    let mut rig = ready();
+    tell(&mut rig, "load O1011\npart assets/parts/O1011.ron");
+    Bench::new(rig, page)
+}
+
+/// The operator leads the wheel's corner to the diamond and sets both points there.
+const SET_AT_DIAMOND: &str = "mode mdi\nmdi G53 G00 X0\nwait until idle\nmdi G53 G00 Z-60\nwait until idle
+mdi G53 G00 X-318\nwait until idle\nmdi G53 G01 X-320 F200\nwait until idle\nwait 0.5 s
+mode jog\npage position\nkey f1\nkey address-x\nkey input\nexpect message \"成功\"\nkey address-z\nkey input\npage grinding";
+
+#[test]
+fn k4_2_the_page_shows_which_point_is_used_and_where_it_comes_from() {
+    let mut bench = bench(Page::Grinding);
+    assert!(bench.shows("修整点 X -320.000 数值 · Z -60.000 数值"), "{:?}", bench.painted());
+    // On the wheel axis the value is that of a new wheel.
+    tell(&mut bench.rig, "param P97 1\nset #772 = 0.05");
+    bench.turn();
+    assert!(bench.shows("X -320.050 数值"));
+    tell(&mut bench.rig, "mode jog\npage position\nkey f1\nkey address-x\nkey input\npage grinding");
+    bench.turn();
+    let at = bench.rig.snapshot().axes[Axis::X].machine;
+    assert!(bench.shows(&format!("修整点 X {at:.3} 按键 · Z -60.000 数值")), "{:?}", bench.painted());
+    assert!(bench.shows(&format!("按键设置的点有效 X {at:.3}")), "the value that does not count says so");
+    tell(&mut bench.rig, "load O1012");
+    bench.turn();
+    assert!(bench.shows(&format!("修整点 X {at:.3} 按键")));
+}
+
+#[test]
+fn k4_2_a_point_that_was_set_by_key_is_where_the_wheel_is_dressed() {
+    let mut bench = bench(Page::Grinding);
+    // The values of the page are somewhere else, off the diamond.
+    tell(&mut bench.rig, "set #760 = -300\nset #761 = -30");
+    tell(&mut bench.rig, SET_AT_DIAMOND);
+    bench.turn();
+    assert!(bench.shows("修整点 X -320.000 按键 · Z -60.000 按键"));
+    tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait until idle max 200 s\nexpect no alarm");
+    for (slice, mm) in bench.rig.machine().rim_wear_mm().iter().enumerate() {
+        assert!((mm - 0.025).abs() < 0.001, "slice {slice} is {mm} mm back");
+    }
+    bench.turn();
+    assert!(bench.shows("X -320.050 按键"), "it follows the wheel");
+}
+
+#[test]
+fn k4_2_without_any_point_it_says_so_and_nothing_moves() {
+    let mut bench = bench(Page::Grinding);
+    for (axis, variable, alarm) in [("X", 760, 3037), ("Z", 761, 3039)] {
+        tell(&mut bench.rig, &format!("set #{variable} ="));
+        bench.turn();
+        assert!(bench.shows(&format!("{axis} 未设置")), "{:?}", bench.painted());
+        let before = bench.rig.machine().slide_mm();
+        tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait until alarm max 5 s");
+        tell(
+            &mut bench.rig,
+            &format!("expect alarm {alarm}\nexpect alarm \"没有 {axis} 修整点\"\nexpect output wheel off"),
+        );
+        assert_eq!(bench.rig.machine().slide_mm(), before, "{axis}");
+        tell(&mut bench.rig, &format!("key reset\nset #{variable} = -60\nset #760 = -320"));
+    }
+}
+
+#[test]
+fn k4_2_points_set_by_key_are_cleared_on_the_dressing_page_only_when_asked() {
+    let mut bench = bench(Page::Dressing);
+    assert!(!bench.shows("清除修整点"), "there is none");
+    tell(&mut bench.rig, "mode jog\npage position\nkey f1\nkey address-x\nkey input\npage dressing");
+    bench.turn();
+    bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::D);
+    bench.turn();
+    bench.press(egui::Key::Escape);
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_some());
+    bench.touch("清除修整点 clear-dress-points");
+    bench.touch("清除 question-clear-points");
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none());
+    assert!(bench.rig.retained().dress_points[Axis::X].is_none(), "and stays cleared after a power-off");
+    tell(&mut bench.rig, "page grinding");
+    bench.turn();
+    assert!(bench.shows("修整点 X -320.000 数值"));
+}
+
+#[test]
+fn k5_17_a_new_wheel_has_no_dressing_point_on_its_axis() {
+    let mut bench = bench(Page::Wheel);
+    tell(
+        &mut bench.rig,
+        "mode jog\npage position\nkey f1\nkey address-x\nkey input\nkey address-z\nkey input\npage wheel",
+    );
+    bench.turn();
+    for value in ["500", "25", "35"] {
+        bench.write(value);
+        bench.press(egui::Key::Enter);
+    }
+    bench.touch("已换砂轮 wheel-changed");
+    bench.touch("确认 wheel-confirm");
+    let points = bench.rig.snapshot().dressing_point;
+    assert!(points[Axis::X].is_none() && points[Axis::Z].is_some(), "the diamond is where it was along the axis");
+}

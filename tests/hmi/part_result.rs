@@ -1,0 +1,121 @@
+//! The end of a cycle shows the part on the grinding page: size, tolerance, verdict and time, until the next cycle start
+//! or a touch. Source: spec K7.2, K4.5, H8.
+
+use egui_kittest::kittest::Queryable;
+use kt830::defs::page::Page;
+use kt830::defs::text::Lang;
+use kt830::hmi::page_text;
+use kt830::host::folders::program_from_bytes;
+use kt830::link::Command;
+use kt830::link::simulation::SimCommand;
+
+use crate::live_screen::Bench;
+use crate::sample::{part_result, snapshot};
+use crate::stories::{ready, tell};
+
+/// A ready machine with the part of O1002, Ø40.3, and a program of that number.
+fn bench(text: &str) -> Bench {
+    let mut rig = ready();
+    let program = format!("{text}\nM31\nM30");
+    rig.add_program(program_from_bytes(1_002, "O1002.NC", program.into_bytes(), rig.kind().dialect()));
+    tell(&mut rig, "load O1002\npart assets/parts/O1002.ron\nset #532 = 0.01\nset #533 = -0.01");
+    Bench::new(rig, Page::Grinding)
+}
+
+fn run(bench: &mut Bench) {
+    tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait until idle max 20 s\nexpect no alarm");
+    bench.turn();
+}
+
+#[test]
+fn k7_2_the_end_of_a_cycle_shows_the_simulated_part_with_its_verdict() {
+    let mut bench = bench("G04 P1500");
+    tell(&mut bench.rig, "set #521 = 40.3");
+    assert!(!bench.shows("工件 1"), "nothing is finished yet");
+    run(&mut bench);
+    for words in ["工件 1", "40.300", "合格", "40.300 +0.010 -0.010", "仿真尺寸", "00:01"] {
+        assert!(bench.shows(words), "{words}: {:?}", bench.painted());
+    }
+    // The next cycle start takes it away; the same part against another nominal size is out.
+    tell(&mut bench.rig, "set #521 = 40.28\nkey cycle-start\nwait 0.2 s\nexpect state running");
+    bench.turn();
+    assert!(!bench.shows("工件 1") && !bench.shows("合格"));
+    tell(&mut bench.rig, "wait until idle max 20 s");
+    bench.turn();
+    assert!(bench.shows("工件 2") && bench.shows("超差"));
+    // It stays as it was measured: values that are typed and a new blank do not change it.
+    tell(&mut bench.rig, "set #521 = 40.3");
+    bench.rig.send(Command::Simulate(SimCommand::NewPart));
+    bench.turn();
+    assert!(bench.shows("超差") && bench.shows("40.280 +0.010 -0.010"));
+}
+
+#[test]
+fn k7_2_a_touch_or_cancel_dismisses_the_part() {
+    let mut bench = bench("G04 P100");
+    run(&mut bench);
+    bench.touch("超差 part-result");
+    assert!(!bench.shows("工件 1") && bench.screen.query_by_label("超差 part-result").is_none());
+    run(&mut bench);
+    assert!(bench.shows("工件 2"), "the next one is shown again");
+    bench.press(egui::Key::Escape);
+    assert!(!bench.shows("工件 2"));
+}
+
+#[test]
+fn k4_5_a_size_that_the_program_has_measured_is_that_of_the_part() {
+    let mut bench = bench("G04 P100\n#540=40.004");
+    tell(&mut bench.rig, "param P375 540\nset #521 = 40");
+    run(&mut bench);
+    assert!(bench.shows("40.004") && bench.shows("实测") && bench.shows("合格") && !bench.shows("仿真尺寸"));
+}
+
+#[test]
+fn k7_2_without_a_gauge_a_real_machine_says_not_measured() {
+    let mut machine = snapshot(Page::Grinding);
+    assert!(machine.simulated.is_none());
+    machine.cycle.part = Some(part_result());
+    let texts = page_text(&machine, Lang::Zh);
+    let says = |words: &str| texts.iter().any(|text| text == words);
+    assert!(says("未测量") && says("40.000 +0.005 -0.015") && says("工件 12") && says("01:24"), "{texts:?}");
+    assert!(!says("合格") && !says("超差") && !says("仿真尺寸"));
+}
+
+#[test]
+fn k7_2_what_ends_without_a_part_shows_none() {
+    // RESET, and a dressing program.
+    let mut bench = bench("G04 P5000");
+    tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait 0.5 s\nkey reset\nwait 0.5 s\nexpect state idle");
+    bench.turn();
+    assert!(!bench.shows("工件 0") && bench.rig.snapshot().cycle.part.is_none());
+    tell(&mut bench.rig, "param P91 1002\nparam P92 1002");
+    run(&mut bench);
+    assert!(bench.rig.snapshot().cycle.part.is_none());
+    // Machine lock and dry run grind nothing.
+    tell(&mut bench.rig, "param P91 1011\nparam P92 1012\nkey dry-run");
+    run(&mut bench);
+    assert!(bench.rig.snapshot().cycle.part.is_none());
+}
+
+#[test]
+fn k5_17_the_interval_of_the_page_counts_down_on_the_process_page() {
+    let mut bench = bench("G04 P100");
+    tell(&mut bench.rig, "set #531 = 10");
+    bench.rig.send(Command::OpenPage(Page::Process));
+    bench.turn();
+    let left = |bench: &Bench| {
+        let painted = bench.painted();
+        let at = painted.iter().position(|text| text == "距下次修整 件").expect("the row");
+        painted[at + 1].clone()
+    };
+    assert_eq!(left(&bench), "10");
+    run(&mut bench);
+    assert_eq!(left(&bench), "9");
+    // P95 alone counts as well, and the smaller one of both; without any there is nothing to count.
+    tell(&mut bench.rig, "param P95 4");
+    bench.turn();
+    assert_eq!(left(&bench), "3");
+    tell(&mut bench.rig, "set #531 = 0\nparam P95 0");
+    bench.turn();
+    assert_eq!(left(&bench), "—");
+}
