@@ -178,10 +178,10 @@ fn b6_the_directory_loads_by_its_own_key_only() {
     touch(&mut screen, "O1002");
     assert!(sent(&mut screen).is_empty(), "choosing does not load");
     touch(&mut screen, "装入 load-program");
-    assert_eq!(sent(&mut screen), ["LoadProgram(1002)"]);
+    assert_eq!(sent(&mut screen), ["LoadProgram(1002)", "OpenPage(Grinding)"], "its page opens");
     press(&mut screen, egui::Key::ArrowDown);
     press(&mut screen, egui::Key::Enter);
-    assert_eq!(sent(&mut screen), ["LoadProgram(1003)"]);
+    assert_eq!(sent(&mut screen), ["LoadProgram(1003)", "OpenPage(Grinding)"]);
 }
 
 #[test]

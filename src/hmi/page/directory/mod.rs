@@ -18,6 +18,7 @@ use crate::hmi::{
 use crate::link::Command;
 use crate::link::files::{FileRequest, Refusal, Requester};
 use crate::link::page_command::PasswordScope;
+use crate::link::snapshot::{PROGRAMS_WITH_PAGE, RunState};
 use list::ProgramList;
 
 /// Why a program cannot be made, copied, renamed or deleted now.
@@ -105,7 +106,13 @@ impl PageUi for DirectoryPage {
         }
         let pages = if free { typed.scroll_pages } else { 0 };
         let load = self.list.ui(list, view, pages) || edits.contains(&EditKey::Enter) && !self.keys_focused;
-        out.extend(self.list.selected().filter(|_| load).map(|row| Command::LoadProgram(row.number)));
+        if let Some(row) = self.list.selected().filter(|_| load) {
+            out.push(Command::LoadProgram(row.number));
+            // The page where its values are entered comes next.
+            if PROGRAMS_WITH_PAGE.contains(&row.number) && view.snapshot.state == RunState::Idle {
+                out.push(Command::OpenPage(Page::Grinding));
+            }
+        }
         if self.list.search.open {
             if let Some(letter) = letter_pad::ui(view, below.trim_sides(theme::GAP).trim_bottom(theme::GAP), &pad) {
                 self.list.search.handle_letter(&letter, MAX_SEARCH_CHARS);
