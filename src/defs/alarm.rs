@@ -272,8 +272,8 @@ pub const USER_ALARM_FIRST: u16 = 3_000;
 /// Description and remedy of such an alarm.
 pub const USER_ALARM_TEXTS: (Text, Text) = (
     Text::new(
-        "程序用 #3000 发出的报警，文字由编程员写",
-        "an alarm raised by the program with #3000; the programmer writes its text",
+        "程序用 #3000 发出的报警，文字、原因和处理由程序给出",
+        "an alarm raised by the program with #3000; the program gives text, cause and remedy",
     ),
     Text::new("按文字处理后复位", "follow its text, then RESET"),
 );

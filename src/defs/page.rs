@@ -88,7 +88,7 @@ pages! {
         "当前程序：运行的段有标记；编辑方式下可以改。", "The current program with the running block marked; edited in mode EDIT.",
         "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：点一行或用 ↑ ↓ 选行，从框住的行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。", "EDIT (asks for the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM N runs from the framed line, chosen by touch or ↑ ↓; RESUME continues after a power failure. A red bar marks an error: touch the line to read it.";
     Designer = "designer", Wheel, "页面设计", "page designer", row 2,
-        "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。", "The text C00nn.TXT, its English text C00nn.EN.TXT and the picture B00nn.BMP of a grinding page: text on the left, preview on the right.",
+        "磨削页面的文字 C00nn.TXT、英文 C00nn.EN.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。", "The text C00nn.TXT, its English text C00nn.EN.TXT and the picture B00nn.BMP of a grinding page: text on the left, preview on the right.",
         "编辑（编辑方式、密码同程序）后键入；红条为错误行。变量：程序用了而页面没有的，加入即成一行。图片：任意 PNG、JPEG、BMP 换用时转换为 200×400、24 位。", "EDIT (mode and password as for programs), then type; a red bar marks an error. VARS: ADD adds a line for a variable that the program uses and the page lacks. PICTURES: any PNG, JPEG, BMP is converted to 200×400, 24 bit.";
     Mdi = "mdi", ANY, "录入", "MDI", row 2, key 2 2 "录入" "MDI",
         "录入一行程序并执行。", "Enter one program line and execute it.",
@@ -128,7 +128,7 @@ pages! {
         "拖动、双指缩放曲线；存为 CSV 供电脑分析；清除从头开始。", "Drag and pinch the curves; SAVE CSV for a computer; CLEAR starts again.";
     Alarm = "alarm", ANY, "报警", "alarms", row 3, key 3 2 "报警" "ALARMS",
         "当前报警的原因和处理，以及最近 1000 条历史，断电保留。", "The active alarms with cause and remedy, and the last 1000, retained at power-off.",
-        "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。", "Remove the cause, then RESET; some clear automatically. Touch a row (or ↑ ↓ INPUT): the history shows its cause and remedy; ? opens its help. EDIT # opens the value that is wrong.";
+        "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。修改 # 打开不对的数值。", "Remove the cause, then RESET; some clear automatically. Touch a row (or ↑ ↓ INPUT): the history shows its cause and remedy; ? opens its help. EDIT # opens the value that is wrong.";
     Settings = "settings", ANY, "设置", "settings", row 3, key 3 4 "设置" "SETTINGS",
         "时钟（日期、时间）、语言、颜色、亮度、开关、密码、机型。", "The clock (date and time), language, colours, brightness, switches, passwords, kind of machine.",
         "密码每级一个；机型下次开机生效。", "One password per level; the kind takes effect at the next power-on.";
