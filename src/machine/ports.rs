@@ -1,6 +1,7 @@
 //! Output ports switched by number: M20 pulse, M21 on, M22 off.
 //! Source: spec B4. Ports of interlocked functions are refused; a port of a plain function switches that function.
 
+use crate::defs::fitted::Fitted;
 use crate::defs::param::Params;
 use crate::defs::signal::{Output, PORTS, Terminals};
 use crate::units::Micros;
@@ -19,11 +20,11 @@ pub enum PortOwner {
     Interlocked(Output),
 }
 
-/// The owner of an output port.
+/// The owner of an output port. The ports of what parameters can add stay reserved: P16.0 finds its magnet's ports free.
 pub fn port_owner(port: u8, params: &Params) -> PortOwner {
-    let (mut found, fitted) = (PortOwner::Unassigned, params.fitted());
+    let (mut found, machine) = (PortOwner::Unassigned, Fitted::fully(params.fitted().kind));
     for output in Output::ALL {
-        if port == 0 || !output.exists_on(fitted) || params.output_port(*output) != port {
+        if port == 0 || !output.exists_on(machine) || params.output_port(*output) != port {
             continue;
         }
         if !output.is_freely_switchable() {

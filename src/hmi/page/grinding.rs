@@ -132,11 +132,8 @@ fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
             for edit in &typed.edits {
                 out.extend(entry.handle_key(*edit, (&columns.0, &columns.1)));
             }
-            let (line, body) = match dressing_line::is_shown(text) {
-                true => places.body.split_top(dressing_line::HEIGHT),
-                false => (Rect::NOTHING, places.body),
-            };
-            if line.is_positive() {
+            let (line, body) = places.body.split_top(dressing_line::height(text).unwrap_or(0.0));
+            if line.height() > 0.0 {
                 dressing_line::paint(line, view, text);
             }
             fields(body, view, [&text.left, &text.right], entry);

@@ -10,8 +10,8 @@ use crate::hmi::{View, theme};
 use crate::link::Snapshot;
 use crate::units::Axis;
 
-/// Height of the line, points.
-pub const HEIGHT: f32 = 24.0;
+/// Height of one line and of two, points.
+const HEIGHTS: [f32; 2] = [24.0, 44.0];
 
 /// Where the point of an axis comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,9 +47,13 @@ fn point_of(snapshot: &Snapshot, text: &PageText, row: &PageTextRow, axis: Axis)
     value(row.variable).map(|point| (point - dressed, PointSource::Value))
 }
 
-/// Whether the page has values of dressing points.
-pub fn is_shown(text: &PageText) -> bool {
-    text.rows().any(|row| axis_of(row).is_some())
+/// Height for the values of dressing points that the page has: three axes take two lines; none without any.
+pub fn height(text: &PageText) -> Option<f32> {
+    match text.rows().filter(|row| axis_of(row).is_some()).count() {
+        0 => None,
+        1 | 2 => Some(HEIGHTS[0]),
+        _ => Some(HEIGHTS[1]),
+    }
 }
 
 /// Draws the line: coordinate and source of each axis; in amber if a point is missing.
@@ -73,5 +77,9 @@ pub fn paint(rect: Rect, view: &View<'_>, text: &PageText) {
     let words: Vec<String> = words.collect();
     let words = format!("{} {}", view.text("修整点", "dresses at"), words.join(" · "));
     let ink = if missing.is_some() { view.theme.hold } else { view.theme.info };
-    view.fit_left(rect, &words, theme::LABEL, ink);
+    if rect.height() > HEIGHTS[0] {
+        view.paragraph(rect, &words, theme::LABEL, ink);
+    } else {
+        view.fit_left(rect, &words, theme::LABEL, ink);
+    }
 }
