@@ -3,7 +3,7 @@
 //! Source: spec B2 (G70–G73).
 
 use super::block::Block;
-use super::flow::Flow;
+use super::flow::{Flow, Place};
 use super::op::{AxisSet, Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use crate::defs::program_error::ProgramError as E;
@@ -27,6 +27,13 @@ pub(crate) struct ContourCycle {
     /// Finishing allowance: the contour is shifted by it. Radius mm.
     pub allowance: PerAxis<f64>,
     pub kind: CycleKind,
+}
+
+/// A cycle whose contour is not read yet, and the start of its own block.
+#[derive(Debug)]
+pub(crate) struct PendingCycle {
+    pub cycle: ContourCycle,
+    pub block_start: Place,
 }
 
 /// The kind of cycle.

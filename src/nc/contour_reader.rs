@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::block::Block;
-use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, contour_move};
+use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ReadResult, fail, fail1};
-use super::flow::{Flow, PendingCycle};
+use super::flow::Flow;
 use super::interpreter::{Interpreter, StepStatus};
 use crate::units::WorkPos;
 

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::contour::ContourCycle;
 use super::expression::Value;
 use super::fault::{E, ReadResult, fail1, fail2};
 use super::lexer::Cursor;
@@ -85,13 +84,6 @@ impl Place {
         cursor.skip_line_end();
         Self { at: cursor.at, line: line + 1, mid_line: false }
     }
-}
-
-/// A cycle whose contour is not read yet, and the start of its own block.
-#[derive(Debug)]
-pub(crate) struct PendingCycle {
-    pub cycle: ContourCycle,
-    pub block_start: Place,
 }
 
 /// A call frame: the position to return to, and the state of the caller.

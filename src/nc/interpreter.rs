@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use super::block::Block;
 use super::common_variables::{CommonVariables, VariableError};
-use super::contour::ContourMemory;
+use super::contour::{ContourMemory, PendingCycle};
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
 use super::external_state::ExternalState;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
-use super::flow::{Call, Callee, Flow, Locals, PendingCycle, Place};
+use super::flow::{Call, Callee, Flow, Locals, Place};
 use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::op::Op;
@@ -262,6 +262,7 @@ impl Interpreter {
         let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
         let read = dialect::read_block(self.settings.dialect, reader);
         let content = if cursor.is_truncated(text) { fail(at, E::BlockTooLong) } else { read }?;
+        let next = Place::behind(cursor, self.flow.place.line);
         let step = if matches!(content, BlockContent::Words) {
             if let Some(word) = self.block_words.peek(b'O').filter(|_| !source.is_at_head(at)) {
                 return fail(word.at as usize, E::MisplacedO);
@@ -279,7 +280,6 @@ impl Interpreter {
                 pending_cycle: &mut self.pending_cycle,
                 second_half: self.second_half,
             };
-            let next = Place::behind(cursor, self.flow.place.line);
             let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, next, block));
             match &done {
                 Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
@@ -287,7 +287,6 @@ impl Interpreter {
             }
             done?
         } else {
-            let next = Place::behind(cursor, self.flow.place.line);
             self.run_statement(content, next, block)?
         };
         self.finish_block(program, line, block);

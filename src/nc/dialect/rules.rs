@@ -1,8 +1,9 @@
 //! What a dialect decides, and what it gets and returns. Knows no dialect.
 
+use crate::nc::contour::PendingCycle;
 use crate::nc::expression::{Scope, Value};
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::{Call, CallLimit, Callee, Flow, Locals, ModalCall, PendingCycle};
+use crate::nc::flow::{Call, CallLimit, Callee, Flow, Locals, ModalCall};
 use crate::nc::modal::{ModalCodes, ModalState};
 use crate::nc::op::Op;
 use crate::nc::scope::LiveScope;
