@@ -34,7 +34,7 @@ fn a_failed_control_is_told_in_both_languages_with_its_outputs_and_what_to_do() 
     let fault = CoreHealth { snapshot_age: Duration::ZERO, failed: true }.fault().unwrap();
     let all = texts(fault, (1_024.0, 768.0), false);
     let at = |words: &str| all.iter().position(|(text, _)| text.contains(words)).unwrap_or_else(|| panic!("{words}"));
-    for words in ["控制系统故障", "Control failed", "输出已置为安全状态", "The outputs are in the safe state"]
+    for words in ["控制系统故障", "control failed", "输出已置为安全状态", "The outputs are in the safe state"]
     {
         at(words);
     }

@@ -123,6 +123,10 @@ fn b6_a_new_program_is_current_visible_and_open_at_once() {
     assert_eq!((operator.snapshot().program.number, operator.snapshot().page), (77, Page::Program));
     assert!(operator.sees("保存 edit-save") && operator.sees("X letter-X"), "open for editing");
     operator.words("G04 X1");
+    operator.key(Key::ModeAuto);
+    assert!(operator.paints_part("循环启动运行原来的程序"), "what is shown is not what runs");
+    operator.key(Key::ModeEdit);
+    operator.tap("编辑 edit-begin");
     operator.tap("保存 edit-save");
     let text = fs::read_to_string(folder.path().join("O0077.NC")).unwrap();
     assert_eq!(text, "O0077\r\nG04 X1\r\n\r\nM30\r\n");

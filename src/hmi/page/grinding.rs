@@ -26,9 +26,9 @@ use crate::units::Micros;
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
 /// Width of a value with its unit beside its label.
-const VALUE_WIDTH: f32 = 150.0;
+const VALUE_WIDTH: f32 = 158.0;
 /// Width of the unit behind a value.
-const UNIT_WIDTH: f32 = 46.0;
+const UNIT_WIDTH: f32 = 54.0;
 /// Field height from which label and value are stacked in normal text sizes.
 const STACKED_HEIGHT: f32 = 46.0;
 /// The same for smaller text sizes.

@@ -18,6 +18,11 @@ use crate::link::snapshot::RunState;
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
 pub const UNKNOWN_ENCODING: Text = Text::new("文件编码不对，不能编辑", "unknown encoding: cannot be edited");
 pub const SAVE_FIRST: Text = Text::new("先保存改动", "save the changes first");
+/// The text that is shown is not the one that runs.
+pub const UNSAVED: Text = Text::new(
+    "改动没有保存：循环启动运行原来的程序；编辑方式下按“编辑”“保存”",
+    "not saved: cycle start runs the old text; mode EDIT, then EDIT, SAVE",
+);
 pub const NOTHING_TO_SAVE: Text = Text::new("没有改动", "nothing to save");
 
 page_keys! {

@@ -22,7 +22,7 @@ use crate::hmi::{
 use crate::link::Command;
 use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester};
 use crate::link::snapshot::RunState;
-use actions::EditorAction;
+use actions::{EditorAction, UNSAVED};
 use document::{Document, content_len};
 
 use listing::{LINE_HEIGHT, LineMarks};
@@ -525,6 +525,8 @@ impl ProgramPage {
         } else if self.document.changed && self.document.number != view.snapshot.program.number {
             let words = view.text("这是未保存的程序，不是当前程序", "this is the unsaved program, not the current one");
             (words.to_owned(), view.theme.hold)
+        } else if self.document.changed && !self.editing {
+            (UNSAVED.get(view.lang).to_owned(), view.theme.hold)
         } else if let Some(words) = self.start_hint(view) {
             (words, view.theme.muted)
         } else {
