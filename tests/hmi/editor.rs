@@ -289,6 +289,7 @@ fn b6_the_directory_makes_copies_renames_and_deletes() {
     number(&mut shop, "新建 program-new", "5");
     assert!(there(&shop, "O0005.NC"));
     // The program page has opened the new program.
+    shop.bench.turn();
     assert!(shop.bench.screen.query_by_label("保存 edit-save").is_some());
     shop.bench.rig.send(Command::OpenPage(Page::Directory));
     shop.bench.turn();

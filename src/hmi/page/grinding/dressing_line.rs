@@ -75,7 +75,8 @@ pub fn paint(rect: Rect, view: &View<'_>, text: &PageText) {
         }
     });
     let words: Vec<String> = words.collect();
-    let words = format!("{} {}", view.text("修整点", "dresses at"), words.join(" · "));
+    let lines: Vec<String> = words.chunks(2).map(|axes| axes.join(" · ")).collect();
+    let words = format!("{} {}", view.text("修整点", "dresses at"), lines.join("\n"));
     let ink = if missing.is_some() { view.theme.hold } else { view.theme.info };
     if rect.height() > HEIGHTS[0] {
         view.paragraph(rect, &words, theme::LABEL, ink);
