@@ -82,7 +82,7 @@ fn free_place(last: Option<Rect>, content: Rect, entry: Option<Rect>) -> Rect {
     let (right, bottom) = (room.max.x - SIZE.x, room.max.y - SIZE.y);
     let corners = [(right, bottom), (room.min.x, bottom), (right, room.min.y), (room.min.x, room.min.y)]
         .map(|(x, y)| Rect::from_min_size(pos2(x, y), SIZE));
-    let is_free = |rect: &Rect| entry.is_none_or(|entry| !entry.intersects(*rect));
+    let is_free = |rect: &Rect| entry.is_none_or(|entry| !entry.shrink(1.0).intersects(*rect));
     last.filter(|rect| room.contains_rect(*rect)).into_iter().chain(corners).find(is_free).unwrap_or(corners[0])
 }
 

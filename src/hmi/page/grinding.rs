@@ -26,9 +26,11 @@ use crate::units::Micros;
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
 /// Width of a value with its unit beside its label.
-const VALUE_WIDTH: f32 = 158.0;
+const VALUE_WIDTH: f32 = 164.0;
+/// Width of the longest value.
+const NUMBER_WIDTH: f32 = 98.0;
 /// Width of the unit behind a value.
-const UNIT_WIDTH: f32 = 54.0;
+const UNIT_WIDTH: f32 = 60.0;
 /// Field height from which label and value are stacked in normal text sizes.
 const STACKED_HEIGHT: f32 = 46.0;
 /// The same for smaller text sizes.
@@ -310,8 +312,10 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.muted };
     view.fit_left(label, row.name_in(view.lang), small, ink);
-    let (value, unit) = value.split_right(UNIT_WIDTH);
-    if let Some(words) = row.unit() {
+    // The preview of a page may be too narrow for units.
+    let has_units = value.width() >= NUMBER_WIDTH + UNIT_WIDTH;
+    let (value, unit) = value.split_right(if has_units { UNIT_WIDTH } else { 0.0 });
+    if let Some(words) = row.unit().filter(|_| has_units) {
         view.line_left(unit.trim_left(4.0), words.get(view.lang), theme::SMALL, view.theme.muted);
     }
     let unused = dressing_line::point_instead_of(view.snapshot, row).is_some();
