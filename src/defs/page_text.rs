@@ -34,8 +34,7 @@ const WRITTEN_UNITS: [(&str, &str, Text); 9] = [
     ("件", "parts", Text::new("件", "parts")),
 ];
 
-/// What a label without a written unit says of it: the first word that it contains counts. A speed without more (of a
-/// wheel, a headstock, a limit) has no unit.
+/// What a label without a written unit says of it: the first word that it contains counts.
 const UNIT_WORDS: [(&[&str], Text); 7] = [
     (&["转速"], Text::new("r/min", "r/min")),
     (&["线速度"], Text::new("m/s", "m/s")),
@@ -50,14 +49,13 @@ const MILLIMETRES: Text = Text::new("mm", "mm");
 const SECONDS: Text = Text::new("s", "s");
 const PER_MINUTE: Text = Text::new("1/min", "1/min");
 
-const LENGTH_WORDS: [&str; 37] = [
+const LENGTH_WORDS: [&str; 36] = [
     "修整点",
     "直径",
     "半径",
     "位置",
     "余量",
     "高度",
-    "高",
     "长度",
     "宽",
     "越程",
@@ -95,7 +93,10 @@ impl PageTextRow {
     #[must_use]
     pub fn unit(&self) -> Option<Text> {
         let written = WRITTEN_UNITS.iter().find(|(zh, ..)| ends_with_unit(&self.label, zh));
-        let told = || UNIT_WORDS.iter().find(|(words, _)| words.iter().any(|word| self.label.contains(word)));
+        // A speed without more (of a wheel, a headstock, a limit) has no unit; it is no length.
+        let is_speed = self.label.contains('速');
+        let has = |words: &[&str]| words.iter().any(|word| self.label.contains(word));
+        let told = || UNIT_WORDS.iter().find(|(words, unit)| has(words) && !(is_speed && *unit == MILLIMETRES));
         match written {
             Some((.., unit)) => Some(*unit),
             None if self.is_whole_number() => None,

@@ -76,7 +76,7 @@ ranges! {
     PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
     DRESSING_INTERVAL = 5_804, 1, Read, "修整间隔件数 (P95)", "dressing interval in parts (P95)";
     DRESSING_COUNT = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
-    DRESSING_POINT = 5_811, 3, Read, "修整点 (机床坐标)，没有设置为空", "dressing point, machine position; null where none is set";
+    DRESSING_POINT = 5_811, 3, Read, "修整点 X Y Z (机床坐标)，没有设置为空", "dressing point X, Y, Z, machine position; null where none is set";
 }
 
 /// Whether a variable is a position or a distance; programs read it in the active unit (mm or inch).

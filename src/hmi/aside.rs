@@ -37,8 +37,16 @@ pub fn split(content: Rect, page: Page) -> (Rect, Option<Rect>) {
 /// Draws the strip. What the page shows itself is left out.
 pub fn ui(view: &View<'_>, rect: Rect) {
     let page = view.snapshot.page;
+    let in_subprogram = listing::in_subprogram(&view.snapshot.program);
     if matches!(page, Page::Grinding | Page::Dressing) {
-        running_lines(rect, view);
+        if in_subprogram {
+            // Its lines are not there.
+            let machine: PositionGroup<'_> =
+                (view.text("[机床坐标]", "[machine]"), &|_, state| Some(state.machine));
+            position::column(rect, view, &[machine]);
+        } else {
+            running_lines(rect, view);
+        }
         return;
     }
     let has_lines = matches!(page, Page::Program | Page::Mdi);
@@ -53,6 +61,7 @@ pub fn ui(view: &View<'_>, rect: Rect) {
             (positions, lines.trim_left(theme::GAP))
         }
     };
+    let positions = if in_subprogram && rect.height() > rect.width() { rect } else { positions };
     let groups: [PositionGroup<'_>; 2] = [
         (view.text("[绝对坐标]", "[absolute]"), &|_, state| Some(state.work)),
         (view.text("[移动余量]", "[to go]"), &|_, state| Some(state.to_go)),

@@ -67,7 +67,9 @@ fn paint_standard(view: &View<'_>, rect: Rect, keycap: Keycap) {
     } else if marks.is_empty() {
         let size = if matches!(key.row().group, KeyGroup::Override) { theme::SECONDARY } else { theme::LABEL };
         let size = if text.chars().count() <= 1 { theme::SECONDARY } else { size.min(theme::LABEL) };
-        let below = if has_lamp { inner.translate(vec2(0.0, 2.0)) } else { inner };
+        // Below the lamp and the lock.
+        let down = if has_lamp { 2.0 } else { 0.0 } + if face.blocked { 6.0 } else { 0.0 };
+        let below = inner.translate(vec2(0.0, down));
         view.fit_centre(below, text, size, ink);
     } else {
         let picture = (rect.height() * 0.40).min(26.0);

@@ -54,7 +54,8 @@ fn k4_2_a_dressing_makes_the_wheel_smaller_and_everything_follows() {
 
 #[test]
 fn k4_2_a_program_reads_the_dressing_points_and_null_where_none_is_set() {
-    let text = "T0101\n#200=7\n#201=#5811\nIF[#5812 EQ #0]THEN #200=1\n#5801=#5801-0.04\n#202=#5811\nM30";
+    let text =
+        "T0101\n#200=7\n#201=#5811\nIF[[#5812 EQ #0]AND[#5813 EQ #0]]THEN #200=1\n#5801=#5801-0.04\n#202=#5811\nM30";
     let mut rig = ready_with(text);
     tell(&mut rig, "mode jog\npage position\nkey f1\nkey address-x\nkey input\nexpect message \"成功\"");
     let point = rig.snapshot().dressing_point[Axis::X].unwrap();
@@ -64,6 +65,18 @@ fn k4_2_a_program_reads_the_dressing_points_and_null_where_none_is_set() {
     assert!((variable(&mut rig, 202) - (point - 0.04)).abs() < 1e-9, "it follows a dressing");
     // A program cannot write it.
     alarmed("#5811=5\nM30", 25);
+}
+
+/// #5811 to #5813 are X, Y and Z on every machine: an axis that is fitted later does not move them.
+#[test]
+fn k4_2_the_dressing_point_of_z_is_5813_with_and_without_y() {
+    for fitted in [0, 1] {
+        let mut rig = ready_with("#200=7\nIF[#5812 EQ #0]THEN #200=1\n#201=#5813\nM30");
+        tell(&mut rig, &format!("param P6.6 {fitted}\nmode jog\npage position\nkey f1\nkey address-z\nkey input"));
+        let point = rig.snapshot().dressing_point[Axis::Z].unwrap();
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm\nexpect #200 1");
+        assert!((rig.snapshot().variables[201].unwrap() - point).abs() < 1e-9, "P6.6={fitted}");
+    }
 }
 
 #[test]

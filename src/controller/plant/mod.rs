@@ -193,7 +193,9 @@ impl Plant {
             return on(Output::Tailstock);
         }
         if at == param::MAGNET_ENABLED.address() {
-            return on(Output::Magnetise) || on(Output::Demagnetise);
+            // With the magnet, a function at one of its ports would lose it.
+            let taken = |output| self.outputs.image.terminals.is_closed(self.params.output_port(output));
+            return [Output::Magnetise, Output::Demagnetise].into_iter().any(|output| on(output) || taken(output));
         }
         if at.bit.is_some() {
             return false;

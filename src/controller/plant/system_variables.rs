@@ -141,7 +141,11 @@ impl Plant {
             system_variable::DRESSING_POINT,
         ];
         let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
-        let Some(axis) = self.axes.present().nth(index) else { return Some(None) };
+        // Positions count the fitted axes, as FANUC does. A dressing point belongs to X, Y, Z whatever is fitted.
+        let is_point = which == 4;
+        let mut axes =
+            Axis::ALL.into_iter().filter(|axis| is_point || self.axes.present().any(|fitted| fitted == *axis));
+        let Some(axis) = axes.nth(index) else { return Some(None) };
         let mm = match which {
             0 => self.work.offsets.work_from_machine(self.axes.set_point())[axis],
             1 => self.axes.actual()[axis],

@@ -86,7 +86,7 @@ fn k7_2_a_label_tells_the_unit_of_its_value() {
     assert_eq!([unit("R14 磨架角度"), unit("R8 砂轮转速"), unit("R7 线速度")], [Some("°"), Some("r/min"), Some("m/s")]);
     // Counts, switches and modes have none, nor has a speed that does not say of what.
     assert_eq!([unit("光磨次数"), unit("头架 0低速 1高速"), unit("粗磨进给方式"), unit("1用G27修整点")], [None; 4]);
-    assert_eq!([unit("R5 速度下限"), unit("R62 错误标志")], [None; 2]);
+    assert_eq!([unit("R5 速度下限"), unit("R62 错误标志"), unit("端面速度"), unit("滚轮速度")], [None; 4]);
 }
 
 #[test]

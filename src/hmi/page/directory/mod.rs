@@ -109,7 +109,9 @@ impl PageUi for DirectoryPage {
         if let Some(row) = self.list.selected().filter(|_| load) {
             out.push(Command::LoadProgram(row.number));
             // The page where its values are entered comes next.
-            if PROGRAMS_WITH_PAGE.contains(&row.number) && view.snapshot.state == RunState::Idle {
+            if PROGRAMS_WITH_PAGE.contains(&row.number)
+                && matches!(view.snapshot.state, RunState::Idle | RunState::Alarm)
+            {
                 out.push(Command::OpenPage(Page::Grinding));
             }
         }

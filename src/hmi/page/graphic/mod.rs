@@ -143,8 +143,9 @@ impl GraphicPage {
             view.ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "图形 graphic-canvas"));
         let at = view.ui.input(|input| input.pointer.hover_pos()).filter(|at| inside.contains(*at));
-        if response.dragged() {
-            camera.pan(response.drag_delta());
+        let drag = widget::drag_delta(&response);
+        if drag != Vec2::ZERO {
+            camera.pan(drag);
         }
         if let Some(at) = at {
             camera.zoom(view.zoom_factor(), at - inside.center());

@@ -28,9 +28,13 @@ enum SizeSource {
 }
 
 impl PartCard {
-    /// The result to be shown.
+    /// The result to be shown: of the program whose page is open.
     pub fn shown<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a PartResult> {
-        snapshot.cycle.part.as_ref().filter(|part| self.dismissed != Some(part.ended_at))
+        snapshot
+            .cycle
+            .part
+            .as_ref()
+            .filter(|part| part.program == snapshot.program.number && self.dismissed != Some(part.ended_at))
     }
 
     /// The result is not shown any more; false if there was none.
