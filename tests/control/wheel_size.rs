@@ -2,9 +2,10 @@
 //! (K4.2, K5.17, B2, B3).
 
 use crate::stories::{ready_with, tell};
+use kt830::controller::stored_system_variables;
 use kt830::defs::param;
 use kt830::host::headless::HeadlessHost;
-use kt830::units::Axis;
+use kt830::units::{Axis, PerAxis};
 
 /// Runs a text to its end, in automatic mode.
 fn ran(text: &str) -> HeadlessHost {
@@ -76,6 +77,10 @@ fn k4_2_the_dressing_point_of_z_is_5813_with_and_without_y() {
         let point = rig.snapshot().dressing_point[Axis::Z].unwrap();
         tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm\nexpect #200 1");
         assert!((rig.snapshot().variables[201].unwrap() - point).abs() < 1e-9, "P6.6={fitted}");
+        // A check, which has no machine, reads the same.
+        let (params, points) = (&rig.snapshot().params, PerAxis::from_fn(|axis| (axis == Axis::Z).then_some(-60.0)));
+        let stored: Vec<_> = stored_system_variables(params, points).filter(|(number, _)| *number > 5_810).collect();
+        assert_eq!(stored, [(5_811, None), (5_812, None), (5_813, Some(-60.0))]);
     }
 }
 

@@ -30,6 +30,9 @@ pub const GEOMETRY: [(SystemVariableRange, Axis); 3] = [
     (system_variable::GEOMETRY_Y, Axis::Y),
 ];
 
+/// The axes of #5811 to #5813, whatever is fitted.
+const POINT_AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
 /// The system variables that a program without a machine reads: those of parameters, and the dressing points, machine
 /// coordinates, radius mm.
 pub fn stored_system_variables(
@@ -37,8 +40,7 @@ pub fn stored_system_variables(
     dress_points: PerAxis<Option<f64>>,
 ) -> impl Iterator<Item = (u32, Option<f64>)> {
     let of_params = PARAM_VARIABLES.iter().map(|(range, row)| (range.first, Some(params.get(*row))));
-    let fitted = params.fitted().axes();
-    let axes = Axis::ALL.into_iter().filter(move |axis| fitted[*axis]).zip(system_variable::DRESSING_POINT.first..);
+    let axes = POINT_AXES.into_iter().zip(system_variable::DRESSING_POINT.first..);
     let per_mm = if params.bit(param::RADIUS_PROGRAMMING) { 1.0 } else { 2.0 };
     let shown = move |axis: Axis| dress_points[axis].map(|mm| if axis == Axis::X { mm * per_mm } else { mm });
     of_params.chain(axes.map(move |(axis, number)| (number, shown(axis))))
@@ -141,11 +143,9 @@ impl Plant {
             system_variable::DRESSING_POINT,
         ];
         let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
-        // Positions count the fitted axes, as FANUC does. A dressing point belongs to X, Y, Z whatever is fitted.
-        let is_point = which == 4;
-        let mut axes =
-            Axis::ALL.into_iter().filter(|axis| is_point || self.axes.present().any(|fitted| fitted == *axis));
-        let Some(axis) = axes.nth(index) else { return Some(None) };
+        // Positions count the fitted axes, as FANUC does.
+        let axis = if which == 4 { POINT_AXES.get(index).copied() } else { self.axes.present().nth(index) };
+        let Some(axis) = axis else { return Some(None) };
         let mm = match which {
             0 => self.work.offsets.work_from_machine(self.axes.set_point())[axis],
             1 => self.axes.actual()[axis],
