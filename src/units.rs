@@ -164,13 +164,17 @@ pub struct PerAxis<T>(pub [T; 3]);
 
 impl<T> PerAxis<T> {
     /// The value of every axis from a function of the axis.
+    #[inline]
     pub fn from_fn(mut f: impl FnMut(Axis) -> T) -> Self {
-        Self(Axis::ALL.map(&mut f))
+        // Written out: `[T; 3]::map` is not always inlined.
+        Self([f(Axis::X), f(Axis::Y), f(Axis::Z)])
     }
 
     /// A new value for each axis from the old one.
-    pub fn map<U>(self, f: impl FnMut(T) -> U) -> PerAxis<U> {
-        PerAxis(self.0.map(f))
+    #[inline]
+    pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> PerAxis<U> {
+        let [x, y, z] = self.0;
+        PerAxis([f(x), f(y), f(z)])
     }
 
     /// Axis and value, in the order X, Y, Z.

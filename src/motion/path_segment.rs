@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::{ArcDirection, AxisLimits, MotionLimits, MoveShape};
+use super::{ArcDirection, AxisLimits, MotionLimits, MoveShape, per_coordinate};
 use crate::units::{Axis, MachinePos};
 
 /// Shares of the axis limits on an arc, so that the vectors of acceleration and jerk stay below 1 in every direction.
@@ -76,7 +76,7 @@ impl PathSegment {
         let step = length * 1e-4;
         let toward = |a: [f64; 3], b: [f64; 3]| {
             let length = distance(a, b).max(MIN_LENGTH_MM);
-            [0, 1, 2].map(|x| (b[x] - a[x]) / length)
+            per_coordinate(|x| (b[x] - a[x]) / length)
         };
         this.directions = match form {
             SegmentForm::Line => [toward(from, to); 2],
@@ -130,7 +130,7 @@ impl PathSegment {
                 let d = self.directions[0];
                 let along: f64 = (0..3).map(|x| (point[x] - self.from[x]) * d[x]).sum();
                 let along = along.max(low.max(0.0)).min(high.min(self.length));
-                (along, [0, 1, 2].map(|x| self.from[x] + along * d[x]))
+                (along, per_coordinate(|x| self.from[x] + along * d[x]))
             }
             SegmentForm::Arc { center, axes, angle, sweep, .. } => {
                 // By the angle only: exact for a flat arc, and accurate enough within the tolerance band of a helix.

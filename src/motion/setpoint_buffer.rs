@@ -5,6 +5,8 @@
 //! are means of the first, second and third differences of the set-points and never exceed the largest of them. The
 //! curve passes a set-point at a distance of at most a·dt²/6 (0.25 µm at 1500 mm/s² and 1 ms), and exactly at rest.
 
+use super::per_coordinate;
+
 /// Capacity in set-points: those behind the axes, those ahead, and a reserve.
 pub const BUFFER_CAPACITY: usize = 8_192;
 /// Set-points repeated before a start from rest, so that the curve at the present position does not change.
@@ -132,7 +134,7 @@ impl SetpointBuffer {
         let before = self.setpoint(spot.tick.saturating_sub(1)).position;
         let [here, next, after] = [0, 1, 2].map(|k| self.setpoint(spot.tick + k).position);
         let u = 1.0 - t;
-        let step = [0, 1, 2].map(|x| {
+        let step = per_coordinate(|x| {
             let (b, n, a) = (before[x] - here[x], next[x] - here[x], after[x] - here[x]);
             -u * u / 2.0 * b + (1.0 + t * (2.0 - 3.0 * t)) / 2.0 * n + t * t / 2.0 * a
         });
@@ -146,7 +148,7 @@ pub fn spline(p: &[[f64; 3]], part: f64) -> [f64; 3] {
     let (t, u) = (part, 1.0 - part);
     let weight_next = (1.0 + 3.0 * t * (1.0 + t * u)) / 6.0;
     // Differences from the second point: a position at rest is exact, and large coordinates lose no precision.
-    [0, 1, 2].map(|x| {
+    per_coordinate(|x| {
         let (b, n, a) = (p[0][x] - p[1][x], p[2][x] - p[1][x], p[3][x] - p[1][x]);
         p[1][x] + (u * u * u / 6.0 * b + weight_next * n + t * t * t / 6.0 * a)
     })

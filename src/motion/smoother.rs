@@ -6,6 +6,7 @@
 //! Source: alternating directions (ADMM, Boyd et al. 2011): a banded least-squares step, whose matrix is constant and
 //! factored once, then a projection of each knot into the band. Every pass can be interrupted and resumed at any knot.
 
+use super::per_coordinate;
 use super::tolerance_band::{AxisBounds, NearestPoint, ToleranceBand};
 use crate::units::WorkBudget;
 
@@ -72,7 +73,7 @@ pub struct CurveSmoother {
 
 /// Position of a knot from three control points.
 fn knot(p: &[[f64; 3]], k: usize) -> [f64; 3] {
-    [0, 1, 2].map(|x| (p[k - 1][x] + 4.0 * p[k][x] + p[k + 1][x]) / 6.0)
+    per_coordinate(|x| (p[k - 1][x] + 4.0 * p[k][x] + p[k + 1][x]) / 6.0)
 }
 
 impl CurveSmoother {
@@ -192,7 +193,7 @@ impl CurveSmoother {
     fn forward(&mut self, row: usize) {
         let n = self.points.len();
         let aim = [self.attractors[row - 1], self.attractors[row], self.attractors[row + 1]];
-        let mut sum = [0, 1, 2].map(|x| (BAND_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
+        let mut sum = per_coordinate(|x| (BAND_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
         // Contribution of the fixed control points (D3 and M), moved to the right-hand side.
         let lead = self.lead;
         if row < lead + FIXED_POINTS || row >= n - 2 * FIXED_POINTS {
@@ -204,7 +205,7 @@ impl CurveSmoother {
         let line = self.factor[row - lead + FIXED_POINTS];
         let before = [self.rhs[row - 1], self.rhs[row - 2], self.rhs[row - 3]];
         // The most recent row last, because its value was just computed.
-        self.rhs[row] = [0, 1, 2].map(|x| {
+        self.rhs[row] = per_coordinate(|x| {
             let far = sum[x] - line[3] * before[2][x] - line[2] * before[1][x];
             (far - line[1] * before[0][x]) * line[0]
         });
@@ -224,7 +225,7 @@ impl CurveSmoother {
         };
         let inverse = self.factor[row - self.lead + FIXED_POINTS][0];
         let [(f1, p1), (f2, p2), (f3, p3)] = [after(1), after(2), after(3)];
-        self.points[row] = [0, 1, 2].map(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
+        self.points[row] = per_coordinate(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
     }
 
     /// Projects one knot into the band, between its neighbours and on its own side of a sharp corner, so that the
@@ -232,16 +233,16 @@ impl CurveSmoother {
     fn project(&mut self, band: &ToleranceBand, k: usize) {
         let here = knot(&self.points, k);
         let this = &mut self.knots[k];
-        let free = [0, 1, 2].map(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * this.target[x] + this.dual[x]);
+        let free = per_coordinate(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * this.target[x] + this.dual[x]);
         let NearestPoint { along, point: on, deviation: off, segment } =
             band.nearest(free, this.reach.0, this.reach.1, this.near.1);
         this.near = (along, segment);
         let part = if off > this.radius { this.radius / off } else { 1.0 };
         // The contour lies inside the bounds, so clamping to them never increases the distance to it.
-        let inside = [0, 1, 2].map(|x| (on[x] + part * (free[x] - on[x])).max(this.bounds[x].0).min(this.bounds[x].1));
+        let inside = per_coordinate(|x| (on[x] + part * (free[x] - on[x])).max(this.bounds[x].0).min(this.bounds[x].1));
         this.target = inside;
-        this.dual = [0, 1, 2].map(|x| free[x] - inside[x]);
-        self.attractors[k] = [0, 1, 2].map(|x| 2.0 * inside[x] - free[x]);
+        this.dual = per_coordinate(|x| free[x] - inside[x]);
+        self.attractors[k] = per_coordinate(|x| 2.0 * inside[x] - free[x]);
     }
 
     /// Narrows the band at the knots around interval `k`: the radius by `radius` (at least `least` remains) and the

@@ -5,6 +5,7 @@
 //! material that the program leaves.
 
 use super::path_segment::{MIN_LENGTH_MM, PathSegment, distance};
+use super::per_coordinate;
 
 /// Corners of more than 8° (cosine) are sharp.
 pub const SHARP_COSINE: f64 = 0.99;
@@ -221,7 +222,7 @@ impl ToleranceBand {
 
     /// The bounds of each axis around a distance along the contour.
     pub fn bounds(&self, along: f64) -> AxisBounds {
-        [0, 1, 2].map(|x| self.reversals[x].bounds(along))
+        per_coordinate(|x| self.reversals[x].bounds(along))
     }
 
     /// Start and end of the sequence without a sharp corner that a move belongs to, mm along the contour.

@@ -12,7 +12,7 @@ use super::machine_file::MachineFile;
 use super::machine_sections::{CuttingFile, LayoutFile};
 use super::obstacle::Obstacle;
 use super::part_file::{GaugeSetupFile, PartFile};
-use super::report::{EventKind, EventLog, PartReport, SimEvent};
+use super::report::{EventKind, EventLog, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
 use super::surface::{ContactFlags, Surface};
@@ -69,6 +69,9 @@ pub(super) struct Grinding {
     previous_stroke_mm: f64,
     /// Load of the wheel motor, percent.
     pub(super) load_percent: f64,
+    /// Width and radius of the dressing roll, mm; zero for a diamond.
+    roll_width_mm: f64,
+    roll_radius_mm: f64,
 }
 
 impl Grinding {
@@ -80,8 +83,11 @@ impl Grinding {
             plane_mm: file.cutting.traverse_plane_mm,
             contact_mm: file.cutting.contact_mm,
         };
+        let roll = file.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref());
         Self {
             machine: file.clone(),
+            roll_width_mm: roll.map_or(0.0, |roll| roll.width_mm),
+            roll_radius_mm: roll.map_or(0.0, |roll| roll.diameter_mm / 2.0),
             traverse,
             work_zero_mm: PerAxis::default(),
             surfaces: Vec::new(),
@@ -128,13 +134,6 @@ impl Grinding {
     /// The surfaces to be measured; empty once the part is lost.
     pub(super) fn surfaces(&self) -> &[Surface] {
         if self.part_lost { &[] } else { &self.surfaces }
-    }
-
-    /// Measures the part.
-    pub(super) fn report(&self) -> PartReport {
-        let mut report = PartReport::default();
-        self.surfaces().iter().for_each(|surface| surface.report(&mut report));
-        report
     }
 
     /// Size of the part above the set size of the gauge, µm; `None` if there is nothing to measure.
@@ -253,17 +252,15 @@ impl Grinding {
     fn dress(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
         let Some(dresser) = &self.machine.dresser else { return false };
         let at = self.machine.layout.wheel_at(scene.slide_mm);
-        let (width_mm, roll_mm) =
-            dresser.roll.as_ref().map_or((0.0, 0.0), |roll| (roll.width_mm, roll.diameter_mm / 2.0));
         // Two circles: offset along the stroke, the wheel reaches less deep.
-        let (both, off) = (wheel.radius_mm + roll_mm, at.stroke_mm - dresser.stroke_mm);
+        let (both, off) = (wheel.radius_mm + self.roll_radius_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
         let towards = if dresser.behind { -1.0 } else { 1.0 };
         let deeper = self.diamond.as_ref().map_or(0.0, |diamond| diamond.extra_depth_mm);
         // The rim of a swivelled wheel is set back at the dresser's position along it.
         let back = self.swivel_tan * (dresser.across_mm - at.left_mm);
         let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
-        let slices = wheel.slices_over(dresser.across_mm - at.left_mm, width_mm);
+        let slices = wheel.slices_over(dresser.across_mm - at.left_mm, self.roll_width_mm);
         if reach <= 0.0 || off.abs() >= both || slices.is_empty() {
             if self.recent_cut_mm > 0.0
                 && let Some(diamond) = &mut self.diamond

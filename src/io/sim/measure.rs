@@ -7,6 +7,7 @@ use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
 use super::spindle::rpm_of;
+use super::surface::Surface;
 use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::units::{MachinePos, PerAxis};
 
@@ -114,7 +115,26 @@ impl SimulatedMachine {
     /// Measures the workpiece.
     #[must_use]
     pub fn measure(&self) -> PartReport {
-        let mut report = self.grinding.report();
+        let mut report = self.measure_bar();
+        self.grinding.surfaces().iter().for_each(|surface| surface.report(&mut report));
+        report
+    }
+
+    /// Measures each surface of the workpiece by itself.
+    #[must_use]
+    pub fn measure_surfaces(&self) -> Vec<PartReport> {
+        let measure = |surface: &Surface| {
+            let mut report = PartReport::default();
+            surface.report(&mut report);
+            report
+        };
+        self.grinding.surfaces().iter().map(measure).collect()
+    }
+
+    /// Measures the bar of a lathe; an empty report without one.
+    #[must_use]
+    pub fn measure_bar(&self) -> PartReport {
+        let mut report = PartReport::default();
         if let Some(turning) = &self.lathe {
             turning.report(&mut report);
         }

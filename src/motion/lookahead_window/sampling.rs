@@ -3,6 +3,7 @@
 //! Advances from one set-point of a plan to the next. Within an interval, b (the square of the rate) is a parabola.
 //! Time is the integral of 1/√b, computed by Gauss quadrature and inverted by Newton's method.
 
+use super::super::per_coordinate;
 use super::super::setpoint_buffer::spline;
 use super::super::smoother::MAX_CONTROL_POINTS;
 use super::{CurvePosition, LookaheadWindow, PlanPoint};
@@ -97,13 +98,13 @@ impl LookaheadWindow {
         let mut point =
             PlanPoint::at_rest(spline(p, part), self.along(), self.smoother.knots[interval + 1].near.1.min(last));
         point.curve_position = self.curve_position;
-        let second = [0, 1, 2].map(|x| (p[0][x] - 2.0 * p[1][x] + p[2][x], p[1][x] - 2.0 * p[2][x] + p[3][x]));
-        let first = [0, 1, 2].map(|x| {
+        let second = per_coordinate(|x| (p[0][x] - 2.0 * p[1][x] + p[2][x], p[1][x] - 2.0 * p[2][x] + p[3][x]));
+        let first = per_coordinate(|x| {
             let (left, right) = second[x];
             (p[2][x] - p[0][x]) / 2.0 + part * (left + part * (right - left) / 2.0)
         });
         point.velocity = first.map(|d1| d1 * rate);
-        point.acceleration = [0, 1, 2].map(|x| {
+        point.acceleration = per_coordinate(|x| {
             let (left, right) = second[x];
             ((left + part * (right - left)) * b + first[x] * slope / 2.0) / (d * d)
         });

@@ -5,6 +5,7 @@
 
 use super::super::AxisLimits;
 use super::super::path_segment::distance;
+use super::super::per_coordinate;
 use super::super::smoother::{FIXED_POINTS, MAX_CONTROL_POINTS};
 use super::super::speed_optimizer::{BLEND_KNOTS, blend_rate};
 use super::super::tolerance_band::corner_speed;
@@ -77,7 +78,7 @@ impl LookaheadWindow {
         let Some(until) = start.lead_end else {
             let (d, speed) = (self.spacing_s, distance(start.point.velocity, [0.0; 3]));
             for step in [-1.0, 0.0, 1.0_f64] {
-                smooth.points.push([0, 1, 2].map(|x| {
+                smooth.points.push(per_coordinate(|x| {
                     let (d1, d2) = (start.point.velocity[x] * d, start.point.acceleration[x] * d * d);
                     start.point.at[x] - d2 / 6.0 + step * d1 + step.abs() * d2 / 2.0
                 }));

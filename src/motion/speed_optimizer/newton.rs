@@ -5,6 +5,7 @@
 
 use super::terms::WEIGHTS;
 use super::{MAX_RATE_SQUARE, SpeedOptimizer};
+use crate::motion::per_coordinate;
 
 /// A step that exceeds a jerk limit is shortened by this factor until it does not, at most this many times.
 const STEP_REDUCTION: f64 = 0.8;
@@ -124,8 +125,8 @@ impl SpeedOptimizer {
             for (lever, (most, falls)) in term.jerk.iter().zip(&places) {
                 let value = dot(*lever, c);
                 let (u, w) = (1.0 / (most - value).max(MIN_MARGIN), 1.0 / (most + value).max(MIN_MARGIN));
-                let up = [0, 1, 2].map(|i| (falls[i] - lever[i]) * u);
-                let down = [0, 1, 2].map(|i| (falls[i] + lever[i]) * w);
+                let up = per_coordinate(|i| (falls[i] - lever[i]) * u);
+                let down = per_coordinate(|i| (falls[i] + lever[i]) * w);
                 for row in 0..3 {
                     g[row] -= mu * (up[row] + down[row]);
                     for column in 0..=row {

@@ -4,6 +4,7 @@
 //! limits (value ≤ 1). Knows nothing of the optimisation.
 
 use super::KnotLimits;
+use crate::motion::per_coordinate;
 use crate::motion::smoother::MAX_CONTROL_POINTS;
 
 /// Weights of three coefficients in b and b' at the left end, the middle and the right end of an interval; b'': `SECOND_DIFFERENCE`.
@@ -84,7 +85,7 @@ impl LimitTerms {
                 let inverse = 1.0 / limits.jerk[x];
                 for (jerk, ((d1, d2), (wb, ws))) in term.jerk.iter_mut().zip(places.iter().zip(&WEIGHTS)) {
                     *jerk =
-                        [0, 1, 2].map(|i| (d3 * wb[i] + 1.5 * d2 * ws[i] + 0.5 * d1 * SECOND_DIFFERENCE[i]) * inverse);
+                        per_coordinate(|i| (d3 * wb[i] + 1.5 * d2 * ws[i] + 0.5 * d1 * SECOND_DIFFERENCE[i]) * inverse);
                 }
             }
             self.per_axis[x].push(term);
