@@ -1,8 +1,9 @@
 //! What the values of a grinding page mean to the control, told by the words of their labels: sizes of the part, the
-//! dressing interval, dressing points. The screen shows with them what a program makes and where it dresses.
-//! Source: spec K7.2, K7.4, K4.2, K5.17.
+//! dressing interval, dressing points, and the unit of each. The screen shows with them what a program makes and where
+//! it dresses. Source: spec K7.2, K7.4, K4.2, K5.17, H6.
 
 use super::page_text::{PageText, PageTextRow};
+use super::text::{Lang, Text};
 use crate::units::Axis;
 
 /// What a size is measured on.
@@ -49,6 +50,90 @@ const WORDS: [(&str, PageMeaning); 8] = [
 /// The word before the letter of an axis.
 const DRESSING_POINT: &str = "修整点";
 
+/// What a label says of a whole number: a count, a mode, a number of an offset.
+const WHOLE_NUMBERS: [&str; 7] = ["次数", "方式", "件数", "计数", "刀补号", "间隔", "模式"];
+
+/// Units as a label may end with them, in Chinese and in English, and as the page shows them behind the value.
+const WRITTEN_UNITS: [(&str, &str, Text); 9] = [
+    ("mm/min", "mm/min", Text::new("mm/min", "mm/min")),
+    ("mm/r", "mm/r", Text::new("mm/r", "mm/r")),
+    ("r/min", "r/min", Text::new("r/min", "r/min")),
+    ("m/s", "m/s", Text::new("m/s", "m/s")),
+    ("mm", "mm", MILLIMETRES),
+    ("ms", "ms", Text::new("ms", "ms")),
+    ("秒", "s", SECONDS),
+    ("次/分", "1/min", PER_MINUTE),
+    ("件", "parts", Text::new("件", "parts")),
+];
+
+/// What a label without a written unit says of it, besides its meaning: the first word that it contains counts.
+const UNIT_WORDS: [(&[&str], Text); 7] = [
+    (&["转速"], Text::new("r/min", "r/min")),
+    (&["线速度"], Text::new("m/s", "m/s")),
+    (&["磨速度", "修速度", "修整速度", "工作台速度", "横向速度", "进给率"], Text::new("mm/min", "mm/min")),
+    (&["频率"], PER_MINUTE),
+    (&["时间"], SECONDS),
+    (&["角度"], Text::new("°", "°")),
+    (&LENGTH_WORDS, MILLIMETRES),
+];
+
+const MILLIMETRES: Text = Text::new("mm", "mm");
+const SECONDS: Text = Text::new("s", "s");
+const PER_MINUTE: Text = Text::new("1/min", "1/min");
+
+const LENGTH_WORDS: [&str; 35] = [
+    "直径",
+    "半径",
+    "位置",
+    "余量",
+    "高度",
+    "长度",
+    "宽",
+    "越程",
+    "行程",
+    "起点",
+    "终点",
+    "补偿",
+    "偏差",
+    "偏置",
+    "换向点",
+    "极限",
+    "磨损",
+    "每次",
+    "每层",
+    "尺寸",
+    "坐标",
+    "距离",
+    "让刀",
+    "修整量",
+    "精修量",
+    "修磨量",
+    "磨削量",
+    "回退量",
+    "毛坯",
+    "成品",
+    "外边",
+    "接触",
+    "金刚石",
+    "滚轮",
+    "端",
+];
+
+impl PageMeaning {
+    /// The unit of a value with this meaning; none for a count of parts.
+    const fn unit(self) -> Option<Text> {
+        match self {
+            Self::DressingInterval => None,
+            Self::Nominal(_)
+            | Self::UpperDeviation
+            | Self::LowerDeviation
+            | Self::MeasuredSize
+            | Self::DressingPoint(_)
+            | Self::DressedAmount => Some(MILLIMETRES),
+        }
+    }
+}
+
 impl PageTextRow {
     /// What the value means; none for one that only the program knows.
     #[must_use]
@@ -57,6 +142,39 @@ impl PageTextRow {
             return rest.trim_start().chars().next().and_then(Axis::from_letter).map(PageMeaning::DressingPoint);
         }
         WORDS.iter().find(|(word, _)| self.label.contains(word)).map(|(_, meaning)| *meaning)
+    }
+
+    /// The unit of the value, as its label tells it; none for a count, a switch or a mode, and where it does not tell.
+    #[must_use]
+    pub fn unit(&self) -> Option<Text> {
+        let written = WRITTEN_UNITS.iter().find(|(zh, ..)| ends_with_unit(&self.label, zh));
+        // A speed without more (of a wheel, a headstock, a limit) has no unit; it is no length.
+        let is_speed = self.label.contains('速');
+        let has = |words: &[&str]| words.iter().any(|word| self.label.contains(word));
+        let told = || UNIT_WORDS.iter().find(|(words, unit)| has(words) && !(is_speed && *unit == MILLIMETRES));
+        match written {
+            Some((.., unit)) => Some(*unit),
+            None if self.is_whole_number() => None,
+            None => self.meaning().map_or_else(|| told().map(|(_, unit)| *unit), PageMeaning::unit),
+        }
+    }
+
+    /// The label in a language, without the unit that it ends with.
+    #[must_use]
+    pub fn name_in(&self, lang: Lang) -> &str {
+        let label = self.label_in(lang);
+        let cut = |unit: &str| label.strip_suffix(unit).filter(|_| ends_with_unit(label, unit));
+        WRITTEN_UNITS
+            .iter()
+            .find_map(|(zh, en, _)| cut(zh).or(cut(en)))
+            .map_or(label, |name| name.trim_end_matches([' ', ',']))
+    }
+
+    /// Whether the label speaks of a count, a switch (`头架 0低速 1高速`, `1用G27修整点`) or a mode.
+    #[must_use]
+    pub fn is_whole_number(&self) -> bool {
+        let digits = self.label.as_bytes().windows(2).filter(|pair| pair[0].is_ascii_digit() && !pair[1].is_ascii());
+        digits.count() > 0 || WHOLE_NUMBERS.iter().any(|word| self.label.contains(word))
     }
 }
 
@@ -79,4 +197,9 @@ impl PageText {
         let first = found.next()?;
         found.next().is_none().then_some(first)
     }
+}
+
+/// Whether a label ends with a unit behind a blank.
+fn ends_with_unit(label: &str, unit: &str) -> bool {
+    label.strip_suffix(unit).is_some_and(|name| name.ends_with(' '))
 }

@@ -13,6 +13,12 @@ pub fn kinds_of<'a>(lines: impl IntoIterator<Item = &'a str>) -> Vec<Kind> {
     head.flat_map(|line| line.split(['(', ')', ';'])).find_map(kinds_in_comment).unwrap_or_default()
 }
 
+/// Whether a program that names these kinds is for a kind of machine.
+#[must_use]
+pub fn includes(kinds: &[Kind], kind: Kind) -> bool {
+    kinds.is_empty() || kinds.contains(&kind)
+}
+
 /// Blank lines, `%`, the program number and comments come before the first block.
 fn is_before_first_block(line: &str) -> bool {
     line.chars().next().is_none_or(|first| matches!(first, '%' | 'O' | 'o' | ':' | '(' | ';'))

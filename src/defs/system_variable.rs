@@ -76,6 +76,7 @@ ranges! {
     PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
     DRESSING_INTERVAL = 5_804, 1, Read, "修整间隔件数 (P95)", "dressing interval in parts (P95)";
     DRESSING_COUNT = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
+    DRESSER_SIDE = 5_806, 1, Read, "修整器位置 (P98)：-1 工件侧，0 修整点不变，1 对侧", "dresser (P98): -1 part side, 0 point fixed, 1 opposite side";
     DRESSING_POINT = 5_811, 3, Read, "修整点 X Y Z (机床坐标)，没有设置为空", "dressing point X, Y, Z, machine position; null where none is set";
 }
 

@@ -104,7 +104,7 @@ impl Folders {
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
             if let Ok(read) = read {
                 let program = program_from_bytes(row.number, &read.name, read.bytes, self.dialect);
-                let (english, kinds) = (english_title(&program), kinds_of_program(&program));
+                let (english, kinds) = (english_title(&program), program.kinds.clone());
                 directory.push(DirectoryRow { english, kinds, ..row });
                 rows.push(program);
             }
@@ -137,7 +137,7 @@ impl Folders {
             let comment = program.source.comment_title().unwrap_or_default();
             let told = self.programs.join(&name).metadata().ok();
             let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
-            let (number, english, kinds) = (program.number, english_title(&program), kinds_of_program(&program));
+            let (number, english, kinds) = (program.number, english_title(&program), program.kinds.clone());
             directory.push(DirectoryRow { number, name: stem, size, comment, english, modified, kinds });
             rows.push(program);
         }
@@ -165,8 +165,8 @@ impl Folders {
 }
 
 /// The kinds that a program names in its first lines.
-fn kinds_of_program(program: &StoredProgram) -> Vec<Kind> {
-    let head = program.text.lines().take(HEAD_LINES).map(|line| line.chars().take(HEAD_CHARS).collect());
+fn kinds_of_program(text: &Rope) -> Vec<Kind> {
+    let head = text.lines().take(HEAD_LINES).map(|line| line.chars().take(HEAD_CHARS).collect());
     let head: Vec<String> = head.collect();
     program_kind::kinds_of(head.iter().map(String::as_str))
 }
@@ -181,7 +181,8 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dial
     let stamp = stamp(&bytes);
     let source = Arc::new(Source::new(number, name, bytes, dialect));
     let wheel_use = WheelUse::of(&source);
-    StoredProgram { number, source, text, stamp, wheel_use, has_invalid_bytes }
+    let kinds = kinds_of_program(&text);
+    StoredProgram { number, source, text, stamp, wheel_use, kinds, has_invalid_bytes }
 }
 
 /// The English title that a program gives (H9).

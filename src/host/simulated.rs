@@ -5,19 +5,18 @@ use std::sync::Arc;
 
 use super::hosted_machine::HostedMachine;
 use super::pace::Pace;
+use crate::defs::kind::GrindingForm;
 use crate::defs::page_meaning::SizeKind;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
-use crate::io::sim::{PartFile, SimulatedMachine};
+use crate::io::sim::{PartFile, PartReport, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::simulation::{PartSize, SimCommand, SimView};
 use crate::units::Micros;
 
 /// Maximum number of events shown.
 const MAX_EVENTS: usize = 6;
-/// Maximum number of sizes shown.
-const MAX_SIZES: usize = 12;
 
 /// The simulated machine, the part in it, and what the simulator page has changed so far.
 pub struct HostedSimulation {
@@ -55,20 +54,31 @@ impl HostedSimulation {
 
     /// The sizes of the part as it is now.
     fn part_sizes(&self) -> Vec<PartSize> {
-        let report = self.machine.measure();
+        let surfaces = self.machine.measure_surfaces().into_iter().enumerate();
+        let surfaces = surfaces.flat_map(|(index, report)| self.named_sizes(&report, Some(index)));
+        surfaces.chain(self.named_sizes(&self.machine.measure_bar(), None)).collect()
+    }
+
+    /// The sizes of a report.
+    fn named_sizes(&self, report: &PartReport, surface: Option<usize>) -> Vec<PartSize> {
         let size = |kind: SizeKind, place: String, mm: f64| {
             let (zh, en) = match kind {
                 SizeKind::Diameter => ("直径", "diameter"),
                 SizeKind::Length => ("端面", "face"),
                 SizeKind::Height => ("高度", "height"),
             };
-            PartSize { kind, name: LocalizedText::new(format!("{zh} {place}"), format!("{en} {place}")), mm }
+            let name = LocalizedText::new(format!("{zh} {place}"), format!("{en} {place}"));
+            PartSize { kind, name, surface, mm }
         };
+        // The face of a disc is the top of the part on its table.
+        let forms = self.part.as_ref().map_or(&[][..], |part| part.kind.ui().grinding_forms);
+        let on_table = forms.contains(&GrindingForm::RotaryFlat);
+        let face = if on_table { SizeKind::Height } else { SizeKind::Length };
         let diameters = report.diameters.iter().map(|at| size(SizeKind::Diameter, format!("Z{:.1}", at.z), at.d));
-        let faces = report.faces.iter().map(|at| size(SizeKind::Length, format!("X{:.1}", at.x), at.z));
+        let faces = report.faces.iter().map(|at| size(face, format!("X{:.1}", at.x), at.z));
         let heights =
             report.heights.iter().map(|at| size(SizeKind::Height, format!("X{:.0} Z{:.0}", at.x, at.z), at.y));
-        diameters.chain(faces).chain(heights).take(MAX_SIZES).collect()
+        diameters.chain(faces).chain(heights).collect()
     }
 
     fn build_view(&self) -> SimView {

@@ -102,15 +102,30 @@ impl NominalSize {
         self.limits.map(|(low, high)| size >= low - 1e-6 && size <= high + 1e-6)
     }
 
-    /// The simulated size that this one is compared with: of the same kind, and nearest. The place of a face is no length.
+    /// The place of the simulated part that this size is compared with: on the surface nearest to it, the place farthest
+    /// from it. A bar is turned to many sizes, and the place of a face is no length: they have none.
     #[must_use]
-    pub fn nearest(&self, sizes: &[PartSize]) -> Option<f64> {
-        let fits = |size: &&PartSize| match self.kind {
+    pub fn compare<'a>(&self, sizes: &'a [PartSize]) -> Option<ComparedSize<'a>> {
+        let is_same_kind = |size: &&PartSize| match self.kind {
             None => true,
             Some(SizeKind::Length) => false,
             Some(kind) => kind == size.kind,
         };
-        let same = sizes.iter().filter(fits).map(|size| size.mm);
-        same.min_by(|a, b| (a - self.mm).abs().total_cmp(&(b - self.mm).abs()))
+        let deviation = |size: &PartSize| (size.mm - self.mm).abs();
+        let same = || sizes.iter().filter(|size| size.surface.is_some()).filter(is_same_kind);
+        let nearest = same().min_by(|a, b| deviation(a).total_cmp(&deviation(b)))?;
+        let on_surface = || same().filter(|size| size.surface == nearest.surface);
+        let worst = on_surface().max_by(|a, b| deviation(a).total_cmp(&deviation(b)))?;
+        let keeps_elsewhere = on_surface().any(|size| self.keeps(size.mm) == Some(true));
+        Some(ComparedSize { worst, keeps_elsewhere })
     }
+}
+
+/// The worst place of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ComparedSize<'a> {
+    /// The place farthest from the nominal size.
+    pub worst: &'a PartSize,
+    /// Another place of the surface is within the limits.
+    pub keeps_elsewhere: bool,
 }

@@ -26,6 +26,8 @@ pub struct PartSize {
     pub kind: SizeKind,
     /// Its name with its place.
     pub name: LocalizedText,
+    /// Number of its surface; none on a bar, whose places are turned to different sizes.
+    pub surface: Option<usize>,
     /// The size; the coordinate of a face. mm.
     pub mm: f64,
 }

@@ -21,10 +21,10 @@ use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
 use crate::defs::param::{AccessLevel, Params};
-use crate::defs::program_number;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::{program_kind, program_number};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Programs with a grinding page of their own (K7.2).
@@ -427,11 +427,9 @@ impl DirectoryRow {
     /// Whether it is for a kind of machine.
     #[must_use]
     pub fn is_for(&self, kind: Kind) -> bool {
-        self.kinds.is_empty() || self.kinds.contains(&kind)
+        program_kind::includes(&self.kinds, kind)
     }
-}
 
-impl DirectoryRow {
     /// The title in a language: the comment, unless the program gives an English one.
     #[must_use]
     pub fn comment_in(&self, lang: Lang) -> &str {

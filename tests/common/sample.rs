@@ -208,7 +208,7 @@ pub fn running(page: Page) -> Snapshot {
 /// A diameter of the simulated part.
 fn size(row: u32) -> PartSize {
     let name = LocalizedText::new(format!("直径 Z{row}0.0"), format!("diameter Z{row}0.0"));
-    PartSize { kind: SizeKind::Diameter, name, mm: 40.012 }
+    PartSize { kind: SizeKind::Diameter, name, surface: Some(0), mm: 40.012 }
 }
 
 /// The part of a cycle that has ended.

@@ -3,6 +3,7 @@
 use crate::stories::{ready, ready_with, refused, story, story_on, tell};
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
+use kt830::defs::param::ParamAddress;
 use kt830::defs::signal::{Input, Output};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
@@ -531,6 +532,21 @@ fn k5_17_after_a_wheel_change_the_first_program_is_a_dressing_program() {
     tell(&mut rig, "param P6.7 1\nmode auto\nkey cycle-start\nexpect state idle\nexpect message \"修整\"");
     tell(&mut rig, "load O1011\nkey cycle-start\nexpect state running\nwait until idle max 5 s");
     tell(&mut rig, "load O7000\nkey cycle-start\nexpect state running");
+}
+
+#[test]
+fn k3_11_p16_0_takes_no_port_that_is_in_use() {
+    // The ports of 充磁 (P304) and 退磁 (P305) are free until the magnet is fitted.
+    for row in [304, 305] {
+        let mut rig = story_on(Kind::Gc, "expect no alarm");
+        let port = rig.snapshot().params.read(ParamAddress { number: row, bit: None }).unwrap();
+        tell(&mut rig, &format!("param P301 {port}\nmode jog\nkey coolant\nexpect output coolant on"));
+        assert!(refused(&mut rig, "param P16.0 1").contains("先关闭"), "P{row}");
+        tell(&mut rig, "expect output coolant on\nkey coolant\nexpect output coolant off\nparam P301 2\nparam P16.0 1");
+        tell(&mut rig, "mdi M94\nwait 1.2 s\nexpect no alarm\nexpect output magnetise on");
+        // With the magnet on, it stays.
+        assert!(refused(&mut rig, "param P16.0 0").contains("先关闭"));
+    }
 }
 
 #[test]

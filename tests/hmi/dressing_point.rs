@@ -71,6 +71,32 @@ fn k4_2_without_any_point_it_says_so_and_nothing_moves() {
     }
 }
 
+/// With P98 other than −1 the point set by key does not follow the wheel: the dressing after this one would cut air.
+#[test]
+fn k4_2_a_point_set_by_key_that_does_not_follow_the_wheel_is_refused() {
+    for side in [0, 1] {
+        let mut bench = bench(Page::Grinding);
+        tell(&mut bench.rig, SET_AT_DIAMOND);
+        tell(&mut bench.rig, &format!("param P98 {side}"));
+        for program in [1_011, 1_012] {
+            let before = bench.rig.machine().slide_mm();
+            tell(
+                &mut bench.rig,
+                &format!("load O{program}\nset #787 = 2\nset #784 = 0.02\nset #785 = 0.02\nset #786 = 100"),
+            );
+            tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait until alarm max 5 s\nexpect alarm 3026");
+            tell(&mut bench.rig, "expect alarm \"P98\"\nexpect output wheel off\nkey reset");
+            assert_eq!(bench.rig.machine().slide_mm(), before, "O{program}");
+        }
+        // The value of the page is that of a new wheel less what was dressed: it does not depend on P98.
+        tell(&mut bench.rig, "page dressing");
+        bench.turn();
+        bench.touch("清除修整点 clear-dress-points");
+        bench.touch("清除 question-clear-points");
+        tell(&mut bench.rig, "load O1011\nmode auto\nkey cycle-start\nwait until idle max 200 s\nexpect no alarm");
+    }
+}
+
 #[test]
 fn k4_2_points_set_by_key_are_cleared_on_the_dressing_page_only_when_asked() {
     let mut bench = bench(Page::Dressing);
@@ -95,7 +121,7 @@ fn k5_17_a_new_wheel_has_no_dressing_point_on_its_axis() {
     let mut bench = bench(Page::Wheel);
     tell(
         &mut bench.rig,
-        "mode jog\npage position\nkey f1\nkey address-x\nkey input\nkey address-z\nkey input\npage wheel",
+        "set #800 = -70\nset #820 = -80\nmode jog\npage position\nkey f1\nkey address-x\nkey input\nkey address-z\nkey input\npage wheel",
     );
     bench.turn();
     for value in ["500", "25", "35"] {
@@ -106,4 +132,12 @@ fn k5_17_a_new_wheel_has_no_dressing_point_on_its_axis() {
     bench.touch("确认 wheel-confirm");
     let points = bench.rig.snapshot().dressing_point;
     assert!(points[Axis::X].is_none() && points[Axis::Z].is_some(), "the diamond is where it was along the axis");
+    // The value of the page was that of the old wheel. Pages of other kinds keep theirs.
+    let variable = |bench: &mut Bench, number: usize| bench.rig.snapshot().variables[number];
+    assert_eq!((variable(&mut bench, 760), variable(&mut bench, 761)), (None, Some(-60.0)));
+    assert_eq!((variable(&mut bench, 800), variable(&mut bench, 820)), (Some(-70.0), Some(-80.0)));
+    assert_eq!(bench.rig.retained().variables.get(760), Ok(None), "also after a power-off");
+    assert!(bench.message().contains("#760 = -320"), "{}", bench.message());
+    tell(&mut bench.rig, "page grinding\nmode auto\nkey cycle-start\nwait until alarm max 5 s\nexpect alarm 3037");
+    tell(&mut bench.rig, "expect output wheel off");
 }

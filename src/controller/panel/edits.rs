@@ -24,7 +24,7 @@ impl Panel {
                 offsets::edit_wear_increment(parts, number, axis, increment)
             }
             &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
-                change_wheel(parts, [diameter_mm, width_mm, rated_m_s])
+                change_wheel(parts, &self.screens, [diameter_mm, width_mm, rated_m_s])
             }
             Command::PrepareMdi(line) => parts.program.prepare_mdi(parts.plant, line),
             Command::Page(command) => self.edit_param_on_page(parts, command),

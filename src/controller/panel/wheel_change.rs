@@ -1,19 +1,23 @@
-//! Wheel change: sets size and rating, removes the dressing point of the wheel axis, and blocks cycle start until the
-//! wheel is dressed.
+//! Wheel change: sets size and rating, removes the dressing point of the wheel axis, set by key or by value, and blocks
+//! cycle start until the wheel is dressed.
 //! Source: spec K5.17; seed 000 (the dressing point is set again after the wheel was mounted).
 
 use super::{Edited, Parts};
 use crate::defs::page::Page;
+use crate::defs::page_meaning::PageMeaning;
 use crate::defs::param::{self, NumberParam};
 use crate::defs::signal::Output;
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{Text, phrase};
+use crate::link::command::Screens;
 
 const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel is running: stop it first");
 const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is active: press RESET first");
 const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "use the wheel change page");
 
-/// Sets P77–P79 (diameter and width, mm; rated speed, m/s) and P6.7, all or nothing.
-pub fn change_wheel(parts: &mut Parts<'_>, [diameter_mm, width_mm, rated_m_s]: [f64; 3]) -> Edited {
+/// Sets P77–P79 (diameter and width, mm; rated speed, m/s) and P6.7, all or nothing. `screens` names the variables that
+/// hold dressing points.
+pub fn change_wheel(parts: &mut Parts<'_>, screens: &Screens, [diameter_mm, width_mm, rated_m_s]: [f64; 3]) -> Edited {
     if parts.plant.operator.page != Page::Wheel {
         return Err(NOT_HERE.into());
     }
@@ -48,5 +52,32 @@ pub fn change_wheel(parts: &mut Parts<'_>, [diameter_mm, width_mm, rated_m_s]: [
     parts.plant.reset_dressing_counts();
     // The rim of the new wheel touches the dresser elsewhere.
     parts.plant.remove_dress_point(parts.plant.kind.row().wheel_axis);
-    Ok(phrase!("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
+    Ok(match clear_point_values(parts, screens) {
+        Some((variable, value)) => phrase!(
+            "已换砂轮：先设修整点并修整（旧修整点 {name} = {value} 已清空）",
+            "wheel changed: set its dressing point and dress it (the old point {name} = {value} was cleared)",
+            name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect()),
+            value
+        ),
+        None => phrase!("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"),
+    })
+}
+
+/// Clears the variables that hold the dressing point of the wheel axis: the pages of this kind's programs name them.
+/// Returns the first one with its value.
+fn clear_point_values(parts: &mut Parts<'_>, screens: &Screens) -> Option<(u16, f64)> {
+    let (kind, mut first) = (parts.plant.kind, None);
+    let wanted = PageMeaning::DressingPoint(kind.row().wheel_axis);
+    for (number, files) in &screens.pages {
+        let is_own = parts.plant.work.programs.get(*number).is_some_and(|program| program.is_for(kind));
+        let Some(text) = files.text.as_ref().ok().filter(|_| is_own) else { continue };
+        for row in text.rows().filter(|row| row.meaning() == Some(wanted)) {
+            if let Ok(Some(value)) = parts.plant.work.variables.get(u32::from(row.variable))
+                && parts.program.set_variable(parts.plant, row.variable, None)
+            {
+                first.get_or_insert((row.variable, value));
+            }
+        }
+    }
+    first
 }

@@ -12,13 +12,14 @@ use crate::nc::{NcSettings, SpeedUnit, SuperManSettings};
 use crate::units::{Axis, PerAxis};
 
 /// System variables mapped to parameters.
-pub const PARAM_VARIABLES: [(SystemVariableRange, NumberParam); 6] = [
+pub const PARAM_VARIABLES: [(SystemVariableRange, NumberParam); 7] = [
     (system_variable::PARTS_REQUIRED, param::PARTS_REQUIRED),
     (system_variable::WHEEL_DIAMETER, param::WHEEL_DIAMETER),
     (system_variable::WHEEL_WIDTH, param::WHEEL_WIDTH),
     (system_variable::PARTS_SINCE_DRESSING, param::PARTS_SINCE_DRESSING),
     (system_variable::DRESSING_INTERVAL, param::DRESSING_INTERVAL),
     (system_variable::DRESSING_COUNT, param::DRESSING_COUNT),
+    (system_variable::DRESSER_SIDE, param::DRESSING_POINT_SIDE),
 ];
 const SECONDS_PER_HOUR: f64 = 3_600.0;
 /// The offset tables: variable range and axis.

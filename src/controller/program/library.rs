@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
+use crate::defs::kind::Kind;
+use crate::defs::program_kind;
 use crate::nc::program_uses::WheelUse;
 use crate::nc::{Library, Source};
 
@@ -29,8 +31,18 @@ pub struct StoredProgram {
     pub stamp: u64,
     /// Whether it starts the wheel, and what it calls.
     pub wheel_use: WheelUse,
+    /// The kinds of machine that it names; none: it is for every kind.
+    pub kinds: Vec<Kind>,
     /// Some bytes are not valid characters: the program can be shown but not edited.
     pub has_invalid_bytes: bool,
+}
+
+impl StoredProgram {
+    /// Whether it is for a kind of machine.
+    #[must_use]
+    pub fn is_for(&self, kind: Kind) -> bool {
+        program_kind::includes(&self.kinds, kind)
+    }
 }
 
 impl Programs {

@@ -15,6 +15,8 @@ use crate::link::simulation::{SimCommand, SimView};
 
 /// Height of a key.
 const ROW_HEIGHT: f32 = 48.0;
+/// Maximum number of sizes shown.
+const MAX_SIZES: usize = 12;
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -150,7 +152,7 @@ impl SimulatorPage {
                 (view.text("刀位", "station").into(), format!("T{station}")),
             ]
         };
-        lines.extend(sim.sizes.iter().map(|size| (size.name.get(view.lang), view.length(size.mm))));
+        lines.extend(sim.sizes.iter().take(MAX_SIZES).map(|size| (size.name.get(view.lang), view.length(size.mm))));
         lines.extend(sim.events.iter().map(|event| (event.get(view.lang), String::new())));
         let rows = (inside.height() / 27.0).floor().max(1.0) as usize;
         for (index, (name, value)) in lines.iter().enumerate().take(rows * 2) {

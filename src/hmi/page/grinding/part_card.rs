@@ -2,11 +2,13 @@
 //! cycle start or until it is touched away.
 //! Source: spec K7.2, K4.5, H8.
 
+use std::borrow::Cow;
+
 use egui::{Color32, Rect, vec2};
 
 use crate::hmi::{Area, View, format_cycle_time, keycap, theme};
 use crate::link::Snapshot;
-use crate::link::part_result::PartResult;
+use crate::link::part_result::{ComparedSize, PartResult};
 use crate::units::Micros;
 
 /// Height of the card, points.
@@ -18,13 +20,23 @@ pub struct PartCard {
     dismissed: Option<Micros>,
 }
 
-/// Where a size comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum SizeSource {
-    /// The program has measured it.
-    Gauge,
+/// The size that is shown, and where it comes from.
+#[derive(Clone, Copy, Debug)]
+enum ShownSize<'a> {
+    /// The program has measured it, mm.
+    Gauge(f64),
     /// The simulated machine knows it.
-    Simulated,
+    Simulated(ComparedSize<'a>),
+}
+
+impl ShownSize<'_> {
+    /// The size, mm.
+    const fn mm(self) -> f64 {
+        match self {
+            Self::Gauge(mm) => mm,
+            Self::Simulated(compared) => compared.worst.mm,
+        }
+    }
 }
 
 impl PartCard {
@@ -58,8 +70,8 @@ impl PartCard {
         view.line_right(head, "×", theme::TITLE, view.theme.muted);
         let figure = inside.band(24.0, 36.0);
         match size {
-            Some((mm, _)) => {
-                let taken = view.line_left(figure, &view.length(mm), theme::FIGURE, view.theme.text);
+            Some(size) => {
+                let taken = view.line_left(figure, &view.length(size.mm()), theme::FIGURE, view.theme.text);
                 view.fit_right(figure.with_min_x(taken.max.x + theme::GAP), &verdict, theme::TITLE, ink);
             }
             None => drop(view.fit_left(figure, &verdict, theme::SECONDARY, ink)),
@@ -69,11 +81,13 @@ impl PartCard {
         let time = format_cycle_time(part.cycle_seconds);
         view.line_right(foot, &time, theme::LABEL, view.theme.text);
         let source = match size {
-            Some((_, SizeSource::Gauge)) => view.text("实测", "measured"),
-            Some((_, SizeSource::Simulated)) => view.text("仿真尺寸", "simulated"),
-            None => view.text("时间", "time"),
+            Some(ShownSize::Gauge(_)) => Cow::Borrowed(view.text("实测", "measured")),
+            Some(ShownSize::Simulated(compared)) => {
+                format!("{} {}", view.text("仿真", "simulated"), compared.worst.name.get(view.lang)).into()
+            }
+            None => Cow::Borrowed(view.text("时间", "time")),
         };
-        view.fit_left(foot.trim_right(64.0), source, theme::LABEL, view.theme.muted);
+        view.fit_left(foot.trim_right(64.0), &source, theme::LABEL, view.theme.muted);
         if response.clicked() {
             self.dismiss(view.snapshot);
         }
@@ -81,16 +95,17 @@ impl PartCard {
 }
 
 /// The measured size, else that of the simulated part.
-fn size_of(snapshot: &Snapshot, part: &PartResult) -> Option<(f64, SizeSource)> {
-    let simulated = || part.nominal?.nearest(&snapshot.simulated.as_ref()?.finished_sizes);
-    let measured = part.measured.map(|mm| (mm, SizeSource::Gauge));
-    measured.or_else(|| simulated().map(|mm| (mm, SizeSource::Simulated)))
+fn size_of<'a>(snapshot: &'a Snapshot, part: &PartResult) -> Option<ShownSize<'a>> {
+    let simulated = || part.nominal?.compare(&snapshot.simulated.as_ref()?.finished_sizes);
+    part.measured.map(ShownSize::Gauge).or_else(|| simulated().map(ShownSize::Simulated))
 }
 
-fn verdict(view: &View<'_>, part: &PartResult, size: Option<(f64, SizeSource)>) -> (String, Color32) {
-    let Some((mm, _)) = size else { return (view.text("未测量", "not measured").to_owned(), view.theme.muted) };
-    let (words, ink) = match part.nominal.and_then(|nominal| nominal.keeps(mm)) {
+fn verdict(view: &View<'_>, part: &PartResult, size: Option<ShownSize<'_>>) -> (String, Color32) {
+    let Some(size) = size else { return (view.text("未测量", "not measured").to_owned(), view.theme.muted) };
+    let is_part_of_surface = matches!(size, ShownSize::Simulated(compared) if compared.keeps_elsewhere);
+    let (words, ink) = match part.nominal.and_then(|nominal| nominal.keeps(size.mm())) {
         Some(true) => (view.text("合格", "OK"), view.theme.run),
+        Some(false) if is_part_of_surface => (view.text("局部超差", "PARTLY OUT"), view.theme.alarm_text),
         Some(false) => (view.text("超差", "NOT OK"), view.theme.alarm_text),
         None => (view.text("无公差", "no tolerance"), view.theme.muted),
     };

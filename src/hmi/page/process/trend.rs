@@ -29,9 +29,10 @@ impl FinishedPart {
         let limits = nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high]));
         let simulated = || {
             let sizes = &snapshot.simulated.as_ref()?.sizes;
-            nominal.map_or_else(|| sizes.first().map(|size| size.mm), |nominal| nominal.nearest(sizes))
+            let Some(nominal) = nominal else { return sizes.first().map(|size| size.mm) };
+            nominal.compare(sizes).map(|compared| compared.worst.mm)
         };
-        // Without a size variable: the simulated size that is nearest to the nominal one.
+        // Without a size variable: the worst simulated size of the surface.
         let size = if values.is_measured() { values.measured() } else { simulated() };
         Self { number: snapshot.parts_counted, cycle_seconds: snapshot.cycle.seconds, size, limits }
     }

@@ -3,14 +3,14 @@
 
 use egui::accesskit::Role;
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Color32, Id, Painter, Rect, Ui, pos2, vec2};
+use egui::{Color32, Id, Painter, Rect, Response, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::content_len;
 use crate::defs::text::LocalizedText;
 use crate::hmi::page::{Scroll, ScrollList, VisibleRows};
 use crate::hmi::theme::{self, Theme};
-use crate::hmi::{Area, View};
+use crate::hmi::{Area, View, widget};
 use crate::link::Snapshot;
 use crate::link::snapshot::ProgramView;
 
@@ -167,13 +167,11 @@ impl ListingPosition {
 
     /// Scrolls sideways while a finger drags the list `id`, up to the longest visible line.
     fn drag_sideways(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
-        if !ui.ctx().is_being_dragged(Id::unique(id)) {
+        let Some(response) = ui.ctx().read_response(Id::unique(id)).filter(Response::dragged) else {
             self.drag_remainder = 0.0;
             return;
-        }
-        // The frame of the press does not count, as in `widget::drag_delta`.
-        let moved = ui.input(|input| if input.pointer.any_pressed() { 0.0 } else { input.pointer.delta().x });
-        self.drag_remainder -= moved;
+        };
+        self.drag_remainder -= widget::drag_delta(&response).x;
         let longest = lines.map(|line| content_len(rope.line(line))).max().unwrap_or(0);
         let columns = (self.drag_remainder / COLUMN_WIDTH).trunc();
         self.drag_remainder -= columns * COLUMN_WIDTH;
