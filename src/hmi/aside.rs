@@ -37,17 +37,8 @@ pub fn split(content: Rect, page: Page) -> (Rect, Option<Rect>) {
 /// Draws the strip. What the page shows itself is left out.
 pub fn ui(view: &View<'_>, rect: Rect) {
     let page = view.snapshot.page;
-    let in_subprogram = listing::in_subprogram(&view.snapshot.program);
     if matches!(page, Page::Grinding | Page::Dressing) {
-        if in_subprogram {
-            // Its lines are not there.
-            let machine: PositionGroup<'_> =
-                (view.text("[机床坐标]", "[machine]"), &|_, state| Some(state.machine));
-            position::column(rect, view, &[machine]);
-        } else {
-            running_lines(rect, view);
-        }
-        return;
+        return running_lines(rect, view);
     }
     let has_lines = matches!(page, Page::Program | Page::Mdi);
     let (positions, lines) = match rect.height() > rect.width() {
@@ -61,7 +52,6 @@ pub fn ui(view: &View<'_>, rect: Rect) {
             (positions, lines.trim_left(theme::GAP))
         }
     };
-    let positions = if in_subprogram && rect.height() > rect.width() { rect } else { positions };
     let groups: [PositionGroup<'_>; 2] = [
         (view.text("[绝对坐标]", "[absolute]"), &|_, state| Some(state.work)),
         (view.text("[移动余量]", "[to go]"), &|_, state| Some(state.to_go)),
@@ -74,17 +64,20 @@ pub fn ui(view: &View<'_>, rect: Rect) {
     }
 }
 
-/// The running block and its neighbours, as many as fit; each one cut to the width.
+/// The running block and its neighbours, as many as fit; each one cut to the width. In a subprogram its name stands above.
 fn running_lines(rect: Rect, view: &View<'_>) {
     let program = &view.snapshot.program;
-    if program.number == 0 || listing::in_subprogram(program) {
-        return;
-    }
+    let Some(text) = program.running_text() else { return };
     view.card(rect);
-    let inside = rect.shrink(theme::GAP);
+    let mut inside = rect.shrink(theme::GAP);
+    if program.in_subprogram() {
+        let head;
+        (head, inside) = inside.split_top(LINE);
+        view.fit_left(head, &listing::subprogram_name(view), theme::LABEL, view.theme.info);
+    }
     let count = (inside.height() / LINE).floor().max(0.0) as usize;
     let first = (program.line as usize).saturating_sub(1 + count / 3);
-    for (index, line) in (first..program.text.len_lines().min(first + count)).enumerate() {
+    for (index, line) in (first..text.len_lines().min(first + count)).enumerate() {
         let place = inside.band(index as f32 * LINE, LINE);
         let running = line + 1 == program.line as usize;
         if running {
@@ -94,6 +87,6 @@ fn running_lines(rect: Rect, view: &View<'_>) {
         let (number, words) = place.split_left(NUMBER);
         view.fit_right(number.trim_right(theme::GAP), &(line + 1).to_string(), theme::SMALL, view.theme.muted);
         let ink = if running { view.theme.text } else { view.theme.muted };
-        view.line_left(words, &listing::visible_text(&program.text, line, 0), theme::LABEL, ink);
+        view.line_left(words, &listing::visible_text(text, line, 0), theme::LABEL, ink);
     }
 }

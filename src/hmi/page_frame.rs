@@ -59,13 +59,14 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     touched
 }
 
-/// `O1001 N0040`
+/// `O1001 N0040`; in a subprogram its number and block.
 pub fn program_label(view: &View<'_>) -> String {
     let program = &view.snapshot.program;
     if program.number == 0 {
         return view.text("没有程序", "no program").to_owned();
     }
-    format!("{} N{:04}", view.snapshot.title(program.number), program.block.unwrap_or(0))
+    let running = if program.in_subprogram() { program.block_program } else { program.number };
+    format!("{} N{:04}", view.snapshot.title(running), program.block.unwrap_or(0))
 }
 
 /// Paints program and block in a narrow space. If a long name leaves no space for the block, only the name; the header

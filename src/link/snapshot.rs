@@ -233,10 +233,30 @@ pub struct ProgramView {
     pub has_invalid_bytes: bool,
     /// Program of the running block: a subprogram's number while one runs.
     pub block_program: u32,
+    /// Text of the running subprogram; none while none runs or if it is not in the folder. Copies share memory.
+    pub subprogram_text: Option<Rope>,
     /// Line of the running block, from 1; 0 before the first.
     pub line: u32,
     /// N number of the running block.
     pub block: Option<u32>,
+}
+
+impl ProgramView {
+    /// Whether a subprogram is being executed.
+    #[must_use]
+    pub const fn in_subprogram(&self) -> bool {
+        self.block_program != 0 && self.block_program != self.number
+    }
+
+    /// The text that the running block is in; none if it is not known.
+    #[must_use]
+    pub const fn running_text(&self) -> Option<&Rope> {
+        match &self.subprogram_text {
+            _ if self.number == 0 => None,
+            text if self.in_subprogram() => text.as_ref(),
+            _ => Some(&self.text),
+        }
+    }
 }
 
 /// Everything that a page can show.

@@ -111,6 +111,27 @@ fn b6_the_program_page_marks_the_block_and_stays_fluid() {
     assert!(stage.texts().iter().any(|(text, ..)| text == "N999999 G01 X999999"));
 }
 
+#[test]
+fn b6_a_wide_screen_shows_the_running_lines_of_a_subprogram() {
+    let mut rig = crate::stories::ready_with("M98 P9050\nM30");
+    let text = b"(GRIND IN)\nG04 X1\nG04 X5\nM99".to_vec();
+    rig.add_program(kt830::host::folders::program_from_bytes(9_050, "O9050.NC", text, rig.kind().dialect()));
+    crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait 2 s\nexpect state running");
+    let mut machine = rig.snapshot().clone();
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_920, 1_080));
+    for page in [Page::Grinding, Page::Offset, Page::Position] {
+        machine.page = page;
+        stage.frame(&machine);
+        for words in ["子程序 O9050", "O9050 N0000", "G04 X5", "M99"] {
+            assert!(stage.texts().iter().any(|(text, ..)| text.contains(words)), "{words} on {page:?}");
+        }
+    }
+    // Of a program that is not in the folder no line is shown, and none of the caller is marked as running.
+    machine.program.subprogram_text = None;
+    stage.frame(&machine);
+    assert!(!stage.texts().iter().any(|(text, ..)| text.contains("M98 P9050")));
+}
+
 /// Every text of a page keeps inside its clip and the screen, is not cut, and lies on no other text; else what is wrong.
 fn misfits(stage: &mut OffscreenHmi, machine: &Snapshot, what: &str) -> Vec<String> {
     // A sign that the font lacks ends the test.

@@ -101,6 +101,13 @@ impl Panel {
         }
         out.program.number = parts.plant.execution.current_program;
         out.program.block_program = parts.plant.execution.current_block.program;
+        let subprogram = Some(out.program.block_program).filter(|_| out.program.in_subprogram());
+        let text = subprogram.and_then(|number| parts.plant.work.programs.get(number)).map(|called| &called.text);
+        let is_known =
+            out.program.subprogram_text.as_ref().zip(text).is_some_and(|(known, text)| known.is_instance(text));
+        if !is_known {
+            out.program.subprogram_text = text.cloned();
+        }
         out.program.line = parts.plant.execution.current_block.line;
         out.program.block = parts.plant.execution.current_block.n;
     }

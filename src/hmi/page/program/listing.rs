@@ -12,7 +12,6 @@ use crate::hmi::page::{Scroll, ScrollList, VisibleRows};
 use crate::hmi::theme::{self, Theme};
 use crate::hmi::{Area, View, widget};
 use crate::link::Snapshot;
-use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
 pub const LINE_HEIGHT: f32 = 28.0;
@@ -56,22 +55,26 @@ pub fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
 pub fn running_lines(rect: Rect, view: &View<'_>) {
     let program = &view.snapshot.program;
     let count = ((rect.height() - 8.0) / LINE_HEIGHT).floor().max(0.0) as usize;
-    if count < 2 || program.number == 0 || in_subprogram(program) {
-        return;
-    }
+    let Some(text) = program.running_text().filter(|_| count >= 2) else { return };
     view.card(rect);
+    let head = usize::from(program.in_subprogram());
+    if program.in_subprogram() {
+        let place = rect.shrink2(vec2(8.0, 4.0)).band(0.0, LINE_HEIGHT);
+        view.fit_left(place, &subprogram_name(view), theme::LABEL, view.theme.info);
+    }
     let first = (program.line as usize).saturating_sub(1 + count / 3);
-    for (index, line) in (first..program.text.len_lines().min(first + count)).enumerate() {
-        let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + index as f32 * LINE_HEIGHT);
+    for (index, line) in (first..text.len_lines().min(first + count - head)).enumerate() {
+        let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + (index + head) as f32 * LINE_HEIGHT);
         let place = Rect::from_min_size(corner, vec2(rect.width() - 4.0, LINE_HEIGHT));
         let mark = LineMarks { running: line + 1 == program.line as usize, ..LineMarks::default() };
-        ListingPosition::default().paint_line(&view.clipped(rect), place, &program.text, line, mark);
+        ListingPosition::default().paint_line(&view.clipped(rect), place, text, line, mark);
     }
 }
 
-/// Whether a subprogram is being executed; its lines are not shown.
-pub const fn in_subprogram(program: &ProgramView) -> bool {
-    program.block_program != 0 && program.block_program != program.number
+/// The running subprogram.
+pub fn subprogram_name(view: &View<'_>) -> String {
+    let name = view.snapshot.title(view.snapshot.program.block_program);
+    format!("{} {name}", view.text("子程序", "subprogram"))
 }
 
 /// Scroll position of the listing.

@@ -377,7 +377,7 @@ impl ProgramPage {
         if let Some((words, ink)) = state {
             left = view.line_left(rect.with_min_x(left), words, theme::LABEL, ink).max.x + theme::PAD;
         }
-        if listing::in_subprogram(program) {
+        if program.in_subprogram() {
             let name = view.snapshot.title(program.block_program);
             let words = format!("{} {name}", view.text("正在执行子程序", "running subprogram"));
             let place = Rect::from_min_max(pos2(left, rect.min.y), pos2(right.min.x - theme::PAD, rect.max.y));
@@ -393,7 +393,7 @@ impl ProgramPage {
         let program = &view.snapshot.program;
         let list = round_to_lines(rect.shrink2(vec2(3.0, 4.0)), LINE_HEIGHT);
         let count = self.document.lines();
-        let current = program.number == self.document.number && !listing::in_subprogram(program);
+        let current = program.number == self.document.number && !program.in_subprogram();
         if !self.editing && program.line != self.position.followed_line && current {
             self.position.followed_line = program.line;
             self.position.scroll.user_scrolled = program.line == 0;
