@@ -81,7 +81,8 @@ const MILLIMETRES: Text = Text::new("mm", "mm");
 const SECONDS: Text = Text::new("s", "s");
 const PER_MINUTE: Text = Text::new("1/min", "1/min");
 
-const LENGTH_WORDS: [&str; 35] = [
+const LENGTH_WORDS: [&str; 36] = [
+    "修整点",
     "直径",
     "半径",
     "位置",

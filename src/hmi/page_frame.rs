@@ -65,8 +65,7 @@ pub fn program_label(view: &View<'_>) -> String {
     if program.number == 0 {
         return view.text("没有程序", "no program").to_owned();
     }
-    let running = if program.in_subprogram() { program.block_program } else { program.number };
-    format!("{} N{:04}", view.snapshot.title(running), program.block.unwrap_or(0))
+    format!("{} N{:04}", view.snapshot.title(program.running_program()), program.block.unwrap_or(0))
 }
 
 /// Paints program and block in a narrow space. If a long name leaves no space for the block, only the name; the header
@@ -74,7 +73,7 @@ pub fn program_label(view: &View<'_>) -> String {
 pub fn paint_program_label(view: &View<'_>, rect: Rect, size: f32) {
     let word = program_label(view);
     let whole = view.layout_line(&word, theme::SMALL, view.theme.text, f32::INFINITY).size().x;
-    let word = if whole <= rect.width() { word } else { view.snapshot.title(view.snapshot.program.number) };
+    let word = if whole <= rect.width() { word } else { view.snapshot.title(view.snapshot.program.running_program()) };
     view.fit_left(rect, &word, size, view.theme.text);
 }
 

@@ -14,7 +14,8 @@ use super::{
 };
 use crate::defs::key::Key;
 use crate::defs::page::Page;
-use crate::link::snapshot::{AxisView, CycleView, ProgramView};
+use crate::link::program_view::ProgramView;
+use crate::link::snapshot::{AxisView, CycleView};
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 

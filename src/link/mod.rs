@@ -10,6 +10,7 @@ pub mod media;
 pub mod page_command;
 pub mod page_file;
 pub mod part_result;
+pub mod program_view;
 pub mod simulation;
 pub mod snapshot;
 pub mod teach;

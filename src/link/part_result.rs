@@ -103,11 +103,11 @@ impl NominalSize {
     }
 
     /// The place of the simulated part that this size is compared with: on the surface nearest to it, the place farthest
-    /// from it. A bar is turned to many sizes, and the place of a face is no length: they have none.
+    /// beyond the limits, or nearest to one; without limits the place farthest from it. A bar is turned to many sizes, and the place of a face is no length: they have none.
     #[must_use]
     pub fn compare<'a>(&self, sizes: &'a [PartSize]) -> Option<ComparedSize<'a>> {
         let is_same_kind = |size: &&PartSize| match self.kind {
-            None => true,
+            None => size.kind != SizeKind::Length,
             Some(SizeKind::Length) => false,
             Some(kind) => kind == size.kind,
         };
@@ -115,7 +115,11 @@ impl NominalSize {
         let same = || sizes.iter().filter(|size| size.surface.is_some()).filter(is_same_kind);
         let nearest = same().min_by(|a, b| deviation(a).total_cmp(&deviation(b)))?;
         let on_surface = || same().filter(|size| size.surface == nearest.surface);
-        let worst = on_surface().max_by(|a, b| deviation(a).total_cmp(&deviation(b)))?;
+        let excess = |size: &PartSize| match self.limits {
+            Some((low, high)) => (low - size.mm).max(size.mm - high),
+            None => deviation(size),
+        };
+        let worst = on_surface().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
         let keeps_elsewhere = on_surface().any(|size| self.keeps(size.mm) == Some(true));
         Some(ComparedSize { worst, keeps_elsewhere })
     }
@@ -124,8 +128,8 @@ impl NominalSize {
 /// The worst place of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComparedSize<'a> {
-    /// The place farthest from the nominal size.
+    /// The place farthest beyond the limits, or nearest to one.
     pub worst: &'a PartSize,
-    /// Another place of the surface is within the limits.
+    /// Some place of the surface is within the limits.
     pub keeps_elsewhere: bool,
 }

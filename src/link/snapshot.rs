@@ -3,13 +3,12 @@
 
 use std::sync::Arc;
 
-use ropey::Rope;
-
 use super::command::{Command, ScreenFiles, Screens};
 use super::edit::{EditAnswer, ModalView, OFFSET_COUNT, OffsetView};
 use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::part_result::{PartResult, SizeValues};
+use super::program_view::ProgramView;
 use super::simulation::SimView;
 use super::teach::TeachView;
 use super::toolpath::StockBox;
@@ -218,45 +217,6 @@ pub struct CycleView {
     pub seconds: f64,
     /// The part that it has finished; none from the next cycle start on.
     pub part: Option<PartResult>,
-}
-
-/// The current program.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ProgramView {
-    /// O number, 0 when there is none.
-    pub number: u32,
-    /// Its text as displayed. Copies share memory.
-    pub text: Rope,
-    /// Checksum of the file; it changes with the text.
-    pub stamp: u64,
-    /// The file has bytes that are neither UTF-8 nor GBK.
-    pub has_invalid_bytes: bool,
-    /// Program of the running block: a subprogram's number while one runs.
-    pub block_program: u32,
-    /// Text of the running subprogram; none while none runs or if it is not in the folder. Copies share memory.
-    pub subprogram_text: Option<Rope>,
-    /// Line of the running block, from 1; 0 before the first.
-    pub line: u32,
-    /// N number of the running block.
-    pub block: Option<u32>,
-}
-
-impl ProgramView {
-    /// Whether a subprogram is being executed.
-    #[must_use]
-    pub const fn in_subprogram(&self) -> bool {
-        self.block_program != 0 && self.block_program != self.number
-    }
-
-    /// The text that the running block is in; none if it is not known.
-    #[must_use]
-    pub const fn running_text(&self) -> Option<&Rope> {
-        match &self.subprogram_text {
-            _ if self.number == 0 => None,
-            text if self.in_subprogram() => text.as_ref(),
-            _ => Some(&self.text),
-        }
-    }
 }
 
 /// Everything that a page can show.

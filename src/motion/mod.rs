@@ -37,7 +37,7 @@ pub use trajectory::{MAX_FINISHED_TAGS, MAX_TRAJECTORY_WORK, TrajectoryPlanner};
 
 use crate::units::{MachinePos, PerAxis, Plane};
 
-/// A value for each of the three coordinates. `[T; 3]::map` is not always inlined, and the planner does little else.
+/// A value for each of the three coordinates. `[T; 3]::map` is not always inlined, and it is called for every set-point.
 #[inline]
 fn per_coordinate<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]

@@ -53,11 +53,16 @@ impl RunTotals {
         radius * swept
     }
 
+    #[inline]
     fn extend_to(&mut self, point: WorkPos) {
         let (low, high) = self.extents.get_or_insert((point, point));
-        for (axis, value) in point.iter() {
-            low[axis] = low[axis].min(value);
-            high[axis] = high[axis].max(value);
+        for axis in Axis::ALL {
+            if point[axis] < low[axis] {
+                low[axis] = point[axis];
+            }
+            if point[axis] > high[axis] {
+                high[axis] = point[axis];
+            }
         }
     }
 }

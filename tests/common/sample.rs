@@ -23,8 +23,9 @@ use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, PartResult};
+use kt830::link::program_view::ProgramView;
 use kt830::link::simulation::{PartSize, SimView};
-use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
+use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
 use kt830::link::toolpath::{MoveKind, PathPoint, StockBox, Toolpath};
 use kt830::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
 

@@ -1,11 +1,12 @@
 //! The dressing point: where one is set by key the dressing programs use it, else the value of their page; the page says
 //! which, and with none nothing moves. Source: spec K4.2, K5.17, K7.6.
 
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::units::Axis;
 
 use crate::live_screen::Bench;
-use crate::stories::{ready, tell};
+use crate::stories::{ready, ready_of, tell};
 
 /// O1011 with its values: the diamond at −320, −60.
 fn bench(page: Page) -> Bench {
@@ -87,6 +88,8 @@ fn k4_2_a_point_set_by_key_that_does_not_follow_the_wheel_is_refused() {
             tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait until alarm max 5 s\nexpect alarm 3026");
             tell(&mut bench.rig, "expect alarm \"P98\"\nexpect output wheel off\nkey reset");
             assert_eq!(bench.rig.machine().slide_mm(), before, "O{program}");
+            bench.turn();
+            assert!(bench.shows("X -320.000 按键，不能用 (P98)"), "{:?}", bench.painted());
         }
         // The value of the page is that of a new wheel less what was dressed: it does not depend on P98.
         tell(&mut bench.rig, "page dressing");
@@ -94,6 +97,21 @@ fn k4_2_a_point_set_by_key_that_does_not_follow_the_wheel_is_refused() {
         bench.touch("清除修整点 clear-dress-points");
         bench.touch("清除 question-clear-points");
         tell(&mut bench.rig, "load O1011\nmode auto\nkey cycle-start\nwait until idle max 200 s\nexpect no alarm");
+    }
+}
+
+/// The same on the wheel axis of the other kinds; a point at machine zero is nowhere near a dresser.
+#[test]
+fn k4_2_the_wheel_axis_of_each_kind_is_checked() {
+    for (kind, program, letter) in [(Kind::Gc, 1_011, "x"), (Kind::Gs, 1_013, "y"), (Kind::Ga, 1_014, "z")] {
+        let mut rig = ready_of(kind);
+        tell(&mut rig, &format!("load O{program}\npart assets/parts/O{program}.ron\nmode mdi\nmdi G53 G00 {letter}0"));
+        tell(&mut rig, "wait until idle\nmode jog\npage position\nkey f1");
+        tell(&mut rig, &format!("key address-{letter}\nkey input\nexpect message \"成功\""));
+        for (side, alarm) in [(-1, 3_027), (1, 3_026)] {
+            tell(&mut rig, &format!("param P98 {side}\nmode auto\nkey cycle-start\nwait until alarm max 5 s"));
+            tell(&mut rig, &format!("expect alarm {alarm}\nexpect output wheel off\nkey reset"));
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use kt830::hmi::theme::{DARK, LIGHT, Theme, font, scale};
 use kt830::hmi::{Hmi, page_text, screenshot};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Screens};
+use kt830::link::program_view::ProgramView;
 use kt830::link::snapshot::AxisView;
 use kt830::units::Axis;
 
@@ -126,6 +127,16 @@ fn b6_a_wide_screen_shows_the_running_lines_of_a_subprogram() {
             assert!(stage.texts().iter().any(|(text, ..)| text.contains(words)), "{words} on {page:?}");
         }
     }
+    // RESET: the program itself is the current one again.
+    crate::stories::tell(&mut rig, "key reset\nwait 0.5 s\nexpect state idle");
+    let idle = rig.snapshot().clone();
+    for page in [Page::Grinding, Page::Position] {
+        stage.frame(&Snapshot { page, ..idle.clone() });
+        assert!(!stage.texts().iter().any(|(text, ..)| text.contains("9050 N") || text.contains("子程序")), "{page:?}");
+    }
+    // A line of MDI is none of the program's.
+    let mdi = ProgramView { number: 1_001, line: 1, ..ProgramView::default() };
+    assert!(mdi.running_text().is_none() && !mdi.in_subprogram() && !mdi.is_own_line());
     // Of a program that is not in the folder no line is shown, and none of the caller is marked as running.
     machine.program.subprogram_text = None;
     stage.frame(&machine);

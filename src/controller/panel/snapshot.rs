@@ -7,7 +7,8 @@ use crate::controller::plant::{ControlPhase, OperatorState};
 use crate::defs::alarm::Reaction;
 use crate::defs::key::Key;
 use crate::defs::signal::Output;
-use crate::link::snapshot::{AxisView, CycleView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
+use crate::link::program_view::ProgramView;
+use crate::link::snapshot::{AxisView, CycleView, RunState, Snapshot, VARIABLE_COUNT};
 use crate::units::{Axis, PerAxis};
 use std::sync::Arc;
 

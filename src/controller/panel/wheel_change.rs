@@ -52,32 +52,52 @@ pub fn change_wheel(parts: &mut Parts<'_>, screens: &Screens, [diameter_mm, widt
     parts.plant.reset_dressing_counts();
     // The rim of the new wheel touches the dresser elsewhere.
     parts.plant.remove_dress_point(parts.plant.kind.row().wheel_axis);
-    Ok(match clear_point_values(parts, screens) {
-        Some((variable, value)) => phrase!(
+    let cleared = clear_point_values(parts, screens);
+    let Some((variable, value)) = cleared.first else {
+        return Ok(phrase!("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"));
+    };
+    let name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect());
+    Ok(match cleared.count {
+        1 => phrase!(
             "已换砂轮：先设修整点并修整（旧修整点 {name} = {value} 已清空）",
             "wheel changed: set its dressing point and dress it (the old point {name} = {value} was cleared)",
-            name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect()),
+            name,
             value
         ),
-        None => phrase!("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"),
+        count => phrase!(
+            "已换砂轮：先设修整点并修整（{count} 个旧修整点已清空，第一个 {name} = {value}）",
+            "wheel changed: set its dressing point and dress it ({count} old points were cleared, the first {name} = {value})",
+            count,
+            name,
+            value
+        ),
     })
 }
 
-/// Clears the variables that hold the dressing point of the wheel axis: the pages of this kind's programs name them.
-/// Returns the first one with its value.
-fn clear_point_values(parts: &mut Parts<'_>, screens: &Screens) -> Option<(u16, f64)> {
-    let (kind, mut first) = (parts.plant.kind, None);
+/// Variables that were cleared.
+#[derive(Default)]
+struct ClearedValues {
+    count: u32,
+    /// The first one with its value.
+    first: Option<(u16, f64)>,
+}
+
+/// Clears the variables that hold the dressing point of the wheel axis. The pages name them; pages of programs for other
+/// kinds of machine keep theirs.
+fn clear_point_values(parts: &mut Parts<'_>, screens: &Screens) -> ClearedValues {
+    let (kind, mut cleared) = (parts.plant.kind, ClearedValues::default());
     let wanted = PageMeaning::DressingPoint(kind.row().wheel_axis);
     for (number, files) in &screens.pages {
-        let is_own = parts.plant.work.programs.get(*number).is_some_and(|program| program.is_for(kind));
+        let is_own = parts.plant.work.programs.get(*number).is_none_or(|program| program.is_for(kind));
         let Some(text) = files.text.as_ref().ok().filter(|_| is_own) else { continue };
         for row in text.rows().filter(|row| row.meaning() == Some(wanted)) {
             if let Ok(Some(value)) = parts.plant.work.variables.get(u32::from(row.variable))
                 && parts.program.set_variable(parts.plant, row.variable, None)
             {
-                first.get_or_insert((row.variable, value));
+                cleared.count += 1;
+                cleared.first.get_or_insert((row.variable, value));
             }
         }
     }
-    first
+    cleared
 }

@@ -94,6 +94,13 @@ impl Plant {
         self.store(StorageRequest::CurrentProgram(number));
     }
 
+    /// A run is closed: the screen shows no block of a subprogram or of MDI as the current one.
+    pub fn leave_subprogram(&mut self) {
+        if self.execution.current_block.program != self.execution.current_program {
+            self.execution.current_block = BlockLocation::default();
+        }
+    }
+
     /// Brakes all motion; the run ends once the axes are at rest.
     pub fn abort_run(&mut self) {
         self.jog.stop_all();

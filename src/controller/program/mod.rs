@@ -186,6 +186,7 @@ impl Program {
                 self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
             }
             self.pool.close(run);
+            plant.leave_subprogram();
         }
         plant.axes.homing = None;
         plant.axes.switch_to_manual();

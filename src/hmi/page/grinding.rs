@@ -47,6 +47,8 @@ pub struct GrindingPage {
     shown: (u32, Option<u32>),
     /// The alarm to whose value the cursor went last: number and time.
     pointed_at: Option<(u16, Micros)>,
+    /// Whether a run was active in the last snapshot.
+    runs: bool,
 }
 
 impl PageUi for GrindingPage {
@@ -63,6 +65,12 @@ impl PageUi for GrindingPage {
         if self.shown != shown {
             (self.shown, self.entry) = (shown, VariableEntry::default());
         }
+        // The pad makes way for the drawing and for the part when a run begins.
+        let runs = snapshot.state.is_active();
+        if runs && !self.runs && self.entry.editor.text.is_empty() {
+            self.entry.editor.pad_open = false;
+        }
+        self.runs = runs;
         let alarm = wrong_value(snapshot);
         let pointed_at = alarm.map(|alarm| (alarm.number, alarm.since));
         if self.pointed_at != pointed_at {

@@ -69,7 +69,8 @@ pub(super) struct Grinding {
     previous_stroke_mm: f64,
     /// Load of the wheel motor, percent.
     pub(super) load_percent: f64,
-    /// Width and radius of the dressing roll, mm; zero for a diamond.
+    /// Width and radius of the dressing roll, mm; zero for a diamond. Copied from the machine file: read from there, the
+    /// compiler calculates with the bytes of a roll that is not there, which may be denormal and slow.
     roll_width_mm: f64,
     roll_radius_mm: f64,
 }

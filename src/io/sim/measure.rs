@@ -120,12 +120,13 @@ impl SimulatedMachine {
         report
     }
 
-    /// Measures each surface of the workpiece by itself.
+    /// Measures each surface of the workpiece by itself, at its ends as well.
     #[must_use]
     pub fn measure_surfaces(&self) -> Vec<PartReport> {
         let measure = |surface: &Surface| {
             let mut report = PartReport::default();
             surface.report(&mut report);
+            surface.report_ends(&mut report);
             report
         };
         self.grinding.surfaces().iter().map(measure).collect()

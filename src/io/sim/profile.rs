@@ -379,6 +379,14 @@ impl ProfileSurface {
         Some(value(self, a) * (1.0 - share) + value(self, b) * share)
     }
 
+    /// Adds the diameters or heights of the first and the last cell to the report.
+    pub(super) fn report_ends(&self, report: &mut PartReport) {
+        for place in [self.row.from_mm, self.row.from_mm + self.row.length_mm()] {
+            report.diameters.extend(self.diameter_at(place).map(|d| DiameterAt { z: place, d }));
+            report.faces.extend(self.height_at(place).map(|z| FaceAt { x: place, z }));
+        }
+    }
+
     /// Adds the measurements of this surface to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
         let place = |tenths: f64| self.row.from_mm + self.row.length_mm() * tenths / 10.0;

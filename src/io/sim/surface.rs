@@ -104,6 +104,13 @@ impl Surface {
         }
     }
 
+    /// Adds the measurements at the two ends of a turned surface to the report.
+    pub(super) fn report_ends(&self, report: &mut PartReport) {
+        if let Some(line) = self.profile() {
+            line.report_ends(report);
+        }
+    }
+
     /// Adds the measurements of this surface to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
         match &self.cells {

@@ -17,6 +17,8 @@ const HEIGHTS: [f32; 2] = [24.0, 44.0];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PointSource {
     Key,
+    /// By key, but the shipped dressing programs refuse it: P98, or it is not below 0.
+    RefusedKey,
     Value,
 }
 
@@ -37,7 +39,9 @@ pub fn point_instead_of(snapshot: &Snapshot, row: &PageTextRow) -> Option<(Axis,
 /// The point of an axis, as the dressing programs use it: the value of the wheel axis is that of a new wheel.
 fn point_of(snapshot: &Snapshot, text: &PageText, row: &PageTextRow, axis: Axis) -> Option<(f64, PointSource)> {
     if let Some(point) = snapshot.dressing_point[axis] {
-        return Some((point, PointSource::Key));
+        let follows = snapshot.params.get(param::DRESSING_POINT_SIDE) < 0.0 && point < 0.0;
+        let is_refused = axis == snapshot.kind.row().wheel_axis && !follows;
+        return Some((point, if is_refused { PointSource::RefusedKey } else { PointSource::Key }));
     }
     let value = |variable: u16| snapshot.variables.get(usize::from(variable)).copied().flatten();
     let since_new = snapshot.params.get(param::DRESSING_COUNT) > 0.0;
@@ -60,24 +64,28 @@ pub fn height(text: &PageText) -> Option<f32> {
 pub fn paint(rect: Rect, view: &View<'_>, text: &PageText) {
     let mut rows: Vec<_> = text.rows().filter_map(|row| Some((axis_of(row)?, row))).collect();
     rows.sort_by_key(|(axis, _)| *axis as usize);
-    let mut missing = None;
+    let mut missing = false;
     let words = rows.into_iter().map(|(axis, row)| match point_of(view.snapshot, text, row, axis) {
         Some((point, source)) => {
             let source = match source {
                 PointSource::Key => view.text("按键", "by key"),
+                PointSource::RefusedKey => {
+                    missing = true;
+                    view.text("按键，不能用 (P98)", "by key, refused (P98)")
+                }
                 PointSource::Value => view.text("数值", "by value"),
             };
             format!("{axis} {} {source}", view.length(point))
         }
         None => {
-            missing = Some(axis);
+            missing = true;
             format!("{axis} {}", view.text("未设置", "not set"))
         }
     });
     let words: Vec<String> = words.collect();
     let lines: Vec<String> = words.chunks(2).map(|axes| axes.join(" · ")).collect();
     let words = format!("{} {}", view.text("修整点", "dresses at"), lines.join("\n"));
-    let ink = if missing.is_some() { view.theme.hold } else { view.theme.info };
+    let ink = if missing { view.theme.hold } else { view.theme.info };
     if rect.height() > HEIGHTS[0] {
         view.paragraph(rect, &words, theme::LABEL, ink);
     } else {

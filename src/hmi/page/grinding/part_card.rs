@@ -66,8 +66,10 @@ impl PartCard {
         let inside = rect.shrink2(vec2(10.0, 5.0));
         let head = inside.band(0.0, 22.0);
         let title = format!("{} {}", view.text("工件", "part"), part.number);
-        view.fit_left(head.trim_right(20.0), &title, theme::LABEL, view.theme.muted);
+        view.fit_left(head.trim_right(80.0), &title, theme::LABEL, view.theme.muted);
+        let time = format_cycle_time(part.cycle_seconds);
         view.line_right(head, "×", theme::TITLE, view.theme.muted);
+        view.line_right(head.trim_right(24.0), &time, theme::LABEL, view.theme.text);
         let figure = inside.band(24.0, 36.0);
         match size {
             Some(size) => {
@@ -78,16 +80,14 @@ impl PartCard {
         }
         view.fit_left(inside.band(64.0, 20.0), &tolerance(view, part), theme::LABEL, view.theme.muted);
         let foot = inside.band(86.0, 20.0);
-        let time = format_cycle_time(part.cycle_seconds);
-        view.line_right(foot, &time, theme::LABEL, view.theme.text);
         let source = match size {
             Some(ShownSize::Gauge(_)) => Cow::Borrowed(view.text("实测", "measured")),
             Some(ShownSize::Simulated(compared)) => {
                 format!("{} {}", view.text("仿真", "simulated"), compared.worst.name.get(view.lang)).into()
             }
-            None => Cow::Borrowed(view.text("时间", "time")),
+            None => Cow::Borrowed(""),
         };
-        view.fit_left(foot.trim_right(64.0), &source, theme::LABEL, view.theme.muted);
+        view.fit_left(foot, &source, theme::LABEL, view.theme.muted);
         if response.clicked() {
             self.dismiss(view.snapshot);
         }

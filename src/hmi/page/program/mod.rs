@@ -393,7 +393,7 @@ impl ProgramPage {
         let program = &view.snapshot.program;
         let list = round_to_lines(rect.shrink2(vec2(3.0, 4.0)), LINE_HEIGHT);
         let count = self.document.lines();
-        let current = program.number == self.document.number && !program.in_subprogram();
+        let current = program.number == self.document.number && program.is_own_line();
         if !self.editing && program.line != self.position.followed_line && current {
             self.position.followed_line = program.line;
             self.position.scroll.user_scrolled = program.line == 0;
