@@ -48,6 +48,9 @@ pub fn continuation(moves: &VecDeque<QueuedMove>, place: usize) -> Continuation 
             return Continuation::Stops;
         }
         if !queued.segment.has_no_length() {
+            if this.is_slow != queued.is_slow {
+                return Continuation::Stops;
+            }
             let sharp = cosine(&this.segment, &queued.segment) < EXACT_STOP_COSINE;
             return if sharp { Continuation::Stops } else { Continuation::ContinuesAt(next) };
         }

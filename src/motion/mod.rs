@@ -6,9 +6,9 @@
 //!
 //! A move passes through [`TrajectoryPlanner`]: `push` queues it. The [`setpoint_planner`] turns the moves at the front of
 //! the queue into *nominal* set-points, one per tick at 100 % override, and appends them to the [`setpoint_buffer`]. A
-//! move from rest to rest is a [`point_to_point`] move. Moves that blend into each other ([`blending`]) are planned as a
-//! sequence of look-ahead windows ([`lookahead_window`]), each in slices to an end at rest; the next window takes over
-//! before it brakes. `tick` follows the buffer: one set-point per tick at full rate, slower under an override or a hold
+//! move from rest to rest is a [`point_to_point`] move. Moves at a grinding feed are a [`slow_run`]. Faster moves that
+//! blend into each other ([`blending`]) are planned as a sequence of look-ahead windows ([`lookahead_window`]), each in
+//! slices to an end at rest; the next window takes over before it brakes. `tick` follows the buffer: one set-point per tick at full rate, slower under an override or a hold
 //! ([`feed_scaling`]). A change of rate starts only after it has been simulated to its end and keeps every limit.
 //! [`ThreadMover`] moves Z in step with a spindle, [`AxisMover`] moves one axis; both use the seven-segment [`profile`].
 
@@ -22,6 +22,7 @@ pub mod profile;
 mod queued_move;
 mod setpoint_buffer;
 mod setpoint_planner;
+mod slow_run;
 mod smoother;
 mod speed_optimizer;
 mod thread;

@@ -16,6 +16,10 @@ pub(super) type MoveQueue = VecDeque<QueuedMove>;
 pub(super) struct QueuedMove {
     pub programmed: Move,
     pub segment: PathSegment,
+    /// Allowed deviation from the contour, mm: its own, at an exact stop that of the move before.
+    pub tolerance_mm: f64,
+    /// Whether it can be part of a slow run.
+    pub is_slow: bool,
     /// Serial number since power-on.
     pub number: u64,
     /// Index on the buffer at which the move is finished (one after its last set-point), once that is appended.

@@ -11,6 +11,7 @@ use super::lookahead_window::{LookaheadWindow, MAX_PLAN_TICKS, MAX_WINDOW_MOVES,
 use super::point_to_point::PointToPointMove;
 use super::queued_move::{MAX_QUEUED_MOVES, MoveQueue, QueuedMove};
 use super::setpoint_buffer::{BUFFER_CAPACITY, BufferPosition, NominalSetpoint, SetpointBuffer};
+use super::slow_run::SlowRun;
 use super::tolerance_band::ToleranceBand;
 use super::{AxisLimits, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use crate::units::WorkBudget;
@@ -55,6 +56,7 @@ pub struct SetpointPlanner {
     /// Number of moves at the front of the queue whose end is on the buffer, including the active single move.
     planned_moves: usize,
     single_move: Option<PointToPointMove>,
+    slow_run: SlowRun,
     /// The plan being appended: its set-points, how many are appended, and its tolerance band.
     plan: Vec<PlanPoint>,
     appended: usize,
@@ -105,6 +107,7 @@ impl SetpointPlanner {
             ahead_ticks,
             planned_moves: 0,
             single_move: None,
+            slow_run: SlowRun::new(),
             plan: Vec::with_capacity(MAX_PLAN_TICKS),
             appended: 0,
             band: ToleranceBand::with_capacity(MAX_WINDOW_MOVES),
@@ -138,6 +141,7 @@ impl SetpointPlanner {
     pub fn clear(&mut self) {
         self.planned_moves = 0;
         self.single_move = None;
+        self.slow_run.clear();
         self.plan.clear();
         self.appended = 0;
         self.resting_point = None;
@@ -178,11 +182,16 @@ impl SetpointPlanner {
         self.raise_single_move_speed(moves, request.feed_override);
         self.look_ahead(moves, buffer, request, &mut budget);
         for _ in 0..SETPOINTS_PER_TICK {
-            if buffer.end() >= spot.tick + self.ahead_ticks {
+            let is_slow = self.slow_run.is_active();
+            let ahead_ticks = if is_slow { self.slow_run.ahead_ticks() } else { self.ahead_ticks };
+            if buffer.end() >= spot.tick + ahead_ticks {
                 break;
             }
             let laid = if self.single_move.is_some() {
                 self.append_single_move(moves, buffer, spot)
+            } else if is_slow {
+                budget.spend(self.slow_run.work());
+                self.append_slow_run(moves, buffer, request)
             } else {
                 self.append_plan(moves, buffer, request)
             };
@@ -221,6 +230,34 @@ impl SetpointPlanner {
         true
     }
 
+    /// Appends the next set-point of the slow run; false if it rests.
+    fn append_slow_run(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) -> bool {
+        if request.braking && !buffer.is_open() {
+            return false;
+        }
+        // The rate is relative to the override of the set-points on the buffer: the planned override may rise, not fall.
+        self.planned_override = self.planned_override.max(request.feed_override);
+        let feed_override = if request.braking { 0.0 } else { self.planned_override };
+        let run = &mut self.slow_run;
+        let Some(next) = run.next_setpoint(moves, self.planned_moves, &self.limits, feed_override) else {
+            return false;
+        };
+        let (position, planned_override) = (next.position, self.planned_override);
+        let place = NominalSetpoint { position, planned_override, is_rapid: false };
+        append_setpoint(buffer, request.spot, place, !next.is_at_rest);
+        let delay = if next.is_at_rest { 0 } else { self.slow_run.delay_ticks() };
+        for _ in 0..next.finished_moves {
+            if let Some(queued) = moves.get_mut(self.planned_moves) {
+                queued.end_index = Some(buffer.end() + delay);
+            }
+            self.planned_moves += 1;
+        }
+        if next.is_at_rest {
+            append_rest(buffer);
+        }
+        true
+    }
+
     fn append_plan(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) -> bool {
         self.adopt_window(buffer);
         let Some(point) = self.plan.get(self.appended).copied() else { return false };
@@ -253,7 +290,8 @@ impl SetpointPlanner {
 
     /// Starts the next move or run of the queue; false if there is none or the last one is still active.
     fn start_next(&mut self, moves: &mut MoveQueue, buffer: &SetpointBuffer, request: PlanRequest) -> bool {
-        if self.single_move.is_some() || !self.plan.is_empty() || self.job.is_some() {
+        let is_busy = self.single_move.is_some() || self.slow_run.is_active();
+        if is_busy || !self.plan.is_empty() || self.job.is_some() {
             return false;
         }
         let Some(queued) = moves.get_mut(self.planned_moves) else { return false };
@@ -271,6 +309,14 @@ impl SetpointPlanner {
                 return false;
             }
             self.waited_ticks = 0;
+            if then != Continuation::Unknown
+                && let Some(queued) = moves.get(self.planned_moves).filter(|queued| queued.is_slow)
+                && self.resting_point.is_none()
+            {
+                self.planned_override = request.feed_override;
+                self.slow_run.begin(queued, &self.limits);
+                return true;
+            }
             // A single move runs exactly at its feed to its end and needs no window.
             if then != Continuation::Unknown || self.resting_point.is_some() {
                 self.begin_at_rest(moves, request);

@@ -13,7 +13,8 @@ use super::path_segment::PathSegment;
 use super::queued_move::{MAX_QUEUED_MOVES, QueuedMove};
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::setpoint_planner::{MAX_WORK_PER_TICK, PlanRequest, SetpointPlanner};
-use super::{MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
+use super::slow_run::is_slow;
+use super::{CornerMode, MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
 use crate::units::{MachinePos, PerAxis, WorkBudget};
 
 /// Maximum work units of look-ahead and feed scaling per tick.
@@ -106,7 +107,20 @@ impl TrajectoryPlanner {
         let from = self.moves.back().map_or(self.last_planned_position(), |last| last.programmed.to.coordinates());
         let segment = PathSegment::new(from, program.to, program.shape);
         assert!(segment.length().is_finite(), "move {program:?}");
-        self.moves.push_back(QueuedMove { programmed: program, segment, number: self.pushed_count, end_index: None });
+        let tolerance_mm = match program.corner {
+            CornerMode::Continuous { tolerance_mm } => tolerance_mm,
+            CornerMode::ExactStop => self.moves.back().map_or(0.0, |last| last.tolerance_mm),
+        };
+        let is_slow = is_slow(&self.limits, program.speed, tolerance_mm);
+        let number = self.pushed_count;
+        self.moves.push_back(QueuedMove {
+            programmed: program,
+            segment,
+            tolerance_mm,
+            is_slow,
+            number,
+            end_index: None,
+        });
         self.pushed_count += 1;
         Ok(())
     }

@@ -213,6 +213,23 @@ fn k4_3_g36_ends_at_the_starting_end_then_the_next_block_runs() {
     tell(&mut rig, "expect Z -150 ±0.001\nexpect lamp oscillation off\nexpect #438 0\nexpect #439 0");
 }
 
+/// The signal comes while Z is in the middle of its stroke. What Z has left of it is no part of the next stage's path:
+/// F0.6 in diameter is 0.005 mm/s of radius.
+#[test]
+fn k4_3_a_stage_after_a_skip_runs_at_its_feed_while_z_oscillates() {
+    for (tail, millis) in [("G31 X-85 F0.6 P2", 1_200), ("G01 X-85 F0.6", 1_450), ("G31 X-85 F0.6 P2", 1_700)] {
+        let text = format!("G98\nG35 Z-160 D300 Q60\nG31 X-90 F60 P1\n{tail}\nM30");
+        let mut rig = ready_with(&text);
+        tell(&mut rig, &format!("mode auto\nkey cycle-start\nwait {millis} ms\ninput gauge-1 on\nwait 0.5 s"));
+        tell(&mut rig, "expect state running");
+        let x = |rig: &HeadlessHost| rig.controller().set_point()[Axis::X];
+        let before = x(&rig);
+        tell(&mut rig, "wait 2 s");
+        let feed = (before - x(&rig)) / 2.0 * 60.0;
+        assert!((feed / 0.6 - 1.0).abs() < 0.005, "{tail} at {millis} ms: {feed} mm/min");
+    }
+}
+
 #[test]
 fn k4_3_infeed_at_the_reversal_by_438_neither_misses_nor_doubles_a_stroke() {
     // Ten strokes; at every forward end the wheel goes 0.01 mm of diameter in.

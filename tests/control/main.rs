@@ -19,6 +19,7 @@ mod jog_demand;
 mod lathe;
 mod lathe_hand;
 mod machine_rules;
+mod motion_feed;
 mod motion_mover;
 mod motion_path;
 mod motion_profile;

@@ -168,8 +168,10 @@ fn leg() -> impl Strategy<Value = Leg> {
     let plane = prop_oneof![Just(Plane::Zx), Just(Plane::Xy), Just(Plane::Yz)];
     let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>(), plane, any::<bool>()).prop_map(Some)];
     let by = (length(), length(), length(), any::<bool>());
-    (by, arc, 0..8_u8, 5.0..200.0_f64, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {
-        by: if flat { [x, 0.0, z] } else { [x, y, z] },
+    // Grinding feeds as well; their moves are so short that each takes less than a second.
+    let feed = prop_oneof![2 => 5.0..200.0_f64, 1 => (0.0..4.5_f64).prop_map(|decades| 1e-3 * 10_f64.powf(decades))];
+    (by, arc, 0..8_u8, feed, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {
+        by: [x, if flat { 0.0 } else { y }, z].map(|mm| if feed < 5.0 { mm * feed * 0.05 } else { mm }),
         arc,
         rapid: rapid == 0,
         feed,

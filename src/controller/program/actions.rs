@@ -217,7 +217,7 @@ impl ProgramRun {
             return ActionStatus::Wait;
         };
         if latched && plant.axes.is_at_rest() {
-            self.lookahead.machine_position = plant.axes.set_point();
+            self.lookahead.machine_position = plant.axes.program_set_point();
             return ActionStatus::Done;
         } else if !latched && gauge_signal(plant, signal) {
             plant.work.skip_position = plant.work_position();

@@ -47,7 +47,7 @@ impl ProgramRun {
             self.activity = Activity::Gauge(gauging);
         } else {
             self.activity = Activity::Idle;
-            self.lookahead.machine_position = plant.axes.set_point();
+            self.lookahead.machine_position = plant.axes.program_set_point();
         }
         status
     }
