@@ -70,23 +70,20 @@ impl Source {
         let (messages, texts) = (Vec::new(), MessageTexts::default());
         let mut source =
             Self { number, name, title, bytes, utf8: false, line_offsets, dialect, index, messages, texts };
-        source.index_with(index_text);
-        source.read_message_texts();
+        let mut comments = Vec::new();
+        source.index_with(index_text, &mut |line| comments.push(line));
+        source.read_message_texts(&comments);
         source
     }
 
-    /// Reads the rows of texts, and puts the English of the messages beside them.
-    fn read_message_texts(&mut self) {
+    /// Reads the rows of texts among the lines (from 0) that may be comments, and puts the English of the messages beside
+    /// them.
+    fn read_message_texts(&mut self, comments: &[u32]) {
         let brackets = self.dialect.has_bracket_comments();
-        let open = if brackets { b'(' } else { b';' };
-        // Few lines have a comment: a million lines without one cost next to nothing.
-        let comments = memchr::memchr_iter(open, &self.bytes);
-        let rows = comments.filter(|at| message_texts::is_row_start(self.bytes[at + 1..].trim_ascii_start()));
-        let rows = rows.filter_map(|at| {
-            let line = self.line_offsets.partition_point(|offset| *offset as usize <= at).checked_sub(1)?;
-            let is_first = self.bytes[self.line_offsets[line] as usize..at].trim_ascii().is_empty();
-            let comment = self.lone_comment(line, brackets).filter(|_| is_first)?;
-            Some((line as u32 + 1, self.decode(comment)))
+        let rows = comments.iter().filter_map(|line| {
+            let comment =
+                self.lone_comment(*line as usize, brackets).filter(|bytes| message_texts::is_row_start(bytes))?;
+            Some((line + 1, self.decode(comment)))
         });
         let mut texts = MessageTexts::read(rows);
         for ((start, _), message) in self.index.message_texts.iter().zip(&mut self.messages) {
@@ -140,13 +137,14 @@ impl Source {
     pub(crate) fn replace_text(&mut self, text: &[u8], index_text: fn(&TextLines<'_>, &mut SourceIndex)) {
         self.bytes.clear();
         self.bytes.extend_from_slice(text);
-        self.index_with(index_text);
+        self.index_with(index_text, &mut |_| ());
     }
 
-    fn index_with(&mut self, index_text: fn(&TextLines<'_>, &mut SourceIndex)) {
+    /// Indexes the text. `comment` is called for each line, from 0, that may be a comment.
+    fn index_with(&mut self, index_text: fn(&TextLines<'_>, &mut SourceIndex), comment: &mut impl FnMut(u32)) {
         assert!(self.bytes.len() < u32::MAX as usize, "program of {} bytes", self.bytes.len());
         self.utf8 = std::str::from_utf8(&self.bytes).is_ok();
-        push_line_starts(&self.bytes, &mut self.line_offsets);
+        push_line_starts(&self.bytes, &mut self.line_offsets, comment);
         self.index.clear();
         index_text(&TextLines { text: &self.bytes, starts: &self.line_offsets }, &mut self.index);
         self.messages.clear();
@@ -436,14 +434,21 @@ fn line_end(bytes: &[u8]) -> Option<usize> {
     bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).map(|rest| at + rest)
 }
 
-fn push_line_starts(bytes: &[u8], starts: &mut Vec<u32>) {
+/// Finds the lines. `comment` is called for each one, from 0, that begins as a comment or with a blank.
+fn push_line_starts(bytes: &[u8], starts: &mut Vec<u32>, comment: &mut impl FnMut(u32)) {
     starts.clear();
     let mut at = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
-    starts.push(at as u32);
+    let mut begin_line = |at: usize, starts: &mut Vec<u32>| {
+        if matches!(bytes.get(at), Some(b'(' | b';' | b' ' | b'\t')) {
+            comment(starts.len() as u32);
+        }
+        starts.push(at as u32);
+    };
+    begin_line(at, starts);
     while let Some(end) = line_end(&bytes[at..]) {
         let pair = bytes[at + end] == b'\r' && bytes.get(at + end + 1) == Some(&b'\n');
         at += end + 1 + usize::from(pair);
-        starts.push(at as u32);
+        begin_line(at, starts);
     }
 }
 

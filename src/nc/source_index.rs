@@ -119,6 +119,13 @@ pub(crate) fn leading_number(bytes: &[u8], brackets: bool) -> Option<u32> {
 /// The block number at the start of a line, and the text after it.
 #[inline]
 pub(crate) fn block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
+    match line.first() {
+        Some(b' ' | b'\t' | b'(' | b'/' | b'N' | b'n') => read_block_head(line, brackets),
+        _ => (None, line),
+    }
+}
+
+fn read_block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
     let mut rest = after_blanks(line, brackets);
     if rest.first() == Some(&b'/') {
         if rest.get(1) == Some(&b'/') {

@@ -3,6 +3,7 @@
 
 mod batch;
 mod dressing;
+mod feeds;
 mod pages;
 mod refusals;
 mod retract;
