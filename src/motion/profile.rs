@@ -106,7 +106,8 @@ impl MotionProfile {
                     high = middle;
                 }
             }
-            build(low)
+            // The end is approached from its own side: rounding never leads beyond it.
+            build(if low < 0.0 { high } else { low })
         };
         Self::of(start, legs, AxisState::at_rest(target))
     }
