@@ -111,6 +111,16 @@ enum Ask {
     Stop,
 }
 
+impl Ask {
+    fn of(self, axis: &mut AxisMover) {
+        match self {
+            Self::Velocity(v) => axis.set_velocity_target(v),
+            Self::Position(p, v) => axis.set_position_target(p, v),
+            Self::Stop => axis.stop(),
+        }
+    }
+}
+
 fn ask() -> impl Strategy<Value = (u32, Ask)> {
     let what = prop_oneof![
         (-60.0..60.0_f64).prop_map(Ask::Velocity),
@@ -136,11 +146,7 @@ fn a_move_in_minus_ends_on_its_own_side_of_the_bound() {
     let mut w = Watched::new();
     w.axis.set_bounds(Some((-8.0, 9.0)));
     for (wait, ask) in asks {
-        match ask {
-            Ask::Velocity(v) => w.axis.set_velocity_target(v),
-            Ask::Position(p, v) => w.axis.set_position_target(p, v),
-            Ask::Stop => w.axis.stop(),
-        }
+        ask.of(&mut w.axis);
         for _ in 0..wait {
             w.ticks(1);
             assert!(w.axis.position() >= -8.0 - 1e-9, "{}", w.axis.position());
@@ -154,11 +160,7 @@ proptest! {
         let mut w = Watched::new();
         w.axis.set_bounds(Some((-8.0, 9.0)));
         for (wait, ask) in asks {
-            match ask {
-                Ask::Velocity(v) => w.axis.set_velocity_target(v),
-                Ask::Position(p, v) => w.axis.set_position_target(p, v),
-                Ask::Stop => w.axis.stop(),
-            }
+            ask.of(&mut w.axis);
             for _ in 0..wait {
                 w.ticks(1);
                 // The bisection of the profile ends within rounding of the bound.
