@@ -17,6 +17,7 @@ use super::smoother::{CurveSmoother, MAX_CONTROL_POINTS};
 use super::speed_optimizer::{KnotLimits, LEAD_KNOTS, SpeedOptimizer};
 use super::tolerance_band::ToleranceBand;
 use crate::units::WorkBudget;
+use check::CheckedPoint;
 
 /// Maximum number of moves in a window.
 pub const MAX_WINDOW_MOVES: usize = 320;
@@ -160,6 +161,9 @@ pub struct LookaheadWindow {
     cursor: usize,
     history: SetpointHistory,
     worst_ratio: f64,
+    worst_interval: usize,
+    /// Share of the slack at a start in motion that is used.
+    lead_slack_share: f64,
     excess: Vec<IntervalExcess>,
     is_outside: bool,
     repairs: u32,
@@ -168,8 +172,7 @@ pub struct LookaheadWindow {
     is_cut: bool,
     /// The intervals of the two set-points before the last.
     past_intervals: [usize; 2],
-    /// The move nearest to the last checked point.
-    nearest_before: usize,
+    last_check: CheckedPoint,
     /// The set-points; all checked once the plan is ready.
     pub plan: Vec<PlanPoint>,
 }
@@ -201,13 +204,15 @@ impl LookaheadWindow {
             cursor: 0,
             history: [[0.0; 3]; 4],
             worst_ratio: 0.0,
+            worst_interval: 0,
+            lead_slack_share: 1.0,
             excess: Vec::with_capacity(MAX_CONTROL_POINTS),
             is_outside: false,
             repairs: 0,
             slowdowns: 0,
             is_cut: false,
             past_intervals: [0; 2],
-            nearest_before: 0,
+            last_check: CheckedPoint::default(),
             plan: Vec::with_capacity(MAX_PLAN_TICKS),
         }
     }
@@ -230,6 +235,7 @@ impl LookaheadWindow {
         self.start = start;
         self.repairs = 0;
         self.slowdowns = 0;
+        self.lead_slack_share = 1.0;
         self.share = LIMIT_SHARE * (1.0 - start.reserve);
         self.is_cut = false;
         self.spacing_s =
@@ -353,7 +359,7 @@ impl LookaheadWindow {
         };
         // A handover this far on the previous curve is past its own slack: the limits need not be wider.
         let fresh = self.start.lead_end.is_some() && from >= LEAD_KNOTS;
-        let slack = if fresh { 1.0 } else { LEAD_SLACK };
+        let slack = if fresh { 1.0 } else { 1.0 + (LEAD_SLACK - 1.0) * self.lead_slack_share };
         self.speed.begin(limits, given, slack * (self.previous.share / share).max(1.0), round < LAST_ROUND);
         self.phase = WindowPhase::Speed { round };
     }

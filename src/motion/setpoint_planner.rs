@@ -289,7 +289,7 @@ impl SetpointPlanner {
     }
 
     /// Starts the next move or run of the queue; false if there is none or the last one is still active.
-    fn start_next(&mut self, moves: &mut MoveQueue, buffer: &SetpointBuffer, request: PlanRequest) -> bool {
+    fn start_next(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) -> bool {
         let is_busy = self.single_move.is_some() || self.slow_run.is_active();
         if is_busy || !self.plan.is_empty() || self.job.is_some() {
             return false;
@@ -315,6 +315,8 @@ impl SetpointPlanner {
             {
                 self.planned_override = request.feed_override;
                 self.slow_run.begin(queued, &self.limits);
+                // The jerk at the end of what came before is no longer in the differences.
+                append_rest(buffer);
                 return true;
             }
             // A single move runs exactly at its feed to its end and needs no window.

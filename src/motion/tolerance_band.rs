@@ -261,6 +261,11 @@ impl ToleranceBand {
         best
     }
 
+    /// Distance of a point from a move, mm.
+    pub fn deviation_from(&self, segment: usize, point: [f64; 3]) -> f64 {
+        distance(self.moves[segment].segment.nearest(point, 0.0, f64::INFINITY).1, point)
+    }
+
     /// The nearest point of one move; `off` is still squared.
     fn on_segment(&self, point: [f64; 3], low: f64, high: f64, segment: usize) -> NearestPoint {
         let start = self.starts[segment];

@@ -5,19 +5,21 @@
 //! is lowered.
 
 use super::super::feed_scaling::SetpointHistory;
+use super::super::path_segment::distance;
+use super::super::per_coordinate;
 use super::super::setpoint_buffer::spline;
 use super::super::smoother::FIXED_POINTS;
+use super::super::speed_optimizer::LEAD_KNOTS;
 use super::{
     CurvePosition, IntervalExcess, LAST_ROUND, LookaheadWindow, MAX_PLAN_TICKS, MAX_REPAIRS, MAX_SLOWDOWNS,
     REPAIR_ITERATIONS, TOLERANCE_SHARE, WindowPhase,
 };
 use crate::units::WorkBudget;
 
-/// Subdivisions between two checked points where the nearest move changes: at a smooth transition, at a sharp corner.
-const CHECKS_AT_CORNER: u32 = 3;
-const CHECKS_AT_SHARP_CORNER: u32 = 10;
-/// From this share of the tolerance on, one more point is checked in between.
-const EDGE_SHARE: f64 = 0.95;
+/// Between two checked points the deviation may rise to this share of the tolerance.
+const BETWEEN_SHARE: f64 = 0.995;
+/// Maximum number of times that the part between two checked points is halved.
+const MAX_HALVINGS: u32 = 6;
 /// Minimum width of a narrowed band, as a share of the tolerance.
 const MIN_BAND_SHARE: f64 = 0.02;
 /// A repair narrows the band by this share of the tolerance times the repair count, plus the excess times this factor.
@@ -29,9 +31,28 @@ const MAX_OVERSHOOT_MM: f64 = 5e-7;
 /// plan was allowed, so that this part never fails.
 const LEAD_TOLERANCE_SHARE: f64 = 0.987;
 const LEAD_MAX_OVERSHOOT_MM: f64 = 9e-7;
+/// Factor on the slack at a start in motion after each check that found a limit exceeded there.
+const LEAD_SLACK_STEP: f64 = 0.4;
 /// Work units of one checked point, and of one set-point without its checked points.
 const COST_CHECK_POINT: usize = 100;
 const COST_CHECK_SETPOINT: usize = 300;
+
+/// A checked point of an interval between two knots or set-points.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct CheckedPoint {
+    /// Fraction of the interval.
+    fraction: f64,
+    at: [f64; 3],
+    /// Distance to the contour, mm, and the nearest move.
+    deviation: f64,
+    segment: usize,
+}
+
+/// Upper bound of the second derivative in an interval of a spline, mm.
+fn bend(p: &SetpointHistory) -> f64 {
+    let at = |k: usize| distance(per_coordinate(|x| p[k - 1][x] + p[k + 1][x] - 2.0 * p[k][x]), [0.0; 3]);
+    at(1).max(at(2))
+}
 
 impl LookaheadWindow {
     pub(super) fn begin_curve_check(&mut self) {
@@ -54,53 +75,83 @@ impl LookaheadWindow {
             let k = self.cursor;
             self.cursor += 1;
             let p = [0, 1, 2, 3].map(|i| self.smoother.points[k + i]);
-            (self.nearest_before, _) = self.check_point(k, spline(&p, 0.0), budget);
+            self.last_check = self.check_point(k, &p, 0.0, self.share_at(k), budget);
             for quarter in 0..4 {
                 let from = f64::from(quarter) / 4.0;
                 let along = self.smoother.knots[k + 1].near.0;
                 self.check_bounds(k, spline(&p, from), if k == 0 { self.start.point.along } else { along });
-                self.check_between(k, &p, from, from + 0.25, budget);
+                self.check_up_to(k, &p, from + 0.25, budget);
             }
         }
         self.cursor == end
     }
 
-    /// Checks the end of a part of interval `k`, and points in between where the nearest move changes: the distance has
-    /// a peak there, which grows with the corner angle.
-    fn check_between(&mut self, k: usize, p: &SetpointHistory, from: f64, to: f64, budget: &mut WorkBudget) {
-        let (found, near) = self.check_point(k, spline(p, to), budget);
-        let before = std::mem::replace(&mut self.nearest_before, found);
-        if found == before {
-            if near {
-                self.check_point(k, spline(p, f64::midpoint(from, to)), budget);
-            }
-        } else {
-            let sharp = self.band.smooth_run(before) != self.band.smooth_run(found);
-            let looks = if sharp { CHECKS_AT_SHARP_CORNER } else { CHECKS_AT_CORNER };
-            for fine in 1..looks {
-                self.check_point(k, spline(p, from + (to - from) * f64::from(fine) / f64::from(looks)), budget);
-            }
-        }
+    /// Checks interval `k` from the last checked point up to fraction `to`.
+    fn check_up_to(&mut self, k: usize, p: &SetpointHistory, to: f64, budget: &mut WorkBudget) {
+        let end = self.check_point(k, p, to, self.share_at(k), budget);
+        let start = std::mem::replace(&mut self.last_check, end);
+        self.check_between(k, p, [start, end], MAX_HALVINGS, budget);
     }
 
-    /// Checks one point of interval `k`; returns the nearest move and whether the point is near the edge of the band.
-    fn check_point(&mut self, k: usize, at: [f64; 3], budget: &mut WorkBudget) -> (usize, bool) {
+    /// Checks interval `k` between two checked points: halves the part until the deviation is known to be allowed.
+    ///
+    /// The distance to a straight move is convex: between two points it exceeds that of the points by no more than the
+    /// height of the curve over its chord. Where the nearest move changes, this holds for either move.
+    fn check_between(
+        &mut self,
+        k: usize,
+        p: &SetpointHistory,
+        ends: [CheckedPoint; 2],
+        halvings: u32,
+        budget: &mut WorkBudget,
+    ) {
+        let [start, end] = ends;
+        let tolerance = self.band.moves[start.segment].tolerance.min(self.band.moves[end.segment].tolerance);
+        let span = end.fraction - start.fraction;
+        let mut highest = start.deviation.max(end.deviation);
+        if start.segment != end.segment {
+            let of_first = self.band.deviation_from(start.segment, end.at).max(start.deviation);
+            highest = self.band.deviation_from(end.segment, start.at).max(end.deviation).min(of_first);
+        }
+        highest += bend(p) * span * span / 8.0;
+        if highest <= BETWEEN_SHARE * tolerance || halvings == 0 {
+            return;
+        }
+        let fraction = f64::midpoint(start.fraction, end.fraction);
+        let middle = self.check_point(k, p, fraction, BETWEEN_SHARE, budget);
+        self.check_between(k, p, [start, middle], halvings - 1, budget);
+        self.check_between(k, p, [middle, end], halvings - 1, budget);
+    }
+
+    /// Share of the tolerance that the curve may use at the checked points of interval `k`.
+    fn share_at(&self, k: usize) -> f64 {
+        let joined = k < self.smoother.lead && self.start.point.is_in_motion();
+        if joined { LEAD_TOLERANCE_SHARE } else { TOLERANCE_SHARE }
+    }
+
+    /// Checks one point of interval `k` against a share of the tolerance.
+    fn check_point(
+        &mut self,
+        k: usize,
+        p: &SetpointHistory,
+        fraction: f64,
+        share: f64,
+        budget: &mut WorkBudget,
+    ) -> CheckedPoint {
         budget.spend(COST_CHECK_POINT);
+        let at = spline(p, fraction);
         let knots = &self.smoother.knots;
         let last = knots.len() - 1;
         let along = &self.smoother.along;
         let low = if k == 0 { 0.0 } else { knots[k].near.0.min(along[k - 1]) };
         let high = if k + 4 > last { self.band.end } else { knots[k + 3].near.0.max(along[k + 4]) };
         let near = self.band.nearest(at, low, high, knots[k + 1].near.1);
-        let joined = k < self.smoother.lead && self.start.point.is_in_motion();
-        let share = if joined { LEAD_TOLERANCE_SHARE } else { TOLERANCE_SHARE };
-        let tolerance = self.band.moves[near.segment].tolerance;
-        let over = near.deviation - share * tolerance;
+        let over = near.deviation - share * self.band.moves[near.segment].tolerance;
         if over > 0.0 {
             self.is_outside = true;
             self.excess[k].deviation = self.excess[k].deviation.max(over);
         }
-        (near.segment, near.deviation > EDGE_SHARE * tolerance)
+        CheckedPoint { fraction, at, deviation: near.deviation, segment: near.segment }
     }
 
     /// Checks the axis bounds at a set-point of interval `k`. The curve through the set-points lies between them at any
@@ -147,7 +198,6 @@ impl LookaheadWindow {
         self.curve_position = CurvePosition { interval: 0, fraction: part };
         self.history = self.start.history;
         self.worst_ratio = 0.0;
-        self.nearest_before = self.band.segment_at(self.start.point.along);
         self.past_intervals = [0; 2];
         self.begin_excess();
         self.plan.clear();
@@ -173,7 +223,11 @@ impl LookaheadWindow {
             let k = self.past_intervals[0];
             self.past_intervals = [self.past_intervals[1], interval];
             let past = self.history;
-            self.check_between(k, &past, 0.0, 1.0, budget);
+            self.last_check.fraction = 0.0;
+            if self.plan.len() == 1 {
+                self.last_check = self.check_point(k, &past, 0.0, self.share_at(k), budget);
+            }
+            self.check_up_to(k, &past, 1.0, budget);
             if over {
                 // The stop at the end still shows in the differences of the next three ticks.
                 for _ in 0..3 {
@@ -191,7 +245,10 @@ impl LookaheadWindow {
 
     fn record_setpoint(&mut self, at: [f64; 3]) {
         self.history = [self.history[1], self.history[2], self.history[3], at];
-        self.worst_ratio = self.worst_ratio.max(self.steps.worst_ratio(&self.history));
+        let ratio = self.steps.worst_ratio(&self.history);
+        if ratio > self.worst_ratio {
+            (self.worst_ratio, self.worst_interval) = (ratio, self.curve_position.interval);
+        }
     }
 
     /// Evaluates the check: repair, retry with lower limits, failed or ready.
@@ -205,7 +262,11 @@ impl LookaheadWindow {
             self.phase = WindowPhase::Failed;
         } else if self.worst_ratio > 1.0 {
             self.slowdowns += 1;
-            self.share *= (1.0 / self.worst_ratio).max(0.9) * 0.998;
+            if self.start.point.is_in_motion() && self.worst_interval < LEAD_KNOTS {
+                self.lead_slack_share *= LEAD_SLACK_STEP;
+            } else {
+                self.share *= (1.0 / self.worst_ratio).max(0.9) * 0.998;
+            }
             self.begin_speed(LAST_ROUND);
         } else {
             self.phase = WindowPhase::Ready;
