@@ -11,7 +11,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("units", &[]),
     ("defs", &["units"]),
     ("link", &["units", "defs"]),
-    ("nc", &["units", "defs"]),
+    ("nc", &["units", "defs", "geometry"]),
+    ("geometry", &[]),
     ("motion", &["units", "defs"]),
     ("machine", &["units", "defs", "link"]),
     ("io", &["units", "defs"]),
@@ -24,7 +25,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 ];
 
 /// Rooms without clock, file, thread or chance: time and hardware are arguments.
-const CORE: &[&str] = &["units", "defs", "link", "nc", "motion", "machine", "io", "controller"];
+const CORE: &[&str] = &["units", "defs", "link", "geometry", "nc", "motion", "machine", "io", "controller"];
 
 /// What the core never names.
 const NOT_IN_CORE: &[&str] = &[

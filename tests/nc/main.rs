@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
 
 mod common_variables;
+mod cutter_compensation;
 mod fuzz;
 mod golden;
 mod message_texts;

@@ -1,0 +1,10 @@
+//! Plane geometry of contours: lines and arcs, and the path of a cutter beside them.
+//!
+//! Pure functions in millimetres and radians; knows nothing of programs, axes and motion. The first axis of the plane is
+//! u, the second v; counter-clockwise is from u+ to v+, and left is counter-clockwise of the direction of travel.
+
+mod cutter_compensation;
+mod plane_segment;
+
+pub use cutter_compensation::{CompensatedSegment, Gouge, GougeCause, Side, compensate};
+pub use plane_segment::{PlanePoint, PlaneSegment};
