@@ -16,7 +16,7 @@ const NEARER_MM: f64 = 1e-6;
 
 /// The side of the contour on which the cutter runs, seen in the direction of travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum CompensationSide {
     /// G41.
     Left,
     /// G42.
@@ -63,7 +63,7 @@ pub struct Gouge {
 /// [`Gouge`] at the first place where the cutter does not fit; `path` is empty then.
 pub fn compensate(
     contour: &[PlaneSegment],
-    side: Side,
+    side: CompensationSide,
     radius: f64,
     path: &mut Vec<CompensatedSegment>,
 ) -> Result<(), Gouge> {
@@ -77,11 +77,11 @@ pub fn compensate(
 
 fn append_parallels(
     contour: &[PlaneSegment],
-    side: Side,
+    side: CompensationSide,
     radius: f64,
     path: &mut Vec<CompensatedSegment>,
 ) -> Result<(), Gouge> {
-    let to_the_left = if side == Side::Left { radius } else { -radius };
+    let to_the_left = if side == CompensationSide::Left { radius } else { -radius };
     let mut before: Option<(usize, &PlaneSegment)> = None;
     for (source, segment) in contour.iter().enumerate().filter(|(_, segment)| segment.length() > MIN_LENGTH_MM) {
         let too_small = Gouge { segment: source, other: source, cause: GougeCause::ArcTooSmall };

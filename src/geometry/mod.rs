@@ -6,5 +6,5 @@
 mod cutter_compensation;
 mod plane_segment;
 
-pub use cutter_compensation::{CompensatedSegment, Gouge, GougeCause, Side, compensate};
+pub use cutter_compensation::{CompensatedSegment, CompensationSide, Gouge, GougeCause, compensate};
 pub use plane_segment::{PlanePoint, PlaneSegment};

@@ -167,8 +167,9 @@ pub struct Machine {
     control_state: ControlState,
 }
 
-/// Outputs that emergency stop, panic, loss of screen or loss of bus switch off in that tick. All others keep their
-/// state: the part must stay clamped while the wheel coasts (table after K3).
+/// Outputs that a panic, loss of screen or loss of bus switch off in that tick; in an emergency stop
+/// [`Machine::safe_stop`] and the guards of the motions switch off the same. All others keep their state: the part must
+/// stay clamped while the wheel coasts (table after K3).
 pub const OFF_IN_SAFE_STATE: &[Output] = &[
     Output::Wheel,
     Output::SecondSpindle,

@@ -20,7 +20,7 @@ use kt830::machine::discrete::DiscreteState;
 use kt830::machine::interlock::Rule;
 use kt830::machine::phase::{PhaseEvent, RunPhase};
 use kt830::machine::rules::RULES;
-use kt830::machine::{Consequence, ControlState, Machine, MachineFinding, RequestResult, panel_key};
+use kt830::machine::{Consequence, ControlState, Machine, MachineFinding, OFF_IN_SAFE_STATE, RequestResult, panel_key};
 use kt830::units::{Micros, PerAxis};
 
 const TICK: Micros = Micros(1_000);
@@ -61,6 +61,14 @@ const ALL_OFF_IN_AN_EMERGENCY: &[Output] = &[
     Output::OscillationForward,
     Output::OscillationBackward,
 ];
+
+/// A panic or a lost screen leads to the same outputs as the emergency stop; beside them the lathe's.
+#[test]
+fn k3_the_safe_state_switches_off_what_the_emergency_stop_does() {
+    let of_lathe = [Output::SpindleForward, Output::SpindleReverse, Output::TurretForward, Output::TurretReverse];
+    let wanted: Vec<Output> = ALL_OFF_IN_AN_EMERGENCY.iter().copied().chain(of_lathe).collect();
+    assert_eq!(OFF_IN_SAFE_STATE, wanted);
+}
 
 /// What the search may leave out, to see whether it notices.
 #[derive(Clone, Copy, Default)]

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use kt830::geometry::{CompensatedSegment, Gouge, GougeCause, PlanePoint, PlaneSegment, Side, compensate};
+use kt830::geometry::{CompensatedSegment, CompensationSide, Gouge, GougeCause, PlanePoint, PlaneSegment, compensate};
 use proptest::prelude::*;
 
 /// Points looked at on each segment of the cutter's path.
@@ -43,7 +43,11 @@ fn distance_to(segment: &PlaneSegment, p: PlanePoint) -> f64 {
     }
 }
 
-fn compensated(contour: &[PlaneSegment], side: Side, radius: f64) -> Result<Vec<CompensatedSegment>, Gouge> {
+fn compensated(
+    contour: &[PlaneSegment],
+    side: CompensationSide,
+    radius: f64,
+) -> Result<Vec<CompensatedSegment>, Gouge> {
     let mut path = Vec::new();
     compensate(contour, side, radius, &mut path).map(|()| path)
 }
@@ -57,7 +61,7 @@ fn polyline(points: &[PlanePoint]) -> Vec<PlaneSegment> {
 }
 
 /// What must hold for every path: connected, square to the ends, nowhere nearer than the radius, everywhere at it.
-fn check(contour: &[PlaneSegment], side: Side, radius: f64, path: &[CompensatedSegment]) {
+fn check(contour: &[PlaneSegment], side: CompensationSide, radius: f64, path: &[CompensatedSegment]) {
     for pair in path.windows(2) {
         let gap = distance(pair[0].path.at(1.0), pair[1].path.at(0.0));
         assert!(gap < ROUNDING_MM, "a gap of {gap} mm after {pair:?}");
@@ -74,7 +78,7 @@ fn check(contour: &[PlaneSegment], side: Side, radius: f64, path: &[CompensatedS
         let (last, end) = (contour[contour.len() - 1], path[path.len() - 1].path);
         (last.at(1.0), last.direction(1.0), end.at(1.0))
     }];
-    let left = if side == Side::Left { radius } else { -radius };
+    let left = if side == CompensationSide::Left { radius } else { -radius };
     for (at, direction, found) in ends {
         let wanted = [at[0] - direction[1] * left, at[1] + direction[0] * left];
         assert!(distance(wanted, found) < ROUNDING_MM, "{found:?}, not {wanted:?}");
@@ -84,9 +88,9 @@ fn check(contour: &[PlaneSegment], side: Side, radius: f64, path: &[CompensatedS
 #[test]
 fn g41_of_a_line_is_on_its_left_and_g42_on_its_right() {
     let contour = polyline(&[[0.0, 0.0], [10.0, 0.0]]);
-    let path = compensated(&contour, Side::Left, 2.0).unwrap();
+    let path = compensated(&contour, CompensationSide::Left, 2.0).unwrap();
     assert_eq!(path[0].path, PlaneSegment::line([0.0, 2.0], [10.0, 2.0]));
-    let path = compensated(&contour, Side::Right, 2.0).unwrap();
+    let path = compensated(&contour, CompensationSide::Right, 2.0).unwrap();
     assert_eq!(path[0].path, PlaneSegment::line([0.0, -2.0], [10.0, -2.0]));
 }
 
@@ -94,8 +98,8 @@ fn g41_of_a_line_is_on_its_left_and_g42_on_its_right() {
 #[test]
 fn g42_rolls_around_outer_corners() {
     let square = polyline(&[[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0], [0.0, 0.0]]);
-    let path = compensated(&square, Side::Right, 2.0).unwrap();
-    check(&square, Side::Right, 2.0, &path);
+    let path = compensated(&square, CompensationSide::Right, 2.0).unwrap();
+    check(&square, CompensationSide::Right, 2.0, &path);
     assert_eq!(path.len(), 7);
     assert!((length(&path) - (40.0 + 3.0 * FRAC_PI_2 * 2.0)).abs() < 1e-9);
 }
@@ -105,11 +109,11 @@ fn g42_rolls_around_outer_corners() {
 #[test]
 fn g41_ends_at_the_crossing_in_an_inner_corner() {
     let square = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0], [0.0, 0.0]];
-    let refused = compensated(&polyline(&square), Side::Left, 2.0).unwrap_err();
+    let refused = compensated(&polyline(&square), CompensationSide::Left, 2.0).unwrap_err();
     assert_eq!(refused, Gouge { segment: 0, other: 3, cause: GougeCause::Interference });
     let open = polyline(&square[..4]);
-    let path = compensated(&open, Side::Left, 2.0).unwrap();
-    check(&open, Side::Left, 2.0, &path);
+    let path = compensated(&open, CompensationSide::Left, 2.0).unwrap();
+    check(&open, CompensationSide::Left, 2.0, &path);
     assert!((length(&path) - 22.0).abs() < 1e-9);
 }
 
@@ -122,13 +126,13 @@ fn a_hollow_arc_must_be_greater_than_the_cutter() {
             PlaneSegment::line([radius, 0.0], [10.0, 0.0]),
         ]
     };
-    let path = compensated(&hollow(3.0), Side::Left, 2.0).unwrap();
-    check(&hollow(3.0), Side::Left, 2.0, &path);
-    let refused = compensated(&hollow(2.0), Side::Left, 2.0).unwrap_err();
+    let path = compensated(&hollow(3.0), CompensationSide::Left, 2.0).unwrap();
+    check(&hollow(3.0), CompensationSide::Left, 2.0, &path);
+    let refused = compensated(&hollow(2.0), CompensationSide::Left, 2.0).unwrap_err();
     assert_eq!(refused, Gouge { segment: 1, other: 1, cause: GougeCause::ArcTooSmall });
     // From the other side it is a hump, whose corners are hollow and 90°.
-    let path = compensated(&hollow(2.0), Side::Right, 2.0).unwrap();
-    check(&hollow(2.0), Side::Right, 2.0, &path);
+    let path = compensated(&hollow(2.0), CompensationSide::Right, 2.0).unwrap();
+    check(&hollow(2.0), CompensationSide::Right, 2.0, &path);
 }
 
 /// A wall of 1 mm after a hollow corner is too short for a cutter of 2 mm, which stands 2 mm above the floor; so is the
@@ -136,13 +140,13 @@ fn a_hollow_arc_must_be_greater_than_the_cutter() {
 #[test]
 fn what_the_cutter_cannot_reach_is_refused_with_its_segments() {
     let step = polyline(&[[0.0, 0.0], [10.0, 0.0], [10.0, 1.0], [9.0, 1.0], [9.0, 10.0]]);
-    let refused = compensated(&step, Side::Left, 2.0).unwrap_err();
+    let refused = compensated(&step, CompensationSide::Left, 2.0).unwrap_err();
     assert_eq!(refused, Gouge { segment: 0, other: 1, cause: GougeCause::SegmentTooShort });
     let groove = polyline(&[[0.0, 0.0], [10.0, 0.0], [10.0, -8.0], [13.0, -8.0], [13.0, 0.0], [20.0, 0.0]]);
-    let refused = compensated(&groove, Side::Left, 2.0).unwrap_err();
+    let refused = compensated(&groove, CompensationSide::Left, 2.0).unwrap_err();
     assert_eq!(refused, Gouge { segment: 2, other: 3, cause: GougeCause::SegmentTooShort });
-    let path = compensated(&groove, Side::Left, 1.499).unwrap();
-    check(&groove, Side::Left, 1.499, &path);
+    let path = compensated(&groove, CompensationSide::Left, 1.499).unwrap();
+    check(&groove, CompensationSide::Left, 1.499, &path);
 }
 
 /// The neck of a bottle: no corner is too small, but its walls are nearer to each other than the cutter is wide.
@@ -160,16 +164,16 @@ fn a_segment_that_is_no_neighbour_is_not_cut() {
         [1.5, 20.0],
         [20.0, 20.0],
     ]);
-    let refused = compensated(&bottle, Side::Left, 2.0).unwrap_err();
+    let refused = compensated(&bottle, CompensationSide::Left, 2.0).unwrap_err();
     assert_eq!(refused.cause, GougeCause::Interference);
-    let path = compensated(&bottle, Side::Left, 1.4).unwrap();
-    check(&bottle, Side::Left, 1.4, &path);
+    let path = compensated(&bottle, CompensationSide::Left, 1.4).unwrap();
+    check(&bottle, CompensationSide::Left, 1.4, &path);
 }
 
 #[test]
 fn a_full_circle_stays_a_full_circle() {
     let circle = [PlaneSegment::arc([5.0, 0.0], [5.0, 0.0], [0.0, 0.0], false)];
-    for (side, radius) in [(Side::Left, 7.0), (Side::Right, 3.0)] {
+    for (side, radius) in [(CompensationSide::Left, 7.0), (CompensationSide::Right, 3.0)] {
         let path = compensated(&circle, side, 2.0).unwrap();
         check(&circle, side, 2.0, &path);
         assert!((length(&path) - TAU * radius).abs() < 1e-9);
@@ -180,7 +184,7 @@ fn a_full_circle_stays_a_full_circle() {
 #[test]
 fn a_reversal_is_rounded() {
     let spike = polyline(&[[0.0, 0.0], [10.0, 0.0], [0.0, 0.0]]);
-    for side in [Side::Left, Side::Right] {
+    for side in [CompensationSide::Left, CompensationSide::Right] {
         let path = compensated(&spike, side, 2.0).unwrap();
         check(&spike, side, 2.0, &path);
         assert!((length(&path) - (20.0 + PI * 2.0)).abs() < 1e-9);
@@ -220,8 +224,8 @@ fn reversed(contour: &[PlaneSegment]) -> Vec<PlaneSegment> {
     contour.iter().rev().map(|segment| segment.part(1.0, 0.0)).collect()
 }
 
-fn any_side() -> impl Strategy<Value = Side> {
-    prop_oneof![Just(Side::Left), Just(Side::Right)]
+fn any_side() -> impl Strategy<Value = CompensationSide> {
+    prop_oneof![Just(CompensationSide::Left), Just(CompensationSide::Right)]
 }
 
 proptest! {
@@ -235,7 +239,7 @@ proptest! {
         radius in 0.01..3.0_f64,
     ) {
         let contour = contour_of(&steps);
-        let back = if side == Side::Left { Side::Right } else { Side::Left };
+        let back = if side == CompensationSide::Left { CompensationSide::Right } else { CompensationSide::Left };
         let other_way = compensated(&reversed(&contour), back, radius);
         match compensated(&contour, side, radius) {
             Ok(path) => {
