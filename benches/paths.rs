@@ -1,8 +1,11 @@
-//! Runs the benchmark paths and compares their time with the optimum; then runs ten thousand short moves.
+//! Runs ten thousand short moves, then random contours and the benchmark paths, and compares their time with the optimum.
 //!
+//! The random contours are those of `contours/`. `KT830_WRITE_CONTOURS=DIR` writes them for the solver instead.
 //! Reads every `*.json` in the folder named by `KT830_BENCH_PATHS`; prints name, seconds and the ratio to the
 //! jerk-limited optimum. Fails if a limit or the tolerance is exceeded in any tick, or if a path `a…` exceeds 1.20.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
+
+mod contours;
 
 use kt830::motion::{AxisLimits, CornerMode, MotionLimits, MotionSpeed, Move, MoveShape, Override, TrajectoryPlanner};
 use kt830::units::{MachinePos, PerAxis};
@@ -145,18 +148,67 @@ fn many_moves() {
     );
 }
 
+/// The fastest times that are known, s, by name.
+fn optima() -> Value {
+    serde_json::from_str(include_str!("contours/optima.json")).unwrap()
+}
+
+/// Runs the random contours whose fastest time is known; prints median and worst ratio per class and tolerance, for the
+/// contours at hand and for those held out. Returns whether every limit was kept.
+fn random_contours() -> bool {
+    let optima = optima();
+    let (mut kept_all, mut ratios) = (true, std::collections::BTreeMap::<(usize, u32, bool), Vec<f64>>::new());
+    let (mut known, mut count) = (0, 0);
+    for (class, seed, mut contour) in contours::all() {
+        count += 1;
+        let name = contour["name"].as_str().unwrap_or_default().to_owned();
+        let Some(least) = optima[&name].as_f64() else {
+            println!("{name}: the solver found no time");
+            continue;
+        };
+        known += 1;
+        contour["seconds"]["jerk_limited_optimum"] = least.into();
+        let (seconds, ratio, kept) = run(&contour, &mut Vec::new(), false);
+        if std::env::var_os("KT830_BENCH_VERBOSE").is_some() || !kept {
+            println!("{name} {seconds:.3} of {least:.3}{}", if kept { "" } else { " EXCEEDED" });
+        }
+        kept_all &= kept;
+        let tolerance_um = (contour["limits"]["tol"].as_f64().unwrap_or_default() * 1e3).round() as u32;
+        ratios.entry((class, tolerance_um, seed % 2 == 1)).or_default().extend(ratio);
+    }
+    for ((class, tolerance_um, is_held), mut ratios) in ratios {
+        ratios.sort_by(f64::total_cmp);
+        let (median, worst) = (ratios[ratios.len() / 2], ratios[ratios.len() - 1]);
+        let (class, held) = (contours::CLASSES[class].0, if is_held { "held" } else { "    " });
+        println!(
+            "{class:8} {tolerance_um:2} µm {held} {:2} contours: median {median:.3} worst {worst:.3}",
+            ratios.len()
+        );
+    }
+    println!("{known} of {count} contours");
+    kept_all && known > 0
+}
+
 fn main() {
+    if let Some(folder) = std::env::var_os("KT830_WRITE_CONTOURS") {
+        for (_, _, contour) in contours::all() {
+            let file = format!("{}.json", contour["name"].as_str().unwrap_or_default());
+            std::fs::write(std::path::Path::new(&folder).join(file), contour.to_string()).unwrap();
+        }
+        return;
+    }
     many_moves();
+    let kept = random_contours();
     let folder = std::env::var("KT830_BENCH_PATHS")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/bench").to_owned());
     let Ok(listing) = std::fs::read_dir(&folder) else {
-        println!("no folder {folder}: nothing measured");
-        return;
+        println!("no folder {folder}: its paths are not measured");
+        std::process::exit(i32::from(!kept));
     };
     let mut files: Vec<_> = listing.flatten().map(|entry| entry.path()).collect();
     files.retain(|file| file.extension().is_some_and(|e| e == "json"));
     files.sort();
-    let mut good = true;
+    let mut good = kept;
     for file in files {
         let value: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
         let name = value["name"].as_str().unwrap_or("?").to_owned();

@@ -14,6 +14,9 @@ const JOINED_MM: f64 = 1e-6;
 /// The cutter may come nearer than its radius by this much, mm: rounding.
 const NEARER_MM: f64 = 1e-6;
 
+/// A turn this near to half a turn is a reversal, radians: rounding of directions.
+const REVERSAL: f64 = 1e-9;
+
 /// The side of the contour on which the cutter runs, seen in the direction of travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompensationSide {
@@ -56,17 +59,22 @@ pub struct Gouge {
 
 /// Writes the path of the cutter's centre beside a connected contour to `path`, whose content is replaced.
 ///
-/// `radius` in mm, positive. Segments without length are left out. The path begins and ends square to the ends of the contour. The work grows with the square of
-/// the number of segments: the caller hands in the part of a program that it looks ahead.
+/// `radius` in mm. Segments without length are left out. The path begins and ends square to the ends of the contour, so a
+/// closed contour must begin within a side, not in an inner corner. The caller hands in the whole contour from G41 to G40:
+/// the paths of its parts would not join. The work grows with the square of the number of segments.
 ///
 /// # Errors
 /// [`Gouge`] at the first place where the cutter does not fit; `path` is empty then.
+///
+/// # Panics
+/// When the radius is not positive and finite: a bug of the caller.
 pub fn compensate(
     contour: &[PlaneSegment],
     side: CompensationSide,
     radius: f64,
     path: &mut Vec<CompensatedSegment>,
 ) -> Result<(), Gouge> {
+    assert!(radius.is_finite() && radius > 0.0, "cutter radius {radius}");
     path.clear();
     let result = append_parallels(contour, side, radius, path).and_then(|()| check_distance(contour, radius, path));
     if result.is_err() {
@@ -91,7 +99,7 @@ fn append_parallels(
         {
             let [into, out_of] = [before.direction(1.0), segment.direction(0.0)];
             let turn = cross(into, out_of).atan2(into[0] * out_of[0] + into[1] * out_of[1]);
-            if turn * to_the_left > 0.0 && turn.abs() < PI {
+            if turn * to_the_left > 0.0 && turn.abs() < PI - REVERSAL {
                 let too_short = Gouge { segment: previous, other: source, cause: GougeCause::SegmentTooShort };
                 let (on_last, on_next) = inner_crossing(&last.path, &parallel).ok_or(too_short)?;
                 last.path = last.path.part(0.0, on_last);

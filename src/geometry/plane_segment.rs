@@ -7,6 +7,8 @@ pub type PlanePoint = [f64; 2];
 
 /// Fractions of a segment beyond its ends that still count as on it: rounding of coordinates up to 1 m.
 const FRACTION_TOLERANCE: f64 = 1e-9;
+/// The centre of an arc is moved by at most this, mm: four times what a program that rounds to 5 µm needs for a quarter.
+pub const MAX_CENTER_SHIFT_MM: f64 = 0.02;
 /// A length below this is none, mm.
 pub(super) const MIN_LENGTH_MM: f64 = 1e-9;
 
@@ -76,15 +78,20 @@ impl PlaneSegment {
         Self::Line { from, to }
     }
 
-    /// An arc between two points; from a point to itself it is a full circle. A centre that is nearer to one end, as a
-    /// program rounds it, is moved to the nearest point at equal distance from both.
+    /// An arc between two points; from a point to itself it is a full circle.
+    ///
+    /// A centre that is nearer to one end, as a program rounds it, is moved so that the arc meets both ends. None if it
+    /// would move by more than [`MAX_CENTER_SHIFT_MM`]: wrong, or an arc that is nearly a full circle.
     #[must_use]
-    pub fn arc(from: PlanePoint, to: PlanePoint, center: PlanePoint, is_ccw: bool) -> Self {
+    pub fn arc(from: PlanePoint, to: PlanePoint, center: PlanePoint, is_ccw: bool) -> Option<Self> {
         let chord = minus(to, from);
         let square = dot(chord, chord);
         let is_full = square <= MIN_LENGTH_MM * MIN_LENGTH_MM;
         let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
         let beside = if is_full { 0.0 } else { dot(minus(center, middle), chord) / square };
+        if beside.abs() * square.sqrt() > MAX_CENTER_SHIFT_MM {
+            return None;
+        }
         let center = along(center, chord, -beside);
         let angle = |point: PlanePoint| (point[1] - center[1]).atan2(point[0] - center[0]);
         let ccw = (angle(to) - angle(from)).rem_euclid(TAU);
@@ -94,7 +101,7 @@ impl PlaneSegment {
             (true, false) => ccw,
             (false, false) => ccw - TAU,
         };
-        Self::Arc { center, radius: distance(from, center), start: angle(from), sweep }
+        Some(Self::Arc { center, radius: distance(from, center), start: angle(from), sweep })
     }
 
     /// The point at a fraction, 0 to 1, of the length.
@@ -180,6 +187,9 @@ impl PlaneSegment {
     #[must_use]
     pub fn distance_to(&self, point: PlanePoint) -> f64 {
         let of_ends = distance(point, self.at(0.0)).min(distance(point, self.at(1.0)));
+        if self.length() <= MIN_LENGTH_MM {
+            return of_ends;
+        }
         match *self {
             Self::Line { from, .. } => match self.fraction_of(point) {
                 Some(_) => cross(self.direction(0.0), minus(point, from)).abs(),
@@ -225,6 +235,9 @@ impl PlaneSegment {
     /// Fractions of this and of the other segment at which they cross or touch.
     #[must_use]
     pub fn crossings(&self, other: &Self) -> [Option<(f64, f64)>; 2] {
+        if self.length().min(other.length()) <= MIN_LENGTH_MM {
+            return [None; 2];
+        }
         let points = match (self, other) {
             (Self::Line { from, .. }, Self::Line { .. }) => {
                 let (a, b) = (self.direction(0.0), other.direction(0.0));

@@ -1,4 +1,4 @@
-//! Look-ahead window: up to about a second and a half of a run as one smooth curve, from any state of motion to rest.
+//! Look-ahead window: up to about 1.4 s of a run as one smooth curve, from any state of motion to rest.
 //!
 //! Plans one window in slices of counted work: a first timing along the contour, smoothing inside the tolerance band,
 //! the fastest speed along the curve, smoothing and speed again with the better timing, and a check of every set-point
@@ -120,7 +120,7 @@ pub struct WindowStart {
     pub is_urgent: bool,
 }
 
-/// How far the curve exceeds tolerance (`off`) and axis bounds (`room`) in an interval, mm.
+/// How far the curve exceeds tolerance and axis bounds in an interval, mm.
 #[derive(Clone, Copy, Debug, Default)]
 struct IntervalExcess {
     deviation: f64,
@@ -161,6 +161,7 @@ pub struct LookaheadWindow {
     cursor: usize,
     history: SetpointHistory,
     worst_ratio: f64,
+    /// The interval of the newest of the set-points with that ratio.
     worst_interval: usize,
     /// Share of the slack at a start in motion that is used.
     lead_slack_share: f64,
@@ -357,11 +358,16 @@ impl LookaheadWindow {
             None if self.start.point.is_in_motion() => &[1.0; 2],
             None => &[],
         };
-        // A handover this far on the previous curve is past its own slack: the limits need not be wider.
-        let fresh = self.start.lead_end.is_some() && from >= LEAD_KNOTS;
-        let slack = if fresh { 1.0 } else { 1.0 + (LEAD_SLACK - 1.0) * self.lead_slack_share };
+        let slack = if self.has_lead_slack() { 1.0 + (LEAD_SLACK - 1.0) * self.lead_slack_share } else { 1.0 };
         self.speed.begin(limits, given, slack * (self.previous.share / share).max(1.0), round < LAST_ROUND);
         self.phase = WindowPhase::Speed { round };
+    }
+
+    /// Whether the limits are wider at the start. A handover far on the previous curve is past its own slack: the limits
+    /// need not be wider.
+    fn has_lead_slack(&self) -> bool {
+        let is_far = self.start.lead_end.is_some() && self.start.point.curve_position.interval >= LEAD_KNOTS;
+        self.start.point.is_in_motion() && !is_far
     }
 
     fn after_speed(&mut self, round: usize) {

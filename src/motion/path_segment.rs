@@ -150,6 +150,15 @@ impl PathSegment {
         }
     }
 
+    /// Greatest curvature, 1/mm; 0 of a line.
+    #[must_use]
+    pub fn curvature(&self) -> f64 {
+        match self.form {
+            SegmentForm::Line => 0.0,
+            SegmentForm::Arc { radius, .. } => 1.0 / radius[0].min(radius[1]).max(MIN_LENGTH_MM),
+        }
+    }
+
     /// Unit direction vectors at the start and at the end.
     #[must_use]
     pub const fn directions(&self) -> [[f64; 3]; 2] {

@@ -8,6 +8,7 @@ mod handover;
 
 use super::blending::{Continuation, continuation};
 use super::lookahead_window::{LookaheadWindow, MAX_PLAN_TICKS, MAX_WINDOW_MOVES, PlanPoint};
+use super::path_segment::distance;
 use super::point_to_point::PointToPointMove;
 use super::queued_move::{MAX_QUEUED_MOVES, MoveQueue, QueuedMove};
 use super::setpoint_buffer::{BUFFER_CAPACITY, BufferPosition, NominalSetpoint, SetpointBuffer};
@@ -315,7 +316,7 @@ impl SetpointPlanner {
             {
                 self.planned_override = request.feed_override;
                 self.slow_run.begin(queued, &self.limits);
-                // The jerk at the end of what came before is no longer in the differences.
+                // The third differences must not reach back to the end of the move before.
                 append_rest(buffer);
                 return true;
             }
@@ -343,8 +344,10 @@ const MIN_HORIZON_FRACTION: f64 = 0.2;
 /// Appends two set-points at rest, so that no third difference spans both the old and the new motion: the check of
 /// a plan from rest covers only the plan itself.
 fn append_rest(buffer: &mut SetpointBuffer) {
-    for _ in 0..2 {
-        let last = buffer.last();
+    let last = buffer.last();
+    let is_same = |back: &u64| distance(buffer.setpoint(buffer.end() - 1 - back).position, last.position) <= 0.0;
+    let repeats = (1..=2).take_while(is_same).count();
+    for _ in repeats..2 {
         buffer.push(last);
     }
 }

@@ -266,7 +266,7 @@ impl ToleranceBand {
         distance(self.moves[segment].segment.nearest(point, 0.0, f64::INFINITY).1, point)
     }
 
-    /// The nearest point of one move; `off` is still squared.
+    /// The nearest point of one move; its deviation is still squared.
     fn on_segment(&self, point: [f64; 3], low: f64, high: f64, segment: usize) -> NearestPoint {
         let start = self.starts[segment];
         let (along, on) = self.moves[segment].segment.nearest(point, low - start, high - start);

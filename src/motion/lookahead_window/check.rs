@@ -2,7 +2,7 @@
 //!
 //! Compares velocity, acceleration and jerk (as differences), the distance to the contour and the bounds of each axis.
 //! If the curve leaves the tolerance band, the band is narrowed there. If a limit is exceeded, the share of the limits
-//! is lowered.
+//! is lowered, or the slack where it was exceeded by the slack at a start in motion.
 
 use super::super::feed_scaling::SetpointHistory;
 use super::super::path_segment::distance;
@@ -16,9 +16,9 @@ use super::{
 };
 use crate::units::WorkBudget;
 
-/// Between two checked points the deviation may rise to this share of the tolerance.
-const BETWEEN_SHARE: f64 = 0.995;
-/// Maximum number of times that the part between two checked points is halved.
+/// Share of the tolerance up to which the deviation may rise between two checked points.
+const BETWEEN_SHARE: f64 = 0.986;
+/// Maximum number of times that the part between two checked points is halved: at 100 mm/s a 64th of a tick is 1.6 µm.
 const MAX_HALVINGS: u32 = 6;
 /// Minimum width of a narrowed band, as a share of the tolerance.
 const MIN_BAND_SHARE: f64 = 0.02;
@@ -27,14 +27,17 @@ const REPAIR_SPARE: f64 = 0.03;
 const REPAIR_FACTOR: f64 = 1.6;
 /// Maximum overshoot of an axis beyond its reversal point, mm: rounding, below a thousandth of the finest increment.
 const MAX_OVERSHOOT_MM: f64 = 5e-7;
-/// Tolerance share and overshoot (mm) allowed on the part taken over from the previous plan: slightly more than that
-/// plan was allowed, so that this part never fails.
-const LEAD_TOLERANCE_SHARE: f64 = 0.987;
+/// Shares of the tolerance and overshoot (mm) on the part taken over from the previous plan: more than that plan was
+/// allowed, because its set-points fall on other places of the same curve.
+const LEAD_SHARES: (f64, f64) = (0.99, 0.995);
 const LEAD_MAX_OVERSHOOT_MM: f64 = 9e-7;
-/// Factor on the slack at a start in motion after each check that found a limit exceeded there.
+/// Factor on the slack at a start in motion after each check that found a limit exceeded there: from 1.6 % it leaves
+/// 0.6, 0.3 and 0.1 %, the last of which the share of the limits covers.
 const LEAD_SLACK_STEP: f64 = 0.4;
 /// Work units of one checked point, and of one set-point without its checked points.
 const COST_CHECK_POINT: usize = 100;
+/// Work units of the distances from two moves: a checked point looks at seven or more.
+const COST_TWO_MOVES: usize = 30;
 const COST_CHECK_SETPOINT: usize = 300;
 
 /// A checked point of an interval between two knots or set-points.
@@ -52,6 +55,11 @@ pub(super) struct CheckedPoint {
 fn bend(p: &SetpointHistory) -> f64 {
     let at = |k: usize| distance(per_coordinate(|x| p[k - 1][x] + p[k + 1][x] - 2.0 * p[k][x]), [0.0; 3]);
     at(1).max(at(2))
+}
+
+/// Upper bound of the first derivative in an interval of a spline, mm.
+fn longest_step(p: &SetpointHistory) -> f64 {
+    distance(p[0], p[1]).max(distance(p[1], p[2])).max(distance(p[2], p[3]))
 }
 
 impl LookaheadWindow {
@@ -75,7 +83,7 @@ impl LookaheadWindow {
             let k = self.cursor;
             self.cursor += 1;
             let p = [0, 1, 2, 3].map(|i| self.smoother.points[k + i]);
-            self.last_check = self.check_point(k, &p, 0.0, self.share_at(k), budget);
+            self.last_check = self.check_point(k, &p, 0.0, self.shares_at(k).0, budget);
             for quarter in 0..4 {
                 let from = f64::from(quarter) / 4.0;
                 let along = self.smoother.knots[k + 1].near.0;
@@ -88,15 +96,16 @@ impl LookaheadWindow {
 
     /// Checks interval `k` from the last checked point up to fraction `to`.
     fn check_up_to(&mut self, k: usize, p: &SetpointHistory, to: f64, budget: &mut WorkBudget) {
-        let end = self.check_point(k, p, to, self.share_at(k), budget);
+        let end = self.check_point(k, p, to, self.shares_at(k).0, budget);
         let start = std::mem::replace(&mut self.last_check, end);
         self.check_between(k, p, [start, end], MAX_HALVINGS, budget);
     }
 
-    /// Checks interval `k` between two checked points: halves the part until the deviation is known to be allowed.
+    /// Checks interval `k` between two checked points: halves the part until it is known whether the deviation is allowed.
     ///
     /// The distance to a straight move is convex: between two points it exceeds that of the points by no more than the
-    /// height of the curve over its chord. Where the nearest move changes, this holds for either move.
+    /// height of the curve over its chord. To an arc it exceeds them by the height of the arc over that chord, too. Where
+    /// the nearest move changes, this holds for either move.
     fn check_between(
         &mut self,
         k: usize,
@@ -106,27 +115,46 @@ impl LookaheadWindow {
         budget: &mut WorkBudget,
     ) {
         let [start, end] = ends;
-        let tolerance = self.band.moves[start.segment].tolerance.min(self.band.moves[end.segment].tolerance);
-        let span = end.fraction - start.fraction;
+        let moves = [start, end].map(|point| &self.band.moves[point.segment]);
+        let tolerance = moves[0].tolerance.min(moves[1].tolerance);
+        let share = self.shares_at(k).1;
+        if start.deviation.max(end.deviation) > share * tolerance {
+            // The point has been found outside already.
+            return;
+        }
         let mut highest = start.deviation.max(end.deviation);
         if start.segment != end.segment {
+            budget.spend(COST_TWO_MOVES);
             let of_first = self.band.deviation_from(start.segment, end.at).max(start.deviation);
             highest = self.band.deviation_from(end.segment, start.at).max(end.deviation).min(of_first);
         }
-        highest += bend(p) * span * span / 8.0;
-        if highest <= BETWEEN_SHARE * tolerance || halvings == 0 {
+        let curvature = moves.map(|piece| piece.segment.curvature()).into_iter().fold(0.0, f64::max);
+        let span = end.fraction - start.fraction;
+        highest += (bend(p) + longest_step(p).powi(2) * curvature) * span * span / 8.0;
+        if highest <= share * tolerance {
+            return;
+        }
+        if halvings == 0 {
+            self.record_deviation(k, highest - tolerance);
             return;
         }
         let fraction = f64::midpoint(start.fraction, end.fraction);
-        let middle = self.check_point(k, p, fraction, BETWEEN_SHARE, budget);
+        let middle = self.check_point(k, p, fraction, share, budget);
         self.check_between(k, p, [start, middle], halvings - 1, budget);
         self.check_between(k, p, [middle, end], halvings - 1, budget);
     }
 
-    /// Share of the tolerance that the curve may use at the checked points of interval `k`.
-    fn share_at(&self, k: usize) -> f64 {
+    /// Shares of the tolerance that the curve may use in interval `k`: at regularly checked points, and between them.
+    fn shares_at(&self, k: usize) -> (f64, f64) {
         let joined = k < self.smoother.lead && self.start.point.is_in_motion();
-        if joined { LEAD_TOLERANCE_SHARE } else { TOLERANCE_SHARE }
+        if joined { LEAD_SHARES } else { (TOLERANCE_SHARE, BETWEEN_SHARE) }
+    }
+
+    fn record_deviation(&mut self, k: usize, over: f64) {
+        if over > 0.0 {
+            self.is_outside = true;
+            self.excess[k].deviation = self.excess[k].deviation.max(over);
+        }
     }
 
     /// Checks one point of interval `k` against a share of the tolerance.
@@ -146,11 +174,7 @@ impl LookaheadWindow {
         let low = if k == 0 { 0.0 } else { knots[k].near.0.min(along[k - 1]) };
         let high = if k + 4 > last { self.band.end } else { knots[k + 3].near.0.max(along[k + 4]) };
         let near = self.band.nearest(at, low, high, knots[k + 1].near.1);
-        let over = near.deviation - share * self.band.moves[near.segment].tolerance;
-        if over > 0.0 {
-            self.is_outside = true;
-            self.excess[k].deviation = self.excess[k].deviation.max(over);
-        }
+        self.record_deviation(k, near.deviation - share * self.band.moves[near.segment].tolerance);
         CheckedPoint { fraction, at, deviation: near.deviation, segment: near.segment }
     }
 
@@ -225,7 +249,7 @@ impl LookaheadWindow {
             let past = self.history;
             self.last_check.fraction = 0.0;
             if self.plan.len() == 1 {
-                self.last_check = self.check_point(k, &past, 0.0, self.share_at(k), budget);
+                self.last_check = self.check_point(k, &past, 0.0, self.shares_at(k).0, budget);
             }
             self.check_up_to(k, &past, 1.0, budget);
             if over {
@@ -262,7 +286,7 @@ impl LookaheadWindow {
             self.phase = WindowPhase::Failed;
         } else if self.worst_ratio > 1.0 {
             self.slowdowns += 1;
-            if self.start.point.is_in_motion() && self.worst_interval < LEAD_KNOTS {
+            if self.has_lead_slack() && self.worst_interval < LEAD_KNOTS {
                 self.lead_slack_share *= LEAD_SLACK_STEP;
             } else {
                 self.share *= (1.0 / self.worst_ratio).max(0.9) * 0.998;
