@@ -288,7 +288,7 @@ fn any_side() -> impl Strategy<Value = CompensationSide> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
 
     /// Any contour, crossing itself or not: a path that is given out never gouges; reversed, the same path is found.
     #[test]
