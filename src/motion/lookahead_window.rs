@@ -2,36 +2,39 @@
 //!
 //! Plans one window in slices of counted work: a first timing along the contour, smoothing inside the tolerance band,
 //! the fastest speed along the curve, smoothing and speed again with the better timing, and a check of every set-point
-//! against limits and tolerance. In motion, a window takes over control points and rate of the previous window up to
-//! where braking affects them: the path stays the same, and the speed can adapt to the path ahead. Knows nothing of
+//! against limits and tolerance. In motion, the first control points follow the previous plan in its own time, up to
+//! where braking affects it: that part keeps all limits already, and smoothing changes it little. Knows nothing of
 //! the queue and of which part of a plan is used. Each plan ends at rest, so its rest can always be followed if the
 //! next window is not ready.
 
 mod check;
 mod sampling;
+mod speed_estimate;
 mod timing;
 
 use super::MotionLimits;
 use super::feed_scaling::{DifferenceLimits, SetpointHistory};
 use super::smoother::{CurveSmoother, MAX_CONTROL_POINTS};
-use super::speed_optimizer::{KnotLimits, LEAD_KNOTS, SpeedOptimizer};
+use super::speed_optimizer::{KnotLimits, SpeedOptimizer};
 use super::tolerance_band::ToleranceBand;
 use crate::units::WorkBudget;
 use check::CheckedPoint;
+use speed_estimate::SpeedEstimate;
 
 /// Maximum number of moves in a window.
 pub const MAX_WINDOW_MOVES: usize = 320;
 /// Maximum number of set-points in a plan.
 pub const MAX_PLAN_TICKS: usize = 8_192;
-/// Knot spacing, s. A coarser spacing loses time in corners; a finer one gains none.
-pub const KNOT_SPACING_S: f64 = 0.004;
+/// Knot spacing as a share of the time of a rounding within the tolerance ([`rounding_time_s`]), and its range, s. With a
+/// coarser spacing corners lose time; a finer one needs more work.
+const KNOTS_SHARE: f64 = 0.33;
+const KNOT_SPACING_RANGE_S: (f64, f64) = (0.001_2, 0.016);
 /// Share of the tolerance used for smoothing; the rest is for deviations between knots and unfinished iterations.
 const TUBE_SHARE: f64 = 0.95;
 /// Share of the tolerance used for planning; the rest is for positions between set-points, used under an override.
 const TOLERANCE_SHARE: f64 = 0.98;
 /// Smoothing iterations of each round.
-const ROUND_ITERATIONS: [u32; 3] = [20, 0, 20];
-const ROUND_ITERATIONS_URGENT: [u32; 3] = [20, 0, 20];
+const ROUND_ITERATIONS: [u32; 2] = [20, 20];
 /// Factor on the knot spacing in the first round.
 const FIRST_SPACING_FACTOR: f64 = 1.4;
 const LAST_ROUND: usize = ROUND_ITERATIONS.len() - 1;
@@ -53,6 +56,7 @@ const JERK_SHARE: f64 = 0.98;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WindowPhase {
     Idle,
+    EstimateSpeed,
     PlacePoints,
     Smooth { round: usize, left: u32 },
     CheckCurve,
@@ -85,8 +89,6 @@ pub struct PlanPoint {
     pub along: f64,
     /// Index of the move it lies on; all earlier moves have ended.
     pub segment: usize,
-    /// Position on the curve.
-    pub curve_position: CurvePosition,
 }
 
 impl PlanPoint {
@@ -110,14 +112,15 @@ pub struct WindowStart {
     pub point: PlanPoint,
     /// The set-points up to the start, the newest last.
     pub history: SetpointHistory,
-    /// Last interval of the previous curve that is taken over; `None` at rest and where that curve already brakes.
-    pub lead_end: Option<usize>,
     /// Offset of distance (mm) and move index from the previous tolerance band to this one; subtracted.
     pub shift: (f64, usize),
     /// Share of every limit reserved for a change of rate, 0 to below 1.
     pub reserve: f64,
-    /// Whether early completion is more important than the fastest plan.
-    pub is_urgent: bool,
+}
+
+/// Time that a corner's rounding within a tolerance takes at a jerk, s: a bend over ±T deviates by jerk · T³ / 6.
+fn rounding_time_s(tolerance_mm: f64, jerk_mm_s3: f64) -> f64 {
+    (6.0 * tolerance_mm / jerk_mm_s3).cbrt()
 }
 
 /// How far the curve exceeds tolerance and axis bounds in an interval, mm.
@@ -125,16 +128,6 @@ pub struct WindowStart {
 struct IntervalExcess {
     deviation: f64,
     bounds: [(f64, f64); 3],
-}
-
-/// The curve of the plan in use.
-#[derive(Clone, Debug)]
-struct WindowCurve {
-    points: Vec<[f64; 3]>,
-    rate_square: Vec<f64>,
-    /// Distance along the contour and move index of each knot.
-    near: Vec<(f64, usize)>,
-    share: f64,
 }
 
 /// Planning of one window.
@@ -145,17 +138,18 @@ pub struct LookaheadWindow {
     /// The tolerance band; filled by the caller before `begin`.
     pub band: ToleranceBand,
     start: WindowStart,
-    previous: WindowCurve,
     smoother: CurveSmoother,
     speed: SpeedOptimizer,
     new_points: Vec<([f64; 3], f64)>,
-    corner_speeds: Vec<f64>,
+    estimate: SpeedEstimate,
+    /// Knot spacing of the present points and of the next, s.
     spacing_s: f64,
+    next_spacing_s: f64,
+    /// Share of the limits that this window is planned with, and the plan in use.
     share: f64,
+    adopted_share: f64,
     phase: WindowPhase,
     curve_position: CurvePosition,
-    /// Start of the first timing, mm along the contour.
-    first_from: f64,
     /// First timing: distance along the contour, mm. Retiming: time between new control points, in knot spacings.
     sum: f64,
     cursor: usize,
@@ -186,21 +180,16 @@ impl LookaheadWindow {
             steps: DifferenceLimits::from_limits(limits),
             band: ToleranceBand::with_capacity(MAX_WINDOW_MOVES),
             start: WindowStart::default(),
-            previous: WindowCurve {
-                points: Vec::with_capacity(MAX_CONTROL_POINTS),
-                rate_square: Vec::with_capacity(MAX_CONTROL_POINTS),
-                near: Vec::with_capacity(MAX_CONTROL_POINTS),
-                share: LIMIT_SHARE,
-            },
             smoother: CurveSmoother::new(),
             speed: SpeedOptimizer::new(),
             new_points: Vec::with_capacity(MAX_CONTROL_POINTS),
-            corner_speeds: Vec::with_capacity(MAX_WINDOW_MOVES + 1),
-            spacing_s: KNOT_SPACING_S,
+            estimate: SpeedEstimate::new(),
+            spacing_s: KNOT_SPACING_RANGE_S.1,
+            next_spacing_s: KNOT_SPACING_RANGE_S.1,
             share: LIMIT_SHARE,
+            adopted_share: LIMIT_SHARE,
             phase: WindowPhase::Idle,
             curve_position: CurvePosition::default(),
-            first_from: 0.0,
             sum: 0.0,
             cursor: 0,
             history: [[0.0; 3]; 4],
@@ -231,20 +220,25 @@ impl LookaheadWindow {
         self.steps = DifferenceLimits::from_limits(limits);
     }
 
-    /// Starts to plan inside the tolerance band, which must be filled and closed.
-    pub fn begin(&mut self, start: WindowStart, budget: &mut WorkBudget) {
+    /// Starts to plan inside the tolerance band, which must be filled and closed. In motion, `guide` is the previous plan
+    /// from the start on.
+    pub fn begin(&mut self, start: WindowStart, guide: &[PlanPoint]) {
         self.start = start;
         self.repairs = 0;
         self.slowdowns = 0;
         self.lead_slack_share = 1.0;
         self.share = LIMIT_SHARE * (1.0 - start.reserve);
         self.is_cut = false;
+        let tolerance = self.band.moves.iter().map(|piece| piece.tolerance).fold(f64::INFINITY, f64::min);
+        let jerk = self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(0.0, f64::max);
+        let rounding_s = rounding_time_s(tolerance, jerk);
+        self.next_spacing_s = (KNOTS_SHARE * rounding_s).max(KNOT_SPACING_RANGE_S.0).min(KNOT_SPACING_RANGE_S.1);
         self.spacing_s =
-            if start.point.is_in_motion() { KNOT_SPACING_S } else { KNOT_SPACING_S * FIRST_SPACING_FACTOR };
+            if start.point.is_in_motion() { self.next_spacing_s } else { self.next_spacing_s * FIRST_SPACING_FACTOR };
         self.begin_points();
-        self.guess_corners(budget);
-        self.begin_placing();
-        self.phase = WindowPhase::PlacePoints;
+        self.follow_guide(guide);
+        self.estimate.begin(&self.band, rounding_s);
+        self.phase = WindowPhase::EstimateSpeed;
     }
 
     /// Whether the plan is complete and valid.
@@ -262,13 +256,9 @@ impl LookaheadWindow {
         self.is_cut
     }
 
-    /// Keeps the curve of this plan: the next window starts on it.
-    pub fn adopt_curve(&mut self) {
-        std::mem::swap(&mut self.previous.points, &mut self.smoother.points);
-        std::mem::swap(&mut self.previous.rate_square, &mut self.speed.rate_square);
-        self.previous.near.clear();
-        self.previous.near.extend(self.smoother.knots.iter().map(|knot| knot.near));
-        self.previous.share = self.share;
+    /// The plan is used: the next window starts on it.
+    pub const fn adopt(&mut self) {
+        self.adopted_share = self.share;
     }
 
     /// Works on the plan until it is done or the budget is spent.
@@ -276,10 +266,15 @@ impl LookaheadWindow {
         while !budget.is_spent() {
             match self.phase {
                 WindowPhase::Idle | WindowPhase::Ready | WindowPhase::Failed => return,
+                WindowPhase::EstimateSpeed => {
+                    if self.estimate.work(&self.band, &self.limits, budget) {
+                        self.begin_placing();
+                        self.phase = WindowPhase::PlacePoints;
+                    }
+                }
                 WindowPhase::PlacePoints => {
                     if self.place_points(budget) {
-                        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE);
-                        self.phase = self.smoothing_round(0);
+                        self.begin_smoothing(0);
                     }
                 }
                 WindowPhase::Smooth { round: LAST_ROUND, left: 0 } => self.begin_curve_check(),
@@ -301,8 +296,7 @@ impl LookaheadWindow {
                 }
                 WindowPhase::Retime { round } => {
                     if self.retime(budget) {
-                        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE);
-                        self.phase = self.smoothing_round(round + 1);
+                        self.begin_smoothing(round + 1);
                     }
                 }
                 WindowPhase::CheckPlan => {
@@ -314,13 +308,10 @@ impl LookaheadWindow {
         }
     }
 
-    fn smoothing_round(&self, round: usize) -> WindowPhase {
-        if self.start.is_urgent || ROUND_ITERATIONS[1] == 0 {
-            let round = if round == 0 { 0 } else { LAST_ROUND };
-            let left = if self.start.is_urgent { ROUND_ITERATIONS_URGENT[round] } else { ROUND_ITERATIONS[round] };
-            return WindowPhase::Smooth { round, left };
-        }
-        WindowPhase::Smooth { round, left: ROUND_ITERATIONS[round] }
+    fn begin_smoothing(&mut self, round: usize) {
+        let jerk = self.limits.axes.map(|l| l.jerk_mm_s3 * self.spacing_s.powi(3) * self.share);
+        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE, jerk.0);
+        self.phase = WindowPhase::Smooth { round, left: ROUND_ITERATIONS[round] };
     }
 
     fn intervals(&self) -> usize {
@@ -352,22 +343,11 @@ impl LookaheadWindow {
         for knot in &self.smoother.knots[1..self.smoother.points.len() - 1] {
             self.speed.feed.push(self.band.moves[knot.near.1].feed * d);
         }
-        let from = self.start.point.curve_position.interval;
-        let given = match self.start.lead_end {
-            Some(_) => &self.previous.rate_square[from..from + self.smoother.lead - 1],
-            None if self.start.point.is_in_motion() => &[1.0; 2],
-            None => &[],
-        };
-        let slack = if self.has_lead_slack() { 1.0 + (LEAD_SLACK - 1.0) * self.lead_slack_share } else { 1.0 };
-        self.speed.begin(limits, given, slack * (self.previous.share / share).max(1.0), round < LAST_ROUND);
+        let in_motion = self.start.point.is_in_motion();
+        let slack = if in_motion { 1.0 + (LEAD_SLACK - 1.0) * self.lead_slack_share } else { 1.0 };
+        let slack = slack * (self.adopted_share / share).max(1.0);
+        self.speed.begin(limits, in_motion, slack, round < LAST_ROUND);
         self.phase = WindowPhase::Speed { round };
-    }
-
-    /// Whether the limits are wider at the start. A handover far on the previous curve is past its own slack: the limits
-    /// need not be wider.
-    fn has_lead_slack(&self) -> bool {
-        let is_far = self.start.lead_end.is_some() && self.start.point.curve_position.interval >= LEAD_KNOTS;
-        self.start.point.is_in_motion() && !is_far
     }
 
     fn after_speed(&mut self, round: usize) {

@@ -16,7 +16,7 @@ use super::slow_run::SlowRun;
 use super::tolerance_band::ToleranceBand;
 use super::{AxisLimits, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use crate::units::WorkBudget;
-use handover::{COST_POINT, WindowJob};
+use handover::{COST_PER_SECOND, WindowJob};
 
 /// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
 const LIMIT_SHARE: f64 = 0.999_99;
@@ -70,10 +70,10 @@ pub struct SetpointPlanner {
     planned_override: f64,
     window: LookaheadWindow,
     job: Option<WindowJob>,
-    /// Share of the horizon that is tried; halved when no valid plan was found.
+    /// Share of the horizon that is tried; halved when no valid plan from rest was found.
     horizon_fraction: f64,
-    /// Measured work units per control point.
-    cost_per_point: f64,
+    /// Measured work units per second of a window.
+    cost_per_second: f64,
     /// Queue length in the last tick, ticks without a change of it, and ticks that a run has waited to start.
     last_queue_length: usize,
     quiet_ticks: u32,
@@ -119,7 +119,7 @@ impl SetpointPlanner {
             window: LookaheadWindow::new(&limits),
             job: None,
             horizon_fraction: 1.0,
-            cost_per_point: COST_POINT,
+            cost_per_second: COST_PER_SECOND,
             last_queue_length: 0,
             quiet_ticks: 0,
             waited_ticks: 0,
@@ -148,7 +148,7 @@ impl SetpointPlanner {
         self.resting_point = None;
         self.cancel_window();
         self.horizon_fraction = 1.0;
-        self.cost_per_point = COST_POINT;
+        self.cost_per_second = COST_PER_SECOND;
     }
 
     /// The first move was removed from the queue.

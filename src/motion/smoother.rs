@@ -1,10 +1,10 @@
 //! Smoothing: the curve with minimum jerk within the tolerance band around a contour.
 //!
-//! Moves the control points of a uniform cubic B-spline over nominal time until the sum of the squares of their third
-//! differences is minimal while every knot lies in the band. A knot may move along the contour, so the smoothing also
-//! determines the timing. Knows nothing of velocity limits.
-//! Source: alternating directions (ADMM, Boyd et al. 2011): a banded least-squares step, whose matrix is constant and
-//! factored once, then a projection of each knot into the band. Every pass can be interrupted and resumed at any knot.
+//! Moves the control points of a uniform cubic B-spline over nominal time until the weighted sum of the squares of their
+//! third differences is minimal while every knot lies in the band. The weights grow with the jerk, so that its peaks fall. A
+//! knot may move along the contour, so the smoothing also determines the timing. Knows nothing of velocity limits.
+//! Source: alternating directions (ADMM, Boyd et al. 2011): a banded least-squares step, then a projection of each knot into
+//! the band; reweighted least squares towards the fourth power. Every pass can be interrupted and resumed at any knot.
 
 use super::per_coordinate;
 use super::tolerance_band::{AxisBounds, NearestPoint, ToleranceBand};
@@ -20,15 +20,24 @@ const RELAXATION: f64 = 1.7;
 pub const FIXED_POINTS: usize = 3;
 /// The bounds of a knot are narrowed by this share of the radius, so that an unfinished iteration stays inside.
 const BOUNDS_MARGIN: f64 = 0.01;
+/// Iterations between two computations of the weights, and their range.
+const ITERATIONS_PER_WEIGHING: u32 = 5;
+const WEIGHTS: (f64, f64) = (0.1, 100.0);
+/// Third difference of four control points.
+const THIRD_DIFFERENCE: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
+/// Entries of MᵀM by distance from the diagonal, where M gives the knots.
+const MEAN: [f64; 4] = [18.0 / 36.0, 8.0 / 36.0, 1.0 / 36.0, 0.0];
 /// Work units of one knot in each pass.
 const COST_BEGIN: usize = 60;
-const COST_FACTOR: usize = 30;
+const COST_WEIGH: usize = 20;
+const COST_FACTOR: usize = 60;
 const COST_SOLVE: usize = 16;
 const COST_PROJECT: usize = 50;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SmoothingPass {
     Begin,
+    Weigh,
     Factor,
     Forward,
     Back,
@@ -53,14 +62,17 @@ pub struct Knot {
 /// Control points and the state of the iteration.
 #[derive(Clone, Debug)]
 pub struct CurveSmoother {
-    /// Control points; the last three are fixed at the end point.
+    /// Control points; the first three are given, the last three are fixed at the end point.
     pub points: Vec<[f64; 3]>,
-    /// Number of given control points at the start: three at rest, in motion those taken over from the previous curve.
-    pub lead: usize,
     /// Distance of each knot along the contour by the timing, mm; smoothing may move a knot as far as its neighbours.
     pub along: Vec<f64>,
     /// The knots, one per control point; the first and the last are unused.
     pub knots: Vec<Knot>,
+    /// Weight of the third difference of each interval.
+    weights: Vec<f64>,
+    /// One over the third difference at the jerk limit of each axis, 1/mm.
+    inverse_jerk: [f64; 3],
+    iterations: u32,
     factor: Vec<[f64; 4]>,
     /// Right-hand side per knot in the least-squares step: its target minus its dual.
     attractors: Vec<[f64; 3]>,
@@ -68,7 +80,6 @@ pub struct CurveSmoother {
     pass: SmoothingPass,
     cursor: usize,
     share: f64,
-    factored_rows: usize,
 }
 
 /// Position of a knot from three control points.
@@ -81,25 +92,31 @@ impl CurveSmoother {
     pub fn new() -> Self {
         Self {
             points: Vec::with_capacity(MAX_CONTROL_POINTS),
-            lead: FIXED_POINTS,
             along: Vec::with_capacity(MAX_CONTROL_POINTS),
             knots: Vec::with_capacity(MAX_CONTROL_POINTS),
+            weights: Vec::with_capacity(MAX_CONTROL_POINTS),
+            inverse_jerk: [0.0; 3],
+            iterations: 0,
             factor: Vec::with_capacity(MAX_CONTROL_POINTS),
             attractors: Vec::with_capacity(MAX_CONTROL_POINTS),
             rhs: Vec::with_capacity(MAX_CONTROL_POINTS),
             pass: SmoothingPass::Begin,
             cursor: 0,
             share: 1.0,
-            factored_rows: 0,
         }
     }
 
-    /// Starts from the present control points; `along` must be set for each. `share`: share of every tolerance used.
-    pub fn begin(&mut self, share: f64) {
+    /// Starts from the present control points; `along` must be set for each. `share`: share of every tolerance used;
+    /// `jerk`: third difference at the jerk limit of each axis, mm.
+    pub fn begin(&mut self, share: f64, jerk: [f64; 3]) {
         self.share = share;
+        self.inverse_jerk = jerk.map(|j| 1.0 / j);
+        self.iterations = 0;
         self.pass = SmoothingPass::Begin;
         self.cursor = 0;
         self.knots.clear();
+        self.weights.clear();
+        self.weights.resize(self.points.len() - FIXED_POINTS, 1.0);
     }
 
     /// Works until one iteration is done; false if the work budget was spent before.
@@ -108,16 +125,18 @@ impl CurveSmoother {
             let n = self.points.len();
             let (end, cost) = match self.pass {
                 SmoothingPass::Begin => (n, COST_BEGIN),
-                SmoothingPass::Factor => (n, COST_FACTOR),
-                SmoothingPass::Forward | SmoothingPass::Back => (n - self.lead - FIXED_POINTS, COST_SOLVE),
+                SmoothingPass::Weigh => (self.weights.len(), COST_WEIGH),
+                SmoothingPass::Factor => (n - 2 * FIXED_POINTS, COST_FACTOR),
+                SmoothingPass::Forward | SmoothingPass::Back => (n - 2 * FIXED_POINTS, COST_SOLVE),
                 SmoothingPass::Project => (n - 1, COST_PROJECT),
             };
             let from = self.cursor;
             let until = budget.spend_on_slice(from, end, cost);
             match self.pass {
                 SmoothingPass::Begin => (from..until).for_each(|k| self.begin_knot(band, k)),
-                SmoothingPass::Factor => (from..until).for_each(|k| self.factor_row(k)),
-                SmoothingPass::Forward => (from..until).for_each(|k| self.forward(k + self.lead)),
+                SmoothingPass::Weigh => (from..until).for_each(|k| self.weigh(k)),
+                SmoothingPass::Factor => (from..until).for_each(|k| self.factor_row(k + FIXED_POINTS)),
+                SmoothingPass::Forward => (from..until).for_each(|k| self.forward(k + FIXED_POINTS)),
                 SmoothingPass::Back => (from..until).for_each(|k| self.back(n - FIXED_POINTS - 1 - k)),
                 SmoothingPass::Project => (from..until).for_each(|k| self.project(band, k)),
             }
@@ -126,13 +145,16 @@ impl CurveSmoother {
                 return false;
             }
             (self.pass, self.cursor) = match self.pass {
-                SmoothingPass::Begin => (SmoothingPass::Factor, 0),
+                SmoothingPass::Begin | SmoothingPass::Weigh => (SmoothingPass::Factor, 0),
                 SmoothingPass::Factor => (SmoothingPass::Forward, 0),
                 SmoothingPass::Forward => (SmoothingPass::Back, 0),
-                // The knots before `lead - 1` are given, like their control points.
-                SmoothingPass::Back => (SmoothingPass::Project, self.lead - 1),
+                // The knots before the last given control point are given, too.
+                SmoothingPass::Back => (SmoothingPass::Project, FIXED_POINTS - 1),
                 SmoothingPass::Project => {
-                    (self.pass, self.cursor) = (SmoothingPass::Forward, 0);
+                    self.iterations += 1;
+                    let is_due = self.iterations.is_multiple_of(ITERATIONS_PER_WEIGHING);
+                    self.pass = if is_due { SmoothingPass::Weigh } else { SmoothingPass::Forward };
+                    self.cursor = 0;
                     return true;
                 }
             };
@@ -167,26 +189,38 @@ impl CurveSmoother {
         }
     }
 
-    /// One row of the banded Cholesky factor of D3ᵀD3 + weight MᵀM over the free control points; the diagonal is stored
-    /// inverted. The rows do not depend on the number of control points.
+    /// The weight of an interval: the geometric mean of the last one and the square of its share of the jerk limit.
+    fn weigh(&mut self, k: usize) {
+        let p = &self.points[k..k + 4];
+        let third = |x: usize| p[3][x] - 3.0 * p[2][x] + 3.0 * p[1][x] - p[0][x];
+        let share = (0..3).map(|x| (third(x) * self.inverse_jerk[x]).abs()).fold(0.0, f64::max);
+        self.weights[k] = (self.weights[k] * (share * share).clamp(WEIGHTS.0, WEIGHTS.1)).sqrt();
+    }
+
+    /// Entry of the matrix D3ᵀWD3 + weight MᵀM.
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        let (low, high) = (row.min(column), row.max(column));
+        let last = self.weights.len() - 1;
+        let jerk = (high.saturating_sub(3)..=low.min(last))
+            .map(|k| self.weights[k] * THIRD_DIFFERENCE[high - k] * THIRD_DIFFERENCE[low - k]);
+        jerk.sum::<f64>() + BAND_WEIGHT * MEAN[high - low]
+    }
+
+    /// One row of the banded Cholesky factor over the free control points; the diagonal is stored inverted.
     fn factor_row(&mut self, row: usize) {
-        if row < FIXED_POINTS || row < self.factored_rows {
-            return;
-        }
         let mut line = [0.0; 4];
         for lag in (0..4_usize).rev() {
             if row < FIXED_POINTS + lag {
                 continue;
             }
             let column = row - lag;
-            let mut sum = band(lag);
+            let mut sum = self.entry(row, column);
             for (back, entry) in line.iter().enumerate().skip(lag + 1).filter(|(back, _)| row >= FIXED_POINTS + back) {
                 sum -= entry * if lag == 0 { *entry } else { self.factor[column][back - lag] };
             }
             line[lag] = if lag == 0 { 1.0 / sum.max(1e-12).sqrt() } else { sum * self.factor[column][0] };
         }
         self.factor[row] = line;
-        self.factored_rows = row + 1;
     }
 
     /// Right-hand side and forward substitution of one row. The rows before the first are zero.
@@ -195,14 +229,13 @@ impl CurveSmoother {
         let aim = [self.attractors[row - 1], self.attractors[row], self.attractors[row + 1]];
         let mut sum = per_coordinate(|x| (BAND_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
         // Contribution of the fixed control points (D3 and M), moved to the right-hand side.
-        let lead = self.lead;
-        if row < lead + FIXED_POINTS || row >= n - 2 * FIXED_POINTS {
-            for column in (row - 3..=row + 3).filter(|c| *c < lead || *c >= n - FIXED_POINTS) {
-                let entry = band(row.abs_diff(column));
+        if row < 2 * FIXED_POINTS || row >= n - 2 * FIXED_POINTS {
+            for column in (row - 3..=row + 3).filter(|c| *c < FIXED_POINTS || *c >= n - FIXED_POINTS) {
+                let entry = self.entry(row, column);
                 (0..3).for_each(|x| sum[x] -= entry * self.points[column][x]);
             }
         }
-        let line = self.factor[row - lead + FIXED_POINTS];
+        let line = self.factor[row];
         let before = [self.rhs[row - 1], self.rhs[row - 2], self.rhs[row - 3]];
         // The most recent row last, because its value was just computed.
         self.rhs[row] = per_coordinate(|x| {
@@ -216,14 +249,13 @@ impl CurveSmoother {
         let sum = self.rhs[row];
         let after = |lag: usize| {
             // The fixed points at the end are already in the right-hand side.
-            let factor = row + lag - self.lead + FIXED_POINTS;
             if row + lag < n - FIXED_POINTS {
-                (self.factor[factor][lag], self.points[row + lag])
+                (self.factor[row + lag][lag], self.points[row + lag])
             } else {
                 (0.0, [0.0; 3])
             }
         };
-        let inverse = self.factor[row - self.lead + FIXED_POINTS][0];
+        let inverse = self.factor[row][0];
         let [(f1, p1), (f2, p2), (f3, p3)] = [after(1), after(2), after(3)];
         self.points[row] = per_coordinate(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
     }
@@ -256,11 +288,4 @@ impl CurveSmoother {
             }
         }
     }
-}
-
-/// Entry of the matrix at a distance from the diagonal.
-fn band(lag: usize) -> f64 {
-    const THIRD: [f64; 4] = [20.0, -15.0, 6.0, -1.0];
-    const MEAN: [f64; 4] = [18.0 / 36.0, 8.0 / 36.0, 1.0 / 36.0, 0.0];
-    THIRD[lag] + BAND_WEIGHT * MEAN[lag]
 }

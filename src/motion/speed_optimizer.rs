@@ -4,7 +4,7 @@
 //! knots. Velocity, acceleration and jerk of an axis are x'√b, x''b + x'b'/2 and √b (x'''b + 3x''b'/2 + x'b''/2). Where
 //! the curve itself comes to rest at its ends, b stays finite, so rest is no special case. Knows nothing of contours.
 //! Source: time-optimal path parametrisation in b; an interior-point method. From rest it starts with a constant rate
-//! that keeps all limits. In motion it starts with the rate taken over, blended to such a constant rate, and limits
+//! that keeps all limits. In motion it starts with the nominal rate, or blends it to such a constant rate, and limits
 //! widened by a slack around each knot, which is then removed. Every pass can be interrupted and resumed at any knot.
 
 mod newton;
@@ -25,23 +25,22 @@ const BARRIER_ROUGH: f64 = 0.012;
 const STEP_SHARE: f64 = 0.95;
 /// The barrier is lowered after a step of at least this fraction.
 const BARRIER_STEP_FRACTION: f64 = 0.3;
-/// Maximum number of Newton steps of a plan, and of a rough plan.
+/// Maximum number of Newton steps of a plan, of one with slack left, and of a rough plan.
 const MAX_STEPS: u32 = 64;
-const MAX_STEPS_ROUGH: u32 = 6;
+const MAX_STEPS_SLACK: u32 = 16;
+const MAX_STEPS_ROUGH: u32 = 4;
 /// Maximum slack accepted at the end; the share of the limits used for planning leaves more than that.
 const MAX_FINAL_SLACK: f64 = 1.011;
 /// Extra slack for the next step: factor on the excess over the widened limit, minimum and maximum.
 const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
 /// If more slack than this is needed at the start, the plan starts with a constant rate.
 const EVEN_START_ABOVE: f64 = 1.2;
-/// Number of knots over which a rate taken over blends to the nominal one.
-pub const BLEND_KNOTS: usize = 20;
 /// The slack of a knot is removed when less than this is needed.
 const SLACK_REMOVED_BELOW: f64 = 0.998;
 /// Number of knots at a start in motion with wider limits.
 pub const LEAD_KNOTS: usize = 20;
-/// Number of coefficients of one interval.
-const INTERVAL_COEFFICIENTS: usize = 3;
+/// Number of coefficients that are given at a start in motion: rate and acceleration there.
+const GIVEN_COEFFICIENTS: usize = 2;
 /// Share of the maximum constant rate that a plan from rest starts with.
 const EVEN_SHARE: f64 = 0.9;
 /// Work units of one knot in each pass: base, and per moving axis.
@@ -83,14 +82,12 @@ pub struct SpeedOptimizer {
     pub rate_square: Vec<f64>,
     /// Maximum path speed at each knot, mm per spacing.
     pub feed: Vec<f64>,
-    /// Number of knots over which a rate taken over blends to a constant one.
+    /// Number of knots over which the nominal rate blends to a constant one.
     pub even_knots: usize,
     limits: KnotLimits,
     terms: LimitTerms,
     /// Number of fixed coefficients at the start.
     fixed_count: usize,
-    /// Number of given coefficients at the start; those after `fixed` are start values.
-    given_count: usize,
     /// Whether the start values after them are a constant rate.
     starts_even: bool,
     is_rough: bool,
@@ -111,10 +108,10 @@ pub struct SpeedOptimizer {
     step: Vec<f64>,
 }
 
-/// Blends b smoothly from the last given value to another; `part` is 0 to 1.
-pub fn blend_rate(last: f64, to: f64, part: f64) -> f64 {
+/// Blends b smoothly from 1 to another value; `part` is 0 to 1.
+fn blend_rate(to: f64, part: f64) -> f64 {
     let part = part.min(1.0);
-    last + (to - last) * part * part * (3.0 - 2.0 * part)
+    1.0 + (to - 1.0) * part * part * (3.0 - 2.0 * part)
 }
 
 impl SpeedOptimizer {
@@ -135,13 +132,11 @@ impl SpeedOptimizer {
         }
     }
 
-    /// Starts a plan along a curve with the nominal rate; `feed` must be set for each knot. In motion, the first
-    /// coefficients are `given`: the first three are fixed, the others are start values. The limits there may be wider
-    /// by `lead_slack`. A rough plan is used for timing only.
-    pub fn begin(&mut self, limits: KnotLimits, given: &[f64], lead_slack: f64, rough: bool) {
+    /// Starts a plan along a curve with the nominal rate; `feed` must be set for each knot. In motion, the rate at the start
+    /// is given, and the limits there may be wider by `lead_slack`. A rough plan is used for timing only.
+    pub fn begin(&mut self, limits: KnotLimits, in_motion: bool, lead_slack: f64, rough: bool) {
         self.limits = limits;
-        self.fixed_count = given.len().min(INTERVAL_COEFFICIENTS);
-        self.given_count = given.len();
+        self.fixed_count = if in_motion { GIVEN_COEFFICIENTS } else { 0 };
         self.starts_even = false;
         self.lead_slack = lead_slack;
         self.is_rough = rough;
@@ -150,11 +145,6 @@ impl SpeedOptimizer {
         (self.max_slack, self.max_need) = (0.0, 0.0);
         self.slack.clear();
         self.rate_square.clear();
-        self.rate_square.extend_from_slice(given);
-        if let Some(last) = given.last() {
-            let part = |k: usize| k as f64 / BLEND_KNOTS as f64;
-            (1..BLEND_KNOTS).for_each(|k| self.rate_square.push(blend_rate(*last, 1.0, part(k))));
-        }
         self.terms.clear();
         (self.pass, self.cursor) = (OptimizerPass::Terms, 0);
     }
@@ -258,9 +248,8 @@ impl SpeedOptimizer {
         if self.fixed_count > 0 && self.steps == 0 && !self.starts_even && self.max_need > EVEN_START_ABOVE {
             // In motion, the given rate blends to such a constant rate; its need of slack is measured again.
             let rate = (EVEN_SHARE / self.max_need.max(self.max_need.powf(2.0 / 3.0))).min(1.0);
-            let last = self.rate_square[self.given_count - 1];
-            for (count, c) in self.rate_square[self.given_count..].iter_mut().enumerate() {
-                *c = blend_rate(last, rate, (count + 1) as f64 / self.even_knots as f64);
+            for (count, c) in self.rate_square[GIVEN_COEFFICIENTS..].iter_mut().enumerate() {
+                *c = blend_rate(rate, (count + 1) as f64 / self.even_knots as f64);
             }
             self.starts_even = true;
             self.slack.fill(f64::INFINITY);
@@ -289,8 +278,12 @@ impl SpeedOptimizer {
     }
 
     fn is_finished(&self) -> bool {
-        let (least, most) = if self.is_rough { (BARRIER_ROUGH, MAX_STEPS_ROUGH) } else { (BARRIER.2, MAX_STEPS) };
-        self.steps >= most + if self.fixed_count > 0 && self.is_rough { 6 } else { 0 }
-            || (self.max_slack <= MAX_FINAL_SLACK && self.barrier < least)
+        let has_slack = self.max_slack > MAX_FINAL_SLACK;
+        let (least, most) = match (self.is_rough, has_slack) {
+            (true, _) => (BARRIER_ROUGH, MAX_STEPS_ROUGH),
+            (false, true) => (BARRIER.2, MAX_STEPS_SLACK),
+            (false, false) => (BARRIER.2, MAX_STEPS),
+        };
+        self.steps >= most || (!has_slack && self.barrier < least)
     }
 }

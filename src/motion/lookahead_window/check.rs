@@ -27,8 +27,8 @@ const REPAIR_SPARE: f64 = 0.03;
 const REPAIR_FACTOR: f64 = 1.6;
 /// Maximum overshoot of an axis beyond its reversal point, mm: rounding, below a thousandth of the finest increment.
 const MAX_OVERSHOOT_MM: f64 = 5e-7;
-/// Shares of the tolerance and overshoot (mm) on the part taken over from the previous plan: more than that plan was
-/// allowed, because its set-points fall on other places of the same curve.
+/// Shares of the tolerance and overshoot (mm) at a start on the previous plan: more than that plan was allowed, because the
+/// new set-points fall on other places beside it.
 const LEAD_SHARES: (f64, f64) = (0.99, 0.995);
 const LEAD_MAX_OVERSHOOT_MM: f64 = 9e-7;
 /// Factor on the slack at a start in motion after each check that found a limit exceeded there: from 1.6 % it leaves
@@ -65,8 +65,7 @@ fn longest_step(p: &SetpointHistory) -> f64 {
 impl LookaheadWindow {
     pub(super) fn begin_curve_check(&mut self) {
         self.begin_excess();
-        // The part taken over has already been checked.
-        self.cursor = self.smoother.lead - FIXED_POINTS;
+        self.cursor = 0;
         self.phase = WindowPhase::CheckCurve;
     }
 
@@ -146,7 +145,7 @@ impl LookaheadWindow {
 
     /// Shares of the tolerance that the curve may use in interval `k`: at regularly checked points, and between them.
     fn shares_at(&self, k: usize) -> (f64, f64) {
-        let joined = k < self.smoother.lead && self.start.point.is_in_motion();
+        let joined = k < FIXED_POINTS && self.start.point.is_in_motion();
         if joined { LEAD_SHARES } else { (TOLERANCE_SHARE, BETWEEN_SHARE) }
     }
 
@@ -181,11 +180,8 @@ impl LookaheadWindow {
     /// Checks the axis bounds at a set-point of interval `k`. The curve through the set-points lies between them at any
     /// rate.
     fn check_bounds(&mut self, k: usize, at: [f64; 3], along: f64) {
-        let most = if k < self.smoother.lead && self.start.point.is_in_motion() {
-            LEAD_MAX_OVERSHOOT_MM
-        } else {
-            MAX_OVERSHOOT_MM
-        };
+        let most =
+            if k < FIXED_POINTS && self.start.point.is_in_motion() { LEAD_MAX_OVERSHOOT_MM } else { MAX_OVERSHOOT_MM };
         for (x, (low, high)) in self.band.bounds(along).into_iter().enumerate() {
             let beyond = (low - at[x], at[x] - high);
             if beyond.0 > most || beyond.1 > most {
@@ -218,8 +214,7 @@ impl LookaheadWindow {
     }
 
     pub(super) fn begin_check(&mut self) {
-        let part = self.start.lead_end.map_or(0.0, |_| self.start.point.curve_position.fraction);
-        self.curve_position = CurvePosition { interval: 0, fraction: part };
+        self.curve_position = CurvePosition::default();
         self.history = self.start.history;
         self.worst_ratio = 0.0;
         self.past_intervals = [0; 2];
@@ -257,6 +252,7 @@ impl LookaheadWindow {
                 for _ in 0..3 {
                     self.record_setpoint(point.at);
                 }
+                self.drop_standing_end();
                 return true;
             }
             if self.plan.len() >= MAX_PLAN_TICKS {
@@ -265,6 +261,17 @@ impl LookaheadWindow {
             }
         }
         false
+    }
+
+    /// Removes set-points before the last that already stand at its position: the motion is over.
+    fn drop_standing_end(&mut self) {
+        while let [.., before, last] = &self.plan[..]
+            && distance(before.at, last.at) <= 0.0
+        {
+            let last = *last;
+            self.plan.truncate(self.plan.len() - 2);
+            self.plan.push(last);
+        }
     }
 
     fn record_setpoint(&mut self, at: [f64; 3]) {
@@ -286,7 +293,7 @@ impl LookaheadWindow {
             self.phase = WindowPhase::Failed;
         } else if self.worst_ratio > 1.0 {
             self.slowdowns += 1;
-            if self.has_lead_slack() && self.worst_interval < LEAD_KNOTS {
+            if self.start.point.is_in_motion() && self.worst_interval < LEAD_KNOTS {
                 self.lead_slack_share *= LEAD_SLACK_STEP;
             } else {
                 self.share *= (1.0 / self.worst_ratio).max(0.9) * 0.998;

@@ -78,7 +78,7 @@ impl LookaheadWindow {
         }
         let last = self.smoother.points.len() - 1;
         let place = |k: usize| match k {
-            1 if self.start.lead_end.is_none() => self.start.point.along,
+            1 => self.start.point.along,
             k if k >= last => self.band.end,
             k => self.smoother.knots[k].near.0,
         };
@@ -97,7 +97,6 @@ impl LookaheadWindow {
         let (rate, d) = (b.sqrt() / self.spacing_s, self.spacing_s);
         let mut point =
             PlanPoint::at_rest(spline(p, part), self.along(), self.smoother.knots[interval + 1].near.1.min(last));
-        point.curve_position = self.curve_position;
         let second = per_coordinate(|x| (p[0][x] - 2.0 * p[1][x] + p[2][x], p[1][x] - 2.0 * p[2][x] + p[3][x]));
         let first = per_coordinate(|x| {
             let (left, right) = second[x];

@@ -3,7 +3,7 @@
 //! Selects handover and horizon. Knows nothing of how a window is planned or appended.
 
 use super::super::blending::{BandFiller, Continuation, FillResult, continuation};
-use super::super::lookahead_window::{KNOT_SPACING_S, PlanPoint, WindowStart};
+use super::super::lookahead_window::{PlanPoint, WindowStart};
 use super::super::queued_move::MoveQueue;
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::super::tolerance_band::{SHARP_COSINE, cosine};
@@ -16,12 +16,14 @@ use crate::units::WorkBudget;
 /// Minimum and maximum horizon of a window, s.
 const MIN_HORIZON_S: f64 = 0.25;
 const MAX_HORIZON_S: f64 = 1.4;
-/// Work units per control point from the first timing to the last check, found by trial, and the rate at which a lower
-/// cost is learned.
-pub const COST_POINT: f64 = 20_000.0;
+/// Horizon where there is no time for the minimum, s.
+const SHORT_HORIZON_S: f64 = 0.1;
+/// Work units per second of a window from the first timing to the last check: about that of a tolerance of 10 µm. And the rate
+/// at which a lower cost is learned.
+pub const COST_PER_SECOND: f64 = 5e6;
 const COST_DECAY: f64 = 0.2;
-/// Approximate number of control points for braking at the end of a window.
-const BRAKE_POINTS: f64 = 30.0;
+/// Approximate time of braking at the end of a window, s.
+const BRAKE_S: f64 = 0.12;
 /// Set-points before a handover that the next window takes into account.
 const HISTORY_POINTS: usize = 4;
 /// Reserve in the estimated planning time, ticks.
@@ -38,8 +40,9 @@ const SHORT_LEAD_TICKS: i64 = 24;
 const URGENT_TICKS: u64 = 48;
 /// Minimum planning time, ticks.
 const MIN_PLANNING_TICKS: i64 = 80;
-/// Maximum shift of the handover after failures, ticks.
-const RETRY_SHIFT_TICKS: f64 = 30.0;
+/// Minimum time for which a window starts along the previous plan, also where that plan brakes, s: the acceleration at the
+/// start must fade.
+const MIN_GUIDE_S: f64 = 0.028;
 /// Share of the limits reserved for raising the rate.
 const RATE_RESERVE: f64 = 0.04;
 
@@ -82,6 +85,15 @@ impl WindowJob {
     pub const fn is_steady(&self) -> bool {
         self.steady
     }
+
+    /// The part of the present plan that a window in motion follows at first; up to `best` it does not brake.
+    fn guide<'a>(&self, plan: &'a [PlanPoint], best: usize, tick_s: f64) -> &'a [PlanPoint] {
+        if !self.in_motion {
+            return &[];
+        }
+        let least = self.handover + (MIN_GUIDE_S / tick_s) as usize;
+        plan.get(self.handover..plan.len().min(best.max(least) + 1)).unwrap_or_default()
+    }
 }
 
 impl SetpointPlanner {
@@ -99,7 +111,7 @@ impl SetpointPlanner {
             self.band.clear();
         }
         let history = [point.at; 4];
-        let start = WindowStart { point, history, lead_end: None, shift: (0.0, 0), reserve: 0.0, is_urgent: true };
+        let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let (first, next) = (point.segment, queued.number);
         let brake = self.brake_s(top_speed(queued, &self.limits, request.feed_override));
         let horizon_s = self.first_horizon_s(brake);
@@ -170,7 +182,8 @@ impl SetpointPlanner {
             job.fill_result = job.filler.fill(&mut self.window.band, &self.band, moves, &self.limits, budget);
             if job.fill_result != FillResult::Incomplete {
                 self.window.band.finish();
-                self.window.begin(job.start, budget);
+                let guide = job.guide(&self.plan, self.best_handover_index, self.limits.tick_s);
+                self.window.begin(job.start, guide);
             }
             self.job = Some(job);
         }
@@ -178,7 +191,10 @@ impl SetpointPlanner {
         job.work_spent += before - budget.left();
         self.job = Some(job);
         if self.window.has_failed() {
-            self.horizon_fraction *= 0.5;
+            if !job.in_motion {
+                // From rest, a shorter window is easier. In motion, it would only have less room for braking.
+                self.horizon_fraction *= 0.5;
+            }
             self.cancel_window();
         }
     }
@@ -198,8 +214,12 @@ impl SetpointPlanner {
         // The horizon is limited by the known moves and by the time for planning.
         let known = self.known_time_s(moves, (last.number - front) as usize, MAX_HORIZON_S);
         let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
-        let wanted =
+        let mut wanted =
             self.seconds_of((aim - near) as f64, MAX_WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
+        if near + self.ticks_of(wanted, MAX_WORK_PER_TICK) >= self.plan.len() as i64 - SHORT_LEAD_TICKS {
+            // The plan would end first.
+            wanted = wanted.min(SHORT_HORIZON_S);
+        }
         let raised = request.feed_override > self.planned_override;
         let steady = !raised && near + self.ticks_of(wanted, STEADY_WORK_PER_TICK) <= aim;
         let ticks = self.ticks_of(wanted, if steady { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK });
@@ -207,17 +227,14 @@ impl SetpointPlanner {
             return;
         }
         let earliest = self.appended.max(usize::try_from(near + ticks).unwrap_or(0));
-        // After a failure, start from a later state.
-        let other = ((1.0 - self.horizon_fraction) * RETRY_SHIFT_TICKS) as usize;
-        let handover = other + if raised { earliest } else { earliest.max(usize::try_from(aim).unwrap_or(0)) };
+        let handover = if raised { earliest } else { earliest.max(usize::try_from(aim).unwrap_or(0)) };
         if handover < HISTORY_POINTS || handover + HISTORY_POINTS >= self.plan.len() {
             return;
         }
         let point = self.plan[handover];
         let history = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
         let end = self.plan[self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS)];
-        let until = (handover <= self.best_handover_index).then_some(end.curve_position.interval);
-        let start = WindowStart { point, history, lead_end: until, shift: (0.0, 0), reserve: 0.0, is_urgent: false };
+        let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
         let choice = HandoverChoice { handover, first, end, horizon_s: wanted, next: last.number, steady };
         self.begin_job(start, choice, request);
@@ -263,7 +280,7 @@ impl SetpointPlanner {
         std::mem::swap(&mut self.band, &mut self.window.band);
         self.appended = 0;
         self.is_extendable = job.fill_result == FillResult::RunContinues || self.window.is_cut();
-        self.window.adopt_curve();
+        self.window.adopt();
         self.planned_override = job.filler.feed_override;
         self.resting_point = None;
         self.horizon_fraction = (2.0 * self.horizon_fraction).min(1.0);
@@ -273,18 +290,20 @@ impl SetpointPlanner {
 
     /// Planning time, ticks, of a horizon in seconds at a number of work units per tick. `seconds_of` is the inverse.
     fn ticks_of(&self, seconds: f64, work: usize) -> i64 {
-        ((seconds / KNOT_SPACING_S + BRAKE_POINTS) * self.cost_per_point / work as f64).ceil() as i64
+        ((seconds + BRAKE_S) * self.cost_per_second / work as f64).ceil() as i64
     }
 
     fn seconds_of(&self, ticks: f64, work: usize) -> f64 {
-        (ticks * work as f64 / self.cost_per_point - BRAKE_POINTS) * KNOT_SPACING_S
+        ticks * work as f64 / self.cost_per_second - BRAKE_S
     }
 
-    /// Updates the cost per control point after each window: upward at once, downward slowly.
+    /// Updates the cost per second after each window: upward at once, downward slowly.
     fn update_cost(&mut self, job: &WindowJob) {
-        let cost = job.work_spent as f64 / (job.horizon_s / KNOT_SPACING_S + BRAKE_POINTS);
-        let learnt = cost.max(self.cost_per_point + COST_DECAY * (cost - self.cost_per_point));
-        self.cost_per_point = learnt.clamp(0.5 * COST_POINT, 3.0 * COST_POINT);
+        let cost = job.work_spent as f64 / (job.horizon_s + BRAKE_S);
+        // A window from rest says little of the next: less of it is fast.
+        let decay = if job.in_motion { COST_DECAY } else { 0.0 };
+        let learnt = cost.max(self.cost_per_second + decay * (cost - self.cost_per_second));
+        self.cost_per_second = learnt.clamp(0.5 * COST_PER_SECOND, 3.0 * COST_PER_SECOND);
     }
 
     /// Whether the axes are near the handover of a window.
