@@ -258,30 +258,6 @@ fn two_thousand_chords_never_rest_between_the_first_and_the_last() {
     assert!(rests <= 8, "{rests} ticks at rest");
 }
 
-/// Two arcs of 12 mm radius to and fro, in chords of 0.63 mm (3°): the axes rest at the ends only. A window in motion that finds
-/// no plan is tried again; shorter ones end at rest within the contour.
-#[test]
-fn an_s_of_chords_never_rests_between_its_ends() {
-    for tolerance_mm in [0.005, 0.01, 0.05] {
-        let mut path = path();
-        let (mut at, mut heading) = ([0.0, 0.0], 0.0_f64);
-        for k in 0..60 {
-            heading += if k < 30 { 3.0 } else { -3.0 };
-            let (sin, cos) = heading.to_radians().sin_cos();
-            at = [at[0] + 0.63 * sin, at[1] + 0.63 * cos];
-            let corner = CornerMode::Continuous { tolerance_mm };
-            path.push(Move { corner, ..line(at[0], at[1], k) }).unwrap();
-        }
-        let (mut started, mut rests) = (false, 0);
-        while !path.is_done() {
-            path.tick(FULL);
-            started |= path.path_speed_mm_s() > 0.0;
-            rests += u32::from(started && !path.is_done() && path.path_speed_mm_s() <= 0.0);
-        }
-        assert!(rests <= 8, "{tolerance_mm} mm: {rests} ticks at rest");
-    }
-}
-
 #[test]
 fn override_above_full_reaches_a_smooth_run_within_a_second() {
     let mut path = path();
