@@ -189,6 +189,9 @@ pub struct ShotArgs {
     /// A story that is played before the page is painted
     #[arg(long)]
     pub story: Option<PathBuf>,
+    /// Paint in the light theme [default: as set on the machine, else dark]
+    #[arg(long)]
+    pub light: bool,
 }
 
 fn time(words: &str) -> Result<Micros, String> {

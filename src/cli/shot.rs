@@ -48,7 +48,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     (0..SETTLE_TICKS).for_each(|_| host.step());
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
-    hmi.set_light(shared.light);
+    hmi.set_light(shared.light || call.light);
     let mut stage = OffscreenHmi::new(hmi, call.size);
     for _ in 0..SETTLE_TICKS {
         let commands = stage.frame(host.snapshot());

@@ -166,7 +166,7 @@ impl Hmi {
             self.draw_page(content, &view, &asked, &mut out);
         }
         let typing = !self.help_open && self.pages.wants_pad(&view);
-        self.pad.ui(&view, content, typing);
+        self.pad.ui(&view, self.pages.pad_room(&view, content), typing);
         self.draw_frame(&regions, &view, &asked, &mut out);
         if self.brightness < *BRIGHTNESS.end() {
             ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));

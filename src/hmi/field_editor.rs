@@ -8,6 +8,7 @@ use egui::{Color32, Rect};
 use super::{EditKey, View};
 use crate::defs::param::NumberParam;
 use crate::defs::text::{Lang, LocalizedText};
+use crate::link::Snapshot;
 use crate::link::edit::EditAnswer;
 
 /// Maximum number of characters of a value.
@@ -46,6 +47,8 @@ pub struct FieldEditor {
     sent: Option<(usize, String)>,
     /// Number of answers seen so far.
     answers_seen: u32,
+    /// Whether the run that is open locks values (K7.7).
+    locked: bool,
 }
 
 impl FieldEditor {
@@ -113,6 +116,22 @@ impl FieldEditor {
         let range = param_range(row);
         let refusal = || LocalizedText::new(format!("应为 {range}"), format!("it should be {range}"));
         self.number(row.max).ok().filter(|value| *value >= row.min).ok_or_else(refusal)
+    }
+
+    /// A field is touched: the pad opens, unless the run that is open locks values.
+    pub const fn open_pad(&mut self) {
+        self.pad_open = !self.locked;
+    }
+
+    /// Follows the lock of a run, for pages whose values P6.3 locks: the pad closes; a text that was refused in the run
+    /// goes with it.
+    pub fn follow_lock(&mut self, snapshot: &Snapshot) {
+        let was_locked = std::mem::replace(&mut self.locked, snapshot.values_locked());
+        match (was_locked, self.locked) {
+            (false, true) => self.pad_open = false,
+            (true, false) if self.refused.is_some() => self.clear(),
+            _ => {}
+        }
     }
 
     /// Polls the core's answer. A refused text is restored unless another one is being typed.

@@ -132,6 +132,12 @@ pub fn plate(view: &View<'_>, rect: Rect, response: &Response) {
     paint_body(view, rect, KeycapState { pressed, ..KeycapState::default() });
 }
 
+/// Paints the body of a value that P6.3 locks in a run, as it is touched now (K7.7).
+pub fn field(view: &View<'_>, rect: Rect, response: &Response) {
+    let (pressed, blocked) = (response.is_pointer_button_down_on(), view.snapshot.values_locked());
+    paint_body(view, rect, KeycapState { pressed, blocked, ..KeycapState::default() });
+}
+
 fn paint_lamp(view: &View<'_>, rect: Rect, face: KeycapState, colour: Color32) {
     let bar = Rect::from_min_size(rect.min + vec2(5.0, 3.0), vec2(rect.width() - 10.0, 3.0));
     let radius = CornerRadius::same(1);

@@ -3,30 +3,46 @@
 
 use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 
-use super::{Area, EditKey, View, keycap, theme};
+use super::{EditKey, View, keycap, theme};
 use crate::defs::text::Text;
 
-/// One key: label, accessible name, column, row, height in rows, edit key.
-struct PadKey(Text, &'static str, u8, u8, u8, EditKey);
-
-const fn digit(sign: &'static str, name: &'static str, column: u8, row: u8, value: char) -> PadKey {
-    PadKey(Text::new(sign, sign), name, column, row, 1, EditKey::Char(value))
+/// One key of the pad.
+struct PadKey {
+    label: Text,
+    /// Accessible name.
+    name: &'static str,
+    /// Its cells in the wide pad and in the tall one.
+    cells: [Cells; 2],
+    edit: EditKey,
 }
 
+/// Column, row, columns and rows that a key takes.
+struct Cells(u8, u8, u8, u8);
+
+const fn digit(sign: &'static str, name: &'static str, column: u8, row: u8, value: char) -> PadKey {
+    let cells = [Cells(column, row, 1, 1), Cells(column, row, 1, 1)];
+    PadKey { label: Text::new(sign, sign), name, cells, edit: EditKey::Char(value) }
+}
+
+const fn edit(label: Text, name: &'static str, cells: [Cells; 2], edit: EditKey) -> PadKey {
+    PadKey { label, name, cells, edit }
+}
+
+/// The digits lie the same way in both forms; the other keys are beside them in the wide one, below them in the tall one.
 const KEYS: [PadKey; 15] = [
     digit("7", "pad-7", 0, 0, '7'),
     digit("8", "pad-8", 1, 0, '8'),
     digit("9", "pad-9", 2, 0, '9'),
-    PadKey(Text::new("退格", "DEL"), "pad-back", 3, 0, 1, EditKey::Backspace),
+    edit(Text::new("退格", "DEL"), "pad-back", [Cells(3, 0, 1, 1), Cells(0, 4, 1, 1)], EditKey::Backspace),
     digit("4", "pad-4", 0, 1, '4'),
     digit("5", "pad-5", 1, 1, '5'),
     digit("6", "pad-6", 2, 1, '6'),
-    PadKey(Text::new("取消", "CANCEL"), "取消 cancel", 3, 1, 1, EditKey::Cancel),
+    edit(Text::new("取消", "CANCEL"), "取消 cancel", [Cells(3, 1, 1, 1), Cells(0, 5, 1, 1)], EditKey::Cancel),
     digit("1", "pad-1", 0, 2, '1'),
     digit("2", "pad-2", 1, 2, '2'),
     digit("3", "pad-3", 2, 2, '3'),
-    PadKey(Text::new("输入", "INPUT"), "输入 input", 3, 2, 2, EditKey::Enter),
-    PadKey(Text::new("-/+", "-/+"), "pad-sign", 0, 3, 1, EditKey::Sign),
+    edit(Text::new("输入", "INPUT"), "输入 input", [Cells(3, 2, 1, 2), Cells(1, 4, 2, 2)], EditKey::Enter),
+    edit(Text::new("-/+", "-/+"), "pad-sign", [Cells(0, 3, 1, 1), Cells(0, 3, 1, 1)], EditKey::Sign),
     digit("0", "pad-0", 1, 3, '0'),
     digit(".", "pad-point", 2, 3, '.'),
 ];
@@ -35,18 +51,41 @@ const KEYS: [PadKey; 15] = [
 const KEY: Vec2 = vec2(61.0, 55.0);
 const KEY_GAP: f32 = 3.0;
 const MARGIN: f32 = 5.0;
-/// Size of the pad: four columns, four rows.
-const SIZE: Vec2 = vec2(4.0 * KEY.x - KEY_GAP + 2.0 * MARGIN, 4.0 * KEY.y - KEY_GAP + 2.0 * MARGIN);
 
-/// How long the place of a pad that has closed takes no touch, s: a double tap on 取消 must not reach the page there.
+/// The two forms of the pad: an index into [`PadKey::cells`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PadForm {
+    /// Four columns, four rows.
+    Wide,
+    /// Three columns, six rows: for a narrow column of the page.
+    Tall,
+}
+
+impl PadForm {
+    /// The form that fits into a column of the page.
+    fn that_fits(room: Rect) -> Self {
+        if room.width() < Self::Wide.size().x { Self::Tall } else { Self::Wide }
+    }
+
+    fn size(self) -> Vec2 {
+        let cells = match self {
+            Self::Wide => vec2(4.0, 4.0),
+            Self::Tall => vec2(3.0, 6.0),
+        };
+        cells * KEY + Vec2::splat(2.0 * MARGIN - KEY_GAP)
+    }
+}
+
+/// How long a place that the pad has left takes no touch, s: a double tap on 取消 must not reach the page there.
 pub const COVERED_S: f64 = 0.6;
 
 /// The pad between frames.
 #[derive(Debug, Default)]
 pub struct NumericPad {
+    /// Where it is open.
     place: Option<Rect>,
-    /// When it was last drawn open, s.
-    drawn_at: Option<f64>,
+    /// The place that it left, and when, s.
+    left: Option<(Rect, f64)>,
     touched: Vec<EditKey>,
 }
 
@@ -56,48 +95,52 @@ impl NumericPad {
         std::mem::take(&mut self.touched)
     }
 
-    /// Draws the pad over the page if it is `open`; covers its place for a moment after it has closed.
-    pub fn ui(&mut self, view: &View<'_>, content: Rect, open: bool) {
+    /// Draws the pad in the `room` that the page has for it, while it `is_open`. A place that it has left takes no touch
+    /// for a moment.
+    pub fn ui(&mut self, view: &View<'_>, room: Rect, is_open: bool) {
         let now = view.ui.input(|input| input.time);
-        if open {
-            let rect = free_place(self.place, content, view.entry.get());
-            (self.place, self.drawn_at) = (Some(rect), Some(now));
-            draw(view, rect, &mut self.touched);
-            if !self.touched.is_empty() {
-                view.ui.ctx().request_repaint();
-            }
-            return;
+        let place = is_open.then(|| free_place(self.place, room, view.entry.get()));
+        if let Some(before) = self.place.filter(|_| self.place != place) {
+            self.left = Some((before, now));
         }
-        match self.place {
-            Some(rect) if self.drawn_at.is_some_and(|at| now - at < COVERED_S) => cover(view, rect),
-            _ => self.place = None,
+        self.place = place;
+        self.left = self.left.filter(|(_, since)| now - since < COVERED_S);
+        if let Some((rect, _)) = self.left {
+            cover(view, rect, "left-by-pad");
+        }
+        let Some(rect) = place else { return };
+        draw(view, rect, PadForm::that_fits(room), &mut self.touched);
+        if !self.touched.is_empty() {
+            view.ui.ctx().request_repaint();
         }
     }
 }
 
-/// Where the pad leaves the field free: where it was, or a corner of the page above its input line. The lower ones come
-/// first, the right one before the left one.
-fn free_place(last: Option<Rect>, content: Rect, entry: Option<Rect>) -> Rect {
-    let room = content.trim_bottom(theme::INPUT).shrink(theme::GAP);
-    let (right, bottom) = (room.max.x - SIZE.x, room.max.y - SIZE.y);
+/// Where the pad leaves the field free: where it was, or a corner of the room. The lower ones come first, the right one
+/// before the left one.
+fn free_place(last: Option<Rect>, room: Rect, entry: Option<Rect>) -> Rect {
+    let size = PadForm::that_fits(room).size();
+    let (right, bottom) = (room.max.x - size.x, room.max.y - size.y);
     let corners = [(right, bottom), (room.min.x, bottom), (right, room.min.y), (room.min.x, room.min.y)]
-        .map(|(x, y)| Rect::from_min_size(pos2(x, y), SIZE));
+        .map(|(x, y)| Rect::from_min_size(pos2(x, y), size));
     let is_free = |rect: &Rect| entry.is_none_or(|entry| !entry.shrink(1.0).intersects(*rect));
-    last.filter(|rect| room.contains_rect(*rect)).into_iter().chain(corners).find(is_free).unwrap_or(corners[0])
+    let last = last.filter(|rect| rect.size() == size && room.expand(0.1).contains_rect(*rect));
+    last.into_iter().chain(corners).find(is_free).unwrap_or(corners[0])
 }
 
 /// The whole area takes touches: nothing beneath can be pressed through a gap.
-fn cover(view: &View<'_>, rect: Rect) {
-    view.ui.interact(rect, Id::unique("pad"), Sense::CLICK | Sense::DRAG);
+fn cover(view: &View<'_>, rect: Rect, name: &str) {
+    view.ui.interact(rect, Id::unique(name), Sense::CLICK | Sense::DRAG);
 }
 
-fn draw(view: &View<'_>, rect: Rect, touched: &mut Vec<EditKey>) {
-    cover(view, rect);
+fn draw(view: &View<'_>, rect: Rect, form: PadForm, touched: &mut Vec<EditKey>) {
+    cover(view, rect, "pad");
     view.filled_card(rect, view.theme.surface, view.theme.focus);
     let inside = rect.shrink(MARGIN);
-    for PadKey(label, name, column, row, rows, edit) in &KEYS {
-        let corner = inside.min + vec2(f32::from(*column) * KEY.x, f32::from(*row) * KEY.y);
-        let size = vec2(KEY.x, KEY.y * f32::from(*rows)) - Vec2::splat(KEY_GAP);
+    for PadKey { label, name, cells, edit } in &KEYS {
+        let Cells(column, row, columns, rows) = cells[form as usize];
+        let corner = inside.min + vec2(f32::from(column), f32::from(row)) * KEY;
+        let size = vec2(f32::from(columns), f32::from(rows)) * KEY - Vec2::splat(KEY_GAP);
         let place = Rect::from_min_size(corner, size);
         let response = keycap::plain(view, place, ("pad", *name), name);
         let digit = matches!(edit, EditKey::Char(_) | EditKey::Sign);

@@ -149,14 +149,15 @@ fn volts_differ(painted: &[f64; 2], newest: &[f64; 2]) -> bool {
 
 /// The text is compared by its memory and its stamp: a million lines are not read 30 times a second.
 fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
-    let ProgramView { number, text, stamp, has_invalid_bytes, block_program, subprogram_text, line, block } = newest;
+    let ProgramView { number, text, stamp, has_invalid_bytes, block_program, subprogram_text, line, block, is_open } =
+        newest;
     let same_subprogram = match (subprogram_text, &painted.subprogram_text) {
         (Some(newest), Some(painted)) => newest.is_instance(painted),
         (newest, painted) => newest.is_none() && painted.is_none(),
     };
-    let shown = (*number, *stamp, *has_invalid_bytes, *block_program, *line, *block);
+    let shown = (*number, *stamp, *has_invalid_bytes, *block_program, *line, *block, *is_open);
     let old = painted;
-    shown != (old.number, old.stamp, old.has_invalid_bytes, old.block_program, old.line, old.block)
+    shown != (old.number, old.stamp, old.has_invalid_bytes, old.block_program, old.line, old.block, old.is_open)
         || !text.is_instance(&old.text)
         || !same_subprogram
 }

@@ -51,7 +51,7 @@ impl VariableEntry {
             self.editor.clear();
         }
         self.cursor = row;
-        self.editor.pad_open = true;
+        self.editor.open_pad();
     }
 
     /// Polls the core's answer; selects a refused field again.

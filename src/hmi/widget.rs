@@ -76,6 +76,14 @@ pub fn button(view: &View<'_>, rect: Rect, key: PageKey<'_>) -> bool {
     response.clicked()
 }
 
+/// Draws why values are locked at the right of a line, behind a lock. Returns what is left of the line.
+pub fn lock_note(view: &View<'_>, line: Rect, words: &str) -> Rect {
+    let taken = view.fit_right(line, words, theme::LABEL, view.theme.hold);
+    let lock = Rect::from_center_size(pos2(taken.min.x - 14.0, line.center().y), vec2(13.0, 13.0));
+    pictogram::draw(&view.painter, lock, pictogram::LOCK, view.theme.hold);
+    line.with_max_x(lock.min.x - theme::PAD)
+}
+
 /// How far a drag moved in this frame. The frame of the press does not count: a touch screen that acts as a mouse comes
 /// from where it was touched last.
 pub fn drag_delta(response: &Response) -> Vec2 {

@@ -8,6 +8,9 @@ use crate::units::{Axis, DisplayPos};
 /// Number of tool offsets; they are numbered 1 to 16 (K4.1).
 pub const OFFSET_COUNT: usize = 16;
 
+/// Why a grinding value, an offset or a variable is refused while a run is open (K7.7).
+pub const LOCKED_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not allowed while a program runs (P6.3)");
+
 /// The two halves of a tool offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum OffsetPart {

@@ -21,6 +21,8 @@ pub struct ProgramView {
     pub line: u32,
     /// N number of the running block.
     pub block: Option<u32>,
+    /// A run is open: it executes, holds or waits; an MDI line too.
+    pub is_open: bool,
 }
 
 impl ProgramView {

@@ -19,7 +19,7 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
-use crate::defs::param::{AccessLevel, Params};
+use crate::defs::param::{self, AccessLevel, Params};
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{Lang, LocalizedText, Text};
@@ -507,6 +507,12 @@ impl Snapshot {
         for key in &mut self.keys {
             (key.lamp, key.pending) = (false, false);
         }
+    }
+
+    /// Whether grinding values, offsets and variables are locked: a run is open and P6.3 does not allow edits (K7.7).
+    #[must_use]
+    pub fn values_locked(&self) -> bool {
+        self.program.is_open && !self.params.bit(param::EDIT_VALUES_IN_RUN)
     }
 
     /// Number of the page files of the grinding page; none if the current program has no page (K7.2).

@@ -27,12 +27,21 @@ fn k4_2_the_page_shows_which_point_is_used_and_where_it_comes_from() {
     // On the wheel axis the value is that of a new wheel.
     tell(&mut bench.rig, "param P97 1\nset #772 = 0.05");
     bench.turn();
-    assert!(bench.shows("X -320.050 数值"));
+    assert!(bench.shows("X -320.050 数值 (-0.050)"), "{:?}", bench.painted());
+    bench.touch("修整点 X (机床) #760");
+    assert!(bench.shows("新砂轮的值，已修整 0.050 → X -320.050"), "{:?}", bench.painted());
     tell(&mut bench.rig, "mode jog\npage position\nkey f1\nkey address-x\nkey input\npage grinding");
     bench.turn();
     let at = bench.rig.snapshot().axes[Axis::X].machine;
     assert!(bench.shows(&format!("修整点 X {at:.3} 按键 · Z -60.000 数值")), "{:?}", bench.painted());
-    assert!(bench.shows(&format!("按键设置的点有效 X {at:.3}")), "the value that does not count says so");
+    assert!(
+        bench.shows(&format!("按键设置的点有效 X {at:.3} · #760 -320.000 不用")),
+        "the value that does not count says so: {:?}",
+        bench.painted()
+    );
+    // The field shows the point that acts, as the line above it does.
+    let words = format!("{at:.3}");
+    assert!(bench.painted().contains(&words) && !bench.painted().iter().any(|text| text == "-320.000"));
     tell(&mut bench.rig, "load O1012");
     bench.turn();
     assert!(bench.shows(&format!("修整点 X {at:.3} 按键")));

@@ -1,7 +1,7 @@
 //! The operator panel: every key can be reached, is labelled, and sends its command.
 
 use crate::sample::snapshot;
-use crate::screen::{Screen, open, open_sized};
+use crate::screen::{Screen, open, open_sized, painted};
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::fitted::Fitted;
@@ -333,11 +333,60 @@ fn detents(command: &Command) -> i32 {
     }
 }
 
+/// H6: values are typed one after the other, so 输入 is pressed again and again at the same place.
+#[test]
+fn h6_the_pad_stays_where_it_is_from_value_to_value() {
+    for size in [vec2(1_024.0, 768.0), vec2(1_280.0, 800.0), vec2(1_371.4, 771.4), vec2(768.0, 1_024.0)] {
+        let mut screen = open_sized(snapshot(Page::Grinding), size);
+        screen.get_by_label_contains(" #500").click();
+        (0..4).for_each(|_| screen.step());
+        let input = screen.get_by_label("输入 input").rect();
+        for count in 1..=20 {
+            screen.get_by_label("输入 input").click();
+            (0..4).for_each(|_| screen.step());
+            assert_eq!(screen.get_by_label("输入 input").rect(), input, "after {count} values at {size}");
+        }
+        assert_eq!(sent(&mut screen), Vec::<String>::new());
+    }
+}
+
+/// H6: where the pad cannot stay, a double tap on 输入 reaches nothing at the place that it has left.
+#[test]
+fn h6_a_place_that_the_pad_has_left_takes_no_touch() {
+    let mut screen = open(snapshot(Page::Offset));
+    let chosen = |screen: &Screen| painted(screen).into_iter().find(|text| text.starts_with("数据输入:")).unwrap();
+    screen.get_by_label("geometry-01-X").click();
+    (0..4).for_each(|_| screen.step());
+    let input = screen.get_by_label("输入 input").rect();
+    let tap = |screen: &mut Screen| {
+        screen.event(Event::PointerMoved(input.center()));
+        for pressed in [true, false] {
+            let (pos, button, modifiers) = (input.center(), PointerButton::Primary, Modifiers::NONE);
+            screen.event(Event::PointerButton { pos, button, pressed, modifiers });
+            screen.step();
+        }
+    };
+    let mut taps = 0;
+    while screen.get_by_label("输入 input").rect() == input {
+        tap(&mut screen);
+        (0..2).for_each(|_| screen.step());
+        taps += 1;
+        assert!(taps < 64, "the pad covers a field");
+    }
+    let before = chosen(&screen);
+    tap(&mut screen);
+    assert_eq!(chosen(&screen), before, "the second tap chose a field beneath");
+    (0..60).for_each(|_| screen.step());
+    tap(&mut screen);
+    screen.step();
+    assert_ne!(chosen(&screen), before, "later the field acts");
+}
+
 /// H6: the second tap of a double tap on 取消 must not reach the field that lies there.
 #[test]
 fn h6_a_double_tap_on_a_key_that_closes_the_pad_reaches_no_field() {
-    let mut screen = open(snapshot(Page::Grinding));
-    screen.get_by_label_contains(" #511").click();
+    let mut screen = open(snapshot(Page::Offset));
+    screen.get_by_label("geometry-01-X").click();
     (0..4).for_each(|_| screen.step());
     let cancel = screen.get_by_label("取消 cancel").rect().center();
     sent(&mut screen);

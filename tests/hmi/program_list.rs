@@ -10,7 +10,7 @@ use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::host::folders::Folders;
-use kt830::link::snapshot::RunState;
+use kt830::link::snapshot::{RunState, Tone};
 use tempfile::TempDir;
 
 use crate::live_screen::Bench;
@@ -262,6 +262,8 @@ fn k1_a_program_of_another_kind_is_marked_and_loading_it_says_so() {
         bench.touch("装入 load-program");
         assert!(bench.message().contains(&format!("当前程序 {number}")), "{}", bench.message());
         assert_eq!(bench.message().contains("不是本机 GC 的程序"), foreign, "{}", bench.message());
+        let warned = bench.rig.snapshot().message.tone == Tone::Refused;
+        assert_eq!(warned, foreign, "in amber");
     }
 }
 

@@ -200,6 +200,13 @@ fn b6_renumbering_refuses_what_it_cannot_follow() {
     }
 }
 
+#[test]
+fn b6_a_line_that_is_cut_says_so() {
+    let dots = |line: &str| painted(&[line]).iter().filter(|(text, _)| text == "…").count();
+    let comment = format!("({})", "X".repeat(120));
+    assert_eq!((dots(&comment), dots("N10 G01 X40.2 F0.3")), (1, 0));
+}
+
 /// The lines of a program as they are painted: the whole text and its tokens with their colours.
 fn painted(lines: &[&str]) -> Vec<(String, Vec<(String, Color32)>)> {
     let mut machine = crate::sample::snapshot(Page::Program);

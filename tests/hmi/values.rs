@@ -9,7 +9,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::hmi::page_text;
-use kt830::host::folders::Folders;
+use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::host::retained_store::RetainedStore;
 use kt830::link::Command;
@@ -183,6 +183,64 @@ fn k7_7_no_edit_while_a_program_runs_except_by_p6_3() {
     open.write("m");
     type_in(&mut open, "1");
     assert_eq!(red(&open).unwrap().1, "程序未结束，不能测量");
+}
+
+/// Whoever touches a value in a run is told at once, not after it has been typed.
+#[test]
+fn k7_7_values_that_a_run_locks_are_marked_and_open_no_pad() {
+    for (page, field) in [(Page::Grinding, "毛坯直径 #520"), (Page::Offset, "geometry-01-X"), (Page::Macro, "#100")]
+    {
+        let mut rig = crate::stories::ready();
+        let program = b"G04 P6000\nM30".to_vec();
+        rig.add_program(program_from_bytes(1_002, "O1002.NC", program, rig.kind().dialect()));
+        crate::stories::tell(&mut rig, "load O1002\nparam P22.0 1\nmode auto");
+        let mut bench = Bench::new(rig, page);
+        bench.touch(field);
+        assert!(bench.screen.query_by_label("pad-1").is_some() && !bench.shows("(P6.3)"), "{page:?}: idle");
+        bench.write("7");
+        crate::stories::tell(&mut bench.rig, "key cycle-start\nwait 0.2 s\nexpect state running");
+        bench.turn();
+        assert!(bench.screen.query_by_label("pad-1").is_none() && bench.shows("7"), "{page:?}: the text is kept");
+        bench.press(Escape);
+        bench.touch(field);
+        assert!(bench.screen.query_by_label("pad-1").is_none(), "{page:?}");
+        assert!(bench.shows("程序运行中不能修改 (P6.3)"), "{page:?}: {:?}", bench.painted());
+        assert!(page != Page::Grinding || bench.shows("运行中锁定 (P6.3)"));
+        // What is typed all the same is refused, and the refusal ends with the run.
+        type_in(&mut bench, "9");
+        assert!(red(&bench).is_some(), "{page:?}");
+        crate::stories::tell(&mut bench.rig, "wait until idle max 10 s");
+        bench.turn();
+        assert!(red(&bench).is_none() && !bench.shows("(P6.3)"), "{page:?}: {:?}", bench.painted());
+    }
+}
+
+#[test]
+fn k7_7_a_value_taken_in_a_run_says_from_when_on_it_acts() {
+    let mut rig = crate::stories::ready();
+    let program = b"G04 P60000\nM30".to_vec();
+    rig.add_program(program_from_bytes(1_002, "O1002.NC", program, rig.kind().dialect()));
+    crate::stories::tell(&mut rig, "load O1002\nparam P6.3 1\nmode auto\nkey cycle-start\nwait 0.2 s");
+    let mut bench = Bench::new(rig, Page::Grinding);
+    bench.touch("毛坯直径 #520");
+    assert!(bench.shows("从下一个读入的段起有效 · 范围"), "{:?}", bench.painted());
+    type_in(&mut bench, "40.5");
+    assert_eq!(bench.message(), "#520 = 40.500，从下一个读入的段起有效");
+    assert_eq!(bench.rig.snapshot().variables[520], Some(40.5));
+}
+
+/// O1011 calls T0101, which acts until another T word: the pages say so, and so does the position.
+#[test]
+fn b6_the_offset_that_acts_after_a_program_stands_on_the_mdi_page() {
+    let mut rig = crate::stories::ready_with("T0103\nM30");
+    let mut bench = {
+        crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle");
+        Bench::new(rig, Page::Mdi)
+    };
+    assert!(bench.shows("T0103"), "{:?}", bench.painted());
+    crate::stories::tell(&mut bench.rig, "mode mdi\nmdi T0100\nwait until idle");
+    bench.turn();
+    assert!(bench.shows("T0100"), "{:?}", bench.painted());
 }
 
 #[test]

@@ -127,6 +127,14 @@ impl Panel {
             Some(index) => {
                 parts.plant.work.offsets.geometry[index] = geometry;
                 parts.plant.store_offset(index);
+                // The work coordinates may jump: they must not do so silently.
+                let title = parts.plant.program_title(parts.plant.execution.current_program);
+                parts.plant.show_note(phrase!(
+                    "当前程序 {title}；已装工件，G54 和刀补 {number:02} 已按工件设置",
+                    "current program {title}; part mounted, G54 and offset {number:02} set for it",
+                    title,
+                    number
+                ));
             }
             None => parts.plant.refuse(phrase!("刀补号应为 1-16", "tool offset numbers are 1 to 16")),
         }
@@ -153,15 +161,16 @@ impl Panel {
         let title = parts.plant.program_title(number);
         let kind = parts.plant.kind;
         let is_for = self.directory.iter().find(|row| row.number == number).is_none_or(|row| row.is_for(kind));
-        parts.plant.show_note(match is_for {
-            true => phrase!("当前程序 {title}", "current program {title}", title),
-            false => phrase!(
+        if is_for {
+            parts.plant.show_note(phrase!("当前程序 {title}", "current program {title}", title));
+        } else {
+            parts.plant.warn(phrase!(
                 "当前程序 {title}：不是本机 {own} 的程序",
                 "current program {title}: it is not for this machine, {own}",
                 title,
                 own = kind.short_name()
-            ),
-        });
+            ));
+        }
     }
 
     /// Resumes the run that a power failure interrupted.

@@ -58,6 +58,13 @@ impl Panel {
             return Err(parts.plant.outbox.message.text.clone());
         }
         Ok(match value {
+            // Blocks that have been read ahead keep the old one.
+            Some(value) if parts.program.is_open() => phrase!(
+                "{name} = {value:.3}，从下一个读入的段起有效",
+                "{name} = {value:.3}, acts from the next block read",
+                name,
+                value
+            ),
             Some(value) => phrase!("{name} = {value:.3}", "{name} = {value:.3}", name, value),
             None => phrase!("{name} = ", "{name} = ", name),
         })

@@ -172,7 +172,13 @@ impl Program {
             (None, Some(kept)) => *kept,
             (None, None) => ModalState::new(&settings),
         };
-        modal_view_of(plant, &modals)
+        let mut view = modal_view_of(plant, &modals);
+        // Without a T word the offset of the last program acts on (K4.1).
+        let offsets = &plant.work.offsets;
+        if view.tool == (0, 0) && offsets.tool_offset != 0 {
+            view.tool = (offsets.tool as u16, offsets.tool_offset as u16);
+        }
+        view
     }
 }
 

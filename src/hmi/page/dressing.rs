@@ -103,8 +103,10 @@ fn positions(rect: Rect, view: &View<'_>) {
         let words = view.text("换砂轮后未修整：先运行 ", "wheel changed: dress it with ");
         (format!("{words}O{first:04.0}–O{last:04.0}"), view.theme.hold)
     } else {
-        let (zh, en) =
-            ("修整点在 位置 → 相对 中按轴字母键设置", "set the point on POSITION, RELATIVE with an axis letter");
+        let (zh, en) = (
+            "设置修整点：位置 → 相对，按轴字母键，再按输入",
+            "to set the point: POSITION, RELATIVE, an axis letter, then INPUT",
+        );
         (view.text(zh, en).to_owned(), view.theme.muted)
     };
     view.paragraph(rest.trim_top(8.0), &words, theme::LABEL, ink);

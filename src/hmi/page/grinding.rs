@@ -71,6 +71,7 @@ impl PageUi for GrindingPage {
             self.entry.editor.pad_open = false;
         }
         self.runs = runs;
+        self.entry.editor.follow_lock(snapshot);
         let alarm = wrong_value(snapshot);
         let pointed_at = alarm.map(|alarm| (alarm.number, alarm.since));
         if self.pointed_at != pointed_at {
@@ -89,6 +90,11 @@ impl PageUi for GrindingPage {
 
     fn wants_pad(&self, view: &View<'_>) -> bool {
         self.entry.editor.pad_open && view.snapshot.page_files().is_some_and(|files| files.text.is_ok())
+    }
+
+    /// Over the picture: no value is beneath it.
+    fn pad_room(&self, rect: Rect) -> Rect {
+        GrindingLayout::new(rect, false).picture
     }
 
     fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
@@ -136,7 +142,11 @@ fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
     }
     match files.map(|files| &files.text) {
         Some(Ok(text)) => {
-            lines::title(view, places.title.trim_right(if several { 104.0 } else { 0.0 }), &heading(view, text));
+            let title = places.title.trim_right(if several { 104.0 } else { 0.0 });
+            let locked = view.snapshot.values_locked();
+            let words = view.text("运行中锁定 (P6.3)", "locked in a run (P6.3)");
+            let title = if locked { widget::lock_note(view, title, words) } else { title };
+            lines::title(view, title, &heading(view, text));
             let columns = (variables(&text.left), variables(&text.right));
             entry.poll_answer(&view.snapshot.edit_answer);
             for edit in &typed.edits {
@@ -147,7 +157,7 @@ fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
                 dressing_line::paint(line, view, text);
             }
             fields(body, view, [&text.left, &text.right], entry);
-            draw_input_line(places.input, view, entry, [&text.left, &text.right]);
+            draw_input_line(places.input, view, entry, text);
         }
         Some(Err(fault)) => text_fault(&places, view, fault),
         None => {
@@ -235,7 +245,7 @@ fn fields(body: Rect, view: &View<'_>, columns: Columns<'_>, entry: &mut Variabl
         if response.clicked() {
             entry.select(index);
         }
-        keycap::plate(view, place, &response);
+        keycap::field(view, place, &response);
         field(place, view, row, layout, (entry.cursor == index).then_some(&entry.editor));
         if view.snapshot.alarms.iter().any(|alarm| alarm.variable == Some(row.variable)) {
             view.edge_bar(place, view.theme.alarm);
@@ -326,28 +336,31 @@ fn field(place: Rect, view: &View<'_>, row: &PageTextRow, layout: FieldLayout, c
     if let Some(words) = row.unit().filter(|_| has_units) {
         view.line_left(unit.trim_left(4.0), words.get(view.lang), theme::SMALL, view.theme.muted);
     }
-    let unused = dressing_line::point_instead_of(view.snapshot, row).is_some();
-    let (words, ink) = (view.page_value(row), if unused { view.theme.muted } else { view.theme.text });
+    let (words, ink) = match dressing_line::point_by_key(view.snapshot, row) {
+        Some(point) => (view.length(point), view.theme.info),
+        None => (view.page_value(row), view.theme.text),
+    };
     FieldEditor::paint(chosen, view, ValueField { plate: place, value, size: large, words, ink });
 }
 
 /// `数据输入: #500=40.2   卡尺X轴始磨位置   范围 ±99999.999 · 原值 40.000`
-fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, columns: Columns<'_>) {
+fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, text: &PageText) {
     let line = input_line::bar(view, rect);
-    let Some(row) = columns.into_iter().flatten().flatten().nth(entry.cursor) else { return };
+    let Some(row) = text.rows().nth(entry.cursor) else { return };
     let (left, rest) = line.split_left_right_at_fraction(0.34);
     let ink = input_line::typed_text(view, left, &format!("{}=", view.variable_name(row.variable)), &entry.editor);
-    let told = match (entry.editor.refusal(view.lang), dressing_line::point_instead_of(view.snapshot, row)) {
-        (Some(reason), _) => reason.into_owned(),
-        (None, Some((axis, point))) => {
-            let words = view.text("按键设置的点有效", "the point set by key counts");
-            format!("{words} {axis} {}", view.length(point))
-        }
-        (None, None) => view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row)),
-    };
-    let (name, range) = rest.split_left_right_at_fraction(0.4);
-    view.fit_left(name.trim_right(theme::PAD), row.name_in(view.lang), theme::LABEL, view.theme.muted);
-    view.fit_right(range, &told, theme::LABEL, ink);
+    let refusal = entry.editor.refusal(view.lang).map(|reason| (reason.into_owned(), None));
+    let (told, told_ink) = refusal.unwrap_or_else(|| {
+        let note = dressing_line::ActingPoint::of(view.snapshot, text, row).and_then(|point| point.note(view, row));
+        let range = || view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row));
+        input_line::range_in_run(view, &note.unwrap_or_else(range))
+    });
+    let range = view.fit_right(rest, &told, theme::LABEL, told_ink.unwrap_or(ink));
+    let name = rest.with_max_x(range.min.x - theme::PAD);
+    // A long note takes the room of the name.
+    if name.width() > NUMBER_WIDTH {
+        view.fit_left(name, row.name_in(view.lang), theme::LABEL, view.theme.muted);
+    }
 }
 
 /// The picture of the page with a number.

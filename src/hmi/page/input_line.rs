@@ -4,6 +4,7 @@
 use egui::{Color32, Rect, vec2};
 
 use crate::hmi::{Area, FieldEditor, View, theme};
+use crate::link::edit::LOCKED_IN_RUN;
 
 /// What the line shows beside the typed text.
 pub struct InputPrompt<'a> {
@@ -13,6 +14,19 @@ pub struct InputPrompt<'a> {
     pub name: &'a str,
     /// Range and old value.
     pub range: &'a str,
+}
+
+/// Range and old value of a value that P6.3 locks in a run, with the colour: in a run the lock in its place, or from
+/// when on the value acts (K7.7).
+pub fn range_in_run(view: &View<'_>, range: &str) -> (String, Option<Color32>) {
+    match (view.snapshot.program.is_open, view.snapshot.values_locked()) {
+        (false, _) => (range.to_owned(), None),
+        (true, true) => (LOCKED_IN_RUN.get(view.lang).to_owned(), Some(view.theme.hold)),
+        (true, false) => {
+            let words = view.text("从下一个读入的段起有效", "acts from the next block read");
+            (format!("{words} · {range}"), Some(view.theme.hold))
+        }
+    }
 }
 
 /// Splits a page into body and input line.
@@ -37,12 +51,22 @@ pub fn typed_text(view: &View<'_>, rect: Rect, label: &str, typing: &FieldEditor
 
 /// Draws the line.
 pub fn ui(view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<'_>) {
+    draw(view, rect, typing, told, None);
+}
+
+/// Draws the line of a value that P6.3 locks in a run.
+pub fn ui_in_run(view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<'_>) {
+    let (range, ink) = range_in_run(view, told.range);
+    draw(view, rect, typing, &InputPrompt { range: &range, ..*told }, ink);
+}
+
+fn draw(view: &View<'_>, rect: Rect, typing: &FieldEditor, told: &InputPrompt<'_>, range_ink: Option<Color32>) {
     let (left, rest) = bar(view, rect).split_left_right_at_fraction(0.38);
     let ink = typed_text(view, left.trim_right(theme::PAD), told.label, typing);
     if let Some(reason) = typing.refusal(view.lang) {
         view.fit_right(rest, &reason, theme::LABEL, ink);
         return;
     }
-    let range = view.fit_right(rest, told.range, theme::LABEL, ink);
+    let range = view.fit_right(rest, told.range, theme::LABEL, range_ink.unwrap_or(ink));
     view.fit_left(rest.with_max_x(range.min.x - theme::PAD), told.name, theme::LABEL, ink);
 }

@@ -172,7 +172,7 @@ pub fn column(rect: Rect, view: &View<'_>, groups: &[PositionGroup<'_>]) -> Rect
 /// 输入 and 取消: the answers to “是否设置 X 轴修整点”.
 fn confirm_keys(axes: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let (_, row) = axes.split_bottom(50.0);
-    let words = view.text("按轴字母键设置修整点", "press an axis letter to set the dressing point");
+    let words = view.text("设置修整点：按轴字母键，再按输入", "dressing point: an axis letter, then INPUT");
     view.fit_left(row.trim_right(216.0), words, theme::LABEL, view.theme.muted);
     for (index, key) in [Key::Cancel, Key::Input].into_iter().enumerate() {
         let place = row.split_right(206.0).1.cell(index, 2);
@@ -233,7 +233,7 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
             view.line_right(figure, &value, theme::SECONDARY, view.theme.text);
         } else if narrow {
             let (label, figure) = place.split_left_right_at_fraction(0.36);
-            let (figure, tail) = if unit.is_empty() { (figure, figure) } else { figure.split_right(56.0) };
+            let (figure, tail) = figure.split_right(56.0);
             view.fit_left(label, name, theme::LABEL, view.theme.muted);
             view.fit_right(figure, &value, theme::TITLE, view.theme.text);
             view.line_left(tail.trim_left(4.0), unit, theme::SMALL, view.theme.muted);

@@ -1,16 +1,16 @@
 //! Macro variables by number, with the labels of the current page text; a variable can be found by its number.
 //! Source: spec B6, B3, K7.3, K7.5, K7.7.
 
-use egui::{Rect, pos2, vec2};
+use egui::{Rect, vec2};
 
 use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, input_line};
 use crate::defs::param;
 use crate::defs::text::Text;
 use crate::hmi::{
-    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, pictogram, theme, variable_entry,
-    widget,
+    Area, CoreAnswer, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, theme, variable_entry, widget,
 };
 use crate::link::Command;
+use crate::link::edit::LOCKED_IN_RUN;
 
 /// Ranges of the list: first and last variable.
 const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)];
@@ -55,6 +55,7 @@ impl PageUi for VariablesPage {
         if !numbers.contains(&self.selected) {
             self.selected = numbers.first().copied().unwrap_or(0);
         }
+        self.typing.follow_lock(view.snapshot);
         if let CoreAnswer::Refused(field) = self.typing.poll_answer(&view.snapshot.edit_answer) {
             self.selected = field as u16; // cut: it was a variable's number
             self.searching = false;
@@ -196,20 +197,22 @@ impl VariablesPage {
     }
 
     fn field(&mut self, place: Rect, view: &View<'_>, variable: u16) {
-        let (name, blocked) = (view.variable_name(variable), is_read_only(variable));
+        let (name, read_only) = (view.variable_name(variable), is_read_only(variable));
+        let blocked = read_only || view.snapshot.values_locked();
         let response = view.touch(place, ("variable", variable), &name);
         if response.clicked() {
             if self.selected != variable {
                 self.go(variable);
             }
-            (self.scroll.user_scrolled, self.searching, self.typing.pad_open) = (true, false, true);
+            (self.scroll.user_scrolled, self.searching) = (true, false);
+            self.typing.open_pad();
         }
         let pressed = response.is_pointer_button_down_on();
         keycap::paint_body(view, place, KeycapState { pressed, blocked, ..KeycapState::default() });
         let (number, rest) = place.shrink2(vec2(8.0, 2.0)).split_left(50.0);
         view.line_left(number, &name, theme::LABEL, view.theme.muted);
         let (label, value) = rest.split_right(106.0);
-        let words = if blocked { read_only_name(view, variable) } else { label_of(view, variable) };
+        let words = if read_only { read_only_name(view, variable) } else { label_of(view, variable) };
         view.fit_left(label.trim_right(theme::GAP), words, theme::LABEL, view.theme.text);
         let chosen = self.selected == variable;
         let typing = (chosen && !self.searching).then_some(&self.typing);
@@ -232,7 +235,7 @@ impl VariablesPage {
             view.range_and_old(variable_entry::range(self.selected).get(view.lang), &view.variable(self.selected))
         };
         let told = InputPrompt { label: &what, name: label_of(view, self.selected), range: &range };
-        input_line::ui(view, rect, &self.typing, &told);
+        input_line::ui_in_run(view, rect, &self.typing, &told);
     }
 }
 
@@ -244,16 +247,12 @@ fn head(rect: Rect, view: &View<'_>) {
         || view.text("当前程序没有页面文字", "the current program has no page text").to_owned(),
         |text| format!("C{:04} {}", number % 1_000, text.title_in(view.lang)),
     );
-    let locked = !view.snapshot.params.bit(param::EDIT_OFFSETS);
-    let rest = if locked {
-        let words = view.text("P22.0=0：只能查看", "P22.0=0: view only");
-        let taken = view.fit_right(rect, words, theme::LABEL, view.theme.hold);
-        let lock = Rect::from_center_size(pos2(taken.min.x - 14.0, rect.center().y), vec2(13.0, 13.0));
-        pictogram::draw(&view.painter, lock, pictogram::LOCK, view.theme.hold);
-        rect.with_max_x(lock.min.x - theme::PAD)
-    } else {
-        rect
+    let lock = match (view.snapshot.params.bit(param::EDIT_OFFSETS), view.snapshot.values_locked()) {
+        (false, _) => Some(Text::new("P22.0=0：只能查看", "P22.0=0: view only")),
+        (true, true) => Some(LOCKED_IN_RUN),
+        (true, false) => None,
     };
+    let rest = lock.map_or(rect, |why| widget::lock_note(view, rect, why.get(view.lang)));
     view.fit_left(rest, &words, theme::LABEL, view.theme.muted);
 }
 

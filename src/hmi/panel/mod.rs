@@ -64,7 +64,7 @@ impl OperatorPanel {
         // The step is shown without trailing zeros.
         let step = format!("{:.3}", view.snapshot.handwheel_step_mm);
         let step = step.trim_end_matches('0').trim_end_matches('.');
-        let text = format!("{} {} ×{step}", view.text("手轮", "WHEEL"), view.snapshot.handwheel_axis);
+        let text = format!("{} {} ×{step}", view.text("手轮", "HANDWHEEL"), view.snapshot.handwheel_axis);
         let name = view.text("手轮 handwheel", "handwheel handwheel");
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         let dragged = widget::drag_delta(&response).x;

@@ -69,6 +69,7 @@ impl OffsetTable {
 
     /// Handles the keyboard input of this frame.
     pub fn handle_typed(&mut self, view: &View<'_>, typed: &KeyboardInput, form: &OffsetTableSpec<'_>) -> Vec<Command> {
+        self.typing.follow_lock(view.snapshot);
         if let CoreAnswer::Refused(field) = self.typing.poll_answer(&view.snapshot.edit_answer) {
             let cell = field / form.modes.len();
             (self.row, self.column) = (cell / MAX_COLUMNS, cell % MAX_COLUMNS);
@@ -173,7 +174,7 @@ impl OffsetTable {
         let chosen = form.modes.iter().position(|how| *how == self.mode).unwrap_or(0);
         if let Some(index) = widget::tabs(view, rect, &keys, chosen) {
             self.typing.clear();
-            self.typing.pad_open = true;
+            self.typing.open_pad();
             self.mode = form.modes[index];
         }
     }
@@ -210,9 +211,9 @@ impl OffsetTable {
                 }
                 // After a touch the list must not scroll.
                 self.scroll.user_scrolled = true;
-                self.typing.pad_open = true;
+                self.typing.open_pad();
             }
-            keycap::plate(view, cell, &response);
+            keycap::field(view, cell, &response);
             let old = (view.length(view.snapshot.offsets[row].part(*part)[*axis]), view.theme.text);
             let chosen = (row, column) == (self.row, self.column);
             let (mut words, ink) = if chosen { self.typing.shown(view, old) } else { old };
@@ -245,7 +246,7 @@ impl OffsetTable {
         let range = format!("{} ±{:.3} · {then}", view.text("范围", "range"), self.max_value(part));
         let name =
             if form.locked && (part == OffsetPart::Wear || self.mode != EntryMode::Absolute) { "P22.0=0" } else { "" };
-        input_line::ui(view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
+        input_line::ui_in_run(view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
     }
 }
 
