@@ -12,19 +12,19 @@ struct PadKey {
     /// Accessible name.
     name: &'static str,
     /// Its cells in the wide pad and in the tall one.
-    cells: [Cells; 2],
+    cells: [PadCells; 2],
     edit: EditKey,
 }
 
 /// Column, row, columns and rows that a key takes.
-struct Cells(u8, u8, u8, u8);
+struct PadCells(u8, u8, u8, u8);
 
 const fn digit(sign: &'static str, name: &'static str, column: u8, row: u8, value: char) -> PadKey {
-    let cells = [Cells(column, row, 1, 1), Cells(column, row, 1, 1)];
+    let cells = [PadCells(column, row, 1, 1), PadCells(column, row, 1, 1)];
     PadKey { label: Text::new(sign, sign), name, cells, edit: EditKey::Char(value) }
 }
 
-const fn edit(label: Text, name: &'static str, cells: [Cells; 2], edit: EditKey) -> PadKey {
+const fn edit(label: Text, name: &'static str, cells: [PadCells; 2], edit: EditKey) -> PadKey {
     PadKey { label, name, cells, edit }
 }
 
@@ -33,16 +33,16 @@ const KEYS: [PadKey; 15] = [
     digit("7", "pad-7", 0, 0, '7'),
     digit("8", "pad-8", 1, 0, '8'),
     digit("9", "pad-9", 2, 0, '9'),
-    edit(Text::new("退格", "DEL"), "pad-back", [Cells(3, 0, 1, 1), Cells(0, 4, 1, 1)], EditKey::Backspace),
+    edit(Text::new("退格", "DEL"), "pad-back", [PadCells(3, 0, 1, 1), PadCells(0, 4, 1, 1)], EditKey::Backspace),
     digit("4", "pad-4", 0, 1, '4'),
     digit("5", "pad-5", 1, 1, '5'),
     digit("6", "pad-6", 2, 1, '6'),
-    edit(Text::new("取消", "CANCEL"), "取消 cancel", [Cells(3, 1, 1, 1), Cells(0, 5, 1, 1)], EditKey::Cancel),
+    edit(Text::new("取消", "CANCEL"), "取消 cancel", [PadCells(3, 1, 1, 1), PadCells(0, 5, 1, 1)], EditKey::Cancel),
     digit("1", "pad-1", 0, 2, '1'),
     digit("2", "pad-2", 1, 2, '2'),
     digit("3", "pad-3", 2, 2, '3'),
-    edit(Text::new("输入", "INPUT"), "输入 input", [Cells(3, 2, 1, 2), Cells(1, 4, 2, 2)], EditKey::Enter),
-    edit(Text::new("-/+", "-/+"), "pad-sign", [Cells(0, 3, 1, 1), Cells(0, 3, 1, 1)], EditKey::Sign),
+    edit(Text::new("输入", "INPUT"), "输入 input", [PadCells(3, 2, 1, 2), PadCells(1, 4, 2, 2)], EditKey::Enter),
+    edit(Text::new("-/+", "-/+"), "pad-sign", [PadCells(0, 3, 1, 1), PadCells(0, 3, 1, 1)], EditKey::Sign),
     digit("0", "pad-0", 1, 3, '0'),
     digit(".", "pad-point", 2, 3, '.'),
 ];
@@ -138,7 +138,7 @@ fn draw(view: &View<'_>, rect: Rect, form: PadForm, touched: &mut Vec<EditKey>) 
     view.filled_card(rect, view.theme.surface, view.theme.focus);
     let inside = rect.shrink(MARGIN);
     for PadKey { label, name, cells, edit } in &KEYS {
-        let Cells(column, row, columns, rows) = cells[form as usize];
+        let PadCells(column, row, columns, rows) = cells[form as usize];
         let corner = inside.min + vec2(f32::from(column), f32::from(row)) * KEY;
         let size = vec2(f32::from(columns), f32::from(rows)) * KEY - Vec2::splat(KEY_GAP);
         let place = Rect::from_min_size(corner, size);
