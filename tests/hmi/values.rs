@@ -205,7 +205,7 @@ fn k7_7_values_that_a_run_locks_are_marked_and_open_no_pad() {
         bench.touch(field);
         assert!(bench.screen.query_by_label("pad-1").is_none(), "{page:?}");
         assert!(bench.shows("程序运行中不能修改 (P6.3)"), "{page:?}: {:?}", bench.painted());
-        assert!(page != Page::Grinding || bench.shows("运行中锁定 (P6.3)"));
+        assert!(page != Page::Grinding || bench.shows("运行中锁定"));
         // What is typed all the same is refused, and the refusal ends with the run.
         type_in(&mut bench, "9");
         assert!(red(&bench).is_some(), "{page:?}");

@@ -144,7 +144,7 @@ fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
         Some(Ok(text)) => {
             let title = places.title.trim_right(if several { 104.0 } else { 0.0 });
             let locked = view.snapshot.values_locked();
-            let words = view.text("运行中锁定 (P6.3)", "locked in a run (P6.3)");
+            let words = view.text("运行中锁定", "locked");
             let title = if locked { widget::lock_note(view, title, words) } else { title };
             lines::title(view, title, &heading(view, text));
             let columns = (variables(&text.left), variables(&text.right));

@@ -233,7 +233,10 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
             view.line_right(figure, &value, theme::SECONDARY, view.theme.text);
         } else if narrow {
             let (label, figure) = place.split_left_right_at_fraction(0.36);
-            let (figure, tail) = figure.split_right(56.0);
+            // Numbers stand in one column; a long one without a unit takes the room of the unit.
+            let (beside, tail) = figure.split_right(56.0);
+            let is_long = || view.layout_line(&value, theme::SMALL, view.theme.text, beside.width()).elided;
+            let figure = if unit.is_empty() && is_long() { figure } else { beside };
             view.fit_left(label, name, theme::LABEL, view.theme.muted);
             view.fit_right(figure, &value, theme::TITLE, view.theme.text);
             view.line_left(tail.trim_left(4.0), unit, theme::SMALL, view.theme.muted);
