@@ -184,6 +184,10 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
 
     /// A sign has lower precedence than `**`: `-2**2` is −4.
     fn sign(&mut self) -> ReadResult<Value> {
+        // Most operands have neither a sign nor a blank before them.
+        if !matches!(self.cursor.peek(), b'-' | b'+' | b' ' | b'\t' | b'(') {
+            return self.power();
+        }
         let negative = signs(self.cursor, |cursor| cursor.skip_blanks())?;
         let value = self.power()?;
         Ok(if negative { value.map(|value| -value) } else { value })

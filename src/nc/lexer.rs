@@ -84,6 +84,10 @@ impl<'a> Cursor<'a> {
 
     /// Skips a keyword if it is next, in upper or lower case; returns whether it was.
     pub fn accept_keyword(&mut self, word: &str) -> bool {
+        // Mostly another word is next: its first letter says so.
+        if !word.as_bytes().first().is_some_and(|first| first.eq_ignore_ascii_case(&self.peek())) {
+            return false;
+        }
         let found: IResult<&[u8], &[u8]> = tag_no_case(word.as_bytes()).parse(self.rest());
         self.at += found.as_ref().map_or(0, |(_, read)| read.len());
         found.is_ok()
