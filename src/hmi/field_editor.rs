@@ -9,7 +9,7 @@ use super::{EditKey, View};
 use crate::defs::param::NumberParam;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::link::Snapshot;
-use crate::link::edit::EditAnswer;
+use crate::link::edit::{EditAnswer, LOCKED_IN_RUN};
 
 /// Maximum number of characters of a value.
 const MAX_CHARS: usize = 11;
@@ -123,13 +123,13 @@ impl FieldEditor {
         self.pad_open = !self.locked;
     }
 
-    /// Follows the lock of a run, for pages whose values P6.3 locks: the pad closes; a text that was refused in the run
-    /// goes with it.
+    /// Follows the lock of a run, for pages whose values P6.3 locks: the pad closes; a text that the lock
+    /// refused goes with it.
     pub fn follow_lock(&mut self, snapshot: &Snapshot) {
         let was_locked = std::mem::replace(&mut self.locked, snapshot.values_locked());
         match (was_locked, self.locked) {
             (false, true) => self.pad_open = false,
-            (true, false) if self.refused.is_some() => self.clear(),
+            (true, false) if self.refused.as_ref().is_some_and(|why| *why == LOCKED_IN_RUN.into()) => self.clear(),
             _ => {}
         }
     }

@@ -1,6 +1,9 @@
 //! The numeric pad while a value is typed: a sheet over the page, beside the field. It covers no key of the panel.
 //! Source: spec H6.
 
+use std::fmt::Debug;
+use std::hash::Hash;
+
 use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 
 use super::{EditKey, View, keycap, theme};
@@ -64,15 +67,27 @@ enum PadForm {
 impl PadForm {
     /// The form that fits into a column of the page.
     fn that_fits(room: Rect) -> Self {
-        if room.width() < Self::Wide.size().x { Self::Tall } else { Self::Wide }
+        if room.width() < Self::Wide.size(room).x { Self::Tall } else { Self::Wide }
     }
 
-    fn size(self) -> Vec2 {
-        let cells = match self {
+    /// Columns and rows.
+    const fn cells(self) -> Vec2 {
+        match self {
             Self::Wide => vec2(4.0, 4.0),
             Self::Tall => vec2(3.0, 6.0),
-        };
-        cells * KEY + Vec2::splat(2.0 * MARGIN - KEY_GAP)
+        }
+    }
+
+    /// Size of a key with its gap: the tall form takes the whole width of its column, so that nothing beside it is left.
+    fn key(self, room: Rect) -> Vec2 {
+        match self {
+            Self::Wide => KEY,
+            Self::Tall => vec2((room.width() - 2.0 * MARGIN + KEY_GAP) / self.cells().x, KEY.y),
+        }
+    }
+
+    fn size(self, room: Rect) -> Vec2 {
+        self.cells() * self.key(room) + Vec2::splat(2.0 * MARGIN - KEY_GAP)
     }
 }
 
@@ -84,8 +99,8 @@ pub const COVERED_S: f64 = 0.6;
 pub struct NumericPad {
     /// Where it is open.
     place: Option<Rect>,
-    /// The place that it left, and when, s.
-    left: Option<(Rect, f64)>,
+    /// The places that it left, and when, s.
+    left: Vec<(Rect, f64)>,
     touched: Vec<EditKey>,
 }
 
@@ -100,16 +115,14 @@ impl NumericPad {
     pub fn ui(&mut self, view: &View<'_>, room: Rect, is_open: bool) {
         let now = view.ui.input(|input| input.time);
         let place = is_open.then(|| free_place(self.place, room, view.entry.get()));
-        if let Some(before) = self.place.filter(|_| self.place != place) {
-            self.left = Some((before, now));
+        self.left.extend(self.place.filter(|_| self.place != place).map(|before| (before, now)));
+        self.left.retain(|(_, since)| now - since < COVERED_S);
+        for (index, (rect, _)) in self.left.iter().enumerate() {
+            cover(view, *rect, ("left-by-pad", index));
         }
         self.place = place;
-        self.left = self.left.filter(|(_, since)| now - since < COVERED_S);
-        if let Some((rect, _)) = self.left {
-            cover(view, rect, "left-by-pad");
-        }
         let Some(rect) = place else { return };
-        draw(view, rect, PadForm::that_fits(room), &mut self.touched);
+        draw(view, rect, room, &mut self.touched);
         if !self.touched.is_empty() {
             view.ui.ctx().request_repaint();
         }
@@ -119,8 +132,8 @@ impl NumericPad {
 /// Where the pad leaves the field free: where it was, or a corner of the room. The lower ones come first, the right one
 /// before the left one.
 fn free_place(last: Option<Rect>, room: Rect, entry: Option<Rect>) -> Rect {
-    let size = PadForm::that_fits(room).size();
-    let (right, bottom) = (room.max.x - size.x, room.max.y - size.y);
+    let size = PadForm::that_fits(room).size(room);
+    let (right, bottom) = ((room.max.x - size.x).max(room.min.x), (room.max.y - size.y).max(room.min.y));
     let corners = [(right, bottom), (room.min.x, bottom), (right, room.min.y), (room.min.x, room.min.y)]
         .map(|(x, y)| Rect::from_min_size(pos2(x, y), size));
     let is_free = |rect: &Rect| entry.is_none_or(|entry| !entry.shrink(1.0).intersects(*rect));
@@ -129,18 +142,20 @@ fn free_place(last: Option<Rect>, room: Rect, entry: Option<Rect>) -> Rect {
 }
 
 /// The whole area takes touches: nothing beneath can be pressed through a gap.
-fn cover(view: &View<'_>, rect: Rect, name: &str) {
-    view.ui.interact(rect, Id::unique(name), Sense::CLICK | Sense::DRAG);
+fn cover(view: &View<'_>, rect: Rect, id: impl Hash + Debug) {
+    view.ui.interact(rect, Id::unique(id), Sense::CLICK | Sense::DRAG);
 }
 
-fn draw(view: &View<'_>, rect: Rect, form: PadForm, touched: &mut Vec<EditKey>) {
+fn draw(view: &View<'_>, rect: Rect, room: Rect, touched: &mut Vec<EditKey>) {
+    let form = PadForm::that_fits(room);
+    let key = form.key(room);
     cover(view, rect, "pad");
     view.filled_card(rect, view.theme.surface, view.theme.focus);
     let inside = rect.shrink(MARGIN);
     for PadKey { label, name, cells, edit } in &KEYS {
         let PadCells(column, row, columns, rows) = cells[form as usize];
-        let corner = inside.min + vec2(f32::from(column), f32::from(row)) * KEY;
-        let size = vec2(f32::from(columns), f32::from(rows)) * KEY - Vec2::splat(KEY_GAP);
+        let corner = inside.min + vec2(f32::from(column), f32::from(row)) * key;
+        let size = vec2(f32::from(columns), f32::from(rows)) * key - Vec2::splat(KEY_GAP);
         let place = Rect::from_min_size(corner, size);
         let response = keycap::plain(view, place, ("pad", *name), name);
         let digit = matches!(edit, EditKey::Char(_) | EditKey::Sign);

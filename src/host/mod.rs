@@ -257,6 +257,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         if let Some(part) = self.part.waiting.take() {
             self.part.changes += 1;
             self.mount_part(&part);
+            self.inbox.push(Command::PartMounted);
         }
     }
 

@@ -80,6 +80,8 @@ pub enum Command {
     SetWorkOffset(usize, PerAxis<f64>),
     /// Sets the geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
+    /// The simulated machine has mounted the part of the current program and set work offset and geometry for it.
+    PartMounted,
     /// Sets the boxes of the workpiece and its fixture, for the graphic page.
     SetStock(Arc<[StockBox]>),
     /// Sets the leadscrew error table of an axis (B7).

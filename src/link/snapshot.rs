@@ -195,8 +195,8 @@ pub enum Tone {
     /// Something was executed.
     #[default]
     Info,
-    /// Something was refused, with the reason.
-    Refused,
+    /// Something was refused, with the reason; or it was executed, and the operator must know more.
+    Warning,
 }
 
 /// The message line.

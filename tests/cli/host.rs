@@ -510,6 +510,10 @@ fn p5_a_program_mounts_its_part_in_a_simulated_machine_alone() {
         assert_eq!(host.retained().current_program, 1_002);
         assert_eq!((host.part_changes(), host.awaits_part()), (mounted, false), "{pace:?}");
         assert_eq!(notes.lock().unwrap().parts.len(), mounted as usize, "{pace:?}");
+        // Work offset and geometry are the part's now: the operator is told.
+        (0..4).for_each(|_| host.step());
+        let message = host.snapshot().message.text.zh().into_owned();
+        assert_eq!(message.contains("已装其工件"), mounted == 1, "{pace:?}: {message}");
     }
 }
 

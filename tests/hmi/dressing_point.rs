@@ -35,10 +35,15 @@ fn k4_2_the_page_shows_which_point_is_used_and_where_it_comes_from() {
     let at = bench.rig.snapshot().axes[Axis::X].machine;
     assert!(bench.shows(&format!("修整点 X {at:.3} 按键 · Z -60.000 数值")), "{:?}", bench.painted());
     assert!(
-        bench.shows(&format!("按键设置的点有效 X {at:.3} · #760 -320.000 不用")),
+        bench.shows(&format!("按键设置的点有效 X {at:.3} · #760 -320.000 未用")),
         "the value that does not count says so: {:?}",
         bench.painted()
     );
+    bench.write("-55.5");
+    bench.press(egui::Key::Enter);
+    assert_eq!(bench.message(), "#760 = -55.500，未用：按键设置的修整点有效");
+    tell(&mut bench.rig, "set #760 = -320");
+    bench.turn();
     // The field shows the point that acts, as the line above it does.
     let words = format!("{at:.3}");
     assert!(bench.painted().contains(&words) && !bench.painted().iter().any(|text| text == "-320.000"));

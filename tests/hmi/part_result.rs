@@ -128,6 +128,19 @@ fn k7_2_the_number_pad_makes_way_when_a_run_begins() {
     assert!(bench.shows("工件 1"));
 }
 
+/// With P6.3=1 a value may be typed in the run: the pad that is left open must not lie on the part either.
+#[test]
+fn k7_2_the_number_pad_makes_way_for_the_part() {
+    let mut bench = bench("G04 P1500");
+    tell(&mut bench.rig, "param P6.3 1\nmode auto\nkey cycle-start\nwait 0.2 s\nexpect state running");
+    bench.turn();
+    bench.touch("毛坯直径 #520");
+    assert!(bench.screen.query_by_label("pad-0").is_some());
+    tell(&mut bench.rig, "wait until idle max 20 s");
+    bench.turn();
+    assert!(bench.screen.query_by_label("pad-0").is_none() && bench.shows("工件 1"), "{:?}", bench.painted());
+}
+
 #[test]
 fn k7_2_a_touch_or_cancel_dismisses_the_part() {
     let mut bench = bench("G04 P100");

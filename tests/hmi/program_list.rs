@@ -262,7 +262,7 @@ fn k1_a_program_of_another_kind_is_marked_and_loading_it_says_so() {
         bench.touch("装入 load-program");
         assert!(bench.message().contains(&format!("当前程序 {number}")), "{}", bench.message());
         assert_eq!(bench.message().contains("不是本机 GC 的程序"), foreign, "{}", bench.message());
-        let warned = bench.rig.snapshot().message.tone == Tone::Refused;
+        let warned = bench.rig.snapshot().message.tone == Tone::Warning;
         assert_eq!(warned, foreign, "in amber");
     }
 }

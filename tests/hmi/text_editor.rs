@@ -202,7 +202,17 @@ fn b6_renumbering_refuses_what_it_cannot_follow() {
 
 #[test]
 fn b6_a_line_that_is_cut_says_so() {
-    let dots = |line: &str| painted(&[line]).iter().filter(|(text, _)| text == "…").count();
+    let dots = |line: &str| {
+        let mut machine = crate::sample::snapshot(Page::Program);
+        machine.program.text = line.into();
+        let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (768, 1_024));
+        stage.frame(&machine);
+        let cut = |clipped: &&egui::epaint::ClippedShape| match &clipped.shape {
+            Shape::Text(text) => text.galley.job.text == line && text.galley.elided,
+            _ => false,
+        };
+        stage.shapes().iter().filter(cut).count()
+    };
     let comment = format!("({})", "X".repeat(120));
     assert_eq!((dots(&comment), dots("N10 G01 X40.2 F0.3")), (1, 0));
 }

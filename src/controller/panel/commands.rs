@@ -59,6 +59,7 @@ impl Panel {
             Command::SetParam(at, value) => Self::set_param(parts, *at, *value),
             Command::SetWorkOffset(index, origin) => Self::set_work_offset(parts, *index, *origin),
             Command::SetGeometry(number, geometry) => Self::set_geometry(parts, *number, *geometry),
+            Command::PartMounted => Self::tell_part_mounted(parts),
             Command::SetStock(stock) => self.files.stock.clone_from(stock),
             Command::SetLeadscrew(axis, table) => Self::set_leadscrew_table(parts, *axis, table),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = parts.plant.axes.actual()[*axis],
@@ -121,20 +122,22 @@ impl Panel {
         parts.plant.show_note(note);
     }
 
+    /// The simulated machine has mounted the part of the current program: the work coordinates may have jumped.
+    fn tell_part_mounted(parts: &mut Parts<'_>) {
+        let title = parts.plant.program_title(parts.plant.execution.current_program);
+        parts.plant.show_note(phrase!(
+            "当前程序 {title}；已装其工件，G54 和刀补按工件设置",
+            "current program {title}; its part is mounted, G54 and offsets are set for it",
+            title
+        ));
+    }
+
     fn set_geometry(parts: &mut Parts<'_>, number: usize, geometry: PerAxis<f64>) {
         match number.checked_sub(1).filter(|index| *index < TOOL_OFFSET_COUNT) {
             Some(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
             Some(index) => {
                 parts.plant.work.offsets.geometry[index] = geometry;
                 parts.plant.store_offset(index);
-                // The work coordinates may jump: they must not do so silently.
-                let title = parts.plant.program_title(parts.plant.execution.current_program);
-                parts.plant.show_note(phrase!(
-                    "当前程序 {title}；已装工件，G54 和刀补 {number:02} 已按工件设置",
-                    "current program {title}; part mounted, G54 and offset {number:02} set for it",
-                    title,
-                    number
-                ));
             }
             None => parts.plant.refuse(phrase!("刀补号应为 1-16", "tool offset numbers are 1 to 16")),
         }

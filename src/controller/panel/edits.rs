@@ -58,10 +58,15 @@ impl Panel {
             return Err(parts.plant.outbox.message.text.clone());
         }
         Ok(match value {
-            // Blocks that have been read ahead keep the old one.
+            Some(value) if self.point_by_key_counts(parts.view(), variable) => phrase!(
+                "{name} = {value:.3}，未用：按键设置的修整点有效",
+                "{name} = {value:.3}, unused: the dressing point set by key counts",
+                name,
+                value
+            ),
             Some(value) if parts.program.is_open() => phrase!(
-                "{name} = {value:.3}，从下一个读入的段起有效",
-                "{name} = {value:.3}, acts from the next block read",
+                "{name} = {value:.3}，从下一个读入的段起有效，已预读的段不变",
+                "{name} = {value:.3}, acts from the next block read; blocks read ahead keep the old value",
                 name,
                 value
             ),
@@ -77,7 +82,7 @@ impl Panel {
         let text = parts.plant.outbox.message.text.clone();
         match parts.plant.outbox.message.tone {
             Tone::Info => Ok(text),
-            Tone::Refused => Err(text),
+            Tone::Warning => Err(text),
         }
     }
 

@@ -5,6 +5,8 @@ use super::{Panel, Parts, PartsView};
 use crate::controller::plant::ControlPhase;
 use crate::defs::alarm;
 use crate::defs::page::Page;
+use crate::defs::page_meaning::PageMeaning;
+use crate::defs::page_text::PageTextRow;
 use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
@@ -98,13 +100,21 @@ impl Panel {
 
     /// Whether a sheet of the grinding page has a field for a variable.
     pub fn page_shows(&self, parts: PartsView<'_>, variable: u16) -> bool {
+        self.page_row(parts, variable).is_some()
+    }
+
+    /// Whether a dressing point set by key counts instead of the value of a variable (K4.2).
+    pub fn point_by_key_counts(&self, parts: PartsView<'_>, variable: u16) -> bool {
+        let meaning = self.page_row(parts, variable).and_then(PageTextRow::meaning);
+        matches!(meaning, Some(PageMeaning::DressingPoint(axis)) if parts.plant.work.dress_points[axis].is_some())
+    }
+
+    /// The row of a variable on the grinding page.
+    fn page_row(&self, parts: PartsView<'_>, variable: u16) -> Option<&PageTextRow> {
         let own = parts.plant.kind.row().page_files.iter().map(|number| PAGE_FILES + number);
-        let mut shown = own.chain(self.grinding_page(parts));
-        shown.any(|number| {
-            let files = self.screens.find(number);
-            let text = files.and_then(|files| files.text.as_ref().ok());
-            text.is_some_and(|page| page.rows().any(|row| row.variable == variable))
-        })
+        let texts =
+            own.chain(self.grinding_page(parts)).filter_map(|number| self.screens.find(number)?.text.as_ref().ok());
+        texts.flat_map(|text| text.rows()).find(|row| row.variable == variable)
     }
 
     /// K7.3: raises alarm 66 when the page opens; clears it when the files are correct or the page is left.

@@ -41,9 +41,9 @@ impl Plant {
         self.outbox.refusal = Some(self.outbox.message.text.clone());
     }
 
-    /// Shows a warning that no command caused.
+    /// Shows a warning: nothing was refused.
     pub fn warn(&mut self, text: impl Into<LocalizedText>) {
-        self.outbox.message = Message { text: text.into(), tone: Tone::Refused, since: self.now };
+        self.outbox.message = Message { text: text.into(), tone: Tone::Warning, since: self.now };
     }
 
     /// MSG: shown until replaced; an empty text ends it.

@@ -47,8 +47,8 @@ pub struct GrindingPage {
     shown: (u32, Option<u32>),
     /// The alarm to whose value the cursor went last: number and time.
     pointed_at: Option<(u16, Micros)>,
-    /// Whether a run was active in the last snapshot.
-    runs: bool,
+    /// Whether a run was active in the last snapshot, and whether it had a part.
+    shown_by_run: (bool, bool),
 }
 
 impl PageUi for GrindingPage {
@@ -65,12 +65,13 @@ impl PageUi for GrindingPage {
         if self.shown != shown {
             (self.shown, self.entry) = (shown, VariableEntry::default());
         }
-        // The pad makes way for the drawing and for the part when a run begins.
-        let runs = snapshot.state.is_active();
-        if runs && !self.runs && self.entry.editor.text.is_empty() {
+        // The pad makes way for the drawing when a run begins, and for the part.
+        let shown_by_run = (snapshot.state.is_active(), snapshot.cycle.part.is_some());
+        let begins = (shown_by_run.0 && !self.shown_by_run.0) || (shown_by_run.1 && !self.shown_by_run.1);
+        if begins && self.entry.editor.text.is_empty() {
             self.entry.editor.pad_open = false;
         }
-        self.runs = runs;
+        self.shown_by_run = shown_by_run;
         self.entry.editor.follow_lock(snapshot);
         let alarm = wrong_value(snapshot);
         let pointed_at = alarm.map(|alarm| (alarm.number, alarm.since));
@@ -144,7 +145,7 @@ fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
         Some(Ok(text)) => {
             let title = places.title.trim_right(if several { 104.0 } else { 0.0 });
             let locked = view.snapshot.values_locked();
-            let words = view.text("运行中锁定", "locked");
+            let words = view.text("运行中锁定", "locked in run");
             let title = if locked { widget::lock_note(view, title, words) } else { title };
             lines::title(view, title, &heading(view, text));
             let columns = (variables(&text.left), variables(&text.right));
@@ -352,8 +353,11 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, text: &Pa
     let refusal = entry.editor.refusal(view.lang).map(|reason| (reason.into_owned(), None));
     let (told, told_ink) = refusal.unwrap_or_else(|| {
         let note = dressing_line::ActingPoint::of(view.snapshot, text, row).and_then(|point| point.note(view, row));
-        let range = || view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row));
-        input_line::range_in_run(view, &note.unwrap_or_else(range))
+        if let Some(note) = note.filter(|_| !view.snapshot.values_locked()) {
+            return (note, None);
+        }
+        let range = view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row));
+        input_line::range_in_run(view, &range)
     });
     let range = view.fit_right(rest, &told, theme::LABEL, told_ink.unwrap_or(ink));
     let name = rest.with_max_x(range.min.x - theme::PAD);

@@ -24,7 +24,7 @@ pub fn range_in_run(view: &View<'_>, range: &str) -> (String, Option<Color32>) {
         (true, true) => (LOCKED_IN_RUN.get(view.lang).to_owned(), Some(view.theme.hold)),
         (true, false) => {
             let words = view.text("从下一个读入的段起有效", "acts from the next block read");
-            (format!("{words} · {range}"), Some(view.theme.hold))
+            (format!("{words} · {range}"), None)
         }
     }
 }

@@ -235,6 +235,7 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
             let (label, figure) = place.split_left_right_at_fraction(0.36);
             // Numbers stand in one column; a long one without a unit takes the room of the unit.
             let (beside, tail) = figure.split_right(56.0);
+            let beside = beside.trim_left(if unit.is_empty() { theme::GAP } else { 0.0 });
             let is_long = || view.layout_line(&value, theme::SMALL, view.theme.text, beside.width()).elided;
             let figure = if unit.is_empty() && is_long() { figure } else { beside };
             view.fit_left(label, name, theme::LABEL, view.theme.muted);

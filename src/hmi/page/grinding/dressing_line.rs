@@ -6,6 +6,7 @@ use egui::Rect;
 use crate::defs::page_meaning::PageMeaning;
 use crate::defs::page_text::{PageText, PageTextRow};
 use crate::defs::param;
+use crate::defs::text::Lang;
 use crate::hmi::{View, theme};
 use crate::link::Snapshot;
 use crate::units::Axis;
@@ -71,14 +72,17 @@ impl ActingPoint {
         let point = view.length(position);
         match source {
             PointSource::Key | PointSource::RefusedKey => {
-                let words = view.text("按键设置的点有效", "the point set by key counts");
-                let unused = view.text("不用", "unused");
+                let words = view.text("按键设置的点有效", "set by key:");
+                let unused = view.text("未用", "unused");
                 let (name, value) = (view.variable_name(row.variable), view.page_value(row));
                 Some(format!("{words} {axis} {point} · {name} {value} {unused}"))
             }
             PointSource::Value { dressed } if dressed.abs() > 0.0 => {
-                let words = view.text("新砂轮的值，已修整", "of a new wheel, dressed off");
-                Some(format!("{words} {} → {axis} {point}", view.length(dressed)))
+                let off = view.length(dressed);
+                Some(match view.lang {
+                    Lang::Zh => format!("新砂轮的值，已修整 {off} → {axis} {point}"),
+                    Lang::En => format!("value of a new wheel, {off} dressed off → {axis} {point}"),
+                })
             }
             PointSource::Value { .. } => None,
         }

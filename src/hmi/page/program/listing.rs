@@ -21,8 +21,6 @@ pub const NUMBER_WIDTH: f32 = 76.0;
 const CURSOR_MARGIN: f32 = 40.0;
 /// Approximate width of a column.
 const COLUMN_WIDTH: f32 = 11.0;
-/// Width of the … behind a line that is cut.
-const CUT_MARK_WIDTH: f32 = 18.0;
 /// Maximum number of characters laid out per line.
 const MAX_SHOWN_CHARS: usize = 200;
 
@@ -110,7 +108,12 @@ impl ListingPosition {
         let ink = if mark.faulty { view.theme.alarm_text } else { view.theme.muted };
         view.fit_right(number.trim_left(6.0).trim_right(theme::PAD), &(line + 1).to_string(), theme::SMALL, ink);
         let text = visible_text(rope, line, self.first_column);
-        let galley = view.painter.layout_job(layout_line(&text, theme::TITLE - 1.0, view.theme));
+        let mut job = layout_line(&text, theme::TITLE - 1.0, view.theme);
+        // A line that is cut ends in …; the one with the cursor scrolls sideways.
+        if mark.cursor.is_none() {
+            (job.wrap.max_width, job.wrap.max_rows, job.wrap.break_anywhere) = (words.width(), 1, true);
+        }
+        let galley = view.painter.layout_job(job);
         let top = (words.center().y - galley.size().y / 2.0).round();
         if let Some(column) = mark.cursor {
             let column = column.saturating_sub(self.first_column).min(text.chars().count());
@@ -118,13 +121,8 @@ impl ListingPosition {
             let caret = Rect::from_min_size(pos2(at - 1.0, place.min.y + 3.0), vec2(2.0, place.height() - 6.0));
             view.painter.rect_filled(caret, 0.0, view.theme.focus);
         }
-        let is_cut = galley.size().x > words.width();
-        let shown = if is_cut { words.trim_right(CUT_MARK_WIDTH) } else { words };
-        let painter = view.painter.with_clip_rect(shown.intersect(view.painter.clip_rect()));
+        let painter = view.painter.with_clip_rect(words.intersect(view.painter.clip_rect()));
         painter.galley(pos2(words.min.x, top), galley, view.theme.text);
-        if is_cut {
-            view.line_right(words, "…", theme::TITLE - 1.0, view.theme.muted);
-        }
     }
 
     /// Scrolls by finger and mouse wheel; returns the view clipped to the list, the visible lines, and the line and
