@@ -44,6 +44,12 @@ fn per_coordinate<T>(mut f: impl FnMut(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
+/// The scalar product. Written out, as above.
+#[inline]
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// Limits of the machine's axes and the length of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionLimits {

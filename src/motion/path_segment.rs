@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::{ArcDirection, AxisLimits, MotionLimits, MoveShape, per_coordinate};
+use super::{ArcDirection, AxisLimits, MotionLimits, MoveShape, dot, per_coordinate};
 use crate::units::{Axis, MachinePos};
 
 /// Shares of the axis limits on an arc, so that the vectors of acceleration and jerk stay below 1 in every direction.
@@ -128,7 +128,7 @@ impl PathSegment {
         match self.form {
             SegmentForm::Line => {
                 let d = self.directions[0];
-                let along: f64 = (0..3).map(|x| (point[x] - self.from[x]) * d[x]).sum();
+                let along = dot(per_coordinate(|x| point[x] - self.from[x]), d);
                 let along = along.max(low.max(0.0)).min(high.min(self.length));
                 (along, per_coordinate(|x| self.from[x] + along * d[x]))
             }
@@ -224,8 +224,17 @@ fn limits_along(limits: &MotionLimits, share: impl Fn(Axis) -> f64) -> AxisLimit
 
 /// Distance between two points, mm.
 #[must_use]
+#[inline]
 pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|x| (a[x] - b[x]) * (a[x] - b[x])).sum::<f64>().sqrt()
+    square_distance(a, b).sqrt()
+}
+
+/// Square of the distance between two points, mm².
+#[inline]
+#[must_use]
+pub fn square_distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let off = per_coordinate(|x| a[x] - b[x]);
+    dot(off, off)
 }
 
 #[cfg(test)]

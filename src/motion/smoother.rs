@@ -170,7 +170,9 @@ impl CurveSmoother {
         let high = self.along[(k + 1).min(n - 1)].min(end).min(band.end);
         let radius = band.moves[segment].tolerance * self.share;
         let spare = BOUNDS_MARGIN * radius;
-        let room = band.bounds(along).map(|(low, high)| {
+        let bounds = band.bounds(along);
+        let room = per_coordinate(|x| {
+            let (low, high) = bounds[x];
             let middle = f64::midpoint(low, high);
             ((low + spare).min(middle), (high - spare).max(middle))
         });
@@ -275,6 +277,11 @@ impl CurveSmoother {
         this.target = inside;
         this.dual = per_coordinate(|x| free[x] - inside[x]);
         self.attractors[k] = per_coordinate(|x| 2.0 * inside[x] - free[x]);
+    }
+
+    /// The four control points of interval `k`.
+    pub fn control_points(&self, k: usize) -> [[f64; 3]; 4] {
+        [self.points[k], self.points[k + 1], self.points[k + 2], self.points[k + 3]]
     }
 
     /// Narrows the band at the knots around interval `k`: the radius by `radius` (at least `least` remains) and the

@@ -4,8 +4,8 @@
 //! deviate to either side of the contour, but never beyond a reversal point of an axis: the wheel would cut into
 //! material that the program leaves.
 
-use super::path_segment::{MIN_LENGTH_MM, PathSegment, distance};
-use super::per_coordinate;
+use super::path_segment::{MIN_LENGTH_MM, PathSegment, distance, square_distance};
+use super::{dot, per_coordinate};
 
 /// Corners of more than 8° (cosine) are sharp.
 pub const SHARP_COSINE: f64 = 0.99;
@@ -267,18 +267,18 @@ impl ToleranceBand {
     }
 
     /// The nearest point of one move; its deviation is still squared.
+    #[inline]
     fn on_segment(&self, point: [f64; 3], low: f64, high: f64, segment: usize) -> NearestPoint {
         let start = self.starts[segment];
         let (along, on) = self.moves[segment].segment.nearest(point, low - start, high - start);
-        let off = (0..3).map(|x| (on[x] - point[x]) * (on[x] - point[x])).sum();
-        NearestPoint { along: start + along, point: on, deviation: off, segment }
+        NearestPoint { along: start + along, point: on, deviation: square_distance(on, point), segment }
     }
 }
 
 /// Cosine of the corner angle between two moves.
 pub fn cosine(before: &PathSegment, after: &PathSegment) -> f64 {
     let ([_, a], [b, _]) = (before.directions(), after.directions());
-    (0..3).map(|x| a[x] * b[x]).sum()
+    dot(a, b)
 }
 
 /// Estimated speed, mm/s, at which the corner between two moves can be rounded.

@@ -81,7 +81,7 @@ impl LookaheadWindow {
         while self.cursor < end && !budget.is_spent() {
             let k = self.cursor;
             self.cursor += 1;
-            let p = [0, 1, 2, 3].map(|i| self.smoother.points[k + i]);
+            let p = self.smoother.control_points(k);
             self.last_check = self.check_point(k, &p, 0.0, self.shares_at(k).0, budget);
             for quarter in 0..4 {
                 let from = f64::from(quarter) / 4.0;
@@ -114,7 +114,7 @@ impl LookaheadWindow {
         budget: &mut WorkBudget,
     ) {
         let [start, end] = ends;
-        let moves = [start, end].map(|point| &self.band.moves[point.segment]);
+        let moves = [&self.band.moves[start.segment], &self.band.moves[end.segment]];
         let tolerance = moves[0].tolerance.min(moves[1].tolerance);
         let share = self.shares_at(k).1;
         if start.deviation.max(end.deviation) > share * tolerance {
@@ -127,7 +127,7 @@ impl LookaheadWindow {
             let of_first = self.band.deviation_from(start.segment, end.at).max(start.deviation);
             highest = self.band.deviation_from(end.segment, start.at).max(end.deviation).min(of_first);
         }
-        let curvature = moves.map(|piece| piece.segment.curvature()).into_iter().fold(0.0, f64::max);
+        let curvature = moves[0].segment.curvature().max(moves[1].segment.curvature());
         let span = end.fraction - start.fraction;
         highest += (bend(p) + longest_step(p).powi(2) * curvature) * span * span / 8.0;
         if highest <= share * tolerance {

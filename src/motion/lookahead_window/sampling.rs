@@ -102,7 +102,7 @@ impl LookaheadWindow {
             let (left, right) = second[x];
             (p[2][x] - p[0][x]) / 2.0 + part * (left + part * (right - left) / 2.0)
         });
-        point.velocity = first.map(|d1| d1 * rate);
+        point.velocity = per_coordinate(|x| first[x] * rate);
         point.acceleration = per_coordinate(|x| {
             let (left, right) = second[x];
             ((left + part * (right - left)) * b + first[x] * slope / 2.0) / (d * d)

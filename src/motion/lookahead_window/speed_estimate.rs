@@ -7,6 +7,7 @@
 //! Source: an average over a triangle of half-width h is the second difference of the twofold sum; it cuts a bend of
 //! curvature κ by κh²/12, which is put back.
 
+use super::super::path_segment::square_distance;
 use super::super::tolerance_band::{ToleranceBand, corner_speed};
 use super::super::{MotionLimits, per_coordinate};
 use crate::units::WorkBudget;
@@ -159,7 +160,8 @@ impl SpeedEstimate {
     /// The average over a triangle of half-width `width` around a padded index, relative to the origin, mm.
     fn average(&self, index: usize, width: usize) -> [f64; 3] {
         let part = 1.0 / (width * width) as f64;
-        let [after, here, before] = [index + width - 1, index - 1, index - width - 1].map(|k| &self.sums[k]);
+        let (after, here, before) =
+            (&self.sums[index + width - 1], &self.sums[index - 1], &self.sums[index - width - 1]);
         per_coordinate(|x| (after[x] - 2.0 * here[x] + before[x]) * part)
     }
 
@@ -189,13 +191,13 @@ impl SpeedEstimate {
     /// Keeps the average of a width if it is within the tolerance and faster; false if it is not within the tolerance.
     fn try_width(&self, width: usize, tolerance: f64, limits: &MotionLimits, best: &mut BestAverage) -> bool {
         let index = self.cursor + PADDING;
-        let p = [-2, -1, 0, 1, 2].map(|k: isize| self.average(index.saturating_add_signed(k * width as isize), width));
+        let at = |index: usize| self.average(index, width);
+        let p = [at(index - 2 * width), at(index - width), at(index), at(index + width), at(index + 2 * width)];
         let h = width as f64 * self.step;
         let second = per_coordinate(|x| p[1][x] - 2.0 * p[2][x] + p[3][x]);
         let center = per_coordinate(|x| p[2][x] - second[x] / 12.0 + self.origin[x]);
         let here = &self.samples[self.cursor];
-        let square: f64 = (0..3).map(|x| (center[x] - here[x]).powi(2)).sum();
-        if square > tolerance * tolerance {
+        if square_distance(center, *here) > tolerance * tolerance {
             return false;
         }
         // Acceleration and jerk relative to their limits at 1 mm/s.

@@ -1,11 +1,11 @@
 //! The Newton step of the speed plan, computed knot by knot.
 //!
-//! Barrier functions of all limits with gradient and Hessian, the banded Cholesky factor, and the fraction of a step
+//! Barrier functions of all limits with gradient and Hessian, the banded factors, and the fraction of a step
 //! that keeps all limits. Knows nothing of the order of the passes.
 
 use super::terms::WEIGHTS;
 use super::{MAX_RATE_SQUARE, SpeedOptimizer};
-use crate::motion::per_coordinate;
+use crate::motion::dot;
 
 /// A step that exceeds a jerk limit is shortened by this factor until it does not, at most this many times.
 const STEP_REDUCTION: f64 = 0.8;
@@ -13,8 +13,11 @@ const MAX_REDUCTIONS: u32 = 40;
 /// Minimum distance to a limit in the barrier, so that a value beyond it by rounding is pushed back.
 const MIN_MARGIN: f64 = 1e-9;
 
-fn dot(w: [f64; 3], c: [f64; 3]) -> f64 {
-    w[0] * c[0] + w[1] * c[1] + w[2] * c[2]
+/// Inverse distances of a value to a limit and to its negative, with one division.
+fn inverse_margins(most: f64, value: f64) -> (f64, f64) {
+    let (above, below) = ((most - value).max(MIN_MARGIN), (most + value).max(MIN_MARGIN));
+    let inverse = 1.0 / (above * below);
+    (below * inverse, above * inverse)
 }
 
 impl SpeedOptimizer {
@@ -42,10 +45,10 @@ impl SpeedOptimizer {
         }
         if self.is_free(k) {
             let c = [c[k], c[k + 1], c[k + 2]];
-            let roots = WEIGHTS.map(|(wb, _)| dot(wb, c).max(0.0).sqrt());
-            for term in self.terms.at(k) {
-                for (jerk, root) in term.jerk.iter().zip(roots) {
-                    need = need.max(dot(*jerk, c).abs() * root);
+            for (place, (wb, _)) in WEIGHTS.iter().enumerate() {
+                let root = dot(*wb, c).max(0.0).sqrt();
+                for term in self.terms.at(k) {
+                    need = need.max(dot(term.jerk[place], c).abs() * root);
                 }
             }
         }
@@ -59,9 +62,9 @@ impl SpeedOptimizer {
         let (mu, slack) = (self.barrier, self.slack[k]);
         let last = self.rate_square.len() - 1;
         for row in if k + 1 == last { k..last + 1 } else { k..k + 1 } {
-            let c = self.rate_square[row];
-            self.gradient[row] -= mu / c;
-            self.hessian[row][0] += mu / (c * c);
+            let inverse = 1.0 / self.rate_square[row];
+            self.gradient[row] -= mu * inverse;
+            self.hessian[row][0] += mu * inverse * inverse;
         }
         let (c0, c1) = (self.rate_square[k], self.rate_square[k + 1]);
         let b = f64::midpoint(c0, c1);
@@ -85,7 +88,7 @@ impl SpeedOptimizer {
                 upper(term.velocity, slack);
                 let [l0, l1] = term.acceleration;
                 let value = l0 * c0 + l1 * c1;
-                let (u, w) = (1.0 / (slack - value).max(MIN_MARGIN), 1.0 / (slack + value).max(MIN_MARGIN));
+                let (u, w) = inverse_margins(slack, value);
                 let (slope, bend) = (mu * (u - w), mu * (u * u + w * w));
                 g[0] += slope * l0;
                 g[1] += slope * l1;
@@ -112,73 +115,81 @@ impl SpeedOptimizer {
     }
 
     /// The barrier of |value| ≤ slack/√b at three points of an interval.
+    ///
+    /// With u and w, the inverse margins above and below, the gradients of the two logarithms are (m' − l)·u and
+    /// (m' + l)·w: l are the factors of the jerk, m' = falls · wb is the slope of the limit itself. What stands with wb is
+    /// summed over the axes first.
     fn assemble_jerk(&self, k: usize, g: &mut [f64; 3], h: &mut [f64; 6]) {
-        let mu = self.barrier;
+        let (mu, slack) = (self.barrier, self.slack[k]);
         let c = [self.rate_square[k], self.rate_square[k + 1], self.rate_square[k + 2]];
-        let places = WEIGHTS.map(|(wb, _)| {
-            let b = dot(wb, c);
-            let most = self.slack[k] / b.sqrt();
-            // The limit itself decreases with b.
-            (most, wb.map(|w| -0.5 * most / b * w))
-        });
-        for term in self.terms.at(k) {
-            for (lever, (most, falls)) in term.jerk.iter().zip(&places) {
-                let value = dot(*lever, c);
-                let (u, w) = (1.0 / (most - value).max(MIN_MARGIN), 1.0 / (most + value).max(MIN_MARGIN));
-                let up = per_coordinate(|i| (falls[i] - lever[i]) * u);
-                let down = per_coordinate(|i| (falls[i] + lever[i]) * w);
+        for (place, (wb, _)) in WEIGHTS.iter().enumerate() {
+            let inverse_root = 1.0 / dot(*wb, c).sqrt();
+            let most = slack * inverse_root;
+            let falls = -0.5 * most * inverse_root * inverse_root;
+            let (mut slopes, mut bends, mut crossed) = (0.0, 0.0, [0.0; 3]);
+            for term in self.terms.at(k) {
+                let lever = &term.jerk[place];
+                let (u, w) = inverse_margins(most, dot(*lever, c));
+                let (uu, ww) = (u * u, w * w);
+                let (slope, bend, skew) = (mu * (w - u), mu * (uu + ww), mu * (ww - uu));
+                slopes += u + w;
+                bends += bend;
                 for row in 0..3 {
-                    g[row] -= mu * (up[row] + down[row]);
+                    g[row] -= slope * lever[row];
+                    crossed[row] += skew * lever[row];
                     for column in 0..=row {
-                        h[row * (row + 1) / 2 + column] += mu * (up[row] * up[column] + down[row] * down[column]);
+                        h[row * (row + 1) / 2 + column] += bend * lever[row] * lever[column];
                     }
+                }
+            }
+            let along = mu * slopes * falls;
+            let square = bends * falls * falls;
+            for row in 0..3 {
+                g[row] -= along * wb[row];
+                for column in 0..=row {
+                    h[row * (row + 1) / 2 + column] +=
+                        wb[row] * (square * wb[column] + falls * crossed[column]) + falls * crossed[row] * wb[column];
                 }
             }
         }
     }
 
-    /// One row of the banded Cholesky factor and of the forward substitution; the diagonal is stored inverted.
+    /// One row of the factors L · D · Lᵀ of the Hessian, banded, and of the forward substitution. L has ones in its
+    /// diagonal; the inverse of D stands in their place.
     pub(super) fn forward(&mut self, row: usize) {
         if row < self.fixed_count {
             self.hessian[row] = [1.0, 0.0, 0.0];
             self.step[row] = 0.0;
             return;
         }
-        let mut line = self.hessian[row];
-        let free = (row - self.fixed_count).min(2);
-        for lag in (0..=free).rev() {
-            let mut sum = line[lag];
-            for (back, entry) in line.iter().enumerate().take(free + 1).skip(lag + 1) {
-                sum -= entry * if lag == 0 { *entry } else { self.hessian[row - lag][back - lag] };
-            }
-            line[lag] = if lag == 0 {
-                1.0 / (sum * (1.0 + 1e-10)).max(1e-300).sqrt()
-            } else {
-                sum * self.hessian[row - lag][0]
-            };
-        }
-        for entry in &mut line[free + 1..] {
-            *entry = 0.0;
-        }
-        self.hessian[row] = line;
-        let mut sum = -self.gradient[row];
-        for (lag, entry) in line.iter().enumerate().take(free + 1).skip(1) {
-            sum -= entry * self.step[row - lag];
-        }
-        self.step[row] = sum * line[0];
+        let (last, before) = (self.factor_row(row, 1), self.factor_row(row, 2));
+        let [mut diagonal, mut first, second] = self.hessian[row];
+        first -= second * last.0[1];
+        let (l1, l2) = (first * last.0[0], second * before.0[0]);
+        diagonal -= first * l1 + second * l2;
+        self.hessian[row] = [1.0 / (diagonal * (1.0 + 1e-10)).max(1e-300), l1, l2];
+        self.step[row] = -self.gradient[row] - l1 * last.1 - l2 * before.1;
     }
 
+    /// The factor and the substituted value `back` rows before a row; zero where the coefficient is given.
+    fn factor_row(&self, row: usize, back: usize) -> ([f64; 3], f64) {
+        match row.checked_sub(back).filter(|row| *row >= self.fixed_count) {
+            Some(row) => (self.hessian[row], self.step[row]),
+            None => ([0.0; 3], 0.0),
+        }
+    }
+
+    /// One row of the backward substitution.
     pub(super) fn back(&mut self, row: usize) {
         if row < self.fixed_count {
             self.step[row] = 0.0;
             return;
         }
-        let n = self.rate_square.len();
-        let mut sum = self.step[row];
-        for lag in 1..3.min(n - row) {
+        let mut sum = self.step[row] * self.hessian[row][0];
+        for lag in 1..3.min(self.rate_square.len() - row) {
             sum -= self.hessian[row + lag][lag] * self.step[row + lag];
         }
-        self.step[row] = sum * self.hessian[row][0];
+        self.step[row] = sum;
     }
 
     /// Shortens the step as required by the limits of one knot and the interval after it.
@@ -208,11 +219,12 @@ impl SpeedOptimizer {
         if self.is_free(k) {
             within(-c[k + 2], -d[k + 2], 0.0);
             let (c, d) = ([c[k], c[k + 1], c[k + 2]], [d[k], d[k + 1], d[k + 2]]);
-            let rates = WEIGHTS.map(|(wb, _)| (dot(wb, c), dot(wb, d)));
             let most = slack * slack;
-            for term in self.terms.at(k) {
-                for (lever, (b, change)) in term.jerk.iter().zip(rates) {
-                    let (value, by) = (dot(*lever, c), dot(*lever, d));
+            for (place, (wb, _)) in WEIGHTS.iter().enumerate() {
+                let (b, change) = (dot(*wb, c), dot(*wb, d));
+                for term in self.terms.at(k) {
+                    let lever = term.jerk[place];
+                    let (value, by) = (dot(lever, c), dot(lever, d));
                     for _ in 0..MAX_REDUCTIONS {
                         let value = value + part * by;
                         if value * value * (b + part * change) < most {

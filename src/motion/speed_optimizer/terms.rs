@@ -31,10 +31,13 @@ pub struct LimitTerm {
 /// The limit terms of all knots of a curve.
 #[derive(Clone, Debug, Default)]
 pub struct LimitTerms {
-    per_axis: [Vec<LimitTerm>; 3],
+    /// Of each axis, knot by knot.
+    knots: Vec<[LimitTerm; 3]>,
     /// Factor of the squared path speed on b.
     pub speed: Vec<f64>,
-    moving: [bool; 3],
+    /// The moving axes are the first `moving_count` of these.
+    axes: [usize; 3],
+    moving_count: usize,
 }
 
 /// First and second derivative of one axis at a knot.
@@ -44,30 +47,40 @@ fn at_knot(p: &[[f64; 3]], k: usize, x: usize) -> (f64, f64) {
 
 impl LimitTerms {
     pub fn new() -> Self {
-        let of = || Vec::with_capacity(MAX_CONTROL_POINTS);
-        Self { per_axis: [of(), of(), of()], speed: Vec::with_capacity(MAX_CONTROL_POINTS), moving: [false; 3] }
+        let (knots, speed) = (Vec::with_capacity(MAX_CONTROL_POINTS), Vec::with_capacity(MAX_CONTROL_POINTS));
+        Self { knots, speed, axes: [0, 1, 2], moving_count: 0 }
     }
 
     pub fn clear(&mut self) {
-        self.per_axis.iter_mut().for_each(Vec::clear);
+        self.knots.clear();
         self.speed.clear();
-        self.moving = [false; 3];
+        (self.axes, self.moving_count) = ([0, 1, 2], 0);
     }
 
     /// Number of moving axes.
-    pub fn moving_axes(&self) -> usize {
-        self.moving.iter().filter(|moving| **moving).count()
+    pub const fn moving_axes(&self) -> usize {
+        self.moving_count
     }
 
     /// The terms of knot `k` for the moving axes.
+    #[inline]
     pub fn at(&self, k: usize) -> impl Iterator<Item = &LimitTerm> {
-        self.per_axis.iter().zip(self.moving).filter(|(_, moving)| *moving).map(move |(of, _)| &of[k])
+        let row = &self.knots[k];
+        self.axes.iter().take(self.moving_count).map(|axis| &row[*axis])
+    }
+
+    fn mark_moving(&mut self, axis: usize) {
+        if let Some(at) = self.axes.iter().skip(self.moving_count).position(|other| *other == axis) {
+            self.axes.swap(self.moving_count, self.moving_count + at);
+            self.moving_count += 1;
+        }
     }
 
     /// Appends the terms of knot `k`; `feed` is the maximum path speed there, mm per spacing.
     pub fn push(&mut self, p: &[[f64; 3]], k: usize, limits: &KnotLimits, feed: f64) {
         let interval = k + 3 < p.len();
         let mut square = 0.0;
+        let mut row = [LimitTerm::default(); 3];
         for x in 0..3 {
             let (d1, d2) = at_knot(p, k, x);
             square += d1 * d1;
@@ -78,7 +91,9 @@ impl LimitTerms {
                 jerk: [[0.0; 3]; 3],
             };
             if interval {
-                self.moving[x] |= (p[k + 3][x] - p[k][x]).abs() > MIN_MOTION_MM;
+                if (p[k + 3][x] - p[k][x]).abs() > MIN_MOTION_MM {
+                    self.mark_moving(x);
+                }
                 let (r1, r2) = at_knot(p, k + 1, x);
                 let d3 = r2 - d2;
                 let places = [(d1, d2), (d1 + d2 / 2.0 + d3 / 8.0, f64::midpoint(d2, r2)), (r1, r2)];
@@ -88,8 +103,9 @@ impl LimitTerms {
                         per_coordinate(|i| (d3 * wb[i] + 1.5 * d2 * ws[i] + 0.5 * d1 * SECOND_DIFFERENCE[i]) * inverse);
                 }
             }
-            self.per_axis[x].push(term);
+            row[x] = term;
         }
+        self.knots.push(row);
         self.speed.push(square / (feed * feed));
     }
 }
