@@ -128,7 +128,7 @@ fn play_lines(shared: &SharedArgs, lines: &[StoryLine], player: &mut Player<'_, 
         let host = player.host();
         let seconds = host.now().as_secs_f64();
         let message = &host.snapshot().message;
-        let refused = (message.tone == Tone::Warning && message.since > before).then(|| message.text.get(shared.lang));
+        let refused = (message.tone == Tone::Refused && message.since > before).then(|| message.text.get(shared.lang));
         print_outcome(shared.format, line, &done, refused.as_deref(), seconds);
         if line.statement == Statement::FaultList && shared.format == OutputFormat::Text {
             for row in FAULTS {

@@ -118,7 +118,7 @@ fn message(view: &View<'_>, hint: Option<&str>, of_page: Option<&str>) -> Option
     let fresh = message_is_fresh(view.snapshot) && of_page.is_none_or(|shown| shown != message.text.get(lang));
     let alarms = &view.snapshot.alarms;
     let raised = alarms.iter().find(|alarm| fresh && alarm.text == message.text);
-    if fresh && message.tone == Tone::Warning && raised.is_none() {
+    if fresh && message.tone != Tone::Info && raised.is_none() {
         return Some((message.text.get(lang).into_owned(), view.theme.hold));
     }
     if let Some(alarm) = raised.or(alarms.first()) {

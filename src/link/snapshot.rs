@@ -195,8 +195,10 @@ pub enum Tone {
     /// Something was executed.
     #[default]
     Info,
-    /// Something was refused, with the reason; or it was executed, and the operator must know more.
+    /// Something was executed or has happened, and the operator must know more.
     Warning,
+    /// Something was refused, with the reason, or an alarm has come.
+    Refused,
 }
 
 /// The message line.

@@ -384,6 +384,6 @@ pub fn long(page: Page) -> Snapshot {
 pub fn refused(page: Page) -> Snapshot {
     let mut snapshot = snapshot(page);
     let text = LocalizedText::new("头架旋转时尾座不能动作", "the tailstock is locked while the headstock turns");
-    snapshot.message = Message { text, tone: Tone::Warning, since: snapshot.now };
+    snapshot.message = Message { text, tone: Tone::Refused, since: snapshot.now };
     snapshot
 }

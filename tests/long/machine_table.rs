@@ -218,7 +218,7 @@ fn judge(row: &Row, rig: &mut HeadlessHost, mode: &str, kind: Kind) {
         Done | NoEffect | Waits => assert!(numbers.is_empty(), "{}: alarms {numbers:?}", at()),
     }
     if row.comes != Done {
-        let said = snapshot.message.tone == Tone::Warning && !snapshot.message.text.zh().is_empty();
+        let said = snapshot.message.tone == Tone::Refused && !snapshot.message.text.zh().is_empty();
         assert!(said, "{}: no reason given", at());
     }
     if let Some((output, on)) = row.output {

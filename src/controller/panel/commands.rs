@@ -13,6 +13,7 @@ use crate::defs::text::{Text, phrase};
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::files::{Requester, Ticket};
+use crate::link::snapshot::Tone;
 use crate::link::teach::TeachCommand;
 use crate::machine::panel_key::NOT_IN_RUN;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
@@ -126,8 +127,8 @@ impl Panel {
     fn tell_part_mounted(parts: &mut Parts<'_>) {
         let title = parts.plant.program_title(parts.plant.execution.current_program);
         parts.plant.show_note(phrase!(
-            "当前程序 {title}；已装其工件，G54 和刀补按工件设置",
-            "current program {title}; its part is mounted, G54 and offsets are set for it",
+            "当前程序 {title}；已装其工件，工件坐标已按其设置",
+            "current program {title}; its part is mounted, the work coordinates are set for it",
             title
         ));
     }
@@ -167,12 +168,13 @@ impl Panel {
         if is_for {
             parts.plant.show_note(phrase!("当前程序 {title}", "current program {title}", title));
         } else {
-            parts.plant.warn(phrase!(
+            let words = phrase!(
                 "当前程序 {title}：不是本机 {own} 的程序",
                 "current program {title}: it is not for this machine, {own}",
                 title,
                 own = kind.short_name()
-            ));
+            );
+            parts.plant.show(words, Tone::Warning);
         }
     }
 

@@ -81,8 +81,8 @@ impl Panel {
         self.handle_page_command(parts, command);
         let text = parts.plant.outbox.message.text.clone();
         match parts.plant.outbox.message.tone {
-            Tone::Info => Ok(text),
-            Tone::Warning => Err(text),
+            Tone::Info | Tone::Warning => Ok(text),
+            Tone::Refused => Err(text),
         }
     }
 

@@ -166,7 +166,7 @@ impl Panel {
                 continue;
             }
             Self::set_param(parts, *at, *value);
-            if parts.plant.outbox.message.tone == Tone::Warning {
+            if parts.plant.outbox.message.tone == Tone::Refused {
                 kept.push(at.to_string());
             }
         }

@@ -32,18 +32,18 @@ impl Outbox {
 
 impl Plant {
     pub fn show_note(&mut self, text: impl Into<LocalizedText>) {
-        self.outbox.message = Message { text: text.into(), tone: Tone::Info, since: self.now };
+        self.show(text, Tone::Info);
     }
 
     /// Refuses a command and shows the reason.
     pub fn refuse(&mut self, text: impl Into<LocalizedText>) {
-        self.warn(text);
+        self.show(text, Tone::Refused);
         self.outbox.refusal = Some(self.outbox.message.text.clone());
     }
 
-    /// Shows a warning: nothing was refused.
-    pub fn warn(&mut self, text: impl Into<LocalizedText>) {
-        self.outbox.message = Message { text: text.into(), tone: Tone::Warning, since: self.now };
+    /// Replaces the message.
+    pub fn show(&mut self, text: impl Into<LocalizedText>, tone: Tone) {
+        self.outbox.message = Message { text: text.into(), tone, since: self.now };
     }
 
     /// MSG: shown until replaced; an empty text ends it.

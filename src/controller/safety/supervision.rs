@@ -7,6 +7,7 @@ use crate::defs::alarm;
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, phrase};
+use crate::link::snapshot::Tone;
 use crate::machine::{Consequence, MachineFinding};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -111,7 +112,7 @@ impl Plant {
             self.alarms.raise(number, words, place);
             if let Some(alarm) = self.alarms.present().last().filter(|_| self.outbox.message.since < self.now) {
                 let text = alarm.text.clone();
-                self.warn(text);
+                self.show(text, Tone::Refused);
             }
         } else if !stopped {
             return;

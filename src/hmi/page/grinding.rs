@@ -47,8 +47,10 @@ pub struct GrindingPage {
     shown: (u32, Option<u32>),
     /// The alarm to whose value the cursor went last: number and time.
     pointed_at: Option<(u16, Micros)>,
-    /// Whether a run was active in the last snapshot, and whether it had a part.
-    shown_by_run: (bool, bool),
+    /// Whether a run was active in the last snapshot.
+    runs: bool,
+    /// Whether the last snapshot had a part.
+    has_part: bool,
 }
 
 impl PageUi for GrindingPage {
@@ -66,12 +68,12 @@ impl PageUi for GrindingPage {
             (self.shown, self.entry) = (shown, VariableEntry::default());
         }
         // The pad makes way for the drawing when a run begins, and for the part.
-        let shown_by_run = (snapshot.state.is_active(), snapshot.cycle.part.is_some());
-        let begins = (shown_by_run.0 && !self.shown_by_run.0) || (shown_by_run.1 && !self.shown_by_run.1);
-        if begins && self.entry.editor.text.is_empty() {
+        let (runs, has_part) = (snapshot.state.is_active(), snapshot.cycle.part.is_some());
+        let yields = (runs && !self.runs) || (has_part && !self.has_part);
+        if yields && self.entry.editor.text.is_empty() {
             self.entry.editor.pad_open = false;
         }
-        self.shown_by_run = shown_by_run;
+        (self.runs, self.has_part) = (runs, has_part);
         self.entry.editor.follow_lock(snapshot);
         let alarm = wrong_value(snapshot);
         let pointed_at = alarm.map(|alarm| (alarm.number, alarm.since));

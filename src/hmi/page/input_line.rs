@@ -34,6 +34,11 @@ pub fn split(rect: Rect) -> (Rect, Rect) {
     rect.split_bottom(theme::INPUT)
 }
 
+/// The room above the line for the numeric pad.
+pub fn pad_room(rect: Rect) -> Rect {
+    split(rect).0.shrink(theme::GAP)
+}
+
 /// Paints the bar of the line; returns the place of its texts.
 pub fn bar(view: &View<'_>, rect: Rect) -> Rect {
     view.painter.rect_filled(rect, 0.0, view.theme.surface);

@@ -35,7 +35,7 @@ use egui::{Rect, TextureId};
 
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
-use crate::hmi::{FieldEditor, KeyboardInput, Login, View, theme};
+use crate::hmi::{FieldEditor, KeyboardInput, Login, View};
 use crate::link::command::Picture;
 use crate::link::{Command, Snapshot};
 pub use input_line::InputPrompt;
@@ -98,7 +98,7 @@ pub trait PageUi: Any + fmt::Debug + Send {
     /// Where the numeric pad lies in the area of the page: beside the field, above the input line. A page that has a
     /// column without values names it, so that the pad stays where it is from field to field.
     fn pad_room(&self, rect: Rect) -> Rect {
-        input_line::split(rect).0.shrink(theme::GAP)
+        input_line::pad_room(rect)
     }
 
     /// Whether typed letters are text now; otherwise they are keys of the panel.
@@ -238,11 +238,7 @@ impl PageSet {
 
     /// Where the numeric pad lies in the area of the page.
     pub fn pad_room(&self, view: &View<'_>, rect: Rect) -> Rect {
-        if self.login.is_open() {
-            input_line::split(rect).0.shrink(theme::GAP)
-        } else {
-            self.page(view.snapshot.page).pad_room(rect)
-        }
+        if self.login.is_open() { input_line::pad_room(rect) } else { self.page(view.snapshot.page).pad_room(rect) }
     }
 
     /// Draws the open page; returns its commands.
