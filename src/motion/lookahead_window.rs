@@ -14,7 +14,7 @@ mod timing;
 
 use super::MotionLimits;
 use super::feed_scaling::{DifferenceLimits, SetpointHistory};
-use super::smoother::{CurveSmoother, MAX_CONTROL_POINTS};
+use super::smoother::{CurveSmoother, FIXED_POINTS, MAX_CONTROL_POINTS};
 use super::speed_optimizer::{KnotLimits, SpeedOptimizer};
 use super::tolerance_band::ToleranceBand;
 use crate::units::WorkBudget;
@@ -118,9 +118,17 @@ pub struct WindowStart {
     pub reserve: f64,
 }
 
-/// Time that a corner's rounding within a tolerance takes at a jerk, s: a bend over ±T deviates by jerk · T³ / 6.
-fn rounding_time_s(tolerance_mm: f64, jerk_mm_s3: f64) -> f64 {
-    (6.0 * tolerance_mm / jerk_mm_s3).cbrt()
+/// Time that a corner's rounding within a tolerance takes with the jerk of the fastest axis, s: a bend over ±T deviates by
+/// jerk · T³ / 6.
+fn rounding_time_s(limits: &MotionLimits, tolerance_mm: f64) -> f64 {
+    let jerk = limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(0.0, f64::max);
+    (6.0 * tolerance_mm / jerk).cbrt()
+}
+
+/// Knot spacing of a window with a tolerance, s.
+pub fn knot_spacing_s(limits: &MotionLimits, tolerance_mm: f64) -> f64 {
+    let (least, most) = KNOT_SPACING_RANGE_S;
+    (KNOTS_SHARE * rounding_time_s(limits, tolerance_mm)).max(least).min(most)
 }
 
 /// How far the curve exceeds tolerance and axis bounds in an interval, mm.
@@ -157,7 +165,9 @@ pub struct LookaheadWindow {
     worst_ratio: f64,
     /// The interval of the newest of the set-points with that ratio.
     worst_interval: usize,
-    /// Share of the slack at a start in motion that is used.
+    /// Number of control points after the given ones that follow the previous plan at a start in motion, and the share of
+    /// the slack that is used there.
+    guided: usize,
     lead_slack_share: f64,
     excess: Vec<IntervalExcess>,
     is_outside: bool,
@@ -195,6 +205,7 @@ impl LookaheadWindow {
             history: [[0.0; 3]; 4],
             worst_ratio: 0.0,
             worst_interval: 0,
+            guided: 0,
             lead_slack_share: 1.0,
             excess: Vec::with_capacity(MAX_CONTROL_POINTS),
             is_outside: false,
@@ -222,7 +233,7 @@ impl LookaheadWindow {
 
     /// Starts to plan inside the tolerance band, which must be filled and closed. In motion, `guide` is the previous plan
     /// from the start on.
-    pub fn begin(&mut self, start: WindowStart, guide: &[PlanPoint]) {
+    pub fn begin(&mut self, start: WindowStart, guide: &[PlanPoint], budget: &mut WorkBudget) {
         self.start = start;
         self.repairs = 0;
         self.slowdowns = 0;
@@ -230,14 +241,12 @@ impl LookaheadWindow {
         self.share = LIMIT_SHARE * (1.0 - start.reserve);
         self.is_cut = false;
         let tolerance = self.band.moves.iter().map(|piece| piece.tolerance).fold(f64::INFINITY, f64::min);
-        let jerk = self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(0.0, f64::max);
-        let rounding_s = rounding_time_s(tolerance, jerk);
-        self.next_spacing_s = (KNOTS_SHARE * rounding_s).max(KNOT_SPACING_RANGE_S.0).min(KNOT_SPACING_RANGE_S.1);
+        self.next_spacing_s = knot_spacing_s(&self.limits, tolerance);
         self.spacing_s =
             if start.point.is_in_motion() { self.next_spacing_s } else { self.next_spacing_s * FIRST_SPACING_FACTOR };
         self.begin_points();
-        self.follow_guide(guide);
-        self.estimate.begin(&self.band, rounding_s);
+        self.follow_guide(guide, budget);
+        self.estimate.begin(&self.band, rounding_time_s(&self.limits, tolerance));
         self.phase = WindowPhase::EstimateSpeed;
     }
 
@@ -259,6 +268,16 @@ impl LookaheadWindow {
     /// The plan is used: the next window starts on it.
     pub const fn adopt(&mut self) {
         self.adopted_share = self.share;
+    }
+
+    /// Number of knots of the plan.
+    pub const fn knot_count(&self) -> usize {
+        self.smoother.points.len()
+    }
+
+    /// Number of knots after a start in motion at which the curve follows the previous plan; 0 from rest.
+    fn lead_knots(&self) -> usize {
+        if self.start.point.is_in_motion() { FIXED_POINTS + self.guided } else { 0 }
     }
 
     /// Works on the plan until it is done or the budget is spent.
@@ -310,7 +329,7 @@ impl LookaheadWindow {
 
     fn begin_smoothing(&mut self, round: usize) {
         let jerk = self.limits.axes.map(|l| l.jerk_mm_s3 * self.spacing_s.powi(3) * self.share);
-        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE, jerk.0);
+        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE, jerk.0, self.guided);
         self.phase = WindowPhase::Smooth { round, left: ROUND_ITERATIONS[round] };
     }
 
@@ -346,6 +365,7 @@ impl LookaheadWindow {
         let in_motion = self.start.point.is_in_motion();
         let slack = if in_motion { 1.0 + (LEAD_SLACK - 1.0) * self.lead_slack_share } else { 1.0 };
         let slack = slack * (self.adopted_share / share).max(1.0);
+        self.speed.lead_knots = self.lead_knots();
         self.speed.begin(limits, in_motion, slack, round < LAST_ROUND);
         self.phase = WindowPhase::Speed { round };
     }

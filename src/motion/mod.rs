@@ -59,6 +59,18 @@ pub struct MotionLimits {
     pub tick_s: f64,
 }
 
+impl MotionLimits {
+    /// The least limits of all axes: what holds in every direction.
+    fn least(&self) -> AxisLimits {
+        let least = |of: fn(&AxisLimits) -> f64| self.axes.iter().map(|(_, l)| of(l)).fold(f64::INFINITY, f64::min);
+        AxisLimits {
+            velocity_mm_s: least(|l| l.velocity_mm_s),
+            acceleration_mm_s2: least(|l| l.acceleration_mm_s2),
+            jerk_mm_s3: least(|l| l.jerk_mm_s3),
+        }
+    }
+}
+
 /// The direction of an arc in its [`Plane`], in coordinates; independent of how a machine draws or mirrors its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ArcDirection {

@@ -16,6 +16,20 @@ pub struct AxisLimits {
     pub jerk_mm_s3: f64,
 }
 
+impl AxisLimits {
+    /// Time between rest and a speed in mm/s, s; the distance is speed · time / 2.
+    #[must_use]
+    pub fn ramp_s(self, speed_mm_s: f64) -> f64 {
+        let Self { acceleration_mm_s2: most, jerk_mm_s3: jerk, .. } = self;
+        // Up to a²/j the acceleration does not reach its limit.
+        if speed_mm_s * jerk <= most * most {
+            2.0 * (speed_mm_s / jerk).sqrt()
+        } else {
+            speed_mm_s / most + most / jerk
+        }
+    }
+}
+
 /// Position, velocity and acceleration at a point in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisState {

@@ -16,12 +16,14 @@ use super::slow_run::SlowRun;
 use super::tolerance_band::ToleranceBand;
 use super::{AxisLimits, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use crate::units::WorkBudget;
-use handover::{COST_PER_SECOND, WindowJob};
+use handover::{COST_PER_KNOT, WindowJob};
 
 /// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
 const LIMIT_SHARE: f64 = 0.999_99;
-/// Maximum units of planning work per tick: until the windows have reached their full length, and afterwards.
-pub const MAX_WORK_PER_TICK: usize = 26_000;
+/// Maximum units of planning work per tick, a unit being about a nanosecond: while a window from rest is planned, until the
+/// windows have reached their full length, and afterwards. At rest nobody else needs the tick, and the axes wait for it.
+pub const MAX_WORK_PER_TICK: usize = 60_000;
+const WORK_PER_TICK: usize = 18_000;
 const STEADY_WORK_PER_TICK: usize = 5_000;
 /// Maximum number of set-points appended per tick.
 const SETPOINTS_PER_TICK: usize = 24;
@@ -33,7 +35,7 @@ const MIN_AHEAD_TICKS: f64 = 96.0;
 /// The braking part of a plan is appended only when the axes are this near to the end of the buffer, in set-points.
 const APPEND_MARGIN_TICKS: u64 = 8;
 /// A run that may still grow is started when no move has been queued for this many ticks, or after this many ticks.
-const GATHER_TICKS: u32 = 3;
+const GATHER_TICKS: u32 = 1;
 const MAX_GATHER_TICKS: u32 = 8;
 
 /// What the path requests from the planner in a tick.
@@ -72,8 +74,11 @@ pub struct SetpointPlanner {
     job: Option<WindowJob>,
     /// Share of the horizon that is tried; halved when no valid plan from rest was found.
     horizon_fraction: f64,
-    /// Measured work units per second of a window.
-    cost_per_second: f64,
+    /// Measured work units per knot of a window, and the spacing of the knots, s.
+    cost_per_knot: f64,
+    knot_spacing_s: f64,
+    /// The last handover for which no plan was found.
+    failed_handover: Option<usize>,
     /// Queue length in the last tick, ticks without a change of it, and ticks that a run has waited to start.
     last_queue_length: usize,
     quiet_ticks: u32,
@@ -119,7 +124,9 @@ impl SetpointPlanner {
             window: LookaheadWindow::new(&limits),
             job: None,
             horizon_fraction: 1.0,
-            cost_per_second: COST_PER_SECOND,
+            cost_per_knot: COST_PER_KNOT,
+            knot_spacing_s: 1.0,
+            failed_handover: None,
             last_queue_length: 0,
             quiet_ticks: 0,
             waited_ticks: 0,
@@ -148,7 +155,7 @@ impl SetpointPlanner {
         self.resting_point = None;
         self.cancel_window();
         self.horizon_fraction = 1.0;
-        self.cost_per_second = COST_PER_SECOND;
+        self.cost_per_knot = COST_PER_KNOT;
     }
 
     /// The first move was removed from the queue.
@@ -170,8 +177,11 @@ impl SetpointPlanner {
         tick_budget: &mut WorkBudget,
     ) {
         let spot = request.spot;
-        let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, buffer, spot));
-        let units = if calm { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK };
+        let units = match self.job {
+            Some(job) if job.is_from_rest() => MAX_WORK_PER_TICK,
+            Some(job) if !job.is_steady() || self.is_urgent(job, buffer, spot) => WORK_PER_TICK,
+            Some(_) | None => STEADY_WORK_PER_TICK,
+        };
         let mut budget = tick_budget.share(units);
         self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };
         self.last_queue_length = moves.len();

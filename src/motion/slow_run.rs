@@ -25,7 +25,7 @@ const MAX_ENDS_PER_TICK: usize = 64;
 
 /// Half width N of the filter for a tolerance, ticks: jerk limit and tolerance then allow the same speed.
 fn half_width(limits: &MotionLimits, tolerance_mm: f64) -> usize {
-    let jerk = limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min);
+    let jerk = limits.least().jerk_mm_s3;
     // j·T²/4 = 3·tolerance/T.
     let ticks = (12.0 * tolerance_mm / jerk).cbrt() / limits.tick_s;
     (ticks.round() as usize).clamp(MIN_HALF_WIDTH, MAX_HALF_WIDTH)

@@ -2,9 +2,10 @@
 //!
 //! Moves the control points of a uniform cubic B-spline over nominal time until the weighted sum of the squares of their
 //! third differences is minimal while every knot lies in the band. The weights grow with the jerk, so that its peaks fall. A
-//! knot may move along the contour, so the smoothing also determines the timing. Knows nothing of velocity limits.
+//! knot may move along the contour, so the smoothing also determines the timing. The first intervals after a start in motion
+//! keep the jerk limit in nominal time, because the rate there is given. Knows nothing of velocity limits.
 //! Source: alternating directions (ADMM, Boyd et al. 2011): a banded least-squares step, then a projection of each knot into
-//! the band; reweighted least squares towards the fourth power. Every pass can be interrupted and resumed at any knot.
+//! the band and of each limited third difference into its limits; reweighted least squares towards the fourth power. Every pass can be interrupted and resumed at any knot.
 
 use super::per_coordinate;
 use super::tolerance_band::{AxisBounds, NearestPoint, ToleranceBand};
@@ -14,6 +15,10 @@ use crate::units::WorkBudget;
 pub const MAX_CONTROL_POINTS: usize = 640;
 /// Weight of the band constraint relative to jerk; found by trial on the benchmark paths.
 const BAND_WEIGHT: f64 = 0.03;
+/// Weight of the jerk limit at a start in motion: twice that of the jerk itself.
+const JERK_LIMIT_WEIGHT: f64 = 2.0;
+/// Share of the jerk limit that the first intervals may use: the iteration is unfinished.
+const JERK_LIMIT_SHARE: f64 = 0.95;
 /// Over-relaxation, 1 to 2.
 const RELAXATION: f64 = 1.7;
 /// Minimum number of fixed control points at either end: they define position, velocity and acceleration there.
@@ -28,11 +33,12 @@ const THIRD_DIFFERENCE: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
 /// Entries of MᵀM by distance from the diagonal, where M gives the knots.
 const MEAN: [f64; 4] = [18.0 / 36.0, 8.0 / 36.0, 1.0 / 36.0, 0.0];
 /// Work units of one knot in each pass.
-const COST_BEGIN: usize = 60;
-const COST_WEIGH: usize = 20;
-const COST_FACTOR: usize = 60;
-const COST_SOLVE: usize = 16;
-const COST_PROJECT: usize = 50;
+const COST_BEGIN: usize = 50;
+const COST_WEIGH: usize = 5;
+const COST_FACTOR: usize = 70;
+const COST_SOLVE: usize = 11;
+const COST_PROJECT: usize = 44;
+const COST_PROJECT_JERK: usize = 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum SmoothingPass {
@@ -42,6 +48,7 @@ enum SmoothingPass {
     Forward,
     Back,
     Project,
+    ProjectJerk,
 }
 
 /// State of one knot.
@@ -59,6 +66,15 @@ pub struct Knot {
     pub bounds: AxisBounds,
 }
 
+/// The limited third difference of an interval, mm.
+#[derive(Clone, Copy, Debug)]
+struct LimitedJerk {
+    target: [f64; 3],
+    dual: [f64; 3],
+    /// Target minus dual: what the least-squares step aims at.
+    attractor: [f64; 3],
+}
+
 /// Control points and the state of the iteration.
 #[derive(Clone, Debug)]
 pub struct CurveSmoother {
@@ -70,7 +86,10 @@ pub struct CurveSmoother {
     pub knots: Vec<Knot>,
     /// Weight of the third difference of each interval.
     weights: Vec<f64>,
-    /// One over the third difference at the jerk limit of each axis, 1/mm.
+    /// The first intervals, whose jerk is limited.
+    limited: Vec<LimitedJerk>,
+    /// The third difference at the jerk limit of each axis, mm, and one over it.
+    jerk: [f64; 3],
     inverse_jerk: [f64; 3],
     iterations: u32,
     factor: Vec<[f64; 4]>,
@@ -95,6 +114,8 @@ impl CurveSmoother {
             along: Vec::with_capacity(MAX_CONTROL_POINTS),
             knots: Vec::with_capacity(MAX_CONTROL_POINTS),
             weights: Vec::with_capacity(MAX_CONTROL_POINTS),
+            limited: Vec::with_capacity(MAX_CONTROL_POINTS),
+            jerk: [0.0; 3],
             inverse_jerk: [0.0; 3],
             iterations: 0,
             factor: Vec::with_capacity(MAX_CONTROL_POINTS),
@@ -107,9 +128,10 @@ impl CurveSmoother {
     }
 
     /// Starts from the present control points; `along` must be set for each. `share`: share of every tolerance used;
-    /// `jerk`: third difference at the jerk limit of each axis, mm.
-    pub fn begin(&mut self, share: f64, jerk: [f64; 3]) {
+    /// `jerk`: third difference at the jerk limit of each axis, mm, which the first `limited` intervals keep.
+    pub fn begin(&mut self, share: f64, jerk: [f64; 3], limited: usize) {
         self.share = share;
+        self.jerk = jerk;
         self.inverse_jerk = jerk.map(|j| 1.0 / j);
         self.iterations = 0;
         self.pass = SmoothingPass::Begin;
@@ -117,6 +139,11 @@ impl CurveSmoother {
         self.knots.clear();
         self.weights.clear();
         self.weights.resize(self.points.len() - FIXED_POINTS, 1.0);
+        self.limited.clear();
+        for k in 0..limited {
+            let target = self.clamp_jerk(self.third_difference(k));
+            self.limited.push(LimitedJerk { target, dual: [0.0; 3], attractor: target });
+        }
     }
 
     /// Works until one iteration is done; false if the work budget was spent before.
@@ -129,6 +156,7 @@ impl CurveSmoother {
                 SmoothingPass::Factor => (n - 2 * FIXED_POINTS, COST_FACTOR),
                 SmoothingPass::Forward | SmoothingPass::Back => (n - 2 * FIXED_POINTS, COST_SOLVE),
                 SmoothingPass::Project => (n - 1, COST_PROJECT),
+                SmoothingPass::ProjectJerk => (self.limited.len(), COST_PROJECT_JERK),
             };
             let from = self.cursor;
             let until = budget.spend_on_slice(from, end, cost);
@@ -139,6 +167,7 @@ impl CurveSmoother {
                 SmoothingPass::Forward => (from..until).for_each(|k| self.forward(k + FIXED_POINTS)),
                 SmoothingPass::Back => (from..until).for_each(|k| self.back(n - FIXED_POINTS - 1 - k)),
                 SmoothingPass::Project => (from..until).for_each(|k| self.project(band, k)),
+                SmoothingPass::ProjectJerk => (from..until).for_each(|k| self.project_jerk(k)),
             }
             self.cursor = until;
             if until < end {
@@ -150,7 +179,8 @@ impl CurveSmoother {
                 SmoothingPass::Forward => (SmoothingPass::Back, 0),
                 // The knots before the last given control point are given, too.
                 SmoothingPass::Back => (SmoothingPass::Project, FIXED_POINTS - 1),
-                SmoothingPass::Project => {
+                SmoothingPass::Project => (SmoothingPass::ProjectJerk, 0),
+                SmoothingPass::ProjectJerk => {
                     self.iterations += 1;
                     let is_due = self.iterations.is_multiple_of(ITERATIONS_PER_WEIGHING);
                     self.pass = if is_due { SmoothingPass::Weigh } else { SmoothingPass::Forward };
@@ -193,10 +223,23 @@ impl CurveSmoother {
 
     /// The weight of an interval: the geometric mean of the last one and the square of its share of the jerk limit.
     fn weigh(&mut self, k: usize) {
-        let p = &self.points[k..k + 4];
-        let third = |x: usize| p[3][x] - 3.0 * p[2][x] + 3.0 * p[1][x] - p[0][x];
-        let share = (0..3).map(|x| (third(x) * self.inverse_jerk[x]).abs()).fold(0.0, f64::max);
+        let third = self.third_difference(k);
+        let share = (0..3).map(|x| (third[x] * self.inverse_jerk[x]).abs()).fold(0.0, f64::max);
         self.weights[k] = (self.weights[k] * (share * share).clamp(WEIGHTS.0, WEIGHTS.1)).sqrt();
+    }
+
+    /// The third difference of an interval, mm.
+    fn third_difference(&self, k: usize) -> [f64; 3] {
+        let p = &self.points[k..k + 4];
+        per_coordinate(|x| p[3][x] - 3.0 * p[2][x] + 3.0 * p[1][x] - p[0][x])
+    }
+
+    /// The nearest third difference within the limits.
+    fn clamp_jerk(&self, third: [f64; 3]) -> [f64; 3] {
+        per_coordinate(|x| {
+            let most = JERK_LIMIT_SHARE * self.jerk[x];
+            third[x].max(-most).min(most)
+        })
     }
 
     /// Entry of the matrix D3ᵀWD3 + weight MᵀM.
@@ -204,8 +247,13 @@ impl CurveSmoother {
         let (low, high) = (row.min(column), row.max(column));
         let last = self.weights.len() - 1;
         let jerk = (high.saturating_sub(3)..=low.min(last))
-            .map(|k| self.weights[k] * THIRD_DIFFERENCE[high - k] * THIRD_DIFFERENCE[low - k]);
+            .map(|k| self.jerk_weight(k) * THIRD_DIFFERENCE[high - k] * THIRD_DIFFERENCE[low - k]);
         jerk.sum::<f64>() + BAND_WEIGHT * MEAN[high - low]
+    }
+
+    /// Weight of the jerk of an interval, with that of its limit.
+    fn jerk_weight(&self, k: usize) -> f64 {
+        self.weights[k] + if k < self.limited.len() { JERK_LIMIT_WEIGHT } else { 0.0 }
     }
 
     /// One row of the banded Cholesky factor over the free control points; the diagonal is stored inverted.
@@ -230,6 +278,10 @@ impl CurveSmoother {
         let n = self.points.len();
         let aim = [self.attractors[row - 1], self.attractors[row], self.attractors[row + 1]];
         let mut sum = per_coordinate(|x| (BAND_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
+        for k in row - FIXED_POINTS..self.limited.len().min(row + 1) {
+            let (aim, weight) = (&self.limited[k].attractor, JERK_LIMIT_WEIGHT * THIRD_DIFFERENCE[row - k]);
+            (0..3).for_each(|x| sum[x] += weight * aim[x]);
+        }
         // Contribution of the fixed control points (D3 and M), moved to the right-hand side.
         if row < 2 * FIXED_POINTS || row >= n - 2 * FIXED_POINTS {
             for column in (row - 3..=row + 3).filter(|c| *c < FIXED_POINTS || *c >= n - FIXED_POINTS) {
@@ -277,6 +329,19 @@ impl CurveSmoother {
         this.target = inside;
         this.dual = per_coordinate(|x| free[x] - inside[x]);
         self.attractors[k] = per_coordinate(|x| 2.0 * inside[x] - free[x]);
+    }
+
+    /// Projects the third difference of one of the first intervals into the jerk limits.
+    fn project_jerk(&mut self, k: usize) {
+        let here = self.third_difference(k);
+        let LimitedJerk { target, dual, .. } = self.limited[k];
+        let free = per_coordinate(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * target[x] + dual[x]);
+        let target = self.clamp_jerk(free);
+        self.limited[k] = LimitedJerk {
+            target,
+            dual: per_coordinate(|x| free[x] - target[x]),
+            attractor: per_coordinate(|x| 2.0 * target[x] - free[x]),
+        };
     }
 
     /// The four control points of interval `k`.

@@ -37,18 +37,18 @@ const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
 const EVEN_START_ABOVE: f64 = 1.2;
 /// The slack of a knot is removed when less than this is needed.
 const SLACK_REMOVED_BELOW: f64 = 0.998;
-/// Number of knots at a start in motion with wider limits.
-pub const LEAD_KNOTS: usize = 20;
 /// Number of coefficients that are given at a start in motion: rate and acceleration there.
 const GIVEN_COEFFICIENTS: usize = 2;
 /// Share of the maximum constant rate that a plan from rest starts with.
 const EVEN_SHARE: f64 = 0.9;
 /// Work units of one knot in each pass: base, and per moving axis.
-const COST_TERMS: (usize, usize) = (20, 40);
-const COST_ASSEMBLE: (usize, usize) = (25, 35);
-const COST_SOLVE: usize = 12;
-const COST_LIMIT_STEP: (usize, usize) = (12, 15);
-const COST_MEASURE: (usize, usize) = (8, 10);
+const COST_CLEAR: usize = 4;
+const COST_APPLY: usize = 4;
+const COST_TERMS: (usize, usize) = (30, 40);
+const COST_ASSEMBLE: (usize, usize) = (39, 55);
+const COST_SOLVE: usize = 9;
+const COST_LIMIT_STEP: (usize, usize) = (12, 14);
+const COST_MEASURE: (usize, usize) = (10, 13);
 
 /// Axis limits in units of the knot spacing d: mm/d, mm/d², mm/d³.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,6 +84,8 @@ pub struct SpeedOptimizer {
     pub feed: Vec<f64>,
     /// Number of knots over which the nominal rate blends to a constant one.
     pub even_knots: usize,
+    /// Number of knots at a start in motion whose limits may be wider.
+    pub lead_knots: usize,
     limits: KnotLimits,
     terms: LimitTerms,
     /// Number of fixed coefficients at the start.
@@ -163,11 +165,11 @@ impl SpeedOptimizer {
             let (end, cost) = match self.pass {
                 OptimizerPass::Terms => (knots, COST_TERMS.0 + COST_TERMS.1 * 3),
                 OptimizerPass::Measure => (knots, per(COST_MEASURE)),
-                OptimizerPass::Clear => (knots + 1, 3),
+                OptimizerPass::Clear => (knots + 1, COST_CLEAR),
                 OptimizerPass::Assemble => (knots, per(COST_ASSEMBLE)),
                 OptimizerPass::Forward | OptimizerPass::Back => (knots + 1, COST_SOLVE),
                 OptimizerPass::LimitStep => (knots, per(COST_LIMIT_STEP)),
-                OptimizerPass::ApplyStep => (knots + 1, 2),
+                OptimizerPass::ApplyStep => (knots + 1, COST_APPLY),
                 OptimizerPass::Done => (0, 0),
             };
             let from = self.cursor;
@@ -264,7 +266,7 @@ impl SpeedOptimizer {
 
     /// Minimum factor on the limits around a knot.
     fn lead_slack(&self, k: usize) -> f64 {
-        if self.fixed_count > 0 && k < LEAD_KNOTS { self.lead_slack } else { 1.0 }
+        if self.fixed_count > 0 && k < self.lead_knots { self.lead_slack } else { 1.0 }
     }
 
     /// Factor on the limits around a knot whose coefficients need the factor `need`: slightly more than needed, with a

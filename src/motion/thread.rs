@@ -46,12 +46,6 @@ const FILTER_SPEED_GAIN: f64 = 0.005;
 const MEASURING_TICKS: u32 = 200;
 /// Below this speed, turns per second, the spindle counts as stopped.
 const STANDSTILL_HZ: f64 = 0.01;
-/// Time, s, for accelerating an axis from rest to a speed in mm/s; the distance is speed · time / 2.
-#[must_use]
-pub fn run_up_s(speed_mm_s: f64, limits: AxisLimits) -> f64 {
-    let AxisLimits { acceleration_mm_s2: most, jerk_mm_s3: jerk, .. } = limits;
-    if speed_mm_s * jerk <= most * most { 2.0 * (speed_mm_s / jerk).sqrt() } else { speed_mm_s / most + most / jerk }
-}
 
 impl SpindleFilter {
     fn step(&mut self, turns: f64) {
@@ -140,7 +134,7 @@ impl ThreadMover {
 
     /// Turns before the index at which Z starts: half of its run-up plus one tick.
     fn start_lead_turns(&self) -> f64 {
-        let seconds = run_up_s(self.speed_mm_s().abs(), self.limits.axes[Axis::Z]) / 2.0 + self.limits.tick_s;
+        let seconds = self.limits.axes[Axis::Z].ramp_s(self.speed_mm_s().abs()) / 2.0 + self.limits.tick_s;
         self.spindle.turns_per_tick.abs() / self.limits.tick_s * seconds
     }
 

@@ -30,6 +30,7 @@ mod restart;
 mod retract;
 mod run_control;
 mod run_phase;
+mod start_latency;
 mod teach_in;
 mod thread_recorder;
 mod vertical;

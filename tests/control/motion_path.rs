@@ -296,7 +296,7 @@ fn planning_is_spread_over_ticks_and_the_start_does_not_wait_long() {
         }
     });
     assert!(most <= MAX_WORK_PER_TICK, "{most} units in a tick");
-    assert!(waited <= Some(60), "first movement in tick {waited:?}");
+    assert!(waited <= Some(35), "first movement in tick {waited:?}");
 }
 
 #[test]

@@ -9,7 +9,6 @@ use super::super::path_segment::distance;
 use super::super::per_coordinate;
 use super::super::setpoint_buffer::spline;
 use super::super::smoother::FIXED_POINTS;
-use super::super::speed_optimizer::LEAD_KNOTS;
 use super::{
     CurvePosition, IntervalExcess, LAST_ROUND, LookaheadWindow, MAX_PLAN_TICKS, MAX_REPAIRS, MAX_SLOWDOWNS,
     REPAIR_ITERATIONS, TOLERANCE_SHARE, WindowPhase,
@@ -35,10 +34,10 @@ const LEAD_MAX_OVERSHOOT_MM: f64 = 9e-7;
 /// 0.6, 0.3 and 0.1 %, the last of which the share of the limits covers.
 const LEAD_SLACK_STEP: f64 = 0.4;
 /// Work units of one checked point, and of one set-point without its checked points.
-const COST_CHECK_POINT: usize = 100;
+const COST_CHECK_POINT: usize = 90;
 /// Work units of the distances from two moves: a checked point looks at seven or more.
 const COST_TWO_MOVES: usize = 30;
-const COST_CHECK_SETPOINT: usize = 300;
+const COST_CHECK_SETPOINT: usize = 200;
 
 /// A checked point of an interval between two knots or set-points.
 #[derive(Clone, Copy, Debug, Default)]
@@ -293,7 +292,7 @@ impl LookaheadWindow {
             self.phase = WindowPhase::Failed;
         } else if self.worst_ratio > 1.0 {
             self.slowdowns += 1;
-            if self.start.point.is_in_motion() && self.worst_interval < LEAD_KNOTS {
+            if self.worst_interval < self.lead_knots() {
                 self.lead_slack_share *= LEAD_SLACK_STEP;
             } else {
                 self.share *= (1.0 / self.worst_ratio).max(0.9) * 0.998;

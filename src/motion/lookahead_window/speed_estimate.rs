@@ -24,10 +24,10 @@ const PADDING: usize = 3 * WIDTHS[WIDTHS.len() - 1] + 1;
 /// Deviation of a usable average, as a share of the tolerance: the smoothed curve uses the rest.
 const DEVIATION_SHARE: f64 = 0.8;
 /// Work units of a sample, of a sum, of an average of one width, and of a corner.
-const COST_SAMPLE: usize = 60;
-const COST_SUM: usize = 8;
-const COST_WIDTH: usize = 110;
-const COST_CORNER: usize = 80;
+const COST_SAMPLE: usize = 36;
+const COST_SUM: usize = 5;
+const COST_WIDTH: usize = 66;
+const COST_CORNER: usize = 50;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum EstimatePass {
@@ -217,7 +217,7 @@ impl SpeedEstimate {
 
     /// The speed of the slowest corner within an interval of a distance along the contour, mm/s.
     fn slowest_corner(&self, band: &ToleranceBand, along: f64, limits: &MotionLimits, budget: &mut WorkBudget) -> f64 {
-        let jerk = limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min);
+        let jerk = limits.least().jerk_mm_s3;
         let first = band.segment_at((along - self.step).max(0.0));
         let mut speed = band.moves[first].top_speed;
         for (k, pair) in band.moves.windows(2).enumerate().skip(first) {

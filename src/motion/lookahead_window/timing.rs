@@ -3,7 +3,6 @@
 //! Places them at even times of the estimated speed, and again at even times of the planned speed. Knows nothing of the
 //! smoothing.
 
-use super::super::AxisLimits;
 use super::super::path_segment::distance;
 use super::super::per_coordinate;
 use super::super::smoother::{FIXED_POINTS, MAX_CONTROL_POINTS};
@@ -19,9 +18,10 @@ const ACCELERATION_SHARE: f64 = 0.5;
 /// Number of knots over which the rate at the start blends to a constant one: in braking times, and its range.
 const EVEN_BRAKING_TIMES: f64 = 1.2;
 const EVEN_KNOTS: (usize, usize) = (20, 80);
-/// Work units of one control point placed, and of one placed again.
-const COST_PLACE: usize = 130;
-const COST_RETIME: usize = 250;
+/// Work units of one control point on the previous plan, of one placed along the contour, and of one placed again.
+const COST_GUIDE: usize = 40;
+const COST_PLACE: usize = 80;
+const COST_RETIME: usize = 130;
 
 impl LookaheadWindow {
     /// The first three control points: position, velocity and acceleration at the start.
@@ -40,33 +40,36 @@ impl LookaheadWindow {
     }
 
     /// In motion, the next control points follow the previous plan from the start on, in its own time.
-    pub(super) fn follow_guide(&mut self, guide: &[PlanPoint]) {
+    pub(super) fn follow_guide(&mut self, guide: &[PlanPoint], budget: &mut WorkBudget) {
         let (d, tick) = (self.spacing_s, self.limits.tick_s);
         let smooth = &mut self.smoother;
-        while let Some(point) = guide.get((((smooth.points.len() - 1) as f64 * d) / tick) as usize)
-            && smooth.points.len() < MAX_PLACED_POINTS
-        {
-            let since = ((smooth.points.len() - 1) as f64 * d) % tick;
+        for time in (FIXED_POINTS - 1..MAX_PLACED_POINTS - 1).map(|knot| knot as f64 * d) {
+            let index = (time / tick) as usize;
+            let Some(point) = guide.get(index) else { break };
+            let since = time - index as f64 * tick;
             let along = point.along - self.start.shift.0 + since * distance(point.velocity, [0.0; 3]);
             let least = smooth.along[smooth.along.len() - 1];
+            if along >= self.band.end {
+                break;
+            }
+            smooth.along.push(along.max(least));
             // A spline's control point lies beside its curve by a sixth of the second difference.
             smooth.points.push(per_coordinate(|x| {
                 let (v, a) = (point.velocity[x], point.acceleration[x]);
                 point.at[x] + since * (v + since / 2.0 * a) - a * d * d / 6.0
             }));
-            smooth.along.push(along.max(least).min(self.band.end));
         }
+        self.guided = smooth.points.len() - FIXED_POINTS;
+        budget.spend(self.guided * COST_GUIDE);
     }
 
     pub(super) fn begin_placing(&mut self) {
         let last = self.smoother.points.len() - 1;
         let from = self.smoother.along[last];
         let speed = distance(self.smoother.points[last], self.smoother.points[last - 2]) / (2.0 * self.spacing_s);
-        let push = ACCELERATION_SHARE * least(self, |l| l.acceleration_mm_s2);
-        self.estimate.limit_acceleration(from, speed, push);
-        let (push, jerk) = (2.0 * push, least(self, |l| l.jerk_mm_s3));
-        let brake = (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt());
-        let even = (EVEN_BRAKING_TIMES * brake / self.next_spacing_s) as usize;
+        let limits = self.limits.least();
+        self.estimate.limit_acceleration(from, speed, ACCELERATION_SHARE * limits.acceleration_mm_s2);
+        let even = (EVEN_BRAKING_TIMES * limits.ramp_s(speed) / self.next_spacing_s) as usize;
         self.speed.even_knots = even.clamp(EVEN_KNOTS.0, EVEN_KNOTS.1);
         self.sum = from;
     }
@@ -74,7 +77,7 @@ impl LookaheadWindow {
     /// Places control points along the contour at even times of the estimated speed, up to the maximum; true when done.
     pub(super) fn place_points(&mut self, budget: &mut WorkBudget) -> bool {
         let end = self.band.end;
-        let least = 0.5 * ACCELERATION_SHARE * least(self, |l| l.acceleration_mm_s2) * self.spacing_s;
+        let least = 0.5 * ACCELERATION_SHARE * self.limits.least().acceleration_mm_s2 * self.spacing_s;
         while !budget.is_spent() {
             budget.spend(COST_PLACE);
             let half = self.sum + self.estimate.speed_at(self.sum).max(least) * self.spacing_s / 2.0;
@@ -135,12 +138,9 @@ impl LookaheadWindow {
                 self.add_end_points();
                 return true;
             }
+            // Start values only: the smoothing takes them into its own curve.
             self.new_points.push((self.position(), self.along()));
         }
         false
     }
-}
-
-fn least(window: &LookaheadWindow, of: fn(&AxisLimits) -> f64) -> f64 {
-    window.limits.axes.iter().map(|(_, l)| of(l)).fold(f64::INFINITY, f64::min)
 }

@@ -3,25 +3,28 @@
 //! Selects handover and horizon. Knows nothing of how a window is planned or appended.
 
 use super::super::blending::{BandFiller, Continuation, FillResult, continuation};
-use super::super::lookahead_window::{PlanPoint, WindowStart};
+use super::super::lookahead_window::{PlanPoint, WindowStart, knot_spacing_s};
 use super::super::queued_move::MoveQueue;
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::super::tolerance_band::{SHARP_COSINE, cosine};
 use super::super::{MIN_FEED_MM_S, MotionSpeed};
 use super::{
-    APPEND_MARGIN_TICKS, MAX_WORK_PER_TICK, PlanRequest, STEADY_WORK_PER_TICK, SetpointPlanner, append_rest, top_speed,
+    APPEND_MARGIN_TICKS, PlanRequest, STEADY_WORK_PER_TICK, SetpointPlanner, WORK_PER_TICK, append_rest, top_speed,
 };
 use crate::units::WorkBudget;
 
-/// Minimum and maximum horizon of a window, s.
-const MIN_HORIZON_S: f64 = 0.25;
+/// Time that the first window leaves for planning the next one, s; minimum and maximum horizon of a window.
+const FIRST_HORIZON_S: f64 = 0.25;
+const MIN_HORIZON_S: f64 = 0.35;
 const MAX_HORIZON_S: f64 = 1.4;
 /// Horizon where there is no time for the minimum, s.
 const SHORT_HORIZON_S: f64 = 0.1;
-/// Work units per second of a window from the first timing to the last check: about that of a tolerance of 10 µm. And the rate
-/// at which a lower cost is learned.
-pub const COST_PER_SECOND: f64 = 5e6;
+/// Work units per knot of a window, from the first timing to the last check; and the rate at which a lower cost is learned.
+pub const COST_PER_KNOT: f64 = 12_000.0;
 const COST_DECAY: f64 = 0.2;
+/// Range of the learned cost: few steps and no repair, and many of both.
+const MIN_COST_PER_KNOT: f64 = 0.5 * COST_PER_KNOT;
+const MAX_COST_PER_KNOT: f64 = 3.0 * COST_PER_KNOT;
 /// Approximate time of braking at the end of a window, s.
 const BRAKE_S: f64 = 0.12;
 /// Set-points before a handover that the next window takes into account.
@@ -38,6 +41,10 @@ const MAX_LEAD_TICKS: usize = 160;
 const SHORT_LEAD_TICKS: i64 = 24;
 /// This near to the handover, in ticks, the full work budget is used.
 const URGENT_TICKS: u64 = 48;
+/// After a window in motion has failed, the next one starts at least this many ticks later: nearly the same state fails again.
+const RETRY_TICKS: usize = 24;
+/// Work units of one move or set-point looked at in choosing a handover.
+const COST_LOOK: usize = 12;
 /// Minimum planning time, ticks.
 const MIN_PLANNING_TICKS: i64 = 80;
 /// Minimum time for which a window starts along the previous plan, also where that plan brakes, s: the acceleration at the
@@ -51,6 +58,8 @@ const RATE_RESERVE: f64 = 0.04;
 pub struct WindowJob {
     /// Index of the last set-point of the current plan that is still used; 0 from rest.
     pub handover: usize,
+    /// Index of the last set-point of the current plan that the window follows.
+    guide_end: usize,
     /// Whether it starts in motion.
     in_motion: bool,
     filler: BandFiller,
@@ -58,8 +67,7 @@ pub struct WindowJob {
     fill_result: FillResult,
     /// Whether the window has its full length within the steady work budget.
     steady: bool,
-    /// Horizon, s, and work units spent.
-    horizon_s: f64,
+    /// Work units spent.
     work_spent: usize,
 }
 
@@ -70,8 +78,9 @@ struct HandoverChoice {
     handover: usize,
     /// Index of the first move of the old tolerance band that is taken over.
     first: usize,
-    /// The end of the part of the old curve that is taken over.
+    /// The end of the part of the old curve that is taken over, and its index on the plan.
     end: PlanPoint,
+    guide_end: usize,
     /// Horizon from there, s.
     horizon_s: f64,
     /// Serial number of the next move if no move is taken over.
@@ -86,13 +95,17 @@ impl WindowJob {
         self.steady
     }
 
-    /// The part of the present plan that a window in motion follows at first; up to `best` it does not brake.
-    fn guide<'a>(&self, plan: &'a [PlanPoint], best: usize, tick_s: f64) -> &'a [PlanPoint] {
+    /// Whether the axes wait for it at rest.
+    pub const fn is_from_rest(&self) -> bool {
+        !self.in_motion
+    }
+
+    /// The part of the present plan that a window in motion follows at first.
+    fn guide<'a>(&self, plan: &'a [PlanPoint]) -> &'a [PlanPoint] {
         if !self.in_motion {
             return &[];
         }
-        let least = self.handover + (MIN_GUIDE_S / tick_s) as usize;
-        plan.get(self.handover..plan.len().min(best.max(least) + 1)).unwrap_or_default()
+        plan.get(self.handover..plan.len().min(self.guide_end + 1)).unwrap_or_default()
     }
 }
 
@@ -113,14 +126,16 @@ impl SetpointPlanner {
         let history = [point.at; 4];
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let (first, next) = (point.segment, queued.number);
-        let brake = self.brake_s(top_speed(queued, &self.limits, request.feed_override));
+        self.knot_spacing_s = knot_spacing_s(&self.limits, queued.tolerance_mm);
+        let brake = self.limits.least().ramp_s(top_speed(queued, &self.limits, request.feed_override));
         let horizon_s = self.first_horizon_s(brake);
-        let choice = HandoverChoice { handover: 0, first, end: point, horizon_s, next, steady: false };
+        let choice = HandoverChoice { handover: 0, first, end: point, guide_end: 0, horizon_s, next, steady: false };
         self.begin_job(start, choice, request);
     }
 
     fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, request: PlanRequest) {
-        let HandoverChoice { handover, first, horizon_s: seconds, next, steady, .. } = choice;
+        let HandoverChoice { handover, first, guide_end, horizon_s: seconds, next, steady, .. } = choice;
+        let limits = self.limits.least();
         self.window.clear();
         self.window.band.continue_from(&self.band, first);
         let mut start = start;
@@ -137,19 +152,18 @@ impl SetpointPlanner {
             time_left_s: seconds * self.horizon_fraction,
             from: choice.end.along - start.shift.0,
             speed: choice.end.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
-            acceleration: self.limits.axes.iter().map(|(_, l)| l.acceleration_mm_s2).fold(f64::INFINITY, f64::min)
-                / 2.0,
-            jerk: self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min),
+            acceleration: limits.acceleration_mm_s2 / 2.0,
+            jerk: limits.jerk_mm_s3,
             feed_override: request.feed_override.max(least),
         };
         self.job = Some(WindowJob {
             handover,
+            guide_end,
             in_motion,
             filler: filling,
             start,
             fill_result: FillResult::Incomplete,
             steady,
-            horizon_s: seconds * self.horizon_fraction,
             work_spent: 0,
         });
     }
@@ -162,18 +176,19 @@ impl SetpointPlanner {
         request: PlanRequest,
         budget: &mut WorkBudget,
     ) {
-        if self.job.is_some_and(|job| job.steady && job.in_motion && request.feed_override > job.filler.feed_override) {
+        let is_slower = |job: WindowJob| job.in_motion && request.feed_override > job.filler.feed_override;
+        if self.job.is_some_and(|job| job.steady && is_slower(job) && !self.is_urgent(job, buffer, request.spot)) {
             // There was enough time, so there is enough for a faster window.
             self.cancel_window();
         }
         if self.job.is_none() && !request.braking && self.is_extendable && !self.plan.is_empty() {
-            self.begin_in_motion(moves, buffer, request);
+            self.begin_in_motion(moves, buffer, request, budget);
         }
         let Some(mut job) = self.job else { return };
         if job.in_motion && self.appended > job.handover + 1 {
             // Too late: the set-points after the handover have been appended.
-            job.work_spent += job.work_spent / 4;
-            self.update_cost(&job);
+            // It would have taken at least a quarter more.
+            self.cost_per_knot = self.cost_per_knot.max(1.25 * self.knot_cost(&job)).min(MAX_COST_PER_KNOT);
             self.cancel_window();
             return;
         }
@@ -182,8 +197,7 @@ impl SetpointPlanner {
             job.fill_result = job.filler.fill(&mut self.window.band, &self.band, moves, &self.limits, budget);
             if job.fill_result != FillResult::Incomplete {
                 self.window.band.finish();
-                let guide = job.guide(&self.plan, self.best_handover_index, self.limits.tick_s);
-                self.window.begin(job.start, guide);
+                self.window.begin(job.start, job.guide(&self.plan), budget);
             }
             self.job = Some(job);
         }
@@ -191,7 +205,9 @@ impl SetpointPlanner {
         job.work_spent += before - budget.left();
         self.job = Some(job);
         if self.window.has_failed() {
-            if !job.in_motion {
+            if job.in_motion {
+                self.failed_handover = Some(job.handover);
+            } else {
                 // From rest, a shorter window is easier. In motion, it would only have less room for braking.
                 self.horizon_fraction *= 0.5;
             }
@@ -200,7 +216,13 @@ impl SetpointPlanner {
     }
 
     /// Selects handover and horizon of the next window; starts it when it is time.
-    fn begin_in_motion(&mut self, moves: &MoveQueue, buffer: &SetpointBuffer, request: PlanRequest) {
+    fn begin_in_motion(
+        &mut self,
+        moves: &MoveQueue,
+        buffer: &SetpointBuffer,
+        request: PlanRequest,
+        budget: &mut WorkBudget,
+    ) {
         let Some(last) = self.band.moves.last() else { return };
         let front = moves.front().map_or(0, |queued| queued.number);
         let cut = !self.band.ends_at_move_end();
@@ -211,50 +233,55 @@ impl SetpointPlanner {
         let here = self.appended as i64 + request.spot.tick as i64 - buffer.end() as i64;
         let near = here + APPEND_MARGIN_TICKS as i64 + SPARE_TICKS as i64;
         let best = self.best_handover_index as i64;
+        self.knot_spacing_s = knot_spacing_s(&self.limits, last.tolerance);
         // The horizon is limited by the known moves and by the time for planning.
-        let known = self.known_time_s(moves, (last.number - front) as usize, MAX_HORIZON_S);
+        let known = self.known_time_s(moves, (last.number - front) as usize, MAX_HORIZON_S, budget);
         let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
         let mut wanted =
-            self.seconds_of((aim - near) as f64, MAX_WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
-        if near + self.ticks_of(wanted, MAX_WORK_PER_TICK) >= self.plan.len() as i64 - SHORT_LEAD_TICKS {
+            self.seconds_of((aim - near) as f64, WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
+        if near + self.ticks_of(wanted, WORK_PER_TICK) >= self.plan.len() as i64 - SHORT_LEAD_TICKS {
             // The plan would end first.
             wanted = wanted.min(SHORT_HORIZON_S);
         }
         let raised = request.feed_override > self.planned_override;
         let steady = !raised && near + self.ticks_of(wanted, STEADY_WORK_PER_TICK) <= aim;
-        let ticks = self.ticks_of(wanted, if steady { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK });
+        let ticks = self.ticks_of(wanted, if steady { STEADY_WORK_PER_TICK } else { WORK_PER_TICK });
         if !raised && wanted >= MAX_HORIZON_S && steady && near + ticks + self.ahead_ticks as i64 <= aim {
             return;
         }
         let earliest = self.appended.max(usize::try_from(near + ticks).unwrap_or(0));
         let handover = if raised { earliest } else { earliest.max(usize::try_from(aim).unwrap_or(0)) };
+        let handover = self.failed_handover.map_or(handover, |failed| handover.max(failed + RETRY_TICKS));
         if handover < HISTORY_POINTS || handover + HISTORY_POINTS >= self.plan.len() {
             return;
         }
         let point = self.plan[handover];
         let history = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
-        let end = self.plan[self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS)];
+        let end = self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS);
+        let guide_end = end.max(handover + (MIN_GUIDE_S / self.limits.tick_s) as usize);
+        let end = self.plan[end];
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
-        let choice = HandoverChoice { handover, first, end, horizon_s: wanted, next: last.number, steady };
+        let choice = HandoverChoice { handover, first, end, guide_end, horizon_s: wanted, next: last.number, steady };
         self.begin_job(start, choice, request);
     }
 
     /// Approximate time of the known run beyond `best`, s, up to `most`.
-    fn known_time_s(&self, moves: &MoveQueue, last: usize, most: f64) -> f64 {
+    fn known_time_s(&self, moves: &MoveQueue, last: usize, most: f64, budget: &mut WorkBudget) -> f64 {
         let mut seconds = (self.plan.len() - self.best_handover_index) as f64 * self.limits.tick_s;
         if let Some(piece) = self.band.moves.last() {
             seconds += (self.band.length() - self.band.end) / piece.top_speed;
         }
-        let jerk = self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min);
+        let jerk = self.limits.least().jerk_mm_s3;
         let mut before = moves.get(last).map(|queued| &queued.segment);
         for queued in moves.range((last + 1).min(moves.len())..) {
             if seconds >= most {
                 break;
             }
+            budget.spend(COST_LOOK);
             let length = queued.segment.length();
             seconds += match queued.programmed.speed {
-                MotionSpeed::Rapid => 0.0,
+                MotionSpeed::Rapid => length / top_speed(queued, &self.limits, 1.0),
                 MotionSpeed::Feed { mm_s } => length / mm_s.max(MIN_FEED_MM_S),
             };
             if before.is_some_and(|before| cosine(before, &queued.segment) < SHARP_COSINE) {
@@ -273,6 +300,7 @@ impl SetpointPlanner {
             return;
         }
         self.update_cost(&job);
+        self.failed_handover = None;
         if !job.in_motion {
             append_rest(buffer);
         }
@@ -290,20 +318,25 @@ impl SetpointPlanner {
 
     /// Planning time, ticks, of a horizon in seconds at a number of work units per tick. `seconds_of` is the inverse.
     fn ticks_of(&self, seconds: f64, work: usize) -> i64 {
-        ((seconds + BRAKE_S) * self.cost_per_second / work as f64).ceil() as i64
+        ((seconds + BRAKE_S) / self.knot_spacing_s * self.cost_per_knot / work as f64).ceil() as i64
     }
 
     fn seconds_of(&self, ticks: f64, work: usize) -> f64 {
-        ticks * work as f64 / self.cost_per_second - BRAKE_S
+        ticks * work as f64 / self.cost_per_knot * self.knot_spacing_s - BRAKE_S
     }
 
-    /// Updates the cost per second after each window: upward at once, downward slowly.
+    /// Work units per knot of the window being planned, up to now.
+    fn knot_cost(&self, job: &WindowJob) -> f64 {
+        job.work_spent as f64 / self.window.knot_count().max(1) as f64
+    }
+
+    /// Updates the cost per knot after each window: upward at once, downward slowly.
     fn update_cost(&mut self, job: &WindowJob) {
-        let cost = job.work_spent as f64 / (job.horizon_s + BRAKE_S);
+        let cost = self.knot_cost(job);
         // A window from rest says little of the next: less of it is fast.
         let decay = if job.in_motion { COST_DECAY } else { 0.0 };
-        let learnt = cost.max(self.cost_per_second + decay * (cost - self.cost_per_second));
-        self.cost_per_second = learnt.clamp(0.5 * COST_PER_SECOND, 3.0 * COST_PER_SECOND);
+        let learnt = cost.max(self.cost_per_knot + decay * (cost - self.cost_per_knot));
+        self.cost_per_knot = learnt.clamp(MIN_COST_PER_KNOT, MAX_COST_PER_KNOT);
     }
 
     /// Whether the axes are near the handover of a window.
@@ -313,29 +346,19 @@ impl SetpointPlanner {
 
     /// Horizon of the first window, s: long enough to plan the next one in time.
     fn first_horizon_s(&self, brake: f64) -> f64 {
-        let ticks = self.ticks_of(MIN_HORIZON_S, MAX_WORK_PER_TICK)
+        let ticks = self.ticks_of(FIRST_HORIZON_S, WORK_PER_TICK)
             + APPEND_MARGIN_TICKS as i64
             + SPARE_TICKS as i64
             + SHORT_LEAD_TICKS;
         INFLUENCE_BRAKING_TIMES * brake + (ticks as f64 + INFLUENCE_TICKS) * self.limits.tick_s
     }
 
-    /// Braking time from a speed in mm/s, s.
-    fn brake_s(&self, speed: f64) -> f64 {
-        let (mut push, mut jerk) = (f64::INFINITY, f64::INFINITY);
-        for (_, l) in self.limits.axes.iter() {
-            (push, jerk) = (push.min(l.acceleration_mm_s2), jerk.min(l.jerk_mm_s3));
-        }
-        // From a low speed: 2·√(v/j). From a high speed: v/a + a/j.
-        (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt())
-    }
-
     /// Index up to which braking at the end of the plan does not affect it.
     fn best_handover(&self) -> usize {
-        let count = self.plan.len();
+        let (count, limits) = (self.plan.len(), self.limits.least());
         for (left, point) in self.plan.iter().rev().enumerate() {
             let speed = point.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let brake = self.brake_s(speed) / self.limits.tick_s;
+            let brake = limits.ramp_s(speed) / self.limits.tick_s;
             if left as f64 >= INFLUENCE_BRAKING_TIMES * brake + INFLUENCE_TICKS && left > 2 * HISTORY_POINTS {
                 return count - 1 - left;
             }

@@ -10,6 +10,8 @@ use crate::motion::dot;
 /// A step that exceeds a jerk limit is shortened by this factor until it does not, at most this many times.
 const STEP_REDUCTION: f64 = 0.8;
 const MAX_REDUCTIONS: u32 = 40;
+/// Least pivot as a share of the diagonal entry: cancellation may leave none of it.
+const LEAST_PIVOT_SHARE: f64 = 1e-12;
 /// Minimum distance to a limit in the barrier, so that a value beyond it by rounding is pushed back.
 const MIN_MARGIN: f64 = 1e-9;
 
@@ -166,8 +168,9 @@ impl SpeedOptimizer {
         let [mut diagonal, mut first, second] = self.hessian[row];
         first -= second * last.0[1];
         let (l1, l2) = (first * last.0[0], second * before.0[0]);
+        let least = LEAST_PIVOT_SHARE * diagonal;
         diagonal -= first * l1 + second * l2;
-        self.hessian[row] = [1.0 / (diagonal * (1.0 + 1e-10)).max(1e-300), l1, l2];
+        self.hessian[row] = [1.0 / diagonal.max(least), l1, l2];
         self.step[row] = -self.gradient[row] - l1 * last.1 - l2 * before.1;
     }
 
