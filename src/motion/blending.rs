@@ -121,7 +121,7 @@ impl BandFiller {
                 }
             } else {
                 let Some(queued) = moves.get((self.next - front) as usize) else { return FillResult::RunContinues };
-                if self.add(band, piece(queued, limits)) {
+                if self.add(band, band_move(queued, limits)) {
                     return FillResult::RunContinues;
                 }
             }
@@ -169,7 +169,8 @@ impl BandFiller {
     }
 }
 
-fn piece(queued: &QueuedMove, limits: &MotionLimits) -> BandMove {
+/// A queued move as one of a tolerance band, without override.
+pub fn band_move(queued: &QueuedMove, limits: &MotionLimits) -> BandMove {
     let most = queued.segment.limits(limits).velocity_mm_s;
     let programmed = match queued.programmed.speed {
         MotionSpeed::Rapid => f64::MAX.sqrt(),

@@ -44,14 +44,14 @@ const REPAIR_ITERATIONS: u32 = 10;
 /// Maximum number of retries with a lower share of the limits after the check.
 const MAX_SLOWDOWNS: u32 = 3;
 /// Share of the limits used for planning: nothing is checked between knots, and a change of rate needs a reserve.
-const LIMIT_SHARE: f64 = 0.98;
+pub const PLAN_LIMIT_SHARE: f64 = 0.98;
 
 /// Further reduction of the acceleration limit where acceleration changes within two knots.
 const BETWEEN_KNOTS_MARGIN: f64 = 0.03;
 /// Factor on the limits at a start in motion. The previous plan left this reserve, so that a solution exists.
 const LEAD_SLACK: f64 = 1.016;
 /// Further share of the jerk limit: jerk varies most between knots, and a second plan costs more than it gains.
-const JERK_SHARE: f64 = 0.98;
+pub const PLAN_JERK_SHARE: f64 = 0.98;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum WindowPhase {
@@ -196,8 +196,8 @@ impl LookaheadWindow {
             estimate: SpeedEstimate::new(),
             spacing_s: KNOT_SPACING_RANGE_S.1,
             next_spacing_s: KNOT_SPACING_RANGE_S.1,
-            share: LIMIT_SHARE,
-            adopted_share: LIMIT_SHARE,
+            share: PLAN_LIMIT_SHARE,
+            adopted_share: PLAN_LIMIT_SHARE,
             phase: WindowPhase::Idle,
             curve_position: CurvePosition::default(),
             sum: 0.0,
@@ -238,7 +238,7 @@ impl LookaheadWindow {
         self.repairs = 0;
         self.slowdowns = 0;
         self.lead_slack_share = 1.0;
-        self.share = LIMIT_SHARE * (1.0 - start.reserve);
+        self.share = PLAN_LIMIT_SHARE * (1.0 - start.reserve);
         self.is_cut = false;
         let tolerance = self.band.moves.iter().map(|piece| piece.tolerance).fold(f64::INFINITY, f64::min);
         self.next_spacing_s = knot_spacing_s(&self.limits, tolerance);
@@ -265,14 +265,14 @@ impl LookaheadWindow {
         self.is_cut
     }
 
+    /// A run starts on a plan that is no window: it uses the same share of the limits.
+    pub const fn begin_run(&mut self) {
+        self.adopted_share = PLAN_LIMIT_SHARE;
+    }
+
     /// The plan is used: the next window starts on it.
     pub const fn adopt(&mut self) {
         self.adopted_share = self.share;
-    }
-
-    /// Number of knots of the plan.
-    pub const fn knot_count(&self) -> usize {
-        self.smoother.points.len()
     }
 
     /// Number of knots after a start in motion at which the curve follows the previous plan; 0 from rest.
@@ -353,7 +353,7 @@ impl LookaheadWindow {
                     * d
                     * share
                     * (1.0 - BETWEEN_KNOTS_MARGIN * (2.0 * d / ramp_s).min(1.0).powi(2)),
-                l.jerk_mm_s3 * d * d * d * share * JERK_SHARE,
+                l.jerk_mm_s3 * d * d * d * share * PLAN_JERK_SHARE,
             ]
         });
         let of = |k: usize| axes.0.map(|l| l[k]);

@@ -4,6 +4,7 @@
 //! at rest. If the run continues beyond it, only the part not affected by braking is appended first; meanwhile the
 //! next window is planned from there. If it is not ready in time, the rest is appended and the axes brake.
 
+mod first_move;
 mod handover;
 
 use super::blending::{Continuation, continuation};
@@ -186,7 +187,7 @@ impl SetpointPlanner {
         self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };
         self.last_queue_length = moves.len();
         for _ in 0..EMPTY_MOVES_PER_TICK {
-            if !self.start_next(moves, buffer, request) {
+            if !self.start_next(moves, buffer, request, &mut budget) {
                 break;
             }
         }
@@ -206,7 +207,7 @@ impl SetpointPlanner {
             } else {
                 self.append_plan(moves, buffer, request)
             };
-            if !laid && !self.start_next(moves, buffer, request) {
+            if !laid && !self.start_next(moves, buffer, request, &mut budget) {
                 break;
             }
         }
@@ -300,7 +301,13 @@ impl SetpointPlanner {
     }
 
     /// Starts the next move or run of the queue; false if there is none or the last one is still active.
-    fn start_next(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, request: PlanRequest) -> bool {
+    fn start_next(
+        &mut self,
+        moves: &mut MoveQueue,
+        buffer: &mut SetpointBuffer,
+        request: PlanRequest,
+        budget: &mut WorkBudget,
+    ) -> bool {
         let is_busy = self.single_move.is_some() || self.slow_run.is_active();
         if is_busy || !self.plan.is_empty() || self.job.is_some() {
             return false;
@@ -311,9 +318,18 @@ impl SetpointPlanner {
             self.planned_moves += 1;
             return true;
         }
+        let is_slow = queued.is_slow;
         let then = continuation(moves, self.planned_moves);
         if self.horizon_fraction > MIN_HORIZON_FRACTION && (then != Continuation::Stops || self.resting_point.is_some())
         {
+            let is_fresh = self.resting_point.is_none() && self.horizon_fraction >= 1.0 && !is_slow;
+            if is_fresh
+                && matches!(then, Continuation::ContinuesAt(_))
+                && self.begin_on_first_move(moves, buffer, request, budget)
+            {
+                self.waited_ticks = 0;
+                return true;
+            }
             self.waited_ticks += 1;
             if self.quiet_ticks < GATHER_TICKS && self.waited_ticks < MAX_GATHER_TICKS && moves.len() < MAX_QUEUED_MOVES
             {

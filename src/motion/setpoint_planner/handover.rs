@@ -20,7 +20,7 @@ const MAX_HORIZON_S: f64 = 1.4;
 /// Horizon where there is no time for the minimum, s.
 const SHORT_HORIZON_S: f64 = 0.1;
 /// Work units per knot of a window, from the first timing to the last check; and the rate at which a lower cost is learned.
-pub const COST_PER_KNOT: f64 = 12_000.0;
+pub const COST_PER_KNOT: f64 = 15_000.0;
 const COST_DECAY: f64 = 0.2;
 /// Range of the learned cost: few steps and no repair, and many of both.
 const MIN_COST_PER_KNOT: f64 = 0.5 * COST_PER_KNOT;
@@ -67,7 +67,8 @@ pub struct WindowJob {
     fill_result: FillResult,
     /// Whether the window has its full length within the steady work budget.
     steady: bool,
-    /// Work units spent.
+    /// Requested horizon, s, and work units spent.
+    horizon_s: f64,
     work_spent: usize,
 }
 
@@ -127,8 +128,7 @@ impl SetpointPlanner {
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let (first, next) = (point.segment, queued.number);
         self.knot_spacing_s = knot_spacing_s(&self.limits, queued.tolerance_mm);
-        let brake = self.limits.least().ramp_s(top_speed(queued, &self.limits, request.feed_override));
-        let horizon_s = self.first_horizon_s(brake);
+        let horizon_s = self.first_horizon_s(top_speed(queued, &self.limits, request.feed_override));
         let choice = HandoverChoice { handover: 0, first, end: point, guide_end: 0, horizon_s, next, steady: false };
         self.begin_job(start, choice, request);
     }
@@ -164,6 +164,7 @@ impl SetpointPlanner {
             start,
             fill_result: FillResult::Incomplete,
             steady,
+            horizon_s: seconds * self.horizon_fraction,
             work_spent: 0,
         });
     }
@@ -325,9 +326,12 @@ impl SetpointPlanner {
         ticks * work as f64 / self.cost_per_knot * self.knot_spacing_s - BRAKE_S
     }
 
-    /// Work units per knot of the window being planned, up to now.
+    /// Work units per knot of the requested horizon, up to now. A window may have more knots than that: it counts for the
+    /// estimate what the request has cost.
     fn knot_cost(&self, job: &WindowJob) -> f64 {
-        job.work_spent as f64 / self.window.knot_count().max(1) as f64
+        let planned_s = self.window.plan.len() as f64 * self.limits.tick_s;
+        let seconds = if self.window.is_cut() { planned_s } else { job.horizon_s + BRAKE_S };
+        job.work_spent as f64 * self.knot_spacing_s / seconds
     }
 
     /// Updates the cost per knot after each window: upward at once, downward slowly.
@@ -345,21 +349,35 @@ impl SetpointPlanner {
     }
 
     /// Horizon of the first window, s: long enough to plan the next one in time.
-    fn first_horizon_s(&self, brake: f64) -> f64 {
-        let ticks = self.ticks_of(FIRST_HORIZON_S, WORK_PER_TICK)
+    fn first_horizon_s(&self, speed: f64) -> f64 {
+        self.planning_ticks() as f64 * self.limits.tick_s + self.influence_s(speed)
+    }
+
+    /// Ticks on a plan from rest in which the next window can be planned.
+    fn planning_ticks(&self) -> i64 {
+        self.ticks_of(FIRST_HORIZON_S, WORK_PER_TICK)
             + APPEND_MARGIN_TICKS as i64
             + SPARE_TICKS as i64
-            + SHORT_LEAD_TICKS;
-        INFLUENCE_BRAKING_TIMES * brake + (ticks as f64 + INFLUENCE_TICKS) * self.limits.tick_s
+            + SHORT_LEAD_TICKS
+    }
+
+    /// The same for a run with a tolerance that begins: the index of the first handover.
+    pub(super) fn first_handover_ticks(&mut self, tolerance_mm: f64) -> usize {
+        self.knot_spacing_s = knot_spacing_s(&self.limits, tolerance_mm);
+        usize::try_from(self.planning_ticks()).unwrap_or(usize::MAX)
+    }
+
+    /// For how long braking from a speed in mm/s to the end of a plan affects it, s.
+    pub(super) fn influence_s(&self, speed: f64) -> f64 {
+        INFLUENCE_BRAKING_TIMES * self.limits.least().ramp_s(speed) + INFLUENCE_TICKS * self.limits.tick_s
     }
 
     /// Index up to which braking at the end of the plan does not affect it.
-    fn best_handover(&self) -> usize {
-        let (count, limits) = (self.plan.len(), self.limits.least());
+    pub(super) fn best_handover(&self) -> usize {
+        let count = self.plan.len();
         for (left, point) in self.plan.iter().rev().enumerate() {
             let speed = point.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-            let brake = limits.ramp_s(speed) / self.limits.tick_s;
-            if left as f64 >= INFLUENCE_BRAKING_TIMES * brake + INFLUENCE_TICKS && left > 2 * HISTORY_POINTS {
+            if left as f64 * self.limits.tick_s >= self.influence_s(speed) && left > 2 * HISTORY_POINTS {
                 return count - 1 - left;
             }
         }
