@@ -34,7 +34,7 @@ const TUBE_SHARE: f64 = 0.95;
 /// Share of the tolerance used for planning; the rest is for positions between set-points, used under an override.
 const TOLERANCE_SHARE: f64 = 0.98;
 /// Smoothing iterations of each round.
-const ROUND_ITERATIONS: [u32; 2] = [20, 20];
+const ROUND_ITERATIONS: [u32; 2] = [14, 14];
 /// Factor on the knot spacing in the first round.
 const FIRST_SPACING_FACTOR: f64 = 1.4;
 const LAST_ROUND: usize = ROUND_ITERATIONS.len() - 1;

@@ -353,6 +353,11 @@ impl SetpointPlanner {
             }
         }
         self.horizon_fraction = (2.0 * self.horizon_fraction).min(1.0);
+        self.begin_single_move(moves, request)
+    }
+
+    /// Starts the next move by itself, from rest to rest.
+    fn begin_single_move(&mut self, moves: &MoveQueue, request: PlanRequest) -> bool {
         let Some(queued) = moves.get(self.planned_moves) else { return false };
         let mut limits = queued.segment.limits(&self.limits);
         limits.velocity_mm_s = top_speed(queued, &self.limits, request.feed_override);

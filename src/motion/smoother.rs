@@ -23,6 +23,8 @@ const JERK_LIMIT_SHARE: f64 = 0.95;
 const RELAXATION: f64 = 1.7;
 /// Minimum number of fixed control points at either end: they define position, velocity and acceleration there.
 pub const FIXED_POINTS: usize = 3;
+/// Control points on either side of a repair that move with it: the curve bends over about that many.
+const FOCUS_REACH: usize = 12;
 /// The bounds of a knot are narrowed by this share of the radius, so that an unfinished iteration stays inside.
 const BOUNDS_MARGIN: f64 = 0.01;
 /// Iterations between two computations of the weights, and their range.
@@ -56,7 +58,7 @@ enum SmoothingPass {
 pub struct Knot {
     target: [f64; 3],
     dual: [f64; 3],
-    /// Range of distances along the contour that it may be projected to, mm.
+    /// Range of distances along the contour that it may be projected to, mm; a single one at the end of a stroke.
     reach: (f64, f64),
     /// Its present distance along the contour, mm, and move index.
     pub near: (f64, usize),
@@ -73,6 +75,13 @@ struct LimitedJerk {
     dual: [f64; 3],
     /// Target minus dual: what the least-squares step aims at.
     attractor: [f64; 3],
+}
+
+impl Knot {
+    /// Whether it must meet the end of a stroke.
+    pub fn is_stroke_end(&self) -> bool {
+        self.reach.0 >= self.reach.1
+    }
 }
 
 /// Control points and the state of the iteration.
@@ -96,6 +105,8 @@ pub struct CurveSmoother {
     /// Right-hand side per knot in the least-squares step: its target minus its dual.
     attractors: Vec<[f64; 3]>,
     rhs: Vec<[f64; 3]>,
+    /// The control points from the first to before the second are moved; the others stand.
+    free: (usize, usize),
     pass: SmoothingPass,
     cursor: usize,
     share: f64,
@@ -121,6 +132,7 @@ impl CurveSmoother {
             factor: Vec::with_capacity(MAX_CONTROL_POINTS),
             attractors: Vec::with_capacity(MAX_CONTROL_POINTS),
             rhs: Vec::with_capacity(MAX_CONTROL_POINTS),
+            free: (FIXED_POINTS, FIXED_POINTS),
             pass: SmoothingPass::Begin,
             cursor: 0,
             share: 1.0,
@@ -134,6 +146,7 @@ impl CurveSmoother {
         self.jerk = jerk;
         self.inverse_jerk = jerk.map(|j| 1.0 / j);
         self.iterations = 0;
+        self.free = (FIXED_POINTS, self.points.len() - FIXED_POINTS);
         self.pass = SmoothingPass::Begin;
         self.cursor = 0;
         self.knots.clear();
@@ -149,13 +162,14 @@ impl CurveSmoother {
     /// Works until one iteration is done; false if the work budget was spent before.
     pub fn iterate(&mut self, band: &ToleranceBand, budget: &mut WorkBudget) -> bool {
         loop {
-            let n = self.points.len();
+            let (first, after) = self.free;
             let (end, cost) = match self.pass {
-                SmoothingPass::Begin => (n, COST_BEGIN),
+                SmoothingPass::Begin => (self.points.len(), COST_BEGIN),
                 SmoothingPass::Weigh => (self.weights.len(), COST_WEIGH),
-                SmoothingPass::Factor => (n - 2 * FIXED_POINTS, COST_FACTOR),
-                SmoothingPass::Forward | SmoothingPass::Back => (n - 2 * FIXED_POINTS, COST_SOLVE),
-                SmoothingPass::Project => (n - 1, COST_PROJECT),
+                SmoothingPass::Factor => (after - first, COST_FACTOR),
+                SmoothingPass::Forward | SmoothingPass::Back => (after - first, COST_SOLVE),
+                // The knots of the free control points and one beyond at each end.
+                SmoothingPass::Project => (after - first + 2, COST_PROJECT),
                 SmoothingPass::ProjectJerk => (self.limited.len(), COST_PROJECT_JERK),
             };
             let from = self.cursor;
@@ -163,10 +177,10 @@ impl CurveSmoother {
             match self.pass {
                 SmoothingPass::Begin => (from..until).for_each(|k| self.begin_knot(band, k)),
                 SmoothingPass::Weigh => (from..until).for_each(|k| self.weigh(k)),
-                SmoothingPass::Factor => (from..until).for_each(|k| self.factor_row(k + FIXED_POINTS)),
-                SmoothingPass::Forward => (from..until).for_each(|k| self.forward(k + FIXED_POINTS)),
-                SmoothingPass::Back => (from..until).for_each(|k| self.back(n - FIXED_POINTS - 1 - k)),
-                SmoothingPass::Project => (from..until).for_each(|k| self.project(band, k)),
+                SmoothingPass::Factor => (from..until).for_each(|k| self.factor_row(first + k)),
+                SmoothingPass::Forward => (from..until).for_each(|k| self.forward(first + k)),
+                SmoothingPass::Back => (from..until).for_each(|k| self.back(after - 1 - k)),
+                SmoothingPass::Project => (from..until).for_each(|k| self.project(band, first - 1 + k)),
                 SmoothingPass::ProjectJerk => (from..until).for_each(|k| self.project_jerk(k)),
             }
             self.cursor = until;
@@ -177,8 +191,7 @@ impl CurveSmoother {
                 SmoothingPass::Begin | SmoothingPass::Weigh => (SmoothingPass::Factor, 0),
                 SmoothingPass::Factor => (SmoothingPass::Forward, 0),
                 SmoothingPass::Forward => (SmoothingPass::Back, 0),
-                // The knots before the last given control point are given, too.
-                SmoothingPass::Back => (SmoothingPass::Project, FIXED_POINTS - 1),
+                SmoothingPass::Back => (SmoothingPass::Project, 0),
                 SmoothingPass::Project => (SmoothingPass::ProjectJerk, 0),
                 SmoothingPass::ProjectJerk => {
                     self.iterations += 1;
@@ -193,11 +206,13 @@ impl CurveSmoother {
 
     fn begin_knot(&mut self, band: &ToleranceBand, k: usize) {
         let n = self.points.len();
-        let along = self.along[k].max(0.0).min(band.end);
+        let (mut along, before, after) = (self.along[k], self.along[k.max(1) - 1], self.along[(k + 1).min(n - 1)]);
+        let stroke_end = band.stroke_end(f64::midpoint(before, along), f64::midpoint(along, after));
+        along = stroke_end.unwrap_or(along).max(0.0).min(band.end);
         let segment = band.segment_at(along);
         let (start, end) = band.smooth_run(segment);
-        let low = self.along[k.max(1) - 1].max(start).max(0.0);
-        let high = self.along[(k + 1).min(n - 1)].min(end).min(band.end);
+        let (low, high) = (before.max(start).max(0.0), after.min(end).min(band.end));
+        let (low, high) = stroke_end.map_or((low, high), |at| (at, at));
         let radius = band.moves[segment].tolerance * self.share;
         let spare = BOUNDS_MARGIN * radius;
         let bounds = band.bounds(along);
@@ -260,12 +275,12 @@ impl CurveSmoother {
     fn factor_row(&mut self, row: usize) {
         let mut line = [0.0; 4];
         for lag in (0..4_usize).rev() {
-            if row < FIXED_POINTS + lag {
+            if row < self.free.0 + lag {
                 continue;
             }
             let column = row - lag;
             let mut sum = self.entry(row, column);
-            for (back, entry) in line.iter().enumerate().skip(lag + 1).filter(|(back, _)| row >= FIXED_POINTS + back) {
+            for (back, entry) in line.iter().enumerate().skip(lag + 1).filter(|(back, _)| row >= self.free.0 + back) {
                 sum -= entry * if lag == 0 { *entry } else { self.factor[column][back - lag] };
             }
             line[lag] = if lag == 0 { 1.0 / sum.max(1e-12).sqrt() } else { sum * self.factor[column][0] };
@@ -273,9 +288,9 @@ impl CurveSmoother {
         self.factor[row] = line;
     }
 
-    /// Right-hand side and forward substitution of one row. The rows before the first are zero.
+    /// Right-hand side and forward substitution of one row. The factors of rows before the first are zero.
     fn forward(&mut self, row: usize) {
-        let n = self.points.len();
+        let (first, after) = self.free;
         let aim = [self.attractors[row - 1], self.attractors[row], self.attractors[row + 1]];
         let mut sum = per_coordinate(|x| (BAND_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
         for k in row - FIXED_POINTS..self.limited.len().min(row + 1) {
@@ -283,8 +298,8 @@ impl CurveSmoother {
             (0..3).for_each(|x| sum[x] += weight * aim[x]);
         }
         // Contribution of the fixed control points (D3 and M), moved to the right-hand side.
-        if row < 2 * FIXED_POINTS || row >= n - 2 * FIXED_POINTS {
-            for column in (row - 3..=row + 3).filter(|c| *c < FIXED_POINTS || *c >= n - FIXED_POINTS) {
+        if row < first + FIXED_POINTS || row + FIXED_POINTS >= after {
+            for column in (row - 3..=row + 3).filter(|c| *c < first || *c >= after) {
                 let entry = self.entry(row, column);
                 (0..3).for_each(|x| sum[x] -= entry * self.points[column][x]);
             }
@@ -299,11 +314,10 @@ impl CurveSmoother {
     }
 
     fn back(&mut self, row: usize) {
-        let n = self.points.len();
         let sum = self.rhs[row];
         let after = |lag: usize| {
             // The fixed points at the end are already in the right-hand side.
-            if row + lag < n - FIXED_POINTS {
+            if row + lag < self.free.1 {
                 (self.factor[row + lag][lag], self.points[row + lag])
             } else {
                 (0.0, [0.0; 3])
@@ -342,6 +356,19 @@ impl CurveSmoother {
             dual: per_coordinate(|x| free[x] - target[x]),
             attractor: per_coordinate(|x| 2.0 * target[x] - free[x]),
         };
+    }
+
+    /// Continues with the control points around intervals `from` to `to` alone; the rest of the curve stands.
+    pub fn focus(&mut self, from: usize, to: usize) {
+        let first = from.saturating_sub(FOCUS_REACH).max(FIXED_POINTS);
+        let after = (to + FIXED_POINTS + 1 + FOCUS_REACH).min(self.points.len() - FIXED_POINTS);
+        self.free = (first, after);
+        (self.pass, self.cursor) = (SmoothingPass::Weigh, 0);
+    }
+
+    /// The intervals that the free control points shape: the first, and after the last.
+    pub fn free_intervals(&self) -> (usize, usize) {
+        (self.free.0 - FIXED_POINTS, self.free.1)
     }
 
     /// The four control points of interval `k`.

@@ -230,6 +230,20 @@ impl ToleranceBand {
         self.smooth_run[segment]
     }
 
+    /// The end of a stroke after one distance along the contour and up to another, mm: a sharp corner at which an axis
+    /// reverses.
+    pub fn stroke_end(&self, after: f64, up_to: f64) -> Option<f64> {
+        let of_axis = |axis: &ReversalPoints| {
+            let first = axis.reversals.partition_point(|turn| turn.0 <= after);
+            axis.reversals.get(first).map(|turn| turn.0).filter(|along| *along <= up_to && *along < self.end)
+        };
+        let is_corner = |along: &f64| {
+            let segment = self.segment_at(*along);
+            self.starts[segment] >= along - MIN_LENGTH_MM && self.smooth_run[segment].0 >= self.starts[segment]
+        };
+        self.reversals.iter().find_map(|axis| of_axis(axis).filter(is_corner))
+    }
+
     /// The point between two distances from the start that is nearest to `point`; the search starts at move `hint`.
     pub fn nearest(&self, point: [f64; 3], low: f64, high: f64, hint: usize) -> NearestPoint {
         let last = self.moves.len() - 1;

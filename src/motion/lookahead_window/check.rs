@@ -64,7 +64,7 @@ fn longest_step(p: &SetpointHistory) -> f64 {
 impl LookaheadWindow {
     pub(super) fn begin_curve_check(&mut self) {
         self.begin_excess();
-        self.cursor = 0;
+        self.cursor = self.smoother.free_intervals().0;
         self.phase = WindowPhase::CheckCurve;
     }
 
@@ -76,12 +76,13 @@ impl LookaheadWindow {
 
     /// Checks that the smoothed curve stays in the tolerance band between its knots, too; true when done.
     pub(super) fn check_curve(&mut self, budget: &mut WorkBudget) -> bool {
-        let end = self.intervals();
+        let end = self.smoother.free_intervals().1.min(self.intervals());
         while self.cursor < end && !budget.is_spent() {
             let k = self.cursor;
             self.cursor += 1;
             let p = self.smoother.control_points(k);
             self.last_check = self.check_point(k, &p, 0.0, self.shares_at(k).0, budget);
+            self.check_stroke_end(k, spline(&p, 0.0));
             for quarter in 0..4 {
                 let from = f64::from(quarter) / 4.0;
                 let along = self.smoother.knots[k + 1].near.0;
@@ -90,6 +91,16 @@ impl LookaheadWindow {
             }
         }
         self.cursor == end
+    }
+
+    /// Checks that the curve meets the end of a stroke within the tolerance: beside the way back every point is near the
+    /// contour, however far from the end it turns.
+    fn check_stroke_end(&mut self, k: usize, at: [f64; 3]) {
+        let knot = &self.smoother.knots[k + 1];
+        if knot.is_stroke_end() {
+            let missed = distance(at, self.band.at(knot.near.0));
+            self.record_deviation(k, missed - self.shares_at(k).0 * self.band.moves[knot.near.1].tolerance);
+        }
     }
 
     /// Checks interval `k` from the last checked point up to fraction `to`.
@@ -202,6 +213,11 @@ impl LookaheadWindow {
 
     fn repair(&mut self) {
         self.repairs += 1;
+        let outside = |excess: &IntervalExcess| {
+            excess.deviation > 0.0 || excess.bounds.iter().any(|(low, high)| *low > 0.0 || *high > 0.0)
+        };
+        let first = self.excess.iter().position(outside).unwrap_or(0);
+        let last = self.excess.iter().rposition(outside).unwrap_or(0);
         for (k, excess) in self.excess.iter().enumerate().take(self.smoother.points.len() - 3) {
             let allowed = self.band.moves[self.smoother.knots[k + 1].near.1].tolerance * TOLERANCE_SHARE;
             let spare = REPAIR_SPARE * f64::from(self.repairs) * allowed;
@@ -209,6 +225,7 @@ impl LookaheadWindow {
             let room = excess.bounds.map(|(low, high)| (by(low), by(high)));
             self.smoother.narrow(k, by(excess.deviation), allowed * MIN_BAND_SHARE, room);
         }
+        self.smoother.focus(first, last);
         self.phase = WindowPhase::Smooth { round: LAST_ROUND, left: REPAIR_ITERATIONS };
     }
 
