@@ -153,7 +153,8 @@ impl CurveSmoother {
         self.weights.clear();
         self.weights.resize(self.points.len() - FIXED_POINTS, 1.0);
         self.limited.clear();
-        for k in 0..limited {
+        // A curve that was retimed may have fewer intervals than followed the previous plan before.
+        for k in 0..limited.min(self.weights.len()) {
             let target = self.clamp_jerk(self.third_difference(k));
             self.limited.push(LimitedJerk { target, dual: [0.0; 3], attractor: target });
         }
