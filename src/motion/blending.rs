@@ -145,8 +145,7 @@ impl BandFiller {
         if piece.tolerance.is_infinite() {
             piece.tolerance = MIN_TOLERANCE_MM;
         }
-        piece.feed = piece.programmed_speed * self.feed_override;
-        piece.top_speed = piece.feed.min(piece.max_speed);
+        piece = piece.with_override(self.feed_override);
         let counted = (band.length() + piece.segment.length() - self.from.max(band.length())).max(0.0);
         let corner = band.moves.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
         let slowed = self.speed.min(corner).min(piece.top_speed);

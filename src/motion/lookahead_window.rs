@@ -168,9 +168,13 @@ pub struct LookaheadWindow {
     /// Number of control points after the given ones that follow the previous plan at a start in motion, and the share of
     /// the slack that is used there.
     guided: usize,
+    /// Retiming: number of knots at which the curve before followed the previous plan.
+    followed: usize,
     lead_slack_share: f64,
     excess: Vec<IntervalExcess>,
     is_outside: bool,
+    /// Whether the curve turns before the end of a stroke.
+    misses_stroke_end: bool,
     repairs: u32,
     slowdowns: u32,
     /// Whether the horizon was too long, so that the curve ends earlier.
@@ -206,9 +210,11 @@ impl LookaheadWindow {
             worst_ratio: 0.0,
             worst_interval: 0,
             guided: 0,
+            followed: 0,
             lead_slack_share: 1.0,
             excess: Vec::with_capacity(MAX_CONTROL_POINTS),
             is_outside: false,
+            misses_stroke_end: false,
             repairs: 0,
             slowdowns: 0,
             is_cut: false,
@@ -260,14 +266,19 @@ impl LookaheadWindow {
         self.phase == WindowPhase::Failed
     }
 
+    /// Number of knots of the curve.
+    pub fn knot_count(&self) -> usize {
+        self.smoother.points.len()
+    }
+
     /// Whether the curve ends before the requested horizon.
     pub fn is_cut(&self) -> bool {
         self.is_cut
     }
 
-    /// A run starts on a plan that is no window: it uses the same share of the limits.
-    pub const fn begin_run(&mut self) {
-        self.adopted_share = PLAN_LIMIT_SHARE;
+    /// A run starts on a plan that is no window, with this share of the limits.
+    pub const fn begin_run(&mut self, share: f64) {
+        self.adopted_share = share;
     }
 
     /// The plan is used: the next window starts on it.

@@ -180,6 +180,7 @@ impl SetpointPlanner {
         let spot = request.spot;
         let units = match self.job {
             Some(job) if job.is_from_rest() => MAX_WORK_PER_TICK,
+            None if self.is_idle() => MAX_WORK_PER_TICK,
             Some(job) if !job.is_steady() || self.is_urgent(job, buffer, spot) => WORK_PER_TICK,
             Some(_) | None => STEADY_WORK_PER_TICK,
         };
@@ -300,6 +301,12 @@ impl SetpointPlanner {
         true
     }
 
+    /// Whether nothing is planned and nothing left to append.
+    fn is_idle(&self) -> bool {
+        let is_busy = self.single_move.is_some() || self.slow_run.is_active();
+        !is_busy && self.plan.is_empty() && self.job.is_none()
+    }
+
     /// Starts the next move or run of the queue; false if there is none or the last one is still active.
     fn start_next(
         &mut self,
@@ -308,8 +315,7 @@ impl SetpointPlanner {
         request: PlanRequest,
         budget: &mut WorkBudget,
     ) -> bool {
-        let is_busy = self.single_move.is_some() || self.slow_run.is_active();
-        if is_busy || !self.plan.is_empty() || self.job.is_some() {
+        if !self.is_idle() {
             return false;
         }
         let Some(queued) = moves.get_mut(self.planned_moves) else { return false };

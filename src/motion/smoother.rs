@@ -153,8 +153,7 @@ impl CurveSmoother {
         self.weights.clear();
         self.weights.resize(self.points.len() - FIXED_POINTS, 1.0);
         self.limited.clear();
-        // A curve that was retimed may have fewer intervals than followed the previous plan before.
-        for k in 0..limited.min(self.weights.len()) {
+        for k in 0..limited {
             let target = self.clamp_jerk(self.third_difference(k));
             self.limited.push(LimitedJerk { target, dual: [0.0; 3], attractor: target });
         }
@@ -171,7 +170,10 @@ impl CurveSmoother {
                 SmoothingPass::Forward | SmoothingPass::Back => (after - first, COST_SOLVE),
                 // The knots of the free control points and one beyond at each end.
                 SmoothingPass::Project => (after - first + 2, COST_PROJECT),
-                SmoothingPass::ProjectJerk => (self.limited.len(), COST_PROJECT_JERK),
+                // Only what the free control points can change: elsewhere the duals would grow without an effect.
+                SmoothingPass::ProjectJerk => {
+                    (self.limited.len().min(after).saturating_sub(first - FIXED_POINTS), COST_PROJECT_JERK)
+                }
             };
             let from = self.cursor;
             let until = budget.spend_on_slice(from, end, cost);
@@ -182,7 +184,7 @@ impl CurveSmoother {
                 SmoothingPass::Forward => (from..until).for_each(|k| self.forward(first + k)),
                 SmoothingPass::Back => (from..until).for_each(|k| self.back(after - 1 - k)),
                 SmoothingPass::Project => (from..until).for_each(|k| self.project(band, first - 1 + k)),
-                SmoothingPass::ProjectJerk => (from..until).for_each(|k| self.project_jerk(k)),
+                SmoothingPass::ProjectJerk => (from..until).for_each(|k| self.project_jerk(first - FIXED_POINTS + k)),
             }
             self.cursor = until;
             if until < end {
@@ -208,7 +210,10 @@ impl CurveSmoother {
     fn begin_knot(&mut self, band: &ToleranceBand, k: usize) {
         let n = self.points.len();
         let (mut along, before, after) = (self.along[k], self.along[k.max(1) - 1], self.along[(k + 1).min(n - 1)]);
-        let stroke_end = band.stroke_end(f64::midpoint(before, along), f64::midpoint(along, after));
+        // The given control points of a start in motion cannot be moved to the end of a stroke.
+        let is_given = k < FIXED_POINTS && !self.limited.is_empty();
+        let stroke_end =
+            if is_given { None } else { band.stroke_end(f64::midpoint(before, along), f64::midpoint(along, after)) };
         along = stroke_end.unwrap_or(along).max(0.0).min(band.end);
         let segment = band.segment_at(along);
         let (start, end) = band.smooth_run(segment);

@@ -25,10 +25,18 @@ pub struct BandMove {
     pub programmed_speed: f64,
     /// Programmed speed times override, mm/s.
     pub feed: f64,
-    /// The lower of `most` and `feed`, mm/s.
+    /// The lower of `max_speed` and `feed`, mm/s.
     pub top_speed: f64,
     /// Allowed deviation of the curve, mm.
     pub tolerance: f64,
+}
+
+impl BandMove {
+    /// The same move under a feed override, 1 for the programmed feed.
+    pub fn with_override(self, feed_override: f64) -> Self {
+        let feed = self.programmed_speed * feed_override;
+        Self { feed, top_speed: feed.min(self.max_speed), ..self }
+    }
 }
 
 /// Bounds of each axis, mm: low and high.
@@ -230,18 +238,19 @@ impl ToleranceBand {
         self.smooth_run[segment]
     }
 
-    /// The end of a stroke after one distance along the contour and up to another, mm: a sharp corner at which an axis
-    /// reverses.
+    /// The end of a stroke after one distance along the contour and up to another, mm: a reversal point of an axis at which
+    /// the contour turns back beside itself, so near that a curve between the two ways is within the tolerance of both.
     pub fn stroke_end(&self, after: f64, up_to: f64) -> Option<f64> {
         let of_axis = |axis: &ReversalPoints| {
             let first = axis.reversals.partition_point(|turn| turn.0 <= after);
             axis.reversals.get(first).map(|turn| turn.0).filter(|along| *along <= up_to && *along < self.end)
         };
-        let is_corner = |along: &f64| {
-            let segment = self.segment_at(*along);
-            self.starts[segment] >= along - MIN_LENGTH_MM && self.smooth_run[segment].0 >= self.starts[segment]
+        let turns_back = |along: &f64| {
+            let reach = 2.0 * self.moves[self.segment_at(*along)].tolerance;
+            let (before, at, after) = (self.at((along - reach).max(0.0)), self.at(*along), self.at(along + reach));
+            dot(per_coordinate(|x| at[x] - before[x]), per_coordinate(|x| after[x] - at[x])) < 0.0
         };
-        self.reversals.iter().find_map(|axis| of_axis(axis).filter(is_corner))
+        self.reversals.iter().find_map(|axis| of_axis(axis).filter(turns_back))
     }
 
     /// The point between two distances from the start that is nearest to `point`; the search starts at move `hint`.

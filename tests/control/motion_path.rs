@@ -302,20 +302,24 @@ fn planning_is_spread_over_ticks_and_the_start_does_not_wait_long() {
 #[test]
 fn b2_strokes_with_rounded_corners_meet_their_ends_and_never_go_beyond() {
     // Beside the way back every point is near the contour; the end itself must be met within the tolerance, too.
-    for (tolerance_mm, pitch_mm) in [(0.01, 0.002), (0.01, 0.0005), (0.05, 0.004), (0.005, 0.001), (0.002, 0.001)] {
+    let strokes = [(0.01, 0.002), (0.01, 0.0005), (0.05, 0.004), (0.005, 0.001), (0.002, 0.001)];
+    // The step between two strokes is square, or a point of two moves that stands out by half its length.
+    for ((tolerance_mm, pitch_mm), point_mm) in strokes.into_iter().flat_map(|s| [(s, 0.0), (s, s.1 / 2.0)]) {
         let mut path = path();
         let corner = CornerMode::Continuous { tolerance_mm };
         for stroke in 0..12_u32 {
             let x = if stroke % 2 == 0 { 50.0 } else { 0.0 };
             let z = f64::from(stroke) * -pitch_mm;
-            path.push(Move { corner, ..line(x, z, 2 * stroke) }).unwrap();
-            path.push(Move { corner, ..line(x, z - pitch_mm, 2 * stroke + 1) }).unwrap();
+            let outward = if stroke % 2 == 0 { point_mm } else { -point_mm };
+            path.push(Move { corner, ..line(x, z, 3 * stroke) }).unwrap();
+            path.push(Move { corner, ..line(x + outward, z - pitch_mm / 2.0, 3 * stroke + 1) }).unwrap();
+            path.push(Move { corner, ..line(x, z - pitch_mm, 3 * stroke + 2) }).unwrap();
         }
         // A stroke has ended where the axis has come back by 5 mm.
         let (mut extreme, mut sign, mut turns) = (0.0_f64, 1.0, Vec::new());
         while !path.is_done() {
             let x = path.tick(FULL).position.coordinates()[0];
-            assert!((-1e-6..=50.0 + 1e-6).contains(&x), "{x}");
+            assert!((-point_mm - 1e-6..=50.0 + point_mm + 1e-6).contains(&x), "{x}");
             if sign * (x - extreme) > 0.0 {
                 extreme = x;
             } else if (x - extreme).abs() > 5.0 {
@@ -325,10 +329,10 @@ fn b2_strokes_with_rounded_corners_meet_their_ends_and_never_go_beyond() {
         }
         assert_eq!(turns.len(), 11, "{turns:?}");
         for turn in turns {
-            let missed = turn.min(50.0 - turn);
+            let missed = (turn + point_mm).min(50.0 + point_mm - turn);
             assert!(
                 missed <= tolerance_mm,
-                "{missed} mm from the end at {tolerance_mm} mm, strokes {pitch_mm} mm apart"
+                "{missed} mm from the end at {tolerance_mm} mm, strokes {pitch_mm} mm apart, {point_mm} out"
             );
         }
     }

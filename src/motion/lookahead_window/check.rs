@@ -64,6 +64,7 @@ fn longest_step(p: &SetpointHistory) -> f64 {
 impl LookaheadWindow {
     pub(super) fn begin_curve_check(&mut self) {
         self.begin_excess();
+        self.misses_stroke_end = false;
         self.cursor = self.smoother.free_intervals().0;
         self.phase = WindowPhase::CheckCurve;
     }
@@ -99,7 +100,9 @@ impl LookaheadWindow {
         let knot = &self.smoother.knots[k + 1];
         if knot.is_stroke_end() {
             let missed = distance(at, self.band.at(knot.near.0));
-            self.record_deviation(k, missed - self.shares_at(k).0 * self.band.moves[knot.near.1].tolerance);
+            let over = missed - self.shares_at(k).0 * self.band.moves[knot.near.1].tolerance;
+            self.misses_stroke_end |= over > 0.0;
+            self.record_deviation(k, over);
         }
     }
 
@@ -202,10 +205,13 @@ impl LookaheadWindow {
         }
     }
 
-    /// After the curve check: narrows the band where the curve was outside, otherwise continues with the speed.
+    /// After the curve check: narrows the band where the curve was outside, otherwise continues with the speed. The check
+    /// of the set-points finds what is outside still, but not an end of a stroke that is missed.
     pub(super) fn after_curve_check(&mut self) {
         if self.is_outside && self.repairs < MAX_REPAIRS {
             self.repair();
+        } else if self.misses_stroke_end {
+            self.phase = WindowPhase::Failed;
         } else {
             self.begin_speed(LAST_ROUND);
         }

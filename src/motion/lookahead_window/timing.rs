@@ -117,6 +117,7 @@ impl LookaheadWindow {
         // The last given point belongs to the knot at the start of this interval.
         self.curve_position = CurvePosition { interval: FIXED_POINTS - 2, fraction: 0.0 };
         self.new_points.clear();
+        (self.followed, self.guided) = (self.lead_knots(), 0);
     }
 
     /// Places the control points again at even times of the planned speed; true when done.
@@ -140,6 +141,7 @@ impl LookaheadWindow {
             }
             // Start values only: the smoothing takes them into its own curve.
             self.new_points.push((self.position(), self.along()));
+            self.guided += usize::from(self.curve_position.interval < self.followed);
         }
         false
     }

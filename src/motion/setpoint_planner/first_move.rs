@@ -8,10 +8,12 @@ use super::super::lookahead_window::{PLAN_JERK_SHARE, PLAN_LIMIT_SHARE, PlanPoin
 use super::super::profile::{AxisState, MotionProfile};
 use super::super::queued_move::MoveQueue;
 use super::super::{AxisLimits, per_coordinate};
-use super::{MAX_PLAN_TICKS, PlanRequest, SetpointBuffer, SetpointPlanner, append_rest, top_speed};
+use super::handover::rate_reserve;
+use super::{MAX_PLAN_TICKS, MAX_WORK_PER_TICK, PlanRequest, SetpointBuffer, SetpointPlanner, append_rest, top_speed};
 use crate::units::WorkBudget;
 
-/// Work units of one set-point.
+/// Work units of the profile of the first move, and of one set-point of it.
+const COST_PROFILE: usize = 1_500;
 const COST_SETPOINT: usize = 50;
 
 impl SetpointPlanner {
@@ -29,20 +31,23 @@ impl SetpointPlanner {
             return false;
         }
         // The same shares of the limits as a window: the next one starts on this plan as on any other.
+        let share = PLAN_LIMIT_SHARE * (1.0 - rate_reserve(request));
         let axes = segment.limits(&self.limits);
         let limits = AxisLimits {
-            velocity_mm_s: top_speed(queued, &self.limits, request.feed_override)
-                .min(axes.velocity_mm_s * PLAN_LIMIT_SHARE),
-            acceleration_mm_s2: axes.acceleration_mm_s2 * PLAN_LIMIT_SHARE,
-            jerk_mm_s3: axes.jerk_mm_s3 * PLAN_LIMIT_SHARE * PLAN_JERK_SHARE,
+            velocity_mm_s: top_speed(queued, &self.limits, request.feed_override).min(axes.velocity_mm_s * share),
+            acceleration_mm_s2: axes.acceleration_mm_s2 * share,
+            jerk_mm_s3: axes.jerk_mm_s3 * share * PLAN_JERK_SHARE,
         };
-        let needed_ticks = self.first_handover_ticks(queued.tolerance_mm);
-        let most_s = needed_ticks as f64 * self.limits.tick_s + self.influence_s(limits.velocity_mm_s);
-        // Speeding up and braking each take half as long as the same way at the top speed.
-        let length = segment.length().min(limits.velocity_mm_s * most_s);
+        let needed_s = self.first_handover_ticks(queued.tolerance_mm) as f64 * self.limits.tick_s;
+        // From rest to rest a way takes at least as long as at the top speed: enough for the handover and the braking.
+        let length = segment.length().min(limits.velocity_mm_s * (needed_s + self.influence_s(limits.velocity_mm_s)));
         let profile = MotionProfile::to_position(AxisState::at_rest(0.0), length, limits);
         let ticks = (profile.seconds() / self.limits.tick_s).ceil() as usize;
-        if ticks >= MAX_PLAN_TICKS {
+        let at_handover = profile.at(needed_s.min(profile.seconds()));
+        budget.spend(COST_PROFILE);
+        if profile.seconds() - needed_s < self.influence_s(at_handover.velocity) + self.limits.tick_s
+            || ticks >= MAX_PLAN_TICKS.min(MAX_WORK_PER_TICK / COST_SETPOINT)
+        {
             return false;
         }
         budget.spend(ticks * COST_SETPOINT);
@@ -61,15 +66,11 @@ impl SetpointPlanner {
         }));
         self.plan.push(PlanPoint::at_rest(end, length, 0));
         self.best_handover_index = self.best_handover();
-        if self.best_handover_index < needed_ticks {
-            self.plan.clear();
-            return false;
-        }
         self.band.clear();
-        self.band.add(band_move(queued, &self.limits));
+        self.band.add(band_move(queued, &self.limits).with_override(request.feed_override));
         self.band.end = length;
         self.band.finish();
-        self.window.begin_run();
+        self.window.begin_run(share);
         (self.appended, self.is_extendable, self.failed_handover) = (0, true, None);
         self.planned_override = request.feed_override;
         append_rest(buffer);

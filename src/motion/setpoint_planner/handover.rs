@@ -35,10 +35,11 @@ const SPARE_TICKS: usize = 18;
 const INFLUENCE_BRAKING_TIMES: f64 = 1.3;
 const INFLUENCE_TICKS: f64 = 24.0;
 /// Ticks of the old curve that the next window takes over if there is time, so that the speed can adapt to the path
-/// ahead; and their maximum.
+/// ahead.
 const LEAD_TICKS: i64 = 64;
-const MAX_LEAD_TICKS: usize = 160;
 const SHORT_LEAD_TICKS: i64 = 24;
+/// Maximum part of the old curve that the next window takes over, s.
+const MAX_LEAD_S: f64 = 0.16;
 /// This near to the handover, in ticks, the full work budget is used.
 const URGENT_TICKS: u64 = 48;
 /// After a window in motion has failed, the next one starts at least this many ticks later: nearly the same state fails again.
@@ -53,12 +54,17 @@ const MIN_GUIDE_S: f64 = 0.028;
 /// Share of the limits reserved for raising the rate.
 const RATE_RESERVE: f64 = 0.04;
 
+/// The reserve in the limits that a plan leaves, as a share of them.
+pub fn rate_reserve(request: PlanRequest) -> f64 {
+    if request.catching_up { RATE_RESERVE } else { 0.0 }
+}
+
 /// A window being planned.
 #[derive(Clone, Copy, Debug)]
 pub struct WindowJob {
     /// Index of the last set-point of the current plan that is still used; 0 from rest.
     pub handover: usize,
-    /// Index of the last set-point of the current plan that the window follows.
+    /// Index of the last set-point of the current plan that the window follows in its own time.
     guide_end: usize,
     /// Whether it starts in motion.
     in_motion: bool,
@@ -79,7 +85,7 @@ struct HandoverChoice {
     handover: usize,
     /// Index of the first move of the old tolerance band that is taken over.
     first: usize,
-    /// The end of the part of the old curve that is taken over, and its index on the plan.
+    /// Where the horizon counts from, and index of the last set-point that the new curve follows in its own time.
     end: PlanPoint,
     guide_end: usize,
     /// Horizon from there, s.
@@ -142,7 +148,7 @@ impl SetpointPlanner {
         start.shift = (self.band.starts.get(first).copied().unwrap_or(0.0), first);
         start.point.along -= start.shift.0;
         start.point.segment -= first;
-        start.reserve = if request.catching_up { RATE_RESERVE } else { 0.0 };
+        start.reserve = rate_reserve(request);
         let in_motion = start.point.is_in_motion();
         // The rate is relative to the override of the set-points on the buffer: the planned override may rise, not fall.
         let least = if in_motion { self.planned_override } else { 1.0 };
@@ -258,7 +264,7 @@ impl SetpointPlanner {
         }
         let point = self.plan[handover];
         let history = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
-        let end = self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS);
+        let end = self.best_handover_index.clamp(handover, handover + (MAX_LEAD_S / self.limits.tick_s) as usize);
         let guide_end = end.max(handover + (MIN_GUIDE_S / self.limits.tick_s) as usize);
         let end = self.plan[end];
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
@@ -329,9 +335,9 @@ impl SetpointPlanner {
     /// Work units per knot of the requested horizon, up to now. A window may have more knots than that: it counts for the
     /// estimate what the request has cost.
     fn knot_cost(&self, job: &WindowJob) -> f64 {
-        let planned_s = self.window.plan.len() as f64 * self.limits.tick_s;
-        let seconds = if self.window.is_cut() { planned_s } else { job.horizon_s + BRAKE_S };
-        job.work_spent as f64 * self.knot_spacing_s / seconds
+        let requested = (job.horizon_s + BRAKE_S) / self.knot_spacing_s;
+        let knots = if self.window.is_cut() { self.window.knot_count() as f64 } else { requested };
+        job.work_spent as f64 / knots
     }
 
     /// Updates the cost per knot after each window: upward at once, downward slowly.
