@@ -189,6 +189,55 @@ fn random_contours() -> bool {
     kept_all && known > 0
 }
 
+/// Blocks a second on an S of two arcs of 12 mm cut into points of `chord_mm`, at 100 mm/s or what the axes allow, with the
+/// reader's most blocks a tick; the points are rounded to a grid.
+fn block_rate(chord_mm: f64, grid_mm: f64) {
+    const RADIUS_MM: f64 = 12.0;
+    const BLOCKS_PER_TICK: usize = 16;
+    let axis = |v| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };
+    let limits = MotionLimits { axes: PerAxis([axis(100.0), axis(100.0), axis(10_000.0 / 60.0)]), tick_s: 0.001 };
+    // Two quarter turns, one to the left and one to the right.
+    let count = (std::f64::consts::PI * RADIUS_MM / chord_mm).round() as u32;
+    let at = |k: u32| {
+        let angle = std::f64::consts::PI * f64::from(k) / f64::from(count);
+        let turn = std::f64::consts::FRAC_PI_2;
+        if angle <= turn {
+            [RADIUS_MM * (1.0 - angle.cos()), 0.0, RADIUS_MM * angle.sin()]
+        } else {
+            let rest = std::f64::consts::PI - angle;
+            [RADIUS_MM * (1.0 + rest.cos()), 0.0, RADIUS_MM * (2.0 - rest.sin())]
+        }
+    };
+    let mut path = TrajectoryPlanner::new(limits, MachinePos::new([0.0; 3]));
+    let (mut next, mut costs) = (1, Vec::new());
+    while next <= count || !path.is_done() {
+        for _ in 0..BLOCKS_PER_TICK.min(path.free_slots()) {
+            if next <= count {
+                let corner = CornerMode::Continuous { tolerance_mm: 0.01 };
+                let speed = MotionSpeed::Feed { mm_s: 100.0 };
+                let to = MachinePos::new(at(next).map(|x| (x / grid_mm).round() * grid_mm));
+                path.push(Move { to, shape: MoveShape::Line, speed, corner, tag: next }).unwrap();
+                next += 1;
+            }
+        }
+        let before = Instant::now();
+        path.tick(Override::FULL);
+        costs.push(before.elapsed().as_secs_f64() * 1e6);
+    }
+    let ticks = costs.len();
+    costs.sort_by(f64::total_cmp);
+    println!(
+        "points of {:4.0} µm on a grid of {} µm: {:6.0} blocks/s, {:.2} s; tick p50 {:.1} µs, p99.9 {:.1}, worst {:.1}",
+        chord_mm * 1e3,
+        grid_mm * 1e3,
+        f64::from(count) / (ticks as f64 * 0.001),
+        ticks as f64 * 0.001,
+        costs[ticks / 2],
+        costs[(ticks - 1) * 999 / 1000],
+        costs[ticks - 1]
+    );
+}
+
 fn main() {
     if let Some(folder) = std::env::var_os("KT830_WRITE_CONTOURS") {
         for (_, _, contour) in contours::all() {
@@ -198,6 +247,10 @@ fn main() {
         return;
     }
     many_moves();
+    for (chord_mm, grid_mm) in [(0.002, 1e-6), (0.01, 1e-6), (0.02, 1e-6), (0.05, 1e-6), (0.002, 0.001), (0.01, 0.001)]
+    {
+        block_rate(chord_mm, grid_mm);
+    }
     let kept = random_contours();
     let folder = std::env::var("KT830_BENCH_PATHS")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/bench").to_owned());

@@ -1,12 +1,15 @@
 //! Runs: which queued moves blend into each other without a stop.
 //!
-//! Decides what ends a run, and fills a tolerance band with the next moves of a run. Knows nothing of plans.
+//! Decides what ends a run, and fills a tolerance band with the next moves of a run. Lines too short to shape the curve are
+//! joined into one. Knows nothing of plans.
 
 use std::collections::VecDeque;
 
+mod join;
+
 use super::lookahead_window::MAX_WINDOW_MOVES;
 use super::queued_move::QueuedMove;
-use super::tolerance_band::{BandMove, ToleranceBand, corner_speed, cosine};
+use super::tolerance_band::{BandMove, SHARP_COSINE, ToleranceBand, corner_speed, cosine};
 use super::{CornerMode, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use crate::units::WorkBudget;
 
@@ -112,7 +115,7 @@ impl BandFiller {
             }
             if let Some(piece) = before.moves.get(self.copied) {
                 self.copied += 1;
-                self.next = piece.number;
+                self.next = piece.numbers.1;
                 if self.add(band, *piece) {
                     return FillResult::RunContinues;
                 }
@@ -120,8 +123,13 @@ impl BandFiller {
                     continue;
                 }
             } else {
-                let Some(queued) = moves.get((self.next - front) as usize) else { return FillResult::RunContinues };
-                if self.add(band, band_move(queued, limits)) {
+                let place = (self.next - front) as usize;
+                if place >= moves.len() {
+                    return FillResult::RunContinues;
+                }
+                let piece = join::join(moves, place, limits, budget);
+                self.next = piece.numbers.1;
+                if self.add(band, piece) {
                     return FillResult::RunContinues;
                 }
             }
@@ -140,11 +148,12 @@ impl BandFiller {
     fn add(&mut self, band: &mut ToleranceBand, mut piece: BandMove) -> bool {
         if let Some(last) = band.moves.last() {
             // The tolerance at a corner is limited by the move before it.
-            piece.tolerance = piece.tolerance.min(last.tolerance);
+            piece.programmed_tolerance = piece.programmed_tolerance.min(last.programmed_tolerance);
         }
-        if piece.tolerance.is_infinite() {
-            piece.tolerance = MIN_TOLERANCE_MM;
+        if piece.programmed_tolerance.is_infinite() {
+            piece.programmed_tolerance = MIN_TOLERANCE_MM;
         }
+        piece.tolerance = piece.programmed_tolerance - piece.joined_deviation;
         piece = piece.with_override(self.feed_override);
         let counted = (band.length() + piece.segment.length() - self.from.max(band.length())).max(0.0);
         let corner = band.moves.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
@@ -168,6 +177,24 @@ impl BandFiller {
     }
 }
 
+/// Approximate time of a move by itself at its programmed speed, s. After a sharp corner it starts nearly from rest.
+pub fn approximate_s(before: Option<&QueuedMove>, queued: &QueuedMove, limits: &MotionLimits) -> f64 {
+    let length = queued.segment.length();
+    if queued.segment.has_no_length() {
+        return 0.0;
+    }
+    let most = queued.segment.limits(limits).velocity_mm_s;
+    let seconds = match queued.programmed.speed {
+        MotionSpeed::Rapid => length / most,
+        MotionSpeed::Feed { mm_s } => length / mm_s.max(MIN_FEED_MM_S).min(most),
+    };
+    let is_corner = before.is_some_and(|before| cosine(&before.segment, &queued.segment) < SHARP_COSINE);
+    // What lies within the tolerance of a corner is rounded with it.
+    let straight = (length - 2.0 * queued.tolerance_mm).max(0.0);
+    let from_rest = if is_corner { 4.0 * (straight / (2.0 * limits.least().jerk_mm_s3)).cbrt() } else { 0.0 };
+    seconds + from_rest
+}
+
 /// A queued move as one of a tolerance band, without override.
 pub fn band_move(queued: &QueuedMove, limits: &MotionLimits) -> BandMove {
     let most = queued.segment.limits(limits).velocity_mm_s;
@@ -181,11 +208,13 @@ pub fn band_move(queued: &QueuedMove, limits: &MotionLimits) -> BandMove {
     };
     BandMove {
         segment: queued.segment,
-        number: queued.number,
+        numbers: (queued.number, queued.number),
         max_speed: most,
         programmed_speed: programmed,
         feed: programmed,
         top_speed: most,
+        programmed_tolerance: tolerance,
+        joined_deviation: 0.0,
         tolerance,
     }
 }

@@ -22,7 +22,7 @@ use check::CheckedPoint;
 use speed_estimate::SpeedEstimate;
 
 /// Maximum number of moves in a window.
-pub const MAX_WINDOW_MOVES: usize = 320;
+pub const MAX_WINDOW_MOVES: usize = 640;
 /// Maximum number of set-points in a plan.
 pub const MAX_PLAN_TICKS: usize = 8_192;
 /// Knot spacing as a share of the time of a rounding within the tolerance ([`rounding_time_s`]), and its range, s. With a

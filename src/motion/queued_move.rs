@@ -6,7 +6,11 @@ use super::Move;
 use super::path_segment::PathSegment;
 
 /// Maximum number of queued moves.
-pub const MAX_QUEUED_MOVES: usize = 256;
+pub const MAX_QUEUED_MOVES: usize = 4_096;
+/// Beyond this number, moves are queued only as long as together they last less than [`MAX_QUEUED_S`]: what is changed in a
+/// program or a variable during a run acts behind them.
+pub const MIN_QUEUED_MOVES: usize = 256;
+pub const MAX_QUEUED_S: f64 = 2.0;
 
 /// The queue, the next move first.
 pub(super) type MoveQueue = VecDeque<QueuedMove>;
@@ -22,6 +26,8 @@ pub(super) struct QueuedMove {
     pub is_slow: bool,
     /// Serial number since power-on.
     pub number: u64,
+    /// Approximate time at its end, s, counted over all moves since power-on at their programmed speeds.
+    pub ends_s: f64,
     /// Index on the buffer at which the move is finished (one after its last set-point), once that is appended.
     pub end_index: Option<u64>,
 }

@@ -60,6 +60,8 @@ pub struct SetpointPlanner {
     /// Number of moves at the front of the queue whose end is on the buffer, including the active single move.
     planned_moves: usize,
     single_move: Option<PointToPointMove>,
+    /// Number of queued moves that it ends.
+    single_moves: usize,
     slow_run: SlowRun,
     /// The plan being appended: its set-points, how many are appended, and its tolerance band.
     plan: Vec<PlanPoint>,
@@ -68,6 +70,8 @@ pub struct SetpointPlanner {
     /// Whether the run continues beyond the plan, and the index up to which braking does not affect the plan.
     is_extendable: bool,
     best_handover_index: usize,
+    /// Length of the finished moves of a joined one, mm.
+    joined_mm: f64,
     /// At rest in the middle of a move: the last set-point of the plan.
     resting_point: Option<PlanPoint>,
     planned_override: f64,
@@ -114,12 +118,14 @@ impl SetpointPlanner {
             ahead_ticks,
             planned_moves: 0,
             single_move: None,
+            single_moves: 0,
             slow_run: SlowRun::new(),
             plan: Vec::with_capacity(MAX_PLAN_TICKS),
             appended: 0,
             band: ToleranceBand::with_capacity(MAX_WINDOW_MOVES),
             is_extendable: false,
             best_handover_index: 0,
+            joined_mm: 0.0,
             resting_point: None,
             planned_override: 1.0,
             window: LookaheadWindow::new(&limits),
@@ -153,6 +159,7 @@ impl SetpointPlanner {
         self.slow_run.clear();
         self.plan.clear();
         self.appended = 0;
+        self.joined_mm = 0.0;
         self.resting_point = None;
         self.cancel_window();
         self.horizon_fraction = 1.0;
@@ -228,7 +235,7 @@ impl SetpointPlanner {
 
     fn append_single_move(&mut self, moves: &mut MoveQueue, buffer: &mut SetpointBuffer, spot: BufferPosition) -> bool {
         let Some(active) = &mut self.single_move else { return false };
-        let Some(queued) = moves.get_mut(self.planned_moves.saturating_sub(1)) else { return false };
+        let Some(queued) = moves.get(self.planned_moves.saturating_sub(1)) else { return false };
         let place = NominalSetpoint {
             position: active.next_setpoint(),
             planned_override: self.planned_override,
@@ -237,7 +244,9 @@ impl SetpointPlanner {
         let over = active.is_finished();
         append_setpoint(buffer, spot, place, !over);
         if over {
-            queued.end_index = Some(buffer.end());
+            for queued in moves.range_mut(self.planned_moves - self.single_moves..self.planned_moves) {
+                queued.end_index = Some(buffer.end());
+            }
             self.single_move = None;
         }
         true
@@ -284,15 +293,24 @@ impl SetpointPlanner {
         let place = NominalSetpoint { position: point.at, planned_override: self.planned_override, is_rapid: rapid };
         append_setpoint(buffer, request.spot, place, !over);
         let whole = over && self.band.ends_at_move_end();
-        let number = self.band.moves[point.segment].number + u64::from(whole);
-        while let Some(queued) = moves.get_mut(self.planned_moves)
-            && queued.number < number
-        {
+        let piece = &self.band.moves[point.segment];
+        let (first, last) = piece.numbers;
+        let number = if whole { last + 1 } else { first };
+        let passed_mm = point.along - self.band.starts[point.segment];
+        while let Some(queued) = moves.get_mut(self.planned_moves) {
+            let end_mm = self.joined_mm + queued.segment.length();
+            if queued.number >= number && (queued.number >= last || end_mm > passed_mm) {
+                break;
+            }
             queued.end_index = Some(buffer.end());
             self.planned_moves += 1;
+            self.joined_mm = if queued.number < first { 0.0 } else { end_mm };
         }
         if over {
             self.resting_point = (!whole).then_some(point);
+            if whole {
+                self.joined_mm = 0.0;
+            }
             self.plan.clear();
             self.appended = 0;
             self.cancel_window();
@@ -368,9 +386,17 @@ impl SetpointPlanner {
         let mut limits = queued.segment.limits(&self.limits);
         limits.velocity_mm_s = top_speed(queued, &self.limits, request.feed_override);
         self.planned_override = request.feed_override;
-        let from = self.resting_point.take().map_or(0.0, |point| point.along - self.band.starts[point.segment]);
-        self.single_move = Some(PointToPointMove::new(queued.segment, from, limits, self.limits.tick_s));
-        self.planned_moves += 1;
+        let (mut segment, mut from) = (queued.segment, 0.0);
+        self.single_moves = 1;
+        if let Some(point) = self.resting_point.take() {
+            // In the middle of a move, which may be a joined one.
+            let piece = &self.band.moves[point.segment];
+            (segment, from) = (piece.segment, point.along - self.band.starts[point.segment]);
+            self.single_moves = (piece.numbers.1 + 1 - queued.number) as usize;
+        }
+        self.single_move = Some(PointToPointMove::new(segment, from, limits, self.limits.tick_s));
+        self.planned_moves += self.single_moves;
+        self.joined_mm = 0.0;
         true
     }
 }

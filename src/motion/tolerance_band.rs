@@ -17,8 +17,8 @@ const SEARCH_BEYOND: usize = 2;
 pub struct BandMove {
     /// Its geometry.
     pub segment: PathSegment,
-    /// Its serial number in the queue since power-on.
-    pub number: u64,
+    /// Serial numbers of the first and the last queued move that it consists of, since power-on.
+    pub numbers: (u64, u64),
     /// Maximum speed by geometry and axis limits, mm/s.
     pub max_speed: f64,
     /// Programmed speed, mm/s.
@@ -27,7 +27,10 @@ pub struct BandMove {
     pub feed: f64,
     /// The lower of `max_speed` and `feed`, mm/s.
     pub top_speed: f64,
-    /// Allowed deviation of the curve, mm.
+    /// Allowed deviation of the curve from the queued moves, mm, and how far those lie beside it.
+    pub programmed_tolerance: f64,
+    pub joined_deviation: f64,
+    /// Allowed deviation of the curve from it, mm.
     pub tolerance: f64,
 }
 

@@ -8,9 +8,10 @@
 
 use std::collections::VecDeque;
 
+use super::blending::approximate_s;
 use super::feed_scaling::{DifferenceLimits, FeedScaling, MAX_FEED_SCALING_WORK, SetpointHistory, SetpointsAhead};
 use super::path_segment::PathSegment;
-use super::queued_move::{MAX_QUEUED_MOVES, QueuedMove};
+use super::queued_move::{MAX_QUEUED_MOVES, MAX_QUEUED_S, MIN_QUEUED_MOVES, QueuedMove};
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::setpoint_planner::{MAX_WORK_PER_TICK, PlanRequest, SetpointPlanner};
 use super::slow_run::is_slow;
@@ -34,7 +35,9 @@ pub struct TrajectoryPlanner {
     limits: MotionLimits,
     steps: DifferenceLimits,
     moves: VecDeque<QueuedMove>,
+    /// Moves pushed since power-on, and the approximate time at the end of the last, s.
     pushed_count: u64,
+    pushed_s: f64,
     finished: VecDeque<u32>,
     finished_tag: Option<u32>,
     planner: SetpointPlanner,
@@ -64,6 +67,7 @@ impl TrajectoryPlanner {
             steps: DifferenceLimits::from_limits(&limits),
             moves: VecDeque::with_capacity(MAX_QUEUED_MOVES),
             pushed_count: 0,
+            pushed_s: 0.0,
             finished: VecDeque::with_capacity(MAX_FINISHED_TAGS),
             finished_tag: None,
             planner: SetpointPlanner::new(&limits),
@@ -92,12 +96,12 @@ impl TrajectoryPlanner {
     /// Appends a move to the queue.
     ///
     /// # Errors
-    /// [`MoveQueueFull`] when [`TrajectoryPlanner::free_slots`] is 0.
+    /// [`MoveQueueFull`] when [`MAX_QUEUED_MOVES`] are queued, or while an abort brakes.
     ///
     /// # Panics
     /// When an end point, centre, feed or tolerance is not finite: a bug of the caller.
     pub fn push(&mut self, program: Move) -> Result<(), MoveQueueFull> {
-        if self.free_slots() == 0 {
+        if self.aborting || self.moves.len() >= MAX_QUEUED_MOVES {
             return Err(MoveQueueFull);
         }
         assert!(program.to.is_finite(), "end point {:?}", program.to);
@@ -112,23 +116,32 @@ impl TrajectoryPlanner {
             CornerMode::ExactStop => self.moves.back().map_or(0.0, |last| last.tolerance_mm),
         };
         let is_slow = is_slow(&self.limits, program.speed, tolerance_mm);
-        let number = self.pushed_count;
-        self.moves.push_back(QueuedMove {
+        let mut queued = QueuedMove {
             programmed: program,
             segment,
             tolerance_mm,
             is_slow,
-            number,
+            number: self.pushed_count,
+            ends_s: 0.0,
             end_index: None,
-        });
-        self.pushed_count += 1;
+        };
+        queued.ends_s = self.pushed_s + approximate_s(self.moves.back(), &queued, &self.limits);
+        (self.pushed_count, self.pushed_s) = (self.pushed_count + 1, queued.ends_s);
+        self.moves.push_back(queued);
         Ok(())
     }
 
-    /// Number of moves that can be pushed now; 0 while an abort brakes.
+    /// Number of moves to push now; 0 while enough are queued, or an abort brakes.
     #[must_use]
     pub fn free_slots(&self) -> usize {
-        if self.aborting { 0 } else { MAX_QUEUED_MOVES - self.moves.len() }
+        let last_s = |of: Option<&QueuedMove>| of.map_or(0.0, |queued| queued.ends_s);
+        let queued_s = last_s(self.moves.back()) - last_s(self.moves.front());
+        match self.moves.len() {
+            _ if self.aborting => 0,
+            count @ ..MIN_QUEUED_MOVES => MIN_QUEUED_MOVES - count,
+            count if queued_s < MAX_QUEUED_S => MAX_QUEUED_MOVES - count,
+            _ => 0,
+        }
     }
 
     /// Advances by one tick and returns the set-point at its end. The work is within [`MAX_TRAJECTORY_WORK`].

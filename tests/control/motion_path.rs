@@ -177,6 +177,22 @@ fn a_full_queue_refuses() {
     assert_eq!((path.free_slots(), path.push(line(0.0, 0.0, 0))), (0, Err(MoveQueueFull)));
 }
 
+/// Short moves are queued in thousands, so that they do not run out; long ones are not, so that what is changed in a program
+/// acts soon: no more than 256 of them, or two seconds.
+#[test]
+fn more_moves_are_queued_where_they_are_short() {
+    // 1 mm at 100 mm/s is 10 ms, and 2 µm 20 µs.
+    for (length_mm, expected) in [(1.0, 256), (0.002, MAX_QUEUED_MOVES)] {
+        let mut path = path();
+        let mut count = 0_u32;
+        while path.free_slots() > 0 {
+            count += 1;
+            path.push(line(0.0, length_mm * f64::from(count), count)).unwrap();
+        }
+        assert_eq!(count as usize, expected, "{length_mm} mm");
+    }
+}
+
 #[test]
 fn distance_to_go_is_to_the_end_of_the_active_move() {
     let mut path = path();

@@ -4,10 +4,8 @@
 
 use super::super::blending::{BandFiller, Continuation, FillResult, continuation};
 use super::super::lookahead_window::{PlanPoint, WindowStart, knot_spacing_s};
-use super::super::queued_move::MoveQueue;
+use super::super::queued_move::{MoveQueue, QueuedMove};
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
-use super::super::tolerance_band::{SHARP_COSINE, cosine};
-use super::super::{MIN_FEED_MM_S, MotionSpeed};
 use super::{
     APPEND_MARGIN_TICKS, PlanRequest, STEADY_WORK_PER_TICK, SetpointPlanner, WORK_PER_TICK, append_rest, top_speed,
 };
@@ -44,8 +42,6 @@ const MAX_LEAD_S: f64 = 0.16;
 const URGENT_TICKS: u64 = 48;
 /// After a window in motion has failed, the next one starts at least this many ticks later: nearly the same state fails again.
 const RETRY_TICKS: usize = 24;
-/// Work units of one move or set-point looked at in choosing a handover.
-const COST_LOOK: usize = 12;
 /// Minimum planning time, ticks.
 const MIN_PLANNING_TICKS: i64 = 80;
 /// Minimum time for which a window starts along the previous plan, also where that plan brakes, s: the acceleration at the
@@ -189,7 +185,7 @@ impl SetpointPlanner {
             self.cancel_window();
         }
         if self.job.is_none() && !request.braking && self.is_extendable && !self.plan.is_empty() {
-            self.begin_in_motion(moves, buffer, request, budget);
+            self.begin_in_motion(moves, buffer, request);
         }
         let Some(mut job) = self.job else { return };
         if job.in_motion && self.appended > job.handover + 1 {
@@ -223,17 +219,12 @@ impl SetpointPlanner {
     }
 
     /// Selects handover and horizon of the next window; starts it when it is time.
-    fn begin_in_motion(
-        &mut self,
-        moves: &MoveQueue,
-        buffer: &SetpointBuffer,
-        request: PlanRequest,
-        budget: &mut WorkBudget,
-    ) {
+    fn begin_in_motion(&mut self, moves: &MoveQueue, buffer: &SetpointBuffer, request: PlanRequest) {
         let Some(last) = self.band.moves.last() else { return };
         let front = moves.front().map_or(0, |queued| queued.number);
         let cut = !self.band.ends_at_move_end();
-        if !cut && !matches!(continuation(moves, (last.number - front) as usize), Continuation::ContinuesAt(_)) {
+        let last_index = (last.numbers.1 - front) as usize;
+        if !cut && !matches!(continuation(moves, last_index), Continuation::ContinuesAt(_)) {
             return;
         }
         // Index of the axes on the plan; negative while they are still before it.
@@ -242,7 +233,7 @@ impl SetpointPlanner {
         let best = self.best_handover_index as i64;
         self.knot_spacing_s = knot_spacing_s(&self.limits, last.tolerance);
         // The horizon is limited by the known moves and by the time for planning.
-        let known = self.known_time_s(moves, (last.number - front) as usize, MAX_HORIZON_S, budget);
+        let known = self.known_time_s(moves, last_index);
         let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
         let mut wanted =
             self.seconds_of((aim - near) as f64, WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
@@ -269,35 +260,17 @@ impl SetpointPlanner {
         let end = self.plan[end];
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
-        let choice = HandoverChoice { handover, first, end, guide_end, horizon_s: wanted, next: last.number, steady };
+        let choice =
+            HandoverChoice { handover, first, end, guide_end, horizon_s: wanted, next: last.numbers.1, steady };
         self.begin_job(start, choice, request);
     }
 
-    /// Approximate time of the known run beyond `best`, s, up to `most`.
-    fn known_time_s(&self, moves: &MoveQueue, last: usize, most: f64, budget: &mut WorkBudget) -> f64 {
-        let mut seconds = (self.plan.len() - self.best_handover_index) as f64 * self.limits.tick_s;
-        if let Some(piece) = self.band.moves.last() {
-            seconds += (self.band.length() - self.band.end) / piece.top_speed;
-        }
-        let jerk = self.limits.least().jerk_mm_s3;
-        let mut before = moves.get(last).map(|queued| &queued.segment);
-        for queued in moves.range((last + 1).min(moves.len())..) {
-            if seconds >= most {
-                break;
-            }
-            budget.spend(COST_LOOK);
-            let length = queued.segment.length();
-            seconds += match queued.programmed.speed {
-                MotionSpeed::Rapid => length / top_speed(queued, &self.limits, 1.0),
-                MotionSpeed::Feed { mm_s } => length / mm_s.max(MIN_FEED_MM_S),
-            };
-            if before.is_some_and(|before| cosine(before, &queued.segment) < SHARP_COSINE) {
-                // Between sharp corners the motion is nearly from rest to rest.
-                seconds += 4.0 * (length / (2.0 * jerk)).cbrt();
-            }
-            before = Some(&queued.segment);
-        }
-        seconds
+    /// Approximate time of the known run beyond the best handover, s; `last` is the index of the last move of the plan.
+    fn known_time_s(&self, moves: &MoveQueue, last: usize) -> f64 {
+        let planned_s = (self.plan.len() - self.best_handover_index) as f64 * self.limits.tick_s;
+        let cut_s = self.band.moves.last().map_or(0.0, |piece| (self.band.length() - self.band.end) / piece.top_speed);
+        let ends_s = |queued: Option<&QueuedMove>| queued.map_or(0.0, |queued| queued.ends_s);
+        planned_s + cut_s + ends_s(moves.back()) - ends_s(moves.get(last))
     }
 
     /// Switches to the window when it is ready and the current plan has been appended up to the handover.
