@@ -20,6 +20,8 @@ pub enum GCodeGroup {
     Units,
     /// 07: wheel radius compensation.
     Compensation,
+    /// 09 (lathe: 10): drilling cycles. The control has none, so only their end.
+    DrillingCycle,
     /// 12: modal macro call.
     ModalCall,
     /// 14: work offset.
@@ -87,6 +89,8 @@ g_codes! {
         "G03 X_ Z_ R_（或 I_ K_）F_：逆时针圆弧，写法同 G02。" "G03 X_ Z_ R_ (or I_ K_) F_: arc counter-clockwise, same format as G02.";
     4 "dwell" NonModal Yes Yes "暂停" "dwell"
         "G04 P_（毫秒）或 G04 X_（秒）：暂停；进给保持时剩余时间停住。" "G04 P_ (milliseconds) or G04 X_ (seconds): dwell; a feed hold stops the remaining time.";
+    9 "exact-stop-block" NonModal Yes Yes "本段准停" "exact stop in this block"
+        "G09 G01 X_ Z_ F_：本段终点准停；以后的段按 G61/G64。" "G09 G01 X_ Z_ F_: exact stop at the end of this block; the following blocks go by G61 or G64.";
     10 "wear-add" NonModal Yes Yes "修改刀补" "add to wear offset"
         "G10 D_ U_ W_：把 U、W（平磨 V）加到刀补 D（1–16）的磨耗上，立即生效；D 不在 1–16 报警。" "G10 D_ U_ W_: adds U, W (GS: V) to the wear of offset D (1 to 16), effective at once; another D is an alarm.";
     17 "plane-xy" Plane No Yes "XY 平面" "XY plane"
@@ -165,6 +169,8 @@ g_codes! {
         "复合螺纹循环，本版本不提供。" "Threading cycle, not in this version.";
     78 "gauge-positioning" NonModal Yes Yes "量仪对刀" "gauge positioning"
         "G78 Z_ F_ J_ P_ Q_ L_：以 F 接近到信号 P，退 L，再以 J 接近并记录；#434 = X，#435 快速、#436 精确 Z，#437 为差。写 Q 时以 J 走到第二信号，速度降到 J 以前 Q 有效报警 205。到终点无信号报警 183。" "G78 Z_ F_ J_ P_ Q_ L_: approaches at F until signal P, retracts by L, approaches again at J and stores the positions: #434 X, #435 fast Z, #436 fine Z, #437 their difference. With Q it continues at J to the second signal; Q before speed J: alarm 205. No signal: alarm 183.";
+    80 "drilling-cycle-off" DrillingCycle Yes Yes "取消钻孔循环" "drilling cycle off"
+        "G80：取消钻孔循环。本机没有钻孔循环，可以写，无作用（程序开头的 G40 G80）。" "G80: ends a drilling cycle. There are none here; accepted without effect, as in the safety line G40 G80 at the start of programs.";
     90 "longitudinal-cycle" Motion Yes Yes "轴向切削循环（平磨、圆台磨：绝对编程）" "longitudinal cycle (GS, GA: absolute)"
         "外圆磨：G90 X_ Z_ F_ 轴向切削循环；与 G00–G03 同段时为绝对编程。平磨、圆台磨：以后的坐标为绝对值。" "GC: G90 X_ Z_ F_ is one longitudinal cycle; in a block with G00 to G03 it means absolute. GS, GA: the following coordinates are absolute.";
     91 "incremental" DistanceMode No Yes "增量编程" "incremental"

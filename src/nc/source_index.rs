@@ -131,7 +131,8 @@ fn read_block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
         if rest.get(1) == Some(&b'/') {
             return (None, &[]);
         }
-        rest = after_blanks(&rest[1..], brackets);
+        let number = usize::from(matches!(rest.get(1), Some(b'1'..=b'9')));
+        rest = after_blanks(&rest[1 + number..], brackets);
     }
     if !matches!(rest.first(), Some(b'N' | b'n')) {
         return (None, rest);

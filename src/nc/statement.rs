@@ -6,7 +6,7 @@ use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variab
 use super::fault::{E, ReadResult, fail, fail1};
 use super::functions::{whole_number, whole_u32};
 use super::lexer::Cursor;
-use super::words::BlockWords;
+use super::words::{BlockWords, ValueKind, Word};
 use crate::units::Axis;
 
 /// Deepest nesting of `IF … THEN IF …` in one block.
@@ -57,11 +57,19 @@ pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
             b'\r' | b'\n' => break BlockContent::Empty,
             b'/' if cursor.peek_at(1) == b'/' => break BlockContent::Empty,
             b'/' => {
-                cursor.at += 1;
+                accept_block_skip(cursor);
                 if block_skip {
                     cursor.skip_rest_of_line();
                     return Ok(BlockContent::Empty);
                 }
+            }
+            b':' if cursor.peek_at(1).is_ascii_digit() => {
+                read_program_number(cursor, words)?;
+                break if cursor.peek().is_ascii_alphabetic() {
+                    read_body(cursor, scope, words, 0)?
+                } else {
+                    BlockContent::Words
+                };
             }
             b';' if !mid_line => {
                 cursor.skip_rest_of_line();
@@ -73,6 +81,25 @@ pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
     };
     read_block_end(cursor)?;
     Ok(content)
+}
+
+/// Takes `/` and the number of its switch, `/1` to `/9`. DECISION: the control has one switch; it is for all of them.
+#[inline]
+fn accept_block_skip(cursor: &mut Cursor<'_>) {
+    cursor.at += 1;
+    if matches!(cursor.peek(), b'1'..=b'9') {
+        cursor.at += 1;
+    }
+}
+
+/// The program number after `:`, as ISO codes write it in place of O.
+#[cold]
+fn read_program_number(cursor: &mut Cursor<'_>, words: &mut BlockWords) -> ReadResult<()> {
+    let at = cursor.at as u32;
+    cursor.at += 1;
+    let number = cursor.read_number()?;
+    words.add(Word { value: number.value, at, letter: b'O', kind: ValueKind::Integer })?;
+    cursor.skip_blanks()
 }
 
 /// Whether another block follows on the line, behind a `;`.
@@ -259,7 +286,7 @@ fn is_block(mut cursor: Cursor<'_>) -> bool {
 fn read_syntax_only(cursor: &mut Cursor<'_>, words: &mut BlockWords) -> ReadResult<bool> {
     cursor.skip_blanks()?;
     if cursor.peek() == b'/' && cursor.peek_at(1) != b'/' {
-        cursor.at += 1;
+        accept_block_skip(cursor);
         cursor.skip_blanks()?;
     }
     if matches!(cursor.peek(), b'N' | b'n') {

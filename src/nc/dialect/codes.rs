@@ -62,7 +62,7 @@ impl BlockCodes {
                 modals.per_rev = per_rev;
             }
             GCodeGroup::Units => modals.inch = code.number == 20,
-            GCodeGroup::Compensation => {}
+            GCodeGroup::Compensation | GCodeGroup::DrillingCycle => {}
             GCodeGroup::ModalCall => self.modal_call = Some(code),
             GCodeGroup::WorkOffset => {
                 self.work_offset = true;

@@ -156,6 +156,7 @@ fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &BlockCode
         // M35 has used the axis words.
         None if running.words.m.iter().any(|code| code.number == 35) => Ok(()),
         None => motion::modal_move(running, plan),
+        Some(code) if code.number == 9 => motion::exact_stop_move(running, plan),
         Some(code) => reading_of(code.number).map_or(Ok(()), |read| read(running, code)),
     }
 }
@@ -223,7 +224,7 @@ mod tests {
     fn b2_every_one_shot_function_of_the_table_has_a_reading() {
         for row in G_CODES.iter().filter(|row| row.group == GCodeGroup::NonModal) {
             let code = u32::from(row.code);
-            let read = reading_of(code).is_some() || cycles::is_contour_cycle(code) || code == 65;
+            let read = reading_of(code).is_some() || cycles::is_contour_cycle(code) || [9, 65].contains(&code);
             let exists = [row.lathe, row.mill].contains(&Availability::Yes);
             assert_eq!(read, exists, "G{code:02}");
         }

@@ -8,7 +8,7 @@ use crate::nc::dialect::motion::{self, MoveTarget};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{Op, REFERENCE_POINTS};
+use crate::nc::op::{Op, PathMode, REFERENCE_POINTS};
 use crate::nc::words::{Code, ValueKind};
 use crate::units::PerAxis;
 
@@ -38,6 +38,19 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
         // Functions of another dialect; no code of this one selects them.
         _ => Ok(()),
     }
+}
+
+/// G09: the move of its block with an exact stop at its end.
+pub(super) fn exact_stop_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
+    let path_mode = running.modals.path_mode;
+    if path_mode != PathMode::ExactStop {
+        running.ops.push(Op::SetPathMode(PathMode::ExactStop));
+    }
+    modal_move(running, plan)?;
+    if path_mode != PathMode::ExactStop {
+        running.ops.push(Op::SetPathMode(path_mode));
+    }
+    Ok(())
 }
 
 /// G04: P milliseconds, X or U seconds.
