@@ -195,6 +195,7 @@ fn b2_points_of_micrometres_run_at_five_thousand_blocks_a_second_and_more() {
         let mut path = path();
         let (mut next, mut ticks, mut finished) = (0, 0_u32, 0_usize);
         let (mut passed, mut last) = (0, path.position().coordinates());
+        let mut past = [last; 4];
         while next < moves.len() || !path.is_done() {
             // What the reader gives in a tick.
             for _ in 0..path.free_slots().min(16).min(moves.len() - next) {
@@ -203,6 +204,14 @@ fn b2_points_of_micrometres_run_at_five_thousand_blocks_a_second_and_more() {
             }
             let at = path.tick(Override::FULL).position.coordinates();
             ticks += 1;
+            past = [past[1], past[2], past[3], at];
+            for [a, b, c, d] in (0..3).map(|x| past.map(|point| point[x])) {
+                // Differences over a tick, as shares of the limits. Rounding at 50 mm, differenced three times: 1e-5 of the jerk.
+                let speed = (d - c) / TICK_S / AXIS.velocity_mm_s;
+                let acceleration = (d - 2.0 * c + b) / TICK_S.powi(2) / AXIS.acceleration_mm_s2;
+                let jerk = (d - 3.0 * c + 3.0 * b - a) / TICK_S.powi(3) / AXIS.jerk_mm_s3;
+                assert!([speed, acceleration, jerk].iter().all(|share| share.abs() <= 1.0 + 1e-5), "tick {ticks}");
+            }
             // The nearest end point from the last one on.
             let ahead = passed..moves.len().min(passed + 400);
             let off = |k: &usize| distance(at, moves[*k].to.coordinates());
