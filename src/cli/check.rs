@@ -187,9 +187,8 @@ struct CheckOutcome {
 
 impl<'a> FileCheck<'a> {
     fn new(shared: &'a SharedArgs, call: &'a CheckArgs, path: &'a Path, bytes: Vec<u8>) -> Result<Self, CallError> {
-        // A name without a number is program 0.
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let number = crate::story::parse::program(&stem).unwrap_or(0);
+        let number = crate::story::parse::program(&stem).unwrap_or_else(|| program_number::from_name(&stem));
         let retained = setup::check_retained(shared)?;
         let settings = nc_settings(shared.kind, &retained.params);
         let folders = setup::folders(shared)?;

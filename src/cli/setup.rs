@@ -6,6 +6,7 @@ use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::PowerOnState;
 use crate::defs::param::Params;
+use crate::defs::program_number;
 use crate::host::Host;
 use crate::host::folders::{Folders, named_programs_beside, program_from_bytes};
 use crate::host::headless::HeadlessHost;
@@ -21,9 +22,6 @@ use crate::link::command::Command;
 use crate::store::{DataDir, StoredSettings};
 use crate::story::parse;
 use crate::units::Micros;
-
-/// Program number of a file without a number in its name.
-const DEFAULT_NUMBER: u32 = 9_999;
 
 /// Update interval of the simulator page on a display.
 #[cfg(feature = "hmi")]
@@ -234,8 +232,8 @@ pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallErro
     let bytes = std::fs::read(path).map_err(CallError::at(word))?;
     // L1: every program of a lathe has a name of at least one letter.
     let by_name = host.kind().row().programs.by_name && !stem.is_empty();
-    let named = if by_name { Some(crate::defs::program_number::from_name(&stem)) } else { named };
-    let number = named.unwrap_or(DEFAULT_NUMBER);
+    let named = named.filter(|_| !by_name);
+    let number = named.unwrap_or_else(|| program_number::from_name(&stem));
     let dialect = host.kind().dialect();
     host.add_programs(named_programs_beside(path, dialect));
     host.add_program(program_from_bytes(number, word, bytes, dialect));

@@ -1,5 +1,5 @@
 //! The alarms: number, text, cause, remedy, reaction and reset rule.
-//! Program alarms (1–65, 67–99) carry their position in the program; their texts are in `program_error`.
+//! Program alarms (1–65, 67–99, 500–599) carry their position in the program; their texts are in `program_error`.
 //! Source: spec B8, K3.
 
 use super::text::Text;

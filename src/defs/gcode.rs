@@ -175,8 +175,8 @@ g_codes! {
         "外圆磨：G90 X_ Z_ F_ 轴向切削循环；与 G00–G03 同段时为绝对编程。平磨、圆台磨：以后的坐标为绝对值。" "GC: G90 X_ Z_ F_ is one longitudinal cycle; in a block with G00 to G03 it means absolute. GS, GA: the following coordinates are absolute.";
     91 "incremental" DistanceMode No Yes "增量编程" "incremental"
         "G91：以后的坐标为增量值。外圆磨用 U V W。" "G91: the following coordinates are incremental. On GC use U, V, W.";
-    92 "thread-cycle" Motion NotYet No "螺纹切削循环" "thread cycle"
-        "螺纹切削循环，本版本不提供。" "Thread cycle, not in this version.";
+    92 "thread-cycle" Motion NotYet Yes "螺纹切削循环（平磨、圆台磨：设定坐标系）" "thread cycle (GS, GA: set work coordinates)"
+        "外圆磨：螺纹切削循环，本版本不提供。平磨、圆台磨：与 G50 相同，把当前位置称为 X Y Z。" "GC: thread cycle, not in this version. GS, GA: as G50, sets the coordinates of the current position to X Y Z.";
     94 "face-cycle" Motion Yes Yes "径向切削循环（平磨、圆台磨：每分进给）" "face cycle (GS, GA: feed per minute)"
         "外圆磨：G94 X_ Z_ F_ 径向切削循环。平磨、圆台磨：F 为每分钟毫米。" "GC: G94 X_ Z_ F_ is one facing cycle. GS, GA: F is in mm/min.";
     95 "feed-per-revolution-mill" FeedMode No Yes "每转进给" "feed per revolution"
@@ -218,6 +218,7 @@ impl GCode {
     pub const fn group_on(&self, mill: bool) -> GCodeGroup {
         match (self.code, mill) {
             (90, true) => GCodeGroup::DistanceMode,
+            (92, true) => GCodeGroup::NonModal,
             (94, true) => GCodeGroup::FeedMode,
             _ => self.group,
         }

@@ -1,5 +1,5 @@
 //! Program alarms: errors in the program text, with remedies.
-//! `{}` is replaced by the first detail of a fault, `{2}` by the second. Source: spec B8 (1–65, 67–99), B1–B4.
+//! `{}` is replaced by the first detail of a fault, `{2}` by the second. Source: spec B8 (1–65, 67–99; these are all taken: 500–599), B1–B4.
 
 use super::text::{Template, Text};
 
@@ -268,4 +268,10 @@ program_errors! {
         "加大 W", "increase W";
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";
+    /// A cycle of two blocks whose first one is missing.
+    FirstBlockMissing = 500, "first-block-missing", "{} 前面没有 {2} 段", "{} has no block {2} before it",
+        "在它前面先写 {2}；其它系统的单段格式不能用", "write {2} in a block before it; the one-block form of other controls cannot be used";
+    /// A statement of another control's language.
+    ForeignStatement = 501, "foreign-statement", "没有 {} 语句", "there is no statement {}",
+        "用 IF […] GOTO n、WHILE […] DO m … END m、M98、G65", "use IF […] GOTO n, WHILE […] DO m … END m, M98 and G65";
 }

@@ -6,12 +6,15 @@ use std::sync::Arc;
 
 use super::block::Block;
 use super::common_variables::CommonVariables;
+use super::dialect;
+use super::expression::Locals;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
-use super::interpreter::Interpreter;
+use super::interpreter::{BLOCK_WORK, Interpreter};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
-use super::unexecuted_lines::{self, UnexecutedLines};
+use super::unexecuted_blocks::{Certainty, LoneBlocks, MAX_TEXTS};
+use super::unexecuted_lines::{self, ExecutedLines, UnexecutedLines};
 use crate::units::{WorkBudget, WorkPos};
 
 /// Most mistakes, and most warnings, that are collected.
@@ -106,6 +109,22 @@ impl LoopCheckpoint {
     }
 }
 
+/// A program that the checked one calls.
+struct CalledText {
+    source: Arc<Source>,
+    marks: ExecutedLines,
+    /// #1–#33 of its first call.
+    locals: Locals,
+}
+
+/// The texts of a check by number: the program is 0, those that it calls follow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct TextLine {
+    text: usize,
+    /// From 0.
+    line: u32,
+}
+
 /// A check in progress: follows the program without a machine, then reads the lines that were not executed.
 pub struct ProgramCheck {
     source: Arc<Source>,
@@ -115,7 +134,13 @@ pub struct ProgramCheck {
     report: CheckReport,
     /// The lines that were not executed; read when the run is over.
     unread: UnexecutedLines,
+    /// The programs that it calls, in the order of the first calls.
+    called: Vec<CalledText>,
+    /// The line that the run has reached, later that whose blocks are executed by themselves.
+    place: TextLine,
     run_over: bool,
+    /// What executes blocks by themselves.
+    lone: Option<LoneBlocks>,
     reported: HashSet<(u32, u32, E)>,
     checkpoint: LoopCheckpoint,
     /// Blocks since the last new line, and how many of them make a loop endless.
@@ -146,7 +171,10 @@ impl ProgramCheck {
             block: Block::new(settings),
             report: CheckReport::default(),
             unread: UnexecutedLines::new(source.line_count()),
+            called: Vec::new(),
+            place: TextLine::default(),
             run_over: false,
+            lone: None,
             reported: HashSet::new(),
             checkpoint: LoopCheckpoint { variables: memory, ..LoopCheckpoint::default() },
             standstill: 0,
@@ -168,6 +196,8 @@ impl ProgramCheck {
         self.report.clear();
         self.reported.clear();
         self.checkpoint.clear();
+        self.called.clear();
+        (self.place, self.lone) = (TextLine::default(), None);
         (self.run_over, self.word_left_out) = (false, false);
         (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
     }
@@ -238,9 +268,7 @@ impl ProgramCheck {
         budget: &mut WorkBudget,
     ) -> bool {
         if self.run_over {
-            let Self { source, settings, interpreter, unread, report, reported, .. } = self;
-            let mut found = |fault| add_once(&mut report.faults, reported, fault);
-            return unread.advance(source, settings, Some(&*interpreter.library), budget, &mut found);
+            return self.check_unexecuted(world, budget);
         }
         while !budget.is_spent() {
             if self.interpreter.ended {
@@ -257,6 +285,9 @@ impl ProgramCheck {
             }
             let read = self.interpreter.read_one(world, &mut self.block);
             self.interpreter.charge_blocks(budget);
+            if let Some(holds) = self.interpreter.block_words.condition {
+                self.mark_condition(holds);
+            }
             self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
             match read {
                 Ok(more) => {
@@ -293,7 +324,8 @@ impl ProgramCheck {
     fn mark_line(&mut self, world: &OfflineMachine) -> Option<u32> {
         let line = self.interpreter.flow.place.line;
         let main = Arc::ptr_eq(&self.interpreter.flow.source, &self.source);
-        let new = main && self.unread.mark(line);
+        let new = main && self.unread.marks.mark(line);
+        self.place = if main { TextLine { text: 0, line } } else { self.mark_called(line) };
         self.standstill = if new { 0 } else { self.standstill + 1 };
         let progress = &mut self.checkpoint;
         if new {
@@ -311,6 +343,81 @@ impl ProgramCheck {
             progress.line = line;
         }
         main.then_some(line)
+    }
+
+    /// Marks a line of a called program.
+    fn mark_called(&mut self, line: u32) -> TextLine {
+        let flow = &self.interpreter.flow;
+        let is_there = |text: &CalledText| Arc::ptr_eq(&text.source, &flow.source);
+        let same = self.place.text.checked_sub(1).filter(|index| self.called.get(*index).is_some_and(is_there));
+        let index = same.or_else(|| self.called.iter().position(is_there)).unwrap_or_else(|| {
+            add_called(&mut self.called, Arc::clone(&flow.source), *flow.locals());
+            self.called.iter().position(is_there).unwrap_or(usize::MAX - 1)
+        });
+        if let Some(text) = self.called.get_mut(index) {
+            text.marks.mark(line);
+        }
+        TextLine { text: index + 1, line }
+    }
+
+    /// Notes the result of the IF in the line that was read last.
+    fn mark_condition(&mut self, holds: bool) {
+        let TextLine { text, line } = self.place;
+        match text.checked_sub(1) {
+            None => self.unread.marks.mark_condition(line, holds),
+            Some(index) => {
+                if let Some(text) = self.called.get_mut(index) {
+                    text.marks.mark_condition(line, holds);
+                }
+            }
+        }
+    }
+
+    /// Checks what the run did not reach until the budget is spent; `false` when all is checked.
+    fn check_unexecuted(&mut self, world: &OfflineMachine, budget: &mut WorkBudget) -> bool {
+        if dialect::rules(self.settings.dialect).executes_lone_blocks {
+            return self.execute_lone_blocks(world, budget);
+        }
+        let Self { source, settings, interpreter, unread, report, reported, .. } = self;
+        let mut found = |fault| add_once(&mut report.faults, reported, fault);
+        unread.advance(source, settings, Some(&*interpreter.library), budget, &mut found)
+    }
+
+    /// Executes the blocks that the run did not reach, of the program and of all that it calls.
+    fn execute_lone_blocks(&mut self, world: &OfflineMachine, budget: &mut WorkBudget) -> bool {
+        let Self { source, unread, interpreter, called, place, lone, report, reported, .. } = self;
+        let blocks = lone.get_or_insert_with(|| {
+            *place = TextLine::default();
+            interpreter.conditions_hold = true;
+            let locals = *interpreter.flow.first_locals();
+            LoneBlocks::new((Arc::clone(source), locals), world.clone(), Block::new(&interpreter.settings))
+        });
+        while !budget.is_spent() {
+            budget.spend(BLOCK_WORK);
+            let line = place.line;
+            if line as usize >= blocks.source.line_count() || blocks.source.ends_in_line(line) {
+                let Some(next) = called.get(place.text) else { return false };
+                blocks.begin(Arc::clone(&next.source), next.locals);
+                *place = TextLine { text: place.text + 1, line: 0 };
+                continue;
+            }
+            place.line += 1;
+            let lines = place.text.checked_sub(1).map_or(&unread.marks, |index| &called[index].marks);
+            if lines.is_executed(line) {
+                continue;
+            }
+            blocks.execute(line, interpreter);
+            interpreter.charge_blocks(budget);
+            blocks.calls.drain(..).for_each(|(source, locals)| add_called(called, source, locals));
+            for (fault, certainty) in blocks.found.drain(..) {
+                match certainty {
+                    Certainty::Sure => add_once(&mut report.faults, reported, fault),
+                    Certainty::Possible => add_once(&mut report.warnings, reported, fault),
+                    Certainty::Unknown => {}
+                }
+            }
+        }
+        true
     }
 
     /// Reports an endless loop at the line that jumps back. Its repetitions do not count: path length, variables and
@@ -369,6 +476,14 @@ impl ProgramCheck {
 
     fn add_warning(&mut self, fault: ProgramFault) {
         add_once(&mut self.report.warnings, &mut self.reported, fault);
+    }
+}
+
+/// Adds a program that is called, unless it is there already.
+fn add_called(called: &mut Vec<CalledText>, source: Arc<Source>, locals: Locals) {
+    if called.len() < MAX_TEXTS && !called.iter().any(|text| Arc::ptr_eq(&text.source, &source)) {
+        let marks = ExecutedLines::new(source.line_count());
+        called.push(CalledText { source, marks, locals });
     }
 }
 

@@ -12,6 +12,9 @@ const MAX_DEPTH: usize = 32;
 /// A value; `None` is null.
 pub(crate) type Value = Option<f64>;
 
+/// #1–#33 of one call level; index 0 is #1.
+pub(crate) type Locals = [Value; 33];
+
 /// The coordinate system of an axis position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CoordinateFrame {
@@ -31,6 +34,10 @@ pub(crate) trait Scope {
     fn axis_position(&mut self, axis: Axis, frame: CoordinateFrame, at: usize) -> ReadResult<Value>;
     /// Reports that null was used as 0.
     fn null_used(&mut self, at: usize);
+    /// Whether every IF is read as if its condition held.
+    fn assumes_conditions(&self) -> bool {
+        false
+    }
 }
 
 /// Evaluates the expression at the cursor, comparisons included.
@@ -266,6 +273,8 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
                 inner
             }
             b'\r' | b'\n' | b';' => return fail1(at, E::MissingNumber, "#"),
+            // A variable with a name, as in LinuxCNC.
+            b'<' => return fail1(at, E::BadVariable, "#<…>"),
             _ => return self.cursor.unexpected(),
         };
         if !S::HAS_VALUES && value.is_none() {

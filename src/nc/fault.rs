@@ -47,7 +47,7 @@ impl ProgramFault {
         !self.details[0].is_empty()
     }
 
-    /// The alarm number, 1–65 or 67–99.
+    /// The alarm number: 1–65, 67–99 or 500–599.
     #[must_use]
     pub const fn alarm(&self) -> u16 {
         self.error.number()

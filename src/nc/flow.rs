@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use super::expression::Value;
+use super::expression::{Locals, Value};
 use super::fault::{E, ReadResult, fail1, fail2};
 use super::lexer::Cursor;
+use super::modal_calls::{ModalCalls, ModalMark};
 use super::source::Source;
 use super::source_index::{LOOP_DEPTH, LoopEnd};
 use super::statement::line_continues;
@@ -15,15 +16,7 @@ pub(crate) const COUNTED_DEPTH: usize = 255;
 /// Nesting for which memory is reserved.
 const USUAL_DEPTH: usize = 16;
 
-/// #1–#33 of one call level; index 0 is #1.
-pub(crate) type Locals = [Value; 33];
-
-/// A G66 macro: called after every block with motion.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ModalCall {
-    pub program: u32,
-    pub times: u32,
-}
+static NO_LOCALS: Locals = [None; 33];
 
 /// The kind of a call: a subprogram shares its caller's local variables, a macro has its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,12 +90,19 @@ struct CallFrame {
     callee: Callee,
     /// The arguments of a macro, for its repetitions.
     arguments: Locals,
-    /// The G66 call of the caller, and its arguments.
-    modal_call: Option<(ModalCall, Locals)>,
+    /// The G66 calls of the caller, in the call of their macro.
+    modal_mark: Option<ModalMark>,
     /// Number of counted loops that belong to the caller's callers.
     counted_base: usize,
     /// The first block number of a subprogram in the same text.
     local_entry: Option<u32>,
+}
+
+/// The local variables of a started program, all null, in the memory of other ones.
+fn first_level(mut levels: Vec<Locals>) -> Vec<Locals> {
+    levels.clear();
+    levels.push(NO_LOCALS);
+    levels
 }
 
 /// The position in the running program, and the call stack.
@@ -112,9 +112,7 @@ pub(crate) struct Flow {
     pub place: Place,
     /// M99 restarted the main program.
     pub restarted: bool,
-    /// The active G66 call, and its arguments.
-    pub modal_call: Option<ModalCall>,
-    pub modal_arguments: Locals,
+    pub modal_calls: ModalCalls,
     loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
     call_stack: Vec<CallFrame>,
@@ -126,61 +124,69 @@ pub(crate) struct Flow {
 
 impl Flow {
     pub fn new(source: Arc<Source>) -> Self {
-        let (levels, loops) = (Vec::with_capacity(USUAL_DEPTH), Vec::with_capacity(USUAL_DEPTH));
-        Self::at_head(source, Vec::with_capacity(USUAL_DEPTH), levels, loops)
+        Self {
+            place: Place { at: source.line_start(0), ..Place::default() },
+            source,
+            restarted: false,
+            modal_calls: ModalCalls::with_capacity(USUAL_DEPTH),
+            loops: [OpenLoop::default(); LOOP_DEPTH],
+            depth: 0,
+            call_stack: Vec::with_capacity(USUAL_DEPTH),
+            locals: first_level(Vec::with_capacity(USUAL_DEPTH)),
+            counted_loops: Vec::with_capacity(USUAL_DEPTH),
+            counted_base: 0,
+        }
     }
 
     /// Starts at the head of another text. The memory of the stacks is kept.
     pub fn begin(&mut self, source: Arc<Source>) {
-        use std::mem::take;
-        let (levels, loops) = (take(&mut self.locals), take(&mut self.counted_loops));
-        *self = Self::at_head(source, take(&mut self.call_stack), levels, loops);
+        self.source = source;
+        self.go_to_line(0);
+        self.modal_calls.clear();
+        self.call_stack.clear();
+        self.locals = first_level(std::mem::take(&mut self.locals));
+        self.counted_loops.clear();
+        (self.restarted, self.depth, self.counted_base) = (false, 0, 0);
+    }
+
+    /// Goes to the block at a byte of a text that no block calls, within the WHILE loops around it.
+    pub fn begin_at(&mut self, source: Arc<Source>, at: usize, locals: &Locals) {
+        self.begin(source);
+        self.locals.iter_mut().for_each(|level| *level = *locals);
+        self.go_to(at);
+        let around = self.source.while_loops_around(at);
+        let opened = around.filter_map(|found| {
+            Some(OpenLoop { number: found.number, while_at: found.while_at as usize, end: found.end? })
+        });
+        for (place, open) in self.loops.iter_mut().zip(opened) {
+            *place = open;
+            self.depth += 1;
+        }
+        self.loops[..self.depth].reverse();
+    }
+
+    /// #1–#33 of the started program.
+    pub fn first_locals(&self) -> &Locals {
+        self.locals.first().unwrap_or(&NO_LOCALS)
     }
 
     /// Takes over the position and the stacks of another flow, in the memory of this one.
     pub fn copy_from(&mut self, other: &Self) {
-        let Self { source, place, restarted, modal_call, modal_arguments, loops, depth, .. } = other;
+        let Self { source, place, restarted, modal_calls, loops, depth, .. } = other;
         let Self { call_stack, locals, counted_loops, counted_base, .. } = other;
         self.source.clone_from(source);
         self.call_stack.clone_from(call_stack);
         self.locals.clone_from(locals);
         self.counted_loops.clone_from(counted_loops);
-        self.modal_call.clone_from(modal_call);
-        (self.place, self.restarted, self.modal_arguments) = (*place, *restarted, *modal_arguments);
+        self.modal_calls.copy_from(modal_calls);
+        (self.place, self.restarted) = (*place, *restarted);
         (self.loops, self.depth, self.counted_base) = (*loops, *depth, *counted_base);
-    }
-
-    /// At the head of a text, with the memory of these stacks.
-    fn at_head(
-        source: Arc<Source>,
-        mut call_stack: Vec<CallFrame>,
-        mut locals: Vec<Locals>,
-        mut counted_loops: Vec<OpenCountedLoop>,
-    ) -> Self {
-        call_stack.clear();
-        counted_loops.clear();
-        locals.clear();
-        locals.push([None; 33]);
-        Self {
-            place: Place { at: source.line_start(0), ..Place::default() },
-            source,
-            restarted: false,
-            modal_call: None,
-            modal_arguments: [None; 33],
-            loops: [OpenLoop::default(); LOOP_DEPTH],
-            depth: 0,
-            call_stack,
-            locals,
-            counted_loops,
-            counted_base: 0,
-        }
     }
 
     /// #1–#33 of the current call level.
     #[inline]
     pub fn locals(&self) -> &Locals {
-        static NONE: Locals = [None; 33];
-        self.locals.last().unwrap_or(&NONE)
+        self.locals.last().unwrap_or(&NO_LOCALS)
     }
 
     pub fn set_local(&mut self, number: u32, value: Value) {
@@ -301,13 +307,13 @@ impl Flow {
         Ok(())
     }
 
-    /// Calls the macro of the active G66. Moves of the macro do not call it again.
+    /// Calls the macro of the active G66. Moves of the macro call that of the G66 before it.
     pub fn call_modal(&mut self, source: Arc<Source>, call: Call, limit: CallLimit) -> ReadResult<()> {
-        let arguments = self.modal_arguments;
+        let Some((_, arguments)) = self.modal_calls.active() else { return Ok(()) };
+        let arguments = *arguments;
         self.call(source, call, &arguments, limit)?;
-        if let Some(frame) = self.call_stack.last_mut() {
-            frame.modal_call = self.modal_call.take().map(|modal| (modal, arguments));
-        }
+        let mark = self.modal_calls.enter();
+        self.call_stack.last_mut().into_iter().for_each(|frame| frame.modal_mark = Some(mark));
         Ok(())
     }
 
@@ -321,7 +327,7 @@ impl Flow {
             repeats_left: 0,
             callee,
             arguments: [None; 33],
-            modal_call: None,
+            modal_mark: None,
             counted_base: self.counted_base,
             local_entry: None,
         }
@@ -450,8 +456,8 @@ impl Flow {
         self.source = level.source;
         self.place = level.place;
         (self.loops, self.depth) = (level.loops, level.depth);
-        if let Some((modal, arguments)) = level.modal_call {
-            (self.modal_call, self.modal_arguments) = (Some(modal), arguments);
+        if let Some(mark) = level.modal_mark {
+            self.modal_calls.leave(mark);
         }
         target.map_or(Ok(()), |n| self.go_to_block(n, at))
     }

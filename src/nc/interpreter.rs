@@ -7,12 +7,13 @@ use super::block::Block;
 use super::common_variables::{CommonVariables, VariableError};
 use super::contour::{ContourMemory, PendingCycle};
 use super::dialect::{self, BlockContext, FlowAction};
-use super::expression::Value;
+use super::expression::{Locals, Value};
 use super::external_state::ExternalState;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
-use super::flow::{Call, Callee, Flow, Locals, Place};
+use super::flow::{Call, Callee, Flow, Place};
 use super::lexer::Cursor;
 use super::modal::ModalState;
+use super::modal_calls::ModalCall;
 use super::op::Op;
 use super::scope::{LiveScope, NullUse};
 use super::settings::NcSettings;
@@ -68,6 +69,8 @@ pub struct Interpreter {
     pub(crate) null_uses: Option<Vec<NullUse>>,
     /// Warnings; collected by a check only.
     pub(crate) warnings: Option<Vec<ErrorAt>>,
+    /// Every IF is read as if its condition held: for a check of blocks that were not executed.
+    pub(super) conditions_hold: bool,
 }
 
 /// The result of reading one block.
@@ -100,6 +103,7 @@ impl Interpreter {
             contour_memory: Some(Box::new(contour_memory)),
             null_uses: None,
             warnings: None,
+            conditions_hold: false,
         }
     }
 
@@ -113,6 +117,7 @@ impl Interpreter {
         (self.ended, self.second_half, self.condition_changed) = (false, false, false);
         self.last_block_number = None;
         self.pending_cycle = None;
+        self.conditions_hold = false;
         self.null_uses.iter_mut().for_each(Vec::clear);
         self.warnings.iter_mut().for_each(Vec::clear);
     }
@@ -250,13 +255,13 @@ impl Interpreter {
             common_variables: &self.common_variables,
             modals: &before,
             settings: &self.settings,
-            program,
             block_number: self.last_block_number,
             used_variables: self.null_uses.is_some().then_some(&mut block.used_variables),
             null_uses: &mut self.null_uses,
             last_null: 0,
             warnings: &mut self.warnings,
             source,
+            conditions_hold: self.conditions_hold,
             world,
         };
         let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
@@ -282,7 +287,7 @@ impl Interpreter {
             };
             let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, next, block));
             match &done {
-                Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
+                Ok(_) => self.modals.modal_call = self.flow.modal_calls.is_active(),
                 Err(_) => (self.modals, self.pending_cycle) = (before, None),
             }
             done?
@@ -374,7 +379,7 @@ impl Interpreter {
         if !matches!(act, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
-        let moves = self.flow.modal_call.is_some() && block.ops.iter().any(|op| op.effect().is_motion());
+        let moves = self.flow.modal_calls.is_active() && block.ops.iter().any(|op| op.effect().is_motion());
         match act {
             FlowAction::Goto { at, .. } | FlowAction::Call(Call { at, .. }) | FlowAction::Return { at, .. }
                 if moves =>
@@ -388,10 +393,7 @@ impl Interpreter {
                 block.complete = false;
             }
             FlowAction::SetModalCall(modal) => {
-                if let Some(modal) = &modal {
-                    self.find_program(modal.program, self.flow.place.at)?;
-                }
-                (self.flow.modal_call, self.flow.modal_arguments) = (modal, self.call_arguments);
+                self.set_modal_call(modal)?;
                 self.advance_past_block(next);
             }
             FlowAction::Assign { variable, value, at } => {
@@ -411,10 +413,26 @@ impl Interpreter {
         })
     }
 
+    /// G66 with the arguments of the block, or G67. DECISION: G66 nests as deep as macros call each other (FANUC).
+    fn set_modal_call(&mut self, modal: Option<ModalCall>) -> ReadResult<()> {
+        let at = self.flow.place.at;
+        let Some(modal) = modal else {
+            self.flow.modal_calls.pop();
+            return Ok(());
+        };
+        self.find_program(modal.program, at)?;
+        let limit = (dialect::rules(self.settings.dialect).call_limit)(Callee::Macro);
+        if self.flow.modal_calls.depth() >= limit.depth {
+            return fail2(at, E::TooDeep, limit.name, format_args!("{}", limit.depth));
+        }
+        self.flow.modal_calls.push(modal, &self.call_arguments);
+        Ok(())
+    }
+
     /// Goes to the next block. After a block with motion, calls the macro of G66 first.
     #[inline]
     fn call_modal_macro(&mut self, moves: bool, next: Place) -> ReadResult<()> {
-        let modal = self.flow.modal_call.filter(|_| moves);
+        let modal = self.flow.modal_calls.active().map(|(modal, _)| modal).filter(|_| moves);
         let at = self.flow.place.at;
         let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
         self.advance_past_block(next);

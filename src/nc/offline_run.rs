@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::block::Block;
+use super::expression::Locals;
 use super::external_state::{ExternalState, OfflineMachine};
-use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
+use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop};
 use super::interpreter::{Interpreter, NextStatus, StepStatus};
+use super::source::Source;
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 
@@ -34,6 +36,38 @@ impl Interpreter {
         self.charge_blocks(budget);
         block.ops.iter().for_each(|op| world.apply(op));
         Ok(NextStatus::Busy)
+    }
+
+    /// Goes to the block at a byte of a text, as if the program came there from the line above it.
+    pub(super) fn begin_alone(&mut self, source: &Arc<Source>, at: usize, locals: &Locals) {
+        self.flow.begin_at(Arc::clone(source), at, locals);
+        (self.ended, self.second_half, self.pending_cycle) = (false, false, None);
+        self.modals.modal_call = false;
+        self.null_uses.iter_mut().for_each(Vec::clear);
+        self.warnings.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Executes one block, both halves if it is divided.
+    pub(super) fn step_whole_block(&mut self, world: &mut OfflineMachine, block: &mut Block) -> ReadResult<StepStatus> {
+        block.clear();
+        loop {
+            let stepped = self.step(world, block)?;
+            if !self.second_half {
+                return Ok(stepped);
+            }
+        }
+    }
+
+    /// The programs that the last block calls, with their arguments.
+    pub(super) fn take_called_programs(&mut self, calls: &mut Vec<(Arc<Source>, Locals)>) {
+        if !self.flow.is_main() {
+            calls.push((Arc::clone(&self.flow.source), *self.flow.locals()));
+        }
+        if let Some((modal, arguments)) = self.flow.modal_calls.active()
+            && let Some(source) = self.library.find(modal.program)
+        {
+            calls.push((source, *arguments));
+        }
     }
 
     /// Skips a faulty block, so that a check can read on without consequential errors.

@@ -3,15 +3,14 @@
 use std::sync::Arc;
 
 use super::common_variables::CommonVariables;
-use super::expression::{CoordinateFrame, Scope, Value};
+use super::expression::{CoordinateFrame, Locals, Scope, Value};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail1};
-use super::flow::Locals;
 use super::modal::ModalState;
 use super::settings::NcSettings;
 use super::source::Source;
-use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
+use crate::defs::{program_number, system_variable};
 use crate::units::{Axis, MM_PER_INCH, WorkPos};
 
 /// First system variables of the axis positions, machine and work coordinates; they count the machine's axes only.
@@ -27,7 +26,6 @@ pub(crate) struct LiveScope<'w> {
     pub common_variables: &'w CommonVariables,
     pub modals: &'w ModalState,
     pub settings: &'w NcSettings,
-    pub program: u32,
     pub block_number: Option<u32>,
     /// Collects the variables that are read; only for a check.
     pub used_variables: Option<&'w mut Vec<u32>>,
@@ -35,6 +33,8 @@ pub(crate) struct LiveScope<'w> {
     pub last_null: u32,
     pub warnings: &'w mut Option<Vec<ErrorAt>>,
     pub source: &'w Arc<Source>,
+    /// Every IF is read as if its condition held.
+    pub conditions_hold: bool,
     pub world: &'w mut dyn ExternalState,
 }
 
@@ -80,6 +80,10 @@ impl Scope for LiveScope<'_> {
         self.look_up(first + index, at)
     }
 
+    fn assumes_conditions(&self) -> bool {
+        self.conditions_hold
+    }
+
     fn null_used(&mut self, at: usize) {
         if let Some(nulls) = self.null_uses {
             nulls.push((Arc::clone(self.source), at, self.last_null));
@@ -93,7 +97,10 @@ impl LiveScope<'_> {
             0 => Ok(None),
             1..=33 => Ok(self.locals[number as usize - 1]),
             4114 => Ok(self.block_number.map(f64::from)),
-            4115 => Ok(Some(f64::from(self.program))),
+            // DECISION: a program with a name and no number is 0.
+            4115 => Ok(Some(
+                Some(self.source.number()).filter(|number| !program_number::is_named(*number)).map_or(0.0, f64::from),
+            )),
             4000..=4200 => self
                 .modals
                 .variable(number, self.settings.is_mill())

@@ -232,6 +232,13 @@ impl Source {
         self.line_offsets.iter().rev().map(|start| *start as usize).find(|start| *start <= last).unwrap_or(0)
     }
 
+    /// Whether a `%` in a line (from 0) ends the text.
+    pub(crate) fn ends_in_line(&self, line: u32) -> bool {
+        let start = self.line_start(line);
+        let text = self.bytes.get(start..self.line_start(line + 1)).unwrap_or_default();
+        matches!(text.trim_ascii_start().first(), Some(b'%' | 0x1a)) && !self.is_at_head(start)
+    }
+
     /// The byte at which a line (from 0) begins.
     pub(crate) fn line_start(&self, line: u32) -> usize {
         self.line_offsets.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
@@ -312,6 +319,15 @@ impl Source {
     pub(crate) fn while_loop_at(&self, at: usize) -> Option<WhileLoop> {
         let index = self.index.while_loops.binary_search_by_key(&(at as u32), |found| found.while_at).ok()?;
         self.index.while_loops.get(index).copied()
+    }
+
+    /// The WHILE loops around the block that begins at a byte, from the inside.
+    pub(crate) fn while_loops_around(&self, at: usize) -> impl Iterator<Item = WhileLoop> {
+        let loops = &self.index.while_loops;
+        let last = loops.partition_point(|found| (found.while_at as usize) < at).checked_sub(1);
+        let chain = std::iter::successors(last, |index| loops.get(*index)?.outer.map(|outer| outer as usize));
+        let encloses = move |found: &WhileLoop| found.end.is_some_and(|end| end.at as usize >= at);
+        chain.filter_map(|index| loops.get(index).copied()).filter(encloses)
     }
 
     /// The line and column of a byte, both from 1.

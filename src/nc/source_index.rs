@@ -59,6 +59,8 @@ pub(crate) struct WhileLoop {
     pub number: u8,
     pub while_at: u32,
     pub end: Option<LoopEnd>,
+    /// The index of the loop around it.
+    pub outer: Option<u32>,
 }
 
 /// The block of END and the block after it.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number};
-use super::fault::{E, ReadResult, fail, fail1};
+use super::fault::{Capitals, E, ReadResult, fail, fail1};
 use super::functions::{whole_number, whole_u32};
 use super::lexer::Cursor;
 use super::words::{BlockWords, ValueKind, Word};
@@ -144,6 +144,10 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             }
             Ok(BlockContent::While { holds, number: loop_number(cursor)?, at })
         }
+        // DO without WHILE repeats without end; a GOTO leaves it.
+        b'D' | b'd' if cursor.accept_keyword("DO") => {
+            Ok(BlockContent::While { holds: true, number: loop_number(cursor)?, at })
+        }
         b'E' | b'e' if cursor.accept_keyword("END") => Ok(BlockContent::EndLoop { number: loop_number(cursor)?, at }),
         b'G' | b'g' if cursor.accept_keyword("GOTO") => {
             cursor.skip_blanks()?;
@@ -161,6 +165,9 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             let n = whole_u32(target.unwrap_or(0.0)).map_or_else(|| fail1(at, E::NotWhole, "GOTO"), Ok)?;
             Ok(BlockContent::Goto { n, at })
         }
+        b'O' | b'o' if let Some(statement) = o_word_statement(*cursor) => {
+            fail1(at, E::ForeignStatement, Capitals(statement))
+        }
         byte if byte.is_ascii_alphabetic() => {
             words.read(cursor, scope)?;
             Ok(BlockContent::Words)
@@ -169,6 +176,37 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         _ => cursor.unexpected(),
     }
 }
+
+/// The statement behind an O word, as LinuxCNC writes it: `o100 while`, `o<name> call`.
+fn o_word_statement<'a>(mut cursor: Cursor<'a>) -> Option<&'a [u8]> {
+    cursor.at += 1;
+    while cursor.peek().is_ascii_digit() || matches!(cursor.peek(), b'<'..=b'>' | b'_') {
+        cursor.at += 1;
+    }
+    cursor.skip_blanks().ok()?;
+    let rest = cursor.text.get(cursor.at..)?;
+    let letters = rest.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(rest.len());
+    let statement = &rest[..letters];
+    O_WORD_STATEMENTS.iter().any(|known| known.as_bytes().eq_ignore_ascii_case(statement)).then_some(statement)
+}
+
+/// Statements behind an O word.
+const O_WORD_STATEMENTS: [&str; 14] = [
+    "SUB",
+    "ENDSUB",
+    "CALL",
+    "RETURN",
+    "DO",
+    "WHILE",
+    "ENDWHILE",
+    "IF",
+    "ELSEIF",
+    "ELSE",
+    "ENDIF",
+    "REPEAT",
+    "ENDREPEAT",
+    "BREAK",
+];
 
 fn is_true(value: Value) -> bool {
     value.is_some_and(|value| value.abs() > 1e-12)
@@ -191,7 +229,8 @@ fn read_if<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWo
     if depth >= IF_DEPTH {
         return fail(cursor.at, E::TooComplex);
     }
-    let holds = is_true(evaluate(cursor, scope)?);
+    let holds = is_true(evaluate(cursor, scope)?) || scope.assumes_conditions();
+    words.condition = Some(holds);
     cursor.skip_blanks()?;
     let then = cursor.at;
     let thens = cursor.accept_keyword("THEN");
@@ -208,7 +247,7 @@ fn read_if<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWo
         let n = words.block_number;
         let content = read_body(cursor, &mut SyntaxOnlyScope, words, depth + 1)?;
         words.clear();
-        words.block_number = n;
+        (words.block_number, words.condition) = (n, Some(false));
         content
     };
     let acts = matches!(content, BlockContent::Words | BlockContent::Assign { .. } | BlockContent::Goto { .. });

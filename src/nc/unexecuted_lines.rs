@@ -16,9 +16,51 @@ use crate::units::WorkBudget;
 /// Calls of a text for which [`UnexecutedLines::with_capacity`] takes memory.
 const USUAL_CALLS: usize = 16_384;
 
+/// What a run has executed of a text, line by line.
+#[derive(Debug, Default)]
+pub(crate) struct ExecutedLines(Vec<u8>);
+
+impl ExecutedLines {
+    const EXECUTED: u8 = 1;
+    const CONDITION_HELD: u8 = 2;
+    const CONDITION_FAILED: u8 = 4;
+
+    /// For a text of so many lines.
+    pub fn new(lines: usize) -> Self {
+        Self(vec![0; lines + 1])
+    }
+
+    /// Begins with another text, in the same memory.
+    fn begin(&mut self, lines: usize) {
+        self.0.clear();
+        self.0.resize(lines + 1, 0);
+    }
+
+    /// Marks a line as executed; returns whether it was not.
+    #[inline]
+    pub fn mark(&mut self, line: u32) -> bool {
+        let Some(mark) = self.0.get_mut(line as usize) else { return false };
+        let new = *mark & Self::EXECUTED == 0;
+        *mark |= Self::EXECUTED;
+        new
+    }
+
+    /// Notes the result of the line's IF.
+    pub fn mark_condition(&mut self, line: u32, holds: bool) {
+        let result = if holds { Self::CONDITION_HELD } else { Self::CONDITION_FAILED };
+        self.0.get_mut(line as usize).into_iter().for_each(|mark| *mark |= result);
+    }
+
+    /// Whether a line was executed, and what stands behind its IF, too.
+    pub fn is_executed(&self, line: u32) -> bool {
+        let mark = self.0.get(line as usize).copied().unwrap_or_default();
+        mark & Self::EXECUTED != 0 && mark & (Self::CONDITION_HELD | Self::CONDITION_FAILED) != Self::CONDITION_FAILED
+    }
+}
+
 /// Reads the unmarked lines of a program and marks them.
 pub(crate) struct UnexecutedLines {
-    visited: Vec<bool>,
+    pub marks: ExecutedLines,
     /// The line (from 0) whose `%` ends the text.
     pub text_end: Option<u32>,
     /// The programs that the lines call, and the bytes of the calls.
@@ -29,27 +71,21 @@ pub(crate) struct UnexecutedLines {
 
 impl UnexecutedLines {
     pub fn new(lines: usize) -> Self {
-        let (visited, words) = (vec![false; lines + 1], BlockWords::default());
-        Self { visited, text_end: None, calls: Vec::new(), line: 0, words }
+        let (marks, words) = (ExecutedLines::new(lines), BlockWords::default());
+        Self { marks, text_end: None, calls: Vec::new(), line: 0, words }
     }
 
     /// For texts of up to `lines` lines without further memory.
     pub fn with_capacity(lines: usize) -> Self {
-        Self { visited: Vec::with_capacity(lines + 1), calls: Vec::with_capacity(USUAL_CALLS), ..Self::new(0) }
+        let marks = ExecutedLines(Vec::with_capacity(lines + 1));
+        Self { marks, calls: Vec::with_capacity(USUAL_CALLS), ..Self::new(0) }
     }
 
     /// Begins with another text, in the same memory.
     pub fn begin(&mut self, lines: usize) {
-        self.visited.clear();
-        self.visited.resize(lines + 1, false);
+        self.marks.begin(lines);
         self.calls.clear();
         (self.text_end, self.line) = (None, 0);
-    }
-
-    /// Marks a line; returns whether it was unmarked.
-    #[inline]
-    pub fn mark(&mut self, line: u32) -> bool {
-        self.visited.get_mut(line as usize).is_some_and(|visited| !std::mem::replace(visited, true))
     }
 
     /// Reads lines until the budget is spent and passes their mistakes to `tell`; `false` when all are read. With a `library`,
@@ -69,7 +105,7 @@ impl UnexecutedLines {
                 return false;
             }
             self.line += 1;
-            if !self.mark(line) {
+            if !self.marks.mark(line) {
                 continue;
             }
             let calls = self.calls.len();

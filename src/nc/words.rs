@@ -117,6 +117,8 @@ pub(crate) struct BlockWords {
     pub duplicate: Option<u32>,
     /// Position of the first letter without a value.
     pub address_only: Option<u32>,
+    /// Whether the condition of the block's IF holds; none without an IF.
+    pub condition: Option<bool>,
 }
 
 const fn letter_bit(letter: u8) -> u32 {
@@ -141,6 +143,7 @@ impl BlockWords {
         (self.mask, self.nulls) = (0, 0);
         self.used.set(0);
         (self.block_number, self.duplicate, self.address_only) = (None, None, None);
+        self.condition = None;
     }
 
     /// Whether a word was skipped because its variable is null.

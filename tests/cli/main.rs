@@ -11,6 +11,7 @@ mod check;
 mod cli;
 mod defs;
 mod docs;
+mod foreign;
 mod host;
 mod pace;
 mod requirements;

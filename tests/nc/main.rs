@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
 
+mod calls;
 mod common_variables;
 mod cutter_compensation;
 mod fuzz;
@@ -11,4 +12,5 @@ mod op_effect;
 mod program_uses;
 mod rows;
 mod sinumerik;
+mod unexecuted;
 mod work_offsets;

@@ -1,10 +1,11 @@
 //! What a dialect decides, and what it gets and returns. Knows no dialect.
 
 use crate::nc::contour::PendingCycle;
-use crate::nc::expression::{Scope, Value};
+use crate::nc::expression::{Locals, Scope, Value};
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::{Call, CallLimit, Callee, Flow, Locals, ModalCall};
+use crate::nc::flow::{Call, CallLimit, Callee, Flow};
 use crate::nc::modal::{ModalCodes, ModalState};
+use crate::nc::modal_calls::ModalCall;
 use crate::nc::op::Op;
 use crate::nc::scope::LiveScope;
 use crate::nc::settings::NcSettings;
@@ -93,6 +94,8 @@ pub(crate) struct DialectRow {
     pub index: fn(&TextLines<'_>, &mut SourceIndex),
     /// Checks a block of words that is not executed: its syntax, its codes, and that the blocks it names exist.
     pub check_unexecuted: fn(&BlockWords, &UnexecutedBlock<'_>) -> ReadResult<()>,
+    /// A check executes the blocks that its run did not reach, each by itself; else [`Self::check_unexecuted`] reads them.
+    pub executes_lone_blocks: bool,
     /// The program that a block certainly calls (literal number, at least one call), and the byte of the call.
     pub called_program: fn(&BlockWords) -> Option<(u32, usize)>,
     /// The program that a line calls, by its text in upper case without comments; for the page designer.

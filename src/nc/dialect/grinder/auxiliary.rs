@@ -48,7 +48,7 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 /// S, unless an M code uses it.
 pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     // K3.4: M63 S drives the second analog output; G50 S is a limit.
-    if plan.is_one_shot(50) || running.words.m.iter().any(|code| takes_s(code.number)) {
+    if plan.is_one_shot(50) || plan.is_one_shot(92) || running.words.m.iter().any(|code| takes_s(code.number)) {
         return Ok(());
     }
     set_speed(running)

@@ -4,8 +4,10 @@ use super::auxiliary::MAX_REPEATS;
 use super::{integer, macro_a};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
+use crate::nc::expression::Locals;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
-use crate::nc::flow::{Call, Callee, Locals, ModalCall};
+use crate::nc::flow::{Call, Callee};
+use crate::nc::modal_calls::ModalCall;
 use crate::nc::words::{ValueKind, Word};
 
 /// Most sets of I, J, K in argument system II.

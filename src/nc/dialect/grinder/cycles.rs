@@ -108,13 +108,14 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> R
         70 => CycleKind::Finish,
         73 => {
             let (Some((x, z)), Some(passes)) = (kept.shift, kept.passes) else {
-                return fail2(at, E::MissingWord, name(), "U W R");
+                return fail2(at, E::FirstBlockMissing, "G73 P Q", "G73 U W R");
             };
             CycleKind::Pattern { shift: PerAxis([x, 0.0, z]), passes, feed: modal_feed(running)? }
         }
         _ => {
-            let (infeed, letter) = if code == 71 { (Axis::X, "U") } else { (Axis::Z, "W") };
-            let Some(depth) = kept.depth else { return fail2(at, E::MissingWord, name(), letter) };
+            let (infeed, form, first) =
+                if code == 71 { (Axis::X, "G71 P Q", "G71 U R") } else { (Axis::Z, "G72 P Q", "G72 W R") };
+            let Some(depth) = kept.depth else { return fail2(at, E::FirstBlockMissing, form, first) };
             CycleKind::Roughing { infeed, depth, escape: kept.escape, feed: modal_feed(running)? }
         }
     };

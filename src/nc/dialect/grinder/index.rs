@@ -17,7 +17,7 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
         }
         let end = start + line.len();
         match rest.first() {
-            Some(b'W' | b'w' | b'E' | b'e') => open.visit_block(&mut index.while_loops, rest, start, end),
+            Some(b'W' | b'w' | b'E' | b'e' | b'D' | b'd') => open.visit_block(&mut index.while_loops, rest, start, end),
             Some(b'#') if rest.get(1) != Some(&b'3') => {}
             Some(b'#' | b'I' | b'i') => index_messages(index, rest, end - rest.len()),
             _ => {}
@@ -72,15 +72,16 @@ struct OpenLoops {
 }
 
 impl OpenLoops {
-    /// Opens or closes a loop if the block is a WHILE or END. `end` is the end of its line.
+    /// Opens or closes a loop if the block is a WHILE, DO or END. `end` is the end of its line.
     fn visit_block(&mut self, loops: &mut Vec<WhileLoop>, block: &[u8], at: usize, end: usize) {
         self.closed = None;
-        if starts_with_word(block, b"WHILE") {
+        if starts_with_word(block, b"WHILE") || starts_with_word(block, b"DO") {
+            let outer = self.depth.checked_sub(1).map(|top| self.loops[top] as u32);
             if let Some(place) = self.loops.get_mut(self.depth) {
                 *place = loops.len();
                 self.depth += 1;
             }
-            loops.push(WhileLoop { number: do_number(block), while_at: at as u32, end: None });
+            loops.push(WhileLoop { number: do_number(block), while_at: at as u32, end: None, outer });
         } else if starts_with_word(block, b"END") {
             let number = leading_number(&block[3..], true).unwrap_or(0) as u8;
             let Some(index) = self.depth.checked_sub(1).map(|top| self.loops[top]) else { return };

@@ -37,6 +37,7 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
         modal_codes: ModalCodes { distance_is_modal: MILL, ..ModalCodes::SYSTEM_A },
         index: index::index,
         check_unexecuted,
+        executes_lone_blocks: true,
         called_program: |_| None,
         call_in_text,
         call_text: |program| Some(format!("M98 P{program}")),

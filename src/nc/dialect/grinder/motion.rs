@@ -21,7 +21,7 @@ pub(super) fn reading_of(code: u32) -> Option<OneShot> {
         4 => dwell,
         28 | 30 => return_to_reference,
         31 => skip,
-        50 => set_coordinate_system,
+        50 | 92 => set_coordinate_system,
         53 => machine_move,
         _ => return None,
     })
@@ -102,7 +102,8 @@ fn skip(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     Ok(())
 }
 
-/// G50: assigns work coordinates X Z to the present position; U and W shift them; S limits the speed under G96.
+/// G50, on GS and GA also G92: assigns work coordinates X Z to the present position; U and W shift them; S limits the
+/// speed under G96.
 fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, .. } = target(running)?;
     let limit = running.words.take(b'S');
@@ -110,7 +111,11 @@ fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> Read
         running.ops.push(Op::SpeedLimit { rpm: in_range(word, (0.0, MAX_VALUE), "")? });
     }
     if words.is_empty() {
-        return if limit.is_some() { Ok(()) } else { fail2(code.at as usize, E::MissingWord, "G50", "X / Z / S") };
+        return if limit.is_some() {
+            Ok(())
+        } else {
+            fail2(code.at as usize, E::MissingWord, code.name('G', 2), "X / Z / S")
+        };
     }
     if running.modals.several_tools {
         return fail(code.at as usize, E::G50WithTools);

@@ -43,6 +43,7 @@ impl DialectRules for Sinumerik {
         },
         index: index::index,
         check_unexecuted: |words, block| check_unexecuted(words, block.source.bytes()),
+        executes_lone_blocks: false,
         called_program,
         call_in_text: |_| None,
         call_text: |program| program_number::is_l_number(program).then(|| program_number::name_of(program)),

@@ -37,6 +37,7 @@ impl DialectRules for SuperMan {
         modal_codes: ModalCodes::SYSTEM_A,
         index: index::index,
         check_unexecuted,
+        executes_lone_blocks: false,
         called_program: |_| None,
         call_in_text: |_| None,
         // L7: M98 calls a block of the same text.

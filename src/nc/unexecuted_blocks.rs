@@ -1,0 +1,172 @@
+//! Blocks that a run did not execute: executes each by itself, as if it were reached, to find what is wrong with it.
+//!
+//! Position, modal state and variables there are those of the lines above, not those of a run. A mistake that they
+//! could explain is a warning, or nothing if the lines above do not say where the axes are. Source: spec B1, B3, T4.
+
+use std::sync::Arc;
+
+use super::block::Block;
+use super::expression::Locals;
+use super::external_state::OfflineMachine;
+use super::fault::{E, ProgramFault, ReadStop};
+use super::interpreter::Interpreter;
+use super::lexer::Cursor;
+use super::source::Source;
+use super::statement;
+use crate::defs::gcode::{GCode, GCodeGroup};
+use crate::units::Axis;
+
+/// Most texts that are read for one program.
+pub(super) const MAX_TEXTS: usize = 100;
+
+/// How sure a mistake in a block is that no run has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Certainty {
+    /// The text alone is wrong.
+    Sure,
+    /// Values or modes of a run decide.
+    Possible,
+    /// Nothing is known that it could be measured by.
+    Unknown,
+}
+
+/// Executes the blocks of a text one after the other, each by itself.
+#[derive(Debug)]
+pub(super) struct LoneBlocks {
+    pub source: Arc<Source>,
+    /// #1–#33 of the call; null in a program that no block calls.
+    locals: Locals,
+    world: OfflineMachine,
+    block: Block,
+    /// Behind the last line.
+    next_line: u32,
+    /// The lines above say where the axis stands, in the order X Y Z.
+    known: [bool; 3],
+    /// The lines above say which function of group 01 acts.
+    motion_known: bool,
+    /// The programs that the last line calls, with the arguments.
+    pub calls: Vec<(Arc<Source>, Locals)>,
+    /// The mistakes of the last line.
+    pub found: Vec<(ProgramFault, Certainty)>,
+}
+
+impl LoneBlocks {
+    /// Begins with a text and #1–#33. The machine and the block are its own.
+    pub fn new((source, locals): (Arc<Source>, Locals), world: OfflineMachine, block: Block) -> Self {
+        let (known, motion_known, calls, found) = ([false; 3], false, Vec::new(), Vec::new());
+        Self { source, locals, world, block, next_line: u32::MAX, known, motion_known, calls, found }
+    }
+
+    /// Begins with another text.
+    pub fn begin(&mut self, source: Arc<Source>, locals: Locals) {
+        (self.source, self.locals, self.next_line) = (source, locals, u32::MAX);
+    }
+
+    /// Executes the blocks of a line (from 0).
+    pub fn execute(&mut self, line: u32, interpreter: &mut Interpreter) {
+        if line != self.next_line {
+            (self.known, self.motion_known) = ([false; 3], false);
+        }
+        self.next_line = line + 1;
+        let (start, end) = (self.source.line_start(line), self.source.line_start(line + 1));
+        let mut next = Some(start);
+        while let Some(at) = next {
+            interpreter.begin_alone(&self.source, at, &self.locals);
+            let stepped = interpreter.step_whole_block(&mut self.world, &mut self.block);
+            self.note_words(interpreter);
+            match stepped {
+                Ok(_) => {
+                    interpreter.take_called_programs(&mut self.calls);
+                    self.block.ops.iter().for_each(|op| self.world.apply(op));
+                    // Behind a jump or an end the lines above say nothing.
+                    if interpreter.ended || !(line..=line + 1).contains(&interpreter.flow.place.line) {
+                        self.next_line = u32::MAX;
+                    }
+                }
+                Err(ReadStop::Drain) => {}
+                Err(ReadStop::Error(wrong)) => {
+                    let at = wrong.at;
+                    let fault = self.source.fault(interpreter.block_words.block_number, wrong);
+                    let certainty = self.certainty(at, &fault, interpreter);
+                    self.found.push((fault, certainty));
+                }
+            }
+            self.locals = *interpreter.flow.first_locals();
+            next = statement::next_block_on_line(&self.source.bytes()[..end], at, at > start);
+        }
+    }
+
+    /// Notes what the words of a block say of position and function.
+    fn note_words(&mut self, interpreter: &Interpreter) {
+        let words = &interpreter.block_words;
+        // The program may come to a block with a number from elsewhere.
+        self.motion_known &= words.block_number.is_none();
+        let incremental = interpreter.modals.incremental && interpreter.settings.is_mill();
+        for (known, letter) in self.known.iter_mut().zip(*b"XYZ") {
+            *known |= words.has(letter) && !incremental;
+        }
+        self.motion_known |= words.g.iter().any(|code| is_in_group(code.number, GCodeGroup::Motion));
+    }
+
+    /// How sure a mistake at a byte is.
+    fn certainty(&self, at: usize, fault: &ProgramFault, interpreter: &Interpreter) -> Certainty {
+        let (text, words) = (self.source.bytes(), &interpreter.block_words);
+        let literal = is_literal(text, at);
+        let without_values = self.block.used_variables.is_empty() && !interpreter.has_null_use();
+        let sure = |holds: bool| if holds { Certainty::Sure } else { Certainty::Possible };
+        match fault.error {
+            // Positions, and what other blocks have set.
+            E::ArcEndOffCircle
+            | E::ArcRadius
+            | E::ArcTooSmall
+            | E::FullCircleByRadius
+            | E::RectangleSide
+            | E::ContourStart
+            | E::ContourNotMonotone
+            | E::ContourEmpty
+            | E::ContourStrokes => {
+                let axes = Axis::ALL.into_iter().filter(|axis| interpreter.settings.axes[*axis]);
+                match axes.zip(self.known).all(|(_, known)| known) {
+                    true => Certainty::Possible,
+                    false => Certainty::Unknown,
+                }
+            }
+            E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed | E::TooDeep => Certainty::Unknown,
+            // A program for several machines asks which one it runs on.
+            E::NoAxis => Certainty::Possible,
+            // The caller has the block.
+            E::MissingTarget if words.m.iter().any(|code| code.number == 99) => Certainty::Possible,
+            E::OutOfRange
+            | E::NotWhole
+            | E::MissingProgram
+            | E::MissingTarget
+            | E::UnknownG
+            | E::UnknownM
+            | E::UnknownH => sure(literal || without_values),
+            E::BadVariable => sure(is_literal(text, at + 1) || without_values),
+            E::DivisionByZero if fault.has_detail() => Certainty::Sure,
+            // An IF guards against it.
+            E::DivisionByZero | E::FunctionDomain | E::Overflow if words.condition.is_some() => Certainty::Unknown,
+            E::DivisionByZero | E::FunctionDomain | E::Overflow | E::SwitchVariable => sure(without_values),
+            // The function of group 01 that acts decides about the words.
+            E::UnknownWord | E::MissingWord | E::AxisUnused | E::ArcWithoutCentre | E::AxisOutsidePlane => {
+                sure(without_values && (self.motion_known || !words.g.is_empty() || !words.m.is_empty()))
+            }
+            _ => Certainty::Sure,
+        }
+    }
+}
+
+/// Whether a G code belongs to a group on any kind of machine.
+fn is_in_group(code: u32, group: GCodeGroup) -> bool {
+    GCode::find(code).is_some_and(|row| row.group_on(false) == group || row.group_on(true) == group)
+}
+
+/// Whether the word at a byte has a number that is written there.
+fn is_literal(text: &[u8], at: usize) -> bool {
+    let mut cursor = Cursor::window(text, at);
+    while cursor.peek().is_ascii_alphabetic() {
+        cursor.at += 1;
+    }
+    cursor.skip_blanks().is_ok() && (cursor.at_number() || matches!(cursor.peek(), b'-' | b'+'))
+}

@@ -1,0 +1,145 @@
+//! Calls: G65, G66 one inside the other, and what a program knows of its name (rows B3, B8).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use kt830::defs::kind::Dialect;
+use kt830::defs::program_number;
+use kt830::nc::{
+    Block, CommonVariables, Interpreter, Library, NcSettings, NextStatus, OfflineMachine, ProgramFault, Source, check,
+};
+
+#[derive(Debug, Default)]
+struct Shelf(BTreeMap<u32, Arc<Source>>);
+
+impl Library for Shelf {
+    fn find(&self, number: u32) -> Option<Arc<Source>> {
+        self.0.get(&number).cloned()
+    }
+}
+
+fn source(number: u32, text: &str) -> Arc<Source> {
+    Arc::new(Source::new(number, format!("O{number:04}.NC"), text, Dialect::LatheA))
+}
+
+/// Runs a program with its macros; returns the common variables.
+fn run(text: &str, macros: &[(u32, &str)]) -> Result<CommonVariables, ProgramFault> {
+    let settings = NcSettings::lathe_a();
+    let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
+    let shelf = Shelf(macros.iter().map(|(number, text)| (*number, source(*number, text))).collect());
+    let mut interpreter = Interpreter::new(source(1001, text), Arc::new(shelf), settings, CommonVariables::default());
+    loop {
+        match interpreter.next(&mut world, &mut block)? {
+            NextStatus::Block => block.ops.iter().for_each(|op| world.apply(op)),
+            NextStatus::Drain | NextStatus::Busy => {}
+            NextStatus::End => return Ok(interpreter.common_variables().clone()),
+        }
+    }
+}
+
+fn value(variables: &CommonVariables, number: u32) -> Option<f64> {
+    variables.get(number).unwrap()
+}
+
+/// After each move the macro of the last G66 runs; a move of that macro calls the one before; G67 ends the last one.
+#[test]
+fn b3_g66_calls_nest() {
+    // O8008 once, its move W1 calls O8007; G67; Z-115: O8007.
+    let macros = [(8007, "#100=#100+#1\nM99\n"), (8008, "#101=#101+1\nG00 W1\nM99\n")];
+    let text = "G98\nG66 P8007 A1\nG66 P8008\nG00 X-90\nG67\nG00 Z-115\nG67\nG00 Z-120\nM30\n";
+    let variables = run(text, &macros).unwrap();
+    assert_eq!((value(&variables, 100), value(&variables, 101)), (Some(2.0), Some(1.0)));
+}
+
+/// Three deep, each with two moves: the innermost runs once, the middle twice, the outermost four times.
+#[test]
+fn b3_each_move_of_a_g66_macro_calls_the_one_before() {
+    let macros = [
+        (8001, "#101=#101+1\nM99\n"),
+        (8002, "#102=#102+1\nG00 U1\nG00 U1\nM99\n"),
+        (8003, "#103=#103+1\nG00 W1\nG00 W1\nM99\n"),
+    ];
+    let variables = run("G66 P8001\nG66 P8002\nG66 P8003\nG00 X5\nG67\nG67\nG67\nG00 X9\nM30\n", &macros).unwrap();
+    assert_eq!([101, 102, 103].map(|number| value(&variables, number)), [Some(4.0), Some(2.0), Some(1.0)]);
+}
+
+/// G66 within a macro acts there only.
+#[test]
+fn b3_what_a_macro_begins_with_g66_ends_with_it() {
+    let macros = [(8001, "#101=#101+1\nM99\n"), (8002, "G66 P8001\nG00 W1\nM99\n")];
+    let variables = run("G66 P8002\nG00 X5\nG00 X6\nG67\nG00 X9\nM30\n", &macros).unwrap();
+    assert_eq!(value(&variables, 101), Some(2.0));
+}
+
+#[test]
+fn b3_g66_is_refused_deeper_than_macros_nest() {
+    let macros = [(8001, "M99\n")];
+    let fault = run("G66 P8001\nG66 P8001\nG66 P8001\nG66 P8001\nG66 P8001\nG00 X1\nM30\n", &macros).unwrap_err();
+    assert_eq!((fault.location.line, fault.error.id()), (5, "too-deep"));
+    // G67 without G66 ends nothing.
+    assert!(run("G67\nG00 X1\nM30\n", &macros).is_ok());
+}
+
+/// #4115 of a program without a number is 0.
+#[test]
+fn b3_the_program_number_of_a_named_program_is_0() {
+    let text = "#100=#4115\nM30\n";
+    let settings = NcSettings::lathe_a();
+    for (number, expected) in [(1001, 1001.0), (program_number::from_name("part-7"), 0.0)] {
+        let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
+        let source = Arc::new(Source::new(number, "part-7.nc", text, Dialect::LatheA));
+        let shelf = Arc::new(Shelf::default());
+        let mut interpreter = Interpreter::new(source, shelf, settings.clone(), CommonVariables::default());
+        while interpreter.next(&mut world, &mut block).unwrap() != NextStatus::End {}
+        assert_eq!(value(interpreter.common_variables(), 100), Some(expected));
+    }
+}
+
+/// DO without WHILE repeats until a GOTO leaves it.
+#[test]
+fn b3_do_without_while_repeats_until_a_jump_leaves_it() {
+    let variables = run("#100=0\nDO1\n#100=#100+1\nIF[#100EQ7]GOTO 9\nEND1\nN9 M30\n", &[]).unwrap();
+    assert_eq!(value(&variables, 100), Some(7.0));
+}
+
+/// The message names the thing that is wrong.
+#[test]
+fn b8_messages_speak_of_the_right_thing() {
+    for (text, line, words) in [
+        (
+            "N5 G00 X9\nG71 P10 Q20 U1 W1 F5\nN10 G00 X5\nN20 G01 Z-5 F5\nM30\n",
+            2,
+            "G71 P Q has no block G71 U R before it",
+        ),
+        (
+            "N5 G00 X9\nG73 P10 Q20 U1 W1 F5\nN10 G00 X5\nN20 G01 Z-5 F5\nM30\n",
+            2,
+            "G73 P Q has no block G73 U W R before it",
+        ),
+        ("G00 X9\no100 while [#1 GT 2]\nM30\n", 2, "there is no statement WHILE"),
+        ("G00 X9\n#<depth>=5\nM30\n", 2, "there is no variable #<…>"),
+    ] {
+        let report = check(&source(1001, text), &(Arc::new(Shelf::default()) as _), &NcSettings::lathe_a());
+        let first = report.faults.first().map(ToString::to_string).unwrap_or_default();
+        assert!(first.starts_with(&format!("O1001 line {line}, ")) && first.contains(words), "{text}: {first}");
+    }
+}
+
+/// On a surface grinder G92 sets the work coordinates, as G50 does.
+#[test]
+fn b2_g92_sets_the_coordinates_on_gs() {
+    let settings = NcSettings::for_dialect(Dialect::Mill);
+    let ops = |text: &str| {
+        let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
+        let source = Arc::new(Source::new(1001, "O1001.NC", text, Dialect::Mill));
+        let shelf = Arc::new(Shelf::default());
+        let mut interpreter = Interpreter::new(source, shelf, settings.clone(), CommonVariables::default());
+        let mut ops = Vec::new();
+        while interpreter.next(&mut world, &mut block).unwrap() != NextStatus::End {
+            ops.append(&mut block.ops);
+        }
+        ops
+    };
+    assert_eq!(ops("G92 X1 Y2 Z3\nM30\n"), ops("G50 X1 Y2 Z3\nM30\n"));
+    assert_eq!(ops("G92 X1 Y2 Z3\nM30\n").len(), 2);
+}

@@ -1,0 +1,238 @@
+//! A check reads every block of a program and of the programs that it calls, whether its run reaches it or not
+//! (rows B1, B3, T4).
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::sync::Arc;
+
+use kt830::defs::kind::Dialect;
+use kt830::defs::program_kind;
+use kt830::nc::{CheckReport, Library, NcSettings, Source, check};
+use proptest::prelude::*;
+
+/// Programs by number.
+#[derive(Debug, Default)]
+struct Shelf(BTreeMap<u32, Arc<Source>>);
+
+impl Library for Shelf {
+    fn find(&self, number: u32) -> Option<Arc<Source>> {
+        self.0.get(&number).cloned()
+    }
+}
+
+/// The check of O1001 on GC, with the other programs at hand.
+fn check_with(text: &str, others: &[(u32, String)]) -> CheckReport {
+    let source =
+        |number: u32, text: &str| Arc::new(Source::new(number, format!("O{number:04}.NC"), text, Dialect::LatheA));
+    let shelf = others.iter().map(|(number, text)| (*number, source(*number, text))).collect();
+    check(&source(1001, text), &(Arc::new(Shelf(shelf)) as _), &NcSettings::lathe_a())
+}
+
+/// The mistakes: program, line, stable name.
+fn faults(report: &CheckReport) -> Vec<(u32, u32, &'static str)> {
+    report.faults.iter().map(|fault| (fault.location.program, fault.location.line, fault.error.id())).collect()
+}
+
+/// A block with a mistake, and the name of the mistake.
+const MISTAKES: &[(&str, &str)] = &[
+    ("G00 X1 X2", "double-word"),
+    ("G00 X", "missing-number"),
+    ("G00 X1.2.3", "bad-number"),
+    ("G00 X1 ?", "unexpected-character"),
+    ("G00 X[1+2", "unbalanced-bracket"),
+    ("G37", "unknown-g"),
+    ("G33 Z5 F1", "g-not-available"),
+    ("M123", "unknown-m"),
+    ("G00 G01 X5", "double-group"),
+    ("G00 X5 U5", "absolute-and-incremental"),
+    ("G01 X5 F0", "out-of-range"),
+    ("T9999", "out-of-range"),
+    ("G04 P-5", "out-of-range"),
+    ("#1=1/0", "division-by-zero"),
+    ("#1=SQRT[-4]", "domain"),
+    ("#1=#99", "bad-variable"),
+    ("#4001=5", "read-only"),
+    ("GOTO 77", "missing-target"),
+    ("M98 P7777", "missing-program"),
+    ("G65 P7777 A1", "missing-program"),
+    ("G66 P7777 A1", "missing-program"),
+    ("M98", "missing-word"),
+    ("G04", "missing-word"),
+    ("G01 X5 Q3 F10", "unknown-word"),
+    ("WHILE[#1LT5]DO5", "do-number"),
+    ("END2", "loop-mismatch"),
+    ("#1==5", "bad-statement"),
+    ("G70 P71 Q72", "missing-target"),
+];
+
+/// A program, and the programs that it calls.
+type Texts = (&'static str, &'static [(u32, &'static str)]);
+
+/// Where a block may stand, mostly out of the run's reach: `{}` is the block; its program and line follow.
+const PLACES: &[(Texts, u32, u32)] = &[
+    (("{}\nM30\n", &[]), 1001, 1),
+    (("G00 X5\nM30\n{}\n", &[]), 1001, 3),
+    (("GOTO 900\n{}\nN900 M30\n", &[]), 1001, 2),
+    (("WHILE[1EQ2]DO1\n{}\nEND1\nM30\n", &[]), 1001, 2),
+    (("N10 IF[#500EQ1]GOTO 20\nGOTO 30\nN20 {}\nN30 M30\n", &[]), 1001, 3),
+    (("M98 P8100\nM30\n", &[(8100, "G00 X5\nM99\n{}\n")]), 8100, 3),
+    (("G65 P8100 A1\nM30\n", &[(8100, "IF[#1EQ1]GOTO 9\n{}\nN9 M99\n")]), 8100, 2),
+    (("M30\nM98 P8100\n", &[(8100, "{}\nM99\n")]), 8100, 1),
+    (("M30\nG66 P8100 A2\n", &[(8100, "{}\nM99\n")]), 8100, 1),
+    (("M98 P8000\nM30\n", &[(8000, "M99\nM98 P8100\n"), (8100, "M99\n{}\n")]), 8100, 2),
+];
+
+#[test]
+fn b1_a_mistake_is_found_wherever_it_stands() {
+    let mut missed = String::new();
+    for (block, name) in MISTAKES {
+        for ((place, others), program, line) in PLACES {
+            let put = |text: &str| text.replace("{}", block);
+            let others: Vec<_> = others.iter().map(|(number, text)| (*number, put(text))).collect();
+            let found = faults(&check_with(&put(place), &others));
+            if !found.contains(&(*program, *line, name)) {
+                writeln!(missed, "{block} in {place:?} {others:?}: {found:?}").unwrap();
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{missed}");
+}
+
+/// The block behind THEN of an IF that is false, or the target of its GOTO.
+#[test]
+fn b3_what_stands_behind_a_false_condition_is_checked() {
+    for (line, name) in [
+        ("IF[#1EQ2]GOTO 78", "missing-target"),
+        ("IF[#1EQ2]THEN #99=1", "bad-variable"),
+        ("IF[#1EQ2]THEN #2=5/0", "division-by-zero"),
+        ("IF[#1EQ2]THEN M98 P7777", "missing-program"),
+        ("IF[#1EQ2]THEN G00 X1 X2", "double-word"),
+        ("IF[#1EQ2]THEN IF[#1EQ3]THEN G01 X1 F0", "out-of-range"),
+    ] {
+        let found = faults(&check_with(&format!("G00 X5\n{line}\nM30\n"), &[]));
+        assert_eq!(found, [(1001, 2, name)], "{line}");
+    }
+}
+
+/// Once true and once false: both were executed, so nothing is read again.
+#[test]
+fn b3_a_condition_that_was_true_and_false_is_not_read_again() {
+    let text = "#1=0\nWHILE[#1LT2]DO1\n#1=#1+1\nIF[#1EQ2]THEN #2=1/[#1-2+#1]\nEND1\nM30\n";
+    assert_eq!(faults(&check_with(text, &[])), []);
+}
+
+/// Values, modes and positions of a run decide about these: no errors.
+#[test]
+fn b1_what_a_run_decides_is_no_error_of_a_block_that_it_does_not_reach() {
+    for block in [
+        "X10 R5",
+        "G02 X50 Z-5 R1",
+        "G01 U5",
+        "#5=1/#7",
+        "#5=SQRT[#7-1]",
+        "GOTO #1",
+        "M98 P#1",
+        "G01 X#1 F#2",
+        "T#3",
+        "G04 P#4",
+        "IF[#1EQ0]THEN #5=1/#1",
+        "G90 X30 Z-10",
+        "G28 U0 W0",
+        "END1",
+        "#[100+#1]=5",
+    ] {
+        let text =
+            format!("WHILE[1EQ2]DO1\nG01 X1 F5\nGOTO 8\n{}\nEND1\nN8 M30\n", if block == "END1" { "" } else { block });
+        assert_eq!(faults(&check_with(&text, &[])), [], "{block}");
+    }
+    // The caller of the program has the block.
+    let called = [(8100, "G00 X5\nM99\nM99 P100\n".to_owned())];
+    assert_eq!(faults(&check_with("M98 P8100\nM30\n", &called)), []);
+}
+
+/// An IF guards against a division by zero.
+#[test]
+fn b3_a_division_that_an_if_guards_is_neither_error_nor_warning() {
+    let report = check_with("#1=0\nIF[#1GT0]THEN #2=10/#1\nM30\n", &[]);
+    assert_eq!((faults(&report), report.warnings.len()), (vec![], 0));
+}
+
+/// What depends on values that are not known is a warning, never silence.
+#[test]
+fn t4_what_depends_on_values_that_are_not_known_is_a_warning() {
+    for (block, name) in [("M98 P#560", "missing-word"), ("#5=1/[#560]", "division-by-zero")] {
+        let report = check_with(&format!("M30\n{block}\n"), &[]);
+        assert_eq!(faults(&report), [], "{block}");
+        let warned: Vec<_> = report.warnings.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
+        assert_eq!(warned, [(2, name)], "{block}");
+    }
+}
+
+/// Called programs are checked with the values of the call: the second call divides by zero.
+#[test]
+fn b3_called_programs_are_checked_with_the_values_of_each_call() {
+    let called = [(8100, "#2=10/#1\nM99\n".to_owned())];
+    assert_eq!(faults(&check_with("G65 P8100 A2\nG65 P8100 A0\nM30\n", &called)), [(8100, 1, "division-by-zero")]);
+    assert_eq!(faults(&check_with("G65 P8100 A2\nM30\n", &called)), []);
+    // A call that the run does not reach has its values, too.
+    let called = [(8100, "G01 X#1 F#2\nM99\n".to_owned())];
+    assert_eq!(faults(&check_with("M30\nG65 P8100 A2 B5\n", &called)), []);
+}
+
+/// Behind the `%` that ends a text nothing is read.
+#[test]
+fn b1_behind_the_end_of_the_text_nothing_is_read() {
+    assert_eq!(faults(&check_with("%\nO1001\nM30\n%\nthis is no block ?\n", &[])), []);
+    assert_eq!(faults(&check_with("%\nO1001\nGOTO 9\nG37\nN9 M30\n%\nG38\n", &[])), [(1001, 4, "unknown-g")]);
+}
+
+/// A correct block for a random program.
+fn correct_block() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (1..200, 1..90).prop_map(|(x, z)| format!("G01 X{x}. Z-{z}. F{x}")),
+        (1..200, 1..9).prop_map(|(x, u)| format!("G00 X{x} W{u}.5")),
+        (1..50).prop_map(|x| format!("G02 U{x}. W-{x}. R{x}.")),
+        (1..33, 500..520).prop_map(|(local, common)| format!("#{local}=#{common}+1")),
+        (1..9).prop_map(|n| format!("G04 P{n}00")),
+        Just("M08".to_owned()),
+        (1..33).prop_map(|local| format!("IF[#{local}GT5]THEN #{local}=5")),
+        (1..4, 1..20).prop_map(|(n, times)| format!("WHILE[#{times}LT3]DO{n}\n#{times}=#{times}+1\nG00 U1\nEND{n}")),
+        (1..200).prop_map(|x| format!("G90 X{x}. Z-5. F2")),
+        (1..5).prop_map(|offset| format!("T010{offset}")),
+    ]
+}
+
+proptest! {
+    /// A correct program is correct behind M30, too, and in a program that nothing reaches.
+    #[test]
+    fn b1_correct_blocks_are_correct_wherever_they_stand(blocks in prop::collection::vec(correct_block(), 1..20)) {
+        let body = blocks.join("\n");
+        prop_assert_eq!(faults(&check_with(&format!("M30\n{body}\n"), &[])), []);
+        prop_assert_eq!(faults(&check_with(&format!("GOTO 9999\n{body}\nN9999 M30\n"), &[])), []);
+        let called = [(8100, format!("M99\n{body}\nM99\n"))];
+        prop_assert_eq!(faults(&check_with("M98 P8100\nM30\n", &called)), []);
+    }
+}
+
+/// The shipped programs have nothing to report when nothing of them is reached.
+#[test]
+fn b1_the_shipped_programs_are_correct_where_no_run_comes() {
+    for file in std::fs::read_dir("programs").unwrap().map(|entry| entry.unwrap().path()) {
+        if file.extension().is_none_or(|extension| extension != "NC") {
+            continue;
+        }
+        let bytes = std::fs::read(&file).unwrap();
+        let kinds = program_kind::kinds_of(String::from_utf8_lossy(&bytes).lines());
+        let dialect = kinds.first().map_or(Dialect::LatheA, |kind| kind.dialect());
+        let mut text = b"G00 X0 Z0\nGOTO 99999\n".to_vec();
+        text.extend(bytes.iter().filter(|byte| **byte != b'%'));
+        text.extend(b"\nN99999 M30\n");
+        let others: Vec<_> = (8000..10_000).map(|number| (number, "M99\n".to_owned())).collect();
+        let source = |number: u32, text: &[u8]| Arc::new(Source::new(number, "P.NC", text, dialect));
+        let shelf = others.iter().map(|(number, text)| (*number, source(*number, text.as_bytes()))).collect();
+        let report = check(&source(1, &text), &(Arc::new(Shelf(shelf)) as _), &NcSettings::for_dialect(dialect));
+        let told: Vec<_> = report.faults.iter().map(ToString::to_string).collect();
+        let told: Vec<_> = told.iter().filter(|text| !text.contains("O number")).collect();
+        assert!(told.is_empty(), "{}: {told:#?}", file.display());
+    }
+}
