@@ -8,22 +8,24 @@ use serde_json::{Value, json};
 
 use super::args::{CheckArgs, OutputFormat, RunArgs, SharedArgs};
 use super::finished_size_check::{FinishedSizeCheck, Overshoot};
+use super::program_places::{FileLine, ProgramPlaces};
 use super::run::{RunEnd, RunResult};
 use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
 use crate::controller::{PowerOnState, Programs, nc_settings, reference_points, stored_system_variables};
 use crate::defs::page_text::{self, PageTextFault};
+use crate::defs::program_error::ProgramError;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
-use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
+use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, programs_from_file};
 use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
-    BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault, Source,
-    WorkOffsets,
+    BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault, SharedLibrary,
+    Source, WorkOffsets,
 };
 use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, decode, folder_of};
 use crate::units::{Axis, PerAxis};
@@ -43,11 +45,42 @@ enum CheckedFileKind {
 }
 
 /// An error of a file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct CheckError {
+    /// The file, if it is not the checked one.
+    file: Option<String>,
+    /// The name of the program, if it is not the checked one.
+    program: Option<String>,
     line: u32,
     column: u32,
     message: String,
+    /// The calls that led there, the last one first.
+    calls: Vec<FileLine>,
+}
+
+impl CheckError {
+    /// Place, program, message and calls.
+    fn text(&self, file: &str) -> String {
+        let file = self.file.as_deref().unwrap_or(file);
+        let place = match self.line {
+            0 => file.to_owned(),
+            line => format!("{file}:{line}:{}", self.column),
+        };
+        let program = self.program.as_ref().map_or_else(String::new, |program| format!("{program}: "));
+        let calls: Vec<_> = self.calls.iter().map(|call| format!(" ← {}:{}", call.file, call.line)).collect();
+        format!("{place}: {program}{}{}", self.message, calls.concat())
+    }
+
+    fn json(&self) -> Value {
+        let mut told = json!({"line": self.line, "column": self.column, "message": self.message});
+        if let (Some(file), Some(program)) = (&self.file, &self.program) {
+            (told["file"], told["program"]) = (json!(file), json!(program));
+        }
+        if !self.calls.is_empty() {
+            told["calls"] = self.calls.iter().map(|call| json!({"file": call.file, "line": call.line})).collect();
+        }
+        told
+    }
 }
 
 /// Checks every file of the call.
@@ -90,7 +123,7 @@ fn file_kind(name: &str) -> CheckedFileKind {
 /// An error with a message in both languages; line and column are 0 if there is no position.
 fn shared_error(shared: &SharedArgs, position: Option<(u32, u32)>, message: &LocalizedText) -> CheckError {
     let (line, column) = position.unwrap_or_default();
-    CheckError { line, column, message: message.get(shared.lang).into_owned() }
+    CheckError { line, column, message: message.get(shared.lang).into_owned(), ..CheckError::default() }
 }
 
 /// Prints the result for a page text or picture; returns the exit status.
@@ -115,7 +148,9 @@ fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>, warnin
 }
 
 fn print_warning(shared: &SharedArgs, file: &str, at: &CheckError) {
-    eprintln!("{file}:{}:{}: {}{}", at.line, at.column, WARNING.get(shared.lang), at.message);
+    let program = at.program.as_ref().map_or_else(String::new, |program| format!("{program}: "));
+    let message = format!("{}{program}{}", WARNING.get(shared.lang), at.message);
+    eprintln!("{}", CheckError { message, program: None, ..at.clone() }.text(file));
 }
 
 /// Where a page text and the English text beside it do not fit (H9); either of them may be the checked file. A page
@@ -149,17 +184,12 @@ fn english_warnings(path: &Path, name: &str, bytes: &[u8]) -> Vec<FileFault> {
 }
 
 fn errors_json(wrong: &[CheckError]) -> Value {
-    wrong.iter().map(|at| json!({"line": at.line, "column": at.column, "message": at.message})).collect()
+    wrong.iter().map(CheckError::json).collect()
 }
 
 /// Prints every error, or the verdict if there is none.
 fn print_errors(shared: &SharedArgs, file: &str, wrong: &[CheckError], verdict: &LocalizedText) {
-    for at in wrong {
-        print_line(match at.line {
-            0 => format!("{file}: {}", at.message),
-            line => format!("{file}:{line}:{}: {}", at.column, at.message),
-        });
-    }
+    wrong.iter().for_each(|at| print_line(at.text(file)));
     if wrong.is_empty() {
         print_line(format!("{file}: {}", verdict.get(shared.lang)));
     }
@@ -171,8 +201,11 @@ struct FileCheck<'a> {
     call: &'a CheckArgs,
     path: &'a Path,
     source: Arc<Source>,
-    /// The programs that it may call: those of the folder and the named ones beside its file.
-    library: Arc<dyn Library + Send + Sync>,
+    /// The other programs of its file.
+    others: Vec<Arc<Source>>,
+    /// The programs that it may call: those of the folder, of its file, and the named ones beside its file.
+    programs: Arc<Programs>,
+    places: ProgramPlaces,
     retained: PowerOnState,
     settings: NcSettings,
     part: Option<PartFile>,
@@ -194,19 +227,32 @@ impl<'a> FileCheck<'a> {
         let folders = setup::folders(shared)?;
         let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
         programs.replace(named_programs_beside(path, settings.dialect));
-        let source = program_from_bytes(number, &path.display().to_string(), bytes, settings.dialect).source;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let own = programs_from_file(number, &name, bytes, settings.dialect);
+        let mut sources = own.iter().map(|program| Arc::clone(&program.source));
+        let source = sources.next().ok_or_else(|| CallError::new(format!("{}: no program", path.display())))?;
+        let others = sources.collect();
+        // The folder may hold the file itself: then it knows its programs, and which others have their numbers.
+        let is_known = own.iter().all(|program| programs.holds(program));
+        if !is_known {
+            programs.replace(own);
+        }
+        let programs = Arc::new(programs);
+        let places = ProgramPlaces::new((number, path), &folders.programs, Arc::clone(&programs));
         let part = match &shared.part {
             Some(path) => Some(setup::read_part_file(path)?),
             // The part built in for the program's number, if it is for this kind of machine.
             None => PartFile::builtin(number).map_err(CallError::new)?.filter(|part| part.kind == shared.kind),
         };
-        Ok(Self { shared, call, path, source, library: Arc::new(programs), retained, settings, part })
+        Ok(Self { shared, call, path, source, others, programs, places, retained, settings, part })
     }
 
     /// Checks the program, runs it if the call asks for it, and prints the result; returns the exit status.
     fn execute(&self) -> Result<u8, CallError> {
         let found = self.analyse();
-        let wrong = !found.checked.faults.is_empty() || !found.move_errors.is_empty();
+        let wrong = !found.checked.faults.is_empty()
+            || !found.move_errors.is_empty()
+            || self.duplicate_errors().next().is_some();
         let run = RunArgs { program: self.path.display().to_string(), through_stops: true, parts: 1, trace: None };
         let ran = (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run)).transpose()?;
         let met = ran.as_ref().map(|ran| self.run_errors(ran)).unwrap_or_default();
@@ -226,32 +272,50 @@ impl<'a> FileCheck<'a> {
         shared_error(self.shared, Some((line, column)), message)
     }
 
-    /// A fault of the text; one in a subprogram is reported with its program.
-    fn fault_error(&self, fault: &ProgramFault) -> CheckError {
-        let (lang, own) = (self.shared.lang, fault.location.program == self.source.number());
-        let sub = if own { String::new() } else { format!("{}: ", fault.program_title()) };
-        let message = format!("{sub}{} – {}", fault.cause(lang), fault.remedy(lang));
-        CheckError { line: fault.location.line, column: fault.column, message }
+    /// An error at a line of a program; one in another program is reported with its file and name.
+    fn error_in(&self, (program, line): (u32, u32), column: u32, message: String) -> CheckError {
+        let place = self.places.find(program, line);
+        let (title, calls) = (self.places.title(program), Vec::new());
+        let file = title.as_ref().map(|_| place.file);
+        CheckError { file, program: title, line: place.line, column, message, calls }
     }
 
-    /// A block that the machine would refuse; one in a subprogram is reported with its program.
+    /// A fault of the text, with the calls that led to it.
+    fn fault_error(&self, fault: &ProgramFault) -> CheckError {
+        let lang = self.shared.lang;
+        let message = format!("{} – {}", fault.cause(lang), fault.remedy(lang));
+        let place = (fault.location.program, fault.location.line);
+        CheckError { calls: self.places.calls(fault), ..self.error_in(place, fault.column, message) }
+    }
+
+    /// A block that the machine would refuse.
     fn refusal_error(&self, foreseen: &PredictedRefusal) -> CheckError {
-        let program = foreseen.at.program;
-        let own = program == self.source.number();
-        let sub = if own { String::new() } else { format!("{}: ", program_number::name_of(program)) };
-        let message = format!("{sub}{}", foreseen.text.get(self.shared.lang));
-        CheckError { line: foreseen.at.line, column: 1, message }
+        let message = foreseen.text.get(self.shared.lang).into_owned();
+        self.error_in((foreseen.at.program, foreseen.at.line), 1, message)
+    }
+
+    /// The numbers that a program of the file shares with another program, at its last place in the file.
+    fn duplicate_errors(&self) -> impl Iterator<Item = CheckError> + '_ {
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        self.programs.duplicates().iter().filter_map(move |twice| {
+            let (_, line) = twice.places.iter().rfind(|(file, _)| *file == name)?;
+            let details = [program_number::name_of(twice.number).into(), twice.text.as_str().into()];
+            let cause = LocalizedText::phrase(ProgramError::DuplicateProgram.template(), details.clone());
+            let remedy = LocalizedText::phrase(ProgramError::DuplicateProgram.remedy_template(), details);
+            let lang = self.shared.lang;
+            let message = format!("{} – {}", cause.get(lang), remedy.get(lang));
+            Some(CheckError { line: *line, column: 1, message, ..CheckError::default() })
+        })
     }
 
     /// A move beyond the finished size, at the block that caused it.
     fn overshoot_error(&self, passed: &Overshoot) -> CheckError {
-        let (sub, line) = self.block_text(passed.at);
+        let line = self.block_text(passed.at);
         let name = passed.variable.map(|number| variable_name::variable_name_on(number, self.shared.kind));
         let column = line.find(&name.unwrap_or_default()).map_or(1, |at| line[..at].chars().count() as u32 + 1);
-        let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));
         let block = passed.at.n.map_or_else(String::new, |n| format!("N{n} "));
-        let message = format!("{program}{block}{}", passed.message.get(self.shared.lang));
-        CheckError { line: passed.at.line, column, message }
+        let message = format!("{block}{}", passed.message.get(self.shared.lang));
+        self.error_in((passed.at.program, passed.at.line), column, message)
     }
 
     /// Errors of the simulated run: its alarms, or the error that the program itself reported.
@@ -275,7 +339,8 @@ impl<'a> FileCheck<'a> {
     }
 
     fn analyse(&self) -> CheckOutcome {
-        let Self { source, library, settings, retained, .. } = self;
+        let Self { source, settings, retained, .. } = self;
+        let library = &(Arc::clone(&self.programs) as Arc<dyn Library + Send + Sync>);
         let mut memory = retained.variables.clone();
         let mut world = self.machine_at_zero();
         let mut limits = self.soft_limit_check(&world);
@@ -300,7 +365,7 @@ impl<'a> FileCheck<'a> {
         let mut shown = 0;
         let checked = checking().run(&mut world, &mut |block| {
             if let Some(rehearsal) = &mut rehearsal {
-                rehearsal.check_block(block, &|at| self.block_text(at).1);
+                rehearsal.check_block(block, &|at| self.block_text(at));
             }
             if let Some(limits) = &mut limits {
                 limits.check_block(block);
@@ -318,7 +383,36 @@ impl<'a> FileCheck<'a> {
         let foreseen = interlocks.refusals().into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
         let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
         move_errors.sort_by_key(|wrong| wrong.line);
+        let checked = self.check_others(checked, library);
         CheckOutcome { checked, move_errors }
+    }
+
+    /// Checks the programs of the file that the first one does not call, each by itself.
+    fn check_others(&self, mut checked: CheckReport, library: &SharedLibrary) -> CheckReport {
+        for source in &self.others {
+            if checked.called.contains(&source.number()) {
+                continue;
+            }
+            let memory = self.retained.variables.clone();
+            let found = ProgramCheck::new(source, library, &self.settings, memory)
+                .run(&mut self.machine_at_zero(), &mut |_| {});
+            checked.called.push(source.number());
+            checked.called.extend(found.called);
+            checked.lines += found.lines;
+            // A program that both call was checked with the first one.
+            let new = |fault: &ProgramFault| {
+                !checked
+                    .faults
+                    .iter()
+                    .chain(&checked.warnings)
+                    .any(|old| old.location == fault.location && old.error == fault.error)
+            };
+            let (faults, warnings): (Vec<_>, Vec<_>) =
+                (found.faults.into_iter().filter(new).collect(), found.warnings.into_iter().filter(new).collect());
+            checked.faults.extend(faults);
+            checked.warnings.extend(warnings);
+        }
+        checked
     }
 
     /// A machine with the retained data, at its zero.
@@ -350,11 +444,10 @@ impl<'a> FileCheck<'a> {
         Some(SoftLimitCheck::new(world, params, shown))
     }
 
-    /// The text of a block, and its subprogram.
-    fn block_text(&self, at: BlockLocation) -> (Option<Arc<Source>>, String) {
-        let sub = (at.program != self.source.number()).then(|| self.library.find(at.program)).flatten();
-        let line = sub.as_ref().unwrap_or(&self.source).line(at.line).unwrap_or_default();
-        (sub, line)
+    /// The text of a block.
+    fn block_text(&self, at: BlockLocation) -> String {
+        let sub = (at.program != self.source.number()).then(|| self.programs.find(at.program)).flatten();
+        sub.as_ref().unwrap_or(&self.source).line(at.line).unwrap_or_default()
     }
 
     /// Prints a canonical operation. A change of the work offset gets its origin: G54 as set up for the part, the
@@ -380,7 +473,8 @@ impl<'a> FileCheck<'a> {
         let file = self.path.display().to_string();
         let faults = checked.faults.iter().map(|fault| self.fault_error(fault));
         let met = ran.map_or(&[][..], |(_, met)| met);
-        let wrong: Vec<_> = faults.chain(found.move_errors.iter().chain(met).cloned()).collect();
+        let wrong: Vec<_> =
+            self.duplicate_errors().chain(faults).chain(found.move_errors.iter().chain(met).cloned()).collect();
         let rows = text_row_faults(&self.source).into_iter();
         let rows = rows.map(|fault| self.error(fault.line, 1, &fault.message));
         let warnings: Vec<_> = checked.warnings.iter().map(|fault| self.fault_error(fault)).chain(rows).collect();

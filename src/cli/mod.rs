@@ -7,6 +7,7 @@ mod demo;
 mod finished_size_check;
 mod leadscrew;
 mod play;
+mod program_places;
 mod run;
 mod setup;
 #[cfg(feature = "hmi")]

@@ -8,7 +8,7 @@ use crate::controller::PowerOnState;
 use crate::defs::param::Params;
 use crate::defs::program_number;
 use crate::host::Host;
-use crate::host::folders::{Folders, named_programs_beside, program_from_bytes};
+use crate::host::folders::{Folders, named_programs_beside, programs_from_file};
 use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::job_runner::JobRunner;
@@ -236,7 +236,7 @@ pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallErro
     let number = named.unwrap_or_else(|| program_number::from_name(&stem));
     let dialect = host.kind().dialect();
     host.add_programs(named_programs_beside(path, dialect));
-    host.add_program(program_from_bytes(number, word, bytes, dialect));
+    host.add_programs(programs_from_file(number, word, bytes, dialect));
     Ok(number)
 }
 

@@ -33,7 +33,7 @@ pub use panel::files;
 pub use plant::WORK_PER_TICK;
 pub use plant::system_variables::{nc_settings, stored_system_variables};
 pub use power_on::PowerOnState;
-pub use program::library::{Programs, StoredProgram};
+pub use program::library::{FilePart, Programs, StoredProgram};
 pub use program::lookahead_state::reference_points;
 pub use safety::alarms::{AlarmList, AlarmWords};
 pub use storage_request::StorageRequest;

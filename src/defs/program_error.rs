@@ -274,4 +274,7 @@ program_errors! {
     /// A statement of another control's language.
     ForeignStatement = 501, "foreign-statement", "没有 {} 语句", "there is no statement {}",
         "用 IF […] GOTO n、WHILE […] DO m … END m、M98、G65", "use IF […] GOTO n, WHILE […] DO m … END m, M98 and G65";
+    /// Two programs with the same number: in doubt neither is called.
+    DuplicateProgram = 502, "duplicate-program", "程序 {} 有两个：{2}", "program {} exists twice: {2}",
+        "改掉其中一个的程序号，或删除一个", "change the number of one of them, or delete one";
 }

@@ -56,6 +56,12 @@ pub fn name_of(number: u32) -> String {
     }
 }
 
+/// Whether a number is that of an O program.
+#[must_use]
+pub const fn is_o_number(number: u32) -> bool {
+    number < L_FIRST
+}
+
 /// Whether a number belongs to an L subprogram such as `L10`.
 #[must_use]
 pub const fn is_l_number(number: u32) -> bool {

@@ -12,14 +12,14 @@ use image::{ImageError, ImageFormat, ImageReader};
 use ropey::Rope;
 
 use super::shipped::{SHIPPED, Shipped};
-use crate::controller::{Programs, StoredProgram};
+use crate::controller::{FilePart, Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
 use crate::defs::{page_text, program_kind, program_number};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
-use crate::nc::Source;
 use crate::nc::program_uses::WheelUse;
+use crate::nc::{ProgramPart, Source, program_parts};
 use crate::store::{
     DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
     PROGRAM, ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
@@ -102,10 +102,14 @@ impl Folders {
         let folder = Folder::new(&self.programs);
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
-            if let Ok(read) = read {
-                let program = program_from_bytes(row.number, &read.name, read.bytes, self.dialect);
+            let programs = read.map(|read| programs_from_file(row.number, &read.name, read.bytes, self.dialect));
+            for program in programs.unwrap_or_default() {
                 let (english, kinds) = (english_title(&program), program.kinds.clone());
-                directory.push(DirectoryRow { english, kinds, ..row });
+                let own = match &program.part {
+                    None => DirectoryRow { english, kinds, ..row.clone() },
+                    Some(_) => part_row(&program, &row.modified),
+                };
+                directory.push((program.part.is_some(), own));
                 rows.push(program);
             }
         };
@@ -122,7 +126,19 @@ impl Folders {
             let row = DirectoryRow { number, name: stem, size, comment, english, modified, kinds };
             add(folder.read_named(&PROGRAM, &file), row);
         }
-        Ok((Programs::new(rows), directory))
+        // The parts of files stand among the numbers; one row for each. Names follow in their order.
+        let place = |row: &DirectoryRow| if program_number::is_o_number(row.number) { row.number } else { u32::MAX };
+        directory.sort_by_key(|(is_part, row)| (place(row), *is_part));
+        let mut directory: Vec<_> = directory.into_iter().map(|(_, row)| row).collect();
+        directory.dedup_by_key(|row| row.number);
+        let programs = Programs::new(rows);
+        for twice in programs.duplicates() {
+            for row in directory.iter_mut().filter(|row| row.number == twice.number) {
+                row.comment = format!("重号 {}", twice.text);
+                row.english = Some(format!("number used twice: {}", twice.text));
+            }
+        }
+        Ok((programs, directory))
     }
 
     /// Reads programs with names in alphabetical order (L1). Skips a file that cannot be read.
@@ -171,6 +187,40 @@ fn kinds_of_program(text: &Rope) -> Vec<Kind> {
     program_kind::kinds_of(head.iter().map(String::as_str))
 }
 
+/// The row of a program that is not the first one of its file.
+fn part_row(program: &StoredProgram, modified: &str) -> DirectoryRow {
+    DirectoryRow {
+        number: program.number,
+        name: program.source.title(),
+        size: program.source.bytes().len() as u64,
+        comment: program.source.comment_title().unwrap_or_default(),
+        english: english_title(program),
+        modified: modified.to_owned(),
+        kinds: program.kinds.clone(),
+    }
+}
+
+/// Creates the programs of a file: the first one has the number of the file, those behind it have their own.
+#[must_use]
+pub fn programs_from_file(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> Vec<StoredProgram> {
+    let parts = program_parts(&bytes, dialect);
+    if parts.len() == 1 {
+        return vec![program_from_bytes(number, name, bytes, dialect)];
+    }
+    let mut programs = Vec::with_capacity(parts.len());
+    for ProgramPart { number: own, name: own_name, bytes: range, lines_before } in parts {
+        let Some(text) = bytes.get(range).map(<[u8]>::to_vec) else { continue };
+        if programs.is_empty() {
+            programs.push(program_from_bytes(number, name, text, dialect));
+        } else if let Some(own) = own {
+            let part = Some(FilePart { file: name.to_owned(), lines_before });
+            let program = program_from_bytes(own, own_name.as_deref().unwrap_or(name), text, dialect);
+            programs.push(StoredProgram { part, ..program });
+        }
+    }
+    programs
+}
+
 /// Creates a program from the bytes of its file.
 #[must_use]
 pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> StoredProgram {
@@ -182,7 +232,7 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dial
     let source = Arc::new(Source::new(number, name, bytes, dialect));
     let wheel_use = WheelUse::of(&source);
     let kinds = kinds_of_program(&text);
-    StoredProgram { number, source, text, stamp, wheel_use, kinds, has_invalid_bytes }
+    StoredProgram { number, source, text, stamp, wheel_use, kinds, has_invalid_bytes, part: None }
 }
 
 /// The English title that a program gives (H9).

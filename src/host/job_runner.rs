@@ -123,7 +123,11 @@ impl JobRunner {
             self.cancelled.store(false, Ordering::Release);
         }
         let pages = PageFileFolder { screens: Folder::new(&self.folders.screens), usb_drive: self.usb_drive() };
-        let files = ProgramFiles { folder: Folder::new(&self.folders.programs), programs: &job.programs };
+        let files = ProgramFiles {
+            folder: Folder::new(&self.folders.programs),
+            programs: &job.programs,
+            dialect: job.settings.dialect,
+        };
         match &job.request {
             FileRequest::CheckEditable(_) | FileRequest::Cancel => ChangedFolders::default(),
             FileRequest::CheckLines { number, first_line: first, text, token } => {
@@ -159,7 +163,7 @@ impl JobRunner {
             FileRequest::SaveRecording(blocks) => {
                 report_program_change(files.save_recording(&program_text(blocks)), tell)
             }
-            FileRequest::New(number) => report_program_change(files.create(*number, job.settings.dialect), tell),
+            FileRequest::New(number) => report_program_change(files.create(*number), tell),
             FileRequest::Copy { from, to } => report_program_change(files.copy(*from, *to), tell),
             FileRequest::Rename { from, to } => report_program_change(files.rename(*from, *to), tell),
             FileRequest::Delete(number) => report_program_change(files.delete(*number), tell),

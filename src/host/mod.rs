@@ -17,6 +17,7 @@ mod page_file;
 pub mod part;
 pub mod password_store;
 mod program_file;
+mod program_split;
 pub mod retained_store;
 pub mod serial;
 mod shipped;

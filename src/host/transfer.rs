@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::folders::Folders;
 use super::job_answer::{JobResult, Tell, cancelled, check_read_back, done, error_refusal, no_usb_drive, refusal};
+use super::program_split;
 use super::value_set;
 use crate::controller::files::TransferValues;
 use crate::defs::date::DateTime;
@@ -59,7 +60,10 @@ fn set_of(name: &str, programs: &ProgramFolder) -> Option<TransferSet> {
         VARIABLE_FILE => Some(TransferSet::Variables),
         name if is_archive(name) => Some(TransferSet::Backup),
         name if parse_page_file(name).is_some() || FOREIGN_PICTURE.parse(name).is_some() => Some(TransferSet::Screens),
-        name => programs.is_program_name(name).then_some(TransferSet::Programs),
+        name => {
+            let foreign = !programs.is_by_name() && program_split::is_foreign_program_file(name);
+            (programs.is_program_name(name) || foreign).then_some(TransferSet::Programs)
+        }
     }
 }
 
@@ -133,10 +137,14 @@ impl UsbTransfer<'_> {
         let mut waiting = Vec::new();
         if ask.set == TransferSet::Programs {
             let drive = ProgramFolder::new(self.usb_drive.root(), self.folders.by_name);
+            if import && !self.folders.by_name {
+                return self.incoming_programs(ask);
+            }
             let (from, to) = in_direction(import, self.folders.program_folder(), drive);
             for ListedFile { name, size } in from.list()?.into_iter().filter(|file| wanted(&file.name)) {
                 let place = |folder: &ProgramFolder| FilePlace::Program(folder.clone(), name.clone());
-                waiting.push(PendingFile { from: place(&from), to: place(&to), foreign: false, size, name });
+                let from = Incoming::File(place(&from));
+                waiting.push(PendingFile { from, to: place(&to), foreign: false, size, name });
             }
             return Ok(waiting);
         }
@@ -147,11 +155,46 @@ impl UsbTransfer<'_> {
             let read_as = if foreign { FOREIGN_PICTURE } else { class };
             for FolderEntry { name, size, number, .. } in from.list(&read_as)?.entries {
                 if wanted(&name) {
-                    let (from, to) =
-                        (FilePlace::Page(from.clone(), read_as, number), FilePlace::Page(to.clone(), class, number));
+                    let from = Incoming::File(FilePlace::Page(from.clone(), read_as, number));
+                    let to = FilePlace::Page(to.clone(), class, number);
                     waiting.push(PendingFile { from, to, foreign, size, name });
                 }
             }
+        }
+        Ok(waiting)
+    }
+
+    /// The programs of the drive. Files with several programs are divided if the operator wants it.
+    fn incoming_programs(&self, ask: &TransferRequest) -> Result<Vec<PendingFile>, Refusal> {
+        let (shelf, mut waiting, mut several) = (self.folders.program_folder(), Vec::new(), Vec::new());
+        let wanted = |name: &str| ask.names.is_empty() || ask.names.iter().any(|wanted| wanted == name);
+        let files = self.usb_drive.files().map_err(FolderError::from)?.into_iter();
+        for ListedFile { name, size } in files.filter(|file| wanted(&file.name)) {
+            if set_of(&name, &shelf) != Some(TransferSet::Programs) {
+                continue;
+            }
+            let bytes = read_regular_file(&self.usb_drive.root().join(&name), PROGRAM.limit)?;
+            let parts = match program_split::split(&name, &bytes, &shelf, self.folders.dialect) {
+                // Not chosen by name: any text of the drive.
+                Err(_) if ask.names.is_empty() && !shelf.is_program_name(&name) => continue,
+                parts => parts?,
+            };
+            let together = ask.split == Some(false) && shelf.is_program_name(&name);
+            if parts.is_empty() || together {
+                let to = FilePlace::Program(shelf.clone(), name.clone());
+                waiting.push(PendingFile { from: Incoming::Text(bytes), to, foreign: false, size, name });
+                continue;
+            }
+            let names: Vec<_> = parts.iter().map(|(name, _)| name.as_str()).collect();
+            several.push(format!("{name}: {}", names.join("  ")));
+            for (name, bytes) in parts {
+                let to = FilePlace::Program(shelf.clone(), name.clone());
+                let size = bytes.len() as u64;
+                waiting.push(PendingFile { from: Incoming::Text(bytes), to, foreign: false, size, name });
+            }
+        }
+        if ask.split.is_none() && !several.is_empty() {
+            return Err(Refusal::Split(several));
         }
         Ok(waiting)
     }
@@ -321,11 +364,17 @@ impl FilePlace {
     }
 }
 
+/// What is copied.
+enum Incoming {
+    File(FilePlace),
+    Text(Vec<u8>),
+}
+
 /// A file to copy.
 struct PendingFile {
     name: String,
     size: u64,
-    from: FilePlace,
+    from: Incoming,
     to: FilePlace,
     /// Incoming: a file with another format than a page picture is converted.
     foreign: bool,
@@ -334,7 +383,10 @@ struct PendingFile {
 impl PendingFile {
     /// The bytes to write. For a converted picture also the reason for the conversion.
     fn read_source(&self) -> Result<(Vec<u8>, Option<LocalizedText>), Refusal> {
-        let read = self.from.read()?;
+        let read = match &self.from {
+            Incoming::File(file) => file.read()?,
+            Incoming::Text(bytes) => return Ok((bytes.clone(), None)),
+        };
         if !self.foreign {
             return Ok((read.bytes, None));
         }

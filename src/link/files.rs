@@ -176,6 +176,8 @@ pub enum Refusal {
     Builder,
     /// These files already exist with different content.
     Overwrite(Vec<String>),
+    /// These files hold several programs, or have a name that is none of a program; their names and programs.
+    Split(Vec<String>),
     /// These pictures are not 200×400 px in 24 bits; one fault each.
     Convert(Vec<LocalizedText>),
     /// An alarm of the table, with its place.
@@ -197,6 +199,9 @@ impl Refusal {
             Self::Builder => Text::new("需要机床厂密码", "the machine builder's password is needed").into(),
             Self::Overwrite(names) => {
                 phrase!("{count} 个文件已存在且内容不同", "{count} files already exist and differ", count = names.len())
+            }
+            Self::Split(files) => {
+                phrase!("{count} 个文件各有几个程序", "{count} files hold several programs", count = files.len())
             }
             Self::Convert(faults) => faults.first().cloned().unwrap_or_default(),
             Self::Alarm(number, detail) => alarm::find(*number).map_or_else(

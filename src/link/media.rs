@@ -118,6 +118,8 @@ pub struct TransferRequest {
     pub overwrite: Option<bool>,
     /// Whether pictures of another format are converted; `None`: the operator is asked.
     pub convert: Option<bool>,
+    /// Whether files with several programs are divided into one file each; `None`: the operator is asked.
+    pub split: Option<bool>,
 }
 
 /// A screenshot.

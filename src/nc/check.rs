@@ -47,6 +47,8 @@ pub struct CheckReport {
     pub repeated_blocks: Vec<Range<u64>>,
     /// The run reached its end (or its M99) without leaving an endless loop.
     pub finished: bool,
+    /// The programs that it calls, in the order of the first calls.
+    pub called: Vec<u32>,
 }
 
 impl CheckReport {
@@ -257,6 +259,7 @@ impl ProgramCheck {
         found.blocks =
             self.shown_blocks - found.repeated_blocks.iter().map(|range| range.end - range.start).sum::<u64>();
         found.lines = self.source.line_count();
+        found.called = self.called.iter().map(|text| text.source.number()).collect();
         found
     }
 

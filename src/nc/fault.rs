@@ -18,6 +18,34 @@ pub struct BlockLocation {
     pub n: Option<u32>,
 }
 
+/// Most calls that a mistake names.
+const MAX_CALLS: usize = 8;
+
+/// The calls that led to a block: program and line (from 1) of each, the last one first. Longer chains are cut off.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CallChain {
+    calls: [(u32, u32); MAX_CALLS],
+    count: u8,
+}
+
+impl CallChain {
+    /// Program and line of each call.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        self.calls.iter().take(usize::from(self.count)).copied()
+    }
+}
+
+impl FromIterator<(u32, u32)> for CallChain {
+    fn from_iter<I: IntoIterator<Item = (u32, u32)>>(calls: I) -> Self {
+        let mut chain = Self::default();
+        for (place, call) in chain.calls.iter_mut().zip(calls) {
+            *place = call;
+            chain.count += 1;
+        }
+        chain
+    }
+}
+
 /// A program mistake: its location, its row in the error table, and details.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct ProgramFault {
@@ -30,11 +58,25 @@ pub struct ProgramFault {
     details: [Arg; 2],
     /// The displayed name of the program.
     program_title: Arg,
+    /// How the run came to the block, if it is not in the started program.
+    pub calls: CallChain,
 }
 
 impl ProgramFault {
     pub(crate) fn new(program: impl Into<Arg>, place: BlockLocation, column: u32, wrong: ErrorAt) -> Self {
-        Self { location: place, column, error: wrong.error, details: wrong.details, program_title: program.into() }
+        Self {
+            location: place,
+            column,
+            error: wrong.error,
+            details: wrong.details,
+            program_title: program.into(),
+            calls: CallChain::default(),
+        }
+    }
+
+    /// The same mistake, with the calls that led to its block.
+    pub(crate) fn with_calls(self, calls: CallChain) -> Self {
+        Self { calls, ..self }
     }
 
     /// The displayed name of the program.

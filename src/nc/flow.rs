@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::expression::{Locals, Value};
-use super::fault::{E, ReadResult, fail1, fail2};
+use super::fault::{CallChain, E, ReadResult, fail1, fail2};
 use super::lexer::Cursor;
 use super::modal_calls::{ModalCalls, ModalMark};
 use super::source::Source;
@@ -86,6 +86,8 @@ struct CallFrame {
     place: Place,
     loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
+    /// The byte of the call.
+    call_at: usize,
     repeats_left: u32,
     callee: Callee,
     /// The arguments of a macro, for its repetitions.
@@ -202,6 +204,12 @@ impl Flow {
         self.call_stack.is_empty()
     }
 
+    /// The calls that led to the present program, the last one first.
+    pub fn calls(&self) -> CallChain {
+        let line = |level: &CallFrame| level.source.line_of(level.call_at) + 1;
+        self.call_stack.iter().rev().map(|level| (level.source.number(), line(level))).collect()
+    }
+
     /// The block number of the running subprogram, if it is in the same text.
     pub fn local_sub(&self) -> Option<u32> {
         self.call_stack.last().and_then(|level| level.local_entry)
@@ -302,7 +310,8 @@ impl Flow {
         if call.callee == Callee::Macro {
             self.locals.push(*arguments);
         }
-        let frame = CallFrame { repeats_left: call.times - 1, arguments: *arguments, ..self.frame(call.callee) };
+        let (repeats_left, arguments) = (call.times - 1, *arguments);
+        let frame = CallFrame { repeats_left, arguments, ..self.frame(call.callee, call.at) };
         self.enter(source, frame, 0);
         Ok(())
     }
@@ -318,12 +327,13 @@ impl Flow {
     }
 
     /// A frame that returns to the present place.
-    fn frame(&self, callee: Callee) -> CallFrame {
+    fn frame(&self, callee: Callee, call_at: usize) -> CallFrame {
         CallFrame {
             source: Arc::clone(&self.source),
             place: self.place,
             loops: self.loops,
             depth: self.depth,
+            call_at,
             repeats_left: 0,
             callee,
             arguments: [None; 33],
@@ -374,7 +384,7 @@ impl Flow {
         if self.call_stack.len() >= COUNTED_DEPTH {
             return fail2(at, E::TooDeep, "M98", format_args!("{COUNTED_DEPTH}"));
         }
-        let frame = CallFrame { local_entry: Some(n), ..self.frame(Callee::Sub) };
+        let frame = CallFrame { local_entry: Some(n), ..self.frame(Callee::Sub, at) };
         self.enter(Arc::clone(&self.source), frame, line);
         Ok(())
     }

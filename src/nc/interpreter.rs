@@ -224,7 +224,7 @@ impl Interpreter {
     }
 
     pub(super) fn locate(&self, wrong: ErrorAt) -> ProgramFault {
-        self.flow.source.fault(self.block_words.block_number, wrong)
+        self.flow.source.fault(self.block_words.block_number, wrong).with_calls(self.flow.calls())
     }
 
     /// Reads one block, with the contour if it is a cycle.
@@ -505,7 +505,11 @@ impl Interpreter {
     }
 
     fn find_program(&self, program: u32, at: usize) -> ReadResult<Arc<Source>> {
-        self.library.find(program).map_or_else(|| fail1(at, E::MissingProgram, program_number::name_of(program)), Ok)
+        let name = || program_number::name_of(program);
+        if let Some(places) = self.library.places_of_duplicate(program) {
+            return fail2(at, E::DuplicateProgram, name(), places);
+        }
+        self.library.find(program).map_or_else(|| fail1(at, E::MissingProgram, name()), Ok)
     }
 
     fn assign(

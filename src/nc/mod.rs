@@ -28,6 +28,7 @@ pub mod op;
 pub mod op_effect;
 mod op_text;
 mod preflight;
+mod program_parts;
 pub mod program_uses;
 mod scope;
 pub mod settings;
@@ -53,6 +54,8 @@ pub use op_effect::{
     ArcMove, CoordinateChange, MCodeWords, MotionSegment, OpEffect, OpMotion, OscillationChange, ProgramMessage,
 };
 pub use preflight::{PreflightStatus, ProgramPreflight};
+pub use program_parts::{ProgramPart, program_parts};
 pub use settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
+pub use source_index::o_number;
 pub use work_offsets::WorkOffsets;

@@ -23,6 +23,10 @@ const SHORT_TEXT_LINES: usize = 64;
 pub trait Library {
     /// The program with an O number.
     fn find(&self, number: u32) -> Option<Arc<Source>>;
+    /// The places of a number that several programs have: none of them is called.
+    fn places_of_duplicate(&self, _number: u32) -> Option<&str> {
+        None
+    }
 }
 
 /// A library that a program and its subprograms share.

@@ -144,3 +144,46 @@ fn read_block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
     let kept = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
     (number, after_blanks(&rest[kept..], brackets))
 }
+
+/// The programs that O and `:` can name.
+const O_NUMBERS: std::ops::RangeInclusive<u32> = 1..=9_999;
+/// Most digits of an O number; leading zeros count.
+const MAX_O_DIGITS: usize = 8;
+
+/// The number of a line that begins with `O1001` or `:1001`, and the rest of the line.
+#[must_use]
+pub fn o_number(line: &[u8]) -> Option<(u32, &[u8])> {
+    let [b'O' | b'o' | b':', rest @ ..] = line.trim_ascii_start() else { return None };
+    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let (number, rest) = rest.split_at(digits);
+    let number = std::str::from_utf8(number).ok()?.parse().ok().filter(|number| O_NUMBERS.contains(number))?;
+    let ends = !rest.first().is_some_and(|byte| byte.is_ascii_alphanumeric() || *byte >= 0x80);
+    let is_heading = (1..=MAX_O_DIGITS).contains(&digits) && ends && foreign_statement(rest).is_none();
+    is_heading.then_some((number, rest))
+}
+
+/// Statements that LinuxCNC writes behind an O word.
+const FOREIGN_STATEMENTS: [&str; 14] = [
+    "SUB",
+    "ENDSUB",
+    "CALL",
+    "RETURN",
+    "DO",
+    "WHILE",
+    "ENDWHILE",
+    "IF",
+    "ELSEIF",
+    "ELSE",
+    "ENDIF",
+    "REPEAT",
+    "ENDREPEAT",
+    "BREAK",
+];
+
+/// The statement of LinuxCNC with which a text begins.
+pub(crate) fn foreign_statement(text: &[u8]) -> Option<&[u8]> {
+    let text = after_blanks(text, false);
+    let letters = text.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(text.len());
+    let statement = &text[..letters];
+    FOREIGN_STATEMENTS.iter().any(|known| known.as_bytes().eq_ignore_ascii_case(statement)).then_some(statement)
+}

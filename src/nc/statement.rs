@@ -6,6 +6,7 @@ use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variab
 use super::fault::{Capitals, E, ReadResult, fail, fail1};
 use super::functions::{whole_number, whole_u32};
 use super::lexer::Cursor;
+use super::source_index::foreign_statement;
 use super::words::{BlockWords, ValueKind, Word};
 use crate::units::Axis;
 
@@ -183,30 +184,8 @@ fn o_word_statement<'a>(mut cursor: Cursor<'a>) -> Option<&'a [u8]> {
     while cursor.peek().is_ascii_digit() || matches!(cursor.peek(), b'<'..=b'>' | b'_') {
         cursor.at += 1;
     }
-    cursor.skip_blanks().ok()?;
-    let rest = cursor.text.get(cursor.at..)?;
-    let letters = rest.iter().position(|byte| !byte.is_ascii_alphabetic()).unwrap_or(rest.len());
-    let statement = &rest[..letters];
-    O_WORD_STATEMENTS.iter().any(|known| known.as_bytes().eq_ignore_ascii_case(statement)).then_some(statement)
+    foreign_statement(cursor.text.get(cursor.at..)?)
 }
-
-/// Statements behind an O word.
-const O_WORD_STATEMENTS: [&str; 14] = [
-    "SUB",
-    "ENDSUB",
-    "CALL",
-    "RETURN",
-    "DO",
-    "WHILE",
-    "ENDWHILE",
-    "IF",
-    "ELSEIF",
-    "ELSE",
-    "ENDIF",
-    "REPEAT",
-    "ENDREPEAT",
-    "BREAK",
-];
 
 fn is_true(value: Value) -> bool {
     value.is_some_and(|value| value.abs() > 1e-12)

@@ -29,6 +29,12 @@ impl ProgramFolder {
         Self { folder: Folder::new(folder), by_name: named }
     }
 
+    /// Whether the programs have names instead of numbers.
+    #[must_use]
+    pub const fn is_by_name(&self) -> bool {
+        self.by_name
+    }
+
     /// Whether a file name is a valid program name: no separator, no leading dot, not too long.
     #[must_use]
     pub fn is_program_name(&self, name: &str) -> bool {

@@ -347,6 +347,7 @@ fn a_serial_transfer_that_waits_is_cancelled_and_delays_no_value() {
         names: Vec::new(),
         overwrite: None,
         convert: None,
+        split: None,
     };
     bench.send(file(FileRequest::Transfer(ask)));
     bench.until("the line waits", |snapshot| snapshot.files.bytes_received.is_some());

@@ -14,6 +14,7 @@ mod docs;
 mod foreign;
 mod host;
 mod pace;
+mod program_parts;
 mod requirements;
 #[cfg(unix)]
 mod serial;

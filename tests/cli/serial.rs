@@ -77,7 +77,7 @@ impl Shop {
     fn ask(&self, direction: Direction, names: &[&str], overwrite: Option<bool>) -> Result<FileAnswer, Refusal> {
         let shelf = ProgramFolder::new(self.folder.path(), self.named);
         let names = names.iter().map(|name| (*name).to_owned()).collect();
-        let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite, convert: None };
+        let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite, convert: None, split: None };
         let (stopped, received) = (&|| self.cancelled.load(Ordering::Acquire), &self.held);
         let transfer = SerialTransfer { folder: &shelf, by_name: self.named, port: &self.line, stopped, received };
         let done = transfer.run(&ask, &mut |_| {});
@@ -335,7 +335,8 @@ fn refusal(rig: &mut HeadlessHost) -> Option<Refusal> {
 
 fn request(rig: &mut HeadlessHost, direction: Direction, names: &[&str]) {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
-    let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite: None, convert: None };
+    let ask =
+        TransferRequest { set: TransferSet::Serial, direction, names, overwrite: None, convert: None, split: None };
     rig.send(Command::Page(PageCommand::File(Ticket::without_reply(Requester::Transfer), FileRequest::Transfer(ask))));
     (0..4).for_each(|_| rig.step());
 }

@@ -48,6 +48,7 @@ fn a_folder_that_cannot_be_read_after_a_job_is_told() {
         names: Vec::new(),
         overwrite: None,
         convert: None,
+        split: None,
     };
     let job = BackgroundJob {
         ticket: Ticket::without_reply(Requester::Transfer),

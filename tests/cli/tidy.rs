@@ -232,6 +232,8 @@ const WORDING: &[&str] = &["format!(", ".to_string()", "to_string)", "LocalizedT
 const COMPOSES_TEXTS: &[(&str, &str)] = &[
     // Values read from a file: names the parameters in use, as many as they are.
     ("controller/panel/files.rs", "kept.push(at.to_string())"),
+    // The programs are listed by the disk thread, when the folder is read.
+    ("controller/program/library.rs", "format!(\"{file}:{line}\")"),
 ];
 
 #[test]

@@ -45,7 +45,7 @@ fn unlock(core: &mut Core, scope: PasswordScope) {
 
 fn transfer(set: TransferSet, direction: Direction, names: &[&str]) -> FileRequest {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
-    FileRequest::Transfer(TransferRequest { set, direction, names, overwrite: None, convert: None })
+    FileRequest::Transfer(TransferRequest { set, direction, names, overwrite: None, convert: None, split: None })
 }
 
 fn done() -> FileAnswer {

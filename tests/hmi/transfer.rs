@@ -116,6 +116,21 @@ fn k7_8_programs_go_both_ways_and_ask_before_they_overwrite() {
 }
 
 #[test]
+fn k7_8_a_file_with_several_programs_is_divided_if_the_operator_wants_it() {
+    let mut shop = Shop::new();
+    fs::write(shop.usb("ALL-PROG.TXT"), "%\nO0077\nM98 P78\nM30\nO0078\nM99\n%\n").unwrap();
+    shop.bring();
+    shop.password("187350");
+    assert!(shop.bench.shows("文件里有几个程序") && shop.bench.shows("ALL-PROG.TXT: O0077.NC  O0078.NC"));
+    shop.bench.touch("取消 question-no");
+    assert!(!shop.bench.rig.has_program(77), "nothing is copied");
+    shop.bring();
+    shop.bench.touch("每个程序一个文件 question-split");
+    assert!(shop.path("programs/O0077.NC").exists() && shop.path("programs/O0078.NC").exists(), "{}", shop.refusal());
+    assert!(shop.bench.rig.has_program(78));
+}
+
+#[test]
 fn k7_8_page_files_come_in_only_if_they_are_of_the_form() {
     let mut shop = Shop::new();
     shop.bench.touch("页面文件 set-screens");

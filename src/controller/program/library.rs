@@ -16,6 +16,35 @@ const MAX_CALLED: usize = 32;
 #[derive(Clone, Debug, Default)]
 pub struct Programs {
     rows: Vec<StoredProgram>,
+    duplicates: Vec<DuplicateNumber>,
+}
+
+/// A number that several programs have: in doubt none of them is called.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DuplicateNumber {
+    /// The number.
+    pub number: u32,
+    /// File, and line of its first line from 1, of each program.
+    pub places: Vec<(String, u32)>,
+    /// The places as a message names them.
+    pub text: String,
+}
+
+impl DuplicateNumber {
+    fn of(programs: &[StoredProgram]) -> Self {
+        let places: Vec<_> = programs.iter().map(StoredProgram::place).collect();
+        let text: Vec<_> = places.iter().map(|(file, line)| format!("{file}:{line}")).collect();
+        Self { number: programs.first().map_or(0, |program| program.number), places, text: text.join(", ") }
+    }
+}
+
+/// The place of a program in a file that begins with another one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FilePart {
+    /// The name of the file.
+    pub file: String,
+    /// The lines of the file before the program.
+    pub lines_before: u32,
 }
 
 /// One program.
@@ -35,6 +64,8 @@ pub struct StoredProgram {
     pub kinds: Vec<Kind>,
     /// Some bytes are not valid characters: the program can be shown but not edited.
     pub has_invalid_bytes: bool,
+    /// Its place, if it is not the first program of its file.
+    pub part: Option<FilePart>,
 }
 
 impl StoredProgram {
@@ -43,22 +74,53 @@ impl StoredProgram {
     pub fn is_for(&self, kind: Kind) -> bool {
         program_kind::includes(&self.kinds, kind)
     }
+
+    /// Its file, and the line of its first line from 1.
+    #[must_use]
+    pub fn place(&self) -> (String, u32) {
+        match &self.part {
+            Some(FilePart { file, lines_before }) => (file.clone(), lines_before + 1),
+            None => (self.source.name().to_owned(), 1),
+        }
+    }
 }
 
 impl Programs {
-    /// Builds the list; of two programs with the same number the first counts.
+    /// Builds the list. Of two programs with the same number the one with a file of its own is shown, else the first;
+    /// neither is called.
     #[must_use]
     pub fn new(mut rows: Vec<StoredProgram>) -> Self {
-        rows.sort_by_key(|row| row.number);
+        rows.sort_by_key(|row| (row.number, row.part.is_some()));
+        let same = rows.chunk_by(|one, next| one.number == next.number).filter(|group| group.len() > 1);
+        let duplicates = same.map(DuplicateNumber::of).collect();
         rows.dedup_by_key(|row| row.number);
-        Self { rows }
+        Self { rows, duplicates }
     }
 
-    /// Adds programs; a program with an existing number replaces the old one.
+    /// Adds programs; a program with an existing number replaces the old one. Of two of them with the same number
+    /// neither is called.
     pub fn replace(&mut self, programs: Vec<StoredProgram>) {
-        self.rows.retain(|row| programs.iter().all(|program| program.number != row.number));
+        let Self { rows: programs, duplicates } = Self::new(programs);
+        let is_replaced = |number: u32| programs.iter().any(|program| program.number == number);
+        self.rows.retain(|row| !is_replaced(row.number));
+        self.duplicates.retain(|twice| !is_replaced(twice.number));
+        self.duplicates.extend(duplicates);
         self.rows.extend(programs);
         self.rows.sort_by_key(|row| row.number);
+    }
+
+    /// Whether a program is among these.
+    #[must_use]
+    pub fn holds(&self, program: &StoredProgram) -> bool {
+        let (number, place) = (program.number, program.place());
+        let alone = self.get(number).is_some_and(|own| own.place() == place);
+        alone || self.duplicates.iter().any(|twice| twice.number == number && twice.places.contains(&place))
+    }
+
+    /// The numbers that several programs have.
+    #[must_use]
+    pub fn duplicates(&self) -> &[DuplicateNumber] {
+        &self.duplicates
     }
 
     /// All of them, by number.
@@ -98,5 +160,9 @@ impl Programs {
 impl Library for Programs {
     fn find(&self, number: u32) -> Option<Arc<Source>> {
         self.get(number).map(|row| Arc::clone(&row.source))
+    }
+
+    fn places_of_duplicate(&self, number: u32) -> Option<&str> {
+        self.duplicates.iter().find(|twice| twice.number == number).map(|twice| twice.text.as_str())
     }
 }

@@ -23,6 +23,9 @@ const KEYS_HEIGHT: f32 = 52.0;
 /// Seconds between two checks of the USB drive while the page is open.
 const MEDIUM_POLL_SECONDS: f64 = 2.0;
 
+/// The key that divides files with several programs.
+const SPLIT_KEY: usize = 0;
+
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TransferQuestion {
@@ -30,6 +33,8 @@ enum TransferQuestion {
     Overwrite,
     /// Pictures in another format.
     Convert,
+    /// Files with several programs.
+    Split,
 }
 
 /// State of the page.
@@ -116,6 +121,10 @@ impl PageUi for TransferPage {
                 self.request.iter_mut().for_each(|ask| ask.convert = Some(true));
                 self.send_request(out);
             }
+            Some((TransferQuestion::Split, Some(key))) => {
+                self.request.iter_mut().for_each(|ask| ask.split = Some(key == SPLIT_KEY));
+                self.send_request(out);
+            }
             Some((TransferQuestion::Overwrite, Some(key))) => {
                 self.request.iter_mut().for_each(|ask| ask.overwrite = Some(key == requests::OVERWRITE_KEY));
                 self.send_request(out);
@@ -153,6 +162,7 @@ impl TransferPage {
                 let question = self.overwrite_question(&names);
                 self.question.ask(TransferQuestion::Overwrite, question);
             }
+            Err(Refusal::Split(files)) => self.question.ask(TransferQuestion::Split, split_question(&files)),
             Err(Refusal::Convert(faults)) => self.question.ask(TransferQuestion::Convert, conversion_question(&faults)),
             Err(refusal) => {
                 self.request = None;
@@ -202,7 +212,7 @@ impl TransferPage {
         };
         self.serial.pad = false;
         self.message.clear();
-        self.request = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
+        self.request = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None, split: None });
         self.send_request(out);
     }
 
@@ -332,6 +342,16 @@ impl TransferPage {
 }
 
 /// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
+/// Question about files with several programs: divide, keep or cancel.
+fn split_question(files: &[String]) -> Question {
+    let more = if files.len() > 3 { "\n…" } else { "" };
+    let list = files.iter().take(3).cloned().collect::<Vec<_>>().join("\n");
+    let body = LocalizedText::new(format!("{list}{more}"), format!("{list}{more}"));
+    let divide = ("question-split", Text::new("每个程序一个文件", "ONE FILE EACH"));
+    let keep = ("question-keep", Text::new("不分开", "KEEP TOGETHER"));
+    Question::with_keys(Text::new("文件里有几个程序", "files with several programs"), body, &[divide, keep])
+}
+
 fn conversion_question(faults: &[LocalizedText]) -> Question {
     let list = |zh: bool| {
         let lines = faults.iter().take(3).map(|message| if zh { message.zh() } else { message.en() });

@@ -7,6 +7,7 @@ use encoding_rs::GBK;
 
 use super::SerialError;
 use crate::defs::text::LocalizedText;
+use crate::nc;
 use crate::store::{Encoding, ProgramFolder, decode};
 
 /// Starts and ends a transmission.
@@ -138,11 +139,8 @@ fn trim_end(line: &str) -> &str {
 
 /// The number of a line that starts with `O1001` or `:1001`, and the rest of the line.
 fn o_number(line: &str) -> Option<(u16, &str)> {
-    let rest = line.trim_start().strip_prefix(['O', 'o', ':'])?;
-    let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
-    let ends = !rest[digits..].starts_with(|sign: char| sign.is_alphanumeric());
-    let number = rest[..digits].parse().ok().filter(|number| (1..=9_999).contains(number))?;
-    ((1..=5).contains(&digits) && ends).then_some((number, &rest[digits..]))
+    let (number, rest) = nc::o_number(line.as_bytes())?;
+    Some((u16::try_from(number).ok()?, &line[line.len() - rest.len()..]))
 }
 
 /// Whether the transmission continues.

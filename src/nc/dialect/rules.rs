@@ -64,6 +64,9 @@ pub(crate) enum FlowAction {
     End,
 }
 
+/// The number of a program, and its file name if it has one.
+pub(crate) type ProgramHeading = (u32, Option<String>);
+
 /// A block that is not executed: its text, the settings, its first byte, its line from 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnexecutedBlock<'r> {
@@ -102,6 +105,8 @@ pub(crate) struct DialectRow {
     pub call_in_text: fn(&str) -> Option<u32>,
     /// The text of a block that calls a program; `None` if a block cannot call by a number.
     pub call_text: fn(u32) -> Option<String>,
+    /// The number, and the name if it has one, of the program that begins in a line of a text with several.
+    pub program_heading: fn(&[u8]) -> Option<ProgramHeading>,
     /// The initial text of a new program with this number.
     pub new_program_text: fn(u32) -> String,
     /// Deepest nesting of a call, and the name of the call.

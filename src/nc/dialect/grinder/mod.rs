@@ -22,6 +22,7 @@ use crate::nc::fault::{E, ReadResult, fail1};
 use crate::nc::flow::{CallLimit, Callee};
 use crate::nc::modal::ModalCodes;
 use crate::nc::settings::NcSettings;
+use crate::nc::source_index::o_number;
 use crate::nc::words::{BlockWords, Code, ValueKind, Word, letter_mask};
 use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
@@ -41,6 +42,7 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
         called_program: |_| None,
         call_in_text,
         call_text: |program| Some(format!("M98 P{program}")),
+        program_heading: |line| o_number(line).map(|(number, _)| (number, None)),
         new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
         call_limit: |callee| match callee {
             Callee::Macro => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },

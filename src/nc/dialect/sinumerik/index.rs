@@ -2,6 +2,8 @@
 
 use super::expression::identifier;
 use super::read::message_range;
+use crate::defs::program_number;
+use crate::nc::dialect::rules::ProgramHeading;
 use crate::nc::lexer::Cursor;
 use crate::nc::source_index::{SourceIndex, TextLines, after_blanks, block_head, starts_with_word};
 
@@ -28,6 +30,15 @@ fn leading_label(text: &[u8]) -> Option<(&[u8], &[u8])> {
     let name = identifier(text)?;
     let behind = after_blanks(&text[name.len()..], false).strip_prefix(b":")?;
     Some((name, behind))
+}
+
+/// The name in the line that begins a program of an archive: `%_N_L10_SPF`.
+pub(super) fn program_heading(line: &[u8]) -> Option<ProgramHeading> {
+    let word = line.trim_ascii().strip_prefix(b"%_N_")?;
+    let (stem, extension) = std::str::from_utf8(word).ok()?.rsplit_once('_')?;
+    let (stem, extension) = (stem.to_ascii_uppercase(), extension.to_ascii_uppercase());
+    let known = ["MPF", "SPF"].contains(&extension.as_str()) && !stem.is_empty();
+    known.then(|| (program_number::from_name(&stem), Some(format!("{stem}.{extension}"))))
 }
 
 #[cfg(test)]

@@ -47,6 +47,7 @@ impl DialectRules for Sinumerik {
         called_program,
         call_in_text: |_| None,
         call_text: |program| program_number::is_l_number(program).then(|| program_number::name_of(program)),
+        program_heading: index::program_heading,
         new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
         call_limit: |_| CallLimit { depth: L_DEPTH, name: "L" },
         preflight_scope: PreflightScope::TextOnly,

@@ -42,6 +42,7 @@ impl DialectRules for SuperMan {
         call_in_text: |_| None,
         // L7: M98 calls a block of the same text.
         call_text: |_| None,
+        program_heading: |_| None,
         new_program_text: |_| "N0010M02\r\n".to_owned(),
         // No program calls another; calls in the same text have their own limit.
         call_limit: |_| CallLimit { depth: COUNTED_DEPTH, name: "M98" },

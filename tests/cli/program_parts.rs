@@ -1,0 +1,240 @@
+//! Several programs in one file, as USB and RS232 exports write them: listed, called, edited, imported (rows B1, B6,
+//! K7.8).
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kt830::controller::files::BackgroundJob;
+use kt830::controller::{PowerOnState, Programs, nc_settings};
+use kt830::defs::kind::Kind;
+use kt830::host::folders::Folders;
+use kt830::host::job_runner::JobRunner;
+use kt830::link::files::{FileAnswer, FileRequest, Refusal, Requester, Ticket};
+use kt830::link::media::{Direction, TransferRequest, TransferSet};
+use kt830::nc::Library;
+use ropey::Rope;
+use tempfile::TempDir;
+
+use crate::command::kt830_in;
+
+/// O0031 calls O0032, which calls O0033; all in O0031.NC. O0040 has a file of its own and calls O0033.
+const EXPORT: &str = "%\r\nO0031 (MAIN)\r\nG00 X-50\r\nM98 P0032\r\nM30\r\nO0032 (SECOND)\r\nG00 X-40\r\nM98 P33\r\nM99\r\n:0033\r\n#500=#500+1\r\nM99\r\n%\r\n";
+
+struct Shop {
+    files: TempDir,
+    runner: JobRunner,
+    folders: Folders,
+}
+
+impl Shop {
+    /// A control whose program folder holds these files, and a USB drive.
+    fn new(programs: &[(&str, &str)]) -> Self {
+        let files = tempfile::tempdir().unwrap();
+        let [own, screens, drive] = ["programs", "screens", "stick"].map(|name| files.path().join(name));
+        for folder in [&own, &screens, &drive] {
+            std::fs::create_dir(folder).unwrap();
+        }
+        for (name, text) in programs {
+            std::fs::write(own.join(name), text).unwrap();
+        }
+        let folders = Folders { programs: own, screens, by_name: false, dialect: Kind::Gc.dialect() };
+        let runner = JobRunner::new(folders.clone()).with_drives(None, Some(drive));
+        Self { files, runner, folders }
+    }
+
+    fn programs(&self) -> Programs {
+        self.folders.read_programs().unwrap().0
+    }
+
+    /// Number, name and comment of the directory rows.
+    fn directory(&self) -> Vec<(u32, String, String)> {
+        let rows = self.folders.read_programs().unwrap().1;
+        rows.into_iter().map(|row| (row.number, row.name, row.comment)).collect()
+    }
+
+    fn text(&self, file: &str) -> String {
+        std::fs::read_to_string(self.folders.programs.join(file)).unwrap()
+    }
+
+    fn ask(&self, request: FileRequest) -> FileAnswer {
+        let job = BackgroundJob {
+            ticket: Ticket::without_reply(Requester::Transfer),
+            request,
+            settings: nc_settings(Kind::Gc, &PowerOnState::factory(Kind::Gc).params),
+            programs: Arc::new(self.programs()),
+            transfer_values: None,
+            start: None,
+            date: None,
+        };
+        let mut last = None;
+        self.runner.run(&job, &mut |answer| last = Some(answer));
+        last.unwrap()
+    }
+
+    fn save(&self, number: u32, text: &str) -> FileAnswer {
+        let base_stamp = self.programs().get(number).unwrap().stamp;
+        self.ask(FileRequest::Save { number, text: Rope::from_str(text), base_stamp, overwrite: false })
+    }
+
+    fn import(&self, split: Option<bool>) -> FileAnswer {
+        self.ask(FileRequest::Transfer(TransferRequest {
+            set: TransferSet::Programs,
+            direction: Direction::Import,
+            names: Vec::new(),
+            overwrite: None,
+            convert: None,
+            split,
+        }))
+    }
+
+    fn run(&self, words: &[&str]) -> (Option<i32>, String) {
+        let folder = self.folders.programs.display().to_string();
+        let all = [words, &["--lang", "en", "--programs", &folder]].concat();
+        let out = kt830_in(Path::new(&folder), self.files.path(), &all);
+        let told = [out.stdout, out.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        (out.status.code(), told.concat())
+    }
+}
+
+#[test]
+fn b1_all_programs_of_a_file_are_listed_and_called() {
+    let shop = Shop::new(&[("O0031.NC", EXPORT), ("O0040.NC", "O0040\nM98 P33\nM30\n")]);
+    let rows: Vec<_> = shop.directory();
+    let told: Vec<_> = rows.iter().map(|(number, name, comment)| (*number, name.as_str(), comment.as_str())).collect();
+    assert_eq!(told, [(31, "O0031", "MAIN"), (32, "O0032", "SECOND"), (33, "O0033", ""), (40, "O0040", "")]);
+    // The first one ends where the second begins.
+    assert!(!String::from_utf8_lossy(shop.programs().find(31).unwrap().bytes()).contains("O0032"));
+    for program in ["O0031", "O0040"] {
+        let (status, told) = shop.run(&["run", program, "--set", "#500=6"]);
+        assert_eq!(status, Some(0), "{program}: {told}");
+        assert!(told.contains("#500 = 7"), "{program}: {told}");
+    }
+}
+
+#[test]
+fn b1_a_mistake_in_a_later_program_names_the_line_of_the_file() {
+    let shop = Shop::new(&[("O0031.NC", &EXPORT.replace("G00 X-40", "G00 X-40 X-41"))]);
+    let (status, told) = shop.run(&["check", "O0031.NC"]);
+    assert_eq!(status, Some(2));
+    assert!(told.starts_with("O0031.NC:7:10: O0032: 'X' appears twice"), "{told}");
+    assert!(told.contains("← O0031.NC:4"), "{told}");
+    // Nobody calls it, and it is checked nevertheless.
+    let shop = Shop::new(&[("O0050.NC", "O0050\nM30\nO0051\nG37\nM99\n")]);
+    let (status, told) = shop.run(&["check", "O0050.NC"]);
+    assert_eq!((status, told.starts_with("O0050.NC:4:1: O0051: unknown code G37")), (Some(2), true), "{told}");
+}
+
+#[test]
+fn b8_a_number_that_two_programs_have_is_an_error_with_both_places_and_is_not_called() {
+    let shop = Shop::new(&[("O0031.NC", EXPORT), ("O0032.NC", "O0032\nM99\n")]);
+    let (status, told) = shop.run(&["check", "O0031.NC"]);
+    assert_eq!(status, Some(2));
+    assert!(told.starts_with("O0031.NC:6:1: program O0032 exists twice: O0032.NC:1, O0031.NC:6"), "{told}");
+    let marked = shop.directory().into_iter().find(|row| row.0 == 32).unwrap();
+    assert_eq!(marked.2, "重号 O0032.NC:1, O0031.NC:6");
+    let (status, told) = shop.run(&["run", "O0031"]);
+    assert_eq!(status, Some(1), "{told}");
+    assert!(told.contains("program O0032 exists twice"), "{told}");
+    // Twice in one file.
+    let shop = Shop::new(&[("O0050.NC", "O0050\nM30\nO0051\nM99\nO0051\nM99\n")]);
+    let (status, told) = shop.run(&["check", "O0050.NC"]);
+    assert_eq!(status, Some(2));
+    assert!(told.starts_with("O0050.NC:5:1: program O0051 exists twice: O0050.NC:3, O0050.NC:5"), "{told}");
+}
+
+#[test]
+fn b6_a_later_program_is_edited_in_its_place() {
+    let shop = Shop::new(&[("O0031.NC", EXPORT)]);
+    let answer = shop.save(32, "O0032 (SECOND)\r\nG00 X-45\r\nM99\r\n");
+    assert!(matches!(answer, FileAnswer::Saved { number: 32, .. }), "{answer:?}");
+    assert_eq!(shop.text("O0031.NC"), EXPORT.replace("G00 X-40\r\nM98 P33\r\n", "G00 X-45\r\n"));
+    // The first one, too; a text without a line end at its end is closed.
+    shop.save(31, "O0031\r\nM30");
+    assert!(shop.text("O0031.NC").starts_with("O0031\r\nM30\r\nO0032 (SECOND)\r\n"), "{}", shop.text("O0031.NC"));
+    // Without its number it would run on from the program before: it gets the number again.
+    shop.save(33, "M99\r\n");
+    assert!(shop.text("O0031.NC").ends_with("M99\r\nO0033\r\nM99\r\n"), "{}", shop.text("O0031.NC"));
+    assert_eq!(shop.directory().len(), 3);
+}
+
+#[test]
+fn b6_a_change_from_outside_is_a_conflict_only_in_the_same_program() {
+    let shop = Shop::new(&[("O0031.NC", EXPORT)]);
+    let base_stamp = shop.programs().get(32).unwrap().stamp;
+    let save =
+        |overwrite| FileRequest::Save { number: 32, text: Rope::from_str("O0032\r\nM99\r\n"), base_stamp, overwrite };
+    std::fs::write(shop.folders.programs.join("O0031.NC"), EXPORT.replace("X-40", "X-44")).unwrap();
+    assert!(matches!(shop.ask(save(false)), FileAnswer::Refused(Refusal::Conflict)));
+    // Another program of the file was changed: no conflict.
+    std::fs::write(shop.folders.programs.join("O0031.NC"), EXPORT.replace("X-50", "X-55")).unwrap();
+    assert!(matches!(shop.ask(save(false)), FileAnswer::Saved { .. }));
+    assert!(shop.text("O0031.NC").contains("G00 X-55") && !shop.text("O0031.NC").contains("X-40"));
+}
+
+/// A character that GBK lacks makes the whole file UTF-8, not a part of it.
+#[test]
+fn b1_a_file_has_one_encoding() {
+    let shop = Shop::new(&[]);
+    let (gbk, _, _) = encoding_rs::GBK.encode("O0031 (磨削外圆)\r\nM30\r\nO0032 (修整砂轮)\r\nM99\r\n");
+    std::fs::write(shop.folders.programs.join("O0031.NC"), &gbk).unwrap();
+    shop.save(32, "O0032 (修整)\r\nM99\r\n");
+    let kept = std::fs::read(shop.folders.programs.join("O0031.NC")).unwrap();
+    assert_eq!(kept, encoding_rs::GBK.encode("O0031 (磨削外圆)\r\nM30\r\nO0032 (修整)\r\nM99\r\n").0.into_owned());
+    shop.save(32, "O0032 (🙂)\r\nM99\r\n");
+    assert_eq!(shop.text("O0031.NC"), "O0031 (磨削外圆)\r\nM30\r\nO0032 (🙂)\r\nM99\r\n");
+}
+
+#[test]
+fn b6_programs_of_a_file_are_copied_renamed_and_deleted_one_by_one() {
+    let shop = Shop::new(&[("O0031.NC", EXPORT)]);
+    shop.ask(FileRequest::Copy { from: 32, to: 50 });
+    assert_eq!(shop.text("O0050.NC"), "O0032 (SECOND)\r\nG00 X-40\r\nM98 P33\r\nM99\r\n");
+    shop.ask(FileRequest::Rename { from: 32, to: 60 });
+    assert!(shop.text("O0031.NC").contains("O0060 (SECOND)\r\n"));
+    // A number in use is refused, in a file of its own or in another file.
+    for to in [33, 50] {
+        assert!(matches!(shop.ask(FileRequest::Rename { from: 60, to }), FileAnswer::Refused(_)), "{to}");
+    }
+    assert!(matches!(shop.ask(FileRequest::New(33)), FileAnswer::Refused(_)));
+    shop.ask(FileRequest::Delete(60));
+    assert_eq!(
+        shop.text("O0031.NC"),
+        "%\r\nO0031 (MAIN)\r\nG00 X-50\r\nM98 P0032\r\nM30\r\n:0033\r\n#500=#500+1\r\nM99\r\n%\r\n"
+    );
+    // The first one goes: the file gets the number of the next.
+    shop.ask(FileRequest::Delete(31));
+    assert_eq!(shop.text("O0033.NC"), ":0033\r\n#500=#500+1\r\nM99\r\n%\r\n");
+    assert_eq!(shop.directory().iter().map(|row| row.0).collect::<Vec<_>>(), [33, 50]);
+}
+
+#[test]
+fn k7_8_import_asks_whether_to_divide_a_file_with_several_programs() {
+    let shop = Shop::new(&[]);
+    let stick = shop.files.path().join("stick");
+    std::fs::write(stick.join("O0031.NC"), EXPORT).unwrap();
+    std::fs::write(stick.join("ALL-PROG.TXT"), "%\nO0070\nM30\nO0071\nM99\n%\n").unwrap();
+    std::fs::write(stick.join("README.TXT"), "no program\n").unwrap();
+    let FileAnswer::Refused(Refusal::Split(files)) = shop.import(None) else { panic!("no question") };
+    assert_eq!(files, ["ALL-PROG.TXT: O0070.NC  O0071.NC", "O0031.NC: O0031.NC  O0032.NC  O0033.NC"]);
+    assert!(shop.directory().is_empty(), "nothing is copied before the answer");
+    let answer = shop.import(Some(true));
+    assert!(matches!(answer, FileAnswer::Done(_)), "{answer:?}");
+    assert_eq!(shop.text("O0032.NC"), "O0032 (SECOND)\r\nG00 X-40\r\nM98 P33\r\nM99\r\n");
+    assert_eq!(shop.text("O0071.NC"), "O0071\nM99\n%\n");
+    assert!(shop.programs().iter().all(|program| program.part.is_none()));
+    // Kept together, where the name is that of a program.
+    let shop = Shop::new(&[]);
+    std::fs::write(shop.files.path().join("stick/O0031.NC"), EXPORT).unwrap();
+    shop.import(Some(false));
+    assert_eq!(shop.text("O0031.NC"), EXPORT);
+    assert_eq!(shop.directory().len(), 3);
+}
+
+#[test]
+fn k7_8_an_import_with_a_number_twice_names_both_lines() {
+    let shop = Shop::new(&[]);
+    std::fs::write(shop.files.path().join("stick/O0031.NC"), "O0031\nM30\nO0032\nM99\nO0032\nM99\n").unwrap();
+    let FileAnswer::Refused(Refusal::Other(told)) = shop.import(None) else { panic!("not refused") };
+    assert_eq!(told.en(), "O0031.NC: O0032.NC begins in line 3 and again in line 5");
+    assert!(shop.directory().is_empty());
+}
