@@ -76,7 +76,7 @@ fn run(source: &Arc<Source>) -> usize {
                 count += block.ops.len();
                 block.ops.iter().for_each(|op| world.apply(op));
             }
-            NextStatus::Busy | NextStatus::Drain => {}
+            NextStatus::Busy | NextStatus::Waiting | NextStatus::Drain => {}
             NextStatus::End => return count,
         }
     }

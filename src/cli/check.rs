@@ -540,13 +540,11 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
     }
 }
 
-/// Lines, path length and time; if the check did not reach the end, only up to that point.
+/// Lines, path length and time; a loop that is not followed to the end counts up to its repetition.
 fn summary(checked: &CheckReport) -> LocalizedText {
     let (lines, seconds) = (checked.lines, checked.seconds);
-    let (zh, en) = (
-        "检查没有走到程序结束；到该循环开始重复为止 ",
-        "the check did not reach the program end; until that loop repeats ",
-    );
+    let (zh, en) =
+        ("没有走到底的循环只算到开始重复为止：", "loops that are not followed to the end count until they repeat: ");
     let (zh, en) = if checked.finished { ("", "") } else { (zh, en) };
     let path = format!("{:.3} mm  {seconds:.1} s", checked.length_mm);
     LocalizedText::new(format!("{lines} 行  {zh}{path}"), format!("{lines} lines  {en}{path}"))

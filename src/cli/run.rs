@@ -21,8 +21,6 @@ const START_TICKS: u32 = 5;
 
 /// Maximum simulated time of a headless run: a working day.
 const MAX_RUN_TIME: Micros = Micros::from_millis(8 * 3_600_000);
-/// After this number of blocks without a move the run counts as an endless loop.
-const MAX_STALLED_BLOCKS: u64 = 1_000_000;
 /// After this time without a move the run counts as an endless loop; longer than the longest dwell, 9 999.99 s (L2).
 const MAX_STALLED_TIME: Micros = Micros::from_millis(10_000_000);
 /// Ticks after the end until the axes are in position within a micrometre: ten servo lags of 20 ms.
@@ -61,6 +59,8 @@ pub enum RunEnd {
     TimedOut,
     /// No axis has moved for so long that it is an endless loop.
     Stalled,
+    /// A loop repeats in which nothing changes.
+    Endless,
 }
 
 impl RunEnd {
@@ -69,7 +69,7 @@ impl RunEnd {
         match self {
             Self::Finished => "finished",
             Self::Alarm => "alarm",
-            Self::Pause | Self::Held | Self::Waiting | Self::TimedOut | Self::Stalled => "stopped",
+            Self::Pause | Self::Held | Self::Waiting | Self::TimedOut | Self::Stalled | Self::Endless => "stopped",
         }
     }
 }
@@ -139,12 +139,12 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
 /// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
 fn run_one_part(host: &mut HeadlessHost, call: &RunArgs, mut trace: Option<&mut TraceFile>) -> RunEnd {
     let started = host.now();
-    let mut moved = (started, host.controller().block_count());
+    let mut moved = started;
     host.send(Command::Press(Key::CycleStart));
     loop {
         host.step();
         if !host.controller().is_at_rest() {
-            moved = (host.now(), host.controller().block_count());
+            moved = host.now();
         }
         if let Some(trace) = &mut trace {
             trace.write(trace_line(host));
@@ -159,15 +159,13 @@ fn run_one_part(host: &mut HeadlessHost, call: &RunArgs, mut trace: Option<&mut 
             // A headless run has no operator who gives the input.
             RunState::Waiting => return RunEnd::Waiting,
             RunState::Running if host.now().since(started) > MAX_RUN_TIME => return RunEnd::TimedOut,
-            RunState::Running if is_stalled(host, moved) => return RunEnd::Stalled,
+            RunState::Running if host.now().since(moved) > MAX_STALLED_TIME => return RunEnd::Stalled,
+            RunState::Running if host.controller().is_in_endless_loop() && host.controller().is_at_rest() => {
+                return RunEnd::Endless;
+            }
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     }
-}
-
-/// Whether no axis has moved for longer than any valid program needs, since a time and a block count.
-fn is_stalled(host: &HeadlessHost, (since, block): (Micros, u64)) -> bool {
-    host.now().since(since) > MAX_STALLED_TIME || host.controller().block_count() - block > MAX_STALLED_BLOCKS
 }
 
 /// Why a run stopped; at M00 the text of its MSG.
@@ -192,6 +190,13 @@ fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
             "长时间没有任何移动：程序不会结束",
             "nothing has moved for a long time: the program does not end",
         )),
+        RunEnd::Endless => {
+            let line = host.controller().current_block().line;
+            Some(LocalizedText::new(
+                format!("第 {line} 行之后的循环一直重复，什么都不变：程序不会结束"),
+                format!("a loop behind line {line} repeats and nothing changes: the program does not end"),
+            ))
+        }
     }
 }
 

@@ -93,6 +93,12 @@ impl Controller {
         self.plant.execution.block_count
     }
 
+    /// Whether the program repeats a loop that only the operator can end: by a variable, or RESET.
+    #[must_use]
+    pub const fn is_in_endless_loop(&self) -> bool {
+        self.plant.execution.is_endless
+    }
+
     /// Whether the axes are braking to a hold or a reset.
     #[must_use]
     pub const fn is_braking(&self) -> bool {

@@ -147,8 +147,8 @@ program_errors! {
         "请输入 L，或在参数中设定输入口", "give L, or set the input by parameter";
     UnknownH = 43, "unknown-h", "G65 没有 {}", "G65 has no {}",
         "可用 H01–H05 H11–H13 H21–H27 H31–H34 H80–H86 H99", "use H01–H05, H11–H13, H21–H27, H31–H34, H80–H86, H99";
-    EndlessLoop = 44, "endless", "检查没有走完这个循环：它不结束，或重复太多", "the check stopped in this loop: it does not end, or repeats too often",
-        "请确认它会结束；后面的程序没有按实际运行检查", "make sure that it ends; the program after it was not checked as it will run";
+    EndlessLoop = 44, "endless", "检查没有把这个循环走到底：它等待检查没有的信号，或不结束，或重复太多", "this loop is not followed to the end: it waits for what a check does not have, does not end, or repeats too often",
+        "请确认它会结束；后面的程序已检查，但值可能不同", "make sure that it ends; the program behind it was checked, but with values that may differ";
     NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is used as 0",
         "请先给变量赋值", "give it a value first";
     IncrementalG91 = 47, "g91-on-lathe", "外圆磨没有 G91 指令", "G91 does not exist on this machine",

@@ -10,7 +10,7 @@ use super::dialect;
 use super::expression::Locals;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
-use super::interpreter::{BLOCK_WORK, Interpreter};
+use super::interpreter::{BLOCK_WORK, IdlePasses, Interpreter};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_blocks::{Certainty, LoneBlocks, MAX_TEXTS};
@@ -24,14 +24,17 @@ pub const STANDSTILL_LIMIT: u32 = 1_000_000;
 /// Mistakes, and warnings, for which a preflight takes memory at power-on.
 const USUAL_FINDINGS: usize = 64;
 /// How many such loops a check leaves before it stops following the program.
-const MAX_LEFT_LOOPS: u32 = 4;
+const MAX_LEFT_LOOPS: u32 = 8;
+/// Passes in which nothing changes after which a loop waits for what a check does not have. An input that toggles with
+/// every reading changes in fewer.
+const MAX_IDLE_PASSES: u32 = 4;
 
 /// The result of a check.
 #[derive(Clone, Debug, Default)]
 pub struct CheckReport {
     /// All mistakes in line order; each kind once per line.
     pub faults: Vec<ProgramFault>,
-    /// Allowed but rarely intended: null in arithmetic, a block after `;`, a loop that does not end in the check.
+    /// Allowed but rarely intended: null in arithmetic, a block after `;`, a loop that is not followed to its end.
     pub warnings: Vec<ProgramFault>,
     /// Path length of all moves, mm. An endless loop counts up to its first repetition.
     pub length_mm: f64,
@@ -152,6 +155,8 @@ pub struct ProgramCheck {
     left_loops: u32,
     /// How many endless loops may be left.
     max_left_loops: u32,
+    /// A loop was left before its end.
+    incomplete: bool,
     /// A null word was skipped somewhere: the modal state may differ from that in the real run.
     word_left_out: bool,
     /// Number of blocks passed to `sink`.
@@ -183,6 +188,7 @@ impl ProgramCheck {
             standstill_limit: STANDSTILL_LIMIT,
             left_loops: 0,
             max_left_loops: MAX_LEFT_LOOPS,
+            incomplete: false,
             word_left_out: false,
             shown_blocks: 0,
         }
@@ -202,6 +208,7 @@ impl ProgramCheck {
         (self.place, self.lone) = (TextLine::default(), None);
         (self.run_over, self.word_left_out) = (false, false);
         (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
+        self.incomplete = false;
     }
 
     /// Takes memory for a program of this many lines, and for some findings.
@@ -280,7 +287,7 @@ impl ProgramCheck {
             let main = self.mark_line(world);
             if self.standstill > self.standstill_limit {
                 self.report_endless_loop(world);
-                if self.left_loops > self.max_left_loops || !self.interpreter.flow.leave_loops() {
+                if self.left_loops > self.max_left_loops || !self.leave_loops() {
                     return self.finish_run(false);
                 }
                 self.standstill = 0;
@@ -313,6 +320,9 @@ impl ProgramCheck {
                     self.classify(fault);
                     self.interpreter.skip_faulty_block(error);
                 }
+            }
+            if self.interpreter.idle_passes() >= MAX_IDLE_PASSES && !self.leave_wait() {
+                return self.finish_run(false);
             }
             if self.interpreter.has_warnings() {
                 let Self { interpreter, report, reported, .. } = self;
@@ -423,15 +433,46 @@ impl ProgramCheck {
         true
     }
 
+    /// Leaves a loop that waits, behind the line that jumps back; `false` if the check may not leave a loop.
+    fn leave_wait(&mut self) -> bool {
+        self.interpreter.passes = IdlePasses::default();
+        let TextLine { text, line } = self.place;
+        let source =
+            text.checked_sub(1).map_or(Some(&self.source), |index| self.called.get(index).map(|text| &text.source));
+        if let Some(source) = source.map(Arc::clone) {
+            self.warn_of_loop(&source, line);
+        }
+        self.incomplete = true;
+        if self.max_left_loops > 0 {
+            self.interpreter.flow.go_behind_line(line);
+        }
+        self.max_left_loops > 0
+    }
+
+    /// Leaves the endless loop; `false` if the place behind it is not known.
+    fn leave_loops(&mut self) -> bool {
+        let flow = &mut self.interpreter.flow;
+        if flow.leave_loops() {
+            return true;
+        }
+        flow.return_to_main();
+        self.checkpoint.jump_back_line.map(|line| flow.go_behind_line(line)).is_some()
+    }
+
+    fn warn_of_loop(&mut self, source: &Source, line: u32) {
+        let place = BlockLocation { program: source.number(), line: line + 1, n: None };
+        let wrong = ErrorAt { at: 0, error: E::EndlessLoop, details: Default::default() };
+        self.add_warning(ProgramFault::new(source.title_arg(), place, 1, wrong));
+    }
+
     /// Reports an endless loop at the line that jumps back. Its repetitions do not count: path length, variables and
     /// position are restored to the start of the repetition.
     fn report_endless_loop(&mut self, world: &mut OfflineMachine) {
         let flow = &self.interpreter.flow;
         let (source, line) =
             self.checkpoint.jump_back_line.map_or_else(|| (&flow.source, flow.place.line), |line| (&self.source, line));
-        let place = BlockLocation { program: source.number(), line: line + 1, n: None };
-        let wrong = ErrorAt { at: 0, error: E::EndlessLoop, details: Default::default() };
-        self.add_warning(ProgramFault::new(source.title_arg(), place, 1, wrong));
+        let source = Arc::clone(source);
+        self.warn_of_loop(&source, line);
         let LoopCheckpoint { totals: come, variables: memory, shown_blocks: shown, faults, .. } = &self.checkpoint;
         world.restore_totals(*come);
         self.interpreter.common_variables.clone_from(memory);
@@ -446,11 +487,12 @@ impl ProgramCheck {
         });
         (self.checkpoint.shown_blocks, self.checkpoint.faults) = (self.shown_blocks, self.report.faults.len());
         self.left_loops += 1;
+        self.incomplete = true;
     }
 
     /// Ends the run; the lines that were not executed are read next.
     fn finish_run(&mut self, finished: bool) -> bool {
-        self.report.finished = finished && self.left_loops == 0;
+        self.report.finished = finished && !self.incomplete;
         self.run_over = true;
         let source = Arc::clone(&self.source);
         unexecuted_lines::check_whole_text(&source, &self.settings).for_each(|fault| self.add_fault(fault));

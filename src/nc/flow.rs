@@ -191,11 +191,10 @@ impl Flow {
         self.locals.last().unwrap_or(&NO_LOCALS)
     }
 
-    pub fn set_local(&mut self, number: u32, value: Value) {
+    /// Sets one of #1–#33; returns whether its value has changed.
+    pub fn set_local(&mut self, number: u32, value: Value) -> bool {
         let place = self.locals.last_mut().and_then(|locals| locals.get_mut((number as usize).wrapping_sub(1)));
-        if let Some(place) = place {
-            *place = value;
-        }
+        place.is_some_and(|place| std::mem::replace(place, value).map(f64::to_bits) != value.map(f64::to_bits))
     }
 
     /// Whether the started program runs, not a subprogram.
@@ -276,6 +275,22 @@ impl Flow {
                 Ok(())
             }
             Some(_) | None => fail1(at, E::LoopMismatch, format_args!("END{number}")),
+        }
+    }
+
+    /// Goes to the line (from 0) behind another one. Leaves loops that do not contain it.
+    pub fn go_behind_line(&mut self, line: u32) {
+        self.go_to_line(line + 1);
+        let at = self.place.at;
+        let stays = |open: &OpenLoop| open.while_at < at && at <= open.end.at as usize;
+        self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
+    }
+
+    /// Returns to the started program, however many repetitions of its calls are left.
+    pub fn return_to_main(&mut self) {
+        while let Some(level) = self.call_stack.last_mut() {
+            level.repeats_left = 0;
+            let _ = self.return_to(None, 0); // without a target it always succeeds
         }
     }
 

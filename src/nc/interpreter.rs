@@ -37,8 +37,10 @@ pub enum NextStatus {
     Block,
     /// A live value is needed: call again when all motion is done. Nothing was changed.
     Drain,
-    /// Many blocks had no operation, or a loop waits for a condition: call again in the next tick.
+    /// Many blocks had no operation: call again in the next tick.
     Busy,
+    /// A loop has repeated without any change: only the machine or the operator can end it. Call again in the next tick.
+    Waiting,
     /// M30, M02, `%` or the end of the text.
     End,
 }
@@ -59,8 +61,8 @@ pub struct Interpreter {
     call_arguments: Locals,
     /// The block number read last (#4114).
     pub(super) last_block_number: Option<u32>,
-    /// A value that a condition may depend on has changed since the last query.
-    condition_changed: bool,
+    /// The jumps back since the last change.
+    pub(super) passes: IdlePasses,
     /// The cycle of the block just read; its contour is not read yet.
     pub(super) pending_cycle: Option<PendingCycle>,
     /// Memory for the contour of a cycle; taken while one is read.
@@ -71,6 +73,24 @@ pub struct Interpreter {
     pub(crate) warnings: Option<Vec<ErrorAt>>,
     /// Every IF is read as if its condition held: for a check of blocks that were not executed.
     pub(super) conditions_hold: bool,
+}
+
+/// The jumps back to the same block in which no block has changed anything.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct IdlePasses {
+    pub count: u32,
+    /// Something has changed since the last jump back.
+    changed: bool,
+    /// The byte of its target.
+    target: usize,
+}
+
+impl IdlePasses {
+    fn note_jump_back(&mut self, target: usize) {
+        let same = !std::mem::take(&mut self.changed) && self.target == target;
+        self.count = if same { self.count + 1 } else { 0 };
+        self.target = target;
+    }
 }
 
 /// The result of reading one block.
@@ -98,7 +118,7 @@ impl Interpreter {
             contour_blocks: 0,
             call_arguments: [None; 33],
             last_block_number: None,
-            condition_changed: false,
+            passes: IdlePasses::default(),
             pending_cycle: None,
             contour_memory: Some(Box::new(contour_memory)),
             null_uses: None,
@@ -114,7 +134,7 @@ impl Interpreter {
         self.common_variables.clone_from(memory);
         self.modals = ModalState::new(&settings);
         self.settings = settings;
-        (self.ended, self.second_half, self.condition_changed) = (false, false, false);
+        (self.ended, self.second_half, self.passes) = (false, false, IdlePasses::default());
         self.last_block_number = None;
         self.pending_cycle = None;
         self.conditions_hold = false;
@@ -159,7 +179,20 @@ impl Interpreter {
     /// # Errors
     /// As [`CommonVariables::set`].
     pub fn update_variable(&mut self, number: u32, value: Option<f64>) -> Result<(), VariableError> {
+        self.change_common(number, value)
+    }
+
+    /// Sets a common variable and notes whether its value has changed.
+    fn change_common(&mut self, number: u32, value: Value) -> Result<(), VariableError> {
+        let before = self.common_variables.get(number)?;
+        self.passes.changed |= before.map(f64::to_bits) != value.map(f64::to_bits);
         self.common_variables.set(number, value)
+    }
+
+    /// The jumps back to the same block since a value, a mode or the machine was changed by a block.
+    #[must_use]
+    pub const fn idle_passes(&self) -> u32 {
+        self.passes.count
     }
 
     /// Fills `block` with the next block that has operations.
@@ -184,22 +217,16 @@ impl Interpreter {
         if self.ended {
             return Ok(NextStatus::End);
         }
-        // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it twice within a tick gives the same result.
-        let mut idle = false;
         while !budget.is_spent() {
             let from = self.flow.place.at;
             let stepped = self.step(world, block);
             self.charge_blocks(budget);
             match stepped {
-                Ok(StepStatus::Empty) => {
-                    idle &= !std::mem::take(&mut self.condition_changed);
-                    if self.flow.place.at <= from {
-                        if idle {
-                            return Ok(NextStatus::Busy);
-                        }
-                        idle = true;
-                    }
+                // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it again in this tick gives the same result.
+                Ok(StepStatus::Empty) if self.flow.place.at <= from && self.passes.count > 0 => {
+                    return Ok(NextStatus::Waiting);
                 }
+                Ok(StepStatus::Empty) => {}
                 Ok(StepStatus::Block) => return Ok(NextStatus::Block),
                 Ok(StepStatus::End) => {
                     self.ended = true;
@@ -229,7 +256,11 @@ impl Interpreter {
 
     /// Reads one block, with the contour if it is a cycle.
     pub(super) fn step(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> ReadResult<StepStatus> {
+        let from = self.flow.place.at;
         let stepped = self.read_block(world, block)?;
+        if self.flow.place.at <= from {
+            self.passes.note_jump_back(self.flow.place.at);
+        }
         if self.pending_cycle.is_none() {
             return Ok(stepped);
         }
@@ -306,6 +337,7 @@ impl Interpreter {
         block.location = BlockLocation { program, line, n };
         if !block.ops.is_empty() {
             block.modals = self.modals;
+            self.passes.changed |= block.ops.iter().any(|op| !matches!(op, Op::SetVariable { .. }));
         }
     }
 
@@ -324,7 +356,7 @@ impl Interpreter {
         if let Some(n) = self.flow.local_sub() {
             return fail1(self.flow.source.last_line_start(), E::SubWithoutReturn, format_args!("N{n:04}"));
         }
-        self.condition_changed = true;
+        self.passes.changed = true;
         self.flow.return_to(None, at)?;
         Ok(StepStatus::Empty)
     }
@@ -445,7 +477,7 @@ impl Interpreter {
 
     /// Executes jumps, loops, calls and returns.
     fn change_flow(&mut self, step: FlowAction, next: Place) -> ReadResult<()> {
-        self.condition_changed |= !matches!(step, FlowAction::Goto { .. } | FlowAction::GotoUnique { .. });
+        self.passes.changed |= !matches!(step, FlowAction::Goto { .. } | FlowAction::GotoUnique { .. });
         match step {
             FlowAction::Goto { n, at } => {
                 self.flow.go_to_block(n, at)?;
@@ -523,8 +555,7 @@ impl Interpreter {
         let name = || format!("#{variable}");
         match variable {
             1..=33 => {
-                self.flow.set_local(variable, value);
-                self.condition_changed = true;
+                self.passes.changed |= self.flow.set_local(variable, value);
             }
             3000 | 3006 => {
                 let text = comment.map_or(Arg::None, |range| self.flow.source.message_text(range));
@@ -540,7 +571,7 @@ impl Interpreter {
                     Op::StopWithMessage { number, text }
                 });
             }
-            _ if CommonVariables::contains(variable) => match self.common_variables.set(variable, value) {
+            _ if CommonVariables::contains(variable) => match self.change_common(variable, value) {
                 Ok(()) => block.ops.push(Op::SetVariable { variable, value }),
                 Err(VariableError::Switch(_)) => return fail1(at, E::SwitchVariable, name()),
                 Err(VariableError::Unknown(_)) => return fail1(at, E::BadVariable, name()),

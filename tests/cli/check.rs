@@ -58,10 +58,10 @@ fn l4_a_loop_with_too_many_passes_is_left_and_the_verdict_says_so() {
         "{}",
         said(&out)
     );
-    assert!(warned(&out).contains("LONG.NC:5:1: warning: the check stopped in this loop"), "{}", warned(&out));
+    assert!(warned(&out).contains("LONG.NC:5:1: warning: this loop is not followed to the end"), "{}", warned(&out));
     let zh = check("lathe", "LONG.NC", text, &["--lang", "zh"]);
     assert!(said(&zh).starts_with("LONG.NC: 未发现错误，但没有检查到结束\n"), "{}", said(&zh));
-    assert!(warned(&zh).contains("LONG.NC:5:1: 警告：检查没有走完"), "{}", warned(&zh));
+    assert!(warned(&zh).contains("LONG.NC:5:1: 警告：检查没有把这个循环走到底"), "{}", warned(&zh));
     let told = json("lathe", "LONG.NC", text);
     assert_eq!(told["finished"], false);
     // One pass of 1 mm of diameter and 1 mm to and fro, then 5 mm.
@@ -271,4 +271,82 @@ fn t4_the_built_in_part_of_another_kind_does_not_count() {
     };
     assert!((zero("gc") + 400.0).abs() < 1e-9);
     assert!(zero("gs").abs() < 1e-9);
+}
+
+/// A loop that waits, or that has too many passes, is left with a warning at the line that jumps back; what stands behind
+/// it is executed, mistakes that need the position included.
+#[test]
+fn t4_a_check_goes_on_behind_a_loop_that_it_does_not_follow_to_the_end() {
+    for (text, back, behind) in [
+        ("N10 IF[#1000EQ0]GOTO10\nG00 X-10 X-20\nM30\n", 1, 2),
+        ("WHILE[#1000EQ0]DO1\n#1=1\nEND1\nG00 X-10 X-20\nM30\n", 3, 4),
+        ("N10 #1=1\nGOTO10\nG00 X-10 X-20\nM30\n", 2, 3),
+        // An input within a loop that goes on, and a wait within a wait.
+        ("#1=0\nWHILE[#1LT5]DO1\n#1=#1+1\nN10 IF[#1000EQ0]GOTO10\nEND1\nG00 X-10 X-20\nM30\n", 4, 6),
+        ("N5 #1=0\nN10 IF[#1000EQ0]GOTO10\nIF[#1001EQ0]GOTO5\nG00 X-10 X-20\nM30\n", 2, 4),
+        // Three million passes.
+        ("#1=0\nN10 #1=#1+1\nIF[#1LT3000000]GOTO10\nG00 X-10 X-20\nM30\n", 3, 4),
+        ("#1=0\nWHILE[#1LT3000000]DO1\n#1=#1+1\nEND1\nG00 X-10 X-20\nM30\n", 4, 5),
+    ] {
+        let out = check("gc", "O0500.NC", text, &["--lang", "en"]);
+        let (warning, error) =
+            (format!("O0500.NC:{back}:1: warning: this loop is not followed to the end"), "'X' appears twice");
+        assert!(warned(&out).contains(&warning), "{text}: {}", warned(&out));
+        assert!(said(&out).starts_with(&format!("O0500.NC:{behind}:10: {error}")), "{text}: {}", said(&out));
+        // Without the mistake the verdict does not say that all is well.
+        let fine = check("gc", "O0500.NC", &text.replace(" X-20", ""), &["--lang", "en"]);
+        assert!(said(&fine).starts_with("O0500.NC: no error found, but"), "{text}: {}", said(&fine));
+    }
+    // What the loop leads to is executed with the positions of the run: this arc ends off its circle.
+    let text = "G00 X-10 Z0\nN10 IF[#1000EQ0]GOTO10\nG02 X-20 Z-7 R1 F5\nM30\n";
+    let out = check("gc", "O0500.NC", text, &["--lang", "en"]);
+    assert!(said(&out).starts_with("O0500.NC:3:"), "{}", said(&out));
+}
+
+/// A wait in a called program: the check goes on there, and behind the call.
+#[test]
+fn t4_a_wait_in_a_called_program_is_left_there() {
+    let text = "O0500\nM98 P501\nG00 X-10 X-20\nM30\nO0501\nN10 IF[#1000EQ0]GOTO10\nG00 Z1 Z2\nM99\n";
+    let out = check("gc", "O0500.NC", text, &["--lang", "en"]);
+    let told = said(&out);
+    let lines: Vec<_> = told.lines().filter(|line| line.contains("appears twice")).collect();
+    assert!(
+        lines.len() == 2 && lines[0].starts_with("O0500.NC:3:10:") && lines[1].starts_with("O0500.NC:7:8: O0501"),
+        "{told}"
+    );
+    assert!(
+        warned(&out).contains("O0500.NC:6:1: warning: O0501: this loop is not followed to the end"),
+        "{}",
+        warned(&out)
+    );
+}
+
+/// A wait for the oscillation ends in a check, too: #438 toggles.
+#[test]
+fn t4_a_wait_for_a_reversal_point_is_followed() {
+    let text = "G35 Z-5 Q20\nN10 IF[#438EQ0]GOTO10\nN20 IF[#438EQ1]GOTO20\nG36\nM30\n";
+    let out = check("gc", "O0500.NC", text, &["--lang", "en"]);
+    assert!(said(&out).starts_with("O0500.NC: ok\n"), "{}", said(&out));
+}
+
+/// A run counts no blocks: a million assignments and more come to their end. A loop in which nothing changes is found at
+/// once.
+#[test]
+fn t3_a_run_ends_an_endless_loop_by_proof_and_not_by_a_count() {
+    let run = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("O0500.NC"), text).unwrap();
+        let out = kt830_in(folder.path(), folder.path(), &["run", "O0500.NC", "--lang", "en"]);
+        (out.status.code(), said(&out))
+    };
+    let (status, told) = run("#100=0\nWHILE[#100LT1010000]DO1\n#100=#100+1\nEND1\nM30\n");
+    assert_eq!((status, told.contains("#100 = 1010000")), (Some(0), true), "{told}");
+    for text in
+        ["G04 P100\nN10 #1=1\nGOTO10\n", "N10 IF[#500EQ#0]GOTO10\nM30\n", "WHILE[1EQ1]DO1\nEND1\nM30\n", "DO1\nEND1\n"]
+    {
+        let (status, told) = run(text);
+        assert_eq!((status, told.contains("repeats and nothing changes")), (Some(1), true), "{text}: {told}");
+        let seconds: f64 = told.split_whitespace().nth(1).unwrap().parse().unwrap();
+        assert!(seconds < 1.0, "{text}: {told}");
+    }
 }

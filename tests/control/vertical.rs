@@ -472,11 +472,11 @@ fn s1_a_feed_per_revolution_without_a_turning_part_says_so() {
 fn s5_the_check_of_the_printed_program_names_the_loop_that_does_not_end() {
     let file = "programs/802d/as-printed/PRINTED.MPF";
     for (lang, loops, up_to) in [
-        ("zh", ":57:1: 警告：检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
+        ("zh", ":57:1: 警告：检查没有把这个循环走到底：", "74 行  没有走到底的循环只算到开始重复为止："),
         (
             "en",
-            ":57:1: warning: the check stopped in this loop: it does not end",
-            "74 lines  the check did not reach the program end; until that loop repeats ",
+            ":57:1: warning: this loop is not followed to the end: ",
+            "74 lines  loops that are not followed to the end count until they repeat: ",
         ),
     ] {
         let out = kt830(&[&["check", "--kind", "vertical", "--lang", lang, file], &SETS[..]].concat());

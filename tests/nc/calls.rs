@@ -31,7 +31,7 @@ fn run(text: &str, macros: &[(u32, &str)]) -> Result<CommonVariables, ProgramFau
     loop {
         match interpreter.next(&mut world, &mut block)? {
             NextStatus::Block => block.ops.iter().for_each(|op| world.apply(op)),
-            NextStatus::Drain | NextStatus::Busy => {}
+            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
             NextStatus::End => return Ok(interpreter.common_variables().clone()),
         }
     }

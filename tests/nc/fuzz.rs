@@ -63,7 +63,7 @@ fn exercise(bytes: &[u8]) {
         for _ in 0..50 {
             match interpreter.next(&mut world, &mut block) {
                 Ok(NextStatus::Block) => block.ops.iter().for_each(|op| world.apply(op)),
-                Ok(NextStatus::Busy | NextStatus::Drain) => {}
+                Ok(NextStatus::Busy | NextStatus::Waiting | NextStatus::Drain) => {}
                 Ok(NextStatus::End) => break,
                 Err(fault) => {
                     assert!(fault.column >= 1 && fault.location.line >= 1);

@@ -60,6 +60,8 @@ pub struct Execution {
     pub spindles_before_pause: [bool; 2],
     /// What a stop of the program waits for (M00, M01, #3006); none after a single block.
     pub stop_reason: Option<LocalizedText>,
+    /// The program repeats a loop that changes nothing and asks the machine nothing: only the operator can end it.
+    pub is_endless: bool,
     /// RESET or emergency stop is among the commands of this tick: nothing starts in it.
     pub starts_void: bool,
 }

@@ -19,6 +19,9 @@ const BLOCKS_PER_TICK: usize = 16;
 /// Maximum actions executed per tick.
 const ACTIONS_PER_TICK: usize = 64;
 
+/// Passes of a loop without a change, and without a question to the machine, that prove that it does not end.
+const PASSES_OF_PROOF: u32 = 2;
+
 const REFUSED_BLOCK: &Template =
     &Template::new("{program} 第{line}行 {cause}", "{program} line {line} {cause}", &["program", "line", "cause"]);
 
@@ -203,6 +206,11 @@ impl ProgramRun {
             let mut budget = plant.reading_budget();
             let mut world = RunWorld::new(plant, &self.lookahead, drained);
             let read = self.interpreter.next_within(&mut world, &mut self.block, &mut budget);
+            let passes = self.interpreter.idle_passes();
+            if world.was_asked || passes == 0 {
+                self.asked_at_pass = passes;
+            }
+            plant.execution.is_endless = passes > self.asked_at_pass + PASSES_OF_PROOF;
             plant.charge_reading(budget);
             match read {
                 Ok(NextStatus::Block) => {
@@ -211,7 +219,7 @@ impl ProgramRun {
                         return self.queue_refusal_alarm(plant, &forbidden);
                     }
                 }
-                Ok(NextStatus::Drain | NextStatus::Busy) => return,
+                Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting) => return,
                 Ok(NextStatus::End) => {
                     self.queue.push_back(QueueItem::Action(QueuedAction::EndOfText));
                     self.read_ahead = ReadAheadStatus::Finished;

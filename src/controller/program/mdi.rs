@@ -153,7 +153,7 @@ impl Program {
         let mut budget = plant.reading_budget();
         let checked = match run.interpreter.next_within(&mut world, &mut run.block, &mut budget) {
             Ok(NextStatus::Block) => run.queue_block(&plant.params).map_err(|forbidden| forbidden.text(&plant.params)),
-            Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::End) => Ok(()),
+            Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting | NextStatus::End) => Ok(()),
             Err(fault) => Err(fault.cause_phrase()),
         };
         self.pool.close(run);

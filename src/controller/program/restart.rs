@@ -132,11 +132,11 @@ impl Restart {
                     line
                 ));
             }
-            NextStatus::Busy if self.ticks < MAX_SEARCH_TICKS => {
+            NextStatus::Busy | NextStatus::Waiting if self.ticks < MAX_SEARCH_TICKS => {
                 self.ticks += 1;
                 return Ok(SearchStatus::Searching);
             }
-            NextStatus::Busy => {
+            NextStatus::Busy | NextStatus::Waiting => {
                 return Err(phrase!(
                     "第 {line} 行之前有等待机床的循环，不能从该行开始",
                     "a loop before line {line} waits for the machine: the program cannot start there",

@@ -85,6 +85,8 @@ pub struct ProgramRun {
     pub lookahead: LookaheadState,
     /// State of read-ahead.
     pub read_ahead: ReadAheadStatus,
+    /// The idle pass of a loop in which it asked the machine last.
+    pub asked_at_pass: u32,
     /// What the executor is in the middle of.
     pub activity: Activity,
     /// Origin of the run.
@@ -168,6 +170,7 @@ impl RunPool {
             next_tag: 1,
             lookahead: LookaheadState::new(WorkOffsets::default(), MachinePos::default(), PerAxis::default(), path),
             read_ahead: ReadAheadStatus::Finished,
+            asked_at_pass: 0,
             activity: Activity::Idle,
             origin: Origin::Program,
             started_at: Micros::ZERO,

@@ -24,12 +24,14 @@ pub struct RunWorld<'a> {
     plant: &'a Plant,
     lookahead: &'a LookaheadState,
     drained: bool,
+    /// A value of the machine was read.
+    pub was_asked: bool,
 }
 
 impl<'a> RunWorld<'a> {
     /// The state at the end of read-ahead; `drained`: the machine has reached it.
     pub const fn new(plant: &'a Plant, lookahead: &'a LookaheadState, drained: bool) -> Self {
-        Self { plant, lookahead, drained }
+        Self { plant, lookahead, drained, was_asked: false }
     }
 }
 
@@ -39,6 +41,7 @@ impl ExternalState for RunWorld<'_> {
     }
 
     fn system_variable(&mut self, number: u32) -> LiveValue {
+        self.was_asked = true;
         match self.plant.read_system_variable(number) {
             None => LiveValue::Unknown,
             Some(_) if !self.drained => LiveValue::Drain,
