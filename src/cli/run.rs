@@ -116,6 +116,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
     if let Some(trace) = trace {
         trace.finish()?;
     }
+    host.close();
     let why = stop_reason(&mut host, end);
     if let Some(why) = &why {
         eprintln!("kt830: stopped: {}", why.get(shared.lang));

@@ -110,8 +110,14 @@ impl Controller {
         self.plant.raise(number, detail);
     }
 
-    /// Moves the pending disk requests to `out`.
+    /// The control ends: what waits for its commit is stored with the next requests.
+    pub fn store_everything(&mut self) {
+        self.plant.store_gathered();
+    }
+
+    /// Moves the pending disk requests to `out`. What programs write is gathered for a quarter of a second.
     pub fn drain_storage_requests(&mut self, out: &mut Vec<StorageRequest>) {
+        self.plant.store_gathered_when_due();
         out.append(&mut self.plant.outbox.requests);
     }
 

@@ -355,8 +355,12 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         drop(catch_unwind(AssertUnwindSafe(|| self.plant.write(self.now, &self.outputs))));
     }
 
-    /// Stores what was submitted and ends the storage.
+    /// Stores everything and ends the storage.
     pub fn close(&mut self) {
+        if self.powered {
+            self.controller.store_everything();
+            self.submit_requests();
+        }
         self.storage.close();
     }
 

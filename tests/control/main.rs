@@ -11,6 +11,7 @@ mod alarms;
 mod allocation;
 mod core_alone;
 mod file_requests;
+mod gathered_writes;
 mod grinding_functions;
 mod held_run;
 mod homing;

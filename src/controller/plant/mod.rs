@@ -4,6 +4,7 @@
 //! the axes and changes the phase, and the parts follow the phase.
 
 mod execution;
+mod gathered;
 mod homing;
 mod operator;
 mod oscillation;

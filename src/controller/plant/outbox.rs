@@ -1,13 +1,14 @@
 //! What a tick tells the outside: the message, the refusal of a command, and requests to the disk thread.
 
 use super::Plant;
+use super::gathered::GatheredWrites;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::param::ParamAddress;
 use crate::defs::text::LocalizedText;
 use crate::link::snapshot::{Message, Tone};
 
-/// Capacity for disk requests between two calls of `drain_storage_requests`.
-const STORAGE_REQUESTS: usize = 256;
+/// Capacity for disk requests between two calls of `drain_storage_requests`: every variable, and some others.
+const STORAGE_REQUESTS: usize = 1_024;
 
 /// Messages and disk requests.
 #[derive(Debug, Default)]
@@ -20,6 +21,8 @@ pub struct Outbox {
     pub program_message: Option<LocalizedText>,
     /// Requests to the disk thread.
     pub requests: Vec<StorageRequest>,
+    /// What programs have written and what is stored soon.
+    pub gathered: GatheredWrites,
 }
 
 impl Outbox {

@@ -42,7 +42,7 @@ pub fn offset_in_range(part: OffsetPart, shown: f64) -> bool {
 }
 
 impl Plant {
-    /// Sets a common variable at execution time; retained variables are also stored on disk.
+    /// Sets a common variable for the operator; retained variables are also stored on disk.
     pub fn store_variable(&mut self, variable: u32, value: Option<f64>) -> Result<(), VariableError> {
         self.work.variables.set(variable, value)?;
         if CommonVariables::is_retained(variable) {
@@ -51,13 +51,13 @@ impl Plant {
         Ok(())
     }
 
-    /// Changes the work coordinates and stores the wear that it changes.
+    /// Changes the work coordinates for a program, and the wear with them.
     pub fn change_coordinates(&mut self, change: CoordinateChange) {
         let before = self.work.offsets.wear;
         change.apply(&mut self.work.offsets, self.axes.set_point());
         for (index, wear) in before.iter().enumerate() {
             if *wear != self.work.offsets.wear[index] {
-                self.store_offset(index);
+                self.note_offset(index);
             }
         }
     }

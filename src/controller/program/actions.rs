@@ -29,7 +29,7 @@ impl ProgramRun {
         match action {
             QueuedAction::SetVariable(variable, value) => {
                 // The interpreter has already checked number and value.
-                let _ = plant.store_variable(*variable, *value);
+                let _ = plant.write_variable(*variable, *value);
                 ActionStatus::Done
             }
             QueuedAction::SetSystemVariable(number, value) => {

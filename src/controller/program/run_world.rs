@@ -102,7 +102,7 @@ impl ProgramRun {
                 let value = value / plant.displayed_per_mm(axis);
                 let place = if wear { &mut plant.work.offsets.wear } else { &mut plant.work.offsets.geometry };
                 place[index][axis] = value;
-                plant.store_offset(index);
+                plant.note_offset(index);
                 self.lookahead.work_offsets.clone_from(&plant.work.offsets);
             }
         }
@@ -138,7 +138,7 @@ impl ProgramRun {
         let lost_mm = (before - diameter_mm) / 2.0;
         let (axis, index) = (plant.kind.row().wheel_axis, plant.work.offsets.tool_offset - 1);
         plant.work.offsets.wear[index][axis] -= lost_mm;
-        plant.store_offset(index);
+        plant.note_offset(index);
         self.lookahead.work_offsets.clone_from(&plant.work.offsets);
         if let Some(point) = &mut plant.work.dress_points[axis] {
             *point += lost_mm * plant.params.get(param::DRESSING_POINT_SIDE);
