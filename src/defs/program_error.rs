@@ -277,4 +277,7 @@ program_errors! {
     /// Two programs with the same number: in doubt neither is called.
     DuplicateProgram = 502, "duplicate-program", "程序 {} 有两个：{2}", "program {} exists twice: {2}",
         "改掉其中一个的程序号，或删除一个", "change the number of one of them, or delete one";
+    /// A cycle as another control writes it.
+    ForeignCycle = 503, "foreign-cycle", "{} 不用 {2}：这是其它系统的格式", "{} takes no {2}: this is the form of another control",
+        "本系统是车削循环：先 G71 U R，再 G71 P Q U W F", "here it is a turning cycle: G71 U R, then G71 P Q U W F";
 }

@@ -2,7 +2,7 @@
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
 use super::fault::{E, ReadResult, fail, fail1, fail2};
-use super::functions::{Comparison, FUNCTIONS, whole_number, whole_u32};
+use super::functions::{self, Comparison, FUNCTIONS, whole_number, whole_u32};
 use super::lexer::Cursor;
 use crate::units::Axis;
 
@@ -319,9 +319,15 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
 
     fn function(&mut self) -> ReadResult<Value> {
         let at = self.cursor.at;
+        if self.cursor.accept_keyword("POW") {
+            return self.function_of_two("POW", at);
+        }
         let Some((name, act)) = FUNCTIONS.into_iter().find(|(name, _)| self.cursor.accept_keyword(name)) else {
             return self.cursor.unexpected();
         };
+        if name == "ATAN" && self.has_two_arguments() {
+            return self.function_of_two(name, at);
+        }
         self.cursor.skip_blanks()?;
         let argument = self.bracket()?;
         let argument = self.operand(argument, at);
@@ -335,6 +341,44 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             act(argument)
         };
         function_value::<S>(value, name, argument, at).map(Some)
+    }
+
+    /// `[a,b]`.
+    fn function_of_two(&mut self, name: &str, at: usize) -> ReadResult<Value> {
+        self.cursor.skip_blanks()?;
+        let open = self.cursor.at;
+        if !self.cursor.accept(b'[') {
+            return self.cursor.unexpected();
+        }
+        enter(&mut self.depth, open)?;
+        let mut arguments = [0.0; 2];
+        for (argument, end) in arguments.iter_mut().zip(*b",]") {
+            let value = self.comparison()?;
+            *argument = self.operand(value, at);
+            self.cursor.skip_blanks()?;
+            if !self.cursor.accept(end) {
+                return fail1(self.cursor.at, E::BadStatement, format_args!("{name}[a,b]"));
+            }
+        }
+        self.depth -= 1;
+        let [a, b] = arguments;
+        function_value::<S>(functions::of_two(name, a, b), name, a, at).map(Some)
+    }
+
+    /// Whether a comma divides the bracket that follows.
+    fn has_two_arguments(&self) -> bool {
+        let (mut ahead, mut depth) = (*self.cursor, 0_u32);
+        loop {
+            match ahead.peek() {
+                b'[' => depth += 1,
+                b']' if depth <= 1 => return false,
+                b']' => depth -= 1,
+                b',' if depth == 1 => return true,
+                b'\r' | b'\n' | b';' => return false,
+                _ => {}
+            }
+            ahead.at += 1;
+        }
     }
 
     /// Whether `[` follows the slash, as in `ATAN[a]/[b]`; `ATAN[a]/2` is a division.

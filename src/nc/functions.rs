@@ -8,7 +8,7 @@ const MAX_WHOLE_NUMBER: f64 = 9_007_199_254_740_992.0;
 pub(crate) type Function = fn(f64) -> Option<f64>;
 
 /// The functions by name. A name that begins with another name comes before it.
-pub(crate) const FUNCTIONS: [(&str, Function); 16] = [
+pub(crate) const FUNCTIONS: [(&str, Function); 17] = [
     ("SIN", |a| Some(sin_degrees(a))),
     ("COS", |a| Some(sin_degrees(a + 90.0))),
     ("TAN", |a| {
@@ -21,6 +21,8 @@ pub(crate) const FUNCTIONS: [(&str, Function); 16] = [
     ("SQRT", square_root),
     ("SQR", square_root),
     ("ABS", |a| Some(a.abs())),
+    // A value has its decimal point already.
+    ("ADP", Some),
     ("ROUND", |a| Some(a.round())),
     ("FIX", |a| Some(a.trunc())),
     ("FUP", |a| Some(if a < 0.0 { a.floor() } else { a.ceil() })),
@@ -29,6 +31,12 @@ pub(crate) const FUNCTIONS: [(&str, Function); 16] = [
     ("BIN", from_bcd),
     ("BCD", to_bcd),
 ];
+
+/// A function of two arguments, `NAME[a,b]`.
+pub(crate) fn of_two(name: &str, a: f64, b: f64) -> Option<f64> {
+    let value = if name == "ATAN" { a.atan2(b).to_degrees() } else { a.powf(b) };
+    Some(value).filter(|value| !value.is_nan())
+}
 
 /// EQ as specified: within 1e-9 of the larger. DECISION: 1e-12 always counts as equal, so that 0.1+0.2-0.3 EQ 0.
 #[must_use]

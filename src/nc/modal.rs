@@ -107,8 +107,10 @@ pub struct ModalState {
     pub per_rev: bool,
     /// F, mm/min or mm per revolution.
     pub feed: Option<f64>,
-    /// G20.
+    /// G20, G70, G700: lengths in inches.
     pub inch: bool,
+    /// G20, G700: feeds in inches, too.
+    pub inch_feed: bool,
     /// Work offset, 54–59.
     pub work_offset: u8,
     /// G61 or G64.
@@ -155,6 +157,7 @@ impl ModalState {
             per_rev: false,
             feed: None,
             inch: settings.inch,
+            inch_feed: settings.inch,
             work_offset: 54,
             path_mode: if settings.exact_stop {
                 PathMode::ExactStop
@@ -196,6 +199,10 @@ impl ModalState {
             4003 if mill => code(if self.incremental { 91 } else { 90 }),
             4005 => code(if self.per_rev { 99 } else { 98 }),
             4006 => code(if self.inch { 20 } else { 21 }),
+            // There is no compensation and no drilling cycle.
+            4007 => code(40),
+            4009 if mill => code(80),
+            4010 if !mill => code(80),
             4012 => code(if self.modal_call { 66 } else { 67 }),
             4014 => code(self.work_offset),
             4015 => code(if self.path_mode == PathMode::ExactStop { 61 } else { 64 }),

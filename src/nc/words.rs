@@ -176,6 +176,10 @@ impl BlockWords {
     fn add_value(&mut self, letter: u8, value: Value, kind: ValueKind, at: u32) -> ReadResult<()> {
         match (letter, value) {
             (b'G', _) => push_code(&mut self.g, letter, value, kind, at),
+            // An argument of G65.
+            (b'M', Some(value)) if kind == ValueKind::Decimal && whole_u32(value).is_none() => {
+                self.push(Word { value, at, letter, kind })
+            }
             (b'M', _) => push_code(&mut self.m, letter, value, kind, at),
             (_, Some(value)) => self.push(Word { value, at, letter, kind }),
             (_, None) if kind == ValueKind::AddressOnly => self.push(Word { value: 0.0, at, letter, kind }),

@@ -5,6 +5,7 @@
 mod calls;
 mod common_variables;
 mod cutter_compensation;
+mod everyday_words;
 mod fuzz;
 mod golden;
 mod message_texts;

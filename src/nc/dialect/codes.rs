@@ -61,7 +61,10 @@ impl BlockCodes {
                 }
                 modals.per_rev = per_rev;
             }
-            GCodeGroup::Units => modals.inch = code.number == 20,
+            GCodeGroup::Units => {
+                modals.inch = matches!(code.number, 20 | 70 | 700);
+                modals.inch_feed = matches!(code.number, 20 | 700);
+            }
             GCodeGroup::Compensation | GCodeGroup::DrillingCycle => {}
             GCodeGroup::ModalCall => self.modal_call = Some(code),
             GCodeGroup::WorkOffset => {

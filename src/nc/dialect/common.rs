@@ -22,7 +22,8 @@ pub(super) fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
     let rest = text.get(at..).unwrap_or_default();
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
     let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
-    fail1(at, E::UnknownWord, Capitals(&rest[..length]))
+    let error = if word.letter == b'M' { E::UnknownM } else { E::UnknownWord };
+    fail1(at, error, Capitals(&rest[..length]))
 }
 
 /// Refuses an address that occurs twice in the block.

@@ -87,6 +87,9 @@ pub(super) const fn is_contour_cycle(code: u32) -> bool {
 pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Option<ContourCycle>> {
     let (code, at) = (code.number, code.at as usize);
     let name = || Arg::from(format_args!("G{code}"));
+    if let Some(word) = b"ABDHIK".iter().find_map(|letter| running.words.peek(*letter)) {
+        return fail2(word.at as usize, E::ForeignCycle, name(), char::from(word.letter));
+    }
     let (first, last) = (running.words.take(b'P'), running.words.take(b'Q'));
     let (first, last) = match (first, last) {
         (None, None) if code != 70 => return store_settings(running, code, at).map(|()| None),

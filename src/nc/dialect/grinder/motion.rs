@@ -6,11 +6,12 @@ use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::common::in_range;
 use crate::nc::dialect::motion::{self, MoveTarget};
 use crate::nc::dialect::rules::BlockContext;
+use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Op, PathMode, REFERENCE_POINTS};
 use crate::nc::words::{Code, ValueKind};
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// Number of skip signals of G31.
 const SKIP_SIGNALS: u32 = 6;
@@ -127,9 +128,13 @@ fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> Read
     Ok(())
 }
 
-/// G53: machine coordinates for this block.
+/// G53: machine coordinates for this block. Alone in its block it stops reading ahead (FANUC).
 fn machine_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
+    if words.is_empty() && running.words.list.is_empty() {
+        // Waits until the machine stands.
+        return running.scope.axis_position(Axis::X, CoordinateFrame::Machine, code.at as usize).map(drop);
+    }
     if words.is_empty() {
         return fail2(code.at as usize, E::MissingWord, "G53", "X / Z");
     }

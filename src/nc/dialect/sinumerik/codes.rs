@@ -14,6 +14,7 @@ const fn group_of(code: u32) -> Option<GCodeGroup> {
         18 => GCodeGroup::Plane,
         54..=59 => GCodeGroup::WorkOffset,
         60 | 64 => GCodeGroup::PathMode,
+        70 | 71 | 700 | 710 => GCodeGroup::Units,
         90 | 91 => GCodeGroup::DistanceMode,
         94..=97 => GCodeGroup::FeedMode,
         _ => return None,
@@ -26,7 +27,7 @@ fn look_up(code: Code) -> ReadResult<GCodeGroup> {
         // Other dialects select the unit of F by these codes.
         None if code.number == 98 => fail2(code.at as usize, E::UnknownCode, "G98", "G94 (mm/min) G95 (mm/r)"),
         None if code.number == 99 => fail2(code.at as usize, E::UnknownCode, "G99", "G95 (mm/r) G94 (mm/min)"),
-        None => codes::refuse_unknown(code, 'G', 0, (0..100).filter(|code| group_of(*code).is_some())),
+        None => codes::refuse_unknown(code, 'G', 0, (0..1_000).filter(|code| group_of(*code).is_some())),
     }
 }
 

@@ -26,6 +26,7 @@ use crate::nc::op::Op;
 use crate::nc::settings::NcSettings;
 use crate::nc::statement::{BlockContent, BlockReader};
 use crate::nc::words::{BlockWords, Code, ValueKind, Word};
+use crate::units::MM_PER_INCH;
 
 /// The vertical lathe-grinder.
 pub(super) struct Sinumerik;
@@ -139,7 +140,8 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> R
 /// Sets feed, path mode and work offset. The F of a dwell is a time.
 fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     if plan.one_shot.is_none() {
-        common::set_feed(running, 1.0)?;
+        let mm = if running.modals.inch_feed { MM_PER_INCH } else { 1.0 };
+        common::set_feed(running, mm)?;
     }
     plan.push_modes(running);
     Ok(())

@@ -9,7 +9,7 @@ use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{Code, Word, letter_mask};
-use crate::units::Axis;
+use crate::units::{Axis, MM_PER_INCH};
 
 /// Seconds per minute.
 const SECONDS_PER_MINUTE: f64 = 60.0;
@@ -22,8 +22,13 @@ const SYNTAX: MoveSyntax = MoveSyntax {
     centre: "I K",
     refused: b'J',
     names_x: true,
-    length_mm: |_, word| Ok(word.value),
+    length_mm: |running, word| Ok(word.value * unit_mm(running)),
 };
+
+/// The length of a unit: G70 and G700 select inches.
+fn unit_mm(running: &BlockContext<'_, '_>) -> f64 {
+    if running.modals.inch { MM_PER_INCH } else { 1.0 }
+}
 
 /// Whether the block contains an axis word.
 pub(super) fn names_axes(running: &BlockContext<'_, '_>) -> bool {
@@ -32,9 +37,9 @@ pub(super) fn names_axes(running: &BlockContext<'_, '_>) -> bool {
 
 /// The end of the move by the axis words of the block.
 fn target(running: &BlockContext<'_, '_>) -> ReadResult<MoveTarget> {
-    let length_mm = |_: &BlockContext<'_, '_>, word: Word| match word.value.abs() > MAX_VALUE {
+    let length_mm = |running: &BlockContext<'_, '_>, word: Word| match word.value.abs() > MAX_VALUE {
         true => out_of_range(word, "±99999.999"),
-        false => Ok(word.value),
+        false => Ok(word.value * unit_mm(running)),
     };
     let letters = |axis: Axis| [axis.letter() as u8, NO_LETTER];
     MoveTarget::read(running, letters, |axis, word| radius_mm(running, axis, word, length_mm), f64::INFINITY)

@@ -1,0 +1,146 @@
+//! Words that every program of a similar control uses (rows B2, B3, S1).
+
+use std::sync::Arc;
+
+use kt830::defs::kind::Dialect;
+use kt830::nc::{
+    Block, CommonVariables, EmptyLibrary, ExternalState, Interpreter, LiveValue, NcSettings, NextStatus,
+    OfflineMachine, Op, ProgramFault, Source,
+};
+use kt830::units::WorkPos;
+
+/// The operations of a text, and the common variables behind them.
+fn run(text: &str, dialect: Dialect) -> Result<(Vec<String>, CommonVariables), ProgramFault> {
+    let settings = NcSettings::for_dialect(dialect);
+    let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
+    let source = Arc::new(Source::new(1001, "O1001.NC", text, dialect));
+    let mut interpreter = Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default());
+    let mut ops = Vec::new();
+    loop {
+        match interpreter.next(&mut world, &mut block)? {
+            NextStatus::Block => {
+                block.ops.iter().for_each(|op| world.apply(op));
+                ops.extend(block.ops.iter().map(Op::to_string));
+            }
+            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
+            NextStatus::End => return Ok((ops, interpreter.common_variables().clone())),
+        }
+    }
+}
+
+fn value_of(expression: &str) -> Option<f64> {
+    let (_, variables) = run(&format!("#100={expression}\nM30\n"), Dialect::LatheA).unwrap();
+    variables.get(100).unwrap()
+}
+
+#[test]
+fn b3_functions_of_two_arguments() {
+    for (expression, value) in [
+        ("ATAN[1,1]", 45.0),
+        ("ATAN[-1,-1]", -135.0),
+        ("ATAN[1]/[-1]", 135.0),
+        ("ATAN[1]", 45.0),
+        ("POW[2,10]", 1024.0),
+        ("POW[2+1,POW[1,5]+1]", 9.0),
+        ("POW[-2,3]", -8.0),
+        ("SQRT[POW[3,2]+POW[4,2]]", 5.0),
+        ("ADP[2.5]", 2.5),
+        // The sine of a bracket in brackets: the comma belongs to the inner one.
+        ("ATAN[SIN[ATAN[1,1]]]", 35.264_389_682_754_654),
+    ] {
+        let found = value_of(expression).unwrap();
+        assert!((found - value).abs() < 1e-9, "{expression}: {found}");
+    }
+    for (text, name) in [
+        ("#100=POW[2]", "bad-statement"),
+        ("#100=POW[2,3,4]", "bad-statement"),
+        ("#100=SQRT[2,3]", "unexpected-character"),
+        ("#100=POW[-2,0.5]", "domain"),
+    ] {
+        assert_eq!(run(&format!("{text}\nM30\n"), Dialect::LatheA).unwrap_err().error.id(), name, "{text}");
+    }
+}
+
+/// What is never active has its cancelling code: a macro that saves and restores it works.
+#[test]
+fn b3_modal_variables_of_compensation_and_drilling_cycles() {
+    let (_, variables) = run("#100=#4007\n#101=#4010\nG#4007\nM30\n", Dialect::LatheA).unwrap();
+    assert_eq!([100, 101].map(|number| variables.get(number).unwrap()), [Some(40.0), Some(80.0)]);
+    let (_, variables) = run("#100=#4007\n#101=#4009\nG#4009\nM30\n", Dialect::Mill).unwrap();
+    assert_eq!([100, 101].map(|number| variables.get(number).unwrap()), [Some(40.0), Some(80.0)]);
+}
+
+/// M is an argument of G65 with any value; elsewhere it is a code, and a whole number.
+#[test]
+fn b3_the_argument_m_of_g65_may_have_decimals() {
+    let settings = NcSettings::lathe_a();
+    let fault = run("G00 X5 M0.5\nM30\n", Dialect::LatheA).unwrap_err();
+    assert_eq!((fault.error.id(), fault.location.line), ("unknown-m", 1));
+    struct One(Arc<Source>);
+    impl kt830::nc::Library for One {
+        fn find(&self, _number: u32) -> Option<Arc<Source>> {
+            Some(Arc::clone(&self.0))
+        }
+    }
+    let called = Arc::new(Source::new(8810, "O8810.NC", "#100=#13\nM99\n", Dialect::LatheA));
+    let source = Arc::new(Source::new(1001, "O1001.NC", "G65 P8810 A1 M0.02\nM30\n", Dialect::LatheA));
+    let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
+    let mut interpreter = Interpreter::new(source, Arc::new(One(called)), settings, CommonVariables::default());
+    while interpreter.next(&mut world, &mut block).unwrap() != NextStatus::End {}
+    assert_eq!(interpreter.common_variables().get(100).unwrap(), Some(0.02));
+}
+
+/// A machine that moves: values of it are known only when it stands.
+struct Moving(OfflineMachine, bool);
+
+impl ExternalState for Moving {
+    fn position(&self) -> WorkPos {
+        self.0.position()
+    }
+
+    fn system_variable(&mut self, number: u32) -> LiveValue {
+        if self.1 { LiveValue::Drain } else { self.0.system_variable(number) }
+    }
+
+    fn block_skip(&self) -> bool {
+        false
+    }
+}
+
+/// G53 alone stops reading ahead until the machine stands; it does nothing else.
+#[test]
+fn b2_g53_alone_waits_for_the_machine() {
+    let settings = NcSettings::lathe_a();
+    let mut block = Block::new(&settings);
+    let mut world = Moving(OfflineMachine::new(&settings), true);
+    let source = Arc::new(Source::new(1001, "O1001.NC", "G53\nG00 X5\nM30\n", Dialect::LatheA));
+    let mut interpreter = Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default());
+    for _ in 0..3 {
+        assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Drain));
+    }
+    world.1 = false;
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
+    assert_eq!(block.location.line, 2);
+    // With other words it still needs an axis.
+    assert_eq!(run("G53 F5\nM30\n", Dialect::LatheA).unwrap_err().error.id(), "missing-word");
+}
+
+/// A grinding cycle of another control is named as such: G71 here is a turning cycle.
+#[test]
+fn b2_a_cycle_of_another_control_is_named() {
+    let fault = run("G71 A-0.02 B-0.01 W-60. U1.5 I0.4 K800. H10\nM30\n", Dialect::LatheA).unwrap_err();
+    assert_eq!((fault.error.id(), fault.column), ("foreign-cycle", 5));
+}
+
+/// 802D: G70 takes lengths in inches, G700 feeds too; G71 and G710 are millimetres. X is a diameter.
+#[test]
+fn s1_g70_and_g700_are_inches() {
+    let of = |text: &str| run(text, Dialect::Sinumerik).unwrap().0;
+    let metric = of("G71 G90 G1 X50.8 Z25.4 F254\nM2\n");
+    assert_eq!(of("G710 G90 G1 X50.8 Z25.4 F254\nM2\n"), metric);
+    assert_eq!(of("G70 G90 G1 X2 Z1 F254\nM2\n"), metric);
+    assert_eq!(of("G700 G90 G1 X2 Z1 F10\nM2\n"), metric);
+    // Back to millimetres.
+    assert_eq!(of("G700\nG71 G90 G1 X50.8 Z25.4 F254\nM2\n"), metric);
+    assert_eq!(run("G70 G71\nM2\n", Dialect::Sinumerik).unwrap_err().error.id(), "double-group");
+}
