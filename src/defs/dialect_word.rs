@@ -106,6 +106,10 @@ words! {
     "G59", "工件坐标系 6", "work offset 6", "从本段起有效。", "From this block on.";
     "G60", "准停方式", "exact stop", "每段终点准停；开机状态。", "Exact stop at the end of every block; active at power-on.";
     "G64", "连续方式", "continuous path", "拐角在公差内圆滑过渡。", "Corners are rounded within the tolerance.";
+    "G70", "英制尺寸", "lengths in inches", "以后的尺寸按英寸读，F 不变。", "The following lengths are in inches, F is not.";
+    "G71", "公制尺寸", "lengths in millimetres", "以后的尺寸按毫米读；开机状态。", "The following lengths are in millimetres; active at power-on.";
+    "G700", "英制尺寸和进给", "lengths and feeds in inches", "以后的尺寸和 F 按英寸读。", "The following lengths and feeds are in inches.";
+    "G710", "公制尺寸和进给", "lengths and feeds in millimetres", "以后的尺寸和 F 按毫米读。", "The following lengths and feeds are in millimetres.";
     "G90", "绝对编程", "absolute", "以后的坐标为绝对值。", "The following coordinates are absolute.";
     "G91", "增量编程", "incremental", "以后的坐标为增量值。", "The following coordinates are incremental.";
     "G94", "每分进给", "feed per minute", "F 为每分钟毫米。", "F is in mm/min.";

@@ -383,8 +383,6 @@ impl SetpointPlanner {
     /// Starts the next move by itself, from rest to rest.
     fn begin_single_move(&mut self, moves: &MoveQueue, request: PlanRequest) -> bool {
         let Some(queued) = moves.get(self.planned_moves) else { return false };
-        let mut limits = queued.segment.limits(&self.limits);
-        limits.velocity_mm_s = top_speed(queued, &self.limits, request.feed_override);
         self.planned_override = request.feed_override;
         let (mut segment, mut from) = (queued.segment, 0.0);
         self.single_moves = 1;
@@ -394,6 +392,9 @@ impl SetpointPlanner {
             (segment, from) = (piece.segment, point.along - self.band.starts[point.segment]);
             self.single_moves = (piece.numbers.1 + 1 - queued.number) as usize;
         }
+        let along = QueuedMove { segment, ..*queued };
+        let mut limits = segment.limits(&self.limits);
+        limits.velocity_mm_s = top_speed(&along, &self.limits, request.feed_override);
         self.single_move = Some(PointToPointMove::new(segment, from, limits, self.limits.tick_s));
         self.planned_moves += self.single_moves;
         self.joined_mm = 0.0;

@@ -20,6 +20,7 @@ mod jog_demand;
 mod lathe;
 mod lathe_hand;
 mod machine_rules;
+mod motion_dense;
 mod motion_feed;
 mod motion_mover;
 mod motion_path;

@@ -95,8 +95,7 @@ impl LookaheadWindow {
         let p = &self.smoother.points[interval..interval + 4];
         let (b, slope) = self.rate_square(interval, part);
         let (rate, d) = (b.sqrt() / self.spacing_s, self.spacing_s);
-        let mut point =
-            PlanPoint::at_rest(spline(p, part), self.along(), self.smoother.knots[interval + 1].near.1.min(last));
+        let mut point = PlanPoint::at_rest(spline(p, part), self.along(), self.band.segment_at(self.along()).min(last));
         let second = per_coordinate(|x| (p[0][x] - 2.0 * p[1][x] + p[2][x], p[1][x] - 2.0 * p[2][x] + p[3][x]));
         let first = per_coordinate(|x| {
             let (left, right) = second[x];
