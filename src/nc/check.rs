@@ -122,9 +122,10 @@ struct CalledText {
     locals: Locals,
 }
 
-/// The texts of a check by number: the program is 0, those that it calls follow.
+/// A line of a text of the check.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct TextLine {
+    /// 0 for the program; those that it calls follow.
     text: usize,
     /// From 0.
     line: u32,

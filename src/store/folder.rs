@@ -187,16 +187,6 @@ impl Folder {
         self.remove(&path)
     }
 
-    /// Copies a file to a free number and returns the new name.
-    ///
-    /// # Errors
-    /// As for reading and writing; [`FolderError::Exists`] when the number is in use.
-    pub fn copy(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
-        self.check_free(class, to)?;
-        let read = self.read(class, from)?;
-        self.write(class, to, &read.bytes)
-    }
-
     /// Renames a file to a free number and returns the new name.
     ///
     /// # Errors

@@ -193,6 +193,7 @@ fn b6_programs_of_a_file_are_copied_renamed_and_deleted_one_by_one() {
     assert!(shop.text("O0031.NC").contains("O0060 (SECOND)\r\n"));
     // A number in use is refused, in a file of its own or in another file.
     for to in [33, 50] {
+        assert!(matches!(shop.ask(FileRequest::Copy { from: 31, to }), FileAnswer::Refused(_)), "{to}");
         assert!(matches!(shop.ask(FileRequest::Rename { from: 60, to }), FileAnswer::Refused(_)), "{to}");
     }
     assert!(matches!(shop.ask(FileRequest::New(33)), FileAnswer::Refused(_)));

@@ -147,12 +147,13 @@ fn b6_the_directory_shows_size_time_and_comment() {
 }
 
 #[test]
-fn b6_files_are_copied_renamed_and_deleted_and_nothing_is_overwritten() {
+fn b6_files_are_written_renamed_and_deleted_and_nothing_is_overwritten() {
     let (_temporary, folder) = folder_with(&["O1001.NC", "o1002.nc"]);
-    assert!(matches!(folder.copy(&PROGRAM, 1001, 1002), Err(FolderError::Exists { .. })));
+    assert!(matches!(folder.check_free(&PROGRAM, 1002), Err(FolderError::Exists { .. })));
+    assert!(folder.check_free(&PROGRAM, 1003).is_ok());
     assert!(matches!(folder.rename(&PROGRAM, 1001, 1002), Err(FolderError::Exists { .. })));
     assert!(matches!(folder.rename(&PROGRAM, 1001, 10_000), Err(FolderError::BadNumber { .. })));
-    assert_eq!(folder.copy(&PROGRAM, 1001, 1003).unwrap(), "O1003.NC");
+    assert_eq!(folder.write(&PROGRAM, 1003, b"M30\n").unwrap(), "O1003.NC");
     assert_eq!(folder.rename(&PROGRAM, 1002, 1004).unwrap(), "O1004.NC");
     folder.delete(&PROGRAM, 1001).unwrap();
     assert!(matches!(folder.delete(&PROGRAM, 1001), Err(FolderError::Missing { .. })));
