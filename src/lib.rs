@@ -13,7 +13,7 @@
 //! | [`units`] | time, axes | – |
 //! | [`defs`] | one table per concept: keys, signals, M and G codes, parameters, alarms, pages; [`defs::kind`], one file per kind of machine | units |
 //! | [`link`] | [`link::Command`] in, [`link::Snapshot`] out: all that screen and core share | units, defs |
-//! | [`nc`] | program text → [`nc::Op`]; moves nothing | units, defs |
+//! | [`nc`] | program text → [`nc::Op`]; moves nothing | units, defs, geometry |
 //! | [`geometry`] | lines and arcs in a plane, the path of a cutter beside them | – |
 //! | [`motion`] | moves → set-points within velocity, acceleration, jerk and tolerance | units, defs |
 //! | [`machine`] | the units; [`machine::rules`], the interlock table; [`machine::phase`] of a run; [`machine::panel_key`], what a key requests | units, defs, link |

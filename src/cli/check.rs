@@ -24,8 +24,8 @@ use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
-    BlockLocation, CheckReport, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault, SharedLibrary,
-    Source, WorkOffsets,
+    BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault,
+    SharedLibrary, Source, WorkOffsets,
 };
 use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, decode, folder_of};
 use crate::units::{Axis, PerAxis};
@@ -514,6 +514,9 @@ fn world_at_start(world: OfflineMachine, mut offsets: WorkOffsets, part: &PartFi
         let index = usize::from(offset.number).checked_sub(1);
         if let Some(place) = index.and_then(|index| offsets.geometry.get_mut(index)) {
             *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
+        }
+        if let Some(cutter) = index.and_then(|index| offsets.cutter.get_mut(index)) {
+            *cutter = CutterShape { radius_mm: offset.r, tip: offset.t };
         }
     }
     world.with_position(offsets.work_from_machine(part.start_mm.machine())).with_work_offsets(offsets)

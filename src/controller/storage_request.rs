@@ -32,6 +32,10 @@ pub enum StorageRequest {
         /// Wear.
         wear: PerAxis<f64>,
     },
+    /// Store the radius of a tool offset (1 to 16), mm.
+    CutterRadius(usize, f64),
+    /// Store the place of the programmed point of a tool offset (1 to 16).
+    CutterTip(usize, u8),
     /// Store a work offset: index 0 is G54; origin in machine coordinates, radius mm.
     WorkOffset(usize, PerAxis<f64>),
     /// Store the dressing point of an axis: machine coordinate, radius mm; `None` removes it.

@@ -203,7 +203,7 @@ alarms! {
         "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is larger than the current one or too small, or no tool offset is active",
         "新砂轮在换砂轮页面输入；修整程序先调用刀补 (T0101)", "enter a new wheel on the wheel change page; call the tool offset first (T0101)";
     OFFSET_RANGE = 204, StopProgram, Reset, "刀补超出范围", "offset out of range",
-        "G10 或 #2001… 使磨耗超过 ±999.999，或几何超过 ±9999.999", "G10 or #2001… would make a wear exceed ±999.999 or a geometry ±9999.999",
+        "G10 或 #2001… 使磨耗超过 ±999.999，几何超过 ±9999.999，或 R 不在 0–999.999、T 不在 0–9", "G10 or #2001… would make a wear exceed ±999.999, a geometry ±9999.999, R leave 0 to 999.999 or T 0 to 9",
         "检查数值，可能缺小数点", "check the value: a decimal point may be missing";
     GAUGE_SECOND_TOO_EARLY = 205, StopProgram, Reset, "G78 第二信号过早", "second gauge signal of G78 too early",
         "速度降到 J 以前第二信号 Q 已有效，没有测量", "signal Q came on before the axis ran at speed J: nothing was measured",

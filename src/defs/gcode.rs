@@ -122,11 +122,11 @@ g_codes! {
     36 "oscillation-off" NonModal Yes Yes "振荡关闭" "oscillation off"
         "G36：振荡回到起始端停止，然后执行下一段。" "G36: the oscillation stops at the position where it started, then the next block runs.";
     40 "compensation-off" Compensation Yes Yes "取消半径补偿" "wheel radius compensation off"
-        "取消砂轮半径补偿：本版本没有半径补偿，可以写，无作用。" "Wheel radius compensation off: accepted without effect, as this version has no compensation.";
-    41 "compensation-left" Compensation NotYet NotYet "左侧半径补偿" "wheel radius compensation left"
-        "左侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation left, not in this version: the program stops before the block with a message.";
-    42 "compensation-right" Compensation NotYet NotYet "右侧半径补偿" "wheel radius compensation right"
-        "右侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。" "Wheel radius compensation right, not in this version: the program stops before the block with a message.";
+        "G40：取消半径补偿；其后第一个 G00/G01 从轮廓退到编程点。" "G40: radius compensation off; the first G00 or G01 after it leads from the contour to the programmed point.";
+    41 "compensation-left" Compensation Yes Yes "左侧半径补偿" "wheel radius compensation left"
+        "G41 G01 X_ Z_（D_）：砂轮（修整器）在轮廓左侧（沿运动方向看），中心与轮廓保持半径 R；第一段 G00/G01 接近，G40 离开。R、刀尖方向取自刀补（D 或 P416）；切不进的轮廓报警 504–506，轮廓开始前预读 100 段。" "G41 G01 X_ Z_ (D_): the wheel or dresser runs on the left of the contour, seen in the direction of travel, its centre at the distance R. The first G00 or G01 leads to the contour, G40 leads away. R and tip are those of the offset (D, or P416). A contour that it does not fit into is alarm 504 to 506; 100 segments are read ahead.";
+    42 "compensation-right" Compensation Yes Yes "右侧半径补偿" "wheel radius compensation right"
+        "G42 G01 X_ Z_（D_）：同 G41，在轮廓右侧。" "G42 G01 X_ Z_ (D_): as G41, on the right of the contour.";
     50 "preset" NonModal Yes Yes "设定坐标系" "set work coordinates"
         "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: sets the coordinates of the current position to X Z without moving; clears the wear of the active tool offset. An alarm if the program uses several tools.";
     53 "machine-move" NonModal Yes Yes "机床坐标定位" "machine coordinates"

@@ -280,4 +280,23 @@ program_errors! {
     /// A cycle as another control writes it.
     ForeignCycle = 503, "foreign-cycle", "{} 不用 {2}：这是其它系统的格式", "{} takes no {2}: this is the form of another control",
         "本系统是车削循环：先 G71 U R，再 G71 P Q U W F", "here it is a turning cycle: G71 U R, then G71 P Q U W F";
+    /// A contour that the cutter of G41 or G42 does not fit into.
+    CutterGouge = 504, "cutter-gouge", "半径 {} mm 的砂轮（修整器）在此段会切入第 {2} 行的轮廓", "a cutter of {} mm radius would cut into the contour of line {2} here",
+        "减小半径 R，或修改轮廓、接近和离开的方向", "reduce the radius R, or change the contour or the way to and from it";
+    ArcBelowCutter = 505, "arc-below-cutter", "内圆弧半径不大于补偿半径 {} mm", "the radius of this hollow arc is not greater than the compensation radius of {} mm",
+        "减小半径 R，或加大圆弧", "reduce the radius R, or enlarge the arc";
+    SegmentBelowCutter = 506, "segment-below-cutter", "此段对补偿半径 {} mm 太短：与第 {2} 行之间的内角无法加工", "this segment is too short for the compensation radius of {} mm: the inner corner to line {2} cannot be cut",
+        "减小半径 R，或修改轮廓", "reduce the radius R, or change the contour";
+    CompensationLead = 507, "compensation-lead", "{} 后的第一个移动必须是直线", "the first move after {} must be a line",
+        "用 G00 或 G01 接近、离开轮廓，不能用 G02、G03", "lead to and from the contour with G00 or G01, not with G02 or G03";
+    NotInCompensation = 508, "not-in-compensation", "该段不能在半径补偿 {} 中执行", "this block cannot be executed during compensation {}",
+        "先用 G40 取消补偿：补偿中只能用 G00–G03、G04、F、S、不停止读入的 M 代码，不能读取机床的值", "end it with G40 first: it takes G00 to G03, G04, F, S and M codes that do not stop reading ahead, and no values of the machine";
+    CompensationChange = 509, "compensation-change", "半径补偿 {} 中不能改变补偿侧、半径或平面", "side, radius and plane cannot be changed during compensation {}",
+        "先用 G40 取消补偿", "end it with G40 first";
+    CompensationWithoutContour = 510, "compensation-without-contour", "{} 后只有接近移动，没有轮廓", "{} is followed by a lead-in only, not by a contour",
+        "G41、G42 与 G40 之间至少写一段轮廓，补偿不能在单个 MDI 段中使用", "write at least one segment between G41 or G42 and G40; compensation does not work in a single MDI block";
+    CompensationNotEnded = 511, "compensation-not-ended", "程序在半径补偿 {} 中结束", "the program ends during compensation {}",
+        "离开轮廓时写 G40", "write G40 with the move away from the contour";
+    CutterWithoutRadius = 512, "cutter-without-radius", "刀补 {} 的半径 R 为 0：轮廓不补偿", "the radius R of offset {} is 0: the contour is not compensated",
+        "在刀补页面输入半径 R", "enter the radius R on the offset page";
 }

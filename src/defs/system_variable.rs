@@ -56,10 +56,12 @@ ranges! {
     OUTPUTS = 1_100, 64, ReadWrite, "输出口 1-64；赋值同 M21/M22", "outputs by port; writing acts as M21, M22";
     WEAR_X = 2_001, 16, ReadWrite, "X 磨耗 1-16", "wear of X, 1 to 16";
     WEAR_Z = 2_101, 16, ReadWrite, "Z 磨耗 1-16", "wear of Z, 1 to 16";
+    CUTTER_TIP = 2_301, 16, ReadWrite, "刀尖方向 T 1-16 (0-9)", "place of the programmed point T, 1 to 16 (0 to 9)";
     WEAR_Y = 2_401, 16, ReadWrite, "Y 磨耗 1-16", "wear of Y, 1 to 16";
     GEOMETRY_Y = 2_451, 16, ReadWrite, "Y 几何 1-16", "geometry of Y, 1 to 16";
     GEOMETRY_X = 2_701, 16, ReadWrite, "X 几何 1-16", "geometry of X, 1 to 16";
     GEOMETRY_Z = 2_801, 16, ReadWrite, "Z 几何 1-16", "geometry of Z, 1 to 16";
+    CUTTER_RADIUS = 2_901, 16, ReadWrite, "半径 R 1-16", "radius R, 1 to 16";
     ALARM = 3_000, 1, Write, "报警 3000+数值 (注释为文字)", "alarm 3000 + value, text in the comment";
     MILLISECONDS = 3_001, 1, ReadWrite, "计时 ms，通电为 0", "timer, ms, 0 at power-on";
     HOURS = 3_002, 1, ReadWrite, "计时 h，通电为 0", "timer, hours, 0 at power-on";

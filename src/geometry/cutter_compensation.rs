@@ -1,13 +1,15 @@
 //! Cutter radius compensation: the path of a cutter's centre beside a contour, and where the cutter would gouge it.
 //!
 //! The cutter is a circle. Its centre runs parallel to each segment. At an outer corner it rolls around the corner on an
-//! arc, so that the corner stays sharp; at an inner corner the two parallels end where they cross. The result is compared
-//! with the whole contour: nowhere is the centre nearer than the radius. Where it would be, the contour is refused, with
-//! the segments concerned. Source: G41 and G42 of ISO 6983; corners as in LinuxCNC and FANUC type C.
+//! arc, so that the corner stays sharp; at an inner corner the two parallels end where they cross. [`CutterPath`] takes a
+//! contour segment by segment and keeps back so many that it sees what comes: nowhere is the centre nearer than the
+//! radius to a segment of this stretch. Where it would be, the contour is refused, with the segments concerned.
+//! Source: G41 and G42 of ISO 6983; corners as in LinuxCNC and FANUC type C.
 
+use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-use super::plane_segment::{MIN_LENGTH_MM, PlaneSegment, cross, distance};
+use super::plane_segment::{MIN_LENGTH_MM, PlanePoint, PlaneSegment, cross, distance};
 
 /// Ends of parallels that are nearer than this are one point, mm: a thousandth of the finest increment.
 const JOINED_MM: f64 = 1e-6;
@@ -57,11 +59,217 @@ pub struct Gouge {
     pub cause: GougeCause,
 }
 
-/// Writes the path of the cutter's centre beside a connected contour to `path`, whose content is replaced.
+/// A segment of the contour, with the rectangle around all that is nearer to it than the cutter's radius.
+#[derive(Clone, Copy, Debug)]
+struct ContourPart {
+    source: usize,
+    segment: PlaneSegment,
+    around: [PlanePoint; 2],
+}
+
+/// What a piece of the path may not come near to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PathRole {
+    /// Beside the contour: nearer than the radius to no segment.
+    Beside,
+    /// From the start to the contour, or from the contour to the end: the segment that it leads to or comes from is only
+    /// not crossed, as the cutter touches its end.
+    Lead,
+}
+
+/// A piece of the path, with the rectangle around it.
+#[derive(Clone, Copy, Debug)]
+struct PathPart {
+    compensated: CompensatedSegment,
+    role: PathRole,
+    around: [PlanePoint; 2],
+    /// Segments of the contour that came after it.
+    seen: usize,
+}
+
+/// The path of a cutter's centre beside a contour that comes segment by segment.
+///
+/// The path begins and ends square to the contour, unless a lead-in or lead-out is given. A segment of the path is final
+/// when the contour is known for `look_ahead` segments after it, or to its end.
+#[derive(Clone, Debug)]
+pub struct CutterPath {
+    to_the_left: f64,
+    look_ahead: usize,
+    /// Where a lead-in begins.
+    lead_from: Option<PlanePoint>,
+    contour: VecDeque<ContourPart>,
+    path: VecDeque<PathPart>,
+    /// The last of `path` may still be cut at the next corner.
+    open: bool,
+    ended: bool,
+}
+
+impl CutterPath {
+    /// Memory for `look_ahead` segments after each; no cutter yet.
+    #[must_use]
+    pub fn with_look_ahead(look_ahead: usize) -> Self {
+        let memory = look_ahead.min(4_096);
+        Self {
+            to_the_left: 0.0,
+            look_ahead,
+            lead_from: None,
+            contour: VecDeque::with_capacity(2 * memory + 2),
+            path: VecDeque::with_capacity(2 * memory + 4),
+            open: false,
+            ended: false,
+        }
+    }
+
+    /// Begins a contour, in the same memory. With `lead_from`, a lead-in line runs from this point of the centre to the
+    /// begin of the path; its source is that of the first segment. `radius` in mm.
+    ///
+    /// # Panics
+    /// When the radius is not positive and finite: a bug of the caller.
+    pub fn begin(&mut self, side: CompensationSide, radius: f64, lead_from: Option<PlanePoint>) {
+        assert!(radius.is_finite() && radius > 0.0, "cutter radius {radius}");
+        self.to_the_left = if side == CompensationSide::Left { radius } else { -radius };
+        self.lead_from = lead_from;
+        self.contour.clear();
+        self.path.clear();
+        (self.open, self.ended) = (false, false);
+    }
+
+    const fn radius(&self) -> f64 {
+        self.to_the_left.abs()
+    }
+
+    /// Appends a segment; it begins where the last one ends. One without length is left out.
+    ///
+    /// # Errors
+    /// [`Gouge`]: the cutter does not fit. The path is of no use any more.
+    pub fn push(&mut self, source: usize, segment: &PlaneSegment) -> Result<(), Gouge> {
+        if segment.length() <= MIN_LENGTH_MM {
+            return Ok(());
+        }
+        let too_small = Gouge { segment: source, other: source, cause: GougeCause::ArcTooSmall };
+        let mut parallel = segment.parallel(self.to_the_left).ok_or(too_small)?;
+        let around = grown(segment.bounds(), self.radius());
+        let before = self.contour.back().copied();
+        self.contour.push_back(ContourPart { source, segment: *segment, around });
+        let first_open = self.path.len().saturating_sub(usize::from(self.open));
+        self.path.iter_mut().for_each(|part| part.seen += 1);
+        if let Some(before) = before {
+            parallel = self.join(&before, source, segment, parallel)?;
+        } else if let Some(from) = self.lead_from.take() {
+            let lead = PlaneSegment::line(from, parallel.at(0.0));
+            self.append(CompensatedSegment { source, path: lead }, PathRole::Lead);
+        }
+        let last = self.contour.len() - 1;
+        // What was final already meets the new segment; what has become final meets all.
+        (0..first_open).try_for_each(|part| self.check(part, last..last + 1))?;
+        (first_open..self.path.len()).try_for_each(|part| self.check(part, 0..last + 1))?;
+        self.append(CompensatedSegment { source, path: parallel }, PathRole::Beside);
+        self.open = true;
+        self.forget();
+        Ok(())
+    }
+
+    /// Ends the contour. With `lead_to`, a lead-out line runs from the end of the path to this point of the centre; its
+    /// source is `source`.
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn end(&mut self, source: usize, lead_to: Option<PlanePoint>) -> Result<(), Gouge> {
+        self.ended = true;
+        let first_open = self.path.len().saturating_sub(usize::from(self.open));
+        if let (Some(to), Some(last)) = (lead_to, self.path.back()) {
+            let lead = PlaneSegment::line(last.compensated.path.at(1.0), to);
+            self.append(CompensatedSegment { source, path: lead }, PathRole::Lead);
+        }
+        self.open = false;
+        (first_open..self.path.len()).try_for_each(|part| self.check(part, 0..self.contour.len()))
+    }
+
+    /// The next segment of the path, if it is final.
+    pub fn next_final(&self) -> Option<&CompensatedSegment> {
+        let first = self.path.front().filter(|part| self.ended || part.seen > self.look_ahead)?;
+        (self.path.len() > usize::from(self.open)).then_some(&first.compensated)
+    }
+
+    /// Takes the next segment of the path, if it is final.
+    pub fn take(&mut self) -> Option<CompensatedSegment> {
+        let next = *self.next_final()?;
+        self.path.pop_front();
+        Some(next)
+    }
+
+    fn append(&mut self, compensated: CompensatedSegment, role: PathRole) {
+        let around = compensated.path.bounds();
+        self.path.push_back(PathPart { compensated, role, around, seen: 0 });
+    }
+
+    /// Joins the last parallel to that of the next segment; returns the latter from the corner on.
+    fn join(
+        &mut self,
+        before: &ContourPart,
+        source: usize,
+        segment: &PlaneSegment,
+        parallel: PlaneSegment,
+    ) -> Result<PlaneSegment, Gouge> {
+        let Some(last) = self.path.back_mut() else { return Ok(parallel) };
+        let end = last.compensated.path.at(1.0);
+        if distance(end, parallel.at(0.0)) <= JOINED_MM {
+            return Ok(parallel);
+        }
+        let [into, out_of] = [before.segment.direction(1.0), segment.direction(0.0)];
+        let turn = cross(into, out_of).atan2(into[0] * out_of[0] + into[1] * out_of[1]);
+        if turn * self.to_the_left > 0.0 && turn.abs() < PI - REVERSAL {
+            let too_short = Gouge { segment: before.source, other: source, cause: GougeCause::SegmentTooShort };
+            let (on_last, on_next) = inner_crossing(&last.compensated.path, &parallel).ok_or(too_short)?;
+            last.compensated.path = last.compensated.path.part(0.0, on_last);
+            last.around = last.compensated.path.bounds();
+            return Ok(parallel.part(on_next, 1.0));
+        }
+        let corner = segment.at(0.0);
+        let start = (end[1] - corner[1]).atan2(end[0] - corner[0]);
+        // A reversal is rounded on the side of the cutter.
+        let sweep = -turn.abs() * self.to_the_left.signum();
+        let path = PlaneSegment::Arc { center: corner, radius: self.radius(), start, sweep };
+        self.append(CompensatedSegment { source, path }, PathRole::Beside);
+        Ok(parallel)
+    }
+
+    /// Checks that a piece of the path keeps its distance from some segments of the contour.
+    fn check(&self, part: usize, others: std::ops::Range<usize>) -> Result<(), Gouge> {
+        let Some(PathPart { compensated, role, around, .. }) = self.path.get(part) else { return Ok(()) };
+        for other in self.contour.range(others).filter(|other| overlap(around, &other.around)) {
+            // A lead belongs to the first segment, a lead-out follows the last one.
+            let is_neighbour = other.source == compensated.source
+                || self.ended && self.contour.back().is_some_and(|last| last.source == other.source);
+            let nearest = match role {
+                PathRole::Lead if is_neighbour => NEARER_MM,
+                PathRole::Beside | PathRole::Lead => self.radius(),
+            };
+            if compensated.path.distance_between(&other.segment) < nearest - NEARER_MM / 2.0 {
+                return Err(Gouge {
+                    segment: compensated.source,
+                    other: other.source,
+                    cause: GougeCause::Interference,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets what is too far behind to be gouged.
+    fn forget(&mut self) {
+        let kept = self.path.front().map_or(0, |part| part.seen).saturating_add(self.look_ahead).saturating_add(1);
+        while self.contour.len() > kept {
+            self.contour.pop_front();
+        }
+    }
+}
+
+/// Writes the path of the cutter's centre beside a whole contour to `path`, whose content is replaced.
 ///
 /// `radius` in mm. Segments without length are left out. The path begins and ends square to the ends of the contour, so a
-/// closed contour must begin within a side, not in an inner corner. The caller hands in the whole contour from G41 to G40:
-/// the paths of its parts would not join. The work grows with the square of the number of segments.
+/// closed contour must begin within a side, not in an inner corner. The work grows with the square of the number of
+/// segments.
 ///
 /// # Errors
 /// [`Gouge`] at the first place where the cutter does not fit; `path` is empty then.
@@ -74,48 +282,12 @@ pub fn compensate(
     radius: f64,
     path: &mut Vec<CompensatedSegment>,
 ) -> Result<(), Gouge> {
-    assert!(radius.is_finite() && radius > 0.0, "cutter radius {radius}");
     path.clear();
-    let result = append_parallels(contour, side, radius, path).and_then(|()| check_distance(contour, radius, path));
-    if result.is_err() {
-        path.clear();
-    }
-    result
-}
-
-fn append_parallels(
-    contour: &[PlaneSegment],
-    side: CompensationSide,
-    radius: f64,
-    path: &mut Vec<CompensatedSegment>,
-) -> Result<(), Gouge> {
-    let to_the_left = if side == CompensationSide::Left { radius } else { -radius };
-    let mut before: Option<(usize, &PlaneSegment)> = None;
-    for (source, segment) in contour.iter().enumerate().filter(|(_, segment)| segment.length() > MIN_LENGTH_MM) {
-        let too_small = Gouge { segment: source, other: source, cause: GougeCause::ArcTooSmall };
-        let mut parallel = segment.parallel(to_the_left).ok_or(too_small)?;
-        if let (Some(last), Some((previous, before))) = (path.last_mut(), before)
-            && distance(last.path.at(1.0), parallel.at(0.0)) > JOINED_MM
-        {
-            let [into, out_of] = [before.direction(1.0), segment.direction(0.0)];
-            let turn = cross(into, out_of).atan2(into[0] * out_of[0] + into[1] * out_of[1]);
-            if turn * to_the_left > 0.0 && turn.abs() < PI - REVERSAL {
-                let too_short = Gouge { segment: previous, other: source, cause: GougeCause::SegmentTooShort };
-                let (on_last, on_next) = inner_crossing(&last.path, &parallel).ok_or(too_short)?;
-                last.path = last.path.part(0.0, on_last);
-                parallel = parallel.part(on_next, 1.0);
-            } else {
-                let [from, corner] = [last.path.at(1.0), segment.at(0.0)];
-                let start = (from[1] - corner[1]).atan2(from[0] - corner[0]);
-                // A reversal is rounded on the side of the cutter.
-                let sweep = -turn.abs() * to_the_left.signum();
-                let path_around = PlaneSegment::Arc { center: corner, radius, start, sweep };
-                path.push(CompensatedSegment { source, path: path_around });
-            }
-        }
-        path.push(CompensatedSegment { source, path: parallel });
-        before = Some((source, segment));
-    }
+    let mut cutter = CutterPath::with_look_ahead(contour.len());
+    cutter.begin(side, radius, None);
+    contour.iter().enumerate().try_for_each(|(source, segment)| cutter.push(source, segment))?;
+    cutter.end(contour.len(), None)?;
+    path.extend(std::iter::from_fn(|| cutter.take()));
     Ok(())
 }
 
@@ -125,14 +297,11 @@ fn inner_crossing(last: &PlaneSegment, next: &PlaneSegment) -> Option<(f64, f64)
     last.crossings(next).into_iter().flatten().min_by(|a, b| removed(a).total_cmp(&removed(b)))
 }
 
-/// Checks that the path is nowhere nearer to the contour than the radius.
-fn check_distance(contour: &[PlaneSegment], radius: f64, path: &[CompensatedSegment]) -> Result<(), Gouge> {
-    for part in path {
-        for (other, segment) in contour.iter().enumerate() {
-            if part.path.distance_between(segment) < radius - NEARER_MM {
-                return Err(Gouge { segment: part.source, other, cause: GougeCause::Interference });
-            }
-        }
-    }
-    Ok(())
+/// A rectangle with a margin.
+fn grown([low, high]: [PlanePoint; 2], by: f64) -> [PlanePoint; 2] {
+    [[low[0] - by, low[1] - by], [high[0] + by, high[1] + by]]
+}
+
+fn overlap([low, high]: &[PlanePoint; 2], [other_low, other_high]: &[PlanePoint; 2]) -> bool {
+    (0..2).all(|axis| low[axis] <= other_high[axis] && other_low[axis] <= high[axis])
 }

@@ -6,5 +6,5 @@
 mod cutter_compensation;
 mod plane_segment;
 
-pub use cutter_compensation::{CompensatedSegment, CompensationSide, Gouge, GougeCause, compensate};
+pub use cutter_compensation::{CompensatedSegment, CompensationSide, CutterPath, Gouge, GougeCause, compensate};
 pub use plane_segment::{MAX_CENTER_SHIFT_MM, PlanePoint, PlaneSegment};

@@ -149,6 +149,19 @@ impl PlaneSegment {
         }
     }
 
+    /// Lowest and highest coordinates; of an arc those of its circle.
+    #[must_use]
+    pub(super) fn bounds(&self) -> [PlanePoint; 2] {
+        match *self {
+            Self::Line { from, to } => {
+                [[from[0].min(to[0]), from[1].min(to[1])], [from[0].max(to[0]), from[1].max(to[1])]]
+            }
+            Self::Arc { center, radius, .. } => {
+                [[center[0] - radius, center[1] - radius], [center[0] + radius, center[1] + radius]]
+            }
+        }
+    }
+
     /// The parallel segment at a distance to the left, mm; negative to the right. None for an arc whose centre is not
     /// farther than that on this side.
     #[must_use]

@@ -71,6 +71,7 @@ pub fn part_setup_commands(part: &PartFile, present: impl Fn(u16) -> Option<f64>
     for offset in &part.offsets {
         let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         commands.push(Command::SetGeometry(usize::from(offset.number), geometry));
+        commands.push(Command::SetCutter(usize::from(offset.number), offset.r, offset.t));
     }
     commands.push(stock_command(part));
     let missing = part.variables.iter().filter(|(number, _)| present(**number).is_none());

@@ -8,8 +8,10 @@ use crate::controller::{PowerOnState, StorageRequest};
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
+use crate::defs::system_variable;
 use crate::link::command::Command;
 use crate::link::page_command::SettingsRequest;
+use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset};
 use crate::units::{Axis, PerAxis};
 
@@ -17,6 +19,9 @@ const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
 const CLOCK_OFFSET: &str = "clock-offset";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
+/// The number of the tool offset follows.
+const CUTTER_RADIUS: &str = "cutter-radius-";
+const CUTTER_TIP: &str = "cutter-tip-";
 const RUNNING_AT: &str = "running-at";
 /// Factor that combines program and line into one number; larger than any line number.
 const LINE_FACTOR: f64 = 1e8;
@@ -96,6 +101,8 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
             let offset = ToolOffset { geometry: *geometry, wear: *wear };
             RetainedChange::Offset { number: *number as u8, offset }
         }
+        StorageRequest::CutterRadius(offset, radius_mm) => number(&format!("{CUTTER_RADIUS}{offset}"), *radius_mm),
+        StorageRequest::CutterTip(offset, tip) => number(&format!("{CUTTER_TIP}{offset}"), f64::from(*tip)),
         StorageRequest::WorkOffset(index, origin) => {
             RetainedChange::WorkOffset { index: *index as u8, origin: *origin }
         }
@@ -128,6 +135,14 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
                 retained.work_offsets.geometry[index] = *geometry;
                 retained.work_offsets.wear[index] = *wear;
             }
+        }
+        StorageRequest::CutterRadius(offset, radius_mm) => {
+            let cutter = offset.checked_sub(1).and_then(|index| retained.work_offsets.cutter.get_mut(index));
+            cutter.into_iter().for_each(|cutter| cutter.radius_mm = *radius_mm);
+        }
+        StorageRequest::CutterTip(offset, tip) => {
+            let cutter = offset.checked_sub(1).and_then(|index| retained.work_offsets.cutter.get_mut(index));
+            cutter.into_iter().for_each(|cutter| cutter.tip = *tip);
         }
         StorageRequest::WorkOffset(index, origin) => {
             if let Some(frame) = retained.work_offsets.work.get_mut(*index) {
@@ -165,6 +180,16 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<S
     for (number, offset) in &loaded.offsets {
         let number = usize::from(*number);
         apply_request(&mut retained, &StorageRequest::Offset { number, geometry: offset.geometry, wear: offset.wear });
+    }
+    for number in 1..=TOOL_OFFSET_COUNT as u32 {
+        let [radius, tip] =
+            [system_variable::CUTTER_RADIUS, system_variable::CUTTER_TIP].map(|range| range.first + number - 1);
+        for (prefix, variable) in [(CUTTER_RADIUS, radius), (CUTTER_TIP, tip)] {
+            let Some(value) = loaded.numbers.get(&format!("{prefix}{number}")) else { continue };
+            if !matches!(retained.work_offsets.set_cutter_variable(variable, *value), Some(Ok(_))) {
+                dropped.push(format!("#{variable} = {value}"));
+            }
+        }
     }
     for (index, origin) in &loaded.work_offsets {
         apply_request(&mut retained, &StorageRequest::WorkOffset(usize::from(*index), PerAxis(origin.0)));

@@ -7,8 +7,8 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{ParamAddress, Params};
 use crate::defs::param_row;
 use crate::link::files::{Refusal, RestoredValues};
-use crate::nc::CommonVariables;
 use crate::nc::work_offsets::{TOOL_OFFSET_COUNT, WORK_OFFSET_COUNT};
+use crate::nc::{CommonVariables, CutterShape};
 use crate::store::Values;
 use crate::units::PerAxis;
 
@@ -27,6 +27,8 @@ pub fn from_holdings(holdings: &TransferValues) -> Values {
     for (index, (geometry, wear)) in offsets.geometry.iter().zip(&offsets.wear).enumerate() {
         values.offsets.insert(index as u8 + 1, (*geometry, *wear));
     }
+    values.cutters =
+        (1_u8..).zip(&offsets.cutter).map(|(number, cutter)| (number, (cutter.radius_mm, cutter.tip))).collect();
     values.work_offsets = offsets.work.iter().enumerate().map(|(index, origin)| (index as u8, *origin)).collect();
     values
 }
@@ -63,6 +65,17 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
             return Err(refusal(format!("刀补 {number} 的值不对"), format!("offset {number} has an invalid value")));
         }
         restored.offsets.push((usize::from(*number), *geometry, *wear));
+    }
+    for (number, &(radius_mm, tip)) in &values.cutters {
+        let mut cutter = CutterShape::default();
+        let set = cutter.set_radius(radius_mm).and_then(|()| cutter.set_tip(f64::from(tip)));
+        if !(1..=TOOL_OFFSET_COUNT).contains(&usize::from(*number)) || set.is_err() {
+            return Err(refusal(
+                format!("刀补 {number} 的 R、T 不对"),
+                format!("R or T of offset {number} is invalid"),
+            ));
+        }
+        restored.cutters.push((usize::from(*number), radius_mm, tip));
     }
     for (index, origin) in &values.work_offsets {
         if usize::from(*index) >= WORK_OFFSET_COUNT || !finite(origin) {

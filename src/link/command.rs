@@ -80,6 +80,8 @@ pub enum Command {
     SetWorkOffset(usize, PerAxis<f64>),
     /// Sets the geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
+    /// Sets the circle of a tool offset, 1 to 16: radius R in mm, and place T of the programmed point.
+    SetCutter(usize, f64, u8),
     /// The simulated machine has mounted the part of the current program and set work offset and geometry for it.
     PartMounted,
     /// Sets the boxes of the workpiece and its fixture, for the graphic page.

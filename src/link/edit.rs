@@ -57,6 +57,20 @@ pub enum OffsetCommand {
         /// mm.
         value: f64,
     },
+    /// Sets the radius R of the circle for G41 and G42.
+    SetRadius {
+        /// 1 to 16.
+        number: usize,
+        /// mm, 0 to 999.999.
+        value: f64,
+    },
+    /// Sets the place T of the programmed point of that circle.
+    SetTip {
+        /// 1 to 16.
+        number: usize,
+        /// 0 to 9.
+        value: f64,
+    },
     /// Adds an increment to the geometry; for the wear see [`super::Command::AddWear`].
     AddGeometry {
         /// 1 to 16.
@@ -94,6 +108,10 @@ pub struct OffsetView {
     pub geometry: DisplayPos,
     /// Wear.
     pub wear: DisplayPos,
+    /// R: radius of the circle for G41 and G42, mm.
+    pub radius_mm: f64,
+    /// T: place of the programmed point of that circle, 0 to 9.
+    pub tip: u8,
 }
 
 impl OffsetView {

@@ -222,6 +222,8 @@ pub struct RestoredValues {
     pub variables: Vec<(u16, f64)>,
     /// Offsets 1 to 16: geometry and wear, radius mm.
     pub offsets: Vec<(usize, PerAxis<f64>, PerAxis<f64>)>,
+    /// Circles of offsets 1 to 16: radius in mm, and tip.
+    pub cutters: Vec<(usize, f64, u8)>,
     /// Work offsets, 0 is G54; machine coordinates, radius mm.
     pub work_offsets: Vec<(usize, PerAxis<f64>)>,
 }

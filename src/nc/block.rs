@@ -20,6 +20,8 @@ pub struct Block {
     /// Whether this ends the block: single block stops here. A block that changes the work offset or tool and also
     /// moves is returned in two parts.
     pub complete: bool,
+    /// A cycle over a contour: it has compensated its moves by itself.
+    pub is_cycle: bool,
     /// The variables that its words were calculated from; only a check fills it.
     pub used_variables: Vec<u32>,
 }
@@ -33,6 +35,7 @@ impl Block {
             ops: Vec::with_capacity(USUAL_OPS),
             modals: ModalState::new(settings),
             complete: true,
+            is_cycle: false,
             used_variables: Vec::new(),
         }
     }
@@ -46,6 +49,6 @@ impl Block {
     pub(super) fn clear(&mut self) {
         self.ops.clear();
         self.used_variables.clear();
-        self.complete = true;
+        (self.complete, self.is_cycle) = (true, false);
     }
 }

@@ -282,7 +282,7 @@ impl ProgramCheck {
             return self.check_unexecuted(world, budget);
         }
         while !budget.is_spent() {
-            if self.interpreter.ended {
+            if self.interpreter.is_over() {
                 return self.finish_run(true);
             }
             let main = self.mark_line(world);

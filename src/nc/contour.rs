@@ -3,18 +3,19 @@
 //! Source: spec B2 (G70–G73).
 
 use super::block::Block;
+use super::contour_compensation::{ContourCutter, ContourMistake, offset_segments};
+use super::contour_segment::{ContourSegment, MIN_LENGTH_MM, feed_to, other_axis, rapid_to};
 use super::flow::{Flow, Place};
-use super::op::{AxisSet, Feed, Op};
+use super::op::{Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use crate::defs::program_error::ProgramError as E;
+use crate::geometry::CutterPath;
 use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Most blocks of a contour.
 pub(super) const MAX_CONTOUR_BLOCKS: usize = 500;
 /// Most strokes of one cycle.
 const MAX_STROKES: usize = 2_000;
-/// Shorter distances count as zero, mm; far below the resolution.
-const MIN_LENGTH_MM: f64 = 1e-7;
 
 /// A cycle as programmed.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,50 +48,55 @@ pub(crate) enum CycleKind {
     Pattern { shift: PerAxis<f64>, passes: u32, feed: Feed },
 }
 
-/// One line or arc of the contour.
-#[derive(Clone, Copy, Debug)]
-struct ContourSegment {
-    from: WorkPos,
-    to: WorkPos,
-    /// Centre of an arc, and its turn (−1 or 1).
-    arc: Option<(WorkPos, i8)>,
-    rapid: bool,
-}
-
 /// Memory for reading contours.
 pub(crate) struct ContourMemory {
     /// The position in the program before the contour.
     pub flow: Flow,
     pub block: Block,
-    /// The operations of the contour's blocks.
-    pub ops: Vec<Op>,
+    /// The operations of the contour's blocks, each with the line of its block (from 1).
+    pub ops: Vec<(Op, u32)>,
+    /// The cutter that runs beside the contour.
+    pub cutter: Option<ContourCutter>,
     segments: Vec<ContourSegment>,
+    path: CutterPath,
 }
 
 impl ContourMemory {
     pub fn new(flow: Flow, block: Block) -> Self {
         let (ops, segments) = (Vec::with_capacity(MAX_CONTOUR_BLOCKS), Vec::with_capacity(MAX_CONTOUR_BLOCKS));
-        Self { flow, block, ops, segments }
+        let path = CutterPath::with_look_ahead(MAX_CONTOUR_BLOCKS);
+        Self { flow, block, ops, cutter: None, segments, path }
     }
 
     /// Appends the operations of the cycle from a starting point to `ops`.
     ///
     /// # Errors
     /// The mistake in the contour; `ops` may hold a part of the cycle then.
-    pub fn expand(&mut self, cycle: &ContourCycle, start: WorkPos, ops: &mut Vec<Op>) -> Result<(), E> {
-        self.read_segments(start)?;
+    pub fn expand(&mut self, cycle: &ContourCycle, start: WorkPos, ops: &mut Vec<Op>) -> Result<(), ContourMistake> {
+        let wrong = |error: E| (error, Default::default());
+        self.read_segments(start).map_err(wrong)?;
+        let Some(first) = self.segments.first().copied() else { return Err(wrong(E::ContourEmpty)) };
+        if let CycleKind::Roughing { infeed, .. } = cycle.kind
+            && (first.to[other_axis(infeed)] - start[other_axis(infeed)]).abs() > MIN_LENGTH_MM
+        {
+            return Err(wrong(E::ContourStart));
+        }
+        if let Some(cutter) = self.cutter {
+            let Self { ops, segments, path, .. } = self;
+            offset_segments(segments, cutter, path, |source| ops.get(source).map_or(0, |(_, line)| *line))?;
+        }
         let segments = &self.segments;
-        let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
         // The axis that approaches the contour first also retracts first.
         let across = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
         match cycle.kind {
             CycleKind::Finish => {
-                ops.extend_from_slice(&self.ops);
+                self.push_finishing_pass(ops);
                 return_to_start(ops, start, across);
             }
             CycleKind::Roughing { infeed, depth, escape, feed } => {
                 RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }
-                    .expand(segments, ops)?;
+                    .expand(segments, ops)
+                    .map_err(wrong)?;
             }
             CycleKind::Pattern { shift, passes, feed } => {
                 for pass in 0..passes {
@@ -107,36 +113,33 @@ impl ContourMemory {
         Ok(())
     }
 
+    /// The operations of the blocks, with the offset moves if a cutter runs beside the contour.
+    fn push_finishing_pass(&self, ops: &mut Vec<Op>) {
+        for (source, (op, _)) in self.ops.iter().enumerate() {
+            let feed = match contour_move(op) {
+                Ok(Some(by)) if self.cutter.is_some() => by.feed,
+                Ok(_) | Err(_) => {
+                    ops.push(op.clone());
+                    continue;
+                }
+            };
+            for segment in self.segments.iter().filter(|segment| segment.source == source) {
+                ops.push(segment.to_op(PerAxis::default(), feed.unwrap_or(Feed::PerMinute(0.0))));
+            }
+        }
+    }
+
     /// The lines and arcs of the contour, which begins at `start`.
     fn read_segments(&mut self, start: WorkPos) -> Result<(), E> {
         let mut from = start;
         self.segments.clear();
-        for op in &self.ops {
+        for (source, (op, _)) in self.ops.iter().enumerate() {
             let Some(by) = contour_move(op)? else { continue };
             let arc = by.arc.map(|arc| (arc.center, arc.turn));
-            self.segments.push(ContourSegment { from, to: by.to, arc, rapid: by.rapid });
+            self.segments.push(ContourSegment { from, to: by.to, arc, rapid: by.rapid, source });
             from = by.to;
         }
         Ok(())
-    }
-}
-
-fn axis_set(axes: &[Axis]) -> AxisSet {
-    axes.iter().fold(AxisSet::NONE, |set, axis| set.with(AxisSet::of(*axis)))
-}
-
-fn rapid_to(to: WorkPos, axes: &[Axis]) -> Op {
-    Op::Rapid { to, feed: None, words: axis_set(axes), incremental: AxisSet::NONE }
-}
-
-fn feed_to(to: WorkPos, feed: Feed, axes: &[Axis]) -> Op {
-    Op::Feed { to, feed, words: axis_set(axes), incremental: AxisSet::NONE }
-}
-
-const fn other_axis(axis: Axis) -> Axis {
-    match axis {
-        Axis::X => Axis::Z,
-        Axis::Y | Axis::Z => Axis::X,
     }
 }
 
@@ -168,73 +171,6 @@ pub(crate) fn contour_move(op: &Op) -> Result<Option<WorkMove>, E> {
     }
 }
 
-impl ContourSegment {
-    /// The segment shifted by `by`.
-    fn shifted(&self, by: PerAxis<f64>) -> Self {
-        let arc = self.arc.map(|(center, turn)| (center + by, turn));
-        Self { from: self.from + by, to: self.to + by, arc, rapid: self.rapid }
-    }
-
-    /// The segment shifted by `by`, as an operation with the cycle's feed.
-    fn to_op(self, by: PerAxis<f64>, feed: Feed) -> Op {
-        let (to, both) = (self.to + by, [Axis::X, Axis::Z]);
-        match self.arc {
-            None if self.rapid => rapid_to(to, &both),
-            None => feed_to(to, feed, &both),
-            Some((center, turn)) => Op::Arc {
-                to,
-                center: center + by,
-                plane: crate::units::Plane::Zx,
-                turn,
-                feed,
-                words: axis_set(&both),
-                incremental: AxisSet::NONE,
-            },
-        }
-    }
-
-    /// Whether it moves only in the direction of `way` in both axes.
-    fn is_monotone(&self, way: PerAxis<f64>) -> bool {
-        let goes = |axis: Axis| (self.to[axis] - self.from[axis]) * way[axis] >= -MIN_LENGTH_MM;
-        goes(Axis::X) && goes(Axis::Z) && !self.passes_extreme()
-    }
-
-    /// Whether an arc passes an extreme of an axis between its ends.
-    fn passes_extreme(&self) -> bool {
-        let Some((center, turn)) = self.arc else { return false };
-        // Angles with Z to the right and X up; counter-clockwise is positive.
-        let angle = |at: WorkPos| (at[Axis::X] - center[Axis::X]).atan2(at[Axis::Z] - center[Axis::Z]);
-        let sense = f64::from(turn);
-        let swept = |to: f64| (sense * (to - angle(self.from))).rem_euclid(std::f64::consts::TAU);
-        let whole = swept(angle(self.to));
-        (0..4).any(|quarter| {
-            let at = swept(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
-            at > 1e-6 && at < whole - 1e-6
-        })
-    }
-
-    /// The coordinate on the other axis where the segment crosses `level` of an axis.
-    fn crossing_at(&self, axis: Axis, level: f64) -> Option<f64> {
-        let (low, high) = (self.from[axis].min(self.to[axis]), self.from[axis].max(self.to[axis]));
-        if level < low - MIN_LENGTH_MM || level > high + MIN_LENGTH_MM {
-            return None;
-        }
-        let along = other_axis(axis);
-        let Some((center, _)) = self.arc else {
-            let way = self.to[axis] - self.from[axis];
-            let part = if way.abs() > MIN_LENGTH_MM { (level - self.from[axis]) / way } else { 0.0 };
-            return Some(self.from[along] + part * (self.to[along] - self.from[along]));
-        };
-        let radius = (self.from[axis] - center[axis]).hypot(self.from[along] - center[along]);
-        let half = (radius * radius - (level - center[axis]).powi(2)).max(0.0).sqrt();
-        let (first, second) = (self.from[along].min(self.to[along]), self.from[along].max(self.to[along]));
-        // The arc is monotone: only one of the two points lies between the ends.
-        let outside = |place: f64| (first - place).max(place - second).max(0.0);
-        let [near, far] = [center[along] - half, center[along] + half];
-        Some(if outside(near) <= outside(far) { near } else { far })
-    }
-}
-
 /// The roughing cycles G71 and G72.
 struct RoughingCycle {
     infeed: Axis,
@@ -263,9 +199,6 @@ impl RoughingCycle {
         let (a, b) = (self.infeed, other_axis(self.infeed));
         let [first, rest @ ..] = segments else { return Err(E::ContourEmpty) };
         let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
-        if (at[b] - self.start[b]).abs() > MIN_LENGTH_MM {
-            return Err(E::ContourStart);
-        }
         let way = |from: WorkPos, to: WorkPos, axis: Axis| {
             let way = to[axis] - from[axis];
             if way.abs() > MIN_LENGTH_MM { way.signum() } else { 0.0 }
@@ -293,7 +226,7 @@ impl RoughingCycle {
             let end = meets.unwrap_or(last.to[b] + self.allowance[b]);
             self.push_stroke(ops, &RoughingStroke { level, end, down, along, rapid_infeed: first.rapid });
         }
-        self.push_contour_pass(ops, first.rapid, bottom, rest);
+        self.push_contour_pass(ops, first, rest);
         Ok(())
     }
 
@@ -320,13 +253,13 @@ impl RoughingCycle {
     }
 
     /// One pass along the contour with its allowance, and return to the start.
-    fn push_contour_pass(&self, ops: &mut Vec<Op>, rapid_infeed: bool, bottom: f64, rest: &[ContourSegment]) {
+    fn push_contour_pass(&self, ops: &mut Vec<Op>, first: &ContourSegment, rest: &[ContourSegment]) {
         let (a, b) = (self.infeed, other_axis(self.infeed));
         let mut at = self.start;
-        at[b] += self.allowance[b];
+        at[b] = first.to[b] + self.allowance[b];
         ops.push(rapid_to(at, &[a, b]));
-        at[a] = bottom;
-        ops.push(if rapid_infeed { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        at[a] = first.to[a] + self.allowance[a];
+        ops.push(if first.rapid { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
         rest.iter().for_each(|segment| ops.push(segment.to_op(self.allowance, self.feed)));
         return_to_start(ops, self.start, a);
     }

@@ -3,32 +3,14 @@
 use std::sync::Arc;
 
 use super::block::Block;
+use super::compensation::ActiveCutter;
 use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move};
-use super::external_state::{ExternalState, LiveValue};
-use super::fault::{E, ReadResult, fail, fail1};
+use super::contour_compensation::ContourCutter;
+use super::external_state::{AheadState, ExternalState};
+use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1};
 use super::flow::Flow;
 use super::interpreter::{Interpreter, StepStatus};
-use crate::units::WorkPos;
-
-/// The state while a contour is read: the position is the end of its last block.
-struct ContourReadState<'w> {
-    inner: &'w mut dyn ExternalState,
-    position: WorkPos,
-}
-
-impl ExternalState for ContourReadState<'_> {
-    fn position(&self) -> WorkPos {
-        self.position
-    }
-
-    fn system_variable(&mut self, number: u32) -> LiveValue {
-        self.inner.system_variable(number)
-    }
-
-    fn block_skip(&self) -> bool {
-        self.inner.block_skip()
-    }
-}
+use super::modal::ModalState;
 
 impl Interpreter {
     /// Expands a cycle into operations. The program continues after the contour, or after the cycle if that is later.
@@ -49,15 +31,18 @@ impl Interpreter {
         std::mem::swap(&mut self.flow, &mut memory.flow);
         (self.modals, self.last_block_number, self.block_words.block_number, self.second_half) =
             (modals, last_n, n, false);
-        let expanded =
-            read.and_then(|()| memory.expand(cycle, start, &mut block.ops).or_else(|error| fail(cycle.at, error)));
+        let expanded = read.and_then(|()| {
+            memory
+                .expand(cycle, start, &mut block.ops)
+                .map_err(|(error, details)| ReadStop::Error(ErrorAt { at: cycle.at, error, details }))
+        });
         self.contour_memory = Some(memory);
         if let Err(stop) = expanded {
             // The flow goes back to the block: it is read again, or its mistake is reported.
             self.flow.place = *begin;
             return Err(stop);
         }
-        block.modals = self.modals;
+        (block.modals, block.is_cycle) = (self.modals, true);
         if !matches!(cycle.kind, CycleKind::Finish) && end_line > self.flow.place.line {
             self.flow.go_to_line(end_line);
         }
@@ -75,9 +60,10 @@ impl Interpreter {
             return fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block));
         }
         self.flow.go_to_block(cycle.first_block, cycle.at)?;
-        let mut ahead = ContourReadState { position: world.position(), inner: world };
-        let ContourMemory { block: inner, ops, .. } = memory;
+        let mut ahead = AheadState { position: world.position(), inner: world, reads_machine: true };
+        let ContourMemory { block: inner, ops, cutter, .. } = memory;
         ops.clear();
+        *cutter = None;
         for _ in 0..MAX_CONTOUR_BLOCKS {
             inner.clear();
             self.contour_blocks += 1;
@@ -89,18 +75,39 @@ impl Interpreter {
             if self.pending_cycle.take().is_some() {
                 return fail(at, E::ContourCode);
             }
+            let line = inner.location.line;
             for op in inner.ops.drain(..) {
                 match contour_move(&op) {
-                    Ok(Some(by)) => ahead.position = by.to,
+                    Ok(Some(by)) => {
+                        ahead.position = by.to;
+                        Self::note_cutter(&self.modals, cutter, ops.len(), at)?;
+                    }
                     Ok(None) => {}
                     Err(error) => return fail(at, error),
                 }
-                ops.push(op);
+                ops.push((op, line));
             }
             if self.block_words.block_number == Some(cycle.last_block) && !self.second_half {
                 return Ok(());
             }
         }
         fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block))
+    }
+
+    /// Notes the cutter of a move of a contour. It is the same from its first move to the last one of the contour; only
+    /// that may be without it.
+    fn note_cutter(modals: &ModalState, cutter: &mut Option<ContourCutter>, index: usize, at: usize) -> ReadResult<()> {
+        let active = modals.compensation.filter(|active| active.cutter.radius_mm > 0.0);
+        let active = active.map(|compensation| ActiveCutter { compensation, plane: modals.plane });
+        match (&mut *cutter, active) {
+            (None, Some(active)) => *cutter = Some(ContourCutter { active, lead_in: index, leads_out: false }),
+            (None, None) => {}
+            (Some(ContourCutter { leads_out: false, active: before, .. }), Some(active)) if *before == active => {}
+            (Some(ContourCutter { leads_out: leads_out @ false, .. }), None) => *leads_out = true,
+            (Some(ContourCutter { active: before, .. }), _) => {
+                return fail1(at, E::CompensationChange, format_args!("G{}", before.compensation.g()));
+            }
+        }
+        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! State outside the program text: positions and live values; and its version without a machine. Source: spec B3, T4.
 
+use super::cutter::CutterShape;
 use super::op::{Feed, Op, REFERENCE_POINTS, SpeedMode};
 use super::op_effect::{ArcMove, MotionSegment, OpEffect, OscillationChange, SegmentSpeed};
 use super::settings::NcSettings;
@@ -93,6 +94,10 @@ pub trait ExternalState {
     fn active_tool(&self) -> u32 {
         0
     }
+    /// The circle with which offset 1 to 16 touches the contour; without one for every other number.
+    fn cutter(&self, _offset: usize) -> CutterShape {
+        CutterShape::default()
+    }
     /// The tool-change point: the position at program start, active work coordinates, radius mm. It is a fixed machine
     /// position of the tip: G92 and homing do not move it (L3).
     fn program_start(&self) -> WorkPos {
@@ -100,6 +105,45 @@ pub trait ExternalState {
     }
     /// The 跳段 (block skip) switch: blocks with `/` are skipped.
     fn block_skip(&self) -> bool;
+}
+
+/// The state while blocks are read whose moves are not returned yet: only the position differs.
+pub(crate) struct AheadState<'w> {
+    pub inner: &'w mut dyn ExternalState,
+    /// The end of the last block read.
+    pub position: WorkPos,
+    /// The machine can be asked for values.
+    pub reads_machine: bool,
+}
+
+impl ExternalState for AheadState<'_> {
+    fn position(&self) -> WorkPos {
+        self.position
+    }
+
+    fn system_variable(&mut self, number: u32) -> LiveValue {
+        if self.reads_machine { self.inner.system_variable(number) } else { LiveValue::Drain }
+    }
+
+    fn tool_compensation(&self, tool: u32) -> PerAxis<f64> {
+        self.inner.tool_compensation(tool)
+    }
+
+    fn active_tool(&self) -> u32 {
+        self.inner.active_tool()
+    }
+
+    fn cutter(&self, offset: usize) -> CutterShape {
+        self.inner.cutter(offset)
+    }
+
+    fn program_start(&self) -> WorkPos {
+        self.inner.program_start()
+    }
+
+    fn block_skip(&self) -> bool {
+        self.inner.block_skip()
+    }
 }
 
 /// System variables and their values, in the order of their numbers.
@@ -287,7 +331,10 @@ impl OfflineMachine {
             OpEffect::Oscillation(OscillationChange::Off) => self.oscillation_end = None,
             OpEffect::Dwell(seconds) => self.totals.seconds += seconds,
             OpEffect::Speed(value, SpeedMode::Rpm) if value > 0.0 => self.rpm = value,
-            OpEffect::SystemVariable(number, value) => self.set_system(number, value),
+            OpEffect::SystemVariable(number, value) => {
+                let _ = self.work_offsets.set_cutter_variable(number, value.unwrap_or(0.0)); // the run refuses it
+                self.set_system(number, value);
+            }
             OpEffect::Speed(..) | OpEffect::SpeedLimit(_) | OpEffect::PathMode(_) | OpEffect::MCode(_) => {}
             OpEffect::Variable(..) | OpEffect::Message(_) => {}
         }
@@ -325,6 +372,9 @@ impl ExternalState for OfflineMachine {
             |axis: Axis, mm: f64| LiveValue::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
         // A missing axis reads as null.
         let none = LiveValue::Value(None);
+        if let Some(value) = self.work_offsets.cutter_variable(number) {
+            return LiveValue::Value(Some(value));
+        }
         match number {
             // No dressing point is set.
             _ if system_variable::DRESSING_POINT.index(number).is_some() => none,
@@ -355,6 +405,10 @@ impl ExternalState for OfflineMachine {
 
     fn active_tool(&self) -> u32 {
         self.work_offsets.tool
+    }
+
+    fn cutter(&self, offset: usize) -> CutterShape {
+        self.work_offsets.cutter_of(offset)
     }
 
     fn program_start(&self) -> WorkPos {

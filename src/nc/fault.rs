@@ -189,6 +189,15 @@ pub(crate) enum ReadStop {
     Error(ErrorAt),
 }
 
+/// Why reading a block stopped, with the place of a mistake.
+#[derive(Clone, Debug)]
+pub(crate) enum StepStop {
+    /// As [`ReadStop::Drain`].
+    Drain,
+    /// The text has a mistake.
+    Fault(ProgramFault),
+}
+
 /// The result of reading a part of a block.
 pub(crate) type ReadResult<T> = Result<T, ReadStop>;
 

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use super::block::Block;
 use super::common_variables::{CommonVariables, VariableError};
+use super::compensation::BlockCompensation;
 use super::contour::{ContourMemory, PendingCycle};
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::{Locals, Value};
 use super::external_state::ExternalState;
-use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2};
+use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, StepStop, fail, fail1, fail2};
 use super::flow::{Call, Callee, Flow, Place};
 use super::lexer::Cursor;
 use super::modal::ModalState;
@@ -67,6 +68,8 @@ pub struct Interpreter {
     pub(super) pending_cycle: Option<PendingCycle>,
     /// Memory for the contour of a cycle; taken while one is read.
     pub(super) contour_memory: Option<Box<ContourMemory>>,
+    /// The blocks between G41 and G40.
+    pub(super) compensation: BlockCompensation,
     /// Places where null was used as 0; collected by a check only.
     pub(crate) null_uses: Option<Vec<NullUse>>,
     /// Warnings; collected by a check only.
@@ -121,6 +124,7 @@ impl Interpreter {
             passes: IdlePasses::default(),
             pending_cycle: None,
             contour_memory: Some(Box::new(contour_memory)),
+            compensation: BlockCompensation::new(&modals),
             null_uses: None,
             warnings: None,
             conditions_hold: false,
@@ -137,6 +141,7 @@ impl Interpreter {
         (self.ended, self.second_half, self.passes) = (false, false, IdlePasses::default());
         self.last_block_number = None;
         self.pending_cycle = None;
+        self.compensation.reset();
         self.conditions_hold = false;
         self.null_uses.iter_mut().for_each(Vec::clear);
         self.warnings.iter_mut().for_each(Vec::clear);
@@ -148,12 +153,14 @@ impl Interpreter {
         self.flow.begin(source);
         self.library = library;
         self.pending_cycle = None;
+        self.compensation.reset();
         self.null_uses.iter_mut().for_each(Vec::clear);
     }
 
     /// Continues with an earlier modal state: MDI blocks, a restart from a chosen block.
     pub const fn set_modals(&mut self, modals: ModalState) {
-        self.modals = ModalState { g50_used: false, several_tools: false, modal_call: false, ..modals };
+        self.modals =
+            ModalState { g50_used: false, several_tools: false, modal_call: false, compensation: None, ..modals };
     }
 
     /// The modal state after the last block returned.
@@ -214,12 +221,12 @@ impl Interpreter {
         budget: &mut WorkBudget,
     ) -> Result<NextStatus, ProgramFault> {
         block.clear();
-        if self.ended {
+        if self.is_over() {
             return Ok(NextStatus::End);
         }
         while !budget.is_spent() {
             let from = self.flow.place.at;
-            let stepped = self.step(world, block);
+            let stepped = self.step_compensated(world, block);
             self.charge_blocks(budget);
             match stepped {
                 // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it again in this tick gives the same result.
@@ -232,13 +239,13 @@ impl Interpreter {
                     self.ended = true;
                     return Ok(NextStatus::End);
                 }
-                Err(ReadStop::Drain) => {
+                Err(StepStop::Drain) => {
                     block.clear();
                     return Ok(NextStatus::Drain);
                 }
-                Err(ReadStop::Error(wrong)) => {
+                Err(StepStop::Fault(fault)) => {
                     block.clear();
-                    return Err(self.locate(wrong));
+                    return Err(fault);
                 }
             }
         }

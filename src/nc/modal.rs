@@ -1,5 +1,6 @@
 //! The modal state. Source: spec B2, B3 (#4001…).
 
+use super::cutter::Compensation;
 use super::op::{Feed, PathMode, SpeedMode};
 use super::settings::{NcSettings, SpeedUnit};
 use crate::units::Plane;
@@ -115,6 +116,8 @@ pub struct ModalState {
     pub work_offset: u8,
     /// G61 or G64.
     pub path_mode: PathMode,
+    /// G41 or G42; `None` for G40.
+    pub compensation: Option<Compensation>,
     /// G96 or G97, and the unit of S.
     pub speed_mode: SpeedMode,
     /// S.
@@ -164,6 +167,7 @@ impl ModalState {
             } else {
                 PathMode::Continuous { tolerance_mm: settings.tolerance_mm }
             },
+            compensation: None,
             speed_mode: rotation,
             speed: None,
             tool: 0,
@@ -199,8 +203,8 @@ impl ModalState {
             4003 if mill => code(if self.incremental { 91 } else { 90 }),
             4005 => code(if self.per_rev { 99 } else { 98 }),
             4006 => code(if self.inch { 20 } else { 21 }),
-            // There is no compensation and no drilling cycle.
-            4007 => code(40),
+            4007 => code(self.compensation.map_or(40, |active| active.g())),
+            // There is no drilling cycle.
             4009 if mill => code(80),
             4010 if !mill => code(80),
             4012 => code(if self.modal_call { 66 } else { 67 }),

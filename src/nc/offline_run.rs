@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::block::Block;
 use super::expression::Locals;
 use super::external_state::{ExternalState, OfflineMachine};
-use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop};
+use super::fault::{E, ErrorAt, ProgramFault, ReadResult, StepStop};
 use super::interpreter::{Interpreter, NextStatus, StepStatus};
 use super::source::Source;
 use crate::defs::text::arg::Arg;
@@ -27,10 +27,12 @@ impl Interpreter {
     ) -> Result<NextStatus, ProgramFault> {
         block.clear();
         let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
-        if there && self.flow.is_main() && !self.ended {
+        // Behind G40 the blocks that wait come first.
+        let waits = self.compensation.has_blocks() && !self.compensation.is_open();
+        if there && self.flow.is_main() && !self.ended && !waits {
             return Ok(NextStatus::Block);
         }
-        if self.ended || !self.read_one(world, block)? {
+        if self.is_over() || !self.read_one(world, block)? {
             return Ok(NextStatus::End);
         }
         self.charge_blocks(budget);
@@ -42,7 +44,7 @@ impl Interpreter {
     pub(super) fn begin_alone(&mut self, source: &Arc<Source>, at: usize, locals: &Locals) {
         self.flow.begin_at(Arc::clone(source), at, locals);
         (self.ended, self.second_half, self.pending_cycle) = (false, false, None);
-        self.modals.modal_call = false;
+        (self.modals.modal_call, self.modals.compensation) = (false, None);
         self.null_uses.iter_mut().for_each(Vec::clear);
         self.warnings.iter_mut().for_each(Vec::clear);
     }
@@ -72,6 +74,11 @@ impl Interpreter {
 
     /// Skips a faulty block, so that a check can read on without consequential errors.
     pub(crate) fn skip_faulty_block(&mut self, error: E) {
+        if self.compensation.abandon() {
+            // The block itself was read.
+            self.modals.compensation = None;
+            return;
+        }
         self.second_half = false;
         // The F word of the faulty block is kept, so that later blocks do not report a missing feed.
         if self.modals.feed.is_none() {
@@ -120,11 +127,11 @@ impl Interpreter {
     #[inline]
     pub(crate) fn read_one(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> Result<bool, ProgramFault> {
         block.clear();
-        match self.step(world, block) {
+        match self.step_compensated(world, block) {
             Ok(StepStatus::Empty | StepStatus::Block) => Ok(true),
             Ok(StepStatus::End) => Ok(false),
-            Err(ReadStop::Drain) => Ok(true),
-            Err(ReadStop::Error(wrong)) => Err(self.locate(wrong)),
+            Err(StepStop::Drain) => Ok(true),
+            Err(StepStop::Fault(fault)) => Err(fault),
         }
     }
 }

@@ -12,6 +12,17 @@ pub enum SpeedUnit {
     MetresPerSecond,
 }
 
+/// What follows the contour under G41 and G42 without a D word (P416, P417).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutterSource {
+    /// The corner of the wheel: R of the active tool offset.
+    ToolOffset,
+    /// The dresser: R of this tool offset.
+    Offset(u32),
+    /// The whole wheel: half its diameter.
+    WholeWheel,
+}
+
 /// Settings for programs of the 超人 lathe (L2, L5, L6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SuperManSettings {
@@ -85,6 +96,8 @@ pub struct NcSettings {
     pub needs_block_numbers: bool,
     /// Settings of the 超人 lathe.
     pub superman: SuperManSettings,
+    /// The cutter of G41 and G42.
+    pub cutter_source: CutterSource,
     /// P17.1: G35 moves a cylinder and has no words.
     pub oscillation_by_cylinder: bool,
     /// P238 and P239: the oscillation that M35 alone starts (K4.3), axis and other end, radius mm.
@@ -111,6 +124,7 @@ impl NcSettings {
             start_is_work_zero: false,
             needs_block_numbers: false,
             superman: SuperManSettings::default(),
+            cutter_source: CutterSource::ToolOffset,
             oscillation_by_cylinder: false,
             oscillation_stroke: (Axis::X, 0.0),
             rapid_mm_min: PerAxis([6_000.0; 3]),

@@ -3,6 +3,8 @@
 //! All values are radius millimetres of slide travel. machine = work + G5x offset + G50 shift + geometry + wear.
 //! Source: spec B2 (G50, G53–G59, T), K4.1, K5.10.
 
+use super::cutter::{CutterRangeError, CutterShape};
+use crate::defs::system_variable;
 use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// Number of tool offsets: T xx01 … xx16.
@@ -23,6 +25,8 @@ pub struct WorkOffsets {
     pub geometry: [PerAxis<f64>; TOOL_OFFSET_COUNT],
     /// Wear of each tool offset.
     pub wear: [PerAxis<f64>; TOOL_OFFSET_COUNT],
+    /// Circle of each tool offset, for G41 and G42.
+    pub cutter: [CutterShape; TOOL_OFFSET_COUNT],
     /// Active tool, 0 for none.
     pub tool: u32,
     /// Active tool offset, 1 to 16; 0 for none.
@@ -37,6 +41,7 @@ impl Default for WorkOffsets {
             shift: PerAxis::default(),
             geometry: [PerAxis::default(); TOOL_OFFSET_COUNT],
             wear: [PerAxis::default(); TOOL_OFFSET_COUNT],
+            cutter: [CutterShape::default(); TOOL_OFFSET_COUNT],
             tool: 0,
             tool_offset: 0,
         }
@@ -92,6 +97,31 @@ impl WorkOffsets {
     #[must_use]
     pub fn tool_compensation(&self, tool: u32) -> PerAxis<f64> {
         (tool as usize).checked_sub(1).and_then(|index| self.geometry.get(index)).copied().unwrap_or_default()
+    }
+
+    /// The circle of a tool offset, 1 to 16; none for every other number.
+    #[must_use]
+    pub fn cutter_of(&self, offset: usize) -> CutterShape {
+        offset.checked_sub(1).and_then(|index| self.cutter.get(index)).copied().unwrap_or_default()
+    }
+
+    /// R or T of an offset by its system variable.
+    #[must_use]
+    pub fn cutter_variable(&self, number: u32) -> Option<f64> {
+        let radius = system_variable::CUTTER_RADIUS.index(number).map(|index| self.cutter[index].radius_mm);
+        radius.or_else(|| system_variable::CUTTER_TIP.index(number).map(|index| f64::from(self.cutter[index].tip)))
+    }
+
+    /// Sets R or T of an offset by its system variable; the index of the offset, from 0.
+    ///
+    /// # Errors
+    /// The value is out of range; nothing is changed. `None`: the variable is neither.
+    pub fn set_cutter_variable(&mut self, number: u32, value: f64) -> Option<Result<usize, CutterRangeError>> {
+        let radius = system_variable::CUTTER_RADIUS.index(number);
+        let index = radius.or_else(|| system_variable::CUTTER_TIP.index(number))?;
+        let cutter = &mut self.cutter[index];
+        let changed = if radius.is_some() { cutter.set_radius(value) } else { cutter.set_tip(value) };
+        Some(changed.map(|()| index))
     }
 
     /// G10: adds to the wear of an offset, 1 to 16.

@@ -22,6 +22,8 @@ pub struct Values {
     pub variables: BTreeMap<u16, f64>,
     /// Geometry and wear of the tool offsets 1 to 16, radius mm.
     pub offsets: BTreeMap<u8, (PerAxis<f64>, PerAxis<f64>)>,
+    /// Radius (mm) and tip of the circles of the tool offsets 1 to 16.
+    pub cutters: BTreeMap<u8, (f64, u8)>,
     /// Work offsets, 0 is G54; machine coordinates, radius mm.
     #[serde(rename = "frames")]
     pub work_offsets: BTreeMap<u8, PerAxis<f64>>,

@@ -437,8 +437,11 @@ impl<'a, G: Stage> Player<'a, G> {
             Quantity::Work(axis) => Some(self.host().snapshot().axes[axis].work),
             Quantity::Machine(axis) => Some(self.host().snapshot().axes[axis].machine),
             Quantity::Variable(number) => {
-                let values = &self.host().snapshot().variables;
-                values.get(usize::from(number)).copied().flatten()
+                let host = self.host();
+                match host.snapshot().variables.get(usize::from(number)).copied().flatten() {
+                    Some(value) => Some(value),
+                    None => host.controller().system_variable(u32::from(number)),
+                }
             }
             Quantity::Wear(number, axis) => self.host().controller().wear(number, axis),
             Quantity::PartDiameter(z) => self.host().machine().diameter_at(z),

@@ -11,7 +11,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("units", &[]),
     ("defs", &["units"]),
     ("link", &["units", "defs"]),
-    ("nc", &["units", "defs"]),
+    ("nc", &["units", "defs", "geometry"]),
     ("geometry", &[]),
     ("motion", &["units", "defs"]),
     ("machine", &["units", "defs", "link"]),

@@ -9,6 +9,7 @@ mod stories;
 
 mod alarms;
 mod allocation;
+mod compensation;
 mod core_alone;
 mod file_requests;
 mod gathered_writes;

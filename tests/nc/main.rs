@@ -4,6 +4,7 @@
 
 mod calls;
 mod common_variables;
+mod compensation;
 mod cutter_compensation;
 mod everyday_words;
 mod fuzz;

@@ -1,7 +1,7 @@
 //! Commands from the operator, a story or the disk, and why they are refused.
 //! Source: spec B6, K7.5, K7.7.
 
-use super::{Panel, Parts};
+use super::{Panel, Parts, offsets};
 use crate::controller::manual::turn_handwheel;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
@@ -60,6 +60,7 @@ impl Panel {
             Command::SetParam(at, value) => Self::set_param(parts, *at, *value),
             Command::SetWorkOffset(index, origin) => Self::set_work_offset(parts, *index, *origin),
             Command::SetGeometry(number, geometry) => Self::set_geometry(parts, *number, *geometry),
+            &Command::SetCutter(number, radius_mm, tip) => offsets::preset_cutter(parts, number, radius_mm, tip),
             Command::PartMounted => Self::tell_part_mounted(parts),
             Command::SetStock(stock) => self.files.stock.clone_from(stock),
             Command::SetLeadscrew(axis, table) => Self::set_leadscrew_table(parts, *axis, table),
@@ -209,6 +210,7 @@ const fn invalidates_restart(command: &Command) -> bool {
             | Command::SetParam(..)
             | Command::SetWorkOffset(..)
             | Command::SetGeometry(..)
+            | Command::SetCutter(..)
             | Command::Page(PageCommand::EditParam(..))
     )
 }

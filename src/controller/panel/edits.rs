@@ -99,6 +99,8 @@ impl Panel {
             *row = OffsetView {
                 geometry: parts.plant.displayed(parts.plant.work.offsets.geometry[index]),
                 wear: parts.plant.displayed(parts.plant.work.offsets.wear[index]),
+                radius_mm: parts.plant.work.offsets.cutter[index].radius_mm,
+                tip: parts.plant.work.offsets.cutter[index].tip,
             };
         }
         out.active_offset = parts.plant.work.offsets.tool_offset;

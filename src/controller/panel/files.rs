@@ -17,6 +17,7 @@ use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::page_file::PageTextId;
 use crate::link::snapshot::{Snapshot, Tone};
 use crate::link::toolpath::StockBox;
+use crate::nc::CutterShape;
 use crate::units::WorkPos;
 use std::sync::Arc;
 
@@ -177,6 +178,10 @@ impl Panel {
             let offsets = &mut parts.plant.work.offsets;
             (offsets.geometry[number - 1], offsets.wear[number - 1]) = (*geometry, *wear);
             parts.plant.store_offset(number - 1);
+        }
+        for &(number, radius_mm, tip) in &restored.cutters {
+            parts.plant.work.offsets.cutter[number - 1] = CutterShape { radius_mm, tip };
+            parts.plant.store_cutter(number - 1);
         }
         for (index, origin) in &restored.work_offsets {
             parts.plant.work.offsets.work[*index] = *origin;

@@ -8,26 +8,32 @@ use super::edit_protection::{check_not_running, check_unlocked};
 use super::{Edited, Parts, PartsView};
 use crate::controller::plant::{Plant, offset_in_range};
 use crate::defs::page::Page;
+use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::link::edit::{MAX_INCREMENT, OffsetCommand, OffsetPart};
-use crate::nc::WorkOffsets;
+use crate::machine::panel_key::NOT_IN_RUN;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::nc::{CutterShape, WorkOffsets};
 use crate::units::{Axis, PerAxis};
 
 const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "tool offset numbers are 1 to 16");
 const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edit it on the offset or dressing page");
 const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is active: no measurement");
 const WEAR_CLEARED: &Template = &Template::new("{message}，磨耗已清零", "{message}, wear cleared", &["message"]);
+const CUTTER_RANGE: Text =
+    Text::new("R 为 0–999.999，T 为 0–9 的整数", "R is 0 to 999.999, T a whole number from 0 to 9");
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes are still moving: no measurement");
 
 /// Executes a command of the offset or the dressing page.
 pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> Edited {
-    let (OffsetCommand::Set { number, axis, .. }
-    | OffsetCommand::AddGeometry { number, axis, .. }
-    | OffsetCommand::Measure { number, axis, .. }) = command;
-    let index = offset_index(parts.plant, number, axis)?;
+    let index = match command {
+        OffsetCommand::Set { number, axis, .. }
+        | OffsetCommand::AddGeometry { number, axis, .. }
+        | OffsetCommand::Measure { number, axis, .. } => offset_index(parts.plant, number, axis)?,
+        OffsetCommand::SetRadius { number, .. } | OffsetCommand::SetTip { number, .. } => index_of(number)?,
+    };
     match command {
-        OffsetCommand::Set { part, value, .. } => {
+        OffsetCommand::Set { part, axis, value, .. } => {
             // K7.7: P22.0 does not protect the geometry; the dressing page has no protection.
             if part == OffsetPart::Geometry && parts.plant.operator.page == Page::Offset {
                 check_not_running(parts.view())?;
@@ -36,13 +42,15 @@ pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> E
             }
             set_offset_value(parts, index, part, axis, value / parts.plant.displayed_per_mm(axis))
         }
-        OffsetCommand::AddGeometry { increment: by, .. } => {
+        OffsetCommand::AddGeometry { axis, increment: by, .. } => {
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             check_increment(by)?;
             let sum = parts.plant.work.offsets.geometry[index][axis] + by / parts.plant.displayed_per_mm(axis);
             set_offset_value(parts, index, OffsetPart::Geometry, axis, sum)
         }
-        OffsetCommand::Measure { value, .. } => {
+        OffsetCommand::SetRadius { value, .. } => set_cutter(parts, index, &system_variable::CUTTER_RADIUS, value),
+        OffsetCommand::SetTip { value, .. } => set_cutter(parts, index, &system_variable::CUTTER_TIP, value),
+        OffsetCommand::Measure { axis, value, .. } => {
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             measure(parts, index, axis, value)
         }
@@ -110,11 +118,54 @@ fn set_offset_value(parts: &mut Parts<'_>, index: usize, part: OffsetPart, axis:
     ))
 }
 
+/// Sets R and T of an offset without a page, while no run is open.
+pub fn preset_cutter(parts: &mut Parts<'_>, number: usize, radius_mm: f64, tip: u8) {
+    let mut cutter = CutterShape::default();
+    let set = cutter.set_radius(radius_mm).and_then(|()| cutter.set_tip(f64::from(tip)));
+    match index_of(number) {
+        Ok(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
+        Ok(_) if set.is_err() => parts.plant.refuse(CUTTER_RANGE),
+        Ok(index) => {
+            parts.plant.work.offsets.cutter[index] = cutter;
+            parts.plant.store_cutter(index);
+        }
+        Err(why) => parts.plant.refuse(why),
+    }
+}
+
+/// Sets R or T of an offset. As the geometry, P22.0 does not protect it.
+fn set_cutter(parts: &mut Parts<'_>, index: usize, range: &SystemVariableRange, value: f64) -> Edited {
+    if parts.plant.operator.page != Page::Offset {
+        return Err(NOT_HERE.into());
+    }
+    check_not_running(parts.view())?;
+    let variable = range.first + index as u32;
+    let changed = parts.plant.work.offsets.set_cutter_variable(variable, value);
+    if !matches!(changed, Some(Ok(_))) {
+        return Err(CUTTER_RANGE.into());
+    }
+    let cutter = parts.plant.work.offsets.cutter[index];
+    parts.program.change_offsets_read_ahead(|offsets| offsets.cutter[index] = cutter);
+    parts.plant.store_cutter(index);
+    let (number, CutterShape { radius_mm, tip }) = (index + 1, cutter);
+    Ok(phrase!(
+        "刀补 {number:02} R = {radius_mm:.3}，T = {tip}",
+        "offset {number:02} R = {radius_mm:.3}, T = {tip}",
+        number,
+        radius_mm,
+        tip
+    ))
+}
+
 /// The index of an offset, if the machine has the axis.
 fn offset_index(plant: &Plant, number: usize, axis: Axis) -> Result<usize, LocalizedText> {
     if !plant.axes.is_present(axis) {
         return Err(phrase!("没有 {axis} 轴", "there is no axis {axis}", axis));
     }
+    index_of(number)
+}
+
+fn index_of(number: usize) -> Result<usize, LocalizedText> {
     number.checked_sub(1).filter(|index| *index < TOOL_OFFSET_COUNT).ok_or_else(|| NO_NUMBER.into())
 }
 

@@ -67,6 +67,7 @@ impl Plant {
         }
         for index in bits_of(offsets) {
             self.store_offset(index as usize);
+            self.store_cutter(index as usize);
         }
         self.outbox.requests.rotate_left(others);
     }

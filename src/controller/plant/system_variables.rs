@@ -8,7 +8,7 @@ use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{NcSettings, SpeedUnit, SuperManSettings};
+use crate::nc::{CutterSource, NcSettings, SpeedUnit, SuperManSettings};
 use crate::units::{Axis, PerAxis};
 
 /// System variables mapped to parameters.
@@ -61,6 +61,11 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
         speed_unit: if params.bit(param::S_IS_SURFACE_SPEED) { SpeedUnit::MetresPerSecond } else { SpeedUnit::Rpm },
         jump_input: params.get(param::JUMP_INPUT) as u32,
         tool_count: TOOL_OFFSET_COUNT as u32,
+        cutter_source: match params.get(param::CUTTER_SOURCE) as u32 {
+            1 => CutterSource::Offset(params.get(param::DRESSER_OFFSET) as u32),
+            2 => CutterSource::WholeWheel,
+            _ => CutterSource::ToolOffset,
+        },
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
         oscillation_stroke: key_stroke(params),
         rapid_mm_min: PerAxis::from_fn(|axis| params.get_axis(param::RAPID_X, axis)),
@@ -131,7 +136,9 @@ impl Plant {
             let (index, axis) = offset_and_axis(table, number)?;
             Some(values[index][axis] * self.displayed_per_mm(axis))
         };
-        of(&WEAR, &self.work.offsets.wear).or_else(|| of(&GEOMETRY, &self.work.offsets.geometry))
+        of(&WEAR, &self.work.offsets.wear)
+            .or_else(|| of(&GEOMETRY, &self.work.offsets.geometry))
+            .or_else(|| self.work.offsets.cutter_variable(number))
     }
 
     /// A position; `Some(None)`, null, for an axis that this machine does not have, or a dressing point that is not set.

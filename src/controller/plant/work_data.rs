@@ -7,7 +7,7 @@ use super::Plant;
 use crate::controller::program::library::Programs;
 use crate::controller::storage_request::StorageRequest;
 use crate::link::edit::OffsetPart;
-use crate::nc::{CommonVariables, CoordinateChange, VariableError, WorkOffsets};
+use crate::nc::{CommonVariables, CoordinateChange, CutterShape, VariableError, WorkOffsets};
 use crate::units::{MachinePos, PerAxis, WorkPos};
 
 /// Results of the last G78 for the program: #434 to #437, mm as displayed.
@@ -74,6 +74,13 @@ impl Plant {
     pub fn store_offset(&mut self, index: usize) {
         let (geometry, wear) = (self.work.offsets.geometry[index], self.work.offsets.wear[index]);
         self.store(StorageRequest::Offset { number: index + 1, geometry, wear });
+    }
+
+    /// Stores the circle of an offset (index from 0) on disk.
+    pub fn store_cutter(&mut self, index: usize) {
+        let CutterShape { radius_mm, tip } = self.work.offsets.cutter[index];
+        self.store(StorageRequest::CutterRadius(index + 1, radius_mm));
+        self.store(StorageRequest::CutterTip(index + 1, tip));
     }
 
     /// Counts a finished part.

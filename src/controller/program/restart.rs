@@ -154,6 +154,13 @@ impl Restart {
                 line
             ));
         }
+        if run.interpreter.is_in_compensation() {
+            return Err(phrase!(
+                "第 {line} 行处在半径补偿 (G41、G42) 中，不能从该行开始：请选 G41、G42 段或 G40 之后的段",
+                "line {line} is between G41 or G42 and G40: the program cannot start there, choose the block of G41 or G42, or one behind G40",
+                line
+            ));
+        }
         if state.oscillates {
             return Err(phrase!(
                 "第 {line} 行处在振荡 (G35)，不能从该行开始",
@@ -435,6 +442,8 @@ fn copy_system_variables(plant: &Plant, mut world: OfflineMachine) -> OfflineMac
         system_variable::GEOMETRY_X,
         system_variable::GEOMETRY_Y,
         system_variable::GEOMETRY_Z,
+        system_variable::CUTTER_RADIUS,
+        system_variable::CUTTER_TIP,
         system_variable::PARTS_DONE,
         system_variable::DRESSING_POINT,
     ];

@@ -13,7 +13,7 @@ use crate::defs::system_variable;
 use crate::defs::text::phrase;
 use crate::link::edit::OffsetPart;
 use crate::machine::RequestResult;
-use crate::nc::{ExternalState, LiveValue};
+use crate::nc::{self, ExternalState, LiveValue};
 use crate::units::{PerAxis, WorkPos};
 
 /// Threshold between off (0) and on (1) when a program writes an output.
@@ -51,6 +51,10 @@ impl ExternalState for RunWorld<'_> {
 
     fn tool_compensation(&self, tool: u32) -> PerAxis<f64> {
         self.lookahead.work_offsets.tool_compensation(tool)
+    }
+
+    fn cutter(&self, offset: usize) -> nc::CutterShape {
+        self.lookahead.work_offsets.cutter_of(offset)
     }
 
     fn active_tool(&self) -> u32 {
@@ -92,6 +96,20 @@ impl ProgramRun {
     }
 
     fn write_offset(&mut self, plant: &mut Plant, number: u32, value: f64) -> bool {
+        if let Some(changed) = plant.work.offsets.set_cutter_variable(number, value) {
+            match changed {
+                Ok(index) => plant.note_offset(index),
+                Err(_) => {
+                    plant.raise(
+                        alarm::OFFSET_RANGE,
+                        Some(phrase!("#{number} = {value}", "#{number} = {value}", number, value)),
+                    );
+                    return false;
+                }
+            }
+            self.lookahead.work_offsets.clone_from(&plant.work.offsets);
+            return true;
+        }
         for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
             if let Some((index, axis)) = offset_and_axis(table, number) {
                 if !offset_in_range(if wear { OffsetPart::Wear } else { OffsetPart::Geometry }, value) {

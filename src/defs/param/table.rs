@@ -166,6 +166,8 @@ numbers! {
     TOOL_4_WIDTH = 413, 0.5 => 50, 2, "mm", Operator, "4 号刀刀刃宽度", "tool 4: edge width", ToolTurret;
     TOOL_4_EDGE = 414, 1 => 100, 8, "mm", Operator, "4 号刀刀刃高度", "tool 4: edge length", ToolTurret;
     TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: shank width", ToolTurret;
+    CUTTER_SOURCE = 416, 0 => 2, 0, "", User, "G41/G42 半径 0:刀补 R 1:修整器 (P417) 2:整个砂轮", "radius of G41 and G42: 0 R of the active offset, 1 dresser (P417), 2 whole wheel";
+    DRESSER_OFFSET = 417, 1 => 16, 16, "", User, "修整器的刀补号", "tool offset of the dresser";
     PROGRAM_REPEATS = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "program repetitions per cycle start";
     SERIAL_BAUD = 370, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
     SERIAL_PAUSE_TIMEOUT = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";

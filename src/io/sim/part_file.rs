@@ -149,6 +149,12 @@ pub struct OffsetPreset {
     pub x: f64,
     /// Geometry Z. With minus the wheel width, Z programs the wheel's right corner.
     pub z: f64,
+    /// Radius R of the circle for G41 and G42, mm.
+    #[serde(default)]
+    pub r: f64,
+    /// Place T of the programmed point of that circle, 0 to 9.
+    #[serde(default)]
+    pub t: u8,
 }
 
 /// The body of the tailstock: a cylinder from `z` towards +Z, part coordinates when advanced.

@@ -19,6 +19,8 @@ pub(super) struct BlockCodes {
     pub motion: Option<Code>,
     /// The block selects exact stop or continuous path.
     pub path_mode: bool,
+    /// G40, G41 or G42.
+    pub compensation: Option<Code>,
     /// The block contains G54–G59.
     pub work_offset: bool,
 }
@@ -65,7 +67,8 @@ impl BlockCodes {
                 modals.inch = matches!(code.number, 20 | 70 | 700);
                 modals.inch_feed = matches!(code.number, 20 | 700);
             }
-            GCodeGroup::Compensation | GCodeGroup::DrillingCycle => {}
+            GCodeGroup::Compensation => self.compensation = Some(code),
+            GCodeGroup::DrillingCycle => {}
             GCodeGroup::ModalCall => self.modal_call = Some(code),
             GCodeGroup::WorkOffset => {
                 self.work_offset = true;

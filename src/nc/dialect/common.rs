@@ -3,11 +3,17 @@
 
 use std::fmt::Display;
 
+use super::codes::BlockCodes;
 use super::rules::{BlockContext, FlowAction};
+use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
+use crate::geometry::CompensationSide;
+use crate::nc::cutter::{Compensation, CutterShape};
+use crate::nc::expression::Scope;
 use crate::nc::fault::{Capitals, E, ReadResult, ReadStop, fail1, fail2};
 use crate::nc::functions::whole_number;
 use crate::nc::op::Op;
+use crate::nc::settings::CutterSource;
 use crate::nc::words::Word;
 
 /// Greatest coordinate, feed or speed that can be programmed.
@@ -50,6 +56,42 @@ pub(super) fn set_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let value = in_range(word, (0.0, MAX_VALUE), "")?;
     running.modals.speed = Some(value);
     running.ops.push(Op::S { value, mode: running.modals.speed_mode });
+    Ok(())
+}
+
+/// G40, or G41 and G42 with the cutter of an offset; `offset` is the number that the block names.
+///
+/// A block that changes the tool offset while they act selects the cutter again.
+pub(super) fn set_compensation(
+    running: &mut BlockContext<'_, '_>,
+    plan: &BlockCodes,
+    offset: Option<u32>,
+) -> ReadResult<()> {
+    let side = match (plan.compensation.map(|code| code.number), running.modals.compensation) {
+        (Some(41), _) => CompensationSide::Left,
+        (Some(42), _) => CompensationSide::Right,
+        (Some(_), _) => {
+            running.modals.compensation = None;
+            return Ok(());
+        }
+        (None, Some(active)) if running.words.has(b'T') => active.side,
+        (None, _) => return Ok(()),
+    };
+    let at = plan.compensation.map_or(running.at, |code| code.at as usize);
+    let by_offset = |number: u32| (running.scope.world.cutter(number as usize), number);
+    let (cutter, number) = match (offset, running.settings.cutter_source) {
+        (Some(number), _) => by_offset(number),
+        (None, CutterSource::ToolOffset) => by_offset(u32::from(running.modals.offset)),
+        (None, CutterSource::Offset(number)) => by_offset(number),
+        (None, CutterSource::WholeWheel) => {
+            let diameter_mm = running.scope.read(system_variable::WHEEL_DIAMETER.first, at)?.unwrap_or(0.0);
+            (CutterShape { radius_mm: diameter_mm / 2.0, tip: 0 }, 0)
+        }
+    };
+    if cutter.radius_mm <= 0.0 {
+        running.scope.warn(at, E::CutterWithoutRadius, [format_args!("{number:02}").into(), Arg::None]);
+    }
+    running.modals.compensation = Some(Compensation { side, cutter });
     Ok(())
 }
 

@@ -6,10 +6,11 @@ pub mod table;
 use egui::Rect;
 
 use super::{PageContext, PageUi, input_line};
+use crate::defs::equipment::Equipment;
 use crate::defs::param;
 use crate::hmi::{Area, FieldEditor, View, page_frame as lines, theme, widget};
 use crate::link::edit::OffsetPart;
-use table::{EntryMode, OffsetTable, OffsetTableSpec};
+use table::{EntryMode, OffsetColumn, OffsetTable, OffsetTableSpec};
 
 /// Entry modes of this page.
 const ENTRY_MODES: [EntryMode; 3] = [EntryMode::Absolute, EntryMode::Increment, EntryMode::Measured];
@@ -33,7 +34,11 @@ impl PageUi for OffsetPage {
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, out, .. } = ctx;
         let locked = !view.snapshot.params.bit(param::EDIT_OFFSETS);
-        let columns = table::columns(view, &[OffsetPart::Geometry, OffsetPart::Wear]);
+        let mut columns = table::columns(view, &[OffsetPart::Geometry, OffsetPart::Wear]);
+        // The tools of a lathe have no radius (L8).
+        if view.snapshot.params.fitted().has(Equipment::Wheel) {
+            columns.extend([OffsetColumn::Radius, OffsetColumn::Tip]);
+        }
         let form = OffsetTableSpec { id: "offset", columns: &columns, modes: &ENTRY_MODES, locked };
         out.extend(self.table.handle_typed(view, typed, &form));
         let (page, input) = input_line::split(rect);

@@ -14,10 +14,75 @@ use crate::units::Axis;
 
 /// Heights of the two header lines: parts, axes.
 const HEAD_HEIGHTS: (f32, f32) = (22.0, 22.0);
+/// Highest place of the programmed point.
+const MAX_TIP: f64 = 9.0;
 /// Width of the offset number.
 const NUMBER_WIDTH: f32 = 46.0;
-/// Maximum number of columns: two parts of three axes.
-const MAX_COLUMNS: usize = 6;
+/// Maximum number of columns: two parts of three axes, R and T.
+const MAX_COLUMNS: usize = 8;
+
+/// A column of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OffsetColumn {
+    /// Geometry or wear of an axis.
+    Length(OffsetPart, Axis),
+    /// Radius of the circle for G41 and G42.
+    Radius,
+    /// Place of the programmed point of that circle.
+    Tip,
+}
+
+impl OffsetColumn {
+    const fn part(self) -> Option<OffsetPart> {
+        match self {
+            Self::Length(part, _) => Some(part),
+            Self::Radius | Self::Tip => None,
+        }
+    }
+
+    const fn axis(self) -> Option<Axis> {
+        match self {
+            Self::Length(_, axis) => Some(axis),
+            Self::Radius | Self::Tip => None,
+        }
+    }
+
+    /// The heading: an axis, R or T.
+    const fn letter(self) -> char {
+        match self {
+            Self::Length(_, axis) => axis.letter(),
+            Self::Radius => 'R',
+            Self::Tip => 'T',
+        }
+    }
+
+    /// The caption of its group.
+    const fn group(self) -> &'static Text {
+        match self {
+            Self::Length(part, _) => part.name(),
+            Self::Radius | Self::Tip => const { &Text::new("半径补偿", "radius comp.") },
+        }
+    }
+
+    /// The value of an offset as shown.
+    fn shown(self, view: &View<'_>, row: usize) -> String {
+        let offset = &view.snapshot.offsets[row];
+        match self {
+            Self::Length(part, axis) => view.length(offset.part(part)[axis]),
+            Self::Radius => view.length(offset.radius_mm),
+            Self::Tip => offset.tip.to_string(),
+        }
+    }
+
+    /// The name by which it is found.
+    fn id(self, row: usize) -> String {
+        match self {
+            Self::Length(part, axis) => format!("{}-{:02}-{axis}", part.name().en, row + 1),
+            Self::Radius => format!("radius-{:02}", row + 1),
+            Self::Tip => format!("tip-{:02}", row + 1),
+        }
+    }
+}
 
 page_keys! {
     /// How a typed value is applied.
@@ -38,7 +103,7 @@ pub struct OffsetTableSpec<'a> {
     /// Id of the page.
     pub id: &'a str,
     /// Columns from the left.
-    pub columns: &'a [(OffsetPart, Axis)],
+    pub columns: &'a [OffsetColumn],
     /// Entry modes that the page offers.
     pub modes: &'a [EntryMode],
     /// Wear, increments and measurements are locked by P22.0.
@@ -46,8 +111,8 @@ pub struct OffsetTableSpec<'a> {
 }
 
 /// The columns of the parts: one for each axis of the machine.
-pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<(OffsetPart, Axis)> {
-    parts.iter().flat_map(|part| view.axes().map(|axis| (*part, axis))).collect()
+pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<OffsetColumn> {
+    parts.iter().flat_map(|part| view.axes().map(|axis| OffsetColumn::Length(*part, axis))).collect()
 }
 
 /// State of the table.
@@ -84,20 +149,31 @@ impl OffsetTable {
 
     /// U, V, W start an increment of the wear; X, Y, Z select an axis; M starts a measurement.
     fn handle_letter(&mut self, sign: char, form: &OffsetTableSpec<'_>) {
-        let part = form.columns.get(self.column).map_or(OffsetPart::Wear, |(part, _)| *part);
+        let chosen = form.columns.get(self.column);
+        let part = chosen.and_then(|column| column.part()).unwrap_or(OffsetPart::Wear);
         let (part, axis, how) = match sign.to_ascii_uppercase() {
             'U' => (OffsetPart::Wear, Some(Axis::X), EntryMode::Increment),
             'V' => (OffsetPart::Wear, Some(Axis::Y), EntryMode::Increment),
             'W' => (OffsetPart::Wear, Some(Axis::Z), EntryMode::Increment),
             'M' => (part, None, EntryMode::Measured),
+            'R' | 'T' => {
+                let letter = sign.to_ascii_uppercase();
+                let column = form.columns.iter().position(|column| column.letter() == letter);
+                self.select_column(column, EntryMode::Absolute);
+                return;
+            }
             letter => match Axis::from_letter(letter) {
                 Some(axis) => (part, Some(axis), self.mode),
                 None => return,
             },
         };
-        let axis = axis.or(form.columns.get(self.column).map(|(_, axis)| *axis));
-        let column = form.columns.iter().position(|column| Some(column.1) == axis && column.0 == part);
-        if let (Some(column), true) = (column, form.modes.contains(&how)) {
+        let axis = axis.or(chosen.and_then(|column| column.axis()));
+        let column = axis.and_then(|axis| form.columns.iter().position(|of| *of == OffsetColumn::Length(part, axis)));
+        self.select_column(column.filter(|_| form.modes.contains(&how)), how);
+    }
+
+    fn select_column(&mut self, column: Option<usize>, how: EntryMode) {
+        if let Some(column) = column {
             self.typing.clear();
             (self.column, self.mode) = (column, how);
         }
@@ -134,9 +210,9 @@ impl OffsetTable {
             self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
             return None;
         }
-        let (part, axis) = *form.columns.get(self.column)?;
+        let column = *form.columns.get(self.column)?;
         let number = self.row + 1;
-        let value = match self.typing.number(self.max_value(part)) {
+        let value = match self.typing.number(self.max_value(column)) {
             Ok(value) => value,
             Err(reason) => {
                 self.typing.refused = Some(reason);
@@ -145,26 +221,35 @@ impl OffsetTable {
         };
         let how = form.modes.iter().position(|how| *how == self.mode).unwrap_or(0);
         self.typing.send((self.row * MAX_COLUMNS + self.column) * form.modes.len() + how);
-        let command = match (self.mode, part) {
-            (EntryMode::Absolute, _) => {
-                self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
+        let mode = std::mem::take(&mut self.mode);
+        if mode == EntryMode::Absolute {
+            self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
+        }
+        Some(match (mode, column) {
+            (_, OffsetColumn::Radius) => Command::Offset(OffsetCommand::SetRadius { number, value }),
+            (_, OffsetColumn::Tip) => Command::Offset(OffsetCommand::SetTip { number, value }),
+            (EntryMode::Absolute, OffsetColumn::Length(part, axis)) => {
                 Command::Offset(OffsetCommand::Set { number, part, axis, value })
             }
-            (EntryMode::Increment, OffsetPart::Wear) => Command::AddWear { number, axis, increment: value },
-            (EntryMode::Increment, OffsetPart::Geometry) => {
+            (EntryMode::Increment, OffsetColumn::Length(OffsetPart::Wear, axis)) => {
+                Command::AddWear { number, axis, increment: value }
+            }
+            (EntryMode::Increment, OffsetColumn::Length(OffsetPart::Geometry, axis)) => {
                 Command::Offset(OffsetCommand::AddGeometry { number, axis, increment: value })
             }
-            (EntryMode::Measured, _) => Command::Offset(OffsetCommand::Measure { number, axis, value }),
-        };
-        self.mode = EntryMode::Absolute;
-        Some(command)
+            (EntryMode::Measured, OffsetColumn::Length(_, axis)) => {
+                Command::Offset(OffsetCommand::Measure { number, axis, value })
+            }
+        })
     }
 
-    const fn max_value(&self, part: OffsetPart) -> f64 {
-        match self.mode {
-            EntryMode::Increment => MAX_INCREMENT,
-            EntryMode::Measured => OffsetPart::Geometry.max_abs(),
-            EntryMode::Absolute => part.max_abs(),
+    const fn max_value(&self, column: OffsetColumn) -> f64 {
+        match (column, self.mode) {
+            (OffsetColumn::Radius, _) => OffsetPart::Wear.max_abs(),
+            (OffsetColumn::Tip, _) => MAX_TIP,
+            (OffsetColumn::Length(..), EntryMode::Increment) => MAX_INCREMENT,
+            (OffsetColumn::Length(..), EntryMode::Measured) => OffsetPart::Geometry.max_abs(),
+            (OffsetColumn::Length(part, _), EntryMode::Absolute) => part.max_abs(),
         }
     }
 
@@ -199,10 +284,9 @@ impl OffsetTable {
             view.edge_bar(place, view.theme.info);
         }
         view.line_centre(place.split_left(NUMBER_WIDTH).0, &format!("{:02}", row + 1), theme::TITLE, ink);
-        for (column, (part, axis)) in form.columns.iter().enumerate() {
+        for (column, of) in form.columns.iter().enumerate() {
             let cell = cell_rect(place, column, form);
-            let name = format!("{}-{:02}-{axis}", part.name().en, row + 1);
-            let response = view.touch(cell, (form.id, row, column), name);
+            let response = view.touch(cell, (form.id, row, column), of.id(row));
             if response.clicked() {
                 if (row, column) != (self.row, self.column) {
                     let how = if self.typing.refused.is_some() { EntryMode::Absolute } else { self.mode };
@@ -214,7 +298,7 @@ impl OffsetTable {
                 self.typing.open_pad();
             }
             keycap::field(view, cell, &response);
-            let old = (view.length(view.snapshot.offsets[row].part(*part)[*axis]), view.theme.text);
+            let old = (of.shown(view, row), view.theme.text);
             let chosen = (row, column) == (self.row, self.column);
             let (mut words, ink) = if chosen { self.typing.shown(view, old) } else { old };
             let typed = chosen && !self.typing.text.is_empty() && self.typing.refused.is_none();
@@ -230,22 +314,28 @@ impl OffsetTable {
 
     /// `数据输入: 磨耗 04 X += 0.01   当前 … 范围 …`
     pub fn input_line(&self, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
-        let Some((part, axis)) = form.columns.get(self.column) else { return };
+        let Some(&column) = form.columns.get(self.column) else { return };
         let number = self.row + 1;
-        let old = view.length(view.snapshot.offsets[self.row].part(*part)[*axis]);
-        let (sign, part, then) = match self.mode {
-            EntryMode::Absolute => ("=", *part, format!("{} {old}", view.text("原值", "was"))),
-            EntryMode::Increment => (" +=", *part, format!("{} {old}", view.text("原值", "was"))),
-            EntryMode::Measured => {
-                let work = view.length(view.snapshot.axes[*axis].work);
+        let was = format!("{} {}", view.text("原值", "was"), column.shown(view, self.row));
+        let (sign, column, then) = match (self.mode, column) {
+            (EntryMode::Increment, OffsetColumn::Length(..)) => (" +=", column, was),
+            (EntryMode::Measured, OffsetColumn::Length(_, axis)) => {
+                let work = view.length(view.snapshot.axes[axis].work);
                 let now = format!("{} {axis} {work}", view.text("当前", "now"));
-                (view.text(" 测量值=", " measured="), OffsetPart::Geometry, now)
+                (view.text(" 测量值=", " measured="), OffsetColumn::Length(OffsetPart::Geometry, axis), now)
             }
+            (EntryMode::Absolute, _) | (_, OffsetColumn::Radius | OffsetColumn::Tip) => ("=", column, was),
         };
-        let what = format!("{} {number:02} {axis}{sign}", part.name().get(view.lang));
-        let range = format!("{} ±{:.3} · {then}", view.text("范围", "range"), self.max_value(part));
-        let name =
-            if form.locked && (part == OffsetPart::Wear || self.mode != EntryMode::Absolute) { "P22.0=0" } else { "" };
+        let what = format!("{} {number:02} {}{sign}", column.group().get(view.lang), column.letter());
+        let most = self.max_value(column);
+        let range = match column {
+            OffsetColumn::Length(..) => format!("±{most:.3}"),
+            OffsetColumn::Radius => format!("0–{most:.3}"),
+            OffsetColumn::Tip => format!("0–{most:.0}"),
+        };
+        let range = format!("{} {range} · {then}", view.text("范围", "range"));
+        let is_locked = column.part().is_some_and(|part| part == OffsetPart::Wear || self.mode != EntryMode::Absolute);
+        let name = if form.locked && is_locked { "P22.0=0" } else { "" };
         input_line::ui_in_run(view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
     }
 }
@@ -258,8 +348,8 @@ fn cell_rect(line: Rect, column: usize, form: &OffsetTableSpec<'_>) -> Rect {
 
 /// A single part needs no caption.
 fn parts_height(form: &OffsetTableSpec<'_>) -> f32 {
-    let first = form.columns.first().map(|column| column.0);
-    if form.columns.iter().all(|column| Some(column.0) == first) { 0.0 } else { HEAD_HEIGHTS.0 }
+    let first = form.columns.first().map(|column| column.part());
+    if form.columns.iter().all(|column| Some(column.part()) == first) { 0.0 } else { HEAD_HEIGHTS.0 }
 }
 
 /// Parts above axes; a lock where P22.0 forbids editing.
@@ -269,15 +359,15 @@ fn head_line(rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
     let number = Rect::from_min_size(axes.min, vec2(NUMBER_WIDTH, axes.height()));
     view.line_centre(number, view.text("号", "No."), theme::SMALL, view.theme.muted);
     let mut last = None;
-    for (column, (part, axis)) in form.columns.iter().enumerate() {
+    for (column, of) in form.columns.iter().enumerate() {
         let below = cell_rect(line(axes), column, form).shrink2(vec2(8.0, 0.0));
-        view.fit_right(below, &axis.to_string(), theme::LABEL, view.theme.text);
-        if last.replace(*part) == Some(*part) || parts_height(form) < HEAD_HEIGHTS.0 {
+        view.fit_right(below, &of.letter().to_string(), theme::LABEL, view.theme.text);
+        if last.replace(of.part()) == Some(of.part()) || parts_height(form) < HEAD_HEIGHTS.0 {
             continue;
         }
         let above = cell_rect(line(parts), column, form).shrink2(vec2(8.0, 0.0));
-        let taken = view.fit_left(above, part.name().get(view.lang), theme::LABEL, view.theme.text);
-        if form.locked && *part == OffsetPart::Wear {
+        let taken = view.fit_left(above, of.group().get(view.lang), theme::LABEL, view.theme.text);
+        if form.locked && of.part() == Some(OffsetPart::Wear) {
             let lock = Rect::from_center_size(pos2(taken.max.x + 12.0, above.center().y), vec2(13.0, 13.0));
             pictogram::draw(&view.painter, lock, pictogram::LOCK, view.theme.muted);
         }
