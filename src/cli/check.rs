@@ -24,8 +24,8 @@ use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
-    BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, ProgramCheck, ProgramFault,
-    SharedLibrary, Source, WorkOffsets,
+    BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, OriginPlace, ProgramCheck,
+    ProgramFault, SharedLibrary, Source, WorkOffsets,
 };
 use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, decode, folder_of};
 use crate::units::{Axis, PerAxis};
@@ -363,6 +363,8 @@ impl<'a> FileCheck<'a> {
             false => Vec::new(),
         };
         let mut shown = 0;
+        let mut origins = WorkOffsets::default();
+        origins.work[0] = self.part.as_ref().map_or_else(PerAxis::default, |part| part.g54_mm.displacement());
         let checked = checking().run(&mut world, &mut |block| {
             if let Some(rehearsal) = &mut rehearsal {
                 rehearsal.check_block(block, &|at| self.block_text(at));
@@ -372,7 +374,7 @@ impl<'a> FileCheck<'a> {
             }
             interlocks.check_block(block);
             if self.call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
-                block.ops.iter().for_each(|op| self.print_op(op));
+                block.ops.iter().for_each(|op| self.print_op(op, &mut origins));
             }
             shown += 1;
         });
@@ -451,16 +453,25 @@ impl<'a> FileCheck<'a> {
     }
 
     /// Prints a canonical operation. A change of the work offset gets its origin: G54 as set up for the part, the
-    /// others zero.
-    fn print_op(&self, op: &Op) {
+    /// others zero, until the program sets them.
+    fn print_op(&self, op: &Op, origins: &mut WorkOffsets) {
         if self.shared.format == OutputFormat::Text {
             return print_line(op);
         }
         let axes = self.settings.axes;
         let mut json = op.json(axes);
+        if let Op::SetSystemVariable { number, value } = op
+            && let Some((place, index)) = OriginPlace::of_variable(*number)
+            && let Some((axis, _)) = axes.iter().filter(|(_, present)| **present).nth(index)
+        {
+            let mut origin = origins.origin(place);
+            let per_mm = if self.settings.diameter && axis == Axis::X { 2.0 } else { 1.0 };
+            origin[axis] = value.unwrap_or(0.0) / per_mm;
+            origins.set_origin(place, origin);
+        }
         if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
-            let part = self.part.as_ref().filter(|_| *g == 54);
-            let zero = part.map_or_else(PerAxis::default, |part| part.g54_mm.displacement());
+            origins.activate(*g);
+            let zero = PerAxis::from_fn(|axis| origins.work[origins.active][axis] + origins.external[axis]);
             for (axis, _) in axes.iter().filter(|(_, present)| **present) {
                 object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
             }

@@ -13,7 +13,7 @@ use crate::defs::signal::{Input, Output};
 use crate::defs::turning_tool;
 use crate::link::files::{FileRequest, Ticket};
 use crate::link::page_command::SettingsRequest;
-use crate::nc::{CommonVariables, NcSettings, REFERENCE_POINTS, WorkOffsets};
+use crate::nc::{CommonVariables, NcSettings, OriginPlace, REFERENCE_POINTS, WorkOffsets};
 use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// One request.
@@ -36,8 +36,8 @@ pub enum StorageRequest {
     CutterRadius(usize, f64),
     /// Store the place of the programmed point of a tool offset (1 to 16).
     CutterTip(usize, u8),
-    /// Store a work offset: index 0 is G54; origin in machine coordinates, radius mm.
-    WorkOffset(usize, PerAxis<f64>),
+    /// Store a work offset or the external one: origin in machine coordinates, radius mm.
+    WorkOffset(OriginPlace, PerAxis<f64>),
     /// Store the dressing point of an axis: machine coordinate, radius mm; `None` removes it.
     DressPoint(Axis, Option<f64>),
     /// Store the leadscrew compensation table of an axis.

@@ -91,8 +91,8 @@ g_codes! {
         "G04 P_（毫秒）或 G04 X_（秒）：暂停；进给保持时剩余时间停住。" "G04 P_ (milliseconds) or G04 X_ (seconds): dwell; a feed hold stops the remaining time.";
     9 "exact-stop-block" NonModal Yes Yes "本段准停" "exact stop in this block"
         "G09 G01 X_ Z_ F_：本段终点准停；以后的段按 G61/G64。" "G09 G01 X_ Z_ F_: exact stop at the end of this block; the following blocks go by G61 or G64.";
-    10 "wear-add" NonModal Yes Yes "修改刀补" "add to wear offset"
-        "G10 D_ U_ W_：把 U、W（平磨 V）加到刀补 D（1–16）的磨耗上，立即生效；D 不在 1–16 报警。" "G10 D_ U_ W_: adds U, W (GS: V) to the wear of offset D (1 to 16), effective at once; another D is an alarm.";
+    10 "wear-add" NonModal Yes Yes "修改刀补、工件坐标系" "set offsets"
+        "G10 D_ U_ W_：把 U、W（平磨 V）加到刀补 D（1–16）的磨耗上，立即生效；D 不在 1–16 报警。G10 L2 P0–P6 X_ Z_：外部偏移、G54–G59；G10 L20 P1–P48：G54.1；G10 P1–P16：刀补磨耗，P10001–P10016：几何，R 半径 Q 刀尖方向；U V W 为增加。" "G10 D_ U_ W_: adds U, W (GS: V) to the wear of offset D (1 to 16), effective at once; another D is an alarm. G10 L2 P0 to P6 X_ Z_: external offset, G54 to G59; G10 L20 P1 to P48: G54.1; G10 P1 to P16: wear, P10001 to P10016: geometry of a tool offset, R radius, Q tip; U V W add.";
     17 "plane-xy" Plane No Yes "XY 平面" "XY plane"
         "G17：圆弧在 XY 平面。" "G17: arcs are in the XY plane.";
     18 "plane-zx" Plane Yes Yes "ZX 平面" "ZX plane"
@@ -129,10 +129,12 @@ g_codes! {
         "G42 G01 X_ Z_（D_）：同 G41，在轮廓右侧。" "G42 G01 X_ Z_ (D_): as G41, on the right of the contour.";
     50 "preset" NonModal Yes Yes "设定坐标系" "set work coordinates"
         "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: sets the coordinates of the current position to X Z without moving; clears the wear of the active tool offset. An alarm if the program uses several tools.";
+    52 "local-zero" NonModal Yes Yes "局部坐标系" "local zero"
+        "G52 X_ Z_：在当前工件坐标系中设定局部零点，对所有工件坐标系有效；G52 X0 Z0 取消，程序开始时没有。" "G52 X_ Z_: sets a local zero in the active work offset, in force in all of them; G52 X0 Z0 ends it, a program starts without.";
     53 "machine-move" NonModal Yes Yes "机床坐标定位" "machine coordinates"
         "G53 X_ Z_：本段坐标为机床坐标。" "G53 X_ Z_: the coordinates of this block are machine coordinates.";
     54 "frame-1" WorkOffset Yes Yes "工件坐标系 1" "work offset 1"
-        "G54：工件坐标系 1，从本段起有效；程序开始时为 G54。" "G54: work offset 1, from this block on; a program starts with G54.";
+        "G54：工件坐标系 1，从本段起有效；程序开始时为 G54。G54.1 P1–P48（或 G54 P_）：附加工件坐标系。" "G54: work offset 1, from this block on; a program starts with G54. G54.1 P1 to P48 (or G54 P_): additional work offsets.";
     55 "frame-2" WorkOffset Yes Yes "工件坐标系 2" "work offset 2"
         "G55：工件坐标系 2，从本段起有效；程序开始时为 G54。" "G55: work offset 2, from this block on; a program starts with G54.";
     56 "frame-3" WorkOffset Yes Yes "工件坐标系 3" "work offset 3"

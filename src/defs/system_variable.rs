@@ -73,6 +73,8 @@ ranges! {
     MACHINE_POSITION = 5_021, 3, Read, "机床坐标", "machine position";
     WORK_POSITION = 5_041, 3, Read, "工件坐标", "work position";
     SKIP_POSITION = 5_061, 3, Read, "G31 锁存位置", "position latched by G31";
+    EXTERNAL_ORIGIN = 5_201, 3, ReadWrite, "外部工件原点偏移", "external work offset";
+    ORIGINS = 5_221, 103, ReadWrite, "工件原点 G54–G59：#5221 #5241 … #5321 起各轴", "work offsets G54 to G59: the axes from #5221, #5241 … #5321";
     WHEEL_DIAMETER = 5_801, 1, ReadWrite, "砂轮直径 mm (P77)；赋值表示已修整", "wheel diameter (P77); writing it reports a dressing";
     WHEEL_WIDTH = 5_802, 1, Read, "砂轮宽度 mm (P78)", "wheel width (P78)";
     PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
@@ -80,7 +82,11 @@ ranges! {
     DRESSING_COUNT = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
     DRESSER_SIDE = 5_806, 1, Read, "修整器位置 (P98)：-1 工件侧，0 修整点不变，1 对侧", "dresser (P98): -1 part side, 0 point fixed, 1 opposite side";
     DRESSING_POINT = 5_811, 3, Read, "修整点 X Y Z (机床坐标)，没有设置为空", "dressing point X, Y, Z, machine position; null where none is set";
+    EXTRA_ORIGINS = 7_001, 943, ReadWrite, "附加工件原点 G54.1 P1–P48：#7001 #7021 … #7941 起各轴", "work offsets G54.1 P1 to P48: the axes from #7001, #7021 … #7941";
 }
+
+/// Distance of the numbers of consecutive work offsets.
+pub const ORIGIN_STEP: u32 = 20;
 
 /// Whether a variable is a position or a distance; programs read it in the active unit (mm or inch).
 #[must_use]

@@ -103,7 +103,6 @@ compared_fields! {
     next_kind: differ;
     edit_answer: differ;
     offsets: on(FieldGroup::Offsets, differ);
-    active_offset: differ;
     modals: on(FieldGroup::Mdi, differ);
     prepared_mdi: on(FieldGroup::Mdi, differ);
     dressing_point: on(FieldGroup::DressingPoint, differ);

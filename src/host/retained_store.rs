@@ -11,6 +11,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::system_variable;
 use crate::link::command::Command;
 use crate::link::page_command::SettingsRequest;
+use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset};
 use crate::units::{Axis, PerAxis};
@@ -103,8 +104,8 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
         }
         StorageRequest::CutterRadius(offset, radius_mm) => number(&format!("{CUTTER_RADIUS}{offset}"), *radius_mm),
         StorageRequest::CutterTip(offset, tip) => number(&format!("{CUTTER_TIP}{offset}"), f64::from(*tip)),
-        StorageRequest::WorkOffset(index, origin) => {
-            RetainedChange::WorkOffset { index: *index as u8, origin: *origin }
+        StorageRequest::WorkOffset(place, origin) => {
+            RetainedChange::WorkOffset { index: place.stored_index() as u8, origin: *origin }
         }
         StorageRequest::DressPoint(axis, at) => {
             RetainedChange::Number { key: DRESS_POINTS[*axis as usize].into(), value: *at }
@@ -144,11 +145,7 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
             let cutter = offset.checked_sub(1).and_then(|index| retained.work_offsets.cutter.get_mut(index));
             cutter.into_iter().for_each(|cutter| cutter.tip = *tip);
         }
-        StorageRequest::WorkOffset(index, origin) => {
-            if let Some(frame) = retained.work_offsets.work.get_mut(*index) {
-                *frame = *origin;
-            }
-        }
+        StorageRequest::WorkOffset(place, origin) => retained.work_offsets.set_origin(*place, *origin),
         StorageRequest::DressPoint(axis, at) => retained.dress_points[*axis] = *at,
         StorageRequest::LeadscrewTable(axis, table) => retained.leadscrew_tables[*axis] = table.clone(),
         StorageRequest::CurrentProgram(number) => retained.current_program = *number,
@@ -192,7 +189,10 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<S
         }
     }
     for (index, origin) in &loaded.work_offsets {
-        apply_request(&mut retained, &StorageRequest::WorkOffset(usize::from(*index), PerAxis(origin.0)));
+        match OriginPlace::of_stored_index(usize::from(*index)) {
+            Some(place) => apply_request(&mut retained, &StorageRequest::WorkOffset(place, *origin)),
+            None => dropped.push(format!("work offset {index}")),
+        }
     }
     for axis in Axis::ALL {
         let Some(text) = loaded.texts.get(SCREWS[axis as usize]) else { continue };

@@ -7,8 +7,8 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{ParamAddress, Params};
 use crate::defs::param_row;
 use crate::link::files::{Refusal, RestoredValues};
-use crate::nc::work_offsets::{TOOL_OFFSET_COUNT, WORK_OFFSET_COUNT};
-use crate::nc::{CommonVariables, CutterShape};
+use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::nc::{CommonVariables, CutterShape, OriginPlace};
 use crate::store::Values;
 use crate::units::PerAxis;
 
@@ -29,7 +29,8 @@ pub fn from_holdings(holdings: &TransferValues) -> Values {
     }
     values.cutters =
         (1_u8..).zip(&offsets.cutter).map(|(number, cutter)| (number, (cutter.radius_mm, cutter.tip))).collect();
-    values.work_offsets = offsets.work.iter().enumerate().map(|(index, origin)| (index as u8, *origin)).collect();
+    let origins = (0..OriginPlace::COUNT).filter_map(OriginPlace::of_stored_index);
+    values.work_offsets = origins.map(|place| (place.stored_index() as u8, offsets.origin(place))).collect();
     values
 }
 
@@ -78,11 +79,14 @@ pub fn check_values(values: &Values, kind: Kind) -> Result<RestoredValues, Refus
         restored.cutters.push((usize::from(*number), radius_mm, tip));
     }
     for (index, origin) in &values.work_offsets {
-        if usize::from(*index) >= WORK_OFFSET_COUNT || !finite(origin) {
-            let g = 54 + u32::from(*index);
-            return Err(refusal(format!("坐标系 G{g} 的值不对"), format!("work offset G{g} has an invalid value")));
+        match OriginPlace::of_stored_index(usize::from(*index)) {
+            Some(place) if finite(origin) => restored.work_offsets.push((place.stored_index(), *origin)),
+            Some(_) | None => {
+                let (zh, en) =
+                    (format!("坐标系 {index} 的值不对"), format!("work offset {index} has an invalid value"));
+                return Err(refusal(zh, en));
+            }
         }
-        restored.work_offsets.push((usize::from(*index), *origin));
     }
     Ok(restored)
 }

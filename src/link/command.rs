@@ -76,7 +76,7 @@ pub enum Command {
     SetVariable(u16, Option<f64>),
     /// Sets a parameter without a page (`--param`, `param` in a story); no password is needed.
     SetParam(ParamAddress, f64),
-    /// Sets the work offset G54 (0) to G59 (5), machine coordinates, radius mm.
+    /// Sets a work offset by the index that it is stored by (0 is G54), machine coordinates, radius mm.
     SetWorkOffset(usize, PerAxis<f64>),
     /// Sets the geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),

@@ -5,6 +5,19 @@
 use crate::defs::text::{LocalizedText, Text};
 use crate::units::{Axis, DisplayPos};
 
+/// Number of work offsets on their page: external, G54 to G59, G54.1 P1 to P48.
+pub const ORIGIN_COUNT: usize = 55;
+
+/// The name of a work offset by its row on the page.
+#[must_use]
+pub fn origin_name(row: usize) -> String {
+    match row {
+        0 => "EXT".to_owned(),
+        1..=6 => format!("G{}", 53 + row),
+        _ => format!("P{}", row - 6),
+    }
+}
+
 /// Number of tool offsets; they are numbered 1 to 16 (K4.1).
 pub const OFFSET_COUNT: usize = 16;
 
@@ -43,6 +56,17 @@ impl OffsetPart {
 /// Maximum increment typed at a page, mm; it catches a missing decimal point.
 pub const MAX_INCREMENT: f64 = 9.999;
 
+/// A change of a coordinate of a work offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OriginChange {
+    /// The new machine coordinate, mm.
+    Set(f64),
+    /// An increment, mm.
+    Add(f64),
+    /// The work coordinate of the place where the axis stands, mm.
+    Measure(f64),
+}
+
 /// A request of the offset or dressing page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OffsetCommand {
@@ -70,6 +94,15 @@ pub enum OffsetCommand {
         number: usize,
         /// 0 to 9.
         value: f64,
+    },
+    /// Changes a coordinate of a work offset.
+    Origin {
+        /// Its row on the page, from 0.
+        row: usize,
+        /// Axis.
+        axis: Axis,
+        /// The change.
+        change: OriginChange,
     },
     /// Adds an increment to the geometry; for the wear see [`super::Command::AddWear`].
     AddGeometry {
@@ -125,11 +158,32 @@ impl OffsetView {
     }
 }
 
+/// Tool offsets and work offsets as displayed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OffsetTables {
+    /// Tool offsets 1 to 16.
+    pub tools: [OffsetView; OFFSET_COUNT],
+    /// The active tool offset, 1 to 16; 0 for none.
+    pub active_tool: usize,
+    /// Work offsets, machine coordinates, in the order of their page.
+    pub origins: [DisplayPos; ORIGIN_COUNT],
+    /// Row of the active work offset on its page.
+    pub active_origin: usize,
+}
+
+impl Default for OffsetTables {
+    fn default() -> Self {
+        let (tools, origins) = ([OffsetView::default(); OFFSET_COUNT], [DisplayPos::default(); ORIGIN_COUNT]);
+        Self { tools, active_tool: 0, origins, active_origin: 1 }
+    }
+}
+
 /// The active modal codes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModalView {
-    /// G codes by group: motion, plane, absolute or incremental, feed mode, unit, work offset, path, speed mode.
-    pub g: [u8; 8],
+    /// G codes by group: motion, plane, absolute or incremental, feed mode, unit, work offset (G54.1 P1 to P48 as 101 to
+    /// 148), path, speed mode, radius compensation.
+    pub g: [u8; 9],
     /// F, mm/min or mm per revolution.
     pub feed: Option<f64>,
     /// S.
@@ -138,4 +192,14 @@ pub struct ModalView {
     pub tool: (u16, u16),
     /// The last M code.
     pub m: Option<u8>,
+}
+
+impl ModalView {
+    /// The G codes as programs write them.
+    pub fn g_names(&self) -> impl Iterator<Item = String> + '_ {
+        self.g.iter().map(|g| match g {
+            101.. => format!("G54.1P{}", g - 100),
+            _ => format!("G{g:02}"),
+        })
+    }
 }

@@ -224,7 +224,7 @@ pub struct RestoredValues {
     pub offsets: Vec<(usize, PerAxis<f64>, PerAxis<f64>)>,
     /// Circles of offsets 1 to 16: radius in mm, and tip.
     pub cutters: Vec<(usize, f64, u8)>,
-    /// Work offsets, 0 is G54; machine coordinates, radius mm.
+    /// Work offsets by the index that they are stored by, 0 is G54; machine coordinates, radius mm.
     pub work_offsets: Vec<(usize, PerAxis<f64>)>,
 }
 

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::command::{Command, ScreenFiles, Screens};
-use super::edit::{EditAnswer, ModalView, OFFSET_COUNT, OffsetView};
+use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::part_result::{PartResult, SizeValues};
@@ -318,10 +318,8 @@ pub struct Snapshot {
     pub next_kind: Kind,
     /// Answer to the last value typed at a page.
     pub edit_answer: EditAnswer,
-    /// Tool offsets 1 to 16.
-    pub offsets: [OffsetView; OFFSET_COUNT],
-    /// The active offset, 1 to 16; 0 if none.
-    pub active_offset: usize,
+    /// Tool offsets and work offsets.
+    pub offsets: OffsetTables,
     /// The active modal codes.
     pub modals: ModalView,
     /// The MDI line prepared for cycle start; empty if none.
@@ -361,7 +359,7 @@ impl RestartView {
     /// Summary in one line, for the message line.
     #[must_use]
     pub fn summary(&self) -> LocalizedText {
-        let codes: String = self.modals.g.iter().map(|g| format!("G{g:02} ")).collect();
+        let codes: String = self.modals.g_names().map(|name| name + " ").collect();
         let place: String = self.start.iter().filter_map(|(axis, at)| at.map(|at| format!("{axis}{at:.3} "))).collect();
         let (tool, offset) = self.modals.tool;
         let turning = [
@@ -490,8 +488,7 @@ impl Snapshot {
             access: AccessView::default(),
             next_kind: kind,
             edit_answer: EditAnswer::default(),
-            offsets: [OffsetView::default(); OFFSET_COUNT],
-            active_offset: 0,
+            offsets: OffsetTables::default(),
             modals: ModalView::default(),
             prepared_mdi: String::new(),
             dressing_point: PerAxis::default(),

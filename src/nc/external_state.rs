@@ -4,7 +4,7 @@ use super::cutter::CutterShape;
 use super::op::{Feed, Op, REFERENCE_POINTS, SpeedMode};
 use super::op_effect::{ArcMove, MotionSegment, OpEffect, OscillationChange, SegmentSpeed};
 use super::settings::NcSettings;
-use super::work_offsets::WorkOffsets;
+use super::work_offsets::{OriginPlace, WorkOffsets};
 use crate::defs::system_variable::{self, VariableAccess};
 use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
@@ -332,12 +332,28 @@ impl OfflineMachine {
             OpEffect::Dwell(seconds) => self.totals.seconds += seconds,
             OpEffect::Speed(value, SpeedMode::Rpm) if value > 0.0 => self.rpm = value,
             OpEffect::SystemVariable(number, value) => {
-                let _ = self.work_offsets.set_cutter_variable(number, value.unwrap_or(0.0)); // the run refuses it
-                self.set_system(number, value);
+                let shown = value.unwrap_or(0.0);
+                // A value out of range changes nothing: the run refuses it.
+                let is_cutter = self.work_offsets.set_cutter_variable(number, shown).is_some();
+                if !is_cutter && !self.set_origin(number, shown) {
+                    self.set_system(number, value);
+                }
             }
             OpEffect::Speed(..) | OpEffect::SpeedLimit(_) | OpEffect::PathMode(_) | OpEffect::MCode(_) => {}
             OpEffect::Variable(..) | OpEffect::Message(_) => {}
         }
+    }
+
+    /// Sets an origin by its variable, mm as displayed; the slides stand still. False: the variable is none.
+    fn set_origin(&mut self, number: u32, value: f64) -> bool {
+        let Some((place, index)) = OriginPlace::of_variable(number) else { return false };
+        let Some(axis) = Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index) else { return true };
+        let machine = self.machine_position();
+        let mut origin = self.work_offsets.origin(place);
+        origin[axis] = if self.diameter && axis == Axis::X { value / 2.0 } else { value };
+        self.work_offsets.set_origin(place, origin);
+        self.totals.position = self.work_offsets.work_from_machine(machine);
+        true
     }
 
     fn machine_position(&self) -> MachinePos {
@@ -374,6 +390,10 @@ impl ExternalState for OfflineMachine {
         let none = LiveValue::Value(None);
         if let Some(value) = self.work_offsets.cutter_variable(number) {
             return LiveValue::Value(Some(value));
+        }
+        if let Some((place, index)) = OriginPlace::of_variable(number) {
+            let origin = self.work_offsets.origin(place);
+            return axis(index as u32).map_or(none, |axis| shown(axis, origin[axis]));
         }
         match number {
             // No dressing point is set.

@@ -63,4 +63,4 @@ pub use program_parts::{ProgramPart, program_parts};
 pub use settings::{CutterSource, Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
 pub use source_index::o_number;
-pub use work_offsets::WorkOffsets;
+pub use work_offsets::{OriginPlace, WorkOffsets};

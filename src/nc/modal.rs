@@ -3,6 +3,7 @@
 use super::cutter::Compensation;
 use super::op::{Feed, PathMode, SpeedMode};
 use super::settings::{NcSettings, SpeedUnit};
+use super::work_offsets::EXTRA_G;
 use crate::units::Plane;
 
 /// The active function of group 01, by its G code.
@@ -112,7 +113,7 @@ pub struct ModalState {
     pub inch: bool,
     /// G20, G700: feeds in inches, too.
     pub inch_feed: bool,
-    /// Work offset, 54–59.
+    /// Work offset, 54–59; G54.1 P1–P48 as 101–148.
     pub work_offset: u8,
     /// G61 or G64.
     pub path_mode: PathMode,
@@ -208,7 +209,11 @@ impl ModalState {
             4009 if mill => code(80),
             4010 if !mill => code(80),
             4012 => code(if self.modal_call { 66 } else { 67 }),
-            4014 => code(self.work_offset),
+            4014 => match self.work_offset.checked_sub(EXTRA_G) {
+                None | Some(0) => code(self.work_offset),
+                Some(_) => Some(Some(54.1)),
+            },
+            4130 => code(self.work_offset.saturating_sub(EXTRA_G)),
             4015 => code(if self.path_mode == PathMode::ExactStop { 61 } else { 64 }),
             4016 => code(self.plane.g()),
             4109 => Some(self.feed),

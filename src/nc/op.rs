@@ -161,8 +161,10 @@ pub enum Op {
     Dwell { s: f64 },
     /// G61, G64.
     SetPathMode(PathMode),
-    /// G54–G59.
+    /// G54–G59; G54.1 P1–P48 as 101–148.
     SelectWorkOffset { g: u8 },
+    /// G52: the local zero of the named axes.
+    SetLocalZero { values: PerAxis<Option<f64>> },
     /// G50: assigns these work coordinates to the present position; clears the wear of the active tool offset (K5.10).
     SetCoordinateSystem { values: PerAxis<Option<f64>> },
     /// G50 S: speed limit under G96, rpm.
@@ -227,7 +229,10 @@ impl Op {
             }
             Self::SetCoordinateSystem { .. } | Self::HomeSwitch { .. } => true,
             Self::Thread(_) | Self::IndexTurret { .. } => false,
-            Self::SelectWorkOffset { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
+            Self::SelectWorkOffset { .. }
+            | Self::SetLocalZero { .. }
+            | Self::SpeedLimit { .. }
+            | Self::MachineMove { .. } => false,
             Self::S { .. } | Self::T { .. } | Self::SetVariable { .. } | Self::DisplayMessage { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }

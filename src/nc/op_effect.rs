@@ -117,8 +117,10 @@ pub enum SegmentSpeed {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum CoordinateChange {
-    /// G54–G59.
+    /// G54–G59; G54.1 P1–P48 as 101–148.
     Select(u8),
+    /// G52: the local zero.
+    Local(PerAxis<Option<f64>>),
     /// G50, G92: assigns work coordinates to the present position.
     Set(PerAxis<Option<f64>>),
     /// T: tool 0 keeps the tool, offset 0 cancels the offset.
@@ -189,6 +191,7 @@ impl Op {
             Self::Thread(ref threading) => Motion(OpMotion::Thread(threading)),
             Self::HomeSwitch { axes } => Motion(OpMotion::HomeSwitch(axes)),
             Self::SelectWorkOffset { g } => Coordinates(CoordinateChange::Select(g)),
+            Self::SetLocalZero { values } => Coordinates(CoordinateChange::Local(values)),
             Self::SetCoordinateSystem { values } => Coordinates(CoordinateChange::Set(values)),
             Self::T { tool, offset } => Coordinates(CoordinateChange::Tool { tool, offset }),
             Self::AddWear { number, by } => Coordinates(CoordinateChange::AddWear { number, by }),
@@ -246,7 +249,8 @@ impl OpEffect<'_> {
             },
             Self::Coordinates(change) => match change {
                 CoordinateChange::Set(_) => false,
-                CoordinateChange::Select(_) | CoordinateChange::Tool { .. } | CoordinateChange::AddWear { .. } => true,
+                CoordinateChange::Select(_) | CoordinateChange::Local(_) => true,
+                CoordinateChange::Tool { .. } | CoordinateChange::AddWear { .. } => true,
             },
             Self::IndexTurret { .. } | Self::Oscillation(_) | Self::PathMode(_) | Self::Dwell(_) => true,
             Self::Speed(..) | Self::SpeedLimit(_) | Self::MCode(_) | Self::Message(_) => true,
@@ -400,6 +404,7 @@ impl CoordinateChange {
     pub fn apply(&self, offsets: &mut WorkOffsets, machine: MachinePos) {
         match *self {
             Self::Select(g) => offsets.activate(g),
+            Self::Local(values) => offsets.set_local(&values),
             Self::Set(values) => offsets.set_coordinates(machine, &values),
             Self::Tool { tool, offset } => offsets.call_tool(tool, offset),
             Self::AddWear { number, by } => offsets.add_wear(number, by),

@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use super::op::{AxisSet, Feed, Op, PathMode, SpeedMode};
 use super::op_effect::{CoordinateChange, OpEffect, OpMotion, OscillationChange, ProgramMessage};
+use super::work_offsets::EXTRA_G;
 use crate::units::{Axis, PerAxis};
 
 impl Op {
@@ -79,6 +80,7 @@ impl Op {
             Self::Dwell { .. } => "dwell",
             Self::SetPathMode(_) => "path",
             Self::SelectWorkOffset { .. } => "frame",
+            Self::SetLocalZero { .. } => "local",
             Self::SetCoordinateSystem { .. } => "preset",
             Self::SpeedLimit { .. } => "speed-limit",
             Self::MachineMove { .. } => "machine",
@@ -151,7 +153,11 @@ impl OpMotion<'_> {
 impl CoordinateChange {
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match *self {
-            Self::Select(g) => put("g", json!(g)),
+            Self::Select(g) => match g.checked_sub(EXTRA_G) {
+                None | Some(0) => put("g", json!(g)),
+                Some(extra) => put_both(put, ("g", json!(54.1)), ("p", json!(extra))),
+            },
+            Self::Local(values) => put_some_points(put, "", values),
             Self::Set(values) => put_some_points(put, "", values),
             Self::Tool { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
             Self::AddWear { number, by } => {

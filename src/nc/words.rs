@@ -13,6 +13,9 @@ use crate::defs::text::arg::Arg;
 pub(crate) const MAX_WORDS: usize = 48;
 /// Most G codes of a block.
 const MAX_G_CODES: usize = 10;
+/// The code of the additional work offsets, and the rounding of a code that a program computes.
+const EXTRA_OFFSET_G: f64 = 54.1;
+const EXTRA_OFFSET_ROUNDING: f64 = 1e-6;
 /// Most M codes of a block (DECISION: three, in the order written).
 const MAX_M_CODES: usize = 3;
 /// Most variables that a block of words sets.
@@ -117,6 +120,8 @@ pub(crate) struct BlockWords {
     pub duplicate: Option<u32>,
     /// Position of the first letter without a value.
     pub address_only: Option<u32>,
+    /// The block has G54.1; its code is in the list as 54.
+    pub has_extra_offset: bool,
     /// Whether the condition of the block's IF holds; none without an IF.
     pub condition: Option<bool>,
 }
@@ -143,7 +148,7 @@ impl BlockWords {
         (self.mask, self.nulls) = (0, 0);
         self.used.set(0);
         (self.block_number, self.duplicate, self.address_only) = (None, None, None);
-        self.condition = None;
+        (self.condition, self.has_extra_offset) = (None, false);
     }
 
     /// Whether a word was skipped because its variable is null.
@@ -175,6 +180,10 @@ impl BlockWords {
     #[inline]
     fn add_value(&mut self, letter: u8, value: Value, kind: ValueKind, at: u32) -> ReadResult<()> {
         match (letter, value) {
+            (b'G', Some(value)) if (value - EXTRA_OFFSET_G).abs() < EXTRA_OFFSET_ROUNDING => {
+                self.has_extra_offset = true;
+                push_code(&mut self.g, letter, Some(EXTRA_OFFSET_G.trunc()), kind, at)
+            }
             (b'G', _) => push_code(&mut self.g, letter, value, kind, at),
             // An argument of G65.
             (b'M', Some(value)) if kind == ValueKind::Decimal && whole_u32(value).is_none() => {

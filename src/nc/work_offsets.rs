@@ -1,7 +1,8 @@
-//! Machine and work coordinates: work offsets, G50 shift, tool offsets.
+//! Machine and work coordinates: work offsets, local zero, G50 shift, tool offsets.
 //!
-//! All values are radius millimetres of slide travel. machine = work + G5x offset + G50 shift + geometry + wear.
-//! Source: spec B2 (G50, G53–G59, T), K4.1, K5.10.
+//! All values are radius millimetres of slide travel.
+//! machine = work + external offset + G5x offset + G52 local zero + G50 shift + geometry + wear.
+//! Source: spec B2 (G50, G52–G59, T), B3 (#5201 …), K4.1, K5.10.
 
 use super::cutter::{CutterRangeError, CutterShape};
 use crate::defs::system_variable;
@@ -9,13 +10,103 @@ use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
 /// Number of tool offsets: T xx01 … xx16.
 pub const TOOL_OFFSET_COUNT: usize = 16;
-/// Number of work offsets: G54 … G59.
-pub const WORK_OFFSET_COUNT: usize = 6;
+/// Number of work offsets: G54 … G59, then G54.1 P1 … P48.
+pub const WORK_OFFSET_COUNT: usize = 6 + EXTRA_WORK_OFFSETS;
+/// Number of work offsets of G54.1.
+pub const EXTRA_WORK_OFFSETS: usize = 48;
+/// Added to P in the number by which G54.1 P1 … P48 are selected; G54 … G59 have their own.
+pub const EXTRA_G: u8 = 100;
+
+/// An origin that a page, a parameter file or a program can set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OriginPlace {
+    /// The external offset, which acts on all others.
+    External,
+    /// A work offset: 0 is G54, 6 is G54.1 P1.
+    Work(usize),
+}
+
+impl OriginPlace {
+    /// All of them: external, G54 … G59, P1 … P48.
+    pub const COUNT: usize = WORK_OFFSET_COUNT + 1;
+
+    /// The place at an index in this order.
+    #[must_use]
+    pub const fn at(index: usize) -> Option<Self> {
+        match index {
+            0 => Some(Self::External),
+            1..=WORK_OFFSET_COUNT => Some(Self::Work(index - 1)),
+            _ => None,
+        }
+    }
+
+    /// Its index in this order.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::External => 0,
+            Self::Work(index) => index + 1,
+        }
+    }
+
+    /// The index by which it is stored: 0 is G54, the external offset comes last.
+    #[must_use]
+    pub const fn stored_index(self) -> usize {
+        match self {
+            Self::External => WORK_OFFSET_COUNT,
+            Self::Work(index) => index,
+        }
+    }
+
+    /// The place that is stored by an index.
+    #[must_use]
+    pub const fn of_stored_index(index: usize) -> Option<Self> {
+        match index {
+            WORK_OFFSET_COUNT => Some(Self::External),
+            0..WORK_OFFSET_COUNT => Some(Self::Work(index)),
+            _ => None,
+        }
+    }
+
+    /// Place and index of the axis (in the order of the fitted axes) of #5201 … #5323 and #7001 … #7943.
+    #[must_use]
+    pub fn of_variable(number: u32) -> Option<(Self, usize)> {
+        if let Some(index) = system_variable::EXTERNAL_ORIGIN.index(number) {
+            return Some((Self::External, index));
+        }
+        let step = system_variable::ORIGIN_STEP as usize;
+        let (first, index) = match system_variable::EXTRA_ORIGINS.index(number) {
+            Some(index) => (WORK_OFFSET_COUNT - EXTRA_WORK_OFFSETS, index),
+            None => (0, system_variable::ORIGINS.index(number)?),
+        };
+        (index % step < system_variable::EXTERNAL_ORIGIN.count as usize)
+            .then_some((Self::Work(first + index / step), index % step))
+    }
+
+    /// The variable of its first axis.
+    #[must_use]
+    pub const fn first_variable(self) -> u32 {
+        const PLAIN: usize = WORK_OFFSET_COUNT - EXTRA_WORK_OFFSETS;
+        match self {
+            Self::External => system_variable::EXTERNAL_ORIGIN.first,
+            Self::Work(index) if index < PLAIN => {
+                system_variable::ORIGINS.first + index as u32 * system_variable::ORIGIN_STEP
+            }
+            Self::Work(index) => {
+                system_variable::EXTRA_ORIGINS.first + (index - PLAIN) as u32 * system_variable::ORIGIN_STEP
+            }
+        }
+    }
+}
 
 /// All offsets, and which of them are active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkOffsets {
-    /// G54 … G59.
+    /// The external offset, added to every work offset.
+    pub external: PerAxis<f64>,
+    /// G52: the local zero in the active work offset; a program begins without one.
+    pub local: PerAxis<f64>,
+    /// G54 … G59, G54.1 P1 … P48.
     pub work: [PerAxis<f64>; WORK_OFFSET_COUNT],
     /// Index of the active work offset, from 0.
     pub active: usize,
@@ -36,6 +127,8 @@ pub struct WorkOffsets {
 impl Default for WorkOffsets {
     fn default() -> Self {
         Self {
+            external: PerAxis::default(),
+            local: PerAxis::default(),
             work: [PerAxis::default(); WORK_OFFSET_COUNT],
             active: 0,
             shift: PerAxis::default(),
@@ -56,7 +149,7 @@ impl WorkOffsets {
             0 => 0.0,
             offset => self.geometry[offset - 1][axis] + self.wear[offset - 1][axis],
         };
-        self.work[self.active][axis] + self.shift[axis] + tool
+        self.external[axis] + self.work[self.active][axis] + self.local[axis] + self.shift[axis] + tool
     }
 
     /// The work coordinate of a machine position.
@@ -71,9 +164,35 @@ impl WorkOffsets {
         MachinePos::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
     }
 
-    /// Activates the work offset G54 … G59.
+    /// Activates the work offset G54 … G59, or G54.1 P1 … P48 as [`EXTRA_G`] + P.
     pub fn activate(&mut self, g: u8) {
-        self.active = usize::from(g.saturating_sub(54)).min(WORK_OFFSET_COUNT - 1);
+        let plain = WORK_OFFSET_COUNT - EXTRA_WORK_OFFSETS;
+        self.active = match g.checked_sub(EXTRA_G) {
+            None | Some(0) => usize::from(g.saturating_sub(54)).min(plain - 1),
+            Some(extra) => (plain + usize::from(extra) - 1).min(WORK_OFFSET_COUNT - 1),
+        };
+    }
+
+    /// An origin, machine coordinates.
+    #[must_use]
+    pub fn origin(&self, place: OriginPlace) -> PerAxis<f64> {
+        match place {
+            OriginPlace::External => self.external,
+            OriginPlace::Work(index) => self.work.get(index).copied().unwrap_or_default(),
+        }
+    }
+
+    /// Sets an origin; one that does not exist stays away.
+    pub fn set_origin(&mut self, place: OriginPlace, origin: PerAxis<f64>) {
+        match place {
+            OriginPlace::External => self.external = origin,
+            OriginPlace::Work(index) => self.work.get_mut(index).into_iter().for_each(|work| *work = origin),
+        }
+    }
+
+    /// G52: the local zero of the named axes.
+    pub fn set_local(&mut self, values: &PerAxis<Option<f64>>) {
+        values.iter().for_each(|(axis, value)| self.local[axis] = value.unwrap_or(self.local[axis]));
     }
 
     /// Activates tool and offset of a T word; tool 0 keeps the tool.

@@ -24,7 +24,7 @@ pub struct Values {
     pub offsets: BTreeMap<u8, (PerAxis<f64>, PerAxis<f64>)>,
     /// Radius (mm) and tip of the circles of the tool offsets 1 to 16.
     pub cutters: BTreeMap<u8, (f64, u8)>,
-    /// Work offsets, 0 is G54; machine coordinates, radius mm.
+    /// Work offsets: 0 is G54, 6 to 53 G54.1 P1 to P48, 54 the external one; machine coordinates, radius mm.
     #[serde(rename = "frames")]
     pub work_offsets: BTreeMap<u8, PerAxis<f64>>,
 }

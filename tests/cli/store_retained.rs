@@ -109,7 +109,7 @@ fn a_bad_change_refuses_the_whole_commit() {
         RetainedChange::Param { key: "P".repeat(65), value: Some(1.0) },
         RetainedChange::Offset { number: 0, offset: zero },
         RetainedChange::Offset { number: 17, offset: zero },
-        RetainedChange::WorkOffset { index: 6, origin: PerAxis([0.0; 3]) },
+        RetainedChange::WorkOffset { index: 55, origin: PerAxis([0.0; 3]) },
         RetainedChange::WorkOffset { index: 0, origin: PerAxis([0.0, f64::INFINITY, 0.0]) },
         RetainedChange::Text { key: "note".to_owned(), value: Some("x".repeat(5000)) },
     ];

@@ -142,14 +142,14 @@ pub fn snapshot(page: Page) -> Snapshot {
     let files = ScreenFiles { text, english_fault: None, picture: Ok(picture("B0001.BMP")) };
     snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
     snapshot.directory = Arc::new(directory());
-    for (index, row) in snapshot.offsets.iter_mut().enumerate() {
+    for (index, row) in snapshot.offsets.tools.iter_mut().enumerate() {
         row.geometry = DisplayPos::new([-9_999.999 + index as f64, 0.0, -20.0]);
         row.wear = DisplayPos::new([0.01 * index as f64, 0.0, -999.999]);
     }
-    snapshot.active_offset = 4;
+    snapshot.offsets.active_tool = 4;
     snapshot.dressing_point[Axis::X] = Some(-1_234.567);
     snapshot.modals = ModalView {
-        g: [1, 18, 90, 98, 21, 54, 64, 97],
+        g: [1, 18, 90, 98, 21, 54, 64, 97, 40],
         feed: Some(1_200.0),
         speed: Some(1_260.0),
         tool: (1, 4),

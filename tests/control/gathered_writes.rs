@@ -125,7 +125,7 @@ fn b3_wear_that_a_program_writes_is_kept_at_its_end() {
     host.power_on();
     host.step();
     // A hundred steps of 0.001, shown as a diameter.
-    let wear = host.snapshot().offsets[3].wear[Axis::X];
+    let wear = host.snapshot().offsets.tools[3].wear[Axis::X];
     assert!((wear - 0.1).abs() < 1e-9, "{wear}");
     assert_eq!(PowerOnState::factory(Kind::Gc).work_offsets.wear[3], PerAxis::default());
 }

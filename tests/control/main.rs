@@ -38,3 +38,4 @@ mod teach_in;
 mod thread_recorder;
 mod vertical;
 mod wheel_size;
+mod work_offsets;

@@ -42,11 +42,15 @@ fn type_in(bench: &mut Bench, text: &str) {
 }
 
 fn wear(bench: &Bench, number: usize, axis: Axis) -> f64 {
-    bench.screen.state().snapshot.offsets[number - 1].wear[axis]
+    bench.screen.state().snapshot.offsets.tools[number - 1].wear[axis]
+}
+
+fn origin(bench: &Bench, row: usize, axis: Axis) -> f64 {
+    bench.screen.state().snapshot.offsets.origins[row][axis]
 }
 
 fn geometry(bench: &Bench, number: usize, axis: Axis) -> f64 {
-    bench.screen.state().snapshot.offsets[number - 1].geometry[axis]
+    bench.screen.state().snapshot.offsets.tools[number - 1].geometry[axis]
 }
 
 /// Text and reason of what stands in red.
@@ -131,7 +135,7 @@ fn k5_10_a_measurement_sets_the_geometry_and_clears_the_wear() {
     assert!((work - 40.012).abs() < 1e-6, "the axis stands at what was measured, not at {work}");
     assert!(is(wear(&bench, 4, Axis::X), 0.0), "its wear is cleared");
     assert!(is(wear(&bench, 4, Axis::Z), 0.07), "the other axis keeps its own");
-    assert_eq!(bench.rig.snapshot().active_offset, 4);
+    assert_eq!(bench.rig.snapshot().offsets.active_tool, 4);
 }
 
 #[test]
@@ -595,4 +599,67 @@ fn h6_what_the_core_refuses_on_the_grinding_page_stays_in_red() {
     assert_eq!(red(&bench), said);
     bench.write("3");
     assert_eq!((red(&bench), bench.screen.state().hmi.variable_entry().unwrap().editor.text.as_str()), (None, "3"));
+}
+
+/// Touches a cell that the pad may cover: 取消 closes it, and for a while the place that it has left takes no touch.
+fn select(bench: &mut Bench, cell: &str) {
+    bench.press(Escape);
+    (0..60).for_each(|_| bench.turn());
+    bench.touch(cell);
+}
+
+/// A ready machine stands at X−80 (diameter), Z−150.
+#[test]
+fn b6_work_offsets_are_typed_measured_and_taught() {
+    let mut bench = bench(Page::Offset, "param P22.0 1");
+    bench.touch("坐标系 work-offsets");
+    select(&mut bench, "origin-G55-X");
+    type_in(&mut bench, "-60");
+    assert!(is(origin(&bench, 2, Axis::X), -60.0));
+    assert!(is(bench.rig.retained().work_offsets.work[1][Axis::X], -30.0), "radius inside");
+    // The cursor has gone on to Z: the place where the axis stands is called 10.
+    type_in(&mut bench, "m10");
+    assert!(is(origin(&bench, 2, Axis::Z), -160.0), "−150 − 10");
+    select(&mut bench, "origin-P1-Z");
+    bench.touch("此处为零 Z=0 teach-origin");
+    assert!(is(origin(&bench, 7, Axis::Z), -150.0), "the place is zero");
+    // The external offset counts for all.
+    select(&mut bench, "origin-EXT-Z");
+    type_in(&mut bench, "2");
+    select(&mut bench, "origin-G54-Z");
+    bench.touch("此处为零 Z=0 teach-origin");
+    assert!(is(origin(&bench, 1, Axis::Z), -152.0));
+    assert!(is(bench.screen.state().snapshot.axes[Axis::Z].work, 0.0));
+    type_in(&mut bench, "10000");
+    assert!(red(&bench).is_some(), "out of range");
+    assert!(is(origin(&bench, 1, Axis::Z), -152.0), "nothing is changed");
+}
+
+#[test]
+fn k7_7_measuring_and_teaching_a_work_offset_are_locked_by_p22_0() {
+    let mut bench = bench(Page::Offset, "param P22.0 0");
+    bench.touch("坐标系 work-offsets");
+    select(&mut bench, "origin-G54-Z");
+    bench.touch("此处为零 Z=0 teach-origin");
+    assert!(is(origin(&bench, 1, Axis::Z), 0.0), "nothing is changed");
+    select(&mut bench, "origin-G54-Z");
+    type_in(&mut bench, "-5");
+    assert!(is(origin(&bench, 1, Axis::Z), -5.0), "a value is not locked, as with the geometry");
+}
+
+#[test]
+fn b2_radius_and_tip_are_typed_on_the_offset_page() {
+    let mut bench = bench(Page::Offset, "param P22.0 0");
+    select(&mut bench, "radius-05");
+    type_in(&mut bench, "0.4");
+    type_in(&mut bench, "3");
+    let row = bench.screen.state().snapshot.offsets.tools[4];
+    assert!(is(row.radius_mm, 0.4) && row.tip == 3);
+    select(&mut bench, "tip-05");
+    type_in(&mut bench, "3.5");
+    assert!(red(&bench).is_some());
+    select(&mut bench, "radius-06");
+    type_in(&mut bench, "-1");
+    assert!(red(&bench).is_some());
+    assert_eq!(bench.screen.state().snapshot.offsets.tools[4].tip, 3);
 }

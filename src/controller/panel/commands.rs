@@ -16,6 +16,7 @@ use crate::link::files::{Requester, Ticket};
 use crate::link::snapshot::Tone;
 use crate::link::teach::TeachCommand;
 use crate::machine::panel_key::NOT_IN_RUN;
+use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::units::{Axis, PerAxis};
 
@@ -101,11 +102,11 @@ impl Panel {
     }
 
     fn set_work_offset(parts: &mut Parts<'_>, index: usize, origin: PerAxis<f64>) {
-        match parts.plant.work.offsets.work.get_mut(index) {
+        match OriginPlace::of_stored_index(index) {
             Some(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
-            Some(frame) => {
-                *frame = origin;
-                parts.plant.store(StorageRequest::WorkOffset(index, origin));
+            Some(place) => {
+                parts.plant.work.offsets.set_origin(place, origin);
+                parts.plant.store_origin(place);
             }
             None => parts.plant.refuse(phrase!("没有此工件坐标系", "there is no such work offset")),
         }

@@ -11,7 +11,7 @@ use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::OffsetView;
 use crate::link::snapshot::{Message, Snapshot, Tone};
-use crate::nc::CommonVariables;
+use crate::nc::{CommonVariables, OriginPlace};
 use crate::units::PerAxis;
 
 impl Panel {
@@ -95,7 +95,7 @@ impl Panel {
         if out.prepared_mdi != waiting {
             waiting.clone_into(&mut out.prepared_mdi);
         }
-        for (index, row) in out.offsets.iter_mut().enumerate() {
+        for (index, row) in out.offsets.tools.iter_mut().enumerate() {
             *row = OffsetView {
                 geometry: parts.plant.displayed(parts.plant.work.offsets.geometry[index]),
                 wear: parts.plant.displayed(parts.plant.work.offsets.wear[index]),
@@ -103,7 +103,13 @@ impl Panel {
                 tip: parts.plant.work.offsets.cutter[index].tip,
             };
         }
-        out.active_offset = parts.plant.work.offsets.tool_offset;
+        for (row, origin) in out.offsets.origins.iter_mut().enumerate() {
+            if let Some(place) = OriginPlace::at(row) {
+                *origin = parts.plant.displayed(parts.plant.work.offsets.origin(place));
+            }
+        }
+        out.offsets.active_origin = OriginPlace::Work(parts.plant.work.offsets.active).index();
+        out.offsets.active_tool = parts.plant.work.offsets.tool_offset;
         out.modals = parts.program.modal_view(parts.plant);
         let points = parts.plant.work.dress_points;
         out.dressing_point = PerAxis::from_fn(|axis| points[axis].map(|at| at * parts.plant.displayed_per_mm(axis)));

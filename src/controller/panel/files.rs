@@ -17,7 +17,7 @@ use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::page_file::PageTextId;
 use crate::link::snapshot::{Snapshot, Tone};
 use crate::link::toolpath::StockBox;
-use crate::nc::CutterShape;
+use crate::nc::{CutterShape, OriginPlace};
 use crate::units::WorkPos;
 use std::sync::Arc;
 
@@ -184,8 +184,9 @@ impl Panel {
             parts.plant.store_cutter(number - 1);
         }
         for (index, origin) in &restored.work_offsets {
-            parts.plant.work.offsets.work[*index] = *origin;
-            parts.plant.store(StorageRequest::WorkOffset(*index, *origin));
+            let Some(place) = OriginPlace::of_stored_index(*index) else { continue };
+            parts.plant.work.offsets.set_origin(place, *origin);
+            parts.plant.store_origin(place);
         }
         let (params, variables) = (restored.params.len(), restored.variables.len());
         if kept.is_empty() {

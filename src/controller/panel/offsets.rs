@@ -9,17 +9,19 @@ use super::{Edited, Parts, PartsView};
 use crate::controller::plant::{Plant, offset_in_range};
 use crate::defs::page::Page;
 use crate::defs::system_variable::{self, SystemVariableRange};
+use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
-use crate::link::edit::{MAX_INCREMENT, OffsetCommand, OffsetPart};
+use crate::link::edit::{MAX_INCREMENT, OffsetCommand, OffsetPart, OriginChange, origin_name};
 use crate::machine::panel_key::NOT_IN_RUN;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{CutterShape, WorkOffsets};
+use crate::nc::{CutterShape, OriginPlace, WorkOffsets};
 use crate::units::{Axis, PerAxis};
 
 const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "tool offset numbers are 1 to 16");
 const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edit it on the offset or dressing page");
 const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is active: no measurement");
 const WEAR_CLEARED: &Template = &Template::new("{message}，磨耗已清零", "{message}, wear cleared", &["message"]);
+const NO_ORIGIN: Text = Text::new("没有此工件坐标系", "there is no such work offset");
 const CUTTER_RANGE: Text =
     Text::new("R 为 0–999.999，T 为 0–9 的整数", "R is 0 to 999.999, T a whole number from 0 to 9");
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes are still moving: no measurement");
@@ -31,6 +33,7 @@ pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> E
         | OffsetCommand::AddGeometry { number, axis, .. }
         | OffsetCommand::Measure { number, axis, .. } => offset_index(parts.plant, number, axis)?,
         OffsetCommand::SetRadius { number, .. } | OffsetCommand::SetTip { number, .. } => index_of(number)?,
+        OffsetCommand::Origin { row, axis, change } => return change_origin(parts, row, axis, change),
     };
     match command {
         OffsetCommand::Set { part, axis, value, .. } => {
@@ -54,7 +57,53 @@ pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> E
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             measure(parts, index, axis, value)
         }
+        OffsetCommand::Origin { .. } => Err(NO_ORIGIN.into()),
     }
+}
+
+/// Changes a coordinate of a work offset. As with the geometry, P22.0 protects increments and measurements.
+fn change_origin(parts: &mut Parts<'_>, row: usize, axis: Axis, change: OriginChange) -> Edited {
+    let place = OriginPlace::at(row).ok_or(NO_ORIGIN)?;
+    if !parts.plant.axes.is_present(axis) {
+        return Err(phrase!("没有 {axis} 轴", "there is no axis {axis}", axis));
+    }
+    let per_mm = parts.plant.displayed_per_mm(axis);
+    let mut origin = parts.plant.work.offsets.origin(place);
+    match change {
+        OriginChange::Set(value) => {
+            if parts.plant.operator.page != Page::Offset {
+                return Err(NOT_HERE.into());
+            }
+            check_not_running(parts.view())?;
+            origin[axis] = value / per_mm;
+        }
+        OriginChange::Add(by) => {
+            check_offset_page(parts.view(), OffsetPart::Geometry)?;
+            check_increment(by)?;
+            origin[axis] += by / per_mm;
+        }
+        OriginChange::Measure(value) => {
+            check_offset_page(parts.view(), OffsetPart::Geometry)?;
+            check_measurable(parts, axis)?;
+            // What the page shows of the position in this work offset becomes the value.
+            let mut offsets = parts.plant.work.offsets.clone();
+            offsets.set_origin(place, PerAxis::default());
+            if let OriginPlace::Work(index) = place {
+                offsets.active = index;
+            }
+            let without = parts.plant.axes.actual()[axis] - offsets.machine_minus_work(axis);
+            origin[axis] = without - value / per_mm;
+        }
+    }
+    let (shown, most) = (origin[axis] * per_mm, OffsetPart::Geometry.max_abs());
+    if !offset_in_range(OffsetPart::Geometry, shown) {
+        return Err(phrase!("超出范围 ±{most:.3}：{shown:.3}", "out of range ±{most:.3}: {shown:.3}", most, shown));
+    }
+    parts.plant.work.offsets.set_origin(place, origin);
+    parts.program.change_offsets_read_ahead(|offsets| offsets.set_origin(place, origin));
+    parts.plant.store_origin(place);
+    let name = Arg::from(format_args!("{}", origin_name(row)));
+    Ok(phrase!("坐标系 {name} {axis} = {shown:.3}", "work offset {name} {axis} = {shown:.3}", name, axis, shown))
 }
 
 /// A wear increment typed on a page.
@@ -75,8 +124,8 @@ pub fn add_wear(parts: &mut Parts<'_>, number: usize, axis: Axis, by: f64) -> Ed
     set_offset_value(parts, index, OffsetPart::Wear, axis, sum)
 }
 
-/// K5.10: a measurement sets the geometry and clears the wear of its axis.
-fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Edited {
+/// Whether an axis stands at a known place, and no program is open.
+fn check_measurable(parts: &Parts<'_>, axis: Axis) -> Result<(), LocalizedText> {
     if parts.program.is_open() {
         return Err(OPEN_RUN.into());
     }
@@ -86,8 +135,13 @@ fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Edite
     if !parts.plant.axes.is_homed(axis) {
         return Err(phrase!("{axis} 未回零，不能测量", "{axis} is not homed: no measurement", axis));
     }
-    let offsets = &parts.plant.work.offsets;
-    let frame = offsets.work[offsets.active][axis] + offsets.shift[axis];
+    Ok(())
+}
+
+/// K5.10: a measurement sets the geometry and clears the wear of its axis.
+fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Edited {
+    check_measurable(parts, axis)?;
+    let frame = WorkOffsets { tool_offset: 0, ..parts.plant.work.offsets.clone() }.machine_minus_work(axis);
     let geometry = parts.plant.axes.actual()[axis] - frame - value / parts.plant.displayed_per_mm(axis);
     let message = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
     set_offset_value(parts, index, OffsetPart::Wear, axis, 0.0)?;

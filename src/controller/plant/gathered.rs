@@ -7,7 +7,7 @@
 use super::Plant;
 use crate::controller::plant::execution::ControlPhase;
 use crate::controller::storage_request::StorageRequest;
-use crate::nc::{CommonVariables, VariableError};
+use crate::nc::{CommonVariables, OriginPlace, VariableError};
 use crate::units::Micros;
 
 /// Longest time that a value waits for its commit.
@@ -22,6 +22,8 @@ pub struct GatheredWrites {
     variables: [u64; 16],
     /// A bit for each offset, from 0.
     offsets: u64,
+    /// A bit for each origin, by [`OriginPlace::index`].
+    origins: u64,
     /// When the first of them was written.
     since: Option<Micros>,
 }
@@ -46,6 +48,13 @@ impl Plant {
         self.outbox.gathered.since.get_or_insert(now);
     }
 
+    /// Notes that a program has changed an origin.
+    pub fn note_origin(&mut self, place: OriginPlace) {
+        let now = self.now;
+        self.outbox.gathered.origins |= 1 << place.index();
+        self.outbox.gathered.since.get_or_insert(now);
+    }
+
     /// Stores what programs have written, if it is time.
     pub fn store_gathered_when_due(&mut self) {
         let Some(since) = self.outbox.gathered.since else { return };
@@ -57,7 +66,7 @@ impl Plant {
 
     /// Stores what programs have written, before any other request of the tick.
     pub fn store_gathered(&mut self) {
-        let GatheredWrites { variables, offsets, .. } = std::mem::take(&mut self.outbox.gathered);
+        let GatheredWrites { variables, offsets, origins, .. } = std::mem::take(&mut self.outbox.gathered);
         let others = self.outbox.requests.len();
         for (word, bits) in (0_u32..).zip(variables) {
             for variable in bits_of(bits).map(|bit| word * WORD + bit) {
@@ -68,6 +77,9 @@ impl Plant {
         for index in bits_of(offsets) {
             self.store_offset(index as usize);
             self.store_cutter(index as usize);
+        }
+        for place in bits_of(origins).filter_map(|bit| OriginPlace::at(bit as usize)) {
+            self.store_origin(place);
         }
         self.outbox.requests.rotate_left(others);
     }

@@ -8,7 +8,7 @@ use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{CutterSource, NcSettings, SpeedUnit, SuperManSettings};
+use crate::nc::{CutterSource, NcSettings, OriginPlace, SpeedUnit, SuperManSettings};
 use crate::units::{Axis, PerAxis};
 
 /// System variables mapped to parameters.
@@ -118,6 +118,12 @@ impl Plant {
             system_variable::MILLISECONDS => Some(self.milliseconds() + self.work.timer_offset[0]),
             system_variable::HOURS => Some(self.hours() + self.work.timer_offset[1]),
             system_variable::PARTS_DONE => Some(f64::from(self.work.part_count)),
+            // An axis that is not fitted has no origin.
+            system_variable::EXTERNAL_ORIGIN => None,
+            system_variable::ORIGINS | system_variable::EXTRA_ORIGINS => {
+                OriginPlace::of_variable(number)?;
+                None
+            }
             range => Some(self.params.get(PARAM_VARIABLES.iter().find(|(of, _)| *of == range)?.1)),
         })
     }
@@ -139,6 +145,13 @@ impl Plant {
         of(&WEAR, &self.work.offsets.wear)
             .or_else(|| of(&GEOMETRY, &self.work.offsets.geometry))
             .or_else(|| self.work.offsets.cutter_variable(number))
+            .or_else(|| self.read_origin(number))
+    }
+
+    fn read_origin(&self, number: u32) -> Option<f64> {
+        let (place, index) = OriginPlace::of_variable(number)?;
+        let axis = self.axes.present().nth(index)?;
+        Some(self.work.offsets.origin(place)[axis] * self.displayed_per_mm(axis))
     }
 
     /// A position; `Some(None)`, null, for an axis that this machine does not have, or a dressing point that is not set.

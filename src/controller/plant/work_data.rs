@@ -7,7 +7,7 @@ use super::Plant;
 use crate::controller::program::library::Programs;
 use crate::controller::storage_request::StorageRequest;
 use crate::link::edit::OffsetPart;
-use crate::nc::{CommonVariables, CoordinateChange, CutterShape, VariableError, WorkOffsets};
+use crate::nc::{CommonVariables, CoordinateChange, CutterShape, OriginPlace, VariableError, WorkOffsets};
 use crate::units::{MachinePos, PerAxis, WorkPos};
 
 /// Results of the last G78 for the program: #434 to #437, mm as displayed.
@@ -74,6 +74,11 @@ impl Plant {
     pub fn store_offset(&mut self, index: usize) {
         let (geometry, wear) = (self.work.offsets.geometry[index], self.work.offsets.wear[index]);
         self.store(StorageRequest::Offset { number: index + 1, geometry, wear });
+    }
+
+    /// Stores an origin on disk.
+    pub fn store_origin(&mut self, place: OriginPlace) {
+        self.store(StorageRequest::WorkOffset(place, self.work.offsets.origin(place)));
     }
 
     /// Stores the circle of an offset (index from 0) on disk.

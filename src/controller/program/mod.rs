@@ -102,6 +102,10 @@ impl Program {
         let modals = kept.unwrap_or_else(|| ModalState::new(&settings));
         let before = (plant.work.offsets.clone(), plant.work.tool_change_point);
         plant.work.offsets.activate(modals.work_offset);
+        if origin == Origin::Program {
+            // A program begins without a local zero (G52).
+            plant.work.offsets.local = PerAxis::default();
+        }
         if settings.start_is_work_zero {
             plant.start_lathe_program(origin == Origin::Program);
         }

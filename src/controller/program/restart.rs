@@ -250,6 +250,7 @@ impl Program {
         let modals = ModalState::new(&settings);
         let mut offsets = plant.work.offsets.clone();
         offsets.activate(modals.work_offset);
+        offsets.local = PerAxis::default();
         let world = OfflineMachine::new(&settings)
             .with_references(reference_points(&plant.params))
             .with_work_offsets(offsets.clone())
@@ -319,6 +320,7 @@ impl Program {
         let mut offsets = plant.work.offsets.clone();
         let there = world.work_offsets();
         (offsets.active, offsets.tool, offsets.tool_offset) = (there.active, there.tool, there.tool_offset);
+        offsets.local = there.local;
         run.lookahead = LookaheadState::new(
             offsets.clone(),
             offsets.machine_from_work(world.work_position()),

@@ -13,7 +13,7 @@ use crate::defs::system_variable;
 use crate::defs::text::phrase;
 use crate::link::edit::OffsetPart;
 use crate::machine::RequestResult;
-use crate::nc::{self, ExternalState, LiveValue};
+use crate::nc::{self, ExternalState, LiveValue, OriginPlace};
 use crate::units::{PerAxis, WorkPos};
 
 /// Threshold between off (0) and on (1) when a program writes an output.
@@ -96,6 +96,20 @@ impl ProgramRun {
     }
 
     fn write_offset(&mut self, plant: &mut Plant, number: u32, value: f64) -> bool {
+        if let Some((place, index)) = OriginPlace::of_variable(number) {
+            let Some(axis) = plant.axes.present().nth(index) else { return true };
+            if !offset_in_range(OffsetPart::Geometry, value) {
+                let message = phrase!("#{number} = {value}", "#{number} = {value}", number, value);
+                plant.raise(alarm::OFFSET_RANGE, Some(message));
+                return false;
+            }
+            let mut origin = plant.work.offsets.origin(place);
+            origin[axis] = value / plant.displayed_per_mm(axis);
+            plant.work.offsets.set_origin(place, origin);
+            plant.note_origin(place);
+            self.lookahead.work_offsets.clone_from(&plant.work.offsets);
+            return true;
+        }
         if let Some(changed) = plant.work.offsets.set_cutter_variable(number, value) {
             match changed {
                 Ok(index) => plant.note_offset(index),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use egui::Rect;
 
-use super::offset::table::{EntryMode, OffsetTable, OffsetTableSpec, columns};
+use super::offset::table::{EntryMode, OffsetTable, OffsetTableSpec, TOOL_OFFSET_ROWS, columns};
 use super::position::{self, PositionGroup};
 use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::param;
@@ -32,7 +32,7 @@ pub struct DressingPage {
 
 impl PageUi for DressingPage {
     fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
-        self.table.open(view.snapshot.active_offset);
+        self.table.open(view.snapshot.offsets.active_tool);
     }
 
     fn typing(&self) -> Option<&FieldEditor> {
@@ -48,7 +48,14 @@ impl PageUi for DressingPage {
         let (edits, answered) = (&typed.edits, KeyboardInput::default());
         let typed = if self.question.is_open() { &answered } else { typed };
         let columns = columns(view, &[OffsetPart::Wear]);
-        let form = OffsetTableSpec { id: "dressing", columns: &columns, modes: &ENTRY_MODES, locked: false };
+        let form = OffsetTableSpec {
+            id: "dressing",
+            columns: &columns,
+            rows: TOOL_OFFSET_ROWS,
+            in_force: view.snapshot.offsets.active_tool.checked_sub(1),
+            modes: &ENTRY_MODES,
+            locked: false,
+        };
         out.extend(self.table.handle_typed(view, typed, &form));
         let (page, input) = input_line::split(rect);
         let main = page.shrink(theme::GAP);

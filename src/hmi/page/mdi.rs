@@ -212,7 +212,7 @@ fn modals(rect: Rect, view: &View<'_>) {
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| value.to_string());
     // The lathe dialect has one group only.
     let groups = if view.snapshot.kind.ui().has_macros { modals.g.len() } else { 1 };
-    let mut words: Vec<String> = modals.g.iter().take(groups).map(|code| format!("G{code:02}")).collect();
+    let mut words: Vec<String> = modals.g_names().take(groups).collect();
     words.push(format!("T{:02}{:02}", modals.tool.0, modals.tool.1));
     words.push(modals.m.map_or_else(|| "M—".to_owned(), |code| format!("M{code:02}")));
     words.push(format!("F {}", number(modals.feed)));

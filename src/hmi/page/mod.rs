@@ -132,7 +132,7 @@ pub enum FieldGroup {
     Simulated,
     /// The stock of the drawing.
     Stock,
-    /// Tool offsets.
+    /// Tool offsets and work offsets.
     Offsets,
     /// The dressing point.
     DressingPoint,

@@ -78,7 +78,7 @@ impl Source {
 impl ModalState {
     /// The active G codes in display order.
     #[must_use]
-    pub fn g_codes(&self, dialect: Dialect) -> [u8; 8] {
+    pub fn g_codes(&self, dialect: Dialect) -> [u8; 9] {
         let codes = &rules(dialect).modal_codes;
         [
             self.motion.g(),
@@ -89,6 +89,7 @@ impl ModalState {
             self.work_offset,
             if self.path_mode == PathMode::ExactStop { codes.exact_stop } else { 64 },
             if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
+            self.compensation.map_or(40, |active| active.g()),
         ]
     }
 }

@@ -20,8 +20,8 @@ const KEY_LIMIT: usize = 64;
 const TEXT_LIMIT: usize = 4096;
 /// Tool offsets 1 to 16.
 const LAST_OFFSET: u8 = 16;
-/// Number of work offsets, G54 to G59.
-const WORK_OFFSET_COUNT: u8 = 6;
+/// Number of work offsets: G54 to G59, G54.1 P1 to P48, the external one.
+const WORK_OFFSET_COUNT: u8 = 55;
 
 const META: TableDefinition<&str, u64> = TableDefinition::new("meta");
 const VARIABLES: TableDefinition<u16, f64> = TableDefinition::new("variables");

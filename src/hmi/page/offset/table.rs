@@ -9,7 +9,7 @@ use crate::hmi::page::{InputPrompt, Scroll, ScrollList, input_line};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{Area, CoreAnswer, EditKey, FieldEditor, KeyboardInput, View, keycap, pictogram, theme, widget};
 use crate::link::Command;
-use crate::link::edit::{MAX_INCREMENT, OFFSET_COUNT, OffsetCommand, OffsetPart};
+use crate::link::edit::{MAX_INCREMENT, OFFSET_COUNT, OffsetCommand, OffsetPart, OriginChange, origin_name};
 use crate::units::Axis;
 
 /// Heights of the two header lines: parts, axes.
@@ -30,19 +30,21 @@ pub enum OffsetColumn {
     Radius,
     /// Place of the programmed point of that circle.
     Tip,
+    /// A coordinate of a work offset.
+    Origin(Axis),
 }
 
 impl OffsetColumn {
     const fn part(self) -> Option<OffsetPart> {
         match self {
             Self::Length(part, _) => Some(part),
-            Self::Radius | Self::Tip => None,
+            Self::Radius | Self::Tip | Self::Origin(_) => None,
         }
     }
 
     const fn axis(self) -> Option<Axis> {
         match self {
-            Self::Length(_, axis) => Some(axis),
+            Self::Length(_, axis) | Self::Origin(axis) => Some(axis),
             Self::Radius | Self::Tip => None,
         }
     }
@@ -50,7 +52,7 @@ impl OffsetColumn {
     /// The heading: an axis, R or T.
     const fn letter(self) -> char {
         match self {
-            Self::Length(_, axis) => axis.letter(),
+            Self::Length(_, axis) | Self::Origin(axis) => axis.letter(),
             Self::Radius => 'R',
             Self::Tip => 'T',
         }
@@ -60,17 +62,18 @@ impl OffsetColumn {
     const fn group(self) -> &'static Text {
         match self {
             Self::Length(part, _) => part.name(),
-            Self::Radius | Self::Tip => const { &Text::new("半径补偿", "radius comp.") },
+            Self::Radius | Self::Tip => const { &Text::new("半径补偿", "radius") },
+            Self::Origin(_) => const { &Text::new("坐标系", "work offset") },
         }
     }
 
     /// The value of an offset as shown.
     fn shown(self, view: &View<'_>, row: usize) -> String {
-        let offset = &view.snapshot.offsets[row];
         match self {
-            Self::Length(part, axis) => view.length(offset.part(part)[axis]),
-            Self::Radius => view.length(offset.radius_mm),
-            Self::Tip => offset.tip.to_string(),
+            Self::Length(part, axis) => view.length(view.snapshot.offsets.tools[row].part(part)[axis]),
+            Self::Radius => view.length(view.snapshot.offsets.tools[row].radius_mm),
+            Self::Tip => view.snapshot.offsets.tools[row].tip.to_string(),
+            Self::Origin(axis) => view.length(view.snapshot.offsets.origins[row][axis]),
         }
     }
 
@@ -80,6 +83,7 @@ impl OffsetColumn {
             Self::Length(part, axis) => format!("{}-{:02}-{axis}", part.name().en, row + 1),
             Self::Radius => format!("radius-{:02}", row + 1),
             Self::Tip => format!("tip-{:02}", row + 1),
+            Self::Origin(axis) => format!("origin-{}-{axis}", origin_name(row)),
         }
     }
 }
@@ -104,11 +108,18 @@ pub struct OffsetTableSpec<'a> {
     pub id: &'a str,
     /// Columns from the left.
     pub columns: &'a [OffsetColumn],
+    /// Number of lines, and the name of each.
+    pub rows: (usize, fn(usize) -> String),
+    /// The line that is in force, from 0.
+    pub in_force: Option<usize>,
     /// Entry modes that the page offers.
     pub modes: &'a [EntryMode],
     /// Wear, increments and measurements are locked by P22.0.
     pub locked: bool,
 }
+
+/// The lines of the tool offsets.
+pub const TOOL_OFFSET_ROWS: (usize, fn(usize) -> String) = (OFFSET_COUNT, |row| format!("{:02}", row + 1));
 
 /// The columns of the parts: one for each axis of the machine.
 pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<OffsetColumn> {
@@ -127,9 +138,17 @@ pub struct OffsetTable {
 }
 
 impl OffsetTable {
-    /// The page was opened; the offset in force is selected.
+    /// The page was opened; the line in force, from 0, is selected.
     pub fn open(&mut self, in_force: usize) {
-        *self = Self { row: in_force.saturating_sub(1), ..Self::default() };
+        *self = Self { row: in_force, ..Self::default() };
+    }
+
+    /// The cell that is selected, if it is one of a work offset: its line and axis.
+    pub fn selected_origin(&self, form: &OffsetTableSpec<'_>) -> Option<(usize, Axis)> {
+        match form.columns.get(self.column) {
+            Some(OffsetColumn::Origin(axis)) => Some((self.row, *axis)),
+            Some(OffsetColumn::Length(..) | OffsetColumn::Radius | OffsetColumn::Tip) | None => None,
+        }
     }
 
     /// Handles the keyboard input of this frame.
@@ -168,7 +187,9 @@ impl OffsetTable {
             },
         };
         let axis = axis.or(chosen.and_then(|column| column.axis()));
-        let column = axis.and_then(|axis| form.columns.iter().position(|of| *of == OffsetColumn::Length(part, axis)));
+        let is_named =
+            |of: &OffsetColumn, axis| *of == OffsetColumn::Length(part, axis) || *of == OffsetColumn::Origin(axis);
+        let column = axis.and_then(|axis| form.columns.iter().position(|of| is_named(of, axis)));
         self.select_column(column.filter(|_| form.modes.contains(&how)), how);
     }
 
@@ -190,7 +211,7 @@ impl OffsetTable {
         }
         let count = form.columns.len();
         let cell = self.row * count + self.column;
-        if let Some(cell) = edit.step(cell, OFFSET_COUNT * count, count) {
+        if let Some(cell) = edit.step(cell, form.rows.0 * count, count) {
             self.select_cell(cell, form);
         } else if edit == EditKey::Enter {
             out.extend(self.enter(form));
@@ -207,7 +228,7 @@ impl OffsetTable {
     fn enter(&mut self, form: &OffsetTableSpec<'_>) -> Option<Command> {
         let cell = self.row * form.columns.len() + self.column;
         if self.typing.text.is_empty() {
-            self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
+            self.select_cell((cell + 1) % (form.rows.0 * form.columns.len()), form);
             return None;
         }
         let column = *form.columns.get(self.column)?;
@@ -223,9 +244,13 @@ impl OffsetTable {
         self.typing.send((self.row * MAX_COLUMNS + self.column) * form.modes.len() + how);
         let mode = std::mem::take(&mut self.mode);
         if mode == EntryMode::Absolute {
-            self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
+            self.select_cell((cell + 1) % (form.rows.0 * form.columns.len()), form);
         }
+        let origin = |axis, change| Command::Offset(OffsetCommand::Origin { row: number - 1, axis, change });
         Some(match (mode, column) {
+            (EntryMode::Absolute, OffsetColumn::Origin(axis)) => origin(axis, OriginChange::Set(value)),
+            (EntryMode::Increment, OffsetColumn::Origin(axis)) => origin(axis, OriginChange::Add(value)),
+            (EntryMode::Measured, OffsetColumn::Origin(axis)) => origin(axis, OriginChange::Measure(value)),
             (_, OffsetColumn::Radius) => Command::Offset(OffsetCommand::SetRadius { number, value }),
             (_, OffsetColumn::Tip) => Command::Offset(OffsetCommand::SetTip { number, value }),
             (EntryMode::Absolute, OffsetColumn::Length(part, axis)) => {
@@ -247,9 +272,9 @@ impl OffsetTable {
         match (column, self.mode) {
             (OffsetColumn::Radius, _) => OffsetPart::Wear.max_abs(),
             (OffsetColumn::Tip, _) => MAX_TIP,
-            (OffsetColumn::Length(..), EntryMode::Increment) => MAX_INCREMENT,
-            (OffsetColumn::Length(..), EntryMode::Measured) => OffsetPart::Geometry.max_abs(),
+            (OffsetColumn::Length(..) | OffsetColumn::Origin(_), EntryMode::Increment) => MAX_INCREMENT,
             (OffsetColumn::Length(part, _), EntryMode::Absolute) => part.max_abs(),
+            (OffsetColumn::Length(..) | OffsetColumn::Origin(_), _) => OffsetPart::Geometry.max_abs(),
         }
     }
 
@@ -272,18 +297,18 @@ impl OffsetTable {
         if !self.scroll.user_scrolled {
             self.scroll.scroll_to(self.row, rect, widget::ROW_HEIGHT);
         }
-        let list = ScrollList { id: form.id, rect, row: widget::ROW_HEIGHT, gap: 2.0, count: OFFSET_COUNT };
+        let list = ScrollList { id: form.id, rect, row: widget::ROW_HEIGHT, gap: 2.0, count: form.rows.0 };
         let (clipped, rows) = self.scroll.rows(view, &list, typed.scroll_pages);
         rows.into_iter().for_each(|(row, place)| self.line(place, &clipped, row, form));
     }
 
     fn line(&mut self, place: Rect, view: &View<'_>, row: usize, form: &OffsetTableSpec<'_>) {
-        let in_force = view.snapshot.active_offset == row + 1;
+        let in_force = form.in_force == Some(row);
         let ink = if in_force { view.theme.info } else { view.theme.text };
         if in_force {
             view.edge_bar(place, view.theme.info);
         }
-        view.line_centre(place.split_left(NUMBER_WIDTH).0, &format!("{:02}", row + 1), theme::TITLE, ink);
+        view.line_centre(place.split_left(NUMBER_WIDTH).0, &(form.rows.1)(row), theme::TITLE, ink);
         for (column, of) in form.columns.iter().enumerate() {
             let cell = cell_rect(place, column, form);
             let response = view.touch(cell, (form.id, row, column), of.id(row));
@@ -315,26 +340,30 @@ impl OffsetTable {
     /// `数据输入: 磨耗 04 X += 0.01   当前 … 范围 …`
     pub fn input_line(&self, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
         let Some(&column) = form.columns.get(self.column) else { return };
-        let number = self.row + 1;
+        let row = (form.rows.1)(self.row);
         let was = format!("{} {}", view.text("原值", "was"), column.shown(view, self.row));
         let (sign, column, then) = match (self.mode, column) {
-            (EntryMode::Increment, OffsetColumn::Length(..)) => (" +=", column, was),
-            (EntryMode::Measured, OffsetColumn::Length(_, axis)) => {
+            (EntryMode::Increment, OffsetColumn::Length(..) | OffsetColumn::Origin(_)) => (" +=", column, was),
+            (EntryMode::Measured, OffsetColumn::Length(_, axis) | OffsetColumn::Origin(axis)) => {
                 let work = view.length(view.snapshot.axes[axis].work);
                 let now = format!("{} {axis} {work}", view.text("当前", "now"));
-                (view.text(" 测量值=", " measured="), OffsetColumn::Length(OffsetPart::Geometry, axis), now)
+                let column = match column {
+                    OffsetColumn::Origin(_) => column,
+                    _ => OffsetColumn::Length(OffsetPart::Geometry, axis),
+                };
+                (view.text(" 测量值=", " measured="), column, now)
             }
             (EntryMode::Absolute, _) | (_, OffsetColumn::Radius | OffsetColumn::Tip) => ("=", column, was),
         };
-        let what = format!("{} {number:02} {}{sign}", column.group().get(view.lang), column.letter());
+        let what = format!("{} {row} {}{sign}", column.group().get(view.lang), column.letter());
         let most = self.max_value(column);
         let range = match column {
-            OffsetColumn::Length(..) => format!("±{most:.3}"),
+            OffsetColumn::Length(..) | OffsetColumn::Origin(_) => format!("±{most:.3}"),
             OffsetColumn::Radius => format!("0–{most:.3}"),
             OffsetColumn::Tip => format!("0–{most:.0}"),
         };
         let range = format!("{} {range} · {then}", view.text("范围", "range"));
-        let is_locked = column.part().is_some_and(|part| part == OffsetPart::Wear || self.mode != EntryMode::Absolute);
+        let is_locked = column.part() == Some(OffsetPart::Wear) || self.mode != EntryMode::Absolute;
         let name = if form.locked && is_locked { "P22.0=0" } else { "" };
         input_line::ui_in_run(view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
     }

@@ -5,6 +5,7 @@ use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::words::{BlockWords, Code};
+use crate::nc::work_offsets::{EXTRA_G, EXTRA_WORK_OFFSETS};
 
 /// Reads the G codes.
 pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<BlockCodes> {
@@ -39,6 +40,29 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
         }
     }
     Ok(plan)
+}
+
+/// `G54.1 P_` or `G54 P_`: an additional work offset. P of another function in the block is not its own.
+pub(super) fn extra_work_offset(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
+    let words = running.words;
+    let Some(code) = words.g.iter().find(|code| code.number == 54) else { return Ok(()) };
+    let name = if words.has_extra_offset { "G54.1" } else { "G54" };
+    let other_m = words.m.iter().find(|code| matches!(code.number, 20..=22 | 91 | 92 | 98 | 99));
+    let other_g = plan.one_shot.filter(|code| !matches!(code.number, 9 | 50 | 53)).or(plan.modal_call);
+    let other = other_g.map(|code| code.name('G', 2)).or(other_m.map(|code| code.name('M', 2)));
+    match (words.has_extra_offset, other) {
+        (true, Some(other)) => fail2(code.at as usize, E::NotTogether, name, other),
+        (false, Some(_)) => Ok(()),
+        (is_extra, None) => match words.take(b'P') {
+            None if is_extra => fail2(code.at as usize, E::MissingWord, name, "P"),
+            None => Ok(()),
+            Some(word) => {
+                let number = super::integer(word, 1, EXTRA_WORK_OFFSETS as u32)?;
+                running.modals.work_offset = EXTRA_G + number as u8;
+                Ok(())
+            }
+        },
+    }
 }
 
 /// The table row of a code, if this machine and version have it.

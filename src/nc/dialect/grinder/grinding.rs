@@ -1,4 +1,4 @@
-//! The grinding functions: G10 wear, G27 dressing point, G35/G36 oscillation, G78 gauge positioning. Source: spec K4.
+//! The grinding functions: G27 dressing point, G35/G36 oscillation, G78 gauge positioning. Source: spec K4.
 
 use super::coordinates::axis_value;
 use super::{MAX_VALUE, OneShot, axis_letters, integer, length_mm, out_of_range};
@@ -6,7 +6,7 @@ use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, GaugeMove, Op};
 use crate::nc::words::{Code, ValueKind, Word, letter_mask};
-use crate::units::{Axis, PerAxis};
+use crate::units::Axis;
 
 /// Number of gauge inputs.
 const GAUGE_INPUTS: u32 = 6;
@@ -14,33 +14,12 @@ const GAUGE_INPUTS: u32 = 6;
 /// How the one-shot functions of this file are read.
 pub(super) fn reading_of(code: u32) -> Option<OneShot> {
     Some(match code {
-        10 => add_wear,
         27 => dress_return,
         35 => oscillation_on,
         36 => oscillation_off,
         78 => gauge_move,
         _ => return None,
     })
-}
-
-/// G10 `D_ U_ W_ V_`: adds to the wear of offset D (K4.1).
-fn add_wear(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
-    let words = running.words;
-    let Some(number) = words.take(b'D') else { return fail2(code.at as usize, E::MissingWord, "G10", "D") };
-    let number = integer(number, 1, running.settings.tool_count)? as u8;
-    let mut by = PerAxis::default();
-    let mut named = false;
-    for axis in Axis::ALL {
-        let [_, incremental] = axis_letters(axis);
-        let Some(word) = words.take(incremental) else { continue };
-        named = true;
-        by[axis] = axis_value(running, axis, word)?;
-    }
-    if !named {
-        return fail2(code.at as usize, E::MissingWord, "G10", "U / W");
-    }
-    running.ops.push(Op::AddWear { number, by });
-    Ok(())
 }
 
 /// G27 `X Z F_`: axes without numbers; X if there is none, P243 if there is no F (K4.2).

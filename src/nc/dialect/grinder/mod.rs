@@ -8,6 +8,7 @@ mod calls;
 mod codes;
 mod coordinates;
 mod cycles;
+mod data_input;
 mod grinding;
 mod index;
 mod macro_a;
@@ -57,6 +58,7 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
     #[inline]
     fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
         let plan = codes::read_g_codes(running)?;
+        codes::extra_work_offset(running, &plan)?;
         if let Some(at) = running.words.address_only
             && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
         {
@@ -154,7 +156,7 @@ fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadRes
 #[inline]
 fn changes_coordinates(running: &BlockContext<'_, '_>, plan: &BlockCodes) -> bool {
     let moves = running.words.has_any(AXIS_WORDS) && !plan.is_one_shot(4);
-    moves && !plan.is_one_shot(10) && (plan.work_offset || running.words.has(b'T'))
+    moves && !plan.is_one_shot(10) && !plan.is_one_shot(52) && (plan.work_offset || running.words.has(b'T'))
 }
 
 fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
@@ -172,7 +174,10 @@ type OneShot = fn(&mut BlockContext<'_, '_>, Code) -> ReadResult<()>;
 
 /// How a one-shot function is read; each file knows its own. Contour cycles and calls change the flow: not here.
 fn reading_of(code: u32) -> Option<OneShot> {
-    motion::reading_of(code).or_else(|| grinding::reading_of(code)).or_else(|| cycles::reading_of(code))
+    motion::reading_of(code)
+        .or_else(|| grinding::reading_of(code))
+        .or_else(|| data_input::reading_of(code))
+        .or_else(|| cycles::reading_of(code))
 }
 
 /// The length of a word in millimetres; applies inches and least increment.
