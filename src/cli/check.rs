@@ -471,7 +471,7 @@ impl<'a> FileCheck<'a> {
         }
         if let (Op::SelectWorkOffset { g }, Some(object)) = (op, json.as_object_mut()) {
             origins.activate(*g);
-            let zero = PerAxis::from_fn(|axis| origins.work[origins.active][axis] + origins.external[axis]);
+            let zero = PerAxis::from_fn(|axis| origins.machine_minus_work(axis));
             for (axis, _) in axes.iter().filter(|(_, present)| **present) {
                 object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
             }

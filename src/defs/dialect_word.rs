@@ -96,15 +96,29 @@ words! {
         "写法同 G2。", "Same format as G2.";
     "G4", "暂停", "dwell",
         "G4 F_：秒；G4 S_：砂轮转数。", "G4 F_: seconds; G4 S_: revolutions of the wheel.";
+    "G9", "本段准停", "exact stop in this block", "本段终点准停。", "Exact stop at the end of this block.";
     "G18", "ZX 平面", "ZX plane",
         "圆弧在 ZX 平面。", "Arcs are in the ZX plane.";
+    "G40", "取消半径补偿", "radius compensation off", "其后第一个 G0/G1 从轮廓退到编程点。", "The first G0 or G1 after it leads from the contour to the programmed point.";
+    "G41", "左侧半径补偿", "radius compensation left", "圆心在轮廓左侧保持半径 R（刀补 D）；NORM、KONT 可写，接近总是垂直于轮廓。", "The centre runs on the left of the contour at the radius R of offset D; NORM and KONT are accepted, the approach is always square to the contour.";
+    "G42", "右侧半径补偿", "radius compensation right", "同 G41，在右侧。", "As G41, on the right.";
+    "G53", "机床坐标", "machine coordinates", "G53、G153 X_ Z_：本段为机床坐标。", "G53 or G153 X_ Z_: machine coordinates in this block.";
     "G54", "工件坐标系 1", "work offset 1", "从本段起有效；程序开始时为 G54。", "From this block on; a program starts with G54.";
     "G55", "工件坐标系 2", "work offset 2", "从本段起有效。", "From this block on.";
     "G56", "工件坐标系 3", "work offset 3", "从本段起有效。", "From this block on.";
     "G57", "工件坐标系 4", "work offset 4", "从本段起有效。", "From this block on.";
     "G58", "工件坐标系 5", "work offset 5", "从本段起有效。", "From this block on.";
     "G59", "工件坐标系 6", "work offset 6", "从本段起有效。", "From this block on.";
+    "G500", "取消工件坐标系", "no work offset", "G500：不用 G54–G59；G505、G506 … 为附加工件坐标系 P1、P2 …", "G500: none of G54 to G59; G505, G506 … are the additional work offsets P1, P2 …";
+    "TRANS", "可编程零点偏移", "programmable zero offset", "TRANS X_ Z_ 替换，ATRANS 增加，TRANS 单独为取消；各占一段。", "TRANS X_ Z_ replaces it, ATRANS adds to it, TRANS alone ends it; each in a block of its own.";
+    "T", "刀具和刀补", "tool and offset", "T1 D2：D 为刀补号；只写 T 为 D1，D0 取消。", "T1 D2: D is the number of the tool offset; T alone has D1, D0 cancels it.";
+    "DIAMON", "直径编程", "diameter programming", "DIAMON：X 为直径；DIAMOF：半径；DIAM90：绝对为直径，增量为半径。", "DIAMON: X is a diameter; DIAMOF: a radius; DIAM90: absolute a diameter, incremental a radius.";
+    "IC", "单字增量", "incremental word", "X=IC(-2)：该字为增量；X=AC(…) 为绝对。", "X=IC(-2): this word is incremental; X=AC(…) absolute.";
+    "G74", "回机械零点", "to the machine zero", "G74 X1=0 Z1=0。", "G74 X1=0 Z1=0.";
+    "G75", "回固定点", "to the fixed point", "G75 X1=0 Z1=0：第 2 参考点（P161–P163）。", "G75 X1=0 Z1=0: reference point 2 (P161 to P163).";
+    "LIMS", "恒线速最高转速", "speed limit", "LIMS=1200：G96 时的最高转速。", "LIMS=1200: highest speed under G96, rpm.";
     "G60", "准停方式", "exact stop", "每段终点准停；开机状态。", "Exact stop at the end of every block; active at power-on.";
+    "G601", "准停窗口", "exact stop window", "G601、G602 可写：准停只有一种，到位宽度 P54。", "G601 and G602 are accepted: there is one exact stop, in-position width P54.";
     "G64", "连续方式", "continuous path", "拐角在公差内圆滑过渡。", "Corners are rounded within the tolerance.";
     "G70", "英制尺寸", "lengths in inches", "以后的尺寸按英寸读，F 不变。", "The following lengths are in inches, F is not.";
     "G71", "公制尺寸", "lengths in millimetres", "以后的尺寸按毫米读；开机状态。", "The following lengths are in millimetres; active at power-on.";

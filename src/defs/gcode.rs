@@ -26,6 +26,8 @@ pub enum GCodeGroup {
     ModalCall,
     /// 14: work offset.
     WorkOffset,
+    /// When an exact stop counts as reached (SINUMERIK G601, G602): one way here.
+    ExactStopWindow,
     /// 15: exact stop or continuous path.
     PathMode,
     /// 16: arc plane.

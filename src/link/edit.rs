@@ -198,6 +198,7 @@ impl ModalView {
     /// The G codes as programs write them.
     pub fn g_names(&self) -> impl Iterator<Item = String> + '_ {
         self.g.iter().map(|g| match g {
+            100 => "G500".to_owned(),
             101.. => format!("G54.1P{}", g - 100),
             _ => format!("G{g:02}"),
         })

@@ -4,7 +4,7 @@ use super::cutter::Compensation;
 use super::op::{Feed, PathMode, SpeedMode};
 use super::settings::{NcSettings, SpeedUnit};
 use super::work_offsets::EXTRA_G;
-use crate::units::Plane;
+use crate::units::{PerAxis, Plane};
 
 /// The active function of group 01, by its G code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,6 +52,18 @@ impl MotionMode {
             _ => None,
         }
     }
+}
+
+/// How X words of SINUMERIK are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum DiameterProgramming {
+    /// DIAMON: diameters.
+    #[default]
+    On,
+    /// DIAMOF: radii.
+    Off,
+    /// DIAM90: absolute ones diameters, incremental ones radii.
+    Absolute,
 }
 
 /// The modal words of a canned cycle, radius mm: later blocks reuse them.
@@ -127,6 +139,10 @@ pub struct ModalState {
     pub tool: u16,
     /// Offset of the last T.
     pub offset: u16,
+    /// How X words are read (SINUMERIK).
+    pub(crate) diameter: DiameterProgramming,
+    /// The programmable zero offset, radius mm (SINUMERIK TRANS).
+    pub(crate) local: PerAxis<f64>,
     /// The last M code.
     pub m_code: Option<u8>,
     /// A G66 modal call is active.
@@ -173,6 +189,8 @@ impl ModalState {
             speed: None,
             tool: 0,
             offset: 0,
+            diameter: DiameterProgramming::default(),
+            local: PerAxis::default(),
             m_code: None,
             modal_call: false,
             g97_mode: rotation,

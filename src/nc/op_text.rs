@@ -154,7 +154,8 @@ impl CoordinateChange {
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match *self {
             Self::Select(g) => match g.checked_sub(EXTRA_G) {
-                None | Some(0) => put("g", json!(g)),
+                None => put("g", json!(g)),
+                Some(0) => put("g", json!(500)),
                 Some(extra) => put_both(put, ("g", json!(54.1)), ("p", json!(extra))),
             },
             Self::Local(values) => put_some_points(put, "", values),

@@ -18,6 +18,8 @@ const EXTRA_OFFSET_G: f64 = 54.1;
 const EXTRA_OFFSET_ROUNDING: f64 = 1e-6;
 /// Most M codes of a block (DECISION: three, in the order written).
 const MAX_M_CODES: usize = 3;
+/// Most words of several letters of a block.
+const MAX_KEYWORDS: usize = 4;
 /// Most variables that a block of words sets.
 const MAX_ASSIGNMENTS: usize = 16;
 
@@ -104,7 +106,8 @@ impl<T, const N: usize> ShortList<T, N> {
 pub(crate) struct BlockWords {
     /// All words except G, M and N, in order.
     pub list: ShortList<Word, MAX_WORDS>,
-    first: [u8; 26],
+    /// The letters, and one that no text can have, for a dialect.
+    first: [u8; 27],
     mask: u32,
     nulls: u32,
     used: Cell<u32>,
@@ -112,6 +115,11 @@ pub(crate) struct BlockWords {
     pub g: ShortList<Code, MAX_G_CODES>,
     /// The M codes in order.
     pub m: ShortList<Code, MAX_M_CODES>,
+    /// Words of several letters without a value, by their number in the dialect.
+    pub keywords: ShortList<Code, MAX_KEYWORDS>,
+    /// Letters whose words are incremental, or absolute, whatever acts otherwise: `IC()` and `AC()` of SINUMERIK.
+    incremental: u32,
+    absolute: u32,
     /// The variables that the block sets, in order.
     pub assignments: ShortList<Assignment, MAX_ASSIGNMENTS>,
     /// The block number.
@@ -145,7 +153,8 @@ impl BlockWords {
     #[inline]
     pub fn clear(&mut self) {
         (self.list.count, self.g.count, self.m.count, self.assignments.count) = (0, 0, 0, 0);
-        (self.mask, self.nulls) = (0, 0);
+        (self.mask, self.nulls, self.incremental, self.absolute) = (0, 0, 0, 0);
+        self.keywords.count = 0;
         self.used.set(0);
         (self.block_number, self.duplicate, self.address_only) = (None, None, None);
         (self.condition, self.has_extra_offset) = (None, false);
@@ -161,7 +170,8 @@ impl BlockWords {
 
     /// Whether the block has neither words nor codes.
     pub fn is_empty(&self) -> bool {
-        self.list.is_empty() && self.g.is_empty() && self.m.is_empty() && self.assignments.is_empty()
+        let has_codes = !self.g.is_empty() || !self.m.is_empty() || !self.keywords.is_empty();
+        !has_codes && self.list.is_empty() && self.assignments.is_empty()
     }
 
     /// Adds a variable that the block sets.
@@ -169,6 +179,30 @@ impl BlockWords {
         match self.assignments.push(set) {
             true => Ok(()),
             false => fail2(set.at as usize, E::TooManyCodes, "R", MAX_ASSIGNMENTS),
+        }
+    }
+
+    /// Adds a word of several letters.
+    pub fn push_keyword(&mut self, keyword: Code) -> ReadResult<()> {
+        match self.keywords.push(keyword) {
+            true => Ok(()),
+            false => fail(keyword.at as usize, E::BlockTooLong),
+        }
+    }
+
+    /// Notes that the word of a letter is incremental, or absolute.
+    pub fn set_distance(&mut self, letter: u8, is_incremental: bool) {
+        let mask = if is_incremental { &mut self.incremental } else { &mut self.absolute };
+        *mask |= letter_bit(letter);
+    }
+
+    /// Whether the word of a letter is incremental by itself; `None`: by what acts.
+    #[inline]
+    pub fn is_incremental(&self, letter: u8) -> Option<bool> {
+        match (self.incremental & letter_bit(letter) != 0, self.absolute & letter_bit(letter) != 0) {
+            (true, _) => Some(true),
+            (false, true) => Some(false),
+            (false, false) => None,
         }
     }
 

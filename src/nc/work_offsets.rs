@@ -14,7 +14,8 @@ pub const TOOL_OFFSET_COUNT: usize = 16;
 pub const WORK_OFFSET_COUNT: usize = 6 + EXTRA_WORK_OFFSETS;
 /// Number of work offsets of G54.1.
 pub const EXTRA_WORK_OFFSETS: usize = 48;
-/// Added to P in the number by which G54.1 P1 … P48 are selected; G54 … G59 have their own.
+/// Added to P in the number by which G54.1 P1 … P48 are selected; G54 … G59 have their own. Without P it is G500 of the
+/// 802D: no work offset.
 pub const EXTRA_G: u8 = 100;
 
 /// An origin that a page, a parameter file or a program can set.
@@ -108,7 +109,7 @@ pub struct WorkOffsets {
     pub local: PerAxis<f64>,
     /// G54 … G59, G54.1 P1 … P48.
     pub work: [PerAxis<f64>; WORK_OFFSET_COUNT],
-    /// Index of the active work offset, from 0.
+    /// Index of the active work offset, from 0; [`WORK_OFFSET_COUNT`] for none.
     pub active: usize,
     /// The shift by G50 (G92).
     pub shift: PerAxis<f64>,
@@ -149,7 +150,8 @@ impl WorkOffsets {
             0 => 0.0,
             offset => self.geometry[offset - 1][axis] + self.wear[offset - 1][axis],
         };
-        self.external[axis] + self.work[self.active][axis] + self.local[axis] + self.shift[axis] + tool
+        let origin = self.work.get(self.active).map_or(0.0, |origin| origin[axis]);
+        self.external[axis] + origin + self.local[axis] + self.shift[axis] + tool
     }
 
     /// The work coordinate of a machine position.
@@ -164,11 +166,12 @@ impl WorkOffsets {
         MachinePos::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
     }
 
-    /// Activates the work offset G54 … G59, or G54.1 P1 … P48 as [`EXTRA_G`] + P.
+    /// Activates the work offset G54 … G59, or G54.1 P1 … P48 as [`EXTRA_G`] + P; [`EXTRA_G`] alone is none.
     pub fn activate(&mut self, g: u8) {
         let plain = WORK_OFFSET_COUNT - EXTRA_WORK_OFFSETS;
         self.active = match g.checked_sub(EXTRA_G) {
-            None | Some(0) => usize::from(g.saturating_sub(54)).min(plain - 1),
+            None => usize::from(g.saturating_sub(54)).min(plain - 1),
+            Some(0) => WORK_OFFSET_COUNT,
             Some(extra) => (plain + usize::from(extra) - 1).min(WORK_OFFSET_COUNT - 1),
         };
     }

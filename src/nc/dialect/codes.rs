@@ -68,7 +68,7 @@ impl BlockCodes {
                 modals.inch_feed = matches!(code.number, 20 | 700);
             }
             GCodeGroup::Compensation => self.compensation = Some(code),
-            GCodeGroup::DrillingCycle => {}
+            GCodeGroup::DrillingCycle | GCodeGroup::ExactStopWindow => {}
             GCodeGroup::ModalCall => self.modal_call = Some(code),
             GCodeGroup::WorkOffset => {
                 self.work_offset = true;

@@ -61,11 +61,11 @@ pub(super) fn set_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
 
 /// G40, or G41 and G42 with the cutter of an offset; `offset` is the number that the block names.
 ///
-/// A block that changes the tool offset while they act selects the cutter again.
+/// A block that `changes_tool` while they act selects the cutter again.
 pub(super) fn set_compensation(
     running: &mut BlockContext<'_, '_>,
     plan: &BlockCodes,
-    offset: Option<u32>,
+    (offset, changes_tool): (Option<u32>, bool),
 ) -> ReadResult<()> {
     let side = match (plan.compensation.map(|code| code.number), running.modals.compensation) {
         (Some(41), _) => CompensationSide::Left,
@@ -74,7 +74,7 @@ pub(super) fn set_compensation(
             running.modals.compensation = None;
             return Ok(());
         }
-        (None, Some(active)) if running.words.has(b'T') => active.side,
+        (None, Some(active)) if changes_tool => active.side,
         (None, _) => return Ok(()),
     };
     let at = plan.compensation.map_or(running.at, |code| code.at as usize);

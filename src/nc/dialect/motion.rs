@@ -6,7 +6,7 @@ use super::common::out_of_range;
 use super::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{AxisSet, Feed, Op};
+use crate::nc::op::{AxisSet, Feed, Op, PathMode};
 use crate::nc::words::{BlockWords, Word, letter_mask};
 use crate::units::{Axis, Plane, WorkPos};
 
@@ -60,7 +60,9 @@ impl MoveTarget {
             let (letter, incremental) = match [absolute, distance].map(|letter| running.words.has(letter)) {
                 [false, false] => continue,
                 [true, true] => return refuse_both(running.words, [absolute, distance]),
-                [true, false] => (absolute, running.modals.incremental),
+                [true, false] => {
+                    (absolute, running.words.is_incremental(absolute).unwrap_or(running.modals.incremental))
+                }
                 [false, true] => (distance, true),
             };
             let Some(word) = running.words.take(letter) else { continue };
@@ -148,6 +150,21 @@ pub(super) fn modal_move(
     };
     running.ops.push(op);
     Ok(true)
+}
+
+/// G09, G9: what a block does with an exact stop at its end.
+pub(super) fn exact_stop_block(
+    running: &mut BlockContext<'_, '_>,
+    block: impl FnOnce(&mut BlockContext<'_, '_>) -> ReadResult<()>,
+) -> ReadResult<()> {
+    let path_mode = running.modals.path_mode;
+    if path_mode == PathMode::ExactStop {
+        return block(running);
+    }
+    running.ops.push(Op::SetPathMode(PathMode::ExactStop));
+    block(running)?;
+    running.ops.push(Op::SetPathMode(path_mode));
+    Ok(())
 }
 
 fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTarget, turn: i8) -> ReadResult<Op> {

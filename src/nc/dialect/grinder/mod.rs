@@ -105,7 +105,7 @@ const AXIS_WORDS: u32 = letter_mask(b"XYZUVW");
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
     let offset = plan.compensation.filter(|code| code.number != 40).and_then(|_| running.words.take(b'D'));
     let offset = offset.map(|word| integer(word, 0, running.settings.tool_count)).transpose()?;
-    common::set_compensation(running, plan, offset)?;
+    common::set_compensation(running, plan, (offset, running.words.has(b'T')))?;
     auxiliary::spindle_speed(running, plan)?;
     let flow = auxiliary::before_motion(running)?;
     match plan.one_shot {

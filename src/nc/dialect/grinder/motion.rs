@@ -9,7 +9,7 @@ use crate::nc::dialect::rules::BlockContext;
 use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{Op, PathMode, REFERENCE_POINTS};
+use crate::nc::op::{Op, REFERENCE_POINTS};
 use crate::nc::words::{Code, ValueKind};
 use crate::units::{Axis, PerAxis};
 
@@ -43,15 +43,7 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
 
 /// G09: the move of its block with an exact stop at its end.
 pub(super) fn exact_stop_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
-    let path_mode = running.modals.path_mode;
-    if path_mode != PathMode::ExactStop {
-        running.ops.push(Op::SetPathMode(PathMode::ExactStop));
-    }
-    modal_move(running, plan)?;
-    if path_mode != PathMode::ExactStop {
-        running.ops.push(Op::SetPathMode(path_mode));
-    }
-    Ok(())
+    motion::exact_stop_block(running, |running| modal_move(running, plan))
 }
 
 /// G04: P milliseconds, X or U seconds.

@@ -5,14 +5,31 @@ use crate::nc::dialect::codes::{self, BlockCodes};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail2};
 use crate::nc::words::{BlockWords, Code};
+use crate::nc::work_offsets::{EXTRA_G, EXTRA_WORK_OFFSETS};
+
+/// G500: no work offset; G505 and more: additional ones, here those of G54.1 P1 to P48 (DECISION).
+const NO_OFFSET_G: u32 = 500;
+const FIRST_EXTRA_G: u32 = 505;
+const LAST_EXTRA_G: u32 = FIRST_EXTRA_G + EXTRA_WORK_OFFSETS as u32 - 1;
+
+/// The number by which the work offset of a code is selected.
+const fn work_offset_number(code: u32) -> u32 {
+    match code {
+        NO_OFFSET_G => EXTRA_G as u32,
+        FIRST_EXTRA_G..=LAST_EXTRA_G => EXTRA_G as u32 + code - FIRST_EXTRA_G + 1,
+        _ => code,
+    }
+}
 
 /// The group of a code. G94 to G97 are one group on this control; here G96 and G97 do not change the unit of F.
 const fn group_of(code: u32) -> Option<GCodeGroup> {
     Some(match code {
         0..=3 => GCodeGroup::Motion,
-        4 => GCodeGroup::NonModal,
+        4 | 9 | 53 | 74 | 75 | 153 => GCodeGroup::NonModal,
         18 => GCodeGroup::Plane,
-        54..=59 => GCodeGroup::WorkOffset,
+        40..=42 => GCodeGroup::Compensation,
+        54..=59 | NO_OFFSET_G | FIRST_EXTRA_G..=LAST_EXTRA_G => GCodeGroup::WorkOffset,
+        601 | 602 => GCodeGroup::ExactStopWindow,
         60 | 64 => GCodeGroup::PathMode,
         70 | 71 | 700 | 710 => GCodeGroup::Units,
         90 | 91 => GCodeGroup::DistanceMode,
@@ -21,13 +38,18 @@ const fn group_of(code: u32) -> Option<GCodeGroup> {
     })
 }
 
+/// Whether a message names the code: of the additional work offsets only the first.
+fn is_named(code: &u32) -> bool {
+    group_of(*code).is_some() && !(FIRST_EXTRA_G + 1..=LAST_EXTRA_G).contains(code)
+}
+
 fn look_up(code: Code) -> ReadResult<GCodeGroup> {
     match group_of(code.number) {
         Some(group) => Ok(group),
         // Other dialects select the unit of F by these codes.
         None if code.number == 98 => fail2(code.at as usize, E::UnknownCode, "G98", "G94 (mm/min) G95 (mm/r)"),
         None if code.number == 99 => fail2(code.at as usize, E::UnknownCode, "G99", "G95 (mm/r) G94 (mm/min)"),
-        None => codes::refuse_unknown(code, 'G', 0, (0..1_000).filter(|code| group_of(*code).is_some())),
+        None => codes::refuse_unknown(code, 'G', 0, (0..1_000).filter(is_named)),
     }
 }
 
@@ -62,6 +84,7 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
     let words = running.words;
     for (index, code) in words.g.iter().enumerate() {
         let group = exclusive_group(words, index)?;
+        let code = &Code { number: work_offset_number(code.number), ..*code };
         plan.apply(running, if matches!(code.number, 96 | 97) { GCodeGroup::SpindleSpeedMode } else { group }, *code);
     }
     Ok(plan)

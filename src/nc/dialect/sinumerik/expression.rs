@@ -66,6 +66,11 @@ pub(super) fn evaluate_with<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, se
     SinumerikExpressionParser { cursor, scope, assignments: sets, depth: 0 }.sum()
 }
 
+/// Evaluates the expression in round brackets at the cursor.
+pub(super) fn bracketed<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, sets: &[Assignment]) -> ReadResult<f64> {
+    SinumerikExpressionParser { cursor, scope, assignments: sets, depth: 0 }.bracket()
+}
+
 /// The variable number of the R parameter at the cursor: `R18` or `R[…]`.
 pub(super) fn parameter_number<S: Scope>(
     cursor: &mut Cursor<'_>,

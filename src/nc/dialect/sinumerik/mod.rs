@@ -8,6 +8,7 @@
 mod codes;
 mod expression;
 mod index;
+mod keyword;
 mod motion;
 mod read;
 
@@ -69,8 +70,13 @@ impl DialectRules for Sinumerik {
         if let Some(call) = running.words.take(b'L') {
             return subprogram(running, &plan, call);
         }
+        refuse_machine_axis(running, &plan)?;
         apply_modes(running, &plan)?;
-        if running.second_half || !(plan.work_offset && motion::names_axes(running)) {
+        if keyword::translate(running)? {
+            return running.words.unused().map_or(Ok(FlowAction::Next), |word| unknown_word(running.text, word));
+        }
+        let changes_tool = tool_call(running)?;
+        if running.second_half || !((plan.work_offset || changes_tool) && motion::names_axes(running)) {
             return execute_remainder(running, &plan);
         }
         common::split_block(running, |running| execute_remainder(running, &plan))
@@ -93,7 +99,7 @@ fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
 }
 
 /// The address letters of words, without N, G, M and L.
-const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', CR_ADDRESS];
+const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', b'T', b'D', CR_ADDRESS, LIMS_ADDRESS];
 
 /// Refuses a call that is not in a block of its own.
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
@@ -120,17 +126,27 @@ fn called_program(words: &BlockWords) -> Option<(u32, usize)> {
 const MAX_REPEATS: u32 = 9_999;
 /// The internal letter of `CR=`; R itself is never a word.
 const CR_ADDRESS: u8 = b'R';
+/// The internal letter of `LIMS=`, the one behind Z.
+const LIMS_ADDRESS: u8 = b'[';
 /// The internal M code of `RET`.
 const RETURN_M_CODE: u32 = 17;
 
 /// Executes what follows the modes and the work offset.
 fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<FlowAction> {
-    if plan.one_shot.is_none() {
+    let changes_tool = running.words.has(b'T') || running.words.has(b'D');
+    common::set_compensation(running, plan, (None, changes_tool))?;
+    if let Some(word) = running.words.take(LIMS_ADDRESS) {
+        if !(0.0..=common::MAX_VALUE).contains(&word.value) {
+            return out_of_range(word, "0–99999.999");
+        }
+        running.ops.push(Op::SpeedLimit { rpm: word.value });
+    }
+    if !plan.is_one_shot(4) {
         common::set_speed(running)?;
     }
     let flow = execute_m_codes(running, false)?;
     match plan.one_shot {
-        Some(code) => motion::dwell(running, code)?,
+        Some(code) => motion::one_shot(running, plan, code)?,
         None => motion::modal_move(running, plan)?,
     }
     execute_m_codes(running, true)?;
@@ -139,12 +155,46 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> R
 
 /// Sets feed, path mode and work offset. The F of a dwell is a time.
 fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
-    if plan.one_shot.is_none() {
+    keyword::apply_modes(running);
+    if !plan.is_one_shot(4) {
         let mm = if running.modals.inch_feed { MM_PER_INCH } else { 1.0 };
         common::set_feed(running, mm)?;
     }
     plan.push_modes(running);
     Ok(())
+}
+
+/// `T1 D2`: tool, and the edge, here the number of the tool offset (DECISION). A tool without D has D1; D0 cancels the
+/// offset. True: the block has one.
+fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<bool> {
+    let (tool, edge) = (running.words.take(b'T'), running.words.take(b'D'));
+    if tool.is_none() && edge.is_none() || running.second_half {
+        return Ok(false);
+    }
+    let count = running.settings.tool_count;
+    let number = tool.map(|word| integer(word, 0, count)).transpose()?;
+    let offset = match (edge, number) {
+        (Some(word), _) => integer(word, 0, count)?,
+        (None, Some(0)) => 0,
+        (None, _) => 1,
+    };
+    let (tool, offset) = (number.unwrap_or(0) as u16, offset as u16);
+    if tool != 0 {
+        running.modals.tool = tool;
+    }
+    running.modals.offset = offset;
+    running.ops.push(Op::T { tool, offset });
+    Ok(true)
+}
+
+/// `X1=…` names an axis of the machine, in G74 and G75 only.
+fn refuse_machine_axis(running: &BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
+    match keyword::find(running.words, keyword::Keyword::MachineAxis) {
+        Some(at) if !plan.is_one_shot(74) && !plan.is_one_shot(75) => {
+            fail1(at, E::UnknownWord, format_args!("{}1", common::letter_at(running.text, at as u32)))
+        }
+        Some(_) | None => Ok(()),
+    }
 }
 
 /// `L10 P3`: calls a subprogram P times, not at all if P is 0. It must be in a block of its own.
@@ -213,7 +263,13 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 fn address_name(word: Word) -> &'static str {
     const LETTERS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
     let index = usize::from(word.letter.wrapping_sub(b'A'));
-    if word.letter == CR_ADDRESS { "CR" } else { LETTERS.get(index..=index).unwrap_or_default() }
+    if word.letter == CR_ADDRESS {
+        "CR"
+    } else if word.letter == LIMS_ADDRESS {
+        "LIMS"
+    } else {
+        LETTERS.get(index..=index).unwrap_or_default()
+    }
 }
 
 #[cold]

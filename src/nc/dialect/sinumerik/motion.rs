@@ -7,9 +7,10 @@ use crate::nc::dialect::common::{MAX_VALUE, in_range};
 use crate::nc::dialect::motion::{self, MoveSyntax, MoveTarget, NO_LETTER, radius_mm};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
-use crate::nc::op::{Op, SpeedMode};
+use crate::nc::modal::{DiameterProgramming, MotionMode};
+use crate::nc::op::{AxisSet, Op, SpeedMode};
 use crate::nc::words::{Code, Word, letter_mask};
-use crate::units::{Axis, MM_PER_INCH};
+use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
 /// Seconds per minute.
 const SECONDS_PER_MINUTE: f64 = 60.0;
@@ -37,12 +38,74 @@ pub(super) fn names_axes(running: &BlockContext<'_, '_>) -> bool {
 
 /// The end of the move by the axis words of the block.
 fn target(running: &BlockContext<'_, '_>) -> ReadResult<MoveTarget> {
+    let letters = |axis: Axis| [axis.letter() as u8, NO_LETTER];
+    MoveTarget::read(running, letters, |axis, word| axis_mm(running, axis, word), f64::INFINITY)
+}
+
+/// The value of an axis word, radius mm.
+fn axis_mm(running: &BlockContext<'_, '_>, axis: Axis, word: Word) -> ReadResult<f64> {
     let length_mm = |running: &BlockContext<'_, '_>, word: Word| match word.value.abs() > MAX_VALUE {
         true => out_of_range(word, "±99999.999"),
         false => Ok(word.value * unit_mm(running)),
     };
-    let letters = |axis: Axis| [axis.letter() as u8, NO_LETTER];
-    MoveTarget::read(running, letters, |axis, word| radius_mm(running, axis, word, length_mm), f64::INFINITY)
+    let is_incremental = || running.words.is_incremental(word.letter).unwrap_or(running.modals.incremental);
+    let is_radius = match running.modals.diameter {
+        DiameterProgramming::On => false,
+        DiameterProgramming::Off => true,
+        DiameterProgramming::Absolute => is_incremental(),
+    };
+    let radius = radius_mm(running, axis, word, length_mm)?;
+    // `radius_mm` has halved it.
+    Ok(if is_radius && axis == Axis::X && running.settings.diameter { 2.0 * radius } else { radius })
+}
+
+/// The axis words of the block as lengths, radius mm.
+pub(super) fn axis_lengths(running: &BlockContext<'_, '_>) -> ReadResult<PerAxis<Option<f64>>> {
+    let mut lengths = PerAxis::default();
+    for axis in Axis::ALL {
+        let word = running.words.take(axis.letter() as u8);
+        lengths[axis] = word.map(|word| axis_mm(running, axis, word)).transpose()?;
+    }
+    Ok(lengths)
+}
+
+/// What a one-shot function does with the block.
+pub(super) fn one_shot(running: &mut BlockContext<'_, '_>, plan: &BlockCodes, code: Code) -> ReadResult<()> {
+    match code.number {
+        4 => dwell(running, code),
+        9 => motion::exact_stop_block(running, |running| modal_move(running, plan)),
+        53 | 153 => machine_move(running, code),
+        _ => reference_move(running, code),
+    }
+}
+
+/// G53, G153: machine coordinates for this block.
+fn machine_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+    let MoveTarget { to, words, incremental, .. } = target(running)?;
+    let name = || code.name('G', 0);
+    if words.is_empty() {
+        return fail2(code.at as usize, E::MissingWord, name(), "X / Z");
+    }
+    if !incremental.is_empty() {
+        return fail2(motion::first_offset(running, &SYNTAX), E::NotTogether, name(), "G91 / IC");
+    }
+    let feed = match running.modals.motion {
+        MotionMode::Rapid => None,
+        _ => Some(motion::modal_feed(running, &SYNTAX)?),
+    };
+    running.ops.push(Op::MachineMove { to: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])), feed });
+    Ok(())
+}
+
+/// G74: to the machine zero; G75: to the fixed point, reference point 2. The values of the words do not matter.
+fn reference_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+    let MoveTarget { from, words, .. } = target(running)?;
+    if words.is_empty() {
+        return fail2(code.at as usize, E::MissingWord, code.name('G', 0), "X1=0 / Z1=0");
+    }
+    let number = if code.number == 74 { 1 } else { 2 };
+    running.ops.push(Op::ReturnToReference { number, via: from, words, incremental: AxisSet::NONE });
+    Ok(())
 }
 
 /// The move of G0 to G3. Motion modes of other dialects are never active here.
@@ -51,7 +114,7 @@ pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
 }
 
 /// G4: `F` seconds, or `S` revolutions of the wheel at its programmed speed.
-pub(super) fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
+fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     if names_axes(running) {
         return fail1(motion::first_offset(running, &SYNTAX), E::AxisUnused, "G4");
     }

@@ -5,13 +5,14 @@ use std::ops::Range;
 use super::expression::{
     accept_keyword, evaluate, evaluate_with, function_names, identifier, parameter_number, skip_blanks, unexpected,
 };
-use super::{CR_ADDRESS, RETURN_M_CODE};
+use super::keyword::{Keyword, read_distance, read_keyword};
+use super::{CR_ADDRESS, LIMS_ADDRESS, RETURN_M_CODE};
 use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{Capitals, E, ReadResult, fail, fail1, fail2};
 use crate::nc::functions::Comparison;
 use crate::nc::lexer::Cursor;
 use crate::nc::statement::{BlockContent, BlockReader};
-use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
+use crate::nc::words::{Assignment, BlockWords, Code, ValueKind, Word};
 use crate::units::Axis;
 
 const IF_SYNTAX: &str = "IF a<b GOTOF …";
@@ -235,21 +236,7 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
     let at = cursor.at;
     let start = at as u32;
     if let Some(found) = identifier(&cursor.text[at.min(cursor.text.len())..]) {
-        if accept_keyword(cursor, "RET") {
-            words.add(Word { value: f64::from(RETURN_M_CODE), at: start, letter: b'M', kind: ValueKind::Integer })?;
-            return Ok(true);
-        }
-        if accept_keyword(cursor, "CR") {
-            let value = assigned_value(cursor, scope, words, at)?;
-            words.add(Word { value, at: start, letter: CR_ADDRESS, kind: ValueKind::Decimal })?;
-            return Ok(true);
-        }
-        // `XR20`: `=` is missing.
-        if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
-            let address = if upper_text(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
-            return fail1(at, E::EqualsMissing, upper_text(address));
-        }
-        return fail1(at, E::UnknownWord, upper_text(found));
+        return read_long_word(cursor, scope, words, found).map(|()| true);
     }
     let letter = cursor.peek().to_ascii_uppercase();
     if !letter.is_ascii_alphabetic() {
@@ -265,13 +252,22 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         return Ok(true);
     }
     cursor.at += 1;
+    if matches!(letter, b'X' | b'Y' | b'Z') && cursor.peek() == b'1' && cursor.peek_at(1) == b'=' {
+        // `X1=0`: an axis of the machine, for G74 and G75.
+        words.push_keyword(Code { number: Keyword::MachineAxis as u32, at: start })?;
+        cursor.at += 1;
+    }
     skip_blanks(cursor);
     let fixed = matches!(letter, b'G' | b'L' | b'N');
     let (value, kind) = match cursor.peek() {
         b'=' if fixed => return fail1(at, E::DigitsOnly, char::from(letter)),
         b'=' => {
             cursor.at += 1;
-            (evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal)
+            skip_blanks(cursor);
+            match read_distance(cursor, scope, words, letter)? {
+                Some(value) => (value, ValueKind::Decimal),
+                None => (evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal),
+            }
         }
         b'0'..=b'9' | b'.' | b'+' | b'-' => read_number(cursor, at, letter)?,
         0x80.. => return cursor.unexpected(),
@@ -282,6 +278,39 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
     }
     words.add(Word { value, at: start, letter, kind })?;
     Ok(true)
+}
+
+/// Reads a word of several letters, which is next.
+fn read_long_word<S: Scope>(
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    words: &mut BlockWords,
+    found: &[u8],
+) -> ReadResult<()> {
+    let at = cursor.at;
+    if accept_keyword(cursor, "RET") {
+        return words.add(Word {
+            value: f64::from(RETURN_M_CODE),
+            at: at as u32,
+            letter: b'M',
+            kind: ValueKind::Integer,
+        });
+    }
+    for (name, letter) in [("CR", CR_ADDRESS), ("LIMS", LIMS_ADDRESS)] {
+        if accept_keyword(cursor, name) {
+            let value = assigned_value(cursor, scope, words, at)?;
+            return words.add(Word { value, at: at as u32, letter, kind: ValueKind::Decimal });
+        }
+    }
+    if read_keyword(cursor, words)? {
+        return Ok(());
+    }
+    // `XR20`: `=` is missing.
+    if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
+        let address = if upper_text(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
+        return fail1(at, E::EqualsMissing, upper_text(address));
+    }
+    fail1(at, E::UnknownWord, upper_text(found))
 }
 
 /// Refuses `R5` without `=` in an arc block: in other dialects it is the radius.
