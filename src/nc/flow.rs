@@ -203,6 +203,13 @@ impl Flow {
         self.call_stack.is_empty()
     }
 
+    /// Whether a program was called and has not returned.
+    pub fn is_within(&self, program: u32) -> bool {
+        // The first frame is that of the started program.
+        let callers = self.call_stack.iter().skip(1).map(|frame| &frame.source);
+        !self.is_main() && callers.chain([&self.source]).any(|source| source.number() == program)
+    }
+
     /// The calls that led to the present program, the last one first.
     pub fn calls(&self) -> CallChain {
         let line = |level: &CallFrame| level.source.line_of(level.call_at) + 1;

@@ -60,7 +60,7 @@ pub use op_effect::{
 };
 pub use preflight::{PreflightStatus, ProgramPreflight};
 pub use program_parts::{ProgramPart, program_parts};
-pub use settings::{CutterSource, Dialect, NcSettings, SpeedUnit, SuperManSettings};
+pub use settings::{CodeMacros, CutterSource, Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
 pub use source_index::o_number;
 pub use work_offsets::{OriginPlace, WorkOffsets};

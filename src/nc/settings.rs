@@ -23,6 +23,9 @@ pub enum CutterSource {
     WholeWheel,
 }
 
+/// Codes that call a macro, each with its program; code 0 is none (FANUC 6050 to 6059, 6080 to 6089).
+pub type CodeMacros = [(u16, u16); 10];
+
 /// Settings for programs of the 超人 lathe (L2, L5, L6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SuperManSettings {
@@ -98,6 +101,10 @@ pub struct NcSettings {
     pub superman: SuperManSettings,
     /// The cutter of G41 and G42.
     pub cutter_source: CutterSource,
+    /// G codes that call a macro (P420 …).
+    pub g_macros: CodeMacros,
+    /// M codes that call a macro (P440 …).
+    pub m_macros: CodeMacros,
     /// P17.1: G35 moves a cylinder and has no words.
     pub oscillation_by_cylinder: bool,
     /// P238 and P239: the oscillation that M35 alone starts (K4.3), axis and other end, radius mm.
@@ -125,6 +132,8 @@ impl NcSettings {
             needs_block_numbers: false,
             superman: SuperManSettings::default(),
             cutter_source: CutterSource::ToolOffset,
+            g_macros: [(0, 0); 10],
+            m_macros: [(0, 0); 10],
             oscillation_by_cylinder: false,
             oscillation_stroke: (Axis::X, 0.0),
             rapid_mm_min: PerAxis([6_000.0; 3]),

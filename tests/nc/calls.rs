@@ -24,7 +24,11 @@ fn source(number: u32, text: &str) -> Arc<Source> {
 
 /// Runs a program with its macros; returns the common variables.
 fn run(text: &str, macros: &[(u32, &str)]) -> Result<CommonVariables, ProgramFault> {
-    let settings = NcSettings::lathe_a();
+    run_with(&NcSettings::lathe_a(), text, macros)
+}
+
+fn run_with(settings: &NcSettings, text: &str, macros: &[(u32, &str)]) -> Result<CommonVariables, ProgramFault> {
+    let settings = settings.clone();
     let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
     let shelf = Shelf(macros.iter().map(|(number, text)| (*number, source(*number, text))).collect());
     let mut interpreter = Interpreter::new(source(1001, text), Arc::new(shelf), settings, CommonVariables::default());
@@ -142,4 +146,34 @@ fn b2_g92_sets_the_coordinates_on_gs() {
     };
     assert_eq!(ops("G92 X1 Y2 Z3\nM30\n"), ops("G50 X1 Y2 Z3\nM30\n"));
     assert_eq!(ops("G92 X1 Y2 Z3\nM30\n").len(), 2);
+}
+
+/// Codes that the machine builder gives to macros (FANUC 6050 …, 6080 …).
+#[test]
+fn b3_a_code_of_the_table_calls_its_macro_with_the_words_as_arguments() {
+    let mut settings = NcSettings::lathe_a();
+    settings.g_macros[0] = (175, 9030);
+    settings.g_macros[1] = (75, 9031);
+    settings.m_macros[3] = (61, 9043);
+    let grinding = "#500=#500+1\n#501=#24\n#502=#9\nM99\n";
+    // In a program that a code has called, a code of the table is the control's own: G75 without its first block is refused.
+    let own = "#503=#503+1\nM99\n";
+    let by_m = "#504=#19\nG175 X9\nM99\n";
+    let macros = [(9030, grinding), (9031, own), (9043, by_m)];
+    let done = run_with(&settings, "G175 X12.5 F3 L2\nG75 X1\nM30\n", &macros).unwrap();
+    assert_eq!(value(&done, 500), Some(2.0), "L2 repeats it");
+    assert_eq!((value(&done, 501), value(&done, 502)), (Some(12.5), Some(3.0)), "X is #24, F is #9");
+    assert_eq!(value(&done, 503), Some(1.0), "G75 is replaced");
+    let refused = run_with(&settings, "M61 S5\nM30\n", &macros).unwrap_err();
+    assert_eq!((refused.location.program, refused.location.line, refused.error.id()), (9043, 2, "unknown-g"));
+    let both = run_with(&settings, "G175 G01 X1\nM30\n", &macros).unwrap_err();
+    assert_eq!(both.error.id(), "not-together");
+    let missing = run_with(&settings, "G175 X1\nM30\n", &[]).unwrap_err();
+    assert_eq!(missing.error.id(), "missing-program");
+    assert_eq!(run("G175 X1\nM30\n", &macros).unwrap_err().error.id(), "unknown-g", "not in the table");
+    // The codes that change the flow of a program stay the control's own.
+    settings.m_macros[4] = (30, 9030);
+    settings.g_macros[2] = (65, 9030);
+    let done = run_with(&settings, "G65 P9031\nM30\n", &macros).unwrap();
+    assert_eq!((value(&done, 500), value(&done, 503)), (None, Some(1.0)));
 }

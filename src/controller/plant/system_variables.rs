@@ -8,7 +8,7 @@ use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{CutterSource, NcSettings, OriginPlace, SpeedUnit, SuperManSettings};
+use crate::nc::{CodeMacros, CutterSource, NcSettings, OriginPlace, SpeedUnit, SuperManSettings};
 use crate::units::{Axis, PerAxis};
 
 /// System variables mapped to parameters.
@@ -66,6 +66,8 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
             2 => CutterSource::WholeWheel,
             _ => CutterSource::ToolOffset,
         },
+        g_macros: code_macros(params, &param::G_MACROS),
+        m_macros: code_macros(params, &param::M_MACROS),
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
         oscillation_stroke: key_stroke(params),
         rapid_mm_min: PerAxis::from_fn(|axis| params.get_axis(param::RAPID_X, axis)),
@@ -83,6 +85,10 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
         },
         ..NcSettings::for_dialect(row.dialect)
     }
+}
+
+fn code_macros(params: &Params, rows: &[(NumberParam, NumberParam); 10]) -> CodeMacros {
+    rows.map(|(code, program)| (params.get(code) as u16, params.get(program) as u16))
 }
 
 impl Plant {

@@ -168,6 +168,46 @@ numbers! {
     TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: shank width", ToolTurret;
     CUTTER_SOURCE = 416, 0 => 2, 0, "", User, "G41/G42 半径 0:刀补 R 1:修整器 (P417) 2:整个砂轮", "radius of G41 and G42: 0 R of the active offset, 1 dresser (P417), 2 whole wheel";
     DRESSER_OFFSET = 417, 1 => 16, 16, "", User, "修整器的刀补号", "tool offset of the dresser";
+    G_MACRO_0_CODE = 420, 0 => 999, 0, "", Builder, "调用宏程序 0 的 G 代码 (0 无)", "G code that calls macro 0, 0 none", Wheel;
+    G_MACRO_0_PROGRAM = 421, 1 => 9_999, 9_030, "", Builder, "G 代码 0 的宏程序号", "program of G macro 0", Wheel;
+    G_MACRO_1_CODE = 422, 0 => 999, 0, "", Builder, "调用宏程序 1 的 G 代码 (0 无)", "G code that calls macro 1, 0 none", Wheel;
+    G_MACRO_1_PROGRAM = 423, 1 => 9_999, 9_031, "", Builder, "G 代码 1 的宏程序号", "program of G macro 1", Wheel;
+    G_MACRO_2_CODE = 424, 0 => 999, 0, "", Builder, "调用宏程序 2 的 G 代码 (0 无)", "G code that calls macro 2, 0 none", Wheel;
+    G_MACRO_2_PROGRAM = 425, 1 => 9_999, 9_032, "", Builder, "G 代码 2 的宏程序号", "program of G macro 2", Wheel;
+    G_MACRO_3_CODE = 426, 0 => 999, 0, "", Builder, "调用宏程序 3 的 G 代码 (0 无)", "G code that calls macro 3, 0 none", Wheel;
+    G_MACRO_3_PROGRAM = 427, 1 => 9_999, 9_033, "", Builder, "G 代码 3 的宏程序号", "program of G macro 3", Wheel;
+    G_MACRO_4_CODE = 428, 0 => 999, 0, "", Builder, "调用宏程序 4 的 G 代码 (0 无)", "G code that calls macro 4, 0 none", Wheel;
+    G_MACRO_4_PROGRAM = 429, 1 => 9_999, 9_034, "", Builder, "G 代码 4 的宏程序号", "program of G macro 4", Wheel;
+    G_MACRO_5_CODE = 430, 0 => 999, 0, "", Builder, "调用宏程序 5 的 G 代码 (0 无)", "G code that calls macro 5, 0 none", Wheel;
+    G_MACRO_5_PROGRAM = 431, 1 => 9_999, 9_035, "", Builder, "G 代码 5 的宏程序号", "program of G macro 5", Wheel;
+    G_MACRO_6_CODE = 432, 0 => 999, 0, "", Builder, "调用宏程序 6 的 G 代码 (0 无)", "G code that calls macro 6, 0 none", Wheel;
+    G_MACRO_6_PROGRAM = 433, 1 => 9_999, 9_036, "", Builder, "G 代码 6 的宏程序号", "program of G macro 6", Wheel;
+    G_MACRO_7_CODE = 434, 0 => 999, 0, "", Builder, "调用宏程序 7 的 G 代码 (0 无)", "G code that calls macro 7, 0 none", Wheel;
+    G_MACRO_7_PROGRAM = 435, 1 => 9_999, 9_037, "", Builder, "G 代码 7 的宏程序号", "program of G macro 7", Wheel;
+    G_MACRO_8_CODE = 436, 0 => 999, 0, "", Builder, "调用宏程序 8 的 G 代码 (0 无)", "G code that calls macro 8, 0 none", Wheel;
+    G_MACRO_8_PROGRAM = 437, 1 => 9_999, 9_038, "", Builder, "G 代码 8 的宏程序号", "program of G macro 8", Wheel;
+    G_MACRO_9_CODE = 438, 0 => 999, 0, "", Builder, "调用宏程序 9 的 G 代码 (0 无)", "G code that calls macro 9, 0 none", Wheel;
+    G_MACRO_9_PROGRAM = 439, 1 => 9_999, 9_039, "", Builder, "G 代码 9 的宏程序号", "program of G macro 9", Wheel;
+    M_MACRO_0_CODE = 440, 0 => 99, 0, "", Builder, "调用宏程序 0 的 M 代码 (0 无)", "M code that calls macro 0, 0 none", Wheel;
+    M_MACRO_0_PROGRAM = 441, 1 => 9_999, 9_040, "", Builder, "M 代码 0 的宏程序号", "program of M macro 0", Wheel;
+    M_MACRO_1_CODE = 442, 0 => 99, 0, "", Builder, "调用宏程序 1 的 M 代码 (0 无)", "M code that calls macro 1, 0 none", Wheel;
+    M_MACRO_1_PROGRAM = 443, 1 => 9_999, 9_041, "", Builder, "M 代码 1 的宏程序号", "program of M macro 1", Wheel;
+    M_MACRO_2_CODE = 444, 0 => 99, 0, "", Builder, "调用宏程序 2 的 M 代码 (0 无)", "M code that calls macro 2, 0 none", Wheel;
+    M_MACRO_2_PROGRAM = 445, 1 => 9_999, 9_042, "", Builder, "M 代码 2 的宏程序号", "program of M macro 2", Wheel;
+    M_MACRO_3_CODE = 446, 0 => 99, 0, "", Builder, "调用宏程序 3 的 M 代码 (0 无)", "M code that calls macro 3, 0 none", Wheel;
+    M_MACRO_3_PROGRAM = 447, 1 => 9_999, 9_043, "", Builder, "M 代码 3 的宏程序号", "program of M macro 3", Wheel;
+    M_MACRO_4_CODE = 448, 0 => 99, 0, "", Builder, "调用宏程序 4 的 M 代码 (0 无)", "M code that calls macro 4, 0 none", Wheel;
+    M_MACRO_4_PROGRAM = 449, 1 => 9_999, 9_044, "", Builder, "M 代码 4 的宏程序号", "program of M macro 4", Wheel;
+    M_MACRO_5_CODE = 450, 0 => 99, 0, "", Builder, "调用宏程序 5 的 M 代码 (0 无)", "M code that calls macro 5, 0 none", Wheel;
+    M_MACRO_5_PROGRAM = 451, 1 => 9_999, 9_045, "", Builder, "M 代码 5 的宏程序号", "program of M macro 5", Wheel;
+    M_MACRO_6_CODE = 452, 0 => 99, 0, "", Builder, "调用宏程序 6 的 M 代码 (0 无)", "M code that calls macro 6, 0 none", Wheel;
+    M_MACRO_6_PROGRAM = 453, 1 => 9_999, 9_046, "", Builder, "M 代码 6 的宏程序号", "program of M macro 6", Wheel;
+    M_MACRO_7_CODE = 454, 0 => 99, 0, "", Builder, "调用宏程序 7 的 M 代码 (0 无)", "M code that calls macro 7, 0 none", Wheel;
+    M_MACRO_7_PROGRAM = 455, 1 => 9_999, 9_047, "", Builder, "M 代码 7 的宏程序号", "program of M macro 7", Wheel;
+    M_MACRO_8_CODE = 456, 0 => 99, 0, "", Builder, "调用宏程序 8 的 M 代码 (0 无)", "M code that calls macro 8, 0 none", Wheel;
+    M_MACRO_8_PROGRAM = 457, 1 => 9_999, 9_048, "", Builder, "M 代码 8 的宏程序号", "program of M macro 8", Wheel;
+    M_MACRO_9_CODE = 458, 0 => 99, 0, "", Builder, "调用宏程序 9 的 M 代码 (0 无)", "M code that calls macro 9, 0 none", Wheel;
+    M_MACRO_9_PROGRAM = 459, 1 => 9_999, 9_049, "", Builder, "M 代码 9 的宏程序号", "program of M macro 9", Wheel;
     PROGRAM_REPEATS = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "program repetitions per cycle start";
     SERIAL_BAUD = 370, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
     SERIAL_PAUSE_TIMEOUT = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";
@@ -195,6 +235,34 @@ numbers! {
     INPUTS_INVERTED_3 = 356, 0 => 65_535, 127, "", Builder, "输入口 33-48 反相", "inputs 33-48 inverted";
     INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
 }
+
+/// G codes that call a macro, each with its program.
+pub const G_MACROS: [(NumberParam, NumberParam); 10] = [
+    (G_MACRO_0_CODE, G_MACRO_0_PROGRAM),
+    (G_MACRO_1_CODE, G_MACRO_1_PROGRAM),
+    (G_MACRO_2_CODE, G_MACRO_2_PROGRAM),
+    (G_MACRO_3_CODE, G_MACRO_3_PROGRAM),
+    (G_MACRO_4_CODE, G_MACRO_4_PROGRAM),
+    (G_MACRO_5_CODE, G_MACRO_5_PROGRAM),
+    (G_MACRO_6_CODE, G_MACRO_6_PROGRAM),
+    (G_MACRO_7_CODE, G_MACRO_7_PROGRAM),
+    (G_MACRO_8_CODE, G_MACRO_8_PROGRAM),
+    (G_MACRO_9_CODE, G_MACRO_9_PROGRAM),
+];
+
+/// M codes that call a macro, each with its program.
+pub const M_MACROS: [(NumberParam, NumberParam); 10] = [
+    (M_MACRO_0_CODE, M_MACRO_0_PROGRAM),
+    (M_MACRO_1_CODE, M_MACRO_1_PROGRAM),
+    (M_MACRO_2_CODE, M_MACRO_2_PROGRAM),
+    (M_MACRO_3_CODE, M_MACRO_3_PROGRAM),
+    (M_MACRO_4_CODE, M_MACRO_4_PROGRAM),
+    (M_MACRO_5_CODE, M_MACRO_5_PROGRAM),
+    (M_MACRO_6_CODE, M_MACRO_6_PROGRAM),
+    (M_MACRO_7_CODE, M_MACRO_7_PROGRAM),
+    (M_MACRO_8_CODE, M_MACRO_8_PROGRAM),
+    (M_MACRO_9_CODE, M_MACRO_9_PROGRAM),
+];
 
 /// Factory port of an input (spec K3).
 pub(super) const fn factory_input_port(input: Input) -> u8 {

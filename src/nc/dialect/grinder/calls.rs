@@ -8,7 +8,8 @@ use crate::nc::expression::Locals;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, Callee};
 use crate::nc::modal_calls::ModalCall;
-use crate::nc::words::{ValueKind, Word};
+use crate::nc::settings::CodeMacros;
+use crate::nc::words::{Code, ValueKind, Word};
 
 /// Most sets of I, J, K in argument system II.
 const MAX_IJK_SETS: usize = 10;
@@ -47,6 +48,38 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     } else {
         FlowAction::SetModalCall(Some(ModalCall { program, times }))
     })
+}
+
+/// The code of the block that calls a macro by its table (P420 …, P440 …), and the program.
+///
+/// As on FANUC, no code calls a macro within a program that a code has called: there it is the control's own. G65, G66, and
+/// the M codes that change the flow of the program, call none.
+#[inline]
+pub(super) fn code_macro(running: &BlockContext<'_, '_>) -> Option<(Code, u32)> {
+    let find = |codes: &[Code], macros: &CodeMacros, own: &[u32]| {
+        let row = |code: &Code| macros.iter().find(|(number, _)| *number != 0 && u32::from(*number) == code.number);
+        let called = codes.iter().find_map(|code| Some((*code, u32::from(row(code)?.1))));
+        called.filter(|(code, _)| !own.contains(&code.number))
+    };
+    let settings = running.settings;
+    let called = find(&running.words.g, &settings.g_macros, &[65, 66, 67])
+        .or_else(|| find(&running.words.m, &settings.m_macros, &[2, 30, 91, 92, 98, 99]))?;
+    let programs = settings.g_macros.iter().chain(&settings.m_macros).filter(|(code, _)| *code != 0);
+    let is_within = programs.map(|(_, program)| u32::from(*program)).any(|program| running.flow.is_within(program));
+    (!is_within).then_some(called)
+}
+
+/// Calls the macro of a code; the other words of the block are its arguments.
+pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, program: u32) -> ReadResult<FlowAction> {
+    let words = running.words;
+    let name = |code: Code| code.name(if words.g.iter().any(|g| g.at == code.at) { 'G' } else { 'M' }, 2);
+    if let Some(other) = words.g.iter().chain(words.m.iter()).find(|other| other.at != code.at) {
+        return fail2(other.at as usize, E::NotTogether, name(code), name(*other));
+    }
+    let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
+    *running.arguments = arguments(&words.list)?;
+    words.mark_all_used();
+    Ok(FlowAction::Call(Call { program, times, callee: Callee::Macro, at: code.at as usize }))
 }
 
 /// Whether `G65 Hm` calculates. DECISION: it does if it has only P, Q and R. H is the argument #11 if P precedes it

@@ -57,6 +57,9 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
 
     #[inline]
     fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+        if let Some((code, program)) = calls::code_macro(running) {
+            return calls::call_by_code(running, code, program);
+        }
         let plan = codes::read_g_codes(running)?;
         codes::extra_work_offset(running, &plan)?;
         if let Some(at) = running.words.address_only
