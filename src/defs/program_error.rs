@@ -299,4 +299,7 @@ program_errors! {
         "离开轮廓时写 G40", "write G40 with the move away from the contour";
     CutterWithoutRadius = 512, "cutter-without-radius", "刀补 {} 的半径 R 为 0：轮廓不补偿", "the radius R of offset {} is 0: the contour is not compensated",
         "在刀补页面输入半径 R", "enter the radius R on the offset page";
+    /// More blocks without a move than can wait.
+    CompensationWaits = 513, "compensation-waits", "半径补偿 {} 中太多程序段没有平面内的移动", "too many blocks without a move in the plane during compensation {}",
+        "先用 G40 取消补偿，或把循环和赋值移到轮廓之外", "end it with G40 first, or move loops and assignments out of the contour";
 }

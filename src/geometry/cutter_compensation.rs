@@ -7,9 +7,9 @@
 //! Source: G41 and G42 of ISO 6983; corners as in LinuxCNC and FANUC type C.
 
 use std::collections::VecDeque;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::plane_segment::{MIN_LENGTH_MM, PlanePoint, PlaneSegment, cross, distance};
+use super::plane_segment::{MIN_LENGTH_MM, PlanePoint, PlaneSegment, along, cross, distance};
 
 /// Ends of parallels that are nearer than this are one point, mm: a thousandth of the finest increment.
 const JOINED_MM: f64 = 1e-6;
@@ -18,6 +18,21 @@ const NEARER_MM: f64 = 1e-6;
 
 /// A turn this near to half a turn is a reversal, radians: rounding of directions.
 const REVERSAL: f64 = 1e-9;
+
+/// Pieces of the path that an inner corner may take away, and segments that it may leave out: parts of a straight
+/// side of the contour, which turns by less than [`SAME_SIDE`] between them.
+const MOST_LEFT_OUT: usize = 64;
+/// Radians: a straight side that is divided into parts of 1 mm whose ends are rounded to 1 µm, twice.
+const SAME_SIDE: f64 = 2e-3;
+
+/// How the path goes around an outer corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OuterCorner {
+    /// On an arc around the corner.
+    Round,
+    /// Along the tangents of that arc: for moves that cannot follow an arc.
+    Square,
+}
 
 /// The side of the contour on which the cutter runs, seen in the direction of travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +116,9 @@ pub struct CutterPath {
     path: VecDeque<PathPart>,
     /// The last of `path` may still be cut at the next corner.
     open: bool,
+    /// Segments since the last of `path` that are too short for an inner corner, and the mistake if none behind them fits.
+    left_out: usize,
+    corner_missed: Option<Gouge>,
     ended: bool,
 }
 
@@ -116,6 +134,8 @@ impl CutterPath {
             contour: VecDeque::with_capacity(2 * memory + 2),
             path: VecDeque::with_capacity(2 * memory + 4),
             open: false,
+            left_out: 0,
+            corner_missed: None,
             ended: false,
         }
     }
@@ -131,7 +151,7 @@ impl CutterPath {
         self.lead_from = lead_from;
         self.contour.clear();
         self.path.clear();
-        (self.open, self.ended) = (false, false);
+        (self.open, self.left_out, self.ended) = (false, 0, false);
     }
 
     const fn radius(&self) -> f64 {
@@ -142,7 +162,7 @@ impl CutterPath {
     ///
     /// # Errors
     /// [`Gouge`]: the cutter does not fit. The path is of no use any more.
-    pub fn push(&mut self, source: usize, segment: &PlaneSegment) -> Result<(), Gouge> {
+    pub fn push(&mut self, source: usize, segment: &PlaneSegment, corner: OuterCorner) -> Result<(), Gouge> {
         if segment.length() <= MIN_LENGTH_MM {
             return Ok(());
         }
@@ -154,14 +174,21 @@ impl CutterPath {
         let first_open = self.path.len().saturating_sub(usize::from(self.open));
         self.path.iter_mut().for_each(|part| part.seen += 1);
         if let Some(before) = before {
-            parallel = self.join(&before, source, segment, parallel)?;
+            match self.join(&before, (source, segment), parallel, corner)? {
+                Some(joined) => parallel = joined,
+                // What it comes near to is looked at when the corner is cut.
+                None => return Ok(()),
+            }
         } else if let Some(from) = self.lead_from.take() {
             let lead = PlaneSegment::line(from, parallel.at(0.0));
             self.append(CompensatedSegment { source, path: lead }, PathRole::Lead);
         }
         let last = self.contour.len() - 1;
+        let unchecked = last - std::mem::take(&mut self.left_out).min(last);
+        // An inner corner may have taken pieces away.
+        let first_open = first_open.min(self.path.len().saturating_sub(1));
         // What was final already meets the new segment; what has become final meets all.
-        (0..first_open).try_for_each(|part| self.check(part, last..last + 1))?;
+        (0..first_open).try_for_each(|part| self.check(part, unchecked..last + 1))?;
         (first_open..self.path.len()).try_for_each(|part| self.check(part, 0..last + 1))?;
         self.append(CompensatedSegment { source, path: parallel }, PathRole::Beside);
         self.open = true;
@@ -176,6 +203,9 @@ impl CutterPath {
     /// As [`Self::push`].
     pub fn end(&mut self, source: usize, lead_to: Option<PlanePoint>) -> Result<(), Gouge> {
         self.ended = true;
+        if let (1.., Some(missed)) = (self.left_out, self.corner_missed) {
+            return Err(missed);
+        }
         let first_open = self.path.len().saturating_sub(usize::from(self.open));
         if let (Some(to), Some(last)) = (lead_to, self.path.back()) {
             let lead = PlaneSegment::line(last.compensated.path.at(1.0), to);
@@ -191,6 +221,12 @@ impl CutterPath {
         (self.path.len() > usize::from(self.open)).then_some(&first.compensated)
     }
 
+    /// The end of the path so far.
+    #[must_use]
+    pub fn end_point(&self) -> Option<PlanePoint> {
+        self.path.back().map(|last| last.compensated.path.at(1.0))
+    }
+
     /// Takes the next segment of the path, if it is final.
     pub fn take(&mut self) -> Option<CompensatedSegment> {
         let next = *self.next_final()?;
@@ -203,35 +239,77 @@ impl CutterPath {
         self.path.push_back(PathPart { compensated, role, around, seen: 0 });
     }
 
-    /// Joins the last parallel to that of the next segment; returns the latter from the corner on.
+    /// Joins the path to the parallel of the next segment; returns the latter from the corner on. `None`: the segment is
+    /// too short for an inner corner and is left out, if those behind it go on in its direction.
     fn join(
         &mut self,
         before: &ContourPart,
-        source: usize,
-        segment: &PlaneSegment,
+        (source, segment): (usize, &PlaneSegment),
         parallel: PlaneSegment,
-    ) -> Result<PlaneSegment, Gouge> {
-        let Some(last) = self.path.back_mut() else { return Ok(parallel) };
-        let end = last.compensated.path.at(1.0);
-        if distance(end, parallel.at(0.0)) <= JOINED_MM {
-            return Ok(parallel);
+        corner: OuterCorner,
+    ) -> Result<Option<PlaneSegment>, Gouge> {
+        let Some(end) = self.path.back().map(|last| last.compensated.path.at(1.0)) else { return Ok(Some(parallel)) };
+        if self.left_out == 0 && distance(end, parallel.at(0.0)) <= JOINED_MM {
+            return Ok(Some(parallel));
         }
-        let [into, out_of] = [before.segment.direction(1.0), segment.direction(0.0)];
-        let turn = cross(into, out_of).atan2(into[0] * out_of[0] + into[1] * out_of[1]);
-        if turn * self.to_the_left > 0.0 && turn.abs() < PI - REVERSAL {
-            let too_short = Gouge { segment: before.source, other: source, cause: GougeCause::SegmentTooShort };
-            let (on_last, on_next) = inner_crossing(&last.compensated.path, &parallel).ok_or(too_short)?;
-            last.compensated.path = last.compensated.path.part(0.0, on_last);
-            last.around = last.compensated.path.bounds();
-            return Ok(parallel.part(on_next, 1.0));
+        let turn = turn_between(&before.segment, segment);
+        let is_inner = turn * self.to_the_left > 0.0 && turn.abs() < PI - REVERSAL;
+        if self.left_out > 0 || is_inner {
+            let mut too_short = Gouge { segment: before.source, other: source, cause: GougeCause::SegmentTooShort };
+            match self.corner_missed {
+                Some(missed) if self.left_out > 0 => too_short = missed,
+                Some(_) | None => self.corner_missed = Some(too_short),
+            }
+            if self.left_out > 0 && !is_same_side(&before.segment, segment) {
+                return Err(too_short);
+            }
+            if let Some(joined) = self.cut_inner_corner(&parallel) {
+                return Ok(Some(joined));
+            }
+            self.left_out += 1;
+            return if self.left_out > MOST_LEFT_OUT { Err(too_short) } else { Ok(None) };
         }
-        let corner = segment.at(0.0);
-        let start = (end[1] - corner[1]).atan2(end[0] - corner[0]);
+        let around = segment.at(0.0);
+        let start = (end[1] - around[1]).atan2(end[0] - around[0]);
         // A reversal is rounded on the side of the cutter.
         let sweep = -turn.abs() * self.to_the_left.signum();
-        let path = PlaneSegment::Arc { center: corner, radius: self.radius(), start, sweep };
-        self.append(CompensatedSegment { source, path }, PathRole::Beside);
-        Ok(parallel)
+        let arc = PlaneSegment::Arc { center: around, radius: self.radius(), start, sweep };
+        if corner == OuterCorner::Round {
+            self.append(CompensatedSegment { source, path: arc }, PathRole::Beside);
+            return Ok(Some(parallel));
+        }
+        let way = self.radius() * (sweep.abs().min(FRAC_PI_2) / 2.0).tan();
+        let mut from = end;
+        for to in
+            [along(end, arc.direction(0.0), way), along(parallel.at(0.0), arc.direction(1.0), -way), parallel.at(0.0)]
+        {
+            if distance(from, to) > JOINED_MM {
+                self.append(CompensatedSegment { source, path: PlaneSegment::line(from, to) }, PathRole::Beside);
+                from = to;
+            }
+        }
+        Ok(Some(parallel))
+    }
+
+    /// Ends the path where it crosses the next parallel, and returns that from there on. Pieces at its end that go on in
+    /// one direction are taken away if only the one before them crosses.
+    fn cut_inner_corner(&mut self, parallel: &PlaneSegment) -> Option<PlaneSegment> {
+        for left in 0..=MOST_LEFT_OUT {
+            let index = self.path.len().checked_sub(left + 1)?;
+            let piece = self.path.get(index).filter(|piece| piece.role == PathRole::Beside)?;
+            if let Some((on_last, on_next)) = inner_crossing(&piece.compensated.path, parallel) {
+                self.path.truncate(index + 1);
+                let last = self.path.back_mut()?;
+                last.compensated.path = last.compensated.path.part(0.0, on_last);
+                last.around = last.compensated.path.bounds();
+                return Some(parallel.part(on_next, 1.0));
+            }
+            let before = self.path.get(index.checked_sub(1)?)?;
+            if !is_same_side(&before.compensated.path, &piece.compensated.path) {
+                return None;
+            }
+        }
+        None
     }
 
     /// Checks that a piece of the path keeps its distance from some segments of the contour.
@@ -285,10 +363,22 @@ pub fn compensate(
     path.clear();
     let mut cutter = CutterPath::with_look_ahead(contour.len());
     cutter.begin(side, radius, None);
-    contour.iter().enumerate().try_for_each(|(source, segment)| cutter.push(source, segment))?;
+    contour.iter().enumerate().try_for_each(|(source, segment)| cutter.push(source, segment, OuterCorner::Round))?;
     cutter.end(contour.len(), None)?;
     path.extend(std::iter::from_fn(|| cutter.take()));
     Ok(())
+}
+
+/// Whether a line goes on in the direction of the line before it.
+fn is_same_side(first: &PlaneSegment, second: &PlaneSegment) -> bool {
+    let lines = matches!((first, second), (PlaneSegment::Line { .. }, PlaneSegment::Line { .. }));
+    lines && turn_between(first, second).abs() <= SAME_SIDE
+}
+
+/// The turn from the end of one segment to the start of the next, radians; counter-clockwise positive.
+fn turn_between(first: &PlaneSegment, second: &PlaneSegment) -> f64 {
+    let [into, out_of] = [first.direction(1.0), second.direction(0.0)];
+    cross(into, out_of).atan2(into[0] * out_of[0] + into[1] * out_of[1])
 }
 
 /// Fractions of two parallels at an inner corner at which they cross; of two crossings the one that removes less.

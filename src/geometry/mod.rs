@@ -6,5 +6,7 @@
 mod cutter_compensation;
 mod plane_segment;
 
-pub use cutter_compensation::{CompensatedSegment, CompensationSide, CutterPath, Gouge, GougeCause, compensate};
+pub use cutter_compensation::{
+    CompensatedSegment, CompensationSide, CutterPath, Gouge, GougeCause, OuterCorner, compensate,
+};
 pub use plane_segment::{MAX_CENTER_SHIFT_MM, PlanePoint, PlaneSegment};

@@ -39,7 +39,8 @@ fn minus(a: PlanePoint, b: PlanePoint) -> PlanePoint {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-fn along(from: PlanePoint, direction: PlanePoint, distance: f64) -> PlanePoint {
+/// The point at a distance from another one along a direction.
+pub(super) fn along(from: PlanePoint, direction: PlanePoint, distance: f64) -> PlanePoint {
     [from[0] + direction[0] * distance, from[1] + direction[1] * distance]
 }
 

@@ -312,7 +312,8 @@ impl ProgramCheck {
                     if let (false, Some(line)) = (more, main) {
                         self.unread.text_end = Some(line);
                     }
-                    if !more || self.interpreter.flow.restarted {
+                    let restarted = self.interpreter.flow.restarted && !self.interpreter.is_in_compensation();
+                    if !more || restarted {
                         return self.finish_run(true);
                     }
                 }

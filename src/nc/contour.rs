@@ -95,7 +95,7 @@ impl ContourMemory {
             }
             CycleKind::Roughing { infeed, depth, escape, feed } => {
                 RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }
-                    .expand(segments, ops)
+                    .expand(segments, self.cutter.is_some_and(|cutter| cutter.leads_out), ops)
                     .map_err(wrong)?;
             }
             CycleKind::Pattern { shift, passes, feed } => {
@@ -195,9 +195,11 @@ struct RoughingStroke {
 }
 
 impl RoughingCycle {
-    fn expand(&self, segments: &[ContourSegment], ops: &mut Vec<Op>) -> Result<(), E> {
+    /// With `leads_out` the last segment only leads away from the contour.
+    fn expand(&self, segments: &[ContourSegment], leads_out: bool, ops: &mut Vec<Op>) -> Result<(), E> {
         let (a, b) = (self.infeed, other_axis(self.infeed));
-        let [first, rest @ ..] = segments else { return Err(E::ContourEmpty) };
+        let [first, all @ ..] = segments else { return Err(E::ContourEmpty) };
+        let rest = &all[..all.len() - usize::from(leads_out && all.len() > 1)];
         let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
         let way = |from: WorkPos, to: WorkPos, axis: Axis| {
             let way = to[axis] - from[axis];
@@ -226,7 +228,7 @@ impl RoughingCycle {
             let end = meets.unwrap_or(last.to[b] + self.allowance[b]);
             self.push_stroke(ops, &RoughingStroke { level, end, down, along, rapid_infeed: first.rapid });
         }
-        self.push_contour_pass(ops, first, rest);
+        self.push_contour_pass(ops, first, all);
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use super::compensation::{ActiveCutter, MIN_LENGTH_MM, gouge_error};
 use super::contour_segment::ContourSegment;
 use super::fault::E;
 use crate::defs::text::arg::Arg;
-use crate::geometry::{CutterPath, Gouge, PlaneSegment};
+use crate::geometry::{CutterPath, Gouge, OuterCorner, PlaneSegment};
 use crate::units::WorkPos;
 
 /// A mistake in a contour, with the details of its message.
@@ -59,7 +59,8 @@ pub(super) fn offset_segments(
             Some((center, turn)) => PlaneSegment::arc(from, to, point(center), turn > 0),
         };
         let Some(shape) = shape else { return Err((E::ArcRadius, code)) };
-        path.push(number, &shape).map_err(refuse)?;
+        let corner = if segment.rapid { OuterCorner::Square } else { OuterCorner::Round };
+        path.push(number, &shape, corner).map_err(refuse)?;
     }
     path.end(contour.len(), lead_out.map(|last| active.center(last.to))).map_err(refuse)?;
     put_path(segments, (lead_in, contour), active, path);

@@ -37,6 +37,12 @@ impl MotionMode {
         self as u8
     }
 
+    /// Whether a block with axis words is a cycle of several moves.
+    #[must_use]
+    pub const fn is_cycle(self) -> bool {
+        matches!(self, Self::LongitudinalCycle | Self::FaceCycle | Self::RectangleCycle)
+    }
+
     #[inline]
     pub(crate) const fn from_g(code: u32) -> Option<Self> {
         match code {

@@ -74,9 +74,10 @@ impl Interpreter {
 
     /// Skips a faulty block, so that a check can read on without consequential errors.
     pub(crate) fn skip_faulty_block(&mut self, error: E) {
-        if self.compensation.abandon() {
-            // The block itself was read.
+        if !self.compensation.is_idle() {
             self.modals.compensation = None;
+        }
+        if self.compensation.abandon() {
             return;
         }
         self.second_half = false;

@@ -126,3 +126,21 @@ expect #2905 0.4
 expect #2305 3",
     );
 }
+
+/// K6.3: what the operator cranks in a hold stays for every block that does not send the axis to its place, however far
+/// the contour was read ahead.
+#[test]
+fn k6_3_a_handwheel_shift_beside_a_long_contour_stays() {
+    let mut text = "G98 G00 X-80 Z-150\nG42 D5 G01 X-100 Z-155 F600\n".to_owned();
+    (1..=600).for_each(|k| text.push_str(&format!("Z{:.1}\n", -155.0 - 0.1 * f64::from(k))));
+    text.push_str("G40 G00 X-80\nM30\n");
+    let mut rig = with_cutter(&text);
+    // Beside Ø−100 the centre is at −100 + 2 · 2; 100 detents of 0.01 mm towards minus.
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait until Z<-157 max 30 s\nexpect X -96.000 ±0.001\nkey feed-hold\nwait until held
+         handwheel X -100 x0.01\nwait 1 s\nexpect X -97.000 ±0.001\nkey cycle-start
+         wait until Z<-180 max 30 s\nexpect X -97.000 ±0.001\nwait until Z<-205 max 30 s\nexpect X -97.000 ±0.001
+         wait until idle max 30 s\nexpect X -80.000 ±0.001\nexpect no alarm",
+    );
+}

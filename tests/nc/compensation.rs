@@ -415,3 +415,109 @@ fn b2_the_contour_of_a_cycle_is_offset_by_the_radius() {
     let fault = operations(groove, 2.0).unwrap_err();
     assert_eq!((fault.location.line, fault.error.id()), (2, "segment-below-cutter"));
 }
+
+/// What a reader with fresh eyes found: each program with the moves that it must give.
+#[test]
+fn b2_a_block_without_a_way_in_the_plane_stays_beside_the_contour() {
+    let head = "G98 G00 X40 Z10\nG42 D1 G01 X10 Z0 F100\nZ-30\n";
+    let tail = "X20\nZ-50\nG40 G00 X40 Z10\nM30\n";
+    // Z−30 again: nothing moves; the shoulder's inner corner is at Z−28.
+    for again in ["Z-30", "X10", ""] {
+        let expected = [
+            (1, [10.0, 40.0], None),
+            (2, [0.0, 12.0], None),
+            (3, [-28.0, 12.0], None),
+            (5, [-28.0, 20.0], None),
+            (6, [-30.0, 22.0], Some([-30.0, 20.0])),
+            (6, [-50.0, 22.0], None),
+            (7, [10.0, 40.0], None),
+        ];
+        check_moves(&format!("{head}{again}\n{tail}"), 2.0, &expected);
+    }
+}
+
+#[test]
+fn b2_a_way_across_the_plane_keeps_the_place_in_it() {
+    let settings = NcSettings::for_dialect(Dialect::Mill);
+    let text = "G18 G90 G98\nG00 X40 Z10\nG42 D1 G01 X10 Z0 F100\nZ-30\nY4\nZ-40\nG40\nG00 Y9\nG00 X40\nM30\n";
+    let ops = operations_with(text, &settings, CutterShape { radius_mm: 2.0, tip: 0 }).unwrap();
+    let found: Vec<_> =
+        ops.iter().filter(|(line, _)| (5..=9).contains(line)).map(|(line, op)| format!("{line} {op}")).collect();
+    assert_eq!(
+        found,
+        [
+            "5 feed x=12 y=4 z=-30 f=100 [Y]",
+            "6 feed x=12 y=4 z=-40 f=100 [X+Z]",
+            // G40 alone, then Y alone: it does not lead out; X does, with Z.
+            "8 rapid x=12 y=9 z=-40 [Y]",
+            "9 rapid x=40 y=9 z=-40 [XZ+]",
+        ],
+        "{ops:?}"
+    );
+}
+
+#[test]
+fn b2_a_return_behind_g40_counts_from_the_end_of_the_path() {
+    let head = "G98 G00 X40 Z10\nG42 D1 G01 X10 Z0 F100\nZ-30\n";
+    for (behind, via) in
+        [("G40 G28 U0 W0", [-30.0, 12.0]), ("G40\nG28 U0", [-30.0, 12.0]), ("G40\nG28 X15", [-30.0, 15.0])]
+    {
+        let ops = operations(&format!("{head}{behind}\nM30\n"), 2.0).unwrap();
+        let found = ops.iter().find_map(|(_, op)| match op {
+            Op::ReturnToReference { via, .. } => Some([via[Axis::Z], via[Axis::X]]),
+            _ => None,
+        });
+        assert_near(found.unwrap(), via, behind);
+    }
+}
+
+#[test]
+fn b2_rapid_corners_keep_the_radius_and_end() {
+    // Around the corner (−30, 10) along the tangents: (−32, 12) is on both; the same in a finishing cycle.
+    let contour = "G42 D1 G01 X10 Z0 F100\nZ-30\nG00 X0\nG40 G00 X0 Z-60\n";
+    let corner = [[-30.0, 12.0], [-32.0, 12.0], [-32.0, 10.0], [-32.0, 0.0]];
+    let ops = operations(&format!("G98 G00 X40 Z10\n{contour}M30\n"), 2.0).unwrap();
+    for (is, should) in moves(&ops)[2..6].iter().zip(corner) {
+        assert_near(is.1, should, "rapid corner");
+    }
+    let cycle =
+        "G98 G00 X40 Z10\nG70 P10 Q20\nM30\nN10 G42 D1 G00 X10 Z0\nG01 Z-30 F100\nG00 X0\nZ-50\nN20 G40 G00 X40\n";
+    let ops = operations(cycle, 2.0).unwrap();
+    assert!(ops.iter().all(|(_, op)| !matches!(op, Op::Arc { .. })), "{ops:?}");
+    // A wall 1.4 mm beside the square corner: the arc would pass, the square does not.
+    let wall =
+        "G98 G00 X30 Z10\nG42 D1 G01 X20 Z0 F100\nZ-30\nG00 X10\nG01 Z-34.2\nX21.8\nX26 Z-30\nG40 G00 X26 Z20\nM30\n";
+    assert!(operations(&wall.replace("G00 X10", "G01 X10"), 2.0).is_ok());
+    assert_eq!(refused(wall, 2.0).1, "cutter-gouge");
+}
+
+#[test]
+fn b2_a_side_of_several_segments_meets_an_inner_corner() {
+    // The shoulder of the first test with both sides divided next to the corner: the same path.
+    for divided in ["Z-29\nZ-30\nX20", "Z-30\nX10.5\nX20", "Z-29.5\nZ-29.9\nZ-30\nX10.1\nX11\nX20"] {
+        let text = format!("G98 G00 X40 Z10\nG42 D1 G01 X10 Z0 F100\n{divided}\nZ-50\nG40 G00 X40 Z10\nM30\n");
+        let found = moves(&operations(&text, 2.0).unwrap());
+        assert!(found.iter().any(|(_, to, _)| (to[0] + 28.0).abs() < 1e-9 && (to[1] - 12.0).abs() < 1e-9), "{found:?}");
+        assert!(found.iter().all(|(_, to, _)| to[0] > -28.0 - 1e-9 || to[1] > 20.0 - 1e-9), "{found:?}");
+    }
+}
+
+#[test]
+fn b2_the_usual_ends_of_a_contour_are_accepted() {
+    let head = "G98 T0101 G00 X40 Z10\nG42 G01 X10 Z0 F100\nZ-30\n";
+    for end in ["G40 G00 X40 Z10 T0100", "G40\n#100=#5041\nG00 X40", "G42 X20\nG40 G00 X40"] {
+        let ops = operations(&format!("{head}{end}\nM30\n"), 2.0);
+        assert!(ops.is_ok(), "{end}: {ops:?}");
+    }
+    // Tip 3 in a roughing cycle: the lead-out goes back in Z by the radius.
+    let text = "G98 G00 X40 Z2\nG71 U2 R1\nG71 P10 Q20 U0.4 W0.1 F100\nN10 G42 D1 G00 X10\nG01 Z-30 F100\nX20\nZ-50\nN20 G40 X30\nM30\n";
+    assert!(operations_with(text, &settings(), CutterShape { radius_mm: 0.8, tip: 3 }).is_ok());
+}
+
+#[test]
+fn b2_waiting_blocks_have_a_limit_and_cycles_are_refused() {
+    let head = "G98 G00 X40 Z10\nG42 D1 G01 X10 Z0 F100\nZ-30\n";
+    assert_eq!(refused(&format!("{head}N10 #500=#500+1\nGOTO 10\nM30\n"), 2.0).1, "compensation-waits");
+    assert_eq!(refused(&format!("{head}G90 X15 Z-40\nM30\n"), 2.0), (4, "not-in-compensation"));
+    assert_eq!(refused(&format!("{head}G75 R1\nM30\n"), 2.0), (4, "not-in-compensation"));
+}

@@ -174,6 +174,7 @@ impl ProgramRun {
             self.queue.push_front(QueueItem::Move(planned));
         }
         self.lookahead.machine_position = self.lookahead.machine_position + shift;
+        self.interpreter.shift_by_hand(shift);
         self.handover = Handover::Feeding;
         Ok(())
     }

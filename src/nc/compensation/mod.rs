@@ -16,9 +16,10 @@ use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
 use super::modal::ModalState;
 use super::op::Op;
 use super::op_effect::{OpEffect, OpMotion, ProgramMessage, WorkMove};
+use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
-use crate::geometry::{CutterPath, Gouge, GougeCause, PlanePoint, PlaneSegment};
-use crate::units::{Plane, WorkPos};
+use crate::geometry::{CutterPath, Gouge, GougeCause, OuterCorner, PlanePoint, PlaneSegment};
+use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
 /// Segments of a contour that are known before the cutter enters the one before them.
 pub const LOOK_AHEAD: usize = 100;
@@ -26,6 +27,8 @@ pub const LOOK_AHEAD: usize = 100;
 const RECENT_SEGMENTS: usize = 256;
 /// Operations of a block for which memory is taken at once.
 const USUAL_BLOCK_OPS: usize = 4;
+/// Most blocks that wait: those of the segments ahead, and those without a move between them.
+const MAX_WAITING: usize = 400;
 /// Moves shorter than this in the plane do not move the cutter along the contour, mm: a thousandth of the finest
 /// increment.
 pub(super) const MIN_LENGTH_MM: f64 = 1e-7;
@@ -35,6 +38,8 @@ pub(super) const MIN_LENGTH_MM: f64 = 1e-7;
 enum MoveRole {
     /// Nothing: it is returned as it is.
     None,
+    /// A move across the contour's plane, or none: beside the contour it stays where it is in the plane.
+    Across,
     /// The line to the contour.
     LeadIn,
     /// The segment of the contour with this number.
@@ -109,23 +114,33 @@ enum ContourState {
     Ended(ActiveCutter),
 }
 
+/// The mistake at which reading ended.
+#[derive(Debug)]
+struct ContourFault {
+    fault: ProgramFault,
+    /// The block that showed it was read; else the program still stands before it.
+    block_read: bool,
+}
+
 /// The blocks between G41 and G40.
 #[derive(Debug)]
 pub(super) struct BlockCompensation {
     contour: ContourState,
     /// The end of the last block read, as programmed.
     programmed: WorkPos,
-    /// The end of the last operation returned, outside the plane: the coordinate of the normal axis.
-    normal: f64,
+    /// The end of the last move returned.
+    returned: WorkPos,
+    /// How far the operator has moved the axes by hand since the blocks were read (K6.3).
+    shift: PerAxis<f64>,
     path: CutterPath,
     /// Segments of the contour read so far.
     segments: usize,
-    /// The lines of the last segments, at their numbers modulo the length.
-    lines: [u32; RECENT_SEGMENTS],
+    /// Program and line of the last segments, at their numbers modulo the length.
+    lines: [(u32, u32); RECENT_SEGMENTS],
     waiting: VecDeque<WaitingBlock>,
     spare: Vec<WaitingBlock>,
     /// The mistake at which reading ended; every further call returns it.
-    fault: Option<ProgramFault>,
+    fault: Option<ContourFault>,
 }
 
 /// Why a block is refused, and which.
@@ -140,12 +155,13 @@ impl BlockCompensation {
         Self {
             contour: ContourState::None,
             programmed: WorkPos::default(),
-            normal: 0.0,
+            returned: WorkPos::default(),
+            shift: PerAxis::default(),
             path: CutterPath::with_look_ahead(LOOK_AHEAD),
             segments: 0,
-            lines: [0; RECENT_SEGMENTS],
-            waiting: VecDeque::with_capacity(LOOK_AHEAD + 2),
-            spare: (0..LOOK_AHEAD + 2).map(|_| WaitingBlock::new(modals)).collect(),
+            lines: [(0, 0); RECENT_SEGMENTS],
+            waiting: VecDeque::with_capacity(MAX_WAITING),
+            spare: (0..MAX_WAITING).map(|_| WaitingBlock::new(modals)).collect(),
             fault: None,
         }
     }
@@ -153,23 +169,30 @@ impl BlockCompensation {
     /// Forgets everything: another program begins.
     pub fn reset(&mut self) {
         (self.contour, self.fault, self.segments) = (ContourState::None, None, 0);
+        self.shift = PerAxis::default();
         while let Some(block) = self.waiting.pop_front() {
             self.keep(block);
         }
     }
 
-    /// Goes on behind a mistake without compensation: the blocks that wait are returned as programmed. False: there is no
-    /// mistake.
+    /// Goes on behind a mistake without compensation: the blocks that wait are returned as programmed. True: the block that
+    /// showed a mistake of the contour was read.
     pub fn abandon(&mut self) -> bool {
         self.contour = ContourState::None;
         self.waiting.iter_mut().flat_map(|block| &mut block.ops).for_each(|(_, role)| *role = MoveRole::None);
-        self.fault.take().is_some()
+        self.fault.take().is_some_and(|ended| ended.block_read)
     }
 
     /// Whether the cutter is beside a contour whose blocks are being read.
     #[inline]
     pub const fn is_open(&self) -> bool {
         matches!(self.contour, ContourState::Open(_))
+    }
+
+    /// Whether a contour is open, has ended with a mistake, or waits to be returned.
+    #[inline]
+    pub fn is_idle(&self) -> bool {
+        !self.is_open() && self.waiting.is_empty() && self.fault.is_none()
     }
 
     /// Whether blocks wait here.
@@ -204,12 +227,16 @@ impl BlockCompensation {
         let mut taken = self.spare.pop().unwrap_or_else(|| WaitingBlock::new(&block.modals));
         (taken.place, taken.modals, taken.complete) = (place, block.modals, block.complete);
         let mut accepted = Ok(());
-        if let (true, ContourState::Open(active)) = (block.is_cycle, self.contour) {
-            accepted = Err(place.refusal(E::NotInCompensation, active.compensation.g()));
+        if let ContourState::Open(active) = self.contour {
+            let is_cycle = block.is_cycle || block.modals.motion.is_cycle();
+            if is_cycle || self.waiting.len() >= MAX_WAITING {
+                let error = if is_cycle { E::NotInCompensation } else { E::CompensationWaits };
+                accepted = Err(place.refusal(error, active.compensation.g()));
+            }
         }
-        for op in block.ops.drain(..) {
+        for mut op in block.ops.drain(..) {
             let role = match &accepted {
-                Ok(()) if !block.is_cycle => self.role_of(&op, &taken.modals, place),
+                Ok(()) if !block.is_cycle => self.role_of(&mut op, &taken.modals, place),
                 Ok(()) | Err(_) => Ok(MoveRole::None),
             };
             let role = role.unwrap_or_else(|refusal| {
@@ -223,7 +250,12 @@ impl BlockCompensation {
     }
 
     /// What an operation is for the cutter; appends its segment to the contour.
-    fn role_of(&mut self, op: &Op, modals: &ModalState, place: BlockPlace) -> Result<MoveRole, CompensationRefusal> {
+    fn role_of(
+        &mut self,
+        op: &mut Op,
+        modals: &ModalState,
+        place: BlockPlace,
+    ) -> Result<MoveRole, CompensationRefusal> {
         let motion = match op.effect() {
             OpEffect::Motion(OpMotion::Work(by)) if by.skip_signal.is_none() => Some(by),
             _ => None,
@@ -239,6 +271,10 @@ impl BlockCompensation {
         let Some(by) = motion else { return self.other_op(op, active, modals, place) };
         let from = std::mem::replace(&mut self.programmed, by.to);
         let (start, end) = (active.point(from), active.point(by.to));
+        let is_across = by.arc.is_none() && is_short(start, end);
+        if is_across && (modals.compensation.is_some() || !names_plane(&by, active.plane)) {
+            return Ok(MoveRole::Across);
+        }
         if modals.compensation.is_none() {
             return self.lead_out(&by, active, place);
         }
@@ -248,12 +284,13 @@ impl BlockCompensation {
         };
         let Some(segment) = segment else { return Err(place.refusal(E::ArcRadius, active.compensation.g())) };
         if segment.length() <= MIN_LENGTH_MM {
-            return Ok(MoveRole::None);
+            return Ok(MoveRole::Across);
         }
         let number = self.segments;
         self.segments += 1;
-        self.lines[number % RECENT_SEGMENTS] = place.location.line;
-        self.path.push(number, &segment).map_err(|gouge| self.gouge(gouge, active, place))?;
+        self.lines[number % RECENT_SEGMENTS] = (place.location.program, place.location.line);
+        let corner = if by.rapid { OuterCorner::Square } else { OuterCorner::Round };
+        self.path.push(number, &segment, corner).map_err(|gouge| self.gouge(gouge, active, place))?;
         Ok(MoveRole::Contour(number))
     }
 
@@ -264,18 +301,18 @@ impl BlockCompensation {
         wanted: ActiveCutter,
         place: BlockPlace,
     ) -> Result<MoveRole, CompensationRefusal> {
-        let ActiveCutter { compensation, plane } = wanted;
+        let compensation = wanted.compensation;
         let (start, end) = (wanted.point(self.programmed), wanted.point(by.to));
         if by.arc.is_some() {
             return Err(place.refusal(E::CompensationLead, compensation.g()));
         }
         let before = std::mem::replace(&mut self.programmed, by.to);
-        if (end[0] - start[0]).hypot(end[1] - start[1]) <= MIN_LENGTH_MM {
+        if is_short(start, end) {
             return Ok(MoveRole::None);
         }
         self.path.begin(compensation.side, compensation.cutter.radius_mm, Some(wanted.center(before)));
         (self.contour, self.segments) = (ContourState::Open(wanted), 0);
-        self.normal = before[plane.normal_axis()];
+        (self.returned, self.shift) = (before, PerAxis::default());
         Ok(MoveRole::LeadIn)
     }
 
@@ -306,7 +343,7 @@ impl BlockCompensation {
     /// An operation that does not move the cutter.
     fn other_op(
         &mut self,
-        op: &Op,
+        op: &mut Op,
         active: ActiveCutter,
         modals: &ModalState,
         place: BlockPlace,
@@ -327,7 +364,29 @@ impl BlockCompensation {
         }
         // Behind G40, or at the end of the program, nothing of the contour follows.
         self.end_contour(None, place)?;
+        self.correct_start(op, active);
         Ok(MoveRole::None)
+    }
+
+    /// A move behind G40 that does not lead out (G28, G30, G31) was read from the programmed point; it begins at the end
+    /// of the path: what it does not name, or names as a distance, counts from there.
+    fn correct_start(&self, op: &mut Op, active: ActiveCutter) {
+        let (Op::ReturnToReference { via: to, words, incremental, .. } | Op::Skip { to, words, incremental, .. }) = op
+        else {
+            return;
+        };
+        let Some(center) = self.path.end_point() else { return };
+        let end = active.tip(center, self.programmed);
+        for axis in Axis::ALL.into_iter().filter(|axis| !words.contains(*axis) || incremental.contains(*axis)) {
+            to[axis] += end[axis] - self.programmed[axis];
+        }
+    }
+
+    /// The operator has moved the axes by hand in a hold (K6.3).
+    pub fn shift_by_hand(&mut self, by: PerAxis<f64>) {
+        if self.has_blocks() {
+            self.shift = PerAxis::from_fn(|axis| self.shift[axis] + by[axis]);
+        }
     }
 
     /// The mistake of a contour that the cutter gouges.
@@ -344,11 +403,25 @@ impl BlockCompensation {
         // A segment does not gouge itself: the lead-in crosses it.
         let is_lead_in = segment == other && cause == GougeCause::Interference;
         let segment = if is_lead_in { MoveRole::LeadIn } else { MoveRole::Contour(segment) };
-        let other = Arg::from(format_args!("{}", self.lines[other % RECENT_SEGMENTS]));
         let radius = Arg::from(format_args!("{:.3}", active.compensation.cutter.radius_mm));
         let BlockPlace { location, at } = block_of(segment).map_or(place, |block| block.place);
+        let (program, line) = self.lines[other % RECENT_SEGMENTS];
+        let other = match program == location.program {
+            true => Arg::from(format_args!("{line}")),
+            false => Arg::from(format_args!("{line} ({})", program_number::name_of(program))),
+        };
         CompensationRefusal { location, wrong: ErrorAt { at, error: gouge_error(cause), details: [radius, other] } }
     }
+}
+
+fn is_short(from: PlanePoint, to: PlanePoint) -> bool {
+    (to[0] - from[0]).hypot(to[1] - from[1]) <= MIN_LENGTH_MM
+}
+
+/// Whether a move names an axis of a plane.
+fn names_plane(by: &WorkMove, plane: Plane) -> bool {
+    let (first, second) = plane.axes();
+    by.words.contains(first) || by.words.contains(second)
 }
 
 impl WaitingBlock {

@@ -2,19 +2,24 @@
 
 use std::sync::Arc;
 
-use super::{BlockPlace, CompensationRefusal};
+use super::{BlockPlace, CompensationRefusal, ContourFault};
 use crate::defs::text::arg::Arg;
 use crate::nc::block::Block;
 use crate::nc::external_state::{AheadState, ExternalState};
 use crate::nc::fault::{BlockLocation, E, ErrorAt, ReadStop, StepStop};
 use crate::nc::interpreter::{Interpreter, StepStatus};
-use crate::units::WorkPos;
+use crate::units::{PerAxis, WorkPos};
 
 impl Interpreter {
     /// Whether the cutter is beside a contour, or blocks of one wait to be returned.
     #[must_use]
     pub fn is_in_compensation(&self) -> bool {
         self.compensation.is_open() || self.compensation.has_blocks()
+    }
+
+    /// The operator has moved the axes by hand in a hold: blocks that wait for their contour follow (K6.3).
+    pub fn shift_by_hand(&mut self, by: PerAxis<f64>) {
+        self.compensation.shift_by_hand(by);
     }
 
     /// Whether all blocks have been returned.
@@ -50,7 +55,7 @@ impl Interpreter {
         block: &mut Block,
     ) -> Result<StepStatus, StepStop> {
         if let Some(fault) = &self.compensation.fault {
-            return Err(StepStop::Fault(fault.clone()));
+            return Err(StepStop::Fault(fault.fault.clone()));
         }
         if self.compensation.release(block) {
             return Ok(StepStatus::Block);
@@ -68,9 +73,16 @@ impl Interpreter {
         };
         match stepped {
             Ok(stepped) => self.take_block(stepped, block, from, place),
+            // Behind G40 the contour ends here, and the block is read again when the machine stands.
+            Err(ReadStop::Drain) if is_active && self.modals.compensation.is_none() => {
+                match self.compensation.end_contour(None, place) {
+                    Ok(()) => Ok(StepStatus::Empty),
+                    Err(wrong) => self.fail_compensation(wrong, false),
+                }
+            }
             Err(ReadStop::Drain) if is_active => {
                 let g = self.modals.compensation.map_or(40, |active| active.g());
-                self.fail_compensation(place.refusal(E::NotInCompensation, g))
+                self.fail_compensation(place.refusal(E::NotInCompensation, g), false)
             }
             Err(stop) => Err(self.stopped(stop)),
         }
@@ -96,17 +108,18 @@ impl Interpreter {
         }
         place.location.n = self.block_words.block_number;
         if let Err(wrong) = self.compensation.check_unchanged(&self.modals, place) {
-            return self.fail_compensation(wrong);
+            return self.fail_compensation(wrong, true);
         }
         if matches!(stepped, StepStatus::Block)
             && let Err(wrong) = self.compensation.accept(block, from, place)
         {
-            return self.fail_compensation(wrong);
+            return self.fail_compensation(wrong, true);
         }
-        if self.ended || matches!(stepped, StepStatus::End) {
+        let restarts = self.flow.is_main() && self.flow.place.line == 0 && place.location.line > 1;
+        if self.ended || restarts || matches!(stepped, StepStatus::End) {
             self.warn_at_end(place.at);
             if let Err(wrong) = self.compensation.end_contour(None, place) {
-                return self.fail_compensation(wrong);
+                return self.fail_compensation(wrong, true);
             }
         }
         block.clear();
@@ -135,15 +148,16 @@ impl Interpreter {
 
     /// Ends reading with a mistake of the contour.
     #[cold]
-    fn fail_compensation(
-        &mut self,
-        CompensationRefusal { location, wrong }: CompensationRefusal,
-    ) -> Result<StepStatus, StepStop> {
+    fn fail_compensation(&mut self, refusal: CompensationRefusal, block_read: bool) -> Result<StepStatus, StepStop> {
+        let CompensationRefusal { location, wrong } = refusal;
         let here = &self.flow.source;
-        let elsewhere = if location.program == here.number() { None } else { self.library.find(location.program) };
+        let is_here = location.program == here.number();
+        let elsewhere = if is_here { None } else { self.library.find(location.program) };
         let source = elsewhere.unwrap_or_else(|| Arc::clone(here));
-        let fault = source.fault(location.n, wrong).with_calls(self.flow.calls());
-        self.compensation.fault = Some(fault.clone());
+        let fault = source.fault(location.n, wrong);
+        // How the run came to a block of another program is not known any more.
+        let fault = if is_here { fault.with_calls(self.flow.calls()) } else { fault };
+        self.compensation.fault = Some(ContourFault { fault: fault.clone(), block_read });
         Err(StepStop::Fault(fault))
     }
 }

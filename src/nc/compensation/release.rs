@@ -1,21 +1,21 @@
 //! Returns the waiting blocks with the moves of the cutter's centre. Source: spec B2 (G40 G41 G42), K6.3.
 
-use std::f64::consts::FRAC_PI_2;
-
 use super::{ActiveCutter, BlockCompensation, ContourState, LOOK_AHEAD, MIN_LENGTH_MM, MoveRole};
 use crate::geometry::{PlanePoint, PlaneSegment};
 use crate::nc::block::Block;
-use crate::nc::op::{AxisSet, Feed, Op};
+use crate::nc::op::{AxisSet, Op};
 use crate::nc::op_effect::{OpEffect, OpMotion, WorkMove};
-use crate::units::WorkPos;
+use crate::units::{Axis, PerAxis, WorkPos};
 
 /// How the moves of a contour become operations.
 #[derive(Clone, Copy)]
 struct CentreMoves<'o> {
     active: ActiveCutter,
     by: &'o WorkMove,
-    /// The coordinate of the normal axis before the move.
-    normal: f64,
+    /// Where it begins.
+    from: WorkPos,
+    /// What the operator has moved by hand, of the axes that the block does not send to an absolute place.
+    shift: PerAxis<f64>,
 }
 
 impl BlockCompensation {
@@ -24,7 +24,7 @@ impl BlockCompensation {
         let Some(waiting) = self.waiting.front() else { return false };
         let is_known = |number: usize| !self.is_open() || self.segments > number + LOOK_AHEAD + 1;
         let is_ready = |role: &MoveRole| match role {
-            MoveRole::None | MoveRole::LeadOut => true,
+            MoveRole::None | MoveRole::Across | MoveRole::LeadOut => true,
             MoveRole::LeadIn => is_known(0),
             MoveRole::Contour(number) => is_known(*number),
         };
@@ -44,38 +44,58 @@ impl BlockCompensation {
     fn release_op(&mut self, op: Op, role: MoveRole, ops: &mut Vec<Op>) {
         let (ContourState::Open(active) | ContourState::Ended(active)) = self.contour else { return ops.push(op) };
         let OpEffect::Motion(OpMotion::Work(by)) = op.effect() else { return ops.push(op) };
-        let moves = CentreMoves { active, by: &by, normal: self.normal };
+        // K6.3: from an absolute word on the axis goes to its place.
+        let absolute = |axis: &Axis| by.words.contains(*axis) && !by.incremental.contains(*axis);
+        Axis::ALL.into_iter().filter(absolute).for_each(|axis| self.shift[axis] = 0.0);
+        let moves = CentreMoves { active, by: &by, from: self.returned, shift: self.shift };
         match role {
-            MoveRole::None => ops.push(op),
+            MoveRole::None => {
+                ops.push(op);
+                return;
+            }
+            MoveRole::Across => ops.extend(moves.across()),
             MoveRole::LeadIn => {
                 if let Some(lead) = self.path.take() {
-                    ops.push(moves.line(lead.path.at(1.0)));
+                    ops.push(moves.to(moves.position(lead.path.at(1.0), true)));
                 }
             }
             MoveRole::Contour(number) => {
+                let first = ops.len();
                 while self.path.next_final().is_some_and(|part| part.source == number) {
                     let Some(part) = self.path.take() else { break };
                     let is_last = self.path.next_final().is_none_or(|next| next.source != number);
-                    moves.segment(&part.path, is_last, ops);
+                    ops.extend(moves.segment(&part.path, is_last));
+                }
+                if ops.len() == first {
+                    // The corner has taken its whole way in the plane.
+                    ops.extend(moves.across());
                 }
             }
             MoveRole::LeadOut => {
                 self.path.take();
-                ops.push(moves.to(by.to));
+                ops.push(moves.to(WorkPos::from_fn(|axis| by.to[axis] + self.shift[axis])));
             }
         }
-        self.normal = by.to[active.plane.normal_axis()];
+        if let Some(end) = ops.last().and_then(end_of) {
+            self.returned = end;
+        }
+    }
+}
+
+fn end_of(op: &Op) -> Option<WorkPos> {
+    match op.effect() {
+        OpEffect::Motion(OpMotion::Work(by)) => Some(by.to),
+        _ => None,
     }
 }
 
 impl CentreMoves<'_> {
     /// The position of the programmed point when the centre is at a place, at the end of the block or before.
     fn position(&self, center: PlanePoint, is_end: bool) -> WorkPos {
-        let mut to = self.active.tip(center, self.by.to);
-        if !is_end {
-            to[self.active.plane.normal_axis()] = self.normal;
-        }
-        to
+        let beside = if is_end { self.by.to } else { self.from };
+        let to = self.active.tip(center, beside);
+        let normal = self.active.plane.normal_axis();
+        WorkPos::from_fn(|axis| if axis == normal && !is_end { to[axis] } else { to[axis] + self.shift[axis] })
     }
 
     /// The axes that a move names, and those with an incremental word. K6.3: an axis of the plane without a word stays
@@ -96,47 +116,36 @@ impl CentreMoves<'_> {
         }
     }
 
-    fn line(&self, center: PlanePoint) -> Op {
-        self.to(self.position(center, true))
+    /// The move of the axis across the plane; none if it stays.
+    fn across(&self) -> Option<Op> {
+        let (normal, mut to) = (self.active.plane.normal_axis(), self.from);
+        to[normal] = self.by.to[normal] + self.shift[normal];
+        if (to[normal] - self.from[normal]).abs() <= MIN_LENGTH_MM {
+            return None;
+        }
+        let words = AxisSet::of(normal);
+        let incremental = self.by.incremental.intersection(words);
+        Some(match self.by.feed {
+            Some(feed) if !self.by.rapid => Op::Feed { to, feed, words, incremental },
+            feed => Op::Rapid { to, feed, words, incremental },
+        })
     }
 
-    /// Appends the moves along a piece of the centre's path.
-    fn segment(&self, path: &PlaneSegment, is_last: bool, ops: &mut Vec<Op>) {
+    /// The move along a piece of the centre's path; none without length.
+    fn segment(&self, path: &PlaneSegment, is_last: bool) -> Option<Op> {
         if path.length() <= MIN_LENGTH_MM {
-            return;
+            return None;
         }
+        let to = self.position(path.at(1.0), is_last);
         match (*path, self.by.feed) {
-            (PlaneSegment::Line { .. }, _) => ops.push(self.to(self.position(path.at(1.0), is_last))),
-            (PlaneSegment::Arc { center, sweep, .. }, Some(feed)) if !self.by.rapid => {
-                ops.push(self.arc(path.at(1.0), center, sweep, feed, is_last));
+            (PlaneSegment::Arc { center, sweep, .. }, Some(feed)) => {
+                let (words, incremental) = self.axes();
+                let turn = if sweep > 0.0 { 1 } else { -1 };
+                let (center, plane) = (self.position(center, is_last), self.active.plane);
+                Some(Op::Arc { to, center, plane, turn, feed, words, incremental })
             }
-            // Around a corner at rapid speed along its tangents: never nearer than the radius.
-            (PlaneSegment::Arc { .. }, _) => {
-                let beyond = |fraction: f64, way: f64| {
-                    let (at, direction) = (path.at(fraction), path.direction(fraction));
-                    [at[0] + direction[0] * way, at[1] + direction[1] * way]
-                };
-                if let PlaneSegment::Arc { radius, sweep, .. } = *path {
-                    let turn = sweep.abs().min(FRAC_PI_2);
-                    let way = radius * (turn / 2.0).tan();
-                    for corner in [beyond(0.0, way), beyond(1.0, -way), path.at(1.0)] {
-                        ops.push(self.to(self.position(corner, is_last)));
-                    }
-                }
-            }
-        }
-    }
-
-    fn arc(&self, end: PlanePoint, center: PlanePoint, sweep: f64, feed: Feed, is_last: bool) -> Op {
-        let (words, incremental) = self.axes();
-        Op::Arc {
-            to: self.position(end, is_last),
-            center: self.position(center, is_last),
-            plane: self.active.plane,
-            turn: if sweep > 0.0 { 1 } else { -1 },
-            feed,
-            words,
-            incremental,
+            // Rapid moves have lines around their corners.
+            (PlaneSegment::Line { .. } | PlaneSegment::Arc { .. }, _) => Some(self.to(to)),
         }
     }
 }

@@ -77,6 +77,12 @@ pub(super) fn set_compensation(
         (None, Some(active)) if changes_tool => active.side,
         (None, _) => return Ok(()),
     };
+    // The cutter of an open contour stays.
+    if let (false, None, Some(active)) = (changes_tool, offset, running.modals.compensation)
+        && active.side == side
+    {
+        return Ok(());
+    }
     let at = plan.compensation.map_or(running.at, |code| code.at as usize);
     let by_offset = |number: u32| (running.scope.world.cutter(number as usize), number);
     let (cutter, number) = match (offset, running.settings.cutter_source) {

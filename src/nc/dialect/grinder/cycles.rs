@@ -83,6 +83,11 @@ pub(super) const fn is_contour_cycle(code: u32) -> bool {
     matches!(code, 70..=73)
 }
 
+/// Whether a code is a grooving cycle: many moves that are no contour.
+pub(super) const fn is_grooving(code: u32) -> bool {
+    matches!(code, 74 | 75)
+}
+
 /// G70 to G73: stores the settings of the block, or returns the cycle to execute.
 pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Option<ContourCycle>> {
     let (code, at) = (code.number, code.at as usize);

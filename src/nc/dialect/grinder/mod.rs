@@ -78,6 +78,10 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
         if running.second_half {
             return execute_remainder(running, &plan);
         }
+        if plan.compensation.is_some_and(|code| code.number == 40) {
+            // Before a T of the block.
+            running.modals.compensation = None;
+        }
         auxiliary::tool_call(running)?;
         if !changes_coordinates(running, &plan) {
             return execute_remainder(running, &plan);
@@ -109,6 +113,12 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> R
     let offset = plan.compensation.filter(|code| code.number != 40).and_then(|_| running.words.take(b'D'));
     let offset = offset.map(|word| integer(word, 0, running.settings.tool_count)).transpose()?;
     common::set_compensation(running, plan, (offset, running.words.has(b'T')))?;
+    if let (Some(active), Some(code)) = (running.modals.compensation, plan.one_shot)
+        && active.cutter.radius_mm > 0.0
+        && cycles::is_grooving(code.number)
+    {
+        return fail1(code.at as usize, E::NotInCompensation, format_args!("G{}", active.g()));
+    }
     auxiliary::spindle_speed(running, plan)?;
     let flow = auxiliary::before_motion(running)?;
     match plan.one_shot {

@@ -94,8 +94,11 @@ pub(super) fn read_distance<S: Scope>(
     letter: u8,
 ) -> ReadResult<Option<f64>> {
     let is_axis = matches!(letter, b'X' | b'Y' | b'Z');
-    let is_incremental = is_axis && accept_keyword(cursor, "IC");
-    if !is_incremental && !(is_axis && accept_keyword(cursor, "AC")) {
+    if !is_axis {
+        return Ok(None);
+    }
+    let is_incremental = accept_keyword(cursor, "IC");
+    if !is_incremental && !accept_keyword(cursor, "AC") {
         return Ok(None);
     }
     words.set_distance(letter, is_incremental);
