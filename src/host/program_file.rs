@@ -70,6 +70,15 @@ impl ProgramInFile {
         }
     }
 
+    /// Whether a new file still begins this program where it was and ends it where the new text ends: no other program
+    /// becomes a part of it, and it does not divide or join others.
+    fn stays_apart(&self, file: &[u8], program: &[u8], dialect: Dialect) -> bool {
+        let bytes = self.program.start..self.program.start + program.len();
+        let numbers = |text: &[u8]| program_parts(text, dialect).len();
+        numbers(file) == numbers(&self.file.bytes)
+            && program_parts(file, dialect).iter().any(|part| part.bytes == bytes)
+    }
+
     /// The file with other bytes in place of the program.
     fn with_bytes(&self, program: &[u8]) -> Vec<u8> {
         let bytes = &self.file.bytes;
@@ -155,6 +164,13 @@ impl ProgramFiles<'_> {
             return Err(Refusal::Conflict);
         }
         let (file, program, kept) = placed.with_text(text, self.dialect);
+        let is_alone = placed.program == (0..placed.file.bytes.len());
+        if !is_alone && !placed.stays_apart(&file, &program, self.dialect) {
+            return Err(refusal(
+                "此文件有几个程序：程序号必须写在该程序最前面，且只能有一个",
+                "this file holds several programs: its number must come first in the program, and only one",
+            ));
+        }
         self.write_file(number, &file)?;
         Ok(saved(&self.title(number), number, &program, kept))
     }
@@ -192,7 +208,12 @@ impl ProgramFiles<'_> {
         } else {
             let placed = self.read(from)?;
             let text = placed.program();
-            let rest = nc::o_number(text).map_or(text, |(_, rest)| rest);
+            let Some((_, rest)) = nc::o_number(text) else {
+                return Err(refusal(
+                    "有名称的程序在归档文件中，不能改名",
+                    "a program with a name in an archive file cannot be renamed",
+                ));
+            };
             let renamed = [format!("O{to:04}").as_bytes(), rest].concat();
             self.write_file(from, &placed.with_bytes(&renamed))?;
         }

@@ -10,7 +10,8 @@ use super::dialect;
 use super::expression::Locals;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
-use super::interpreter::{BLOCK_WORK, IdlePasses, Interpreter};
+use super::idle_passes::IdlePasses;
+use super::interpreter::{BLOCK_WORK, Interpreter};
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_blocks::{Certainty, LoneBlocks, MAX_TEXTS};
@@ -312,8 +313,7 @@ impl ProgramCheck {
                     if let (false, Some(line)) = (more, main) {
                         self.unread.text_end = Some(line);
                     }
-                    let restarted = self.interpreter.flow.restarted && !self.interpreter.is_in_compensation();
-                    if !more || restarted {
+                    if !more || self.interpreter.has_restarted() {
                         return self.finish_run(true);
                     }
                 }
@@ -340,7 +340,8 @@ impl ProgramCheck {
         let line = self.interpreter.flow.place.line;
         let main = Arc::ptr_eq(&self.interpreter.flow.source, &self.source);
         let new = main && self.unread.marks.mark(line);
-        self.place = if main { TextLine { text: 0, line } } else { self.mark_called(line) };
+        let (place, new) = if main { (TextLine { text: 0, line }, new) } else { self.mark_called(line) };
+        self.place = place;
         self.standstill = if new { 0 } else { self.standstill + 1 };
         let progress = &mut self.checkpoint;
         if new {
@@ -360,8 +361,8 @@ impl ProgramCheck {
         main.then_some(line)
     }
 
-    /// Marks a line of a called program.
-    fn mark_called(&mut self, line: u32) -> TextLine {
+    /// Marks a line of a called program; true if it is new.
+    fn mark_called(&mut self, line: u32) -> (TextLine, bool) {
         let flow = &self.interpreter.flow;
         let is_there = |text: &CalledText| Arc::ptr_eq(&text.source, &flow.source);
         let same = self.place.text.checked_sub(1).filter(|index| self.called.get(*index).is_some_and(is_there));
@@ -369,10 +370,8 @@ impl ProgramCheck {
             add_called(&mut self.called, Arc::clone(&flow.source), *flow.locals());
             self.called.iter().position(is_there).unwrap_or(usize::MAX - 1)
         });
-        if let Some(text) = self.called.get_mut(index) {
-            text.marks.mark(line);
-        }
-        TextLine { text: index + 1, line }
+        let new = self.called.get_mut(index).is_some_and(|text| text.marks.mark(line));
+        (TextLine { text: index + 1, line }, new)
     }
 
     /// Notes the result of the IF in the line that was read last.

@@ -12,6 +12,7 @@ use super::expression::{Locals, Value};
 use super::external_state::ExternalState;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadResult, StepStop, fail, fail1, fail2};
 use super::flow::{Call, Callee, Flow, Place};
+use super::idle_passes::IdlePasses;
 use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::modal_calls::ModalCall;
@@ -76,24 +77,6 @@ pub struct Interpreter {
     pub(crate) warnings: Option<Vec<ErrorAt>>,
     /// Every IF is read as if its condition held: for a check of blocks that were not executed.
     pub(super) conditions_hold: bool,
-}
-
-/// The jumps back to the same block in which no block has changed anything.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct IdlePasses {
-    pub count: u32,
-    /// Something has changed since the last jump back.
-    changed: bool,
-    /// The byte of its target.
-    target: usize,
-}
-
-impl IdlePasses {
-    fn note_jump_back(&mut self, target: usize) {
-        let same = !std::mem::take(&mut self.changed) && self.target == target;
-        self.count = if same { self.count + 1 } else { 0 };
-        self.target = target;
-    }
 }
 
 /// The result of reading one block.
@@ -266,7 +249,7 @@ impl Interpreter {
         let from = self.flow.place.at;
         let stepped = self.read_block(world, block)?;
         if self.flow.place.at <= from {
-            self.passes.note_jump_back(self.flow.place.at);
+            self.passes.note_jump_back(self.flow.place.at, &self.modals);
         }
         if self.pending_cycle.is_none() {
             return Ok(stepped);

@@ -22,6 +22,7 @@ pub mod external_state;
 pub mod fault;
 mod flow;
 mod functions;
+mod idle_passes;
 pub mod interpreter;
 mod lexer;
 mod message_texts;

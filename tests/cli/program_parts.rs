@@ -239,3 +239,21 @@ fn k7_8_an_import_with_a_number_twice_names_both_lines() {
     assert_eq!(told.en(), "O0031.NC: O0032.NC begins in line 3 and again in line 5");
     assert!(shop.directory().is_empty());
 }
+
+/// A text without number and block would let the next program of the file take its place, and a comment above a number
+/// would go to the program before: both are refused, and the file stays as it is.
+#[test]
+fn b1_a_text_that_would_change_other_programs_of_the_file_is_refused() {
+    let shop = Shop::new(&[("O0031.NC", EXPORT)]);
+    for (number, text) in [
+        (31, "%\r\n(EMPTY)\r\n"),
+        (31, "%\r\nO0031\r\nM30\r\nO0050\r\nM99\r\n"),
+        (32, "(TITLE)\r\nO0032\r\nM99\r\n"),
+        (32, "O0032\r\nM99\r\nO0051\r\nM99\r\n"),
+    ] {
+        let request = FileRequest::Save { number, text: Rope::from_str(text), base_stamp: 0, overwrite: true };
+        let answer = shop.ask(request);
+        assert!(matches!(answer, FileAnswer::Refused(Refusal::Other(_))), "{text}: {answer:?}");
+        assert_eq!(shop.text("O0031.NC"), EXPORT);
+    }
+}

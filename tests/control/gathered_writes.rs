@@ -129,3 +129,16 @@ fn b3_wear_that_a_program_writes_is_kept_at_its_end() {
     assert!((wear - 0.1).abs() < 1e-9, "{wear}");
     assert_eq!(PowerOnState::factory(Kind::Gc).work_offsets.wear[3], PerAxis::default());
 }
+
+/// What the operator enters and what a program writes in the same tick is stored in the order in which it came.
+#[test]
+fn b6_the_disk_keeps_the_value_that_was_written_last() {
+    for millis in 285..315 {
+        let mut rig = crate::stories::ready_with("G04 P300\n#500=5\nG04 P3000\nM30");
+        let wait = f64::from(millis) / 1e3;
+        crate::stories::tell(&mut rig, &format!("mode auto\nkey cycle-start\nwait {wait} s\nset #500 = 7\nwait 1 s"));
+        let shown = rig.snapshot().variables[500];
+        crate::stories::tell(&mut rig, "power cut\npower on");
+        assert_eq!(rig.snapshot().variables[500], shown, "{wait} s");
+    }
+}

@@ -531,3 +531,15 @@ fn b8_a_program_alarm_without_texts_says_what_it_said() {
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.3 s");
     assert!(rig.snapshot().alarms.iter().all(|alarm| alarm.variable.is_none()) && !rig.snapshot().alarms.is_empty());
 }
+
+/// A loop that changes F alone is no endless loop.
+#[test]
+fn b3_a_loop_over_the_feed_ends_and_the_program_goes_on() {
+    let mut rig = ready_with("G98 F100\nN10 F[#4109+10]\nIF[#4109 LT 200]GOTO 10\nG01 X-81\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 10 s\nexpect X -81 ±0.001\nexpect no alarm");
+    let text = "G98 F100\nN10 F[#4109+10]\nIF[#4109 LT 200]GOTO 10\nG01 X-81\nM30";
+    let source = std::sync::Arc::new(kt830::nc::Source::new(1, "O1.NC", text, kt830::defs::kind::Dialect::LatheA));
+    let library: kt830::nc::SharedLibrary = std::sync::Arc::new(kt830::nc::EmptyLibrary);
+    let report = kt830::nc::check(&source, &library, &kt830::nc::NcSettings::lathe_a());
+    assert!(report.finished && report.warnings.is_empty(), "{:?}", report.warnings);
+}

@@ -64,10 +64,12 @@ impl Plant {
         }
     }
 
-    /// Stores what programs have written, before any other request of the tick.
+    /// Stores what programs have written: behind the requests that came before it, and before every later one.
     pub fn store_gathered(&mut self) {
+        if self.outbox.gathered.since.is_none() {
+            return;
+        }
         let GatheredWrites { variables, offsets, origins, .. } = std::mem::take(&mut self.outbox.gathered);
-        let others = self.outbox.requests.len();
         for (word, bits) in (0_u32..).zip(variables) {
             for variable in bits_of(bits).map(|bit| word * WORD + bit) {
                 let value = self.work.variables.get(variable).ok().flatten();
@@ -81,7 +83,6 @@ impl Plant {
         for place in bits_of(origins).filter_map(|bit| OriginPlace::at(bit as usize)) {
             self.store_origin(place);
         }
-        self.outbox.requests.rotate_left(others);
     }
 }
 

@@ -69,8 +69,9 @@ impl Plant {
         }
     }
 
-    /// Sends a request to the disk thread.
+    /// Sends a request to the disk thread, behind what programs have written before it.
     pub fn store(&mut self, request: StorageRequest) {
+        self.store_gathered();
         self.outbox.requests.push(request);
     }
 

@@ -210,7 +210,8 @@ impl ProgramRun {
             if world.was_asked || passes == 0 {
                 self.asked_at_pass = passes;
             }
-            plant.execution.is_endless = passes > self.asked_at_pass + PASSES_OF_PROOF;
+            let repeats = matches!(read, Ok(NextStatus::Busy | NextStatus::Waiting));
+            plant.execution.is_endless = repeats && passes > self.asked_at_pass + PASSES_OF_PROOF;
             plant.charge_reading(budget);
             match read {
                 Ok(NextStatus::Block) => {

@@ -113,7 +113,9 @@ impl Programs {
     #[must_use]
     pub fn holds(&self, program: &StoredProgram) -> bool {
         let (number, place) = (program.number, program.place());
-        let alone = self.get(number).is_some_and(|own| own.place() == place);
+        // A file of the same name elsewhere has another text.
+        let is_same = |own: &StoredProgram| own.place() == place && own.stamp == program.stamp;
+        let alone = self.get(number).is_some_and(is_same);
         alone || self.duplicates.iter().any(|twice| twice.number == number && twice.places.contains(&place))
     }
 

@@ -22,6 +22,11 @@ impl Interpreter {
         self.compensation.shift_by_hand(by);
     }
 
+    /// Whether the main program has begun again, and all blocks before that have been returned.
+    pub(in crate::nc) fn has_restarted(&self) -> bool {
+        self.flow.restarted && !self.is_in_compensation()
+    }
+
     /// Whether all blocks have been returned.
     pub(in crate::nc) fn is_over(&self) -> bool {
         self.ended && !self.compensation.has_blocks()
