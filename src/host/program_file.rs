@@ -73,10 +73,10 @@ impl ProgramInFile {
     /// Whether a new file still begins this program where it was and ends it where the new text ends: no other program
     /// becomes a part of it, and it does not divide or join others.
     fn stays_apart(&self, file: &[u8], program: &[u8], dialect: Dialect) -> bool {
-        let bytes = self.program.start..self.program.start + program.len();
-        let numbers = |text: &[u8]| program_parts(text, dialect).len();
-        numbers(file) == numbers(&self.file.bytes)
-            && program_parts(file, dialect).iter().any(|part| part.bytes == bytes)
+        let (before, after) = (program_parts(&self.file.bytes, dialect), program_parts(file, dialect));
+        let index = before.iter().position(|part| part.bytes == self.program);
+        let part = index.and_then(|index| after.get(index));
+        before.len() == after.len() && part.is_some_and(|part| file[part.bytes.clone()] == *program)
     }
 
     /// The file with other bytes in place of the program.

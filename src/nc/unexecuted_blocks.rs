@@ -19,6 +19,9 @@ use crate::units::Axis;
 /// Most texts that are read for one program.
 pub(super) const MAX_TEXTS: usize = 100;
 
+/// The letters that moves and cycles of group 01 have.
+const MOTION_LETTERS: &[u8] = b"XYZUVWRIJK";
+
 /// How sure a mistake in a block is that no run has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Certainty {
@@ -113,6 +116,7 @@ impl LoneBlocks {
         let (text, words) = (self.source.bytes(), &interpreter.block_words);
         let literal = is_literal(text, at);
         let without_values = self.block.used_variables.is_empty() && !interpreter.has_null_use();
+        let has_group = |group| words.g.iter().any(|code| is_in_group(code.number, group));
         let sure = |holds: bool| if holds { Certainty::Sure } else { Certainty::Possible };
         match fault.error {
             // Positions, and what other blocks have set.
@@ -143,14 +147,25 @@ impl LoneBlocks {
             | E::UnknownG
             | E::UnknownM
             | E::UnknownH => sure(literal || without_values),
-            E::BadVariable => sure(is_literal(text, at + 1) || without_values),
+            E::BadVariable | E::ReadOnly => sure(is_literal(text, at + 1) || without_values),
             E::DivisionByZero if fault.has_detail() => Certainty::Sure,
             // An IF guards against it.
             E::DivisionByZero | E::FunctionDomain | E::Overflow if words.condition.is_some() => Certainty::Unknown,
             E::DivisionByZero | E::FunctionDomain | E::Overflow | E::SwitchVariable => sure(without_values),
+            // G90 or G91 acts, and a plane, that the lines above may not say.
+            E::NotTogether if words.g.iter().any(|code| code.number == 53) => Certainty::Possible,
+            E::AxisOutsidePlane => sure(has_group(GCodeGroup::Plane) || !interpreter.settings.is_mill()),
+            // No function of group 01 has the letter.
+            E::UnknownWord
+                if !text.get(at).is_some_and(|letter| MOTION_LETTERS.contains(&letter.to_ascii_uppercase())) =>
+            {
+                sure(without_values)
+            }
             // The function of group 01 that acts decides about the words.
-            E::UnknownWord | E::MissingWord | E::AxisUnused | E::ArcWithoutCentre | E::AxisOutsidePlane => {
-                sure(without_values && (self.motion_known || !words.g.is_empty() || !words.m.is_empty()))
+            E::UnknownWord | E::MissingWord | E::AxisUnused | E::ArcWithoutCentre => {
+                let by_m = fault.error == E::MissingWord && !words.m.is_empty();
+                let named = has_group(GCodeGroup::Motion) || has_group(GCodeGroup::NonModal) || by_m;
+                sure(without_values && (self.motion_known || named))
             }
             _ => Certainty::Sure,
         }

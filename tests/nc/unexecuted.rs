@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use kt830::defs::kind::Dialect;
 use kt830::defs::program_kind;
-use kt830::nc::{CheckReport, Library, NcSettings, Source, check};
+use kt830::nc::{CheckReport, EmptyLibrary, Library, NcSettings, SharedLibrary, Source, check};
 use proptest::prelude::*;
 
 /// Programs by number.
@@ -234,5 +234,28 @@ fn b1_the_shipped_programs_are_correct_where_no_run_comes() {
         let told: Vec<_> = report.faults.iter().map(ToString::to_string).collect();
         let told: Vec<_> = told.iter().filter(|text| !text.contains("O number")).collect();
         assert!(told.is_empty(), "{}: {told:#?}", file.display());
+    }
+}
+
+/// What modes and values decide that only a run knows is no error: correct programs that jump into such blocks.
+#[test]
+fn b1_modes_of_a_run_decide_about_blocks_behind_a_jump() {
+    for (dialect, text) in [
+        (Dialect::LatheA, "G98 F100\nG00 X10 Z0\nIF[#500 EQ 1]GOTO 10\nG02 X20 Z-5 R5\nGOTO 20\nN10 X5 M08\nN20 M30\n"),
+        (
+            Dialect::LatheA,
+            "G98 F100\nG02 X10 Z0 R9\nIF[#500 EQ 1]GOTO 10\nG00 X20\nGOTO 20\nN10 X5 Z0 R5 M08\nN20 M30\n",
+        ),
+        (Dialect::Mill, "G90\nIF[#500 EQ 1]GOTO 10\nG91\nG01 X1 F100\nM30\nN10 G53 X0\nM30\n"),
+        (
+            Dialect::Mill,
+            "G17 G90\nG18 F100\nG00 X0 Z0\nIF[#500 EQ 1]GOTO 10\nG17\nGOTO 20\nN10 G02 X5 Z5 R5\nN20 M30\n",
+        ),
+        (Dialect::LatheA, "IF[#4 EQ #0]GOTO 20\n#[#4]=3\nN20 M30\n"),
+    ] {
+        let settings = NcSettings::for_dialect(dialect);
+        let source = Arc::new(Source::new(1001, "O1001.NC", text, dialect));
+        let report = check(&source, &(Arc::new(EmptyLibrary) as SharedLibrary), &settings);
+        assert!(report.faults.is_empty(), "{text}: {:?}", report.faults);
     }
 }
