@@ -103,6 +103,8 @@ pub enum CliCommand {
     Screw(LeadscrewArgs),
     /// Paint a page to a PNG file
     Shot(ShotArgs),
+    /// Print the table of the language: codes, words, functions and system variables of a kind of machine
+    Codes,
 }
 
 /// `kt830 demo`

@@ -3,6 +3,7 @@
 
 mod args;
 mod check;
+mod codes;
 mod demo;
 mod finished_size_check;
 mod leadscrew;
@@ -56,6 +57,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Run(call)) => run::run(&shared, call),
         Some(CliCommand::Check(call)) => check::check(&shared, call),
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
+        Some(CliCommand::Codes) => Ok(codes::codes(&shared)),
         Some(CliCommand::Play(call)) => play::play(&shared, call),
         Some(CliCommand::Demo(call)) => demo::demo(&shared, call),
         #[cfg(feature = "hmi")]

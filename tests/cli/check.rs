@@ -350,3 +350,34 @@ fn t3_a_run_ends_an_endless_loop_by_proof_and_not_by_a_count() {
         assert!(seconds < 1.0, "{text}: {told}");
     }
 }
+
+/// The table of the language tells what the control does: a code that it calls refused is refused by name, every other is
+/// known.
+#[test]
+fn b2_the_table_of_codes_is_what_a_check_says() {
+    for kind in ["gc", "gs"] {
+        let out = kt830(&["codes", "--kind", kind, "--format", "json"]);
+        assert!(out.status.success());
+        let rows: Vec<Value> =
+            String::from_utf8(out.stdout).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let of = |class: &str| rows.iter().filter(|row| row["class"] == class).count();
+        assert!(of("G") > 50 && of("M") > 30 && of("function") > 10 && of("variable") > 10, "{kind}");
+        let folder = tempfile::tempdir().unwrap();
+        let g: Vec<_> = rows.iter().filter(|row| row["class"] == "G").collect();
+        let text: String = g.iter().map(|row| format!("{}\n", row["word"].as_str().unwrap())).collect();
+        let file = folder.path().join("O0500.NC");
+        std::fs::write(&file, format!("{text}M30\n")).unwrap();
+        let out = kt830(&["check", "--kind", kind, "--lang", "en", file.to_str().unwrap()]);
+        let told = String::from_utf8(out.stdout).unwrap();
+        for (line, row) in (1..).zip(g) {
+            let unknown = ["unknown code", "is not available", "does not exist on this machine"];
+            let says = |words: &&str| told.lines().any(|of| of.contains(&format!(":{line}:")) && of.contains(words));
+            assert_eq!(row["state"] == "refused", unknown.iter().any(says), "{kind} {row}\n{told}");
+        }
+    }
+    for (kind, word) in [("vertical", "ATAN2"), ("lathe", "G22")] {
+        let out = kt830(&["codes", "--kind", kind]);
+        let text = String::from_utf8(out.stdout).unwrap();
+        assert!(text.contains("G0") && text.contains(word), "{text}");
+    }
+}

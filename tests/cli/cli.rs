@@ -268,7 +268,7 @@ fn a_wrong_call_ends_with_2_and_says_what_to_do() {
         &["run", "O4711"][..],
         &["run", "O1002", "--set", "500=1"],
         &["run", "O1002", "--set", "#570=2"],
-        &["run", "O1002", "--param", "P449=1"],
+        &["run", "O1002", "--param", "P499=1"],
         &["run", "O1002", "--part", "no-such.ron"],
         &["play", "no-such.story"],
         &["run", "O1002", "--kind", "xx"],

@@ -114,6 +114,14 @@ pub fn new_program_text(dialect: Dialect, number: u32) -> String {
     (rules(dialect).new_program_text)(number)
 }
 
+/// The names of the functions of a dialect.
+pub fn function_names(dialect: Dialect) -> impl Iterator<Item = &'static str> {
+    let sinumerik = dialect == Dialect::Sinumerik;
+    let macros = rules(dialect).has_macros && !sinumerik;
+    let common = super::functions::FUNCTIONS.iter().map(|(name, _)| *name).filter(move |_| macros);
+    common.chain(sinumerik::function_names().filter(move |_| sinumerik))
+}
+
 /// The text of a block that calls a program in a dialect; `None` if a block cannot call by a number.
 #[must_use]
 pub fn call_text(dialect: Dialect, program: u32) -> Option<String> {

@@ -49,5 +49,5 @@ fn b6_a_value_out_of_range_is_refused_and_changes_nothing() {
     assert_eq!(params.read(at), Ok(3_000.0));
     assert!(params.write(ParamAddress::parse("P16.0").unwrap(), 2.0).is_err());
     assert!(params.write(ParamAddress::parse("P300").unwrap(), 65.0).is_err());
-    assert_eq!(params.write(ParamAddress::parse("P449").unwrap(), 1.0), Err(ParamError::Unknown(449)));
+    assert_eq!(params.write(ParamAddress::parse("P499").unwrap(), 1.0), Err(ParamError::Unknown(499)));
 }

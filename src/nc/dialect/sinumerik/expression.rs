@@ -28,7 +28,7 @@ const FUNCTION_NAMES: [(&str, &str); 11] = [
 const EXTRA_FUNCTIONS: [&str; 2] = ["POT", "ATAN2"];
 
 /// The names of all functions.
-pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
+pub(in crate::nc::dialect) fn function_names() -> impl Iterator<Item = &'static str> {
     FUNCTION_NAMES.into_iter().map(|(name, _)| name).chain(EXTRA_FUNCTIONS)
 }
 

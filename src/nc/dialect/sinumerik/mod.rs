@@ -12,6 +12,8 @@ mod keyword;
 mod motion;
 mod read;
 
+pub(super) use expression::function_names;
+
 use super::codes::{self as shared_codes, BlockCodes};
 use super::common;
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope};

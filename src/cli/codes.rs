@@ -1,0 +1,85 @@
+//! `kt830 codes`: the table of the language of a kind of machine: codes, words, functions and system variables, and what
+//! the control does with each. Source: spec B2, B3, B4, L2, S1, T4.
+
+use serde_json::json;
+
+use super::args::{OutputFormat, SharedArgs};
+use super::{SUCCESS, print_line};
+use crate::defs::availability::m_codes;
+use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
+use crate::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
+use crate::defs::text::Text;
+use crate::nc;
+
+/// What the control does with a code.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum CodeState {
+    Supported,
+    /// It may be written and has no effect.
+    NoEffect,
+    /// A message names it.
+    Refused,
+}
+
+impl CodeState {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Supported => "supported",
+            Self::NoEffect => "no effect",
+            Self::Refused => "refused",
+        }
+    }
+}
+
+/// One row: what kind of word, as it is written, its state and its meaning.
+type CodeRow = (&'static str, String, CodeState, Text);
+
+/// Prints the table of the kind that the call names.
+#[must_use]
+pub fn codes(shared: &SharedArgs) -> u8 {
+    for (class, word, state, text) in rows(shared) {
+        match shared.format {
+            OutputFormat::Text => {
+                let line = format!("{class:<9} {word:<14} {:<10} {}", state.name(), text.get(shared.lang));
+                print_line(line);
+            }
+            OutputFormat::Json => {
+                print_line(json!({"class": class, "word": word, "state": state.name(), "zh": text.zh, "en": text.en}));
+            }
+        }
+    }
+    SUCCESS
+}
+
+fn rows(shared: &SharedArgs) -> Vec<CodeRow> {
+    let dialect = shared.kind.dialect();
+    let mut rows = Vec::new();
+    if dialect.is_kt830() {
+        rows.extend(G_CODES.iter().map(|row| {
+            let state = match (row.availability_on(dialect.is_mill()), row.group) {
+                (Availability::Yes, GCodeGroup::DrillingCycle) => CodeState::NoEffect,
+                (Availability::Yes, _) => CodeState::Supported,
+                (Availability::NotYet | Availability::No, _) => CodeState::Refused,
+            };
+            ("G", format!("G{:02}", row.code), state, row.text)
+        }));
+    }
+    rows.extend(dialect.words().iter().map(|word| ("word", word.word.to_owned(), CodeState::Supported, word.text)));
+    rows.extend(m_codes(shared.kind).map(|row| ("M", format!("M{:02}", row.code), CodeState::Supported, row.name)));
+    rows.extend(nc::function_names(dialect).map(|name| ("function", name.to_owned(), CodeState::Supported, FUNCTION)));
+    if dialect.is_kt830() {
+        rows.extend(SYSTEM_VARIABLES.iter().map(|range| {
+            let class = match range.access {
+                VariableAccess::Read => "read",
+                VariableAccess::ReadWrite => "variable",
+                VariableAccess::Write => "write",
+            };
+            let last = range.first + range.count - 1;
+            let word = if range.count == 1 { format!("#{last}") } else { format!("#{}-#{last}", range.first) };
+            (class, word, CodeState::Supported, range.name)
+        }));
+    }
+    rows
+}
+
+const FUNCTION: Text = Text::new("函数", "function");
