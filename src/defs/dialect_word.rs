@@ -114,8 +114,8 @@ words! {
     "T", "刀具和刀补", "tool and offset", "T1 D2：D 为刀补号；只写 T 为 D1，D0 取消。", "T1 D2: D is the number of the tool offset; T alone has D1, D0 cancels it.";
     "DIAMON", "直径编程", "diameter programming", "DIAMON：X 为直径；DIAMOF：半径；DIAM90：绝对为直径，增量为半径。", "DIAMON: X is a diameter; DIAMOF: a radius; DIAM90: absolute a diameter, incremental a radius.";
     "IC", "单字增量", "incremental word", "X=IC(-2)：该字为增量；X=AC(…) 为绝对。", "X=IC(-2): this word is incremental; X=AC(…) absolute.";
-    "G74", "回机械零点", "to the machine zero", "G74 X1=0 Z1=0。", "G74 X1=0 Z1=0.";
-    "G75", "回固定点", "to the fixed point", "G75 X1=0 Z1=0：第 2 参考点（P161–P163）。", "G75 X1=0 Z1=0: reference point 2 (P161 to P163).";
+    "G74", "回机械零点", "to the machine zero", "G74 X1=0 Z1=0：写出的轴快速回机械零点（P45–P47）。", "G74 X1=0 Z1=0: the named axes move to the machine zero (P45 to P47) at rapid speed.";
+    "G75", "回固定点", "to the fixed point", "G75 X1=0 Z1=0：写出的轴快速到第 2 参考点（P161–P163）。", "G75 X1=0 Z1=0: the named axes move to reference point 2 (P161 to P163) at rapid speed.";
     "LIMS", "恒线速最高转速", "speed limit", "LIMS=1200：G96 时的最高转速。", "LIMS=1200: highest speed under G96, rpm.";
     "G60", "准停方式", "exact stop", "每段终点准停；开机状态。", "Exact stop at the end of every block; active at power-on.";
     "G601", "准停窗口", "exact stop window", "G601、G602 可写：准停只有一种，到位宽度 P54。", "G601 and G602 are accepted: there is one exact stop, in-position width P54.";
