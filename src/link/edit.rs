@@ -167,14 +167,14 @@ pub struct OffsetTables {
     pub active_tool: usize,
     /// Work offsets, machine coordinates, in the order of their page.
     pub origins: [DisplayPos; ORIGIN_COUNT],
-    /// Row of the active work offset on its page.
-    pub active_origin: usize,
+    /// Row of the active work offset on its page; none under G500.
+    pub active_origin: Option<usize>,
 }
 
 impl Default for OffsetTables {
     fn default() -> Self {
         let (tools, origins) = ([OffsetView::default(); OFFSET_COUNT], [DisplayPos::default(); ORIGIN_COUNT]);
-        Self { tools, active_tool: 0, origins, active_origin: 1 }
+        Self { tools, active_tool: 0, origins, active_origin: Some(1) }
     }
 }
 

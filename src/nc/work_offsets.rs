@@ -50,6 +50,12 @@ impl OriginPlace {
         }
     }
 
+    /// The active work offset; none under G500.
+    #[must_use]
+    pub const fn of_active(offsets: &WorkOffsets) -> Option<Self> {
+        if offsets.active < WORK_OFFSET_COUNT { Some(Self::Work(offsets.active)) } else { None }
+    }
+
     /// The index by which it is stored: 0 is G54, the external offset comes last.
     #[must_use]
     pub const fn stored_index(self) -> usize {

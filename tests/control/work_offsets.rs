@@ -32,17 +32,27 @@ fn b2_origins_from_a_program_act_at_once_and_are_kept() {
 }
 
 #[test]
-fn b2_a_program_begins_without_a_local_zero() {
-    let mut rig = ready_with("G52 Z-5\nM30\n");
-    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle\nexpect Z -145 ±0.001");
-    tell(
-        &mut rig,
-        "mdi #500=#5042\nexpect #500 -145\nmode auto\nkey cycle-start\nwait until idle\nexpect Z -145 ±0.001",
-    );
+fn b2_a_local_zero_ends_with_its_program() {
+    let mut rig = ready_with("#500=#5042\nG52 Z-5\n#501=#5042\nM30\n");
+    for _ in 0..2 {
+        tell(
+            &mut rig,
+            "mode auto\nkey cycle-start\nwait until idle\nexpect #500 -150\nexpect #501 -145\nexpect Z -150 ±0.001",
+        );
+    }
 }
 
 #[test]
 fn b3_an_origin_out_of_range_is_refused_and_changes_nothing() {
     let mut rig = ready();
     tell(&mut rig, "mdi #5221=-20\nmdi #5221=10000\nexpect alarm 204\nkey reset\nexpect #5221 -20");
+}
+
+/// G500 of the 802D: no work offset is active, and no row of the page is.
+#[test]
+fn s1_g500_has_no_row_of_the_page() {
+    let mut rig = crate::stories::ready_of(kt830::defs::kind::Kind::Vertical);
+    assert_eq!(rig.snapshot().offsets.active_origin, Some(1));
+    tell(&mut rig, "mdi G500");
+    assert_eq!(rig.snapshot().offsets.active_origin, None);
 }

@@ -108,7 +108,7 @@ impl Panel {
                 *origin = parts.plant.displayed(parts.plant.work.offsets.origin(place));
             }
         }
-        out.offsets.active_origin = OriginPlace::Work(parts.plant.work.offsets.active).index();
+        out.offsets.active_origin = OriginPlace::of_active(&parts.plant.work.offsets).map(OriginPlace::index);
         out.offsets.active_tool = parts.plant.work.offsets.tool_offset;
         out.modals = parts.program.modal_view(parts.plant);
         let points = parts.plant.work.dress_points;

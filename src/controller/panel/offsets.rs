@@ -86,7 +86,7 @@ fn change_origin(parts: &mut Parts<'_>, row: usize, axis: Axis, change: OriginCh
             check_offset_page(parts.view(), OffsetPart::Geometry)?;
             check_measurable(parts, axis)?;
             // What the page shows of the position in this work offset becomes the value.
-            let mut offsets = parts.plant.work.offsets.clone();
+            let mut offsets = WorkOffsets { local: PerAxis::default(), ..parts.plant.work.offsets.clone() };
             offsets.set_origin(place, PerAxis::default());
             if let OriginPlace::Work(index) = place {
                 offsets.active = index;
@@ -141,7 +141,8 @@ fn check_measurable(parts: &Parts<'_>, axis: Axis) -> Result<(), LocalizedText> 
 /// K5.10: a measurement sets the geometry and clears the wear of its axis.
 fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Edited {
     check_measurable(parts, axis)?;
-    let frame = WorkOffsets { tool_offset: 0, ..parts.plant.work.offsets.clone() }.machine_minus_work(axis);
+    let frame = WorkOffsets { tool_offset: 0, local: PerAxis::default(), ..parts.plant.work.offsets.clone() };
+    let frame = frame.machine_minus_work(axis);
     let geometry = parts.plant.axes.actual()[axis] - frame - value / parts.plant.displayed_per_mm(axis);
     let message = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
     set_offset_value(parts, index, OffsetPart::Wear, axis, 0.0)?;

@@ -102,7 +102,7 @@ impl Program {
         let modals = kept.unwrap_or_else(|| ModalState::new(&settings));
         let before = (plant.work.offsets.clone(), plant.work.tool_change_point);
         plant.work.offsets.activate(modals.work_offset);
-        if origin == Origin::Program {
+        if origin != Origin::Mdi {
             // A program begins without a local zero (G52).
             plant.work.offsets.local = PerAxis::default();
         }
@@ -183,6 +183,8 @@ impl Program {
     pub fn close_run(&mut self, plant: &mut Plant) {
         if let Some(run) = self.run.take() {
             if run.origin == Origin::Program {
+                // The local zero (G52) ends with its program: later measurements must not contain it.
+                plant.work.offsets.local = PerAxis::default();
                 self.clear_run_position(plant);
             }
             if run.origin != Origin::Retract {

@@ -27,7 +27,7 @@ use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
 use crate::motion::MoveShape;
 use crate::nc::{
-    self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect,
+    self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect, OriginPlace,
     OscillationChange, ProgramMessage, SpeedMode,
 };
 use crate::units::{Axis, Micros, PerAxis, WorkBudget};
@@ -320,7 +320,8 @@ impl Program {
         let mut offsets = plant.work.offsets.clone();
         let there = world.work_offsets();
         (offsets.active, offsets.tool, offsets.tool_offset) = (there.active, there.tool, there.tool_offset);
-        offsets.local = there.local;
+        // Origins that the blocks before have set.
+        (offsets.local, offsets.work, offsets.external) = (there.local, there.work, there.external);
         run.lookahead = LookaheadState::new(
             offsets.clone(),
             offsets.machine_from_work(world.work_position()),
@@ -391,6 +392,11 @@ impl Program {
             let there = of(run.interpreter.common_variables());
             if there != of(&plant.work.variables) {
                 let _ = plant.store_variable(number, there);
+            }
+        }
+        for place in (0..OriginPlace::COUNT).filter_map(OriginPlace::at) {
+            if plant.work.offsets.origin(place) != run.lookahead.work_offsets.origin(place) {
+                plant.note_origin(place);
             }
         }
         plant.work.offsets.clone_from(&run.lookahead.work_offsets);

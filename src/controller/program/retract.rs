@@ -18,7 +18,7 @@ use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::machine::RequestResult;
 use crate::nc::{self, BlockLocation, Library, Source};
-use crate::units::{Axis, MachinePos, Micros};
+use crate::units::{Axis, MachinePos, Micros, PerAxis};
 
 /// The programs that retract and return the wheel.
 const RETRACT_PROGRAM: u32 = 9_000;
@@ -61,6 +61,8 @@ struct SuspendedRun {
     active_offset: usize,
     tool: u32,
     offset: usize,
+    /// The local zero (G52): the retract has none.
+    local: PerAxis<f64>,
     spindles_before_pause: [bool; 2],
 }
 
@@ -171,9 +173,10 @@ impl Program {
         }
         if let Some(run) = self.run.take() {
             let (place, offsets) = (plant.execution.current_block, &plant.work.offsets);
-            let (active, tool, offset) = (offsets.active, offsets.tool, offsets.tool_offset);
+            let (active, tool, offset, local) = (offsets.active, offsets.tool, offsets.tool_offset, offsets.local);
             let spindles_before_pause = plant.execution.spindles_before_pause;
-            let suspended = SuspendedRun { run, place, active_offset: active, tool, offset, spindles_before_pause };
+            let suspended =
+                SuspendedRun { run, place, active_offset: active, tool, offset, local, spindles_before_pause };
             self.retract.suspended = Some(suspended);
         }
         // Called as a subprogram: M99 ends it; M30 ends it too, without its machine actions.
@@ -202,10 +205,15 @@ impl Program {
             }
             return plant.transition(ControlEvent::Finish);
         };
-        let SuspendedRun { mut run, place, active_offset: active, tool, offset, spindles_before_pause } = waiting;
+        let SuspendedRun { mut run, place, active_offset: active, tool, offset, local, spindles_before_pause } =
+            waiting;
         // O9000 and O9001 have used tags since. The spindles recorded before the retract remain valid.
         run.next_tag = run.next_tag.max(plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1));
+        // Origins that the retract has set count for the rest of the run.
+        let offsets = &plant.work.offsets;
+        (run.lookahead.work_offsets.work, run.lookahead.work_offsets.external) = (offsets.work, offsets.external);
         self.run = Some(run);
+        plant.work.offsets.local = local;
         plant.execution.current_block = place;
         (plant.work.offsets.active, plant.work.offsets.tool, plant.work.offsets.tool_offset) = (active, tool, offset);
         // Back to the held state.

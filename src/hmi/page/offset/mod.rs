@@ -45,7 +45,7 @@ impl OffsetPage {
     fn line_in_force(&self, view: &View<'_>) -> Option<usize> {
         match self.shows {
             OffsetTab::Tools => view.snapshot.offsets.active_tool.checked_sub(1),
-            OffsetTab::Work => Some(view.snapshot.offsets.active_origin),
+            OffsetTab::Work => view.snapshot.offsets.active_origin,
         }
     }
 
