@@ -129,7 +129,8 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
     // The program can reach its end in spite of an alarm.
     let end = if end == RunEnd::Finished && !alarms.is_empty() { RunEnd::Alarm } else { end };
     let blocks = host.controller().block_count();
-    let report = RunReport { end, stop_reason: why, seconds, blocks, variables_before, batch };
+    let printed = host.take_printed();
+    let report = RunReport { end, stop_reason: why, seconds, blocks, variables_before, batch, printed };
     let report = match shared.format {
         OutputFormat::Json => report.json(&mut host, shared.lang).to_string(),
         OutputFormat::Text => report.text(&mut host, shared.lang),
@@ -211,6 +212,8 @@ struct RunReport {
     variables_before: Box<[Option<f64>; VARIABLE_COUNT]>,
     /// Measurements of every part, including the last one.
     batch: Vec<PartReport>,
+    /// The lines that the program has printed (DPRNT), without a data directory that keeps them.
+    printed: Vec<String>,
 }
 
 impl RunReport {
@@ -234,6 +237,7 @@ impl RunReport {
             "message": self.stop_reason.as_ref().or(snapshot.waiting_for.as_ref()).map(|told| told.get(lang)),
             "parts": snapshot.parts_counted,
             "variables": variables,
+            "printed": self.printed,
             "part": host.machine().measure(),
             "threads": host.controller().threads().iter().map(thread).collect::<Vec<_>>(),
             "events": host.machine().events(),
@@ -276,6 +280,7 @@ impl RunReport {
         for (name, value) in self.changed(&snapshot, host.kind()) {
             lines.push(format!("{name} = {}", value.map_or_else(String::new, |value| value.to_string())));
         }
+        lines.extend(self.printed.iter().map(|line| format!("print {line}")));
         if self.batch.len() > 1 {
             lines.extend(self.batch.iter().enumerate().map(|(at, part)| part_line(at + 1, part)));
         }

@@ -10,6 +10,7 @@ use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{ParamAddress, Params};
 use crate::defs::signal::{Input, Output};
+use crate::defs::text::arg::Arg;
 use crate::defs::turning_tool;
 use crate::link::files::{FileRequest, Ticket};
 use crate::link::page_command::SettingsRequest;
@@ -52,6 +53,8 @@ pub enum StorageRequest {
     ClockOffset(i64),
     /// Store the workpiece count.
     PartCount(u32),
+    /// Add a line that a program prints (DPRNT) to the file of the day.
+    PrintLine(DateTime, Arg),
     /// A job for the background thread: folders, long calculations. It is answered by commands.
     Job(Box<BackgroundJob>),
     /// A request of a page: passwords, settings. It is answered by a command.
@@ -59,6 +62,12 @@ pub enum StorageRequest {
 }
 
 impl StorageRequest {
+    /// Whether it changes retained data.
+    #[must_use]
+    pub const fn is_retained(&self) -> bool {
+        !matches!(self, Self::PrintLine(..) | Self::Page(_) | Self::Job(_))
+    }
+
     /// Whether it assigns a port to a function or changes the shape of a lathe tool.
     #[must_use]
     pub fn changes_machine_setup(&self) -> bool {

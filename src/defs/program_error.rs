@@ -302,4 +302,6 @@ program_errors! {
     /// More blocks without a move than can wait.
     CompensationWaits = 513, "compensation-waits", "半径补偿 {} 中太多程序段没有平面内的移动", "too many blocks without a move in the plane during compensation {}",
         "先用 G40 取消补偿，或把循环和赋值移到轮廓之外", "end it with G40 first, or move loops and assignments out of the contour";
+    HoldNotInhibited = 514, "hold-not-inhibited", "#3004 不起作用", "#3004 has no effect",
+        "进给保持、倍率、准停始终有效，程序不能禁止", "feed hold, override and exact stop always act: a program cannot disable them";
 }

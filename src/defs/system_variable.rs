@@ -65,7 +65,11 @@ ranges! {
     ALARM = 3_000, 1, Write, "报警 3000+数值 (注释为文字)", "alarm 3000 + value, text in the comment";
     MILLISECONDS = 3_001, 1, ReadWrite, "计时 ms，通电为 0", "timer, ms, 0 at power-on";
     HOURS = 3_002, 1, ReadWrite, "计时 h，通电为 0", "timer, hours, 0 at power-on";
+    SINGLE_BLOCK_CONTROL = 3_003, 1, ReadWrite, "单段控制，程序结束后为 0：1 单段不停 (M 代码总是等待完成)", "single block control, 0 after the program: 1 does not stop in single block; M codes are always waited for";
+    HOLD_CONTROL = 3_004, 1, ReadWrite, "进给保持控制 0-7：只读写，进给保持、倍率、准停始终有效", "feed hold control, 0 to 7: stored only; feed hold, override and exact stop always act";
     MESSAGE = 3_006, 1, Write, "信息并停止 (注释为文字)", "stop with a message, text in the comment";
+    DATE = 3_011, 1, Read, "日期 YYYYMMDD", "date, YYYYMMDD";
+    TIME_OF_DAY = 3_012, 1, Read, "时间 HHMMSS", "time of day, HHMMSS";
     PARTS_DONE = 3_901, 1, ReadWrite, "已加工件数", "parts done";
     PARTS_REQUIRED = 3_902, 1, ReadWrite, "需加工件数", "parts required";
     MODALS = 4_001, 130, Read, "模态：#4001-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: G groups, F, M, N, O, S, T";

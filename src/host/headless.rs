@@ -81,6 +81,11 @@ impl HeadlessHost {
         self.set_programs(programs, directory);
     }
 
+    /// Takes the lines that programs have printed (DPRNT), if no folder for screenshots keeps them.
+    pub fn take_printed(&mut self) -> Vec<String> {
+        self.storage.take_printed()
+    }
+
     /// Sets the folder for screenshots and the folder used as the USB drive.
     pub fn set_drives(&mut self, prints: Option<PathBuf>, usb: Option<PathBuf>) {
         self.storage.change_jobs(|jobs| jobs.with_drives(prints, usb));

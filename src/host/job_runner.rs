@@ -2,7 +2,7 @@
 //! Jobs run on their own thread, so that a long one never delays retained data; a headless host runs them in the step.
 //! Source: spec B6, K6.2, H8.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -32,7 +32,7 @@ use crate::store::{Folder, StoredSettings, UsbDrive};
 #[derive(Clone, Debug)]
 pub struct JobRunner {
     folders: Folders,
-    /// Folder of screenshots; `None` saves them on a USB drive only.
+    /// Folder of screenshots and printed lines; `None` saves them on a USB drive only.
     prints: Option<PathBuf>,
     /// The given USB drive; `None` uses the one that is plugged in.
     usb_drive: Option<UsbDrive>,
@@ -86,6 +86,11 @@ impl JobRunner {
     #[must_use]
     pub const fn folders(&self) -> &Folders {
         &self.folders
+    }
+
+    /// The folder of printed lines.
+    pub(in crate::host) fn prints(&self) -> Option<&Path> {
+        self.prints.as_deref()
     }
 
     fn port(&self) -> Option<String> {

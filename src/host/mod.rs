@@ -16,6 +16,7 @@ pub mod pace;
 mod page_file;
 pub mod part;
 pub mod password_store;
+mod print_file;
 mod program_file;
 mod program_split;
 pub mod retained_store;

@@ -122,7 +122,7 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
             // One number, so that program and line always belong together.
             value: place.map(|(program, line)| f64::from(program) * LINE_FACTOR + f64::from(line)),
         },
-        StorageRequest::Page(_) | StorageRequest::Job(_) => return None,
+        StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) => return None,
     })
 }
 
@@ -156,7 +156,7 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
         StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
         StorageRequest::PartCount(parts) => retained.part_count = *parts,
         StorageRequest::RunningAt(place) => retained.interrupted = *place,
-        StorageRequest::Page(_) | StorageRequest::Job(_) => {}
+        StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) => {}
     }
 }
 

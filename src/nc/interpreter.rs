@@ -357,6 +357,7 @@ impl Interpreter {
             | BlockContent::Goto { at, .. }
             | BlockContent::While { at, .. }
             | BlockContent::EndLoop { at, .. }
+            | BlockContent::Print { at, .. }
                 if !dialect::rules(self.settings.dialect).has_macros =>
             {
                 return fail(at, E::NoMacros);
@@ -375,6 +376,10 @@ impl Interpreter {
             }
             BlockContent::DisplayMessage { text } => {
                 block.ops.push(Op::DisplayMessage { text: self.flow.source.message_text(text) });
+                self.advance_past_block(next);
+            }
+            BlockContent::Print { text, .. } => {
+                block.ops.push(Op::Print { text });
                 self.advance_past_block(next);
             }
             BlockContent::While { holds, number, at } => {
@@ -560,6 +565,18 @@ impl Interpreter {
                 } else {
                     Op::StopWithMessage { number, text }
                 });
+            }
+            3003 | 3004 => {
+                let (most, range) = if variable == 3003 { (3, "0–3") } else { (7, "0–7") };
+                let wanted = value.unwrap_or(0.0);
+                let Some(whole) = super::functions::whole_number(wanted).filter(|whole| (0..=most).contains(whole))
+                else {
+                    return fail2(at, E::OutOfRange, format_args!("#{variable}={wanted}"), range);
+                };
+                if let (3004, 1.., Some(notes)) = (variable, whole, &mut self.warnings) {
+                    notes.push(ErrorAt { at, error: E::HoldNotInhibited, details: Default::default() });
+                }
+                block.ops.push(Op::SetSystemVariable { number: variable, value: Some(wanted) });
             }
             _ if CommonVariables::contains(variable) => match self.change_common(variable, value) {
                 Ok(()) => block.ops.push(Op::SetVariable { variable, value }),

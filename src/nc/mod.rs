@@ -33,6 +33,7 @@ pub mod op;
 pub mod op_effect;
 mod op_text;
 mod preflight;
+mod print_statement;
 mod program_parts;
 pub mod program_uses;
 mod scope;

@@ -206,6 +206,8 @@ pub enum Op {
     Alarm { number: u32, text: Arg },
     /// MSG: a text that is shown until the next one; an empty text clears it.
     DisplayMessage { text: Arg },
+    /// A line for the file of printed lines (DPRNT).
+    Print { text: Arg },
     /// `#3006=n(text)`: stops with a message; cycle start continues.
     StopWithMessage { number: u32, text: Arg },
 }
@@ -233,7 +235,8 @@ impl Op {
             | Self::SetLocalZero { .. }
             | Self::SpeedLimit { .. }
             | Self::MachineMove { .. } => false,
-            Self::S { .. } | Self::T { .. } | Self::SetVariable { .. } | Self::DisplayMessage { .. } => false,
+            Self::S { .. } | Self::T { .. } | Self::SetVariable { .. } => false,
+            Self::DisplayMessage { .. } | Self::Print { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
     }

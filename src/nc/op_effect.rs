@@ -160,6 +160,8 @@ pub enum ProgramMessage<'a> {
     Stop(u32, &'a Arg),
     /// Shows a text until the next one.
     Show(&'a Arg),
+    /// Adds a line to the file of printed lines.
+    Print(&'a Arg),
 }
 
 impl Op {
@@ -210,6 +212,7 @@ impl Op {
             Self::SetSystemVariable { number, value } => OpEffect::SystemVariable(number, value),
             Self::Alarm { number, ref text } => Message(ProgramMessage::Alarm(number, text)),
             Self::StopWithMessage { number, ref text } => Message(ProgramMessage::Stop(number, text)),
+            Self::Print { ref text } => Message(ProgramMessage::Print(text)),
             Self::DisplayMessage { ref text } => Message(ProgramMessage::Show(text)),
         }
     }

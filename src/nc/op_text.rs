@@ -54,7 +54,9 @@ impl Op {
             OpEffect::Variable(number, value) | OpEffect::SystemVariable(number, value) => {
                 put_both(put, ("variable", json!(number)), ("value", json!(value)));
             }
-            OpEffect::Message(ProgramMessage::Show(text)) => put("text", json!(text.as_name())),
+            OpEffect::Message(ProgramMessage::Show(text) | ProgramMessage::Print(text)) => {
+                put("text", json!(text.as_name()))
+            }
             OpEffect::Message(ProgramMessage::Alarm(number, text) | ProgramMessage::Stop(number, text)) => {
                 put_both(put, ("number", json!(number)), ("text", json!(text.as_name())));
             }
@@ -102,6 +104,7 @@ impl Op {
             Self::Alarm { .. } => "alarm",
             Self::StopWithMessage { .. } => "message",
             Self::DisplayMessage { .. } => "note",
+            Self::Print { .. } => "print",
         }
     }
 }

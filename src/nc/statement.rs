@@ -6,8 +6,10 @@ use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variab
 use super::fault::{Capitals, E, ReadResult, fail, fail1};
 use super::functions::{whole_number, whole_u32};
 use super::lexer::Cursor;
+use super::print_statement::read_line;
 use super::source_index::foreign_statement;
 use super::words::{BlockWords, ValueKind, Word};
+use crate::defs::text::arg::Arg;
 use crate::units::Axis;
 
 /// Deepest nesting of `IF … THEN IF …` in one block.
@@ -32,6 +34,8 @@ pub(crate) enum BlockContent {
     TextEnd { at: usize },
     /// A jump to a label, forward or backward; `is_true`: the condition is true or missing.
     Jump { label: Range<usize>, forward: bool, holds: bool },
+    /// DPRNT: a line of text for the printer.
+    Print { text: Arg, at: usize },
     /// A message that stays until the next one; an empty one clears it.
     DisplayMessage { text: Range<usize> },
 }
@@ -145,6 +149,12 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             }
             Ok(BlockContent::While { holds, number: loop_number(cursor)?, at })
         }
+        b'D' | b'd' if cursor.accept_keyword("DPRNT") => {
+            Ok(BlockContent::Print { text: read_line(cursor, scope)?, at })
+        }
+        // DECISION: the lines are kept as they come; there is no printer to be opened or closed.
+        b'P' | b'p' if cursor.accept_keyword("POPEN") || cursor.accept_keyword("PCLOS") => Ok(BlockContent::Empty),
+        b'B' | b'b' if cursor.accept_keyword("BPRNT") => fail1(at, E::ForeignStatement, "BPRNT"),
         // DO without WHILE repeats without end; a GOTO leaves it.
         b'D' | b'd' if cursor.accept_keyword("DO") => {
             Ok(BlockContent::While { holds: true, number: loop_number(cursor)?, at })

@@ -3,8 +3,10 @@
 
 use crate::stories::{ready_with, tell};
 use kt830::controller::stored_system_variables;
+use kt830::defs::date::DateTime;
 use kt830::defs::param;
 use kt830::host::headless::HeadlessHost;
+use kt830::link::command::Command;
 use kt830::units::{Axis, PerAxis};
 
 /// Runs a text to its end, in automatic mode.
@@ -146,8 +148,60 @@ fn b3_timers_are_set_and_the_wanted_parts_written() {
 }
 
 #[test]
+fn b3_date_and_time_of_day_are_read_by_a_program() {
+    // 2026-11-24 09:05:07
+    let date = DateTime::from_parts([2026, 11, 24, 9, 5, 7]).unwrap();
+    let mut rig = ready_with("G04 P100\n#100=#3011\n#101=#3012\nM30");
+    rig.send(Command::WallClock(date));
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait until idle max 2 s\nexpect #100 20261124 ±0\nexpect #101 90507 ±0",
+    );
+}
+
+#[test]
+fn b3_a_program_runs_through_single_blocks_with_3003_but_no_further_than_its_end() {
+    let mut rig = ready_with("#3003=1\n#100=1\nG04 P50\n#100=2\n#3003=0\n#100=3\n#100=4\nM30");
+    tell(&mut rig, "key single-block\nmode auto\nkey cycle-start\nwait until stopped max 2 s\nexpect #100 2");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 2 s\nexpect #100 3");
+    // RESET ends it too.
+    let mut rig = ready_with("#100=0\n#3003=1\n#100=1\nG04 X60\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s\nkey reset\nwait until idle\nkey single-block");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 2 s\nexpect #100 0");
+}
+
+#[test]
+fn b3_feed_hold_and_override_act_whatever_3004_says() {
+    let mut rig = ready_with("#3004=7\nG98 G01 U-20 F100\n#100=#3004\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait until held max 1 s\nkey cycle-start");
+    tell(&mut rig, "wait until idle max 20 s\nexpect #100 7");
+}
+
+#[test]
+fn b3_printed_lines_are_added_to_the_file_of_the_day() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#100=25.0123\nPOPEN\nDPRNT[SIZE*#100[33]]\n#100=-3.5\nDPRNT[Z#100[53]]\nPCLOS\nM30";
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s\nexpect no alarm");
+    assert_eq!(rig.take_printed(), ["SIZE   25.012", "Z-    3.500"], "no folder keeps them");
+    let mut rig = ready_with(text);
+    rig.set_drives(Some(folder.path().join("prints")), None);
+    for (day, lines) in [(24, 2), (24, 4), (25, 2)] {
+        rig.send(Command::WallClock(DateTime::from_parts([2026, 11, day, 9, 5, 7]).unwrap()));
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s\nexpect no alarm");
+        let printed = std::fs::read_to_string(folder.path().join(format!("prints/DPRNT-202611{day}.TXT"))).unwrap();
+        assert_eq!(printed, "SIZE   25.012\r\nZ-    3.500\r\n".repeat(lines / 2));
+    }
+    // A file in place of the folder: nothing is lost without a word.
+    let mut rig = ready_with(text);
+    std::fs::write(folder.path().join("taken"), "").unwrap();
+    rig.set_drives(Some(folder.path().join("taken")), None);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nexpect alarm any");
+}
+
+#[test]
 fn b3_what_is_no_variable_is_named() {
-    for text in ["#3003=1", "#4001=1", "#5041=1", "#2017=1", "#1000=1"] {
+    for text in ["#3003=9", "#4001=1", "#5041=1", "#2017=1", "#1000=1"] {
         let mut rig = ready_with(&format!("{text}\nM30"));
         tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm any");
     }

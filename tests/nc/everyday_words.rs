@@ -144,3 +144,39 @@ fn s1_g70_and_g700_are_inches() {
     assert_eq!(of("G700\nG71 G90 G1 X50.8 Z25.4 F254\nM2\n"), metric);
     assert_eq!(run("G70 G71\nM2\n", Dialect::Sinumerik).unwrap_err().error.id(), "double-group");
 }
+
+#[test]
+fn b3_a_printed_line_formats_its_values() {
+    let printed = |text: &str| {
+        let (ops, _) = run(&format!("#100=25.0125\n#101=-0.0004\n{text}\nM30\n"), Dialect::LatheA).unwrap();
+        ops[2].clone()
+    };
+    for (text, line) in [
+        ("DPRNT[X#100[53]]", "X    25.013"),
+        // Half away from zero; what rounds to zero has no sign.
+        ("DPRNT[#100[33]]", "  25.013"),
+        ("DPRNT[#101[13]]", " 0.000"),
+        ("DPRNT[#101[14]]", "-0.0004"),
+        ("DPRNT[N#[99+1][20]*PARTS]", "N 25 PARTS"),
+        // A place before the point is missing: nothing is cut off.
+        ("DPRNT[#100[11]]", " 25.0"),
+        // Null.
+        ("N10 DPRNT[#150[11]] (COMMENT)", " 0.0"),
+        ("DPRNT[]", ""),
+    ] {
+        assert_eq!(printed(text), format!("print text={line:?}"), "{text}");
+    }
+    for (text, name) in [
+        ("DPRNT", "bad-statement"),
+        ("DPRNT[ABC", "unbalanced-bracket"),
+        ("DPRNT[#100]", "bad-statement"),
+        ("DPRNT[#100[5]]", "bad-statement"),
+        ("DPRNT[#100[55]]", "out-of-range"),
+        ("DPRNT[#0100[00]]", "out-of-range"),
+        ("DPRNT[\u{5c3a}]", "foreign-character"),
+        ("BPRNT[X#100[3]]", "foreign-statement"),
+        (&format!("DPRNT[{}]", "A".repeat(81)), "out-of-range"),
+    ] {
+        assert_eq!(run(&format!("{text}\nM30\n"), Dialect::LatheA).unwrap_err().error.id(), name, "{text}");
+    }
+}

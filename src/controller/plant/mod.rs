@@ -64,6 +64,8 @@ pub struct Plant {
     pub params: Params,
     /// Time of this tick.
     pub now: Micros,
+    /// Date and time of day, or the time since power-on while the date is unknown: programs read it, nothing else.
+    pub date: DateTime,
     /// The work that is left in this tick.
     pub tick_budget: WorkBudget,
     /// The inputs.
@@ -100,6 +102,7 @@ impl Plant {
         let mut plant = Self {
             kind,
             now,
+            date: DateTime::default(),
             tick_budget: WorkBudget::new(WORK_PER_TICK),
             inputs: Inputs::new(&params, image),
             machine: Machine::new(kind, now),
@@ -128,6 +131,7 @@ impl Plant {
     /// Begins a tick: time and inputs.
     pub fn begin_tick(&mut self, now: Micros, timestamp: DateTime, image: &InputImage) {
         (self.now, self.tick_budget) = (now, WorkBudget::new(WORK_PER_TICK));
+        self.date = timestamp;
         self.alarms.set_time(now, timestamp);
         self.inputs.read(image);
         self.axes.read(image);

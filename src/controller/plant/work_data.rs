@@ -28,6 +28,8 @@ pub struct WorkData {
     pub part_count: u32,
     /// Offsets added to the time since power-on in #3001 (ms) and #3002 (h).
     pub timer_offset: [f64; 2],
+    /// #3003 (0–3) and #3004 (0–7) as the program in progress has set them.
+    pub program_controls: [u8; 2],
     /// Position latched by the last G31, work coordinates, radius mm.
     pub skip_position: WorkPos,
     /// Results of the last G78.

@@ -8,6 +8,7 @@ use super::gauge::gauge_signal;
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
 use crate::controller::plant::{ControlEvent, Plant};
+use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::mcode::{MCodeAction, Request};
@@ -66,6 +67,7 @@ impl ProgramRun {
                 plant.show_program_message(text);
                 ActionStatus::Done
             }
+            QueuedAction::Print(text) => print_line(plant, text),
             QueuedAction::Oscillate(_) | QueuedAction::Message(_) | QueuedAction::EndOfText
                 if !self.is_settled(plant) =>
             {
@@ -270,6 +272,12 @@ fn stop_reason(kind: Kind, call: MCall) -> LocalizedText {
         ),
         false => phrase!("{code} 程序暂停：按循环启动继续", "{code}, the program waits: cycle start continues", code),
     }
+}
+
+/// DPRNT: the line goes to the file of the day.
+fn print_line(plant: &mut Plant, text: &Arg) -> ActionStatus {
+    plant.store(StorageRequest::PrintLine(plant.date, text.clone()));
+    ActionStatus::Done
 }
 
 /// G35 by cylinder, and G36: the stroke ends at its start point, then the next block runs (K4.3).

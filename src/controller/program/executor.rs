@@ -84,7 +84,7 @@ impl ProgramRun {
                 }
                 // While splitting, a block ends without a stop if its successor is already moving.
                 Some(QueueItem::BlockEnd)
-                    if plant.operator.switches.single_block
+                    if plant.stops_after_blocks()
                         && self.origin == Origin::Program
                         && self.handover != Handover::TakingBack =>
                 {
@@ -160,7 +160,7 @@ impl ProgramRun {
                     planned.tag = Some(tag);
                     self.next_tag += 1;
                 }
-                QueueItem::BlockEnd if plant.operator.switches.single_block && self.origin == Origin::Program => return,
+                QueueItem::BlockEnd if plant.stops_after_blocks() && self.origin == Origin::Program => return,
                 QueueItem::Action(action) if action.waits_for_motion() => return,
                 QueueItem::Action(_) | QueueItem::BlockStart(_) | QueueItem::BlockEnd => {}
             }

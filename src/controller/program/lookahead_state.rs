@@ -85,6 +85,7 @@ impl LookaheadState {
                 ProgramMessage::Alarm(number, text) => {
                     QueuedAction::Alarm(number as u16, LocalizedText::of_program(text), at)
                 }
+                ProgramMessage::Print(text) => QueuedAction::Print(text.clone()),
                 ProgramMessage::Show(text) => QueuedAction::Note(LocalizedText::of_program(text)),
                 ProgramMessage::Stop(_, text) => QueuedAction::Message(LocalizedText::of_program(text)),
             },

@@ -188,6 +188,7 @@ impl Program {
                 self.clear_run_position(plant);
             }
             if run.origin != Origin::Retract {
+                plant.work.program_controls = [0; 2];
                 plant.execution.end_cycle(plant.now, plant.now.since(run.started_at), plant.work.part_count);
                 self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
             }

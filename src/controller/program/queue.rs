@@ -8,6 +8,7 @@ use crate::defs::kind::Dialect;
 use crate::defs::mcode::{MCode, MCodeAction, Request};
 use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
+use crate::defs::text::arg::Arg;
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
 use crate::nc::{AxisSet, BlockLocation, CoordinateChange, GaugeMove, MCodeWords, SpeedMode};
 use crate::units::{Axis, MachinePos, PerAxis};
@@ -163,6 +164,8 @@ pub enum QueuedAction {
     Alarm(u16, LocalizedText, BlockLocation),
     /// Program message, shown until it is replaced; an empty text ends it.
     Note(LocalizedText),
+    /// DPRNT: a line for the file of printed lines.
+    Print(Arg),
     /// Message of the program; the run stops until cycle start.
     Message(LocalizedText),
     /// The program ends without M30.
@@ -174,7 +177,7 @@ impl QueuedAction {
     #[must_use]
     pub const fn waits_for_motion(&self) -> bool {
         match self {
-            Self::SetVariable(..) | Self::Note(_) | Self::ChangeTool(..) => false,
+            Self::SetVariable(..) | Self::Note(_) | Self::Print(_) | Self::ChangeTool(..) => false,
             Self::WheelSpeed(..) | Self::WheelSpeedLimit(_) => false,
             Self::ChangeCoordinates(change) => matches!(change, CoordinateChange::Set(_)),
             Self::SetSystemVariable(..) | Self::MCode(..) | Self::Gauge(_) | Self::Oscillate(_) => true,

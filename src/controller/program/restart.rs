@@ -91,7 +91,8 @@ impl StateBeforeBlock {
             // The check world has the position, the offsets and the variables; the interpreter has the path mode.
             OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => {}
             OpEffect::PathMode(_) | OpEffect::Variable(..) | OpEffect::SystemVariable(..) => {}
-            OpEffect::Dwell(_) | OpEffect::Message(ProgramMessage::Stop(..) | ProgramMessage::Show(_)) => {}
+            OpEffect::Dwell(_)
+            | OpEffect::Message(ProgramMessage::Stop(..) | ProgramMessage::Show(_) | ProgramMessage::Print(_)) => {}
         }
     }
 }

@@ -6,6 +6,7 @@ use super::{Arrival, RetainedWorker, Storage, StorageWorker};
 use crate::controller::{StorageRequest, StoredProgram};
 use crate::host::job_runner::JobRunner;
 use crate::host::part::PartQuery;
+use crate::host::print_file::printed_lines;
 use crate::store::FolderError;
 
 /// Storage without threads.
@@ -13,6 +14,8 @@ pub struct DirectStorage {
     retained: RetainedWorker,
     worker: StorageWorker,
     arrivals: Vec<Arrival>,
+    /// Lines that programs have printed, without a folder for them.
+    printed: Vec<String>,
 }
 
 impl DirectStorage {
@@ -23,12 +26,17 @@ impl DirectStorage {
     pub fn new(retained: RetainedWorker, jobs: JobRunner) -> Result<Self, FolderError> {
         let worker = StorageWorker::new(jobs);
         let arrivals = vec![worker.programs()?, worker.screens()?];
-        Ok(Self { retained, worker, arrivals })
+        Ok(Self { retained, worker, arrivals, printed: Vec::new() })
     }
 
     /// Keeps programs that are not in the folder; they come again whenever the folder is read.
     pub(in crate::host) fn keep_programs(&mut self, programs: &[StoredProgram]) {
         self.worker.added.extend_from_slice(programs);
+    }
+
+    /// Takes the lines that programs have printed, if no folder keeps them.
+    pub(in crate::host) fn take_printed(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.printed)
     }
 
     /// Changes how jobs are run: drives, serial port.
@@ -41,6 +49,10 @@ impl Storage for DirectStorage {
     fn submit(&mut self, requests: &mut Vec<StorageRequest>) {
         let tell = &mut |arrival| self.arrivals.push(arrival);
         self.retained.handle(requests, tell);
+        self.worker.print(requests, tell);
+        if self.worker.jobs.prints().is_none() {
+            self.printed.extend(printed_lines(requests).map(|(_, line)| line.as_name().to_owned()));
+        }
         for request in requests.drain(..) {
             // A job that is cancelled has ended already: `run` does nothing with `Cancel`.
             if let StorageRequest::Job(job) = request {

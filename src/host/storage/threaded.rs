@@ -216,6 +216,7 @@ impl StorageThread {
         }
         let tell = &self.tell;
         self.retained.handle(&requests, &mut |arrival| drop(tell.send(arrival)));
+        self.worker.print(&requests, &mut |arrival| drop(tell.send(arrival)));
         for request in requests {
             if let StorageRequest::Job(job) = request
                 && let Some(busy) = self.jobs.queue(job)

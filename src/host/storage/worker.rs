@@ -12,6 +12,7 @@ use crate::defs::text::LocalizedText;
 use crate::host::job_answer::ChangedFolders;
 use crate::host::job_runner::JobRunner;
 use crate::host::password_store::PasswordStore;
+use crate::host::print_file::{self, printed_lines};
 use crate::host::retained_store::RetainedStore;
 use crate::link::command::Command;
 use crate::link::files::FileAnswer;
@@ -41,7 +42,7 @@ impl RetainedWorker {
             }
         }
         let Self::Disk(store) = self else { return };
-        if requests.iter().all(|request| matches!(request, StorageRequest::Page(_) | StorageRequest::Job(_))) {
+        if !requests.iter().any(StorageRequest::is_retained) {
             return;
         }
         tell(Arrival::Command(match store.commit(requests) {
@@ -87,6 +88,16 @@ impl StorageWorker {
     #[must_use]
     pub fn new(jobs: JobRunner) -> Self {
         Self { jobs, added: Vec::new(), delivered: KeptArrivals::default() }
+    }
+
+    /// Keeps the lines that programs print. A folder that cannot be written raises an alarm.
+    pub(super) fn print(&self, requests: &[StorageRequest], tell: &mut dyn FnMut(Arrival)) {
+        if let Some(folder) = self.jobs.prints()
+            && let Err(error) = print_file::append(folder, printed_lines(requests))
+        {
+            let (place, cause) = (folder.display(), error);
+            tell(Arrival::Command(Command::DiskFailed(LocalizedText::same(&format!("DPRNT, {place}: {cause}")))));
+        }
     }
 
     /// Runs a job. Folders that it changed are read before its final answer is told.

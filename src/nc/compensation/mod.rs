@@ -351,7 +351,7 @@ impl BlockCompensation {
         let passes = match op.effect() {
             OpEffect::PathMode(_) | OpEffect::Dwell(_) | OpEffect::Speed(..) | OpEffect::SpeedLimit(_) => true,
             OpEffect::MCode(_) => !op.stops_look_ahead(),
-            OpEffect::Variable(..) | OpEffect::Message(ProgramMessage::Show(_)) => true,
+            OpEffect::Variable(..) | OpEffect::Message(ProgramMessage::Show(_) | ProgramMessage::Print(_)) => true,
             OpEffect::Message(_) | OpEffect::SystemVariable(..) | OpEffect::Oscillation(_) => false,
             OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => false,
         };
