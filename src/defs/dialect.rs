@@ -26,7 +26,7 @@ const KT830: DialectTables = DialectTables {
     mill: false,
     tool_offsets: true,
     r_parameters: false,
-    words: &[],
+    words: dialect_word::GRINDER,
     m_codes: [mcode::MCODES, &[]],
     excluded_m_codes: &[],
 };
@@ -103,7 +103,7 @@ impl Dialect {
         self.tables().r_parameters
     }
 
-    /// Its words; empty for dialects that use the `gcode` table.
+    /// Its words beside those of the `gcode` table.
     #[must_use]
     pub const fn words(self) -> &'static [DialectWord] {
         self.tables().words

@@ -23,6 +23,18 @@ macro_rules! words {
 }
 
 words! {
+    GRINDER:
+    ",C", "倒角", "chamfer",
+        "G01 X_ ,C2：与下一段直线之间倒角，离交点各 2 mm；后面三段之内要有平面内的移动。", "G01 X_ ,C2: a chamfer to the next line, 2 mm from the corner on both; a move in the plane must follow within three blocks.";
+    ",R", "倒圆角", "rounding",
+        "G01 X_ ,R2：与下一段直线或圆弧之间倒圆角，半径 2 mm，按本段的 F。", "G01 X_ ,R2: an arc of 2 mm tangent to the next line or arc, at the feed of its block.";
+    ",A", "直线角度", "angle of a line",
+        "G01 X_ ,A135：只写一个坐标，另一个由角度算出（从 Z+ 逆时针）；G01 ,A45 单独写时下一段给 X_ Z_ ,A_，算出交点。", "G01 X_ ,A135: one coordinate, the angle from Z+ counter-clockwise gives the other one; G01 ,A45 alone: the next block has X_ Z_ ,A_ and the lines meet.";
+    "DPRNT", "打印一行", "prints a line",
+        "DPRNT[SIZE*#510[33]]：一行文字加到 prints/DPRNT-日期.TXT；* 为空格，[33] 为小数点前后位数。POPEN、PCLOS 可写。BPRNT 没有。", "DPRNT[SIZE*#510[33]]: adds a line to prints/DPRNT-date.TXT; * is a blank, [33] are the places before and behind the point. POPEN and PCLOS may stand. There is no BPRNT.";
+}
+
+words! {
     SUPERMAN:
     "G00", "快速定位", "rapid traverse",
         "G00 X_ Z_：两轴先联动，再走余下的一轴。F 2000–6000 只在本段有效，不写按 P30、P32。", "G00 X_ Z_: both axes move together, then one axis the rest. F 2000 to 6000 for this block only; without F, P30 and P32.";
@@ -90,6 +102,16 @@ words! {
         "G0 X_ Z_：各轴以快速到位。", "G0 X_ Z_: the named axes move at rapid speed.";
     "G1", "直线插补", "linear interpolation",
         "G1 X_ Z_ F_：按进给速度走直线。", "G1 X_ Z_ F_: a straight line at feed F.";
+    "CHR", "倒角（边长）", "chamfer by its legs",
+        "G1 X_ CHR=2：与下一段直线之间倒角，离交点各 2 mm。", "G1 X_ CHR=2: a chamfer to the next line, 2 mm from the corner on both.";
+    "CHF", "倒角（长度）", "chamfer by its length",
+        "G1 X_ CHF=2：倒角本身长 2 mm。", "G1 X_ CHF=2: the chamfer itself is 2 mm long.";
+    "RND", "倒圆角", "rounding",
+        "G1 X_ RND=2：与下一段直线或圆弧之间倒圆角；RND=0 本段没有。", "G1 X_ RND=2: an arc of 2 mm tangent to the next line or arc; RND=0: none in this block.";
+    "RNDM", "模态倒圆角", "modal rounding",
+        "RNDM=1：以后每个拐角倒圆角，放不下的地方没有；RNDM=0 取消。", "RNDM=1: every following corner is rounded where it fits, until RNDM=0.";
+    "ANG", "直线角度", "angle of a line",
+        "G1 X_ ANG=135：另一个坐标由角度算出；ANG 单独写时下一段给 X_ Z_ ANG=_。", "G1 X_ ANG=135: the angle gives the other coordinate; with ANG alone the next block has X_ Z_ ANG=_.";
     "G2", "顺时针圆弧", "arc clockwise",
         "G2 X_ Z_ CR=_ 或 I_ K_：I 为半径；CR 小于 0 为大圆弧。", "G2 X_ Z_ CR=_ or I_ K_: I is a radius; CR negative is the major arc.";
     "G3", "逆时针圆弧", "arc counter-clockwise",

@@ -304,4 +304,18 @@ program_errors! {
         "先用 G40 取消补偿，或把循环和赋值移到轮廓之外", "end it with G40 first, or move loops and assignments out of the contour";
     HoldNotInhibited = 514, "hold-not-inhibited", "#3004 不起作用", "#3004 has no effect",
         "进给保持、倍率、准停始终有效，程序不能禁止", "feed hold, override and exact stop always act: a program cannot disable them";
+    CornerWithoutMove = 515, "corner-without-move", "{} 后面没有平面内的 G01、G02、G03 移动", "{} is not followed by a move with G01, G02 or G03 in the plane",
+        "倒角、倒圆角后的下一个移动必须是平面内的直线或圆弧，之间最多三段没有移动，不能读取机床的值", "the next move behind a chamfer or rounding must be a line or an arc in the plane, with at most three blocks between and no value of the machine read";
+    CornerDoesNotFit = 516, "corner-does-not-fit", "{} 在两段之间放不下", "{} does not fit between its two segments",
+        "减小数值，或加长线段、圆弧", "reduce the value, or make line or arc longer";
+    ChamferAtArc = 517, "chamfer-at-arc", "{}：倒角只能在两条直线之间", "{}: a chamfer lies between two lines only",
+        "圆弧旁用倒圆角", "use a rounding beside an arc";
+    AngleWithoutEnd = 518, "angle-without-end", "只有 {} 的直线没有终点", "a line with {} alone has no end",
+        "下一段写 G01 X_ Z_ 和角度，求出交点", "give X, Z and an angle in the next block: the control computes where the lines meet";
+    AngleWithEnd = 519, "angle-with-end", "X、Z 和角度 {} 同时给出", "X, Z and the angle {} are given together",
+        "只写一个坐标和角度；三个都写时前一段必须只有角度", "give one coordinate and the angle; all three only behind a line with an angle alone";
+    LinesParallel = 520, "lines-parallel", "{}：两条直线平行，没有交点", "{}: the two lines are parallel and do not meet",
+        "检查两段的角度", "check the angles of both blocks";
+    NoSpindlePosition = 521, "no-spindle-position", "{}：本机的主轴不能定位", "{}: the spindle of this machine cannot be positioned",
+        "删去该段", "remove the block";
 }

@@ -44,7 +44,7 @@ pub(super) fn along(from: PlanePoint, direction: PlanePoint, distance: f64) -> P
     [from[0] + direction[0] * distance, from[1] + direction[1] * distance]
 }
 
-fn dot(a: PlanePoint, b: PlanePoint) -> f64 {
+pub(super) fn dot(a: PlanePoint, b: PlanePoint) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 

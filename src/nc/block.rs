@@ -8,6 +8,14 @@ use super::settings::NcSettings;
 /// Operations of a block for which memory is taken at once: a roughing cycle of 250 strokes. A longer one takes more.
 pub const USUAL_OPS: usize = 1_024;
 
+/// Where a block is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BlockPlace {
+    pub location: BlockLocation,
+    /// Its first byte.
+    pub at: usize,
+}
+
 /// A block that was read.
 #[derive(Clone, Debug)]
 pub struct Block {

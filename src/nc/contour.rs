@@ -152,7 +152,7 @@ fn return_to_start(ops: &mut Vec<Op>, start: WorkPos, across: Axis) {
     ops.push(rapid_to(start, &[other_axis(across)]));
 }
 
-fn end_point(op: &Op) -> Option<WorkPos> {
+pub(super) fn end_point(op: &Op) -> Option<WorkPos> {
     contour_move(op).ok().flatten().map(|by| by.to)
 }
 

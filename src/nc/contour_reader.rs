@@ -4,13 +4,18 @@ use std::sync::Arc;
 
 use super::block::Block;
 use super::compensation::ActiveCutter;
-use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move};
+use super::contour::{
+    ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move, end_point as end_of,
+};
 use super::contour_compensation::ContourCutter;
+use super::corner::CornerWords;
 use super::external_state::{AheadState, ExternalState};
 use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1};
 use super::flow::Flow;
 use super::interpreter::{Interpreter, StepStatus};
 use super::modal::ModalState;
+use super::op::Op;
+use crate::units::WorkPos;
 
 impl Interpreter {
     /// Expands a cycle into operations. The program continues after the contour, or after the cycle if that is later.
@@ -64,6 +69,7 @@ impl Interpreter {
         let ContourMemory { block: inner, ops, cutter, .. } = memory;
         ops.clear();
         *cutter = None;
+        let mut open: Option<(usize, CornerWords)> = None;
         for _ in 0..MAX_CONTOUR_BLOCKS {
             inner.clear();
             self.contour_blocks += 1;
@@ -75,11 +81,16 @@ impl Interpreter {
             if self.pending_cycle.take().is_some() {
                 return fail(at, E::ContourCode);
             }
-            let line = inner.location.line;
+            let (line, mut asked) = (inner.location.line, self.corner_words.take());
             for op in inner.ops.drain(..) {
                 match contour_move(&op) {
                     Ok(Some(by)) => {
+                        let begin = Self::join_contour(ops, open.take(), &op, asked.as_ref())?;
                         ahead.position = by.to;
+                        open = asked
+                            .take()
+                            .map(|words| (begin.unwrap_or(words.from), words))
+                            .map(|(from, words)| (ops.len(), CornerWords { from, end_angle: None, ..words }));
                         Self::note_cutter(&self.modals, cutter, ops.len(), at)?;
                     }
                     Ok(None) => {}
@@ -88,10 +99,38 @@ impl Interpreter {
                 ops.push((op, line));
             }
             if self.block_words.block_number == Some(cycle.last_block) && !self.second_half {
-                return Ok(());
+                let left = open.filter(|(_, words)| !words.is_modal);
+                return left.map_or(Ok(()), |(_, words)| fail1(words.at, E::CornerWithoutMove, words.name));
             }
         }
         fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block))
+    }
+
+    /// Puts the corner between the open move of the contour and the next one, which has words of its own. Returns where the
+    /// next one begins, if that is changed.
+    fn join_contour(
+        ops: &mut Vec<(Op, u32)>,
+        open: Option<(usize, CornerWords)>,
+        next: &Op,
+        asked: Option<&CornerWords>,
+    ) -> ReadResult<Option<WorkPos>> {
+        let Some((index, words)) = open else {
+            return match asked.filter(|asked| asked.end_angle.is_some()) {
+                Some(asked) => fail1(asked.at, E::AngleWithEnd, asked.name),
+                None => Ok(None),
+            };
+        };
+        let Some((op, line)) = ops.get_mut(index) else { return Ok(None) };
+        match words.join(op, next, asked) {
+            Ok(Some((corner, begin))) => {
+                let line = *line;
+                ops.insert(index + 1, (corner, line));
+                Ok(Some(begin))
+            }
+            Ok(None) => Ok(words.open_angle.and_then(|_| end_of(op))),
+            Err(_) if words.is_modal => Ok(None),
+            Err(mistake) => fail1(words.at, mistake, words.name),
+        }
     }
 
     /// Notes the cutter of a move of a contour. It is the same from its first move to the last one of the contour; only

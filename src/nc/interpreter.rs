@@ -1,12 +1,12 @@
 //! The interpreter: one block at a time, from text to operations. Source: spec B1, B3.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::block::Block;
 use super::common_variables::{CommonVariables, VariableError};
 use super::compensation::BlockCompensation;
 use super::contour::{ContourMemory, PendingCycle};
+use super::corner::{CornerStage, CornerWords};
 use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::{Locals, Value};
 use super::external_state::ExternalState;
@@ -23,8 +23,6 @@ use super::source::{SharedLibrary, Source};
 use super::statement::{BlockContent, BlockReader};
 use super::words::BlockWords;
 use crate::defs::program_number;
-use crate::defs::system_variable::{self as system_variable, VariableAccess};
-use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
 
 /// Most blocks that one call of `next` reads.
@@ -69,6 +67,10 @@ pub struct Interpreter {
     pub(super) pending_cycle: Option<PendingCycle>,
     /// Memory for the contour of a cycle; taken while one is read.
     pub(super) contour_memory: Option<Box<ContourMemory>>,
+    /// What the block just read asks of the end of its move.
+    pub(super) corner_words: Option<CornerWords>,
+    /// The blocks that wait for the move behind their corner.
+    pub(super) corners: CornerStage,
     /// The blocks between G41 and G40.
     pub(super) compensation: BlockCompensation,
     /// Places where null was used as 0; collected by a check only.
@@ -77,6 +79,15 @@ pub struct Interpreter {
     pub(crate) warnings: Option<Vec<ErrorAt>>,
     /// Every IF is read as if its condition held: for a check of blocks that were not executed.
     pub(super) conditions_hold: bool,
+}
+
+/// A program number stands at the head of its program only.
+#[inline]
+fn refuse_misplaced_o(words: &BlockWords, source: &Source, at: usize) -> ReadResult<()> {
+    match words.peek(b'O').filter(|_| !source.is_at_head(at)) {
+        Some(word) => fail(word.at as usize, E::MisplacedO),
+        None => Ok(()),
+    }
 }
 
 /// The result of reading one block.
@@ -107,6 +118,8 @@ impl Interpreter {
             passes: IdlePasses::default(),
             pending_cycle: None,
             contour_memory: Some(Box::new(contour_memory)),
+            corner_words: None,
+            corners: CornerStage::new(&modals),
             compensation: BlockCompensation::new(&modals),
             null_uses: None,
             warnings: None,
@@ -123,8 +136,7 @@ impl Interpreter {
         self.settings = settings;
         (self.ended, self.second_half, self.passes) = (false, false, IdlePasses::default());
         self.last_block_number = None;
-        self.pending_cycle = None;
-        self.compensation.reset();
+        self.forget_blocks();
         self.conditions_hold = false;
         self.null_uses.iter_mut().for_each(Vec::clear);
         self.warnings.iter_mut().for_each(Vec::clear);
@@ -135,9 +147,15 @@ impl Interpreter {
         self.contour_memory.iter_mut().for_each(|memory| memory.flow.begin(Arc::clone(&source)));
         self.flow.begin(source);
         self.library = library;
-        self.pending_cycle = None;
-        self.compensation.reset();
+        self.forget_blocks();
         self.null_uses.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Forgets what was read and waits.
+    fn forget_blocks(&mut self) {
+        (self.pending_cycle, self.corner_words) = (None, None);
+        self.corners.reset();
+        self.compensation.reset();
     }
 
     /// Continues with an earlier modal state: MDI blocks, a restart from a chosen block.
@@ -173,7 +191,7 @@ impl Interpreter {
     }
 
     /// Sets a common variable and notes whether its value has changed.
-    fn change_common(&mut self, number: u32, value: Value) -> Result<(), VariableError> {
+    pub(super) fn change_common(&mut self, number: u32, value: Value) -> Result<(), VariableError> {
         let before = self.common_variables.get(number)?;
         self.passes.changed |= before.map(f64::to_bits) != value.map(f64::to_bits);
         self.common_variables.set(number, value)
@@ -287,12 +305,10 @@ impl Interpreter {
         };
         let reader = BlockReader { cursor: &mut cursor, scope: &mut scope, words, mid_line, block_skip };
         let read = dialect::read_block(self.settings.dialect, reader);
-        let content = if cursor.is_truncated(text) { fail(at, E::BlockTooLong) } else { read }?;
+        let content = if cursor.is_truncated(text) { return fail(at, E::BlockTooLong) } else { read? };
         let next = Place::behind(cursor, self.flow.place.line);
         let step = if matches!(content, BlockContent::Words) {
-            if let Some(word) = self.block_words.peek(b'O').filter(|_| !source.is_at_head(at)) {
-                return fail(word.at as usize, E::MisplacedO);
-            }
+            refuse_misplaced_o(&self.block_words, source, at)?;
             let mut running = BlockContext {
                 words: &self.block_words,
                 modals: &mut self.modals,
@@ -304,12 +320,13 @@ impl Interpreter {
                 flow: &self.flow,
                 arguments: &mut self.call_arguments,
                 pending_cycle: &mut self.pending_cycle,
+                corner: &mut self.corner_words,
                 second_half: self.second_half,
             };
             let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, next, block));
             match &done {
                 Ok(_) => self.modals.modal_call = self.flow.modal_calls.is_active(),
-                Err(_) => (self.modals, self.pending_cycle) = (before, None),
+                Err(_) => (self.modals, self.pending_cycle, self.corner_words) = (before, None, None),
             }
             done?
         } else {
@@ -537,62 +554,5 @@ impl Interpreter {
             return fail2(at, E::DuplicateProgram, name(), places);
         }
         self.library.find(program).map_or_else(|| fail1(at, E::MissingProgram, name()), Ok)
-    }
-
-    fn assign(
-        &mut self,
-        variable: u32,
-        value: Value,
-        at: usize,
-        comment: Option<Range<usize>>,
-        block: &mut Block,
-    ) -> ReadResult<()> {
-        let name = || format!("#{variable}");
-        match variable {
-            1..=33 => {
-                self.passes.changed |= self.flow.set_local(variable, value);
-            }
-            3000 | 3006 => {
-                let text = comment.map_or(Arg::None, |range| self.flow.source.message_text(range));
-                let value = value.unwrap_or(0.0);
-                let Some(number) = super::functions::whole_number(value).filter(|number| (0..=999).contains(number))
-                else {
-                    return fail2(at, E::OutOfRange, format_args!("#{variable}={value}"), "0–999");
-                };
-                let number = number as u32;
-                block.ops.push(if variable == 3000 {
-                    Op::Alarm { number: 3000 + number, text }
-                } else {
-                    Op::StopWithMessage { number, text }
-                });
-            }
-            3003 | 3004 => {
-                let (most, range) = if variable == 3003 { (3, "0–3") } else { (7, "0–7") };
-                let wanted = value.unwrap_or(0.0);
-                let Some(whole) = super::functions::whole_number(wanted).filter(|whole| (0..=most).contains(whole))
-                else {
-                    return fail2(at, E::OutOfRange, format_args!("#{variable}={wanted}"), range);
-                };
-                if let (3004, 1.., Some(notes)) = (variable, whole, &mut self.warnings) {
-                    notes.push(ErrorAt { at, error: E::HoldNotInhibited, details: Default::default() });
-                }
-                block.ops.push(Op::SetSystemVariable { number: variable, value: Some(wanted) });
-            }
-            _ if CommonVariables::contains(variable) => match self.change_common(variable, value) {
-                Ok(()) => block.ops.push(Op::SetVariable { variable, value }),
-                Err(VariableError::Switch(_)) => return fail1(at, E::SwitchVariable, name()),
-                Err(VariableError::Unknown(_)) => return fail1(at, E::BadVariable, name()),
-                Err(VariableError::NotFinite(_)) => return fail(at, E::Overflow),
-            },
-            0 => return fail1(at, E::ReadOnly, name()),
-            _ => match system_variable::find(variable).map(|range| range.access) {
-                Some(VariableAccess::Read) => return fail1(at, E::ReadOnly, name()),
-                Some(VariableAccess::ReadWrite | VariableAccess::Write) => {
-                    block.ops.push(Op::SetSystemVariable { number: variable, value });
-                }
-                None => return fail1(at, E::BadVariable, name()),
-            },
-        }
-        Ok(())
     }
 }

@@ -7,6 +7,7 @@
 //! Invariants: a refused block changes nothing. A block that needs a live value (`NextStatus::Drain`) is read again from
 //! its start. All lengths in operations are radius millimetres.
 
+mod assignment;
 mod block;
 pub mod check;
 pub mod common_variables;
@@ -15,6 +16,7 @@ mod contour;
 mod contour_compensation;
 mod contour_reader;
 mod contour_segment;
+mod corner;
 mod cutter;
 mod dialect;
 mod expression;

@@ -137,6 +137,8 @@ pub struct ModalState {
     pub path_mode: PathMode,
     /// G41 or G42; `None` for G40.
     pub compensation: Option<Compensation>,
+    /// The radius between all lines and arcs, mm (SINUMERIK RNDM).
+    pub(crate) rounding: Option<f64>,
     /// G96 or G97, and the unit of S.
     pub speed_mode: SpeedMode,
     /// S.
@@ -191,6 +193,7 @@ impl ModalState {
                 PathMode::Continuous { tolerance_mm: settings.tolerance_mm }
             },
             compensation: None,
+            rounding: None,
             speed_mode: rotation,
             speed: None,
             tool: 0,

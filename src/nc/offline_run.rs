@@ -29,6 +29,7 @@ impl Interpreter {
         let there = self.flow.place.line + 1 == line && !self.flow.place.mid_line && !self.second_half;
         // Behind G40 the blocks that wait come first.
         let waits = self.compensation.has_blocks() && !self.compensation.is_open();
+        let there = there && !self.corners.is_ready();
         if there && self.flow.is_main() && !self.ended && !waits {
             return Ok(NextStatus::Block);
         }
@@ -43,7 +44,7 @@ impl Interpreter {
     /// Goes to the block at a byte of a text, as if the program came there from the line above it.
     pub(super) fn begin_alone(&mut self, source: &Arc<Source>, at: usize, locals: &Locals) {
         self.flow.begin_at(Arc::clone(source), at, locals);
-        (self.ended, self.second_half, self.pending_cycle) = (false, false, None);
+        (self.ended, self.second_half, self.pending_cycle, self.corner_words) = (false, false, None, None);
         (self.modals.modal_call, self.modals.compensation) = (false, None);
         self.null_uses.iter_mut().for_each(Vec::clear);
         self.warnings.iter_mut().for_each(Vec::clear);
@@ -77,7 +78,8 @@ impl Interpreter {
         if !self.compensation.is_idle() {
             self.modals.compensation = None;
         }
-        if self.compensation.abandon() {
+        // A mistake of a corner is found behind its block.
+        if self.corners.abandon() | self.compensation.abandon() {
             return;
         }
         self.second_half = false;

@@ -213,6 +213,26 @@ pub enum Op {
 }
 
 impl Op {
+    /// Shifts a move by what the operator has moved by hand: an axis that it does not name, or names as a distance, keeps
+    /// the shift, an absolute word ends it (K6.3).
+    pub(super) fn shift_by_hand(&mut self, shift: &mut PerAxis<f64>) {
+        let (to, mut center, words, incremental) = match self {
+            Self::Rapid { to, words, incremental, .. }
+            | Self::Feed { to, words, incremental, .. }
+            | Self::Skip { to, words, incremental, .. }
+            | Self::ReturnToReference { via: to, words, incremental, .. } => (to, None, *words, *incremental),
+            Self::Arc { to, center, words, incremental, .. } => (to, Some(center), *words, *incremental),
+            _ => return,
+        };
+        for axis in Axis::ALL {
+            if words.contains(axis) && !incremental.contains(axis) {
+                shift[axis] = 0.0;
+            }
+            to[axis] += shift[axis];
+            center.iter_mut().for_each(|center| center[axis] += shift[axis]);
+        }
+    }
+
     /// Whether look-ahead stops: no further block is read until this operation is done.
     #[must_use]
     pub fn stops_look_ahead(&self) -> bool {

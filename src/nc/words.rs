@@ -23,6 +23,15 @@ const MAX_KEYWORDS: usize = 4;
 /// Most variables that a block of words sets.
 const MAX_ASSIGNMENTS: usize = 16;
 
+/// The internal letters of the words of a corner: `,C` and CHR=; `,R` and RND=; `,A` and ANG=; CHF=. They are behind Z,
+/// where no text has a letter.
+pub(crate) const CHAMFER: u8 = b'A' + 27;
+pub(crate) const ROUNDING: u8 = b'A' + 28;
+pub(crate) const LINE_ANGLE: u8 = b'A' + 29;
+pub(crate) const CHAMFER_LENGTH: u8 = b'A' + 30;
+/// That of RNDM=: N itself is never a word.
+pub(crate) const MODAL_ROUNDING: u8 = b'N';
+
 /// A word: an address letter and its value.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Word {
@@ -51,6 +60,18 @@ pub(crate) enum ValueKind {
 pub(crate) struct Code {
     pub number: u32,
     pub at: u32,
+}
+
+impl Word {
+    /// The address as a program writes it; for those of SINUMERIK see its own table.
+    pub fn name(self) -> Arg {
+        match self.letter {
+            CHAMFER => ",C".into(),
+            ROUNDING => ",R".into(),
+            LINE_ANGLE => ",A".into(),
+            letter => char::from(letter).into(),
+        }
+    }
 }
 
 impl Code {
@@ -106,8 +127,8 @@ impl<T, const N: usize> ShortList<T, N> {
 pub(crate) struct BlockWords {
     /// All words except G, M and N, in order.
     pub list: ShortList<Word, MAX_WORDS>,
-    /// The letters, and one that no text can have, for a dialect.
-    first: [u8; 27],
+    /// The letters, and some that no text can have.
+    first: [u8; 31],
     mask: u32,
     nulls: u32,
     used: Cell<u32>,
@@ -304,9 +325,11 @@ impl BlockWords {
             cursor.skip_blanks()?;
             let at = cursor.at as u32;
             let letter = cursor.peek() & !0x20;
-            if !cursor.peek().is_ascii_alphabetic() {
-                return Ok(());
-            }
+            let letter = match (cursor.peek().is_ascii_alphabetic(), comma_word(cursor)) {
+                (true, _) => letter,
+                (false, Some(letter)) => letter,
+                (false, None) => return Ok(()),
+            };
             cursor.at += 1;
             let (value, kind) = word_value(cursor, scope)?;
             match letter {
@@ -326,6 +349,22 @@ impl BlockWords {
         self.block_number = Some(value.min(f64::from(u32::MAX)) as u32);
         Ok(())
     }
+}
+
+/// The letter of `,C` `,R` `,A`, with the cursor on its letter; none if no such word is next.
+#[inline]
+fn comma_word(cursor: &mut Cursor<'_>) -> Option<u8> {
+    if cursor.peek() != b',' {
+        return None;
+    }
+    let letter = match cursor.peek_at(1) & !0x20 {
+        b'C' => CHAMFER,
+        b'R' => ROUNDING,
+        b'A' => LINE_ANGLE,
+        _ => return None,
+    };
+    cursor.at += 1;
+    Some(letter)
 }
 
 #[inline]

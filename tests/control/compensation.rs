@@ -144,3 +144,28 @@ fn k6_3_a_handwheel_shift_beside_a_long_contour_stays() {
          wait until idle max 30 s\nexpect X -80.000 ±0.001\nexpect no alarm",
     );
 }
+
+/// A shaft of Ø40 with a rounding of 2 mm to the shoulder at Z−30: it begins at Z−28 and ends at Ø44.
+const ROUNDED: &str = "G98 G50 X100 Z10
+G01 X40 Z0 F2000
+Z-30 ,R2
+X60
+G00 X100
+Z10
+M30
+";
+
+#[test]
+fn b2_a_single_block_stops_behind_its_corner() {
+    let mut rig = ready_with(ROUNDED);
+    let step = "key cycle-start\nwait until stopped max 20 s\n";
+    tell(&mut rig, &format!("mode auto\nkey single-block\n{step}{step}expect X 40 ±0.001\nexpect Z 0 ±0.001"));
+    tell(
+        &mut rig,
+        &format!("{step}expect X 44 ±0.001\nexpect Z -30 ±0.001\n{step}expect X 60 ±0.001\nexpect Z -30 ±0.001"),
+    );
+    tell(
+        &mut rig,
+        "key single-block\nkey cycle-start\nwait until idle max 20 s\nexpect X 100 ±0.001\nexpect Z 10 ±0.001",
+    );
+}

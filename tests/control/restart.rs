@@ -42,6 +42,7 @@ fn b5_what_cannot_be_reckoned_is_refused_with_its_reason() {
         ("N10 IF[#1012 EQ 0]GOTO 10\nG01 W-1 F60\nM30", 2, "等待机床"),
         ("G01 W-1 F60\nM30\nG00 X0", 3, "运行不到"),
         ("#2905=2\nG42 D5 G01 U-10 W-5 F100\nW-20\nW-5\nG40 U10\nM30", 4, "半径补偿"),
+        ("G01 U-10 F100 ,R2\nW-20\nM30", 2, "倒圆角"),
         ("G01 W-1 F60\nM30", 9, "没有第 9 行"),
         ("G01 Q7\nM30", 2, "第1行"),
     ] {

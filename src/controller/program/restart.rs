@@ -113,6 +113,25 @@ enum SearchStatus {
     Found,
 }
 
+/// Refuses a block that the contour before it decides.
+fn can_start_here(interpreter: &nc::Interpreter, line: u32) -> Result<(), LocalizedText> {
+    if interpreter.is_in_compensation() {
+        return Err(phrase!(
+            "第 {line} 行处在半径补偿 (G41、G42) 中，不能从该行开始：请选 G41、G42 段或 G40 之后的段",
+            "line {line} is between G41 or G42 and G40: the program cannot start there, choose the block of G41 or G42, or one behind G40",
+            line
+        ));
+    }
+    if interpreter.is_in_corner() {
+        return Err(phrase!(
+            "第 {line} 行的起点在倒角或倒圆角处，不能从该行开始：请选前一段",
+            "line {line} begins at a chamfer or rounding: the program cannot start there, choose the block before it",
+            line
+        ));
+    }
+    Ok(())
+}
+
 impl Restart {
     /// Reads on for a tick.
     fn search(&mut self, dialect: Dialect, budget: &mut WorkBudget) -> Result<SearchStatus, LocalizedText> {
@@ -155,13 +174,7 @@ impl Restart {
                 line
             ));
         }
-        if run.interpreter.is_in_compensation() {
-            return Err(phrase!(
-                "第 {line} 行处在半径补偿 (G41、G42) 中，不能从该行开始：请选 G41、G42 段或 G40 之后的段",
-                "line {line} is between G41 or G42 and G40: the program cannot start there, choose the block of G41 or G42, or one behind G40",
-                line
-            ));
-        }
+        can_start_here(&run.interpreter, line)?;
         if state.oscillates {
             return Err(phrase!(
                 "第 {line} 行处在振荡 (G35)，不能从该行开始",

@@ -10,7 +10,7 @@ mod release;
 
 use std::collections::VecDeque;
 
-use super::block::Block;
+use super::block::{Block, BlockPlace};
 use super::cutter::Compensation;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
 use super::modal::ModalState;
@@ -46,14 +46,6 @@ enum MoveRole {
     Contour(usize),
     /// The line from the contour to the programmed point.
     LeadOut,
-}
-
-/// Where a block is.
-#[derive(Clone, Copy, Debug, Default)]
-struct BlockPlace {
-    location: BlockLocation,
-    /// Its first byte.
-    at: usize,
 }
 
 /// A block that waits for what follows it.

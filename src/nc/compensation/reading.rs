@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::{BlockPlace, CompensationRefusal, ContourFault};
+use super::{CompensationRefusal, ContourFault};
 use crate::defs::text::arg::Arg;
-use crate::nc::block::Block;
+use crate::nc::block::{Block, BlockPlace};
 use crate::nc::external_state::{AheadState, ExternalState};
-use crate::nc::fault::{BlockLocation, E, ErrorAt, ReadStop, StepStop};
+use crate::nc::fault::{BlockLocation, E, ErrorAt, ProgramFault, ReadStop, StepStop};
 use crate::nc::interpreter::{Interpreter, StepStatus};
 use crate::units::{PerAxis, WorkPos};
 
@@ -17,19 +17,26 @@ impl Interpreter {
         self.compensation.is_open() || self.compensation.has_blocks()
     }
 
-    /// The operator has moved the axes by hand in a hold: blocks that wait for their contour follow (K6.3).
+    /// Whether a block waits for the move behind its corner.
+    #[must_use]
+    pub fn is_in_corner(&self) -> bool {
+        !self.corners.is_idle()
+    }
+
+    /// The operator has moved the axes by hand in a hold: blocks that wait follow (K6.3).
     pub fn shift_by_hand(&mut self, by: PerAxis<f64>) {
+        self.corners.shift_by_hand(by);
         self.compensation.shift_by_hand(by);
     }
 
     /// Whether the main program has begun again, and all blocks before that have been returned.
     pub(in crate::nc) fn has_restarted(&self) -> bool {
-        self.flow.restarted && !self.is_in_compensation()
+        self.flow.restarted && !self.is_in_compensation() && self.corners.is_idle()
     }
 
     /// Whether all blocks have been returned.
     pub(in crate::nc) fn is_over(&self) -> bool {
-        self.ended && !self.compensation.has_blocks()
+        self.ended && !self.compensation.has_blocks() && self.corners.is_idle()
     }
 
     /// As [`Self::step`]; blocks between G41 and G40 are returned with the moves of the cutter's centre.
@@ -40,16 +47,12 @@ impl Interpreter {
         block: &mut Block,
     ) -> Result<StepStatus, StepStop> {
         if self.modals.compensation.is_none() && !self.is_in_compensation() {
-            let place = self.next_place();
-            let stepped = match self.step(world, block) {
-                Err(stop) => return Err(self.stopped(stop)),
-                Ok(stepped) => stepped,
-            };
+            let stepped = self.step_cornered(world, block)?;
             if self.modals.compensation.is_none() {
                 return Ok(stepped);
             }
             let from = world.position();
-            return self.take_block(stepped, block, from, place);
+            return self.take_block(stepped, block, from);
         }
         self.step_beside_contour(world, block)
     }
@@ -65,35 +68,35 @@ impl Interpreter {
         if self.compensation.release(block) {
             return Ok(StepStatus::Block);
         }
-        if self.ended {
+        if self.ended && self.corners.is_idle() {
             return Ok(StepStatus::End);
         }
         let (is_active, place) = (self.compensation.is_open(), self.next_place());
         let from = if is_active { self.compensation.programmed } else { world.position() };
         let stepped = if is_active {
             let mut ahead = AheadState { inner: world, position: from, reads_machine: false };
-            self.step(&mut ahead, block)
+            self.step_cornered(&mut ahead, block)
         } else {
-            self.step(world, block)
+            self.step_cornered(world, block)
         };
         match stepped {
-            Ok(stepped) => self.take_block(stepped, block, from, place),
+            Ok(stepped) => self.take_block(stepped, block, from),
             // Behind G40 the contour ends here, and the block is read again when the machine stands.
-            Err(ReadStop::Drain) if is_active && self.modals.compensation.is_none() => {
+            Err(StepStop::Drain) if is_active && self.modals.compensation.is_none() => {
                 match self.compensation.end_contour(None, place) {
                     Ok(()) => Ok(StepStatus::Empty),
                     Err(wrong) => self.fail_compensation(wrong, false),
                 }
             }
-            Err(ReadStop::Drain) if is_active => {
+            Err(StepStop::Drain) if is_active => {
                 let g = self.modals.compensation.map_or(40, |active| active.g());
                 self.fail_compensation(place.refusal(E::NotInCompensation, g), false)
             }
-            Err(stop) => Err(self.stopped(stop)),
+            Err(stop) => Err(stop),
         }
     }
 
-    fn stopped(&self, stop: ReadStop) -> StepStop {
+    pub(in crate::nc) fn stopped(&self, stop: ReadStop) -> StepStop {
         match stop {
             ReadStop::Drain => StepStop::Drain,
             ReadStop::Error(wrong) => StepStop::Fault(self.locate(wrong)),
@@ -101,18 +104,15 @@ impl Interpreter {
     }
 
     /// Lets a block that was read wait, and returns the next one whose path is known.
-    fn take_block(
-        &mut self,
-        stepped: StepStatus,
-        block: &mut Block,
-        from: WorkPos,
-        mut place: BlockPlace,
-    ) -> Result<StepStatus, StepStop> {
+    fn take_block(&mut self, stepped: StepStatus, block: &mut Block, from: WorkPos) -> Result<StepStatus, StepStop> {
         if block.is_cycle && !self.is_in_compensation() {
             return Ok(stepped);
         }
-        place.location.n = self.block_words.block_number;
-        if let Err(wrong) = self.compensation.check_unchanged(&self.modals, place) {
+        let (mut place, mut modals) = (self.corners.place, &self.modals);
+        if matches!(stepped, StepStatus::Block) {
+            (place.location, modals) = (block.location, &block.modals);
+        }
+        if let Err(wrong) = self.compensation.check_unchanged(modals, place) {
             return self.fail_compensation(wrong, true);
         }
         if matches!(stepped, StepStatus::Block)
@@ -121,7 +121,7 @@ impl Interpreter {
             return self.fail_compensation(wrong, true);
         }
         let restarts = self.flow.is_main() && self.flow.place.line == 0 && place.location.line > 1;
-        if self.ended || restarts || matches!(stepped, StepStatus::End) {
+        if (self.ended || restarts) && self.corners.is_idle() || matches!(stepped, StepStatus::End) {
             self.warn_at_end(place.at);
             if let Err(wrong) = self.compensation.end_contour(None, place) {
                 return self.fail_compensation(wrong, true);
@@ -146,22 +146,26 @@ impl Interpreter {
     }
 
     /// The block that is read next; its number is not known yet.
-    fn next_place(&self) -> BlockPlace {
+    pub(in crate::nc) fn next_place(&self) -> BlockPlace {
         let location = BlockLocation { program: self.flow.source.number(), line: self.flow.place.line + 1, n: None };
         BlockPlace { location, at: self.flow.place.at }
+    }
+
+    /// A mistake of a block that was read before, here or in another program.
+    pub(in crate::nc) fn fault_in(&self, location: BlockLocation, wrong: ErrorAt) -> ProgramFault {
+        let here = &self.flow.source;
+        let is_here = location.program == here.number();
+        let elsewhere = if is_here { None } else { self.library.find(location.program) };
+        let fault = elsewhere.unwrap_or_else(|| Arc::clone(here)).fault(location.n, wrong);
+        // How the run came to a block of another program is not known any more.
+        if is_here { fault.with_calls(self.flow.calls()) } else { fault }
     }
 
     /// Ends reading with a mistake of the contour.
     #[cold]
     fn fail_compensation(&mut self, refusal: CompensationRefusal, block_read: bool) -> Result<StepStatus, StepStop> {
         let CompensationRefusal { location, wrong } = refusal;
-        let here = &self.flow.source;
-        let is_here = location.program == here.number();
-        let elsewhere = if is_here { None } else { self.library.find(location.program) };
-        let source = elsewhere.unwrap_or_else(|| Arc::clone(here));
-        let fault = source.fault(location.n, wrong);
-        // How the run came to a block of another program is not known any more.
-        let fault = if is_here { fault.with_calls(self.flow.calls()) } else { fault };
+        let fault = self.fault_in(location, wrong);
         self.compensation.fault = Some(ContourFault { fault: fault.clone(), block_read });
         Err(StepStop::Fault(fault))
     }

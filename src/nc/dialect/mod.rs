@@ -3,8 +3,10 @@
 
 mod codes;
 mod common;
+mod corner;
 mod grinder;
 mod motion;
+mod move_target;
 mod rules;
 mod sinumerik;
 mod superman;

@@ -1,6 +1,7 @@
 //! What a dialect decides, and what it gets and returns. Knows no dialect.
 
 use crate::nc::contour::PendingCycle;
+use crate::nc::corner::CornerWords;
 use crate::nc::expression::{Locals, Scope, Value};
 use crate::nc::fault::ReadResult;
 use crate::nc::flow::{Call, CallLimit, Callee, Flow};
@@ -32,6 +33,8 @@ pub(crate) struct BlockContext<'r, 'w> {
     pub arguments: &'r mut Locals,
     /// Where a cycle over a contour of the program (G70–G73) puts itself.
     pub pending_cycle: &'r mut Option<PendingCycle>,
+    /// Where a line or arc puts what it asks of its end: a corner, an angle.
+    pub corner: &'r mut Option<CornerWords>,
     /// This is the second half of a block that `FlowAction::SecondHalf` split.
     pub second_half: bool,
 }

@@ -133,12 +133,12 @@ fn arguments(words: &[Word]) -> ReadResult<Locals> {
             letter => {
                 let bit = 1 << (letter - b'A');
                 if seen & bit != 0 {
-                    return fail1(at, E::DoubleWord, char::from(letter));
+                    return fail1(at, E::DoubleWord, word.name());
                 }
                 seen |= bit;
                 match argument_variable(letter) {
                     Some(index) => index,
-                    None => return fail1(at, E::UnknownWord, char::from(letter)),
+                    None => return fail1(at, E::UnknownWord, word.name()),
                 }
             }
         };

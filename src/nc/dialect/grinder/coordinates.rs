@@ -1,7 +1,8 @@
 //! The axis words and the feed of a block. Source: spec B2, K1.
 
 use super::{AXIS_WORDS, MAX_VALUE, axis_letters, length_mm};
-use crate::nc::dialect::motion::{self, MoveSyntax, MoveTarget, NO_LETTER};
+use crate::nc::dialect::motion;
+use crate::nc::dialect::move_target::{MoveSyntax, MoveTarget, NO_LETTER};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::ReadResult;
 use crate::nc::op::Feed;
@@ -16,6 +17,7 @@ pub(super) const SYNTAX: MoveSyntax = MoveSyntax {
     centre: "I J K",
     refused: NO_LETTER,
     names_x: false,
+    corner_names: [",C", ",R", ",A"],
     length_mm,
 };
 

@@ -8,7 +8,7 @@ use super::coordinates::{axis_value, modal_feed, target};
 use super::{MAX_VALUE, OneShot, integer, length_mm, out_of_range};
 use crate::defs::text::arg::Arg;
 use crate::nc::contour::{ContourCycle, CycleKind};
-use crate::nc::dialect::motion::MoveTarget;
+use crate::nc::dialect::move_target::MoveTarget;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};

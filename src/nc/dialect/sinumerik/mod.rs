@@ -28,7 +28,9 @@ use crate::nc::modal::ModalCodes;
 use crate::nc::op::Op;
 use crate::nc::settings::NcSettings;
 use crate::nc::statement::{BlockContent, BlockReader};
-use crate::nc::words::{BlockWords, Code, ValueKind, Word};
+use crate::nc::words::{
+    BlockWords, CHAMFER, CHAMFER_LENGTH, Code, LINE_ANGLE, MODAL_ROUNDING, ROUNDING, ValueKind, Word,
+};
 use crate::units::MM_PER_INCH;
 
 /// The vertical lathe-grinder.
@@ -97,11 +99,12 @@ fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
     if let Some(call) = words.peek(b'L') {
         return check_call_alone(words, call);
     }
-    words.list.iter().find(|word| !ADDRESSES.contains(&word.letter)).map_or(Ok(()), |word| unknown_word(text, *word))
+    let is_known = |letter: u8| ADDRESSES.contains(&letter) || LONG_ADDRESSES.iter().any(|(_, long)| *long == letter);
+    words.list.iter().find(|word| !is_known(word.letter)).map_or(Ok(()), |word| unknown_word(text, *word))
 }
 
 /// The address letters of words, without N, G, M and L.
-const ADDRESSES: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', b'T', b'D', CR_ADDRESS, LIMS_ADDRESS];
+const ADDRESSES: &[u8] = b"XYZIJKFSTD";
 
 /// Refuses a call that is not in a block of its own.
 fn check_call_alone(words: &BlockWords, call: Word) -> ReadResult<()> {
@@ -130,6 +133,16 @@ const MAX_REPEATS: u32 = 9_999;
 const CR_ADDRESS: u8 = b'R';
 /// The internal letter of `LIMS=`, the one behind Z.
 const LIMS_ADDRESS: u8 = b'[';
+/// The addresses of several letters.
+const LONG_ADDRESSES: [(&str, u8); 7] = [
+    ("CR", CR_ADDRESS),
+    ("LIMS", LIMS_ADDRESS),
+    ("CHF", CHAMFER_LENGTH),
+    ("CHR", CHAMFER),
+    ("RND", ROUNDING),
+    ("RNDM", MODAL_ROUNDING),
+    ("ANG", LINE_ANGLE),
+];
 /// The internal M code of `RET`.
 const RETURN_M_CODE: u32 = 17;
 
@@ -158,6 +171,13 @@ fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> R
 /// Sets feed, path mode and work offset. The F of a dwell is a time.
 fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) -> ReadResult<()> {
     keyword::apply_modes(running);
+    if let Some(word) = running.words.take(MODAL_ROUNDING) {
+        let mm = word.value * if running.modals.inch { MM_PER_INCH } else { 1.0 };
+        if !(0.0..=common::MAX_VALUE).contains(&mm) {
+            return out_of_range(word, "0–99999.999");
+        }
+        running.modals.rounding = (mm > 0.0).then_some(mm);
+    }
     if !plan.is_one_shot(4) {
         let mm = if running.modals.inch_feed { MM_PER_INCH } else { 1.0 };
         common::set_feed(running, mm)?;
@@ -265,12 +285,9 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 fn address_name(word: Word) -> &'static str {
     const LETTERS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
     let index = usize::from(word.letter.wrapping_sub(b'A'));
-    if word.letter == CR_ADDRESS {
-        "CR"
-    } else if word.letter == LIMS_ADDRESS {
-        "LIMS"
-    } else {
-        LETTERS.get(index..=index).unwrap_or_default()
+    match LONG_ADDRESSES.iter().find(|(_, letter)| *letter == word.letter) {
+        Some((name, _)) => name,
+        None => LETTERS.get(index..=index).unwrap_or_default(),
     }
 }
 

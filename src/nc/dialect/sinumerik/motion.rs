@@ -4,7 +4,8 @@
 use super::{CR_ADDRESS, out_of_range};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::common::{MAX_VALUE, in_range};
-use crate::nc::dialect::motion::{self, MoveSyntax, MoveTarget, NO_LETTER, radius_mm};
+use crate::nc::dialect::motion::{self, radius_mm};
+use crate::nc::dialect::move_target::{MoveSyntax, MoveTarget, NO_LETTER};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::modal::{DiameterProgramming, MotionMode};
@@ -23,6 +24,7 @@ const SYNTAX: MoveSyntax = MoveSyntax {
     centre: "I K",
     refused: b'J',
     names_x: true,
+    corner_names: ["CHR", "RND", "ANG"],
     length_mm: |running, word| Ok(word.value * unit_mm(running)),
 };
 

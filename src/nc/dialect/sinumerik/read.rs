@@ -6,7 +6,7 @@ use super::expression::{
     accept_keyword, evaluate, evaluate_with, function_names, identifier, parameter_number, skip_blanks, unexpected,
 };
 use super::keyword::{Keyword, read_distance, read_keyword};
-use super::{CR_ADDRESS, LIMS_ADDRESS, RETURN_M_CODE};
+use super::{LONG_ADDRESSES, RETURN_M_CODE};
 use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{Capitals, E, ReadResult, fail, fail1, fail2};
 use crate::nc::functions::Comparison;
@@ -296,7 +296,7 @@ fn read_long_word<S: Scope>(
             kind: ValueKind::Integer,
         });
     }
-    for (name, letter) in [("CR", CR_ADDRESS), ("LIMS", LIMS_ADDRESS)] {
+    for (name, letter) in LONG_ADDRESSES {
         if accept_keyword(cursor, name) {
             let value = assigned_value(cursor, scope, words, at)?;
             return words.add(Word { value, at: at as u32, letter, kind: ValueKind::Decimal });
@@ -304,6 +304,9 @@ fn read_long_word<S: Scope>(
     }
     if read_keyword(cursor, words)? {
         return Ok(());
+    }
+    if ["SPOS", "SPOSA"].iter().any(|word| found.eq_ignore_ascii_case(word.as_bytes())) {
+        return fail1(at, E::NoSpindlePosition, upper_text(found));
     }
     // `XR20`: `=` is missing.
     if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {

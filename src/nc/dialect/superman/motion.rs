@@ -2,7 +2,8 @@
 
 use super::{MAX_COORDINATE_MM, out_of_range};
 use crate::nc::dialect::common::in_range;
-use crate::nc::dialect::motion::{self, ArcEnds, MoveTarget, NO_LETTER};
+use crate::nc::dialect::motion::ArcEnds;
+use crate::nc::dialect::move_target::{MoveTarget, NO_LETTER, refuse_both};
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
@@ -31,7 +32,7 @@ const AXIS_ADDRESSES: [[u8; 2]; 2] = [[b'X', b'U'], [b'Z', b'W']];
 /// Refuses X with U and Z with W (L1).
 pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
     let both = AXIS_ADDRESSES.into_iter().find(|letters| letters.iter().all(|letter| words.has(*letter)));
-    both.map_or(Ok(()), |letters| motion::refuse_both(words, letters))
+    both.map_or(Ok(()), |letters| refuse_both(words, letters))
 }
 
 /// The end of the move by the axis words of the block.
