@@ -61,6 +61,20 @@ fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
     }
 }
 
+/// The plunge cycle of the code table grinds to the size signal, without a look at the diameter it was given.
+#[test]
+fn k4_5_the_plunge_cycle_ends_at_the_size_signal() {
+    let text = "O2001\nG98 G97 G64\nT0101\nG00 X60\nZ[#623]\nM03\nM64\nM08\nM70\nG04 X1.2\nG00 X40.5\n\
+                G176 X39.95 A0.1 F0.6 E0.1 U0 P4\nG00 X60\nM75\nM31\nM30\n";
+    let (_folder, path) = file("O2001.NC", text.as_bytes());
+    let table = ["--param", "P428=176", "--param", "P429=9076"];
+    let mut words = vec!["run", &path, "--kind", "gc", "--part", "assets/parts/O1004.ron", "--format", "json"];
+    words.extend(table);
+    let report = json(&words);
+    assert_eq!(report["end"], "finished");
+    assert!((diameter(&report) - 40.0).abs() < 0.002, "{}", diameter(&report));
+}
+
 #[test]
 fn t3_a_batch_runs_the_program_for_every_part() {
     let report = json(&["run", "O1002", "--parts", "3", "--format", "json"]);
@@ -125,10 +139,13 @@ fn t2_the_demo_grinds_a_part_without_a_display() {
 
 #[test]
 fn t4_what_comes_along_has_no_mistake() {
-    let gc = ["1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012"];
+    let gc = [
+        "1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012", "9071",
+        "9073", "9076",
+    ];
     let kinds: [(&str, &[&str]); 3] = [
         ("gc", &gc),
-        ("gs", &["1007", "1008", "1009", "1013", "9000", "9001", "9020"]),
+        ("gs", &["1007", "1008", "1009", "1013", "9000", "9001", "9020", "9075", "9077", "9078", "9079"]),
         ("ga", &["1010", "1014", "9000", "9001"]),
     ];
     let mut seen = std::collections::BTreeSet::new();

@@ -10,6 +10,7 @@ mod cutter_compensation;
 mod everyday_words;
 mod fuzz;
 mod golden;
+mod grinding_cycles;
 mod message_texts;
 mod op_effect;
 mod program_uses;

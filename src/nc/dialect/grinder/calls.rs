@@ -69,6 +69,9 @@ pub(super) fn code_macro(running: &BlockContext<'_, '_>) -> Option<(Code, u32)> 
     (!is_within).then_some(called)
 }
 
+/// The argument of P in a call by a code.
+const P_ARGUMENT: usize = 16;
+
 /// Calls the macro of a code; the other words of the block are its arguments.
 pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, program: u32) -> ReadResult<FlowAction> {
     let words = running.words;
@@ -78,6 +81,8 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
     }
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
     *running.arguments = arguments(&words.list)?;
+    // Here P names no program: the gauge signal of a grinding cycle, a dwell.
+    running.arguments[P_ARGUMENT - 1] = words.take(b'P').map(|word| word.value);
     words.mark_all_used();
     Ok(FlowAction::Call(Call { program, times, callee: Callee::Macro, at: code.at as usize }))
 }
