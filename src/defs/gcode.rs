@@ -160,9 +160,9 @@ g_codes! {
     70 "finishing" NonModal Yes No "精加工循环" "finishing cycle"
         "G70 P_ Q_：按程序段 P 到 Q 的轮廓精加工。" "G70 P_ Q_: finishing pass along the contour of blocks P to Q.";
     71 "rough-turning" NonModal Yes No "轴向粗车循环" "roughing along Z"
-        "G71 U_ R_，G71 P_ Q_ U_ W_ F_：按轮廓沿 Z 分层切削，留余量 U W。" "G71 U_ R_, then G71 P_ Q_ U_ W_ F_: cuts the contour in layers along Z, leaving U and W for finishing.";
+        "G71 U_ R_，G71 P_ Q_ U_ W_ F_：按轮廓沿 Z 分层切削，留余量 U W；轮廓首段写 X 和 Z（如 X40 W0）时可以有凹槽。" "G71 U_ R_, then G71 P_ Q_ U_ W_ F_: cuts the contour in layers along Z, leaving U and W for finishing; it may have pockets if its first block names X and Z (X40 W0).";
     72 "rough-facing" NonModal Yes No "径向粗车循环" "roughing along X"
-        "G72 W_ R_，G72 P_ Q_ U_ W_ F_：按轮廓沿 X 分层切削，留余量 U W。" "G72 W_ R_, then G72 P_ Q_ U_ W_ F_: cuts the contour in layers along X, leaving U and W for finishing.";
+        "G72 W_ R_，G72 P_ Q_ U_ W_ F_：按轮廓沿 X 分层切削，留余量 U W；轮廓首段写 X 和 Z 时可以有凹槽。" "G72 W_ R_, then G72 P_ Q_ U_ W_ F_: cuts the contour in layers along X, leaving U and W for finishing; it may have pockets if its first block names X and Z.";
     73 "rough-contour" NonModal Yes No "封闭切削循环" "roughing along the contour"
         "G73 U_ W_ R_，G73 P_ Q_ U_ W_ F_：平行于轮廓分 R 次切削。" "G73 U_ W_ R_, then G73 P_ Q_ U_ W_ F_: R strokes parallel to the contour.";
     74 "face-grooving" NonModal Yes No "轴向切槽循环" "grooving along Z"

@@ -207,10 +207,10 @@ program_errors! {
         "P 到 Q 之间至少要有两段移动", "write at least two moves between P and Q";
     ContourCode = 86, "contour-code", "轮廓段中只能用 G00–G03、F、S", "only G00 to G03, F and S are allowed in a contour",
         "把其他指令移到 P–Q 段以外", "move everything else outside P to Q";
-    ContourStart = 87, "contour-start", "轮廓首段只能移动进刀轴 (G71: X，G72: Z)，轮廓两轴都要有进程", "the first move of the contour must be the infeed axis alone (G71 X, G72 Z), and both axes must move",
-        "首段只写 X 或 Z", "write X or Z alone in its first block";
-    ContourNotMonotone = 88, "contour-not-monotone", "粗车轮廓在 X、Z 方向必须单调", "the contour of a roughing cycle must be monotonic in X and in Z",
-        "有凹槽的轮廓请用 G73 或分开加工", "use G73 for a contour with recesses, or divide it";
+    ContourStart = 87, "contour-start", "轮廓首段必须从循环起点向工件进刀，轮廓不能高于起点", "the contour must begin with a move from the start into the stock, and must not rise above the start",
+        "首段只写进刀轴 (G71: X，G72: Z)；有凹槽时写两轴，如 G00 X40 W0", "write the infeed axis alone in its first block (G71 X, G72 Z), or both for pockets: G00 X40 W0";
+    ContourNotMonotone = 88, "contour-not-monotone", "轮廓沿行程方向折返，或首段只有一个轴而轮廓有凹槽", "the contour turns back along the strokes, or has pockets while its first block names one axis",
+        "有凹槽时首段写 X 和 Z，如 G00 X40 W0；折返的轮廓用 G73", "for pockets write X and Z in the first block: G00 X40 W0; use G73 for a contour that turns back";
     ContourStrokes = 89, "contour-strokes", "循环行程次数太多", "the cycle has too many strokes",
         "增大每次切深", "increase the depth of cut";
     RectangleSide = 70, "rectangle-side", "矩形循环 {} 方向边长为零", "the side of the rectangle along {} is zero",

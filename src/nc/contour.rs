@@ -4,18 +4,17 @@
 
 use super::block::Block;
 use super::contour_compensation::{ContourCutter, ContourMistake, offset_segments};
-use super::contour_segment::{ContourSegment, MIN_LENGTH_MM, feed_to, other_axis, rapid_to};
+use super::contour_segment::{ContourSegment, MIN_LENGTH_MM, other_axis, rapid_to, return_to_start};
 use super::flow::{Flow, Place};
 use super::op::{Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
+use super::roughing::{PocketMemory, RoughingCycle};
 use crate::defs::program_error::ProgramError as E;
 use crate::geometry::CutterPath;
 use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Most blocks of a contour.
 pub(super) const MAX_CONTOUR_BLOCKS: usize = 500;
-/// Most strokes of one cycle.
-const MAX_STROKES: usize = 2_000;
 
 /// A cycle as programmed.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,13 +58,14 @@ pub(crate) struct ContourMemory {
     pub cutter: Option<ContourCutter>,
     segments: Vec<ContourSegment>,
     path: CutterPath,
+    pockets: PocketMemory,
 }
 
 impl ContourMemory {
     pub fn new(flow: Flow, block: Block) -> Self {
         let (ops, segments) = (Vec::with_capacity(MAX_CONTOUR_BLOCKS), Vec::with_capacity(MAX_CONTOUR_BLOCKS));
         let path = CutterPath::with_look_ahead(MAX_CONTOUR_BLOCKS);
-        Self { flow, block, ops, cutter: None, segments, path }
+        Self { flow, block, ops, cutter: None, segments, path, pockets: PocketMemory::default() }
     }
 
     /// Appends the operations of the cycle from a starting point to `ops`.
@@ -76,7 +76,9 @@ impl ContourMemory {
         let wrong = |error: E| (error, Default::default());
         self.read_segments(start).map_err(wrong)?;
         let Some(first) = self.segments.first().copied() else { return Err(wrong(E::ContourEmpty)) };
+        let has_pockets = self.names_both_axes();
         if let CycleKind::Roughing { infeed, .. } = cycle.kind
+            && !has_pockets
             && (first.to[other_axis(infeed)] - start[other_axis(infeed)]).abs() > MIN_LENGTH_MM
         {
             return Err(wrong(E::ContourStart));
@@ -94,8 +96,9 @@ impl ContourMemory {
                 return_to_start(ops, start, across);
             }
             CycleKind::Roughing { infeed, depth, escape, feed } => {
-                RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }
-                    .expand(segments, self.cutter.is_some_and(|cutter| cutter.leads_out), ops)
+                let leads_out = self.cutter.is_some_and(|cutter| cutter.leads_out);
+                RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance, has_pockets }
+                    .expand(segments, leads_out, &mut self.pockets, ops)
                     .map_err(wrong)?;
             }
             CycleKind::Pattern { shift, passes, feed } => {
@@ -111,6 +114,12 @@ impl ContourMemory {
             }
         }
         Ok(())
+    }
+
+    /// Whether the first move of the contour names X and Z: FANUC's type II of G71 and G72, with pockets.
+    fn names_both_axes(&self) -> bool {
+        let first = self.ops.iter().find_map(|(op, _)| contour_move(op).ok().flatten());
+        first.is_some_and(|by| by.words.contains(Axis::X) && by.words.contains(Axis::Z))
     }
 
     /// The operations of the blocks, with the offset moves if a cutter runs beside the contour.
@@ -143,19 +152,6 @@ impl ContourMemory {
     }
 }
 
-/// Returns from the end of the contour to the start: first away from the part, then along it.
-fn return_to_start(ops: &mut Vec<Op>, start: WorkPos, across: Axis) {
-    let Some(end) = ops.iter().rev().find_map(end_point) else { return };
-    let mut out = end;
-    out[across] = start[across];
-    ops.push(rapid_to(out, &[across]));
-    ops.push(rapid_to(start, &[other_axis(across)]));
-}
-
-pub(super) fn end_point(op: &Op) -> Option<WorkPos> {
-    contour_move(op).ok().flatten().map(|by| by.to)
-}
-
 /// The move of an operation of a contour. Speed and path mode have none: they act in the finishing pass only.
 ///
 /// # Errors
@@ -168,101 +164,5 @@ pub(crate) fn contour_move(op: &Op) -> Result<Option<WorkMove>, E> {
         OpEffect::Oscillation(_) | OpEffect::Dwell(_) | OpEffect::SpeedLimit(_) => Err(E::ContourCode),
         OpEffect::MCode(_) | OpEffect::Variable(..) | OpEffect::SystemVariable(..) => Err(E::ContourCode),
         OpEffect::Message(_) => Err(E::ContourCode),
-    }
-}
-
-/// The roughing cycles G71 and G72.
-struct RoughingCycle {
-    infeed: Axis,
-    depth: f64,
-    escape: f64,
-    feed: Feed,
-    start: WorkPos,
-    allowance: PerAxis<f64>,
-}
-
-/// One stroke of a roughing cycle.
-struct RoughingStroke {
-    /// Coordinate of the infeed axis.
-    level: f64,
-    /// Where it meets the contour, or the end of the contour.
-    end: f64,
-    /// Signs of the infeed and of the cut.
-    down: f64,
-    along: f64,
-    /// The infeed is at rapid speed.
-    rapid_infeed: bool,
-}
-
-impl RoughingCycle {
-    /// With `leads_out` the last segment only leads away from the contour.
-    fn expand(&self, segments: &[ContourSegment], leads_out: bool, ops: &mut Vec<Op>) -> Result<(), E> {
-        let (a, b) = (self.infeed, other_axis(self.infeed));
-        let [first, all @ ..] = segments else { return Err(E::ContourEmpty) };
-        let rest = &all[..all.len() - usize::from(leads_out && all.len() > 1)];
-        let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
-        let way = |from: WorkPos, to: WorkPos, axis: Axis| {
-            let way = to[axis] - from[axis];
-            if way.abs() > MIN_LENGTH_MM { way.signum() } else { 0.0 }
-        };
-        let (down, along) = (way(self.start, at, a), way(at, last.to, b));
-        if down == 0.0 || along == 0.0 {
-            return Err(E::ContourStart);
-        }
-        let mut allowed = PerAxis::default();
-        allowed[a] = -down;
-        allowed[b] = along;
-        if !rest.iter().all(|segment| segment.is_monotone(allowed)) {
-            return Err(E::ContourNotMonotone);
-        }
-        let bottom = at[a] + self.allowance[a];
-        for stroke in 1..=MAX_STROKES {
-            let level = self.start[a] + down * self.depth * stroke as f64;
-            if (bottom - level) * down <= MIN_LENGTH_MM {
-                break;
-            }
-            if stroke == MAX_STROKES {
-                return Err(E::ContourStrokes);
-            }
-            let meets = rest.iter().find_map(|segment| segment.shifted(self.allowance).crossing_at(a, level));
-            let end = meets.unwrap_or(last.to[b] + self.allowance[b]);
-            self.push_stroke(ops, &RoughingStroke { level, end, down, along, rapid_infeed: first.rapid });
-        }
-        self.push_contour_pass(ops, first, all);
-        Ok(())
-    }
-
-    /// One stroke: infeed to a level, along it, retract at 45°, return.
-    fn push_stroke(&self, ops: &mut Vec<Op>, stroke: &RoughingStroke) {
-        let &RoughingStroke { level, end, down, along, rapid_infeed } = stroke;
-        let (a, b) = (self.infeed, other_axis(self.infeed));
-        if (end - self.start[b]) * along <= MIN_LENGTH_MM {
-            return;
-        }
-        let mut at = self.start;
-        at[a] = level;
-        ops.push(if rapid_infeed { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
-        at[b] = end;
-        ops.push(feed_to(at, self.feed, &[b]));
-        // The retract must not pass the start in either axis.
-        let room = ((level - self.start[a]) * down).min((end - self.start[b]) * along);
-        let escape = self.escape.min(room.max(0.0));
-        at[a] -= down * escape;
-        at[b] -= along * escape;
-        ops.push(feed_to(at, self.feed, &[a, b]));
-        at[b] = self.start[b];
-        ops.push(rapid_to(at, &[b]));
-    }
-
-    /// One pass along the contour with its allowance, and return to the start.
-    fn push_contour_pass(&self, ops: &mut Vec<Op>, first: &ContourSegment, rest: &[ContourSegment]) {
-        let (a, b) = (self.infeed, other_axis(self.infeed));
-        let mut at = self.start;
-        at[b] = first.to[b] + self.allowance[b];
-        ops.push(rapid_to(at, &[a, b]));
-        at[a] = first.to[a] + self.allowance[a];
-        ops.push(if first.rapid { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
-        rest.iter().for_each(|segment| ops.push(segment.to_op(self.allowance, self.feed)));
-        return_to_start(ops, self.start, a);
     }
 }

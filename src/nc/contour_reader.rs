@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use super::block::Block;
 use super::compensation::ActiveCutter;
-use super::contour::{
-    ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move, end_point as end_of,
-};
+use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move};
 use super::contour_compensation::ContourCutter;
+use super::contour_segment::end_point;
 use super::corner::CornerWords;
 use super::external_state::{AheadState, ExternalState};
 use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1};
@@ -127,7 +126,7 @@ impl Interpreter {
                 ops.insert(index + 1, (corner, line));
                 Ok(Some(begin))
             }
-            Ok(None) => Ok(words.open_angle.and_then(|_| end_of(op))),
+            Ok(None) => Ok(words.open_angle.and_then(|_| end_point(op))),
             Err(_) if words.is_modal => Ok(None),
             Err(mistake) => fail1(words.at, mistake, words.name),
         }

@@ -2,6 +2,7 @@
 //! Source: spec B2 (G70–G73).
 
 use super::op::{AxisSet, Feed, Op};
+use super::op_effect::{OpEffect, OpMotion};
 use crate::units::{Axis, PerAxis, WorkPos};
 
 /// Shorter distances count as zero, mm; far below the resolution.
@@ -50,18 +51,37 @@ impl ContourSegment {
         goes(Axis::X) && goes(Axis::Z) && !self.passes_extreme()
     }
 
+    /// Whether it goes along an axis in one direction (1 or −1) only.
+    pub fn goes_along(&self, axis: Axis, way: f64) -> bool {
+        let quarters = if axis == Axis::X { [1, 3] } else { [0, 2] };
+        (self.to[axis] - self.from[axis]) * way >= -MIN_LENGTH_MM && quarters.iter().all(|at| !self.passes(*at))
+    }
+
+    /// The parts before and behind the extreme of an axis that an arc passes; the second one only if it does.
+    pub fn split_at_extreme(&self, axis: Axis) -> [Option<Self>; 2] {
+        let quarters = if axis == Axis::X { [1, 3] } else { [0, 2] };
+        let passed = quarters.into_iter().find(|quarter| self.passes(*quarter));
+        let (Some(quarter), Some((center, _))) = (passed, self.arc) else { return [Some(*self), None] };
+        let radius = (self.from[Axis::X] - center[Axis::X]).hypot(self.from[Axis::Z] - center[Axis::Z]);
+        let mut extreme = center;
+        extreme[axis] += if quarter < 2 { radius } else { -radius };
+        [Some(Self { to: extreme, ..*self }), Some(Self { from: extreme, ..*self })]
+    }
+
     /// Whether an arc passes an extreme of an axis between its ends.
     fn passes_extreme(&self) -> bool {
+        (0..4).any(|quarter| self.passes(quarter))
+    }
+
+    /// Whether an arc passes a quarter between its ends: 0 is Z+, 1 X+, 2 Z−, 3 X−.
+    fn passes(&self, quarter: u8) -> bool {
         let Some((center, turn)) = self.arc else { return false };
         // Angles with Z to the right and X up; counter-clockwise is positive.
         let angle = |at: WorkPos| (at[Axis::X] - center[Axis::X]).atan2(at[Axis::Z] - center[Axis::Z]);
         let sense = f64::from(turn);
         let swept = |to: f64| (sense * (to - angle(self.from))).rem_euclid(std::f64::consts::TAU);
-        let whole = swept(angle(self.to));
-        (0..4).any(|quarter| {
-            let at = swept(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
-            at > 1e-6 && at < whole - 1e-6
-        })
+        let at = swept(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
+        at > 1e-6 && at < swept(angle(self.to)) - 1e-6
     }
 
     /// The coordinate on the other axis where the segment crosses `level` of an axis.
@@ -102,5 +122,22 @@ pub(super) const fn other_axis(axis: Axis) -> Axis {
     match axis {
         Axis::X => Axis::Z,
         Axis::Y | Axis::Z => Axis::X,
+    }
+}
+
+/// Returns from the end of the contour to the start: first away from the part, then along it.
+pub(super) fn return_to_start(ops: &mut Vec<Op>, start: WorkPos, across: Axis) {
+    let Some(end) = ops.iter().rev().find_map(end_point) else { return };
+    let mut out = end;
+    out[across] = start[across];
+    ops.push(rapid_to(out, &[across]));
+    ops.push(rapid_to(start, &[other_axis(across)]));
+}
+
+/// Where a move ends.
+pub(super) fn end_point(op: &Op) -> Option<WorkPos> {
+    match op.effect() {
+        OpEffect::Motion(OpMotion::Work(by)) => Some(by.to),
+        _ => None,
     }
 }

@@ -38,6 +38,7 @@ mod preflight;
 mod print_statement;
 mod program_parts;
 pub mod program_uses;
+mod roughing;
 mod scope;
 pub mod settings;
 pub mod source;

@@ -14,6 +14,7 @@ mod grinding_cycles;
 mod message_texts;
 mod op_effect;
 mod program_uses;
+mod roughing;
 mod rows;
 mod sinumerik;
 mod unexecuted;

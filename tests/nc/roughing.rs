@@ -1,0 +1,193 @@
+//! G71 and G72 with pockets, FANUC's type II: hand-computed strokes, and random contours (row B2).
+//!
+//! Points are written as (z, x) in radius millimetres.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use kt830::defs::kind::Dialect;
+use kt830::nc::{
+    Block, CommonVariables, EmptyLibrary, Interpreter, NcSettings, NextStatus, OfflineMachine, Op, OpEffect, OpMotion,
+    ProgramFault, Source,
+};
+use kt830::units::{Axis, WorkPos};
+use proptest::prelude::*;
+
+/// A move of the cycle: rapid or at feed, its end, and the centre of an arc.
+type Move = (bool, [f64; 2], Option<[f64; 2]>);
+
+/// The moves of the block on a line.
+fn moves_of_line(text: &str, line: u32) -> Result<Vec<Move>, ProgramFault> {
+    let settings = NcSettings { diameter: false, ..NcSettings::for_dialect(Dialect::LatheA) };
+    let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
+    let source = Arc::new(Source::new(1001, "O1001.NC", text, Dialect::LatheA));
+    let mut interpreter = Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default());
+    let at = |position: WorkPos| [position[Axis::Z], position[Axis::X]];
+    let one = |op: &Op| match op.effect() {
+        OpEffect::Motion(OpMotion::Work(by)) => Some((by.rapid, at(by.to), by.arc.map(|arc| at(arc.center)))),
+        _ => None,
+    };
+    let mut moves = Vec::new();
+    loop {
+        match interpreter.next(&mut world, &mut block)? {
+            NextStatus::Block => {
+                block.ops.iter().for_each(|op| world.apply(op));
+                moves.extend(block.ops.iter().filter(|_| block.location.line == line).filter_map(one));
+            }
+            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
+            NextStatus::End => return Ok(moves),
+        }
+    }
+}
+
+/// `+` in front of rapid moves, then z and x.
+fn shown(moves: &[Move]) -> Vec<String> {
+    let round = |value: f64| (value * 1e6).round() / 1e6 + 0.0;
+    moves
+        .iter()
+        .map(|(rapid, [z, x], _)| format!("{}{} {}", if *rapid { "+" } else { "" }, round(*z), round(*x)))
+        .collect()
+}
+
+/// A groove from X20 to X10 between Z-10 and Z-30 with sides of 5 mm along Z.
+const GROOVE: &str = "G00 X30. Z2.\nG71 U5. R1.\nG71 P10 Q20 U0 W0 F100\nN10 G00 X20. W0\nG01 Z-10. F50\nX10. Z-15.\nZ-25.\n\
+                      X20. Z-30.\nN20 Z-40.\nM30\n";
+
+#[test]
+fn b2_a_groove_is_emptied_level_by_level() {
+    assert_eq!(
+        shown(&moves_of_line(GROOVE, 3).unwrap()),
+        [
+            // X25 and X20 are open all along.
+            "+2 25",
+            "-40 25",
+            "-39 26",
+            "+2 26",
+            "+2 20",
+            "-40 20",
+            "-39 21",
+            "+2 21",
+            // X15 meets the sides half way, at Z-12.5 and Z-27.5; at X20 it is cut already, 1 mm above that it is rapid.
+            "+2 30",
+            "+-12.5 30",
+            "+-12.5 21",
+            "-12.5 15",
+            "-27.5 15",
+            "-26.5 16",
+            "+-26.5 30",
+            // X10 is the bottom: the pass along the contour.
+            "+2 30",
+            "+2 20",
+            "-10 20",
+            "-15 10",
+            "-25 10",
+            "-30 20",
+            "-40 20",
+            "+-40 30",
+            "+2 30",
+        ]
+    );
+}
+
+#[test]
+fn b2_two_pockets_are_emptied_one_after_the_other() {
+    // Pockets of depth 10 below X20, square, Z-10 to -20 and Z-30 to -40; strokes of 4: X26, X22 open; X18, X14 in each.
+    let text = "G00 X30. Z2.\nG71 U4. R1.\nG71 P10 Q20 U0 W0 F100\nN10 G00 X20. W0\nG01 Z-10. F50\nX10.\nZ-20.\nX20.\nZ-30.\n\
+                X10.\nZ-40.\nX20.\nN20 Z-50.\nM30\n";
+    let found = shown(&moves_of_line(text, 3).unwrap());
+    assert_eq!(
+        found[..36],
+        [
+            "+2 26", "-50 26", "-49 27", "+2 27", "+2 22", "-50 22", "-49 23", "+2 23", "+2 30", "+-10 30", "+-10 23",
+            "-10 18", "-20 18", "-19 19", "+-19 30", "+-19 30", "+-10 30", "+-10 19", "-10 14", "-20 14", "-19 15",
+            "+-19 30", "+-19 30", "+-30 30", "+-30 23", "-30 18", "-40 18", "-39 19", "+-39 30", "+-39 30", "+-30 30",
+            "+-30 19", "-30 14", "-40 14", "-39 15", "+-39 30",
+        ]
+    );
+}
+
+#[test]
+fn b2_an_arc_may_fall_and_rise() {
+    // A hollow arc around (-20, 30) of radius 15 from (-8 …): from X20 at Z −20 ± √125 down to X15 at Z-20.
+    let half = 125_f64.sqrt();
+    let text = format!(
+        "G00 X30. Z2.\nG71 U12. R0.5\nG71 P10 Q20 U0 W0 F100\nN10 G00 X20. W0\nG01 Z{:.9} F50\nG02 Z{:.9} I10. K-{half:.9}\n\
+         N20 G01 Z-40.\nM30\n",
+        -20.0 + half,
+        -20.0 - half
+    );
+    let found = shown(&moves_of_line(&text, 3).unwrap());
+    // The level X18 is 12 below the centre: at Z −20 ± √(225 − 144) = −11 and −29.
+    assert_eq!(found[..7], ["+2 30", "+-11 30", "+-11 30", "-11 18", "-29 18", "-28.5 18.5", "+-28.5 30"]);
+}
+
+#[test]
+fn b2_what_type_2_refuses() {
+    for (contour, name) in [
+        // Back along Z.
+        ("N10 G00 X20. W0\nG01 Z-10. F50\nX10. Z-5.\nN20 Z-40.\n", "contour-not-monotone"),
+        // Above the start.
+        ("N10 G00 X20. W0\nG01 Z-10. F50\nX35. Z-20.\nX20. Z-30.\nN20 Z-40.\n", "contour-start"),
+        // Type I, with X alone in its first block, does not rise and fall.
+        ("N10 G00 X20.\nG01 Z-10. F50\nX10. Z-15.\nN20 Z-40.\n", "contour-not-monotone"),
+    ] {
+        let text = format!("G00 X30. Z2.\nG71 U5. R1.\nG71 P10 Q20 U0 W0 F100\n{contour}M30\n");
+        assert_eq!(moves_of_line(&text, 3).unwrap_err().error.id(), name, "{contour}");
+    }
+}
+
+/// The contour's X at a Z, from its corners.
+fn contour_at(corners: &[[f64; 2]], z: f64) -> f64 {
+    let pair = corners.windows(2).find(|pair| (pair[1][0]..=pair[0][0]).contains(&z));
+    pair.map_or(f64::NEG_INFINITY, |pair| {
+        let part = (z - pair[0][0]) / (pair[1][0] - pair[0][0]);
+        pair[0][1] + part * (pair[1][1] - pair[0][1])
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    /// No move of a random contour cuts below it; rapid moves stay above what is cut already; what is left is at most one
+    /// depth, before the pass along the contour.
+    #[test]
+    fn b2_strokes_of_random_contours_keep_off_the_contour(
+        points in prop::collection::vec((0.5..15.0_f64, 3.0..29.0_f64), 2..25),
+        depth in 0.5..6.0_f64,
+    ) {
+        let mut corners = vec![[0.0, points[0].1]];
+        let mut text = format!("G00 X30. Z0\nG71 U{depth:.9} R0.3\nG71 P10 Q20 U0 W0 F100\nN10 G00 X{:.9} W0\n", points[0].1);
+        for (index, (length, x)) in points.iter().enumerate() {
+            let z = corners[corners.len() - 1][0] - length;
+            corners.push([z, *x]);
+            let n = if index + 1 == points.len() { "N20 " } else { "" };
+            let _ = writeln!(text, "{n}G01 X{x:.9} Z{z:.9} F50");
+        }
+        text.push_str("M30\n");
+        let moves = moves_of_line(&text, 3).unwrap();
+        let strokes = &moves[..moves.len() - corners.len() - 3];
+        let end = corners[corners.len() - 1][0];
+        // What stands at each place along Z: at first all up to the start.
+        const STEPS: usize = 2_000;
+        let place = |step: usize| end * (step as f64 + 0.5) / STEPS as f64;
+        let mut stock = vec![30.0_f64; STEPS];
+        let mut from = [0.0_f64, 30.0];
+        for (rapid, to, _) in strokes {
+            let (low, high) = (from[0].min(to[0]), from[0].max(to[0]));
+            for (step, left) in stock.iter_mut().enumerate() {
+                let z = place(step);
+                if z < low || z > high {
+                    continue;
+                }
+                let x = if (to[0] - from[0]).abs() < 1e-9 { from[1].min(to[1]) } else { from[1] + (z - from[0]) / (to[0] - from[0]) * (to[1] - from[1]) };
+                prop_assert!(x >= contour_at(&corners, z) - 1e-6, "{z} {x}");
+                prop_assert!(!rapid || x >= *left - 1e-6, "rapid through the stock at {z} {x}");
+                *left = left.min(x);
+            }
+            from = *to;
+        }
+        for (step, left) in stock.iter().enumerate() {
+            prop_assert!(*left - contour_at(&corners, place(step)) <= depth + 1e-6, "{} left at {}", left, place(step));
+        }
+    }
+}
