@@ -218,6 +218,22 @@ struct CheckOutcome {
     move_errors: Vec<CheckError>,
 }
 
+/// Adds what the check of another program has found.
+fn merge_report(checked: &mut CheckReport, number: u32, found: &CheckReport) {
+    checked.called.push(number);
+    checked.called.extend(&found.called);
+    checked.lines += found.lines;
+    // A program that both call was checked with the first one.
+    let CheckReport { faults, warnings, .. } = &*checked;
+    let is_new = |fault: &&ProgramFault| {
+        !faults.iter().chain(warnings).any(|old| old.location == fault.location && old.error == fault.error)
+    };
+    let faults: Vec<_> = found.faults.iter().filter(is_new).cloned().collect();
+    let warnings: Vec<_> = found.warnings.iter().filter(is_new).cloned().collect();
+    checked.faults.extend(faults);
+    checked.warnings.extend(warnings);
+}
+
 impl<'a> FileCheck<'a> {
     fn new(shared: &'a SharedArgs, call: &'a CheckArgs, path: &'a Path, bytes: Vec<u8>) -> Result<Self, CallError> {
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
@@ -321,8 +337,13 @@ impl<'a> FileCheck<'a> {
     /// Errors of the simulated run: its alarms, or the error that the program itself reported.
     fn run_errors(&self, ran: &RunResult) -> Vec<CheckError> {
         let alarms = ran.alarms.iter().map(|(place, message)| {
-            let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
-            self.error(line, 1, message)
+            let message = message.get(self.shared.lang).into_owned();
+            match place {
+                Some((program, line)) if *program != ran.program => self.error_in((*program, *line), 1, message),
+                place => {
+                    CheckError { line: place.map_or(0, |(_, line)| line), column: 1, message, ..CheckError::default() }
+                }
+            }
         });
         let mut met: Vec<_> = alarms.collect();
         if let (true, Some(told)) = (ran.has_own_error, &ran.message) {
@@ -389,30 +410,26 @@ impl<'a> FileCheck<'a> {
         CheckOutcome { checked, move_errors }
     }
 
-    /// Checks the programs of the file that the first one does not call, each by itself.
+    /// Checks the programs of the file that the first one does not call, each by itself. One that another of them calls was
+    /// checked with that one.
     fn check_others(&self, mut checked: CheckReport, library: &SharedLibrary) -> CheckReport {
-        for source in &self.others {
-            if checked.called.contains(&source.number()) {
-                continue;
+        let is_left = |source: &&Arc<Source>, checked: &CheckReport| !checked.called.contains(&source.number());
+        let left = self.others.iter().filter(|source| is_left(source, &checked));
+        let found: Vec<_> = left
+            .map(|source| {
+                let check = ProgramCheck::new(source, library, &self.settings, self.retained.variables.clone());
+                (source, check.run(&mut self.machine_at_zero(), &mut |_| {}))
+            })
+            .collect();
+        let is_called = |number: u32| {
+            found.iter().any(|(source, report)| source.number() != number && report.called.contains(&number))
+        };
+        let (called, callers): (Vec<_>, Vec<_>) = found.iter().partition(|(source, _)| is_called(source.number()));
+        // Those that call each other in a circle come last.
+        for (source, report) in callers.into_iter().chain(called) {
+            if is_left(source, &checked) {
+                merge_report(&mut checked, source.number(), report);
             }
-            let memory = self.retained.variables.clone();
-            let found = ProgramCheck::new(source, library, &self.settings, memory)
-                .run(&mut self.machine_at_zero(), &mut |_| {});
-            checked.called.push(source.number());
-            checked.called.extend(found.called);
-            checked.lines += found.lines;
-            // A program that both call was checked with the first one.
-            let new = |fault: &ProgramFault| {
-                !checked
-                    .faults
-                    .iter()
-                    .chain(&checked.warnings)
-                    .any(|old| old.location == fault.location && old.error == fault.error)
-            };
-            let (faults, warnings): (Vec<_>, Vec<_>) =
-                (found.faults.into_iter().filter(new).collect(), found.warnings.into_iter().filter(new).collect());
-            checked.faults.extend(faults);
-            checked.warnings.extend(warnings);
         }
         checked
     }

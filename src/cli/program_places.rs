@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::controller::{Programs, StoredProgram};
 use crate::nc::ProgramFault;
+use crate::store::stamp;
 
 /// A line of a file, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,10 +56,12 @@ impl ProgramPlaces {
 
     fn file_of(&self, program: &StoredProgram) -> PathBuf {
         let name = program.part.as_ref().map_or_else(|| program.source.name(), |part| part.file.as_str());
-        let beside = self.path.with_file_name(name);
-        match beside == self.path || !self.folder.join(name).is_file() {
-            true => beside,
-            false => self.folder.join(name),
-        }
+        let (beside, in_folder) = (self.path.with_file_name(name), self.folder.join(name));
+        // A named program beside the checked file comes before one of the same name in the folder.
+        let is_beside = || {
+            let is_it = |bytes: Vec<u8>| program.part.is_none() && stamp(&bytes) == program.stamp;
+            std::fs::read(&beside).is_ok_and(is_it)
+        };
+        if beside == self.path || !in_folder.is_file() || is_beside() { beside } else { in_folder }
     }
 }

@@ -166,15 +166,19 @@ impl UsbTransfer<'_> {
 
     /// The programs of the drive. Files with several programs are divided if the operator wants it.
     fn incoming_programs(&self, ask: &TransferRequest) -> Result<Vec<PendingFile>, Refusal> {
+        let drive = ProgramFolder::new(self.usb_drive.root(), self.folders.by_name);
         let (shelf, mut waiting, mut several) = (self.folders.program_folder(), Vec::new(), Vec::new());
+        // The files that the programs come from.
+        let mut sources = Vec::new();
         let wanted = |name: &str| ask.names.is_empty() || ask.names.iter().any(|wanted| wanted == name);
         let files = self.usb_drive.files().map_err(FolderError::from)?.into_iter();
         for ListedFile { name, size } in files.filter(|file| wanted(&file.name)) {
             if set_of(&name, &shelf) != Some(TransferSet::Programs) {
                 continue;
             }
-            let bytes = read_regular_file(&self.usb_drive.root().join(&name), PROGRAM.limit)?;
-            let parts = match program_split::split(&name, &bytes, &shelf, self.folders.dialect) {
+            let read = read_regular_file(&self.usb_drive.root().join(&name), PROGRAM.limit).map_err(Refusal::from);
+            let split = read.and_then(|bytes| program_split::split(&name, &bytes, &shelf, self.folders.dialect));
+            let parts = match split {
                 // Not chosen by name: any text of the drive.
                 Err(_) if ask.names.is_empty() && !shelf.is_program_name(&name) => continue,
                 parts => parts?,
@@ -182,11 +186,14 @@ impl UsbTransfer<'_> {
             let together = ask.split == Some(false) && shelf.is_program_name(&name);
             if parts.is_empty() || together {
                 let to = FilePlace::Program(shelf.clone(), name.clone());
-                waiting.push(PendingFile { from: Incoming::Text(bytes), to, foreign: false, size, name });
+                let from = Incoming::File(FilePlace::Program(drive.clone(), name.clone()));
+                sources.push(name.clone());
+                waiting.push(PendingFile { from, to, foreign: false, size, name });
                 continue;
             }
             let names: Vec<_> = parts.iter().map(|(name, _)| name.as_str()).collect();
             several.push(format!("{name}: {}", names.join("  ")));
+            sources.extend(parts.iter().map(|_| name.clone()));
             for (name, bytes) in parts {
                 let to = FilePlace::Program(shelf.clone(), name.clone());
                 let size = bytes.len() as u64;
@@ -195,6 +202,17 @@ impl UsbTransfer<'_> {
         }
         if ask.split.is_none() && !several.is_empty() {
             return Err(Refusal::Split(several));
+        }
+        let targets: Vec<_> = waiting.iter().map(|file| &file.name).collect();
+        let twice = targets.iter().enumerate().find_map(|(at, name)| {
+            let first = targets[..at].iter().position(|other| other == name)?;
+            Some((*name, &sources[first], &sources[at]))
+        });
+        if let Some((name, first, second)) = twice {
+            return Err(refusal(
+                format!("{first} 和 {second} 里都有 {name}，没有复制：请只选一个文件"),
+                format!("{name} is in {first} and in {second}; nothing was copied: choose one of the files"),
+            ));
         }
         Ok(waiting)
     }

@@ -9,7 +9,7 @@ use super::common_variables::CommonVariables;
 use super::dialect;
 use super::expression::Locals;
 use super::external_state::{OfflineMachine, RunTotals};
-use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
+use super::fault::{BlockLocation, CallChain, E, ErrorAt, ProgramFault};
 use super::idle_passes::IdlePasses;
 use super::interpreter::{BLOCK_WORK, Interpreter};
 use super::settings::NcSettings;
@@ -121,6 +121,8 @@ struct CalledText {
     marks: ExecutedLines,
     /// #1–#33 of its first call.
     locals: Locals,
+    /// How the check came to it first.
+    calls: CallChain,
 }
 
 /// A line of a text of the check.
@@ -367,7 +369,7 @@ impl ProgramCheck {
         let is_there = |text: &CalledText| Arc::ptr_eq(&text.source, &flow.source);
         let same = self.place.text.checked_sub(1).filter(|index| self.called.get(*index).is_some_and(is_there));
         let index = same.or_else(|| self.called.iter().position(is_there)).unwrap_or_else(|| {
-            add_called(&mut self.called, Arc::clone(&flow.source), *flow.locals());
+            add_called(&mut self.called, Arc::clone(&flow.source), *flow.locals(), flow.calls());
             self.called.iter().position(is_there).unwrap_or(usize::MAX - 1)
         });
         let new = self.called.get_mut(index).is_some_and(|text| text.marks.mark(line));
@@ -392,9 +394,25 @@ impl ProgramCheck {
         if dialect::rules(self.settings.dialect).executes_lone_blocks {
             return self.execute_lone_blocks(world, budget);
         }
-        let Self { source, settings, interpreter, unread, report, reported, .. } = self;
+        let Self { source, settings, interpreter, unread, called, place, report, reported, .. } = self;
         let mut found = |fault| add_once(&mut report.faults, reported, fault);
-        unread.advance(source, settings, Some(&*interpreter.library), budget, &mut found)
+        let text = place.text.checked_sub(1).and_then(|index| called.get(index)).map_or(&*source, |text| &text.source);
+        if unread.advance(text, settings, Some(&*interpreter.library), budget, &mut found) {
+            return true;
+        }
+        // The programs that the run has called, and those that the lines call which it did not reach.
+        for number in unread.calls.drain(..).map(|(number, _)| number) {
+            if let Some(found) = interpreter.library.find(number).filter(|found| !Arc::ptr_eq(found, source)) {
+                add_called(called, found, [None; 33], CallChain::default());
+            }
+        }
+        let Some(next) = called.get_mut(place.text) else { return false };
+        unread.continue_with(std::mem::take(&mut next.marks));
+        place.text += 1;
+        let text = Arc::clone(&next.source);
+        unexecuted_lines::check_whole_text(&text, settings)
+            .for_each(|fault| add_once(&mut report.faults, reported, fault));
+        true
     }
 
     /// Executes the blocks that the run did not reach, of the program and of all that it calls.
@@ -422,8 +440,11 @@ impl ProgramCheck {
             }
             blocks.execute(line, interpreter);
             interpreter.charge_blocks(budget);
-            blocks.calls.drain(..).for_each(|(source, locals)| add_called(called, source, locals));
+            let calls = place.text.checked_sub(1).map_or_else(CallChain::default, |index| called[index].calls);
+            let here = std::iter::once((blocks.source.number(), line + 1)).chain(calls.iter()).collect();
+            blocks.calls.drain(..).for_each(|(source, locals)| add_called(called, source, locals, here));
             for (fault, certainty) in blocks.found.drain(..) {
+                let fault = fault.with_calls(calls);
                 match certainty {
                     Certainty::Sure => add_once(&mut report.faults, reported, fault),
                     Certainty::Possible => add_once(&mut report.warnings, reported, fault),
@@ -494,7 +515,7 @@ impl ProgramCheck {
     /// Ends the run; the lines that were not executed are read next.
     fn finish_run(&mut self, finished: bool) -> bool {
         self.report.finished = finished && !self.incomplete;
-        self.run_over = true;
+        (self.run_over, self.place) = (true, TextLine::default());
         let source = Arc::clone(&self.source);
         unexecuted_lines::check_whole_text(&source, &self.settings).for_each(|fault| self.add_fault(fault));
         true
@@ -526,10 +547,10 @@ impl ProgramCheck {
 }
 
 /// Adds a program that is called, unless it is there already.
-fn add_called(called: &mut Vec<CalledText>, source: Arc<Source>, locals: Locals) {
+fn add_called(called: &mut Vec<CalledText>, source: Arc<Source>, locals: Locals, calls: CallChain) {
     if called.len() < MAX_TEXTS && !called.iter().any(|text| Arc::ptr_eq(&text.source, &source)) {
         let marks = ExecutedLines::new(source.line_count());
-        called.push(CalledText { source, marks, locals });
+        called.push(CalledText { source, marks, locals, calls });
     }
 }
 

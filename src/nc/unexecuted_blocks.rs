@@ -19,8 +19,8 @@ use crate::units::Axis;
 /// Most texts that are read for one program.
 pub(super) const MAX_TEXTS: usize = 100;
 
-/// The letters that moves and cycles of group 01 have.
-const MOTION_LETTERS: &[u8] = b"XYZUVWRIJK";
+/// The first characters of the words that moves and cycles of group 01 have.
+const MOTION_LETTERS: &[u8] = b"XYZUVWRIJK,";
 
 /// How sure a mistake in a block is that no run has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -88,6 +88,11 @@ impl UnexecutedLines {
         (self.text_end, self.line) = (None, 0);
     }
 
+    /// Goes on with another text of which some lines were executed.
+    pub fn continue_with(&mut self, marks: ExecutedLines) {
+        (self.marks, self.text_end, self.line) = (marks, None, 0);
+    }
+
     /// Reads lines until the budget is spent and passes their mistakes to `tell`; `false` when all are read. With a `library`,
     /// called programs must exist in it.
     pub fn advance(

@@ -232,6 +232,48 @@ fn k7_8_import_asks_whether_to_divide_a_file_with_several_programs() {
 }
 
 #[test]
+fn k7_8_an_import_of_one_program_from_two_files_is_refused_and_other_texts_do_not_stop_it() {
+    let shop = Shop::new(&[]);
+    let stick = shop.files.path().join("stick");
+    std::fs::write(stick.join("O0031.NC"), EXPORT).unwrap();
+    std::fs::write(stick.join("O0032.NC"), "O0032\nM99\n").unwrap();
+    let FileAnswer::Refused(Refusal::Other(told)) = shop.import(Some(true)) else { panic!("not refused") };
+    assert_eq!(told.en(), "O0032.NC is in O0031.NC and in O0032.NC; nothing was copied: choose one of the files");
+    assert!(shop.directory().is_empty());
+    // A text that is no program, and too large to be one, is left out.
+    let large = std::fs::File::create(stick.join("LOG.TXT")).unwrap();
+    large.set_len(200 * 1024 * 1024).unwrap();
+    let answer = shop.import(Some(false));
+    assert!(matches!(answer, FileAnswer::Done(_)), "{answer:?}");
+    assert_eq!((shop.text("O0031.NC"), shop.text("O0032.NC")), (EXPORT.to_owned(), "O0032\nM99\n".to_owned()));
+}
+
+/// A subprogram stands before the program that calls it; alone it has no feed.
+#[test]
+fn b1_a_program_that_another_one_of_the_file_calls_is_checked_with_that_one() {
+    let text = "O0031\nM30\nO0033\nG01 X5\nM99\nO0034\nG98 F100\nM98 P0033\nM30\n";
+    let shop = Shop::new(&[("O0031.NC", text)]);
+    let (status, told) = shop.run(&["check", "O0031.NC"]);
+    assert_eq!(status, Some(0), "{told}");
+    // Without a caller it is wrong.
+    let shop = Shop::new(&[("O0031.NC", "O0031\nM30\nO0033\nG01 X5\nM99\n")]);
+    assert_eq!(shop.run(&["check", "O0031.NC"]).0, Some(2));
+}
+
+/// A mistake in a program that is only called where the run does not come to names the calls.
+#[test]
+fn b1_a_mistake_behind_an_end_names_the_calls_that_lead_to_it() {
+    let shop = Shop::new(&[
+        ("O0040.NC", "O0040\nM30\nN5 M98 P0041\n"),
+        ("O0041.NC", "O0041\nM98 P0042\nM99\n"),
+        ("O0042.NC", "O0042\nG77\nM99\n"),
+    ]);
+    let (status, told) = shop.run(&["check", "O0040.NC"]);
+    assert_eq!(status, Some(2));
+    assert!(told.contains("O0042.NC:2:1: O0042") && told.contains("O0041.NC:2 ← O0040.NC:3"), "{told}");
+}
+
+#[test]
 fn k7_8_an_import_with_a_number_twice_names_both_lines() {
     let shop = Shop::new(&[]);
     std::fs::write(shop.files.path().join("stick/O0031.NC"), "O0031\nM30\nO0032\nM99\nO0032\nM99\n").unwrap();

@@ -122,3 +122,27 @@ fn s1_exp_is_the_inverse_of_ln() {
     assert_eq!(mistakes(&checked), [""; 0]);
     assert!(ops.contains("set variable=601 value=2\n") && ops.contains("set variable=602 value=1\n"), "{ops}");
 }
+
+/// Behind an end, and in a subprogram behind its return, is read what the run does not reach; so is a program that only
+/// such a line calls.
+#[test]
+fn s1_a_subprogram_that_the_run_does_not_reach_is_read() {
+    let of = |number: u32, name: &str, text: &str| Arc::new(Source::new(number, name, text, Dialect::Sinumerik));
+    let main = of(1001, "MAIN.MPF", "L10\nM2\nL20\n");
+    let (ten, twenty) = (program_number::from_l(10), program_number::from_l(20));
+    let subs = HashMap::from([
+        (ten, of(ten, "L10.SPF", "G1 X800 F100\nRET\nG504\n")),
+        (twenty, of(twenty, "L20.SPF", "R1=5\nSPOS=3\nRET\n")),
+    ]);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(subs));
+    let settings = NcSettings::for_dialect(Dialect::Sinumerik);
+    let check = ProgramCheck::new(&main, &library, &settings, CommonVariables::default());
+    let checked = check.run(&mut OfflineMachine::new(&settings), &mut |_| {});
+    let found: Vec<_> = checked
+        .faults
+        .iter()
+        .map(|fault| (program_number::name_of(fault.location.program), fault.location.line, fault.error.id()))
+        .collect();
+    let wanted = [("L10", 3, "no-such-code"), ("L20", 2, "no-spindle-position")];
+    assert_eq!(found, wanted.map(|(name, line, error)| (name.to_owned(), line, error)));
+}
