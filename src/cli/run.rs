@@ -212,7 +212,7 @@ struct RunReport {
     variables_before: Box<[Option<f64>; VARIABLE_COUNT]>,
     /// Measurements of every part, including the last one.
     batch: Vec<PartReport>,
-    /// The lines that the program has printed (DPRNT), without a data directory that keeps them.
+    /// The lines that the program has printed (DPRNT).
     printed: Vec<String>,
 }
 

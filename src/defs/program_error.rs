@@ -318,4 +318,12 @@ program_errors! {
         "检查两段的角度", "check the angles of both blocks";
     NoSpindlePosition = 521, "no-spindle-position", "{}：本机的主轴不能定位", "{}: the spindle of this machine cannot be positioned",
         "删去该段", "remove the block";
+    AngleAway = 522, "angle-away", "角度 {} 指向相反方向", "the angle {} points the other way",
+        "角度从 Z+ 逆时针，指向走的方向；加或减 180", "it is counted from Z+ counter-clockwise and points where the line goes: add or subtract 180";
+    CornerBeforeAngle = 523, "corner-before-angle", "{} 后面的直线只有角度，没有终点", "{} is followed by a line with an angle alone",
+        "给下一段写一个坐标，或把倒角、圆角写成单独的段", "give the next line a coordinate, or write the corner as a block of its own";
+    PrintTooLong = 524, "print-too-long", "打印的一行超过 {} 个字符", "a printed line has more than {} characters",
+        "分成几行", "divide it into lines";
+    NoBinaryPrint = 525, "no-binary-print", "没有 BPRNT", "there is no BPRNT",
+        "用 DPRNT 打印文字", "print text with DPRNT";
 }

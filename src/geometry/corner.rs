@@ -26,6 +26,14 @@ pub enum CornerMistake {
 const STRAIGHT_SINE: f64 = 0.017_452_406;
 
 impl Corner {
+    /// Leg, length or radius, mm.
+    #[must_use]
+    pub const fn size_mm(self) -> f64 {
+        match self {
+            Self::ChamferLeg(mm) | Self::ChamferLength(mm) | Self::Radius(mm) => mm,
+        }
+    }
+
     /// The line or arc between two segments, of which the second begins where the first ends. Its ends are where the
     /// first segment ends and the second begins with it. None if the segments go on straight.
     ///

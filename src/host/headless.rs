@@ -81,7 +81,7 @@ impl HeadlessHost {
         self.set_programs(programs, directory);
     }
 
-    /// Takes the lines that programs have printed (DPRNT), if no folder for screenshots keeps them.
+    /// Takes the lines that programs have printed (DPRNT).
     pub fn take_printed(&mut self) -> Vec<String> {
         self.storage.take_printed()
     }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::controller::StorageRequest;
-use crate::defs::date::DateTime;
+use crate::defs::date::{DateTime, YEARS};
 use crate::defs::text::arg::Arg;
 
 /// The lines among storage requests, each with its date.
@@ -16,7 +16,7 @@ pub fn printed_lines(requests: &[StorageRequest]) -> impl Iterator<Item = (DateT
     })
 }
 
-/// Appends lines to the file of their day, `DPRNT-20261124.TXT`.
+/// Appends lines to the file of their day, `DPRNT-20261124.TXT`; to `DPRNT.TXT` while the date is unknown.
 ///
 /// # Errors
 /// The folder or file cannot be written.
@@ -24,7 +24,11 @@ pub fn append<'a>(folder: &Path, lines: impl Iterator<Item = (DateTime, &'a Arg)
     for (date, text) in lines {
         std::fs::create_dir_all(folder)?;
         let [year, month, day, ..] = date.parts();
-        let path = folder.join(format!("DPRNT-{year:04}{month:02}{day:02}.TXT"));
+        let name = match YEARS.contains(&year) {
+            true => format!("DPRNT-{year:04}{month:02}{day:02}.TXT"),
+            false => "DPRNT.TXT".to_owned(),
+        };
+        let path = folder.join(name);
         let mut file = OpenOptions::new().append(true).create(true).open(path)?;
         file.write_all(format!("{}\r\n", text.as_name()).as_bytes())?;
     }

@@ -6,8 +6,7 @@ use super::block::Block;
 use super::compensation::ActiveCutter;
 use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS, PendingCycle, contour_move};
 use super::contour_compensation::ContourCutter;
-use super::contour_segment::end_point;
-use super::corner::CornerWords;
+use super::corner::{CornerWord, CornerWords, LineAngle};
 use super::external_state::{AheadState, ExternalState};
 use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1};
 use super::flow::Flow;
@@ -86,10 +85,8 @@ impl Interpreter {
                     Ok(Some(by)) => {
                         let begin = Self::join_contour(ops, open.take(), &op, asked.as_ref())?;
                         ahead.position = by.to;
-                        open = asked
-                            .take()
-                            .map(|words| (begin.unwrap_or(words.from), words))
-                            .map(|(from, words)| (ops.len(), CornerWords { from, end_angle: None, ..words }));
+                        let words = asked.take().filter(CornerWords::is_open);
+                        open = words.map(|words| (ops.len(), words.beginning_at(begin.unwrap_or(words.from))));
                         Self::note_cutter(&self.modals, cutter, ops.len(), at)?;
                     }
                     Ok(None) => {}
@@ -98,8 +95,8 @@ impl Interpreter {
                 ops.push((op, line));
             }
             if self.block_words.block_number == Some(cycle.last_block) && !self.second_half {
-                let left = open.filter(|(_, words)| !words.is_modal);
-                return left.map_or(Ok(()), |(_, words)| fail1(words.at, E::CornerWithoutMove, words.name));
+                let left = open.filter(|(_, words)| !words.is_optional());
+                return left.map_or(Ok(()), |(_, words)| refuse_corner(&words, words.without_move()));
             }
         }
         fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block))
@@ -114,21 +111,18 @@ impl Interpreter {
         asked: Option<&CornerWords>,
     ) -> ReadResult<Option<WorkPos>> {
         let Some((index, words)) = open else {
-            return match asked.filter(|asked| asked.end_angle.is_some()) {
-                Some(asked) => fail1(asked.at, E::AngleWithEnd, asked.name),
-                None => Ok(None),
-            };
+            let ends_a_line = asked.filter(|asked| matches!(asked.angle, LineAngle::End(_)));
+            return ends_a_line.map_or(Ok(None), |asked| refuse_corner(asked, E::AngleWithEnd));
         };
         let Some((op, line)) = ops.get_mut(index) else { return Ok(None) };
+        let line = *line;
         match words.join(op, next, asked) {
-            Ok(Some((corner, begin))) => {
-                let line = *line;
-                ops.insert(index + 1, (corner, line));
+            Ok((corner, begin)) => {
+                corner.into_iter().for_each(|op| ops.insert(index + 1, (op, line)));
                 Ok(Some(begin))
             }
-            Ok(None) => Ok(words.open_angle.and_then(|_| end_point(op))),
-            Err(_) if words.is_modal => Ok(None),
-            Err(mistake) => fail1(words.at, mistake, words.name),
+            Err(_) if words.is_optional() => Ok(None),
+            Err(mistake) => refuse_corner(&words, mistake),
         }
     }
 
@@ -148,4 +142,10 @@ impl Interpreter {
         }
         Ok(())
     }
+}
+
+/// Refuses a corner of the contour, at its word.
+fn refuse_corner<T>(words: &CornerWords, mistake: E) -> ReadResult<T> {
+    let CornerWord { at, name } = words.word_of(mistake);
+    fail1(at, mistake, name)
 }

@@ -398,6 +398,9 @@ impl ExternalState for OfflineMachine {
         match number {
             // No dressing point is set.
             _ if system_variable::DRESSING_POINT.index(number).is_some() => none,
+            _ if number == system_variable::X_SCALE.first => {
+                LiveValue::Value(Some(if self.diameter { 2.0 } else { 1.0 }))
+            }
             // Values that only the machine knows.
             434..=439 | 5061..=5063 if self.known_values_only => LiveValue::Drain,
             5001..=5003 | 5041..=5043 | 5061..=5063 => {

@@ -216,6 +216,18 @@ impl Op {
             Self::DisplayMessage { ref text } => Message(ProgramMessage::Show(text)),
         }
     }
+
+    /// Whether it may stand between the moves of a contour that is calculated ahead: it changes no position and does not
+    /// stop reading ahead.
+    pub(super) fn may_stand_in_contour(&self) -> bool {
+        match self.effect() {
+            OpEffect::PathMode(_) | OpEffect::Dwell(_) | OpEffect::Speed(..) | OpEffect::SpeedLimit(_) => true,
+            OpEffect::MCode(_) => !self.stops_look_ahead(),
+            OpEffect::Variable(..) | OpEffect::Message(ProgramMessage::Show(_) | ProgramMessage::Print(_)) => true,
+            OpEffect::Message(_) | OpEffect::SystemVariable(..) | OpEffect::Oscillation(_) => false,
+            OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => false,
+        }
+    }
 }
 
 #[inline]

@@ -41,7 +41,7 @@ pub(super) fn read_line<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Rea
             _ => return cursor.unexpected(),
         }
         if line.len() > MAX_LINE {
-            return fail2(open, E::OutOfRange, "DPRNT", format_args!("{MAX_LINE}"));
+            return fail1(open, E::PrintTooLong, format_args!("{MAX_LINE}"));
         }
     }
     Ok(Arg::from(format_args!("{line}")))

@@ -8,7 +8,7 @@ use super::functions::{whole_number, whole_u32};
 use super::lexer::Cursor;
 use super::print_statement::read_line;
 use super::source_index::foreign_statement;
-use super::words::{BlockWords, ValueKind, Word};
+use super::words::{BlockWords, ValueKind, Word, is_comma_word};
 use crate::defs::text::arg::Arg;
 use crate::units::Axis;
 
@@ -154,7 +154,7 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         }
         // DECISION: the lines are kept as they come; there is no printer to be opened or closed.
         b'P' | b'p' if cursor.accept_keyword("POPEN") || cursor.accept_keyword("PCLOS") => Ok(BlockContent::Empty),
-        b'B' | b'b' if cursor.accept_keyword("BPRNT") => fail1(at, E::ForeignStatement, "BPRNT"),
+        b'B' | b'b' if cursor.accept_keyword("BPRNT") => fail(at, E::NoBinaryPrint),
         // DO without WHILE repeats without end; a GOTO leaves it.
         b'D' | b'd' if cursor.accept_keyword("DO") => {
             Ok(BlockContent::While { holds: true, number: loop_number(cursor)?, at })
@@ -179,7 +179,7 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         b'O' | b'o' if let Some(statement) = o_word_statement(*cursor) => {
             fail1(at, E::ForeignStatement, Capitals(statement))
         }
-        byte if byte.is_ascii_alphabetic() => {
+        byte if byte.is_ascii_alphabetic() || byte == b',' && is_comma_word(cursor) => {
             words.read(cursor, scope)?;
             Ok(BlockContent::Words)
         }
@@ -239,7 +239,10 @@ fn read_if<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWo
         (words.block_number, words.condition) = (n, Some(false));
         content
     };
-    let acts = matches!(content, BlockContent::Words | BlockContent::Assign { .. } | BlockContent::Goto { .. });
+    let acts = matches!(
+        content,
+        BlockContent::Words | BlockContent::Assign { .. } | BlockContent::Goto { .. } | BlockContent::Print { .. }
+    );
     let only_comment = matches!(content, BlockContent::Empty) && at < cursor.at;
     if !(acts || only_comment) && (depth == 0 || holds) {
         return fail1(at, E::BadStatement, "IF […] THEN");

@@ -111,6 +111,22 @@ impl LoneBlocks {
         self.motion_known |= words.g.iter().any(|code| is_in_group(code.number, GCodeGroup::Motion));
     }
 
+    /// Whether the line of a byte names a local variable without a value.
+    fn names_empty_local(&self, at: usize) -> bool {
+        let (before, behind) = self.source.bytes().split_at(at);
+        let is_end = |byte: &u8| matches!(byte, b'\r' | b'\n');
+        let start = before.iter().rposition(is_end).map_or(0, |end| end + 1);
+        let end = behind.iter().position(is_end).unwrap_or(behind.len());
+        let line = &self.source.bytes()[start..at + end];
+        line.split(|byte| *byte == b'#').skip(1).any(|name| {
+            let digits = name.iter().take_while(|byte| byte.is_ascii_digit()).count();
+            let number: Option<usize> =
+                std::str::from_utf8(&name[..digits]).ok().and_then(|digits| digits.parse().ok());
+            let local = number.and_then(|number| self.locals.get(number.checked_sub(1)?));
+            local.is_some_and(Option::is_none)
+        })
+    }
+
     /// How sure a mistake at a byte is.
     fn certainty(&self, at: usize, fault: &ProgramFault, interpreter: &Interpreter) -> Certainty {
         let (text, words) = (self.source.bytes(), &interpreter.block_words);
@@ -135,6 +151,8 @@ impl LoneBlocks {
                     false => Certainty::Unknown,
                 }
             }
+            // The word is there; its local variable has a value only in a run.
+            E::MissingWord if interpreter.block_words.has_null() && self.names_empty_local(at) => Certainty::Unknown,
             E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed | E::TooDeep => Certainty::Unknown,
             // A program for several machines asks which one it runs on.
             E::NoAxis => Certainty::Possible,

@@ -325,7 +325,7 @@ impl BlockWords {
             cursor.skip_blanks()?;
             let at = cursor.at as u32;
             let letter = cursor.peek() & !0x20;
-            let letter = match (cursor.peek().is_ascii_alphabetic(), comma_word(cursor)) {
+            let letter = match (cursor.peek().is_ascii_alphabetic(), take_comma(cursor)) {
                 (true, _) => letter,
                 (false, Some(letter)) => letter,
                 (false, None) => return Ok(()),
@@ -351,18 +351,24 @@ impl BlockWords {
     }
 }
 
+/// Whether `,C` `,R` or `,A` is next.
+pub(crate) fn is_comma_word(cursor: &Cursor<'_>) -> bool {
+    comma_letter(cursor).is_some()
+}
+
+fn comma_letter(cursor: &Cursor<'_>) -> Option<u8> {
+    match (cursor.peek(), cursor.peek_at(1) & !0x20) {
+        (b',', b'C') => Some(CHAMFER),
+        (b',', b'R') => Some(ROUNDING),
+        (b',', b'A') => Some(LINE_ANGLE),
+        _ => None,
+    }
+}
+
 /// The letter of `,C` `,R` `,A`, with the cursor on its letter; none if no such word is next.
 #[inline]
-fn comma_word(cursor: &mut Cursor<'_>) -> Option<u8> {
-    if cursor.peek() != b',' {
-        return None;
-    }
-    let letter = match cursor.peek_at(1) & !0x20 {
-        b'C' => CHAMFER,
-        b'R' => ROUNDING,
-        b'A' => LINE_ANGLE,
-        _ => return None,
-    };
+fn take_comma(cursor: &mut Cursor<'_>) -> Option<u8> {
+    let letter = comma_letter(cursor)?;
     cursor.at += 1;
     Some(letter)
 }

@@ -183,7 +183,7 @@ fn b3_printed_lines_are_added_to_the_file_of_the_day() {
     let text = "#100=25.0123\nPOPEN\nDPRNT[SIZE*#100[33]]\n#100=-3.5\nDPRNT[Z#100[53]]\nPCLOS\nM30";
     let mut rig = ready_with(text);
     tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s\nexpect no alarm");
-    assert_eq!(rig.take_printed(), ["SIZE   25.012", "Z-    3.500"], "no folder keeps them");
+    assert_eq!(rig.take_printed(), ["SIZE   25.012", "Z-    3.500"], "and the report names them");
     let mut rig = ready_with(text);
     rig.set_drives(Some(folder.path().join("prints")), None);
     for (day, lines) in [(24, 2), (24, 4), (25, 2)] {

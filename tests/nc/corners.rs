@@ -148,7 +148,7 @@ fn b2_the_angle_of_a_line_gives_its_other_coordinate() {
         ("X30. ,A45.", [30.0, 30.0]),
         ("X30. ,A135.", [10.0, 30.0]),
         ("X10. ,A225.", [10.0, 10.0]),
-        ("Z10. ,A-45.", [10.0, 30.0]),
+        ("Z10. ,A135.", [10.0, 30.0]),
         ("U10. ,A90.", [20.0, 30.0]),
         // tan 30° = 1/√3
         ("Z30. ,A30.", [30.0, 20.0 + 10.0 / 3_f64.sqrt()]),
@@ -160,6 +160,9 @@ fn b2_the_angle_of_a_line_gives_its_other_coordinate() {
         ("X30. ,A0", "out-of-range"),
         ("Z30. ,A90.", "out-of-range"),
         ("X30. ,A400.", "out-of-range"),
+        // The other way along the same line.
+        ("Z10. ,A-45.", "angle-away"),
+        ("X30. ,A-135.", "angle-away"),
         ("X30. Z30. ,A45.", "angle-with-end"),
     ] {
         let program = format!("G00 X20. Z20.\nG01 {text} F100\nZ0\nM30\n");
@@ -169,8 +172,8 @@ fn b2_the_angle_of_a_line_gives_its_other_coordinate() {
 
 #[test]
 fn b2_two_lines_of_known_angles_meet() {
-    // From (0, 0) up at 45°, from (20, 4) back at 180° − 90° = straight down: they meet at (4 …): here level 4 → (4, 4).
-    let text = |corner: &str| format!("G00 X0 Z0\nG01 ,A45. F100{corner}\nX4. Z20. ,A180.\nM30\n");
+    // From (0, 0) up at 45°, then level at X4 to Z20: they meet at (4, 4).
+    let text = |corner: &str| format!("G00 X0 Z0\nG01 ,A45. F100{corner}\nX4. Z20. ,A0\nM30\n");
     expect(&text(""), Dialect::LatheA, &[(1, [0.0, 0.0], None), (2, [4.0, 4.0], None), (3, [20.0, 4.0], None)]);
     // A rounding of 1 at an angle of 135° between the lines: the tangents are tan 22.5° = √2 − 1 long.
     let tangent = 2_f64.sqrt() - 1.0;
@@ -190,6 +193,9 @@ fn b2_two_lines_of_known_angles_meet() {
         ("G01 ,A45. F100\nG00 X4. Z20.\nM30\n", "angle-without-end"),
         ("G01 ,A45. F100\nM30\n", "angle-without-end"),
         ("G01 ,A45. F100\nX4. Z20. ,A225.\nM30\n", "lines-parallel"),
+        ("G01 ,A45. F100\nX4. Z20. ,A180.\nM30\n", "angle-away"),
+        ("G01 ,A225. F100\nX4. Z20. ,A0\nM30\n", "angle-away"),
+        ("G01 ,A45. F100 ,R1.\nG55 X4. Z20. ,A0\nM30\n", "angle-without-end"),
     ] {
         assert_eq!(refused(&format!("G00 X0 Z0\n{text}"), Dialect::LatheA), (name, 2), "{text}");
     }
@@ -207,6 +213,18 @@ fn b2_a_corner_needs_a_move_behind_it() {
         "#100=#5041\nX5.\n",
         "M00\n",
         "G01 Z10.\n",
+        // What changes where a coordinate is.
+        "G55\nX5.\n",
+        "G55 X5.\n",
+        "G52 X1.\nX5.\n",
+        "G50 Z0\nX5.\n",
+        "T0202\nX5.\n",
+        "T0202 X5.\n",
+        "G10 L2 P1 Z-90.\nX5.\n",
+        "#5222=-90.\nX5.\n",
+        "#2001=1.\nX5.\n",
+        "M00\nX5.\n",
+        "G35 Z5. Q10\nX5.\n",
     ] {
         assert_eq!(refused(&text(between), Dialect::LatheA), ("corner-without-move", 2), "{between}");
     }
@@ -215,6 +233,12 @@ fn b2_a_corner_needs_a_move_behind_it() {
         let found = moves(&operations(&text(between), Dialect::LatheA).unwrap());
         assert_eq!(found.iter().filter(|(line, ..)| *line == 2).count(), 2, "{between}");
     }
+    let before_angle = "G00 X0 Z0\nG01 Z10. F100 ,R2.\n,A90.\nX5. Z20. ,A0\nM30\n";
+    assert_eq!(refused(before_angle, Dialect::LatheA), ("corner-before-angle", 2));
+    let named = operations("G00 X0 Z0\nG01 Z10. F100 ,R2. ,R1.\nX5.\nM30\n", Dialect::LatheA).unwrap_err();
+    assert!(named.to_string().contains("',R' appears twice"), "{named}");
+    let named = operations("G00 X0 Z0\nG00 Z10. ,R2.\nM30\n", Dialect::LatheA).unwrap_err();
+    assert!(named.to_string().contains("unknown word ',R2.'"), "{named}");
     assert_eq!(refused("G00 X0 Z0\nG01 Z10. F100 ,R2. ,C1.\nX5.\nM30\n", Dialect::LatheA), ("not-together", 2));
     assert_eq!(refused("G00 X0 Z0\nG01 Z10. F100 ,R-2.\nX5.\nM30\n", Dialect::LatheA), ("out-of-range", 2));
     assert_eq!(refused("G00 X0 Z0\nG00 Z10. ,R2.\nG01 X5. F100\nM30\n", Dialect::LatheA), ("unknown-word", 2));
@@ -312,12 +336,20 @@ fn s1_the_words_of_the_802d() {
         ],
     );
     // No move behind, or one at rapid: the corner stays, too.
-    for end in ["G0 X5\nM2\n", "M2\n", "STOPRE\nX5\nM2\n", "R1=$AA_IW[X]\nX5\nM2\n"] {
+    for end in [
+        "G0 X5\nM2\n",
+        "TRANS Z-10\nX5\nM2\n",
+        "G55 X5\nM2\n",
+        "ANG=45\nX5 Z20 ANG=0\nM2\n",
+        "M2\n",
+        "STOPRE\nX5\nM2\n",
+        "R1=$AA_IW[X]\nX5\nM2\n",
+    ] {
         let found = moves(&operations(&format!("{head}G1 Z10 F100 RNDM=1\n{end}"), Dialect::Sinumerik).unwrap());
         assert_eq!(found[1].1.map(f64::to_bits), [10.0_f64, 0.0].map(f64::to_bits), "{end}");
     }
     expect(
-        &format!("{head}G1 ANG=45 F100\nX4 Z20 ANG=180\nM2\n"),
+        &format!("{head}G1 ANG=45 F100\nX4 Z20 ANG=0\nM2\n"),
         Dialect::Sinumerik,
         &[(1, [0.0, 0.0], None), (2, [4.0, 4.0], None), (3, [20.0, 4.0], None)],
     );

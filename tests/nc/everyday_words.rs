@@ -162,6 +162,7 @@ fn b3_a_printed_line_formats_its_values() {
         ("DPRNT[#100[11]]", " 25.0"),
         // Null.
         ("N10 DPRNT[#150[11]] (COMMENT)", " 0.0"),
+        ("IF[#100 GT 1]THEN DPRNT[LARGE]", "LARGE"),
         ("DPRNT[]", ""),
     ] {
         assert_eq!(printed(text), format!("print text={line:?}"), "{text}");
@@ -174,8 +175,8 @@ fn b3_a_printed_line_formats_its_values() {
         ("DPRNT[#100[55]]", "out-of-range"),
         ("DPRNT[#0100[00]]", "out-of-range"),
         ("DPRNT[\u{5c3a}]", "foreign-character"),
-        ("BPRNT[X#100[3]]", "foreign-statement"),
-        (&format!("DPRNT[{}]", "A".repeat(81)), "out-of-range"),
+        ("BPRNT[X#100[3]]", "no-binary-print"),
+        (&format!("DPRNT[{}]", "A".repeat(81)), "print-too-long"),
     ] {
         assert_eq!(run(&format!("{text}\nM30\n"), Dialect::LatheA).unwrap_err().error.id(), name, "{text}");
     }

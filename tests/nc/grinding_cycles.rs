@@ -72,7 +72,11 @@ fn settings(dialect: Dialect) -> NcSettings {
 
 /// What a text does behind its first line: `X Z F`, `skip X Z F`, `dwell s`, `alarm n`; lengths as programmed there.
 fn steps(text: &str, dialect: Dialect, signal: Option<(Axis, f64)>) -> Result<Vec<String>, ProgramFault> {
-    let settings = settings(dialect);
+    steps_with(&settings(dialect), text, signal)
+}
+
+fn steps_with(settings: &NcSettings, text: &str, signal: Option<(Axis, f64)>) -> Result<Vec<String>, ProgramFault> {
+    let dialect = settings.dialect;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("programs");
     let of_file = |number: u32| {
         let text = if number == 9099 {
@@ -87,10 +91,10 @@ fn steps(text: &str, dialect: Dialect, signal: Option<(Axis, f64)>) -> Result<Ve
         Dialect::Mill => [0.0, 50.0, 0.0],
         _ => [20.2, 0.0, 0.0],
     });
-    let mut world = Gauge { machine: OfflineMachine::new(&settings).with_position(start), signal };
+    let mut world = Gauge { machine: OfflineMachine::new(settings).with_position(start), signal };
     let source = Arc::new(Source::new(1001, "O1001.NC", format!("G98 F77\n{text}\nM30\n"), dialect));
-    let mut block = Block::new(&settings);
-    let mut interpreter = Interpreter::new(source, Arc::new(shelf), settings, CommonVariables::default());
+    let mut block = Block::new(settings);
+    let mut interpreter = Interpreter::new(source, Arc::new(shelf), settings.clone(), CommonVariables::default());
     let mut steps = Vec::new();
     loop {
         match interpreter.next(&mut world, &mut block)? {
@@ -272,14 +276,21 @@ fn b2_a_plunge_cycle_to_a_size_or_to_the_signal() {
         "G176 X39.9 A0.2 F0.6 E0.2 U3. P1",
         Dialect::LatheA,
         Some((Axis::X, 20.0)),
-        &["X40.1 Z0 F(0.6)", "skip X39.9 Z0 F(0.2)", "dwell 3", "X40.4 Z0", AFTER],
+        &["skip X40.1 Z0 F(0.6)", "skip X39.9 Z0 F(0.2)", "dwell 3", "X40.4 Z0", AFTER],
+    );
+    // It counts in roughing as well.
+    expect(
+        "G176 X39.9 A0.2 F0.6 E0.2 U3. P1",
+        Dialect::LatheA,
+        Some((Axis::X, 20.15)),
+        &["skip X40.1 Z0 F(0.6)", "dwell 3", "X40.4 Z0", AFTER],
     );
     // Without a signal the wheel is taken back first.
     expect(
         "G176 X39.9 A0.2 F0.6 E0.2 P1",
         Dialect::LatheA,
         None,
-        &["X40.1 Z0 F(0.6)", "skip X39.9 Z0 F(0.2)", "X40.4 Z0", "alarm 3076"],
+        &["skip X40.1 Z0 F(0.6)", "skip X39.9 Z0 F(0.2)", "X40.4 Z0", "alarm 3076"],
     );
 }
 
@@ -398,8 +409,42 @@ fn b2_a_cycle_without_its_words_moves_nothing_and_says_which() {
         ("G75 I-0.1 K-0.2 X80. F9000.", Dialect::Mill, "alarm 3073"),
         ("G77 I-0.1 K-0.2 X80. R100. F9000.", Dialect::Mill, "alarm 3079"),
         ("G79 I-0.1 X80. R100. F9000.", Dialect::Mill, "alarm 3078"),
+        ("G79 I-0.1 K-1. X80. R100. F9000. D9099 Q1", Dialect::Mill, "alarm 3075"),
+        // The wrong word is found before the wheel has moved.
+        ("G71 A-0.1 B0.05 W-60. I600. K300.", Dialect::LatheA, "alarm 3077"),
+        ("G71 A-0.1 W-60. I600. K300. H2.5", Dialect::LatheA, "alarm 3074"),
+        ("G71 A-0.1 W-60. I600. K300. U-1", Dialect::LatheA, "alarm 3070"),
+        ("G72 A-0.1 W-60. I600. K300. P9", Dialect::LatheA, "alarm 3079"),
+        ("G73 A-0.1 W-60. K300. P1.5", Dialect::LatheA, "alarm 3079"),
+        ("G176 X40. A0.1 F0.6 E0.2 P7", Dialect::LatheA, "alarm 3079"),
+        ("G176 X40. A0.1 F0.6 E0.2 U-1", Dialect::LatheA, "alarm 3070"),
+        ("G77 P9 I-0.1 K-0.2 X80. R100. F9000.", Dialect::Mill, "alarm 3079"),
+        ("G75 I-0.1 K-0.2 X80. R100. F9000. P-1", Dialect::Mill, "alarm 3070"),
     ] {
         let found = steps(text, dialect, None).unwrap();
         assert_eq!(found, [alarm], "{text}");
     }
+}
+
+/// The feeds of a cycle are mm/min whatever the program uses, and its depths are radius values in radius programming too.
+#[test]
+fn b2_a_cycle_has_its_own_units_and_gives_back_those_of_the_program() {
+    expect(
+        "G99 F0.2\nG71 A-0.1 W-60. I600. K300.",
+        Dialect::LatheA,
+        None,
+        &[
+            "X40.2 Z0 F(600.0)",
+            "dwell 0",
+            "X40.2 Z-60 F(300.0)",
+            "X40 Z-60 F(600.0)",
+            "dwell 0",
+            "X40 Z0 F(300.0)",
+            "G00 FSome(0.2)",
+        ],
+    );
+    let radius = NcSettings { diameter: false, ..settings(Dialect::LatheA) };
+    let found = steps_with(&radius, "G71 A-0.1 B0 W-60. I600. K300.", None).unwrap();
+    // The steps are shown as diameters: 0.1 mm off the radius of 20.2 mm.
+    assert_eq!(found[..3], ["X40.2 Z0 F(600.0)", "dwell 0", "X40.2 Z-60 F(300.0)"]);
 }

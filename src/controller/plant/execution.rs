@@ -129,7 +129,7 @@ impl Plant {
 
     /// Whether a program stops at the end of each block: single block is on and #3003 does not disable it.
     pub const fn stops_after_blocks(&self) -> bool {
-        self.operator.switches.single_block && self.work.program_controls[0] & 1 == 0
+        self.operator.switches.single_block && self.work.program_controls.single_block & 1 == 0
     }
 
     /// Whether manual motion is allowed: nothing runs, or the run is held or stopped.

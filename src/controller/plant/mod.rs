@@ -19,7 +19,7 @@ pub use operator::OperatorState;
 pub use oscillation::key_stroke;
 pub use outbox::Outbox;
 pub use spindles::Spindles;
-pub use work_data::{WorkData, offset_in_range};
+pub use work_data::{ProgramControls, WorkData, offset_in_range};
 
 use super::PowerOnState;
 use super::axes::jog_demand::JogDemand;

@@ -123,8 +123,8 @@ impl Plant {
             }
             system_variable::MILLISECONDS => Some(self.milliseconds() + self.work.timer_offset[0]),
             system_variable::HOURS => Some(self.hours() + self.work.timer_offset[1]),
-            system_variable::SINGLE_BLOCK_CONTROL => Some(f64::from(self.work.program_controls[0])),
-            system_variable::HOLD_CONTROL => Some(f64::from(self.work.program_controls[1])),
+            system_variable::SINGLE_BLOCK_CONTROL => Some(f64::from(self.work.program_controls.single_block)),
+            system_variable::HOLD_CONTROL => Some(f64::from(self.work.program_controls.hold)),
             system_variable::DATE => {
                 let [year, month, day, ..] = self.date.parts();
                 Some((year * 10_000 + month * 100 + day) as f64)
@@ -133,6 +133,7 @@ impl Plant {
                 let [.., hour, minute, second] = self.date.parts();
                 Some((hour * 10_000 + minute * 100 + second) as f64)
             }
+            system_variable::X_SCALE => Some(self.displayed_per_mm(Axis::X)),
             system_variable::PARTS_DONE => Some(f64::from(self.work.part_count)),
             // An axis that is not fitted has no origin.
             system_variable::EXTERNAL_ORIGIN => None,

@@ -13,6 +13,15 @@ use crate::units::{MachinePos, PerAxis, WorkPos};
 /// Results of the last G78 for the program: #434 to #437, mm as displayed.
 pub type GaugePositions = [Option<f64>; 4];
 
+/// What a program asks of single block and feed hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ProgramControls {
+    /// #3003, 0 to 3: bit 0 runs through single blocks.
+    pub single_block: u8,
+    /// #3004, 0 to 7; it has no effect.
+    pub hold: u8,
+}
+
 /// The data a program works with, as executed.
 #[derive(Debug, Default)]
 pub struct WorkData {
@@ -28,8 +37,8 @@ pub struct WorkData {
     pub part_count: u32,
     /// Offsets added to the time since power-on in #3001 (ms) and #3002 (h).
     pub timer_offset: [f64; 2],
-    /// #3003 (0–3) and #3004 (0–7) as the program in progress has set them.
-    pub program_controls: [u8; 2],
+    /// #3003 and #3004 as the program in progress has set them.
+    pub program_controls: ProgramControls,
     /// Position latched by the last G31, work coordinates, radius mm.
     pub skip_position: WorkPos,
     /// Results of the last G78.

@@ -27,7 +27,7 @@ use preflight::preflight_world;
 use run::{Origin, PreflightStart, ProgramRun, RunPool, RunStart};
 
 use super::plant::system_variables::nc_settings;
-use super::plant::{ControlEvent, ControlPhase, Plant};
+use super::plant::{ControlEvent, ControlPhase, Plant, ProgramControls};
 use crate::controller::axes::oscillation::Oscillation;
 use crate::defs::kind::Kind;
 use crate::defs::text::arg::Arg;
@@ -188,7 +188,7 @@ impl Program {
                 self.clear_run_position(plant);
             }
             if run.origin != Origin::Retract {
-                plant.work.program_controls = [0; 2];
+                plant.work.program_controls = ProgramControls::default();
                 plant.execution.end_cycle(plant.now, plant.now.since(run.started_at), plant.work.part_count);
                 self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
             }

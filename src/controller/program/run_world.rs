@@ -85,10 +85,9 @@ impl ProgramRun {
             Some(&system_variable::WHEEL_DIAMETER) => return self.record_dressing(plant, value),
             Some(&system_variable::MILLISECONDS) => plant.work.timer_offset[0] = value - plant.milliseconds(),
             Some(&system_variable::HOURS) => plant.work.timer_offset[1] = value - plant.hours(),
-            Some(range @ (&system_variable::SINGLE_BLOCK_CONTROL | &system_variable::HOLD_CONTROL)) => {
-                // The interpreter has checked the value.
-                plant.work.program_controls[usize::from(*range == system_variable::HOLD_CONTROL)] = value as u8;
-            }
+            // The interpreter has checked their values.
+            Some(&system_variable::SINGLE_BLOCK_CONTROL) => plant.work.program_controls.single_block = value as u8,
+            Some(&system_variable::HOLD_CONTROL) => plant.work.program_controls.hold = value as u8,
             Some(&system_variable::PARTS_DONE) => {
                 plant.work.part_count = value.max(0.0) as u32;
                 plant.store(StorageRequest::PartCount(plant.work.part_count));

@@ -14,7 +14,7 @@ pub struct DirectStorage {
     retained: RetainedWorker,
     worker: StorageWorker,
     arrivals: Vec<Arrival>,
-    /// Lines that programs have printed, without a folder for them.
+    /// Lines that programs have printed since they were taken.
     printed: Vec<String>,
 }
 
@@ -34,7 +34,7 @@ impl DirectStorage {
         self.worker.added.extend_from_slice(programs);
     }
 
-    /// Takes the lines that programs have printed, if no folder keeps them.
+    /// Takes the lines that programs have printed.
     pub(in crate::host) fn take_printed(&mut self) -> Vec<String> {
         std::mem::take(&mut self.printed)
     }
@@ -50,9 +50,7 @@ impl Storage for DirectStorage {
         let tell = &mut |arrival| self.arrivals.push(arrival);
         self.retained.handle(requests, tell);
         self.worker.print(requests, tell);
-        if self.worker.jobs.prints().is_none() {
-            self.printed.extend(printed_lines(requests).map(|(_, line)| line.as_name().to_owned()));
-        }
+        self.printed.extend(printed_lines(requests).map(|(_, line)| line.as_name().to_owned()));
         for request in requests.drain(..) {
             // A job that is cancelled has ended already: `run` does nothing with `Cancel`.
             if let StorageRequest::Job(job) = request {

@@ -15,7 +15,7 @@ use super::cutter::Compensation;
 use super::fault::{BlockLocation, E, ErrorAt, ProgramFault};
 use super::modal::ModalState;
 use super::op::Op;
-use super::op_effect::{OpEffect, OpMotion, ProgramMessage, WorkMove};
+use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
 use crate::geometry::{CutterPath, Gouge, GougeCause, OuterCorner, PlanePoint, PlaneSegment};
@@ -340,14 +340,7 @@ impl BlockCompensation {
         modals: &ModalState,
         place: BlockPlace,
     ) -> Result<MoveRole, CompensationRefusal> {
-        let passes = match op.effect() {
-            OpEffect::PathMode(_) | OpEffect::Dwell(_) | OpEffect::Speed(..) | OpEffect::SpeedLimit(_) => true,
-            OpEffect::MCode(_) => !op.stops_look_ahead(),
-            OpEffect::Variable(..) | OpEffect::Message(ProgramMessage::Show(_) | ProgramMessage::Print(_)) => true,
-            OpEffect::Message(_) | OpEffect::SystemVariable(..) | OpEffect::Oscillation(_) => false,
-            OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => false,
-        };
-        if passes {
+        if op.may_stand_in_contour() {
             return Ok(MoveRole::None);
         }
         let ends_program = matches!(op, Op::M { code: 2 | 30, .. });

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use super::CornerWords;
 use crate::nc::block::{Block, BlockPlace};
-use crate::nc::fault::ProgramFault;
+use crate::nc::contour_segment::end_point;
+use crate::nc::fault::{E, ProgramFault};
 use crate::nc::modal::ModalState;
 use crate::nc::op::Op;
 use crate::units::{PerAxis, WorkPos};
@@ -53,21 +54,56 @@ pub(in crate::nc) struct CornerStage {
     pub(super) refusal: Option<ProgramFault>,
 }
 
-impl CornerStage {
-    pub fn new(modals: &ModalState) -> Self {
-        let spare = |_| HeldBlock {
+impl HeldBlock {
+    fn empty(modals: &ModalState) -> Self {
+        Self {
             place: BlockPlace::default(),
             modals: *modals,
             complete: true,
             is_cycle: false,
             ops: Vec::with_capacity(USUAL_BLOCK_OPS),
             used_variables: Vec::new(),
+        }
+    }
+}
+
+impl OpenCorner {
+    /// A block whose first move waits.
+    pub(super) fn new(block: HeldBlock, words: CornerWords) -> Self {
+        let index = move_index(&block.ops).unwrap_or_default();
+        let end = block.ops.get(index).and_then(end_point).unwrap_or(words.from);
+        Self { block, words, index, end }
+    }
+
+    /// Ends the move where its corner to the first move of `behind` begins; returns where that one begins.
+    fn join(&mut self, behind: &HeldBlock, words: Option<&CornerWords>) -> Result<WorkPos, E> {
+        // What changes positions, or stops reading ahead, must not stand before the next move.
+        let ahead = behind.ops.iter().take_while(|op| !op.effect().is_motion());
+        if behind.is_cycle || !ahead.into_iter().all(Op::may_stand_in_contour) {
+            return Err(self.words.without_move());
+        }
+        let next = move_index(&behind.ops).and_then(|index| behind.ops.get(index));
+        let (Some(op), Some(next)) = (self.block.ops.get_mut(self.index), next) else {
+            return Err(self.words.without_move());
         };
+        let (corner, begin) = self.words.join(op, next, words)?;
+        corner.into_iter().for_each(|op| self.block.ops.insert(self.index + 1, op));
+        Ok(begin)
+    }
+}
+
+/// The place of the first move among operations.
+pub(super) fn move_index(ops: &[Op]) -> Option<usize> {
+    ops.iter().position(|op| op.effect().is_motion())
+}
+
+impl CornerStage {
+    pub fn new(modals: &ModalState) -> Self {
         Self {
             open: None,
             between: VecDeque::with_capacity(MAX_WAITING),
             ready: VecDeque::with_capacity(MAX_WAITING),
-            spare: (0..MAX_WAITING).map(spare).collect(),
+            spare: (0..MAX_WAITING).map(|_| HeldBlock::empty(modals)).collect(),
             place: BlockPlace::default(),
             refusal: None,
         }
@@ -117,21 +153,40 @@ impl CornerStage {
 
     /// Takes the content of a block.
     pub(super) fn hold(&mut self, block: &mut Block, place: BlockPlace) -> HeldBlock {
-        // As many are spare as can wait.
-        let mut held = self.spare.pop().unwrap_or_else(|| HeldBlock {
-            place,
-            modals: block.modals,
-            complete: true,
-            is_cycle: false,
-            ops: Vec::new(),
-            used_variables: Vec::new(),
-        });
+        let mut held = self.spare.pop().unwrap_or_else(|| HeldBlock::empty(&block.modals));
         held.ops.clear();
         held.ops.append(&mut block.ops);
         (held.place, held.modals) = (BlockPlace { location: block.location, ..place }, block.modals);
         (held.complete, held.is_cycle) = (block.complete, block.is_cycle);
         std::mem::swap(&mut held.used_variables, &mut block.used_variables);
         held
+    }
+
+    /// A block with a move was read behind the open one, which is complete now; its own corner opens.
+    ///
+    /// # Errors
+    /// The mistake of the corner; all blocks wait on.
+    pub(super) fn join(&mut self, behind: HeldBlock, words: Option<CornerWords>) -> Result<(), E> {
+        let Some(mut open) = self.open.take() else {
+            self.ready.push_back(behind);
+            return Ok(());
+        };
+        let begin = match open.join(&behind, words.as_ref()) {
+            Ok(begin) => begin,
+            Err(_) if open.words.is_optional() => open.end,
+            Err(mistake) => {
+                self.open = Some(open);
+                self.between.push_back(behind);
+                return Err(mistake);
+            }
+        };
+        self.ready.push_back(open.block);
+        self.ready.extend(self.between.drain(..));
+        match words.filter(CornerWords::is_open) {
+            Some(words) => self.open = Some(OpenCorner::new(behind, words.beginning_at(begin))),
+            None => self.ready.push_back(behind),
+        }
+        Ok(())
     }
 
     /// Fills `block` with the next block that is complete; false if there is none.

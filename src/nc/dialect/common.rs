@@ -27,14 +27,25 @@ pub(super) fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
     let at = word.at as usize;
     let rest = text.get(at..).unwrap_or_default();
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
-    let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
+    let address = address_at(text, word.at).len();
+    let length = rest.iter().skip(address).position(ends).map_or(rest.len(), |length| length + address);
     let error = if word.letter == b'M' { E::UnknownM } else { E::UnknownWord };
     fail1(at, error, Capitals(&rest[..length]))
 }
 
 /// Refuses an address that occurs twice in the block.
 pub(super) fn refuse_duplicate_address(running: &BlockContext<'_, '_>) -> ReadResult<()> {
-    running.words.duplicate.map_or(Ok(()), |at| fail1(at as usize, E::DoubleWord, letter_at(running.text, at)))
+    running
+        .words
+        .duplicate
+        .map_or(Ok(()), |at| fail1(at as usize, E::DoubleWord, Capitals(address_at(running.text, at))))
+}
+
+/// The address at a byte of a text: a letter, or `,R`.
+pub(super) fn address_at(text: &[u8], at: u32) -> &[u8] {
+    let rest = text.get(at as usize..).unwrap_or_default();
+    let length = if rest.first() == Some(&b',') { 2 } else { 1 };
+    rest.get(..length).unwrap_or(rest)
 }
 
 /// The letter at a byte of a text, in upper case.

@@ -2,9 +2,10 @@
 //! distances from the start. Source: spec B2, S1.
 
 use super::codes::BlockCodes;
-use super::corner::{LineAngle, line_angle, note_corner};
+use super::corner::{line_angle, note_corner};
 use super::move_target::{MoveSyntax, MoveTarget};
 use super::rules::BlockContext;
+use crate::nc::corner::LineAngle;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{Feed, Op, PathMode};
@@ -78,7 +79,7 @@ pub(super) fn modal_move(
         }
         MotionMode::ArcClockwise | MotionMode::ArcCounterClockwise => {
             let target = target(running)?;
-            note_corner(running, syntax, &target, LineAngle::default())?;
+            note_corner(running, syntax, &target, LineAngle::None)?;
             let turn = if running.modals.motion == MotionMode::ArcClockwise { -1 } else { 1 };
             arc_move(running, syntax, target, turn)?
         }

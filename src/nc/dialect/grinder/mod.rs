@@ -19,7 +19,7 @@ use super::common::{self, MAX_VALUE, out_of_range};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
 use crate::nc::contour::PendingCycle;
-use crate::nc::fault::{E, ReadResult, fail1};
+use crate::nc::fault::{Capitals, E, ReadResult, fail1};
 use crate::nc::flow::{CallLimit, Callee};
 use crate::nc::modal::ModalCodes;
 use crate::nc::settings::NcSettings;
@@ -215,7 +215,7 @@ fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
 
 #[cold]
 fn missing_number<T>(running: &BlockContext<'_, '_>, at: u32) -> ReadResult<T> {
-    fail1(at as usize, E::MissingNumber, common::letter_at(running.text, at))
+    fail1(at as usize, E::MissingNumber, Capitals(common::address_at(running.text, at)))
 }
 
 /// Reports an unknown word, or an axis word that the one-shot function does not use.
