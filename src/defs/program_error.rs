@@ -305,7 +305,7 @@ program_errors! {
     HoldNotInhibited = 514, "hold-not-inhibited", "#3004 不起作用", "#3004 has no effect",
         "进给保持、倍率、准停始终有效，程序不能禁止", "feed hold, override and exact stop always act: a program cannot disable them";
     CornerWithoutMove = 515, "corner-without-move", "{} 后面没有平面内的 G01、G02、G03 移动", "{} is not followed by a move with G01, G02 or G03 in the plane",
-        "倒角、倒圆角后的下一个移动必须是平面内的直线或圆弧，之间最多三段没有移动，不能读取机床的值", "the next move behind a chamfer or rounding must be a line or an arc in the plane, with at most three blocks between and no value of the machine read";
+        "下一个移动必须是平面内的直线或圆弧；之间最多三段，不能改变坐标、停止预读或读取机床的值", "the next move must be a line or an arc in the plane; at most three blocks stand between, which change no coordinates, do not stop reading ahead and read no value of the machine";
     CornerDoesNotFit = 516, "corner-does-not-fit", "{} 在两段之间放不下", "{} does not fit between its two segments",
         "减小数值，或加长线段、圆弧", "reduce the value, or make line or arc longer";
     ChamferAtArc = 517, "chamfer-at-arc", "{}：倒角只能在两条直线之间", "{}: a chamfer lies between two lines only",
