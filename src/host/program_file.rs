@@ -58,7 +58,7 @@ impl ProgramInFile {
         if self.program.end < bytes.len() && !own.ends_with(['\r', '\n']) {
             own.push_str(NEW_LINE);
         }
-        let shown = |bytes: &[u8]| decode(bytes).map(|decoded| decoded.text);
+        let shown = |bytes: &[u8]| decode(bytes).map(|decoded| decoded.text.into_owned());
         let around = (shown(&bytes[..self.program.start]), shown(&bytes[self.program.end..]));
         let program = encode(&Rope::from_str(&own), encoding);
         match around {

@@ -222,6 +222,11 @@ impl MessageTexts {
         }
     }
 
+    /// Whether the program has no rows of texts: then none can be wrong.
+    pub(super) fn has_no_rows(&self) -> bool {
+        self.bad_rows.is_empty() && self.entries.iter().all(|entry| entry.line == 0)
+    }
+
     /// Rows that are not understood, and rows of alarms and messages that the program does not have. `code` is the text
     /// of its lines without comments, `shown` are the texts that it shows.
     pub(super) fn faults<'t>(

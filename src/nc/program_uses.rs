@@ -41,7 +41,8 @@ impl WheelUse {
         for line in 1..=source.line_count() as u32 {
             let bytes = &source.bytes()[source.line_start(line - 1)..source.line_start(line)];
             // M03, M98, G65, G66: most lines of a long program have none of them.
-            if bytes.iter().any(|byte| byte.eq_ignore_ascii_case(&b'M')) || bytes.windows(2).any(is_macro_code) {
+            let has = |letter: u8| bytes.iter().any(|byte| byte.eq_ignore_ascii_case(&letter));
+            if has(b'M') || has(b'G') && bytes.windows(2).any(is_macro_code) {
                 let (code, _) = split_comment(&source.line(line).unwrap_or_default(), dialect);
                 found.starts_wheel |= code.split('M').skip(1).any(is_wheel_start);
                 found.calls.extend((dialect::rules(dialect).call_in_text)(&code));
@@ -79,6 +80,9 @@ pub fn find_uses(source: &Source, dialect: Dialect) -> ProgramUses {
 #[must_use]
 pub fn text_row_faults(source: &Source) -> Vec<TextRowFault> {
     let (texts, shown) = source.message_texts();
+    if texts.has_no_rows() {
+        return Vec::new();
+    }
     let lines = 1..=source.line_count().min(MAX_LINES) as u32;
     let code = lines.map(|line| split_comment(&source.line(line).unwrap_or_default(), source.dialect()).0);
     texts.faults(code, shown.iter())

@@ -2,6 +2,8 @@
 //!
 //! Full-width `；＃％（）：` are ordinary characters here; the parser decides where they are allowed.
 
+use std::borrow::Cow;
+
 use encoding_rs::{DecoderResult, GBK};
 use ropey::Rope;
 
@@ -16,9 +18,9 @@ pub enum Encoding {
 
 /// A file's text.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Decoded {
+pub struct Decoded<'b> {
     /// The text without a byte order mark, line ends as in the file.
-    pub text: String,
+    pub text: Cow<'b, str>,
     /// The encoding of the file.
     pub encoding: Encoding,
 }
@@ -47,19 +49,20 @@ fn remedy(utf16: bool) -> &'static str {
 ///
 /// # Errors
 /// The first bytes that are invalid in both. A file with a UTF-8 byte order mark must be UTF-8.
-pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
+pub fn decode(bytes: &[u8]) -> Result<Decoded<'_>, DecodeError> {
     const UTF8_MARK: &[u8] = b"\xEF\xBB\xBF";
     let marked = bytes.strip_prefix(UTF8_MARK);
     let body = marked.unwrap_or(bytes);
     let utf8_end = match std::str::from_utf8(body) {
         Ok(text) => {
             if marked.is_none()
+                && !text.is_ascii()
                 && is_unlikely_utf8(text)
                 && let Ok(text) = decode_gbk(body)
             {
-                return Ok(Decoded { text, encoding: Encoding::Gbk });
+                return Ok(Decoded { text: text.into(), encoding: Encoding::Gbk });
             }
-            return Ok(Decoded { text: text.to_owned(), encoding: Encoding::Utf8 });
+            return Ok(Decoded { text: text.into(), encoding: Encoding::Utf8 });
         }
         Err(wrong) => wrong.valid_up_to(),
     };
@@ -68,7 +71,7 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     }
     // Up to the later of the two positions one of the encodings was valid.
     decode_gbk(body)
-        .map(|text| Decoded { text, encoding: Encoding::Gbk })
+        .map(|text| Decoded { text: text.into(), encoding: Encoding::Gbk })
         .map_err(|gbk_end| error_at(body, gbk_end.max(utf8_end)))
 }
 

@@ -212,7 +212,7 @@ fn what_a_power_cut_left_half_written_is_swept_and_never_listed() {
 fn b1_texts_are_read_in_utf8_and_in_gbk() {
     let check = |bytes: &[u8], text: &str, encoding: Encoding| {
         let decoded = decode(bytes).expect("decodes");
-        assert_eq!((decoded.text.as_str(), decoded.encoding), (text, encoding));
+        assert_eq!((&*decoded.text, decoded.encoding), (text, encoding));
     };
     check(b"", "", Encoding::Utf8);
     check(b"G0 X1\r\n", "G0 X1\r\n", Encoding::Utf8);
