@@ -25,7 +25,10 @@ impl RunTotals {
         self.extend_to(from);
         let length = match &segment.arc {
             None => distance(from, to),
-            Some(arc) => self.extend_along(arc, to),
+            Some(arc) => {
+                let normal = arc.plane.normal_axis();
+                self.extend_along(arc, to).hypot(to[normal] - from[normal])
+            }
         };
         self.extend_to(to);
         self.seconds += match segment.speed {

@@ -2,7 +2,9 @@
 
 use kt830::controller::WORK_PER_TICK;
 use kt830::defs::key::Key;
+use kt830::defs::kind::Kind;
 use kt830::defs::text::Lang;
+use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::snapshot::RunState;
@@ -542,4 +544,33 @@ fn b3_a_loop_over_the_feed_ends_and_the_program_goes_on() {
     let library: kt830::nc::SharedLibrary = std::sync::Arc::new(kt830::nc::EmptyLibrary);
     let report = kt830::nc::check(&source, &library, &kt830::nc::NcSettings::lathe_a());
     assert!(report.finished && report.warnings.is_empty(), "{:?}", report.warnings);
+}
+
+/// A quarter of radius 5 mm in XY of a surface grinder while Z goes 3 mm: at half of the angle at half of the way, and the
+/// length of the path is √((5·π/2)² + 3²) = 8.407 mm, 8.4 s at 60 mm/min.
+#[test]
+fn b2_a_helix_of_a_surface_grinder_ends_in_all_three_axes() {
+    let mut rig = crate::stories::ready_of(Kind::Gs);
+    let text = "G98 G91 G17 F60\nG02 X5 Y5 Z3 I5 J0\nM30\n";
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
+    let start = rig.snapshot().axes.clone();
+    tell(&mut rig, "load O7000\nmode auto\nkey cycle-start");
+    let from = rig.now();
+    let mut half = None;
+    while half.is_none() || rig.controller().state() != RunState::Idle {
+        rig.step();
+        let z = rig.snapshot().axes.0[2].machine - start.0[2].machine;
+        if half.is_none() && z >= 1.5 {
+            half = Some([0, 1].map(|axis| rig.snapshot().axes.0[axis].machine - start.0[axis].machine));
+        }
+    }
+    // 45° before the end: 5 − 5·cos 45° and 5·sin 45°.
+    let [x, y] = half.unwrap();
+    let root = std::f64::consts::FRAC_1_SQRT_2;
+    assert!((x - 5.0 * (1.0 - root)).abs() < 0.02 && (y - 5.0 * root).abs() < 0.02, "{x} {y}");
+    let seconds = rig.now().since(from).as_secs_f64();
+    assert!((8.4..9.0).contains(&seconds), "{seconds}");
+    for (axis, way) in [5.0, 5.0, 3.0].into_iter().enumerate() {
+        assert!((rig.snapshot().axes.0[axis].machine - start.0[axis].machine - way).abs() < 0.002);
+    }
 }

@@ -181,3 +181,17 @@ fn b3_a_printed_line_formats_its_values() {
         assert_eq!(run(&format!("{text}\nM30\n"), Dialect::LatheA).unwrap_err().error.id(), name, "{text}");
     }
 }
+
+#[test]
+fn b2_an_arc_with_the_third_axis_is_a_helix_on_a_mill() {
+    // A quarter of radius 5 in XY while Z goes down by 5.
+    let text = "G17 G98 F100\nG00 X0 Y0 Z0\nG02 X5. Y5. Z-5. I5. J0\nG03 X5. Y5. Z0 I0 J-5.\nM30\n";
+    let (ops, _) = run(text, Dialect::Mill).unwrap();
+    assert!(ops.iter().any(|op| op.contains("arc x=5 y=5 z=-5 cx=5 cy=0 turn=-1")), "{ops:?}");
+    // The second one is a full turn up.
+    assert!(ops.iter().any(|op| op.contains("arc x=5 y=5 z=0 cx=5 cy=0 turn=1")), "{ops:?}");
+    let refused = |text: &str, dialect| run(text, dialect).unwrap_err().error.id();
+    assert_eq!(refused("G98 F100\nG02 X5 Z5 Y1 R5\nM30\n", Dialect::LatheA), "no-axis");
+    let beside = "G17 G98 F100\n#2901=1\nG41 D1 G01 X0 Y-10\nX10\nG03 X20 Y0 Z-5 I0 J10\nG40 G01 X30\nM30\n";
+    assert_eq!(refused(beside, Dialect::Mill), "not-in-compensation");
+}

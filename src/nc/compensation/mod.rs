@@ -270,6 +270,11 @@ impl BlockCompensation {
         if modals.compensation.is_none() {
             return self.lead_out(&by, active, place);
         }
+        let normal = active.plane.normal_axis();
+        if by.arc.is_some() && (by.to[normal] - from[normal]).abs() > MIN_LENGTH_MM {
+            // A helix beside a contour would have to be divided with its corners.
+            return Err(place.refusal(E::NotInCompensation, active.compensation.g()));
+        }
         let segment = match by.arc {
             None => Some(PlaneSegment::line(start, end)),
             Some(arc) => PlaneSegment::arc(start, end, active.point(arc.center), arc.turn > 0),

@@ -109,7 +109,9 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
     let plane = running.modals.plane;
     let ends = ArcEnds { from, to, plane };
     let (first, second) = plane.axes();
-    if let Some(outside) = words.iter().find(|axis| *axis != first && *axis != second) {
+    let outside = words.iter().find(|axis| *axis != first && *axis != second);
+    // GS, GA: the third axis moves in proportion to the angle, a helix.
+    if let Some(outside) = outside.filter(|_| !running.settings.is_mill()) {
         return fail1(first_offset(running, syntax), E::AxisOutsidePlane, outside.letter());
     }
     if let Some(word) = running.words.peek(syntax.refused) {
