@@ -553,7 +553,7 @@ fn b2_a_helix_of_a_surface_grinder_ends_in_all_three_axes() {
     let mut rig = crate::stories::ready_of(Kind::Gs);
     let text = "G98 G91 G17 F60\nG02 X5 Y5 Z3 I5 J0\nM30\n";
     rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
-    let start = rig.snapshot().axes.clone();
+    let start = rig.snapshot().axes;
     tell(&mut rig, "load O7000\nmode auto\nkey cycle-start");
     let from = rig.now();
     let mut half = None;
