@@ -57,7 +57,10 @@ fn rows(shared: &SharedArgs) -> Vec<CodeRow> {
     if dialect.is_kt830() {
         rows.extend(G_CODES.iter().map(|row| {
             let state = match (row.availability_on(dialect.is_mill()), row.group) {
-                (Availability::Yes, GCodeGroup::DrillingCycle) => CodeState::NoEffect,
+                (
+                    Availability::Yes,
+                    GCodeGroup::DrillingCycle | GCodeGroup::LengthCompensation | GCodeGroup::Rotation,
+                ) => CodeState::NoEffect,
                 (Availability::Yes, _) => CodeState::Supported,
                 (Availability::NotYet | Availability::No, _) => CodeState::Refused,
             };

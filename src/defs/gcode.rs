@@ -22,6 +22,10 @@ pub enum GCodeGroup {
     Compensation,
     /// 09 (lathe: 10): drilling cycles. The control has none, so only their end.
     DrillingCycle,
+    /// 08: tool length compensation. The control has none, so only its end.
+    LengthCompensation,
+    /// 16 (lathe: 04, 20): rotation of coordinates. The control has none, so only its end.
+    Rotation,
     /// 12: modal macro call.
     ModalCall,
     /// 14: work offset.
@@ -129,6 +133,8 @@ g_codes! {
         "G41 G01 X_ Z_（D_）：砂轮（修整器）在轮廓左侧（沿运动方向看），中心与轮廓保持半径 R；第一段 G00/G01 接近，G40 离开。R、刀尖方向取自刀补（D 或 P416）；切不进的轮廓报警 504–506，轮廓开始前预读 100 段。" "G41 G01 X_ Z_ (D_): the wheel or dresser runs on the left of the contour, seen in the direction of travel, its centre at the distance R. The first G00 or G01 leads to the contour, G40 leads away. R and tip are those of the offset (D, or P416). A contour that it does not fit into is alarm 504 to 506; 100 segments are read ahead.";
     42 "compensation-right" Compensation Yes Yes "右侧半径补偿" "wheel radius compensation right"
         "G42 G01 X_ Z_（D_）：同 G41，在轮廓右侧。" "G42 G01 X_ Z_ (D_): as G41, on the right of the contour.";
+    49 "length-compensation-off" LengthCompensation Yes Yes "取消刀具长度补偿" "tool length compensation off"
+        "G49：取消刀具长度补偿。本机没有，可以写，无作用（程序开头的 G40 G49 G80）。" "G49: ends tool length compensation. There is none here; accepted without effect, as in the safety line G40 G49 G80 at the start of programs.";
     50 "preset" NonModal Yes Yes "设定坐标系" "set work coordinates"
         "G50 X_ Z_：把当前位置称为 X Z，不移动；清除当前刀补的磨耗。程序中用了几把刀时报警。" "G50 X_ Z_: sets the coordinates of the current position to X Z without moving; clears the wear of the active tool offset. An alarm if the program uses several tools.";
     52 "local-zero" NonModal Yes Yes "局部坐标系" "local zero"
@@ -157,6 +163,8 @@ g_codes! {
         "G66 P_ …：以后每个移动段之后调用宏程序 P，直到 G67。" "G66 P_ …: calls macro P after every following move, until G67.";
     67 "modal-call-off" ModalCall Yes Yes "取消模态调用" "modal macro call off"
         "G67：取消 G66。" "G67: ends G66.";
+    69 "rotation-off" Rotation Yes Yes "取消坐标旋转" "rotation of coordinates off"
+        "G69：取消坐标旋转。本机没有，可以写，无作用。" "G69: ends a rotation of coordinates. There is none here; accepted without effect.";
     70 "finishing" NonModal Yes No "精加工循环" "finishing cycle"
         "G70 P_ Q_：按程序段 P 到 Q 的轮廓精加工。" "G70 P_ Q_: finishing pass along the contour of blocks P to Q.";
     71 "rough-turning" NonModal Yes No "轴向粗车循环" "roughing along Z"

@@ -279,7 +279,7 @@ program_errors! {
         "改掉其中一个的程序号，或删除一个", "change the number of one of them, or delete one";
     /// A cycle as another control writes it.
     ForeignCycle = 503, "foreign-cycle", "{} 不用 {2}：这是其它系统的格式", "{} takes no {2}: this is the form of another control",
-        "本系统是车削循环：先 G71 U R，再 G71 P Q U W F", "here it is a turning cycle: G71 U R, then G71 P Q U W F";
+        "本机为 FANUC 两段格式：G71 U R，G71 P Q U W F；切槽 G75 R，G75 X Z P Q F", "here cycles have FANUC's form of two blocks: G71 U R, then G71 P Q U W F; grooving G75 R, then G75 X Z P Q F";
     /// A contour that the cutter of G41 or G42 does not fit into.
     CutterGouge = 504, "cutter-gouge", "半径 {} mm 的砂轮（修整器）在此段会切入第 {2} 行的轮廓", "a cutter of {} mm radius would cut into the contour of line {2} here",
         "减小半径 R，或修改轮廓、接近和离开的方向", "reduce the radius R, or change the contour or the way to and from it";
@@ -326,4 +326,14 @@ program_errors! {
         "分成几行", "divide it into lines";
     NoBinaryPrint = 525, "no-binary-print", "没有 BPRNT", "there is no BPRNT",
         "用 DPRNT 打印文字", "print text with DPRNT";
+    PointMissing = 526, "point-missing", "{} 没有小数点，按 mm（英寸）读", "{} has no decimal point and is read as mm (inches)",
+        "写小数点，或设 P6.1=1：没有小数点的数以最小输入单位计", "write the point, or set P6.1=1: numbers without one count least increments";
+    FeedPerRevByG99 = 527, "feed-per-rev-by-g99", "外圆磨没有 G95", "GC has no G95",
+        "每转进给用 G99，每分进给用 G98", "use G99 for a feed per revolution, G98 for one per minute";
+    PresetByG50 = 528, "preset-by-g50", "外圆磨的 G92 是螺纹循环", "G92 is a thread cycle on GC",
+        "设定坐标、限制转速用 G50", "set coordinates and limit the speed with G50";
+    ToolWithoutOffset = 529, "tool-without-offset", "T{} 是刀具 0、刀补 {2}", "T{} is tool 0 with offset {2}",
+        "前两位为刀具，后两位为刀补：写 T0101", "two digits for the tool, two for its offset: write T0101";
+    ForeignWord = 530, "foreign-word", "本控制没有 {}", "this control has no {}",
+        "SINUMERIK 的这个语句本机不用：改写该段", "it does not use this SINUMERIK statement: write the block without it";
 }

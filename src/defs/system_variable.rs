@@ -70,6 +70,7 @@ ranges! {
     MESSAGE = 3_006, 1, Write, "信息并停止 (注释为文字)", "stop with a message, text in the comment";
     DATE = 3_011, 1, Read, "日期 YYYYMMDD", "date, YYYYMMDD";
     TIME_OF_DAY = 3_012, 1, Read, "时间 HHMMSS", "time of day, HHMMSS";
+    CONSTANTS = 3_100, 3, Read, "常数：#3100 空，#3101 π，#3102 e", "constants: #3100 null, #3101 π, #3102 e";
     PARTS_DONE = 3_901, 1, ReadWrite, "已加工件数", "parts done";
     PARTS_REQUIRED = 3_902, 1, ReadWrite, "需加工件数", "parts required";
     MODALS = 4_001, 130, Read, "模态：#4001-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: G groups, F, M, N, O, S, T";

@@ -529,6 +529,8 @@ impl ProgramCheck {
             E::ArcEndOffCircle | E::ArcRadius => null_here || self.left_loops > 0,
             E::DivisionByZero => null_here && !fault.has_detail(),
             E::FunctionDomain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
+            // The number is computed from a value that only a run has.
+            E::MissingTarget | E::ReadOnly => null_here,
             E::FeedMissing => left_out,
             // The position after a loop that was left is unknown.
             E::ArcTooSmall | E::FullCircleByRadius | E::RectangleSide => self.left_loops > 0,

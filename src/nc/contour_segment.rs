@@ -8,6 +8,9 @@ use crate::units::{Axis, PerAxis, WorkPos};
 /// Shorter distances count as zero, mm; far below the resolution.
 pub(super) const MIN_LENGTH_MM: f64 = 1e-7;
 
+/// An arc whose end is rounded may go beyond it by this, mm: the tolerance of arc ends.
+const ROUNDED_END_MM: f64 = 0.01;
+
 /// One line or arc of the contour.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContourSegment {
@@ -81,7 +84,10 @@ impl ContourSegment {
         let sense = f64::from(turn);
         let swept = |to: f64| (sense * (to - angle(self.from))).rem_euclid(std::f64::consts::TAU);
         let at = swept(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
-        at > 1e-6 && at < swept(angle(self.to)) - 1e-6
+        let whole = swept(angle(self.to));
+        // How far the arc goes beyond its nearer end: a rounded end is no turn.
+        let radius = (self.from[Axis::X] - center[Axis::X]).hypot(self.from[Axis::Z] - center[Axis::Z]);
+        at < whole && radius * (1.0 - at.min(whole - at).cos()) > ROUNDED_END_MM
     }
 
     /// The coordinate on the other axis where the segment crosses `level` of an axis.

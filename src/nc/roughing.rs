@@ -80,6 +80,12 @@ impl RoughingCycle {
         if down == 0.0 || along == 0.0 || (at[b] - self.start[b]) * along < -MIN_LENGTH_MM {
             return Err(E::ContourStart);
         }
+        // With its allowance the contour must still lie below the start, and within its own length.
+        let is_above = |to: f64| (to + self.allowance[a] - self.start[a]) * down < -MIN_LENGTH_MM;
+        let length = (last.to[b] - at[b]).abs();
+        if is_above(at[a]) || rest.iter().any(|segment| is_above(segment.from[a])) || self.allowance[b].abs() > length {
+            return Err(E::ContourStart);
+        }
         let directions = Directions { down, along, rapid_infeed: first.rapid };
         if self.has_pockets {
             self.rough_pockets(rest, directions, memory, ops)?;

@@ -96,6 +96,9 @@ impl LiveScope<'_> {
         match number {
             0 => Ok(None),
             1..=33 => Ok(self.locals[number as usize - 1]),
+            3100 => Ok(None),
+            3101 => Ok(Some(std::f64::consts::PI)),
+            3102 => Ok(Some(std::f64::consts::E)),
             4114 => Ok(self.block_number.map(f64::from)),
             // DECISION: a program with a name and no number is 0.
             4115 => Ok(Some(

@@ -141,7 +141,8 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             Ok(BlockContent::TextEnd { at })
         }
         b'I' | b'i' if cursor.accept_keyword("IF") => read_if(cursor, scope, words, depth),
-        b'W' | b'w' if cursor.accept_keyword("WHILE") => {
+        // FANUC takes the first two letters for the word.
+        b'W' | b'w' if cursor.accept_keyword("WHILE") || cursor.accept_keyword("WH") => {
             let holds = is_true(evaluate(cursor, scope)?);
             cursor.skip_blanks()?;
             if !cursor.accept_keyword("DO") {

@@ -195,3 +195,36 @@ fn b2_an_arc_with_the_third_axis_is_a_helix_on_a_mill() {
     let beside = "G17 G98 F100\n#2901=1\nG41 D1 G01 X0 Y-10\nX10\nG03 X20 Y0 Z-5 I0 J10\nG40 G01 X30\nM30\n";
     assert_eq!(refused(beside, Dialect::Mill), "not-in-compensation");
 }
+
+/// What 200 programs from public sources have that was refused, or read in another way than written.
+#[test]
+fn b2_words_of_programs_that_others_wrote() {
+    let ok = |text: &str, dialect| {
+        run(&format!("{text}\nM30\n"), dialect).unwrap_or_else(|fault| panic!("{text}: {fault}")).0
+    };
+    let refused = |text: &str| run(&format!("{text}\nM30\n"), Dialect::LatheA).unwrap_err().error.id();
+    // The safety line has no effect.
+    assert_eq!(ok("G21 G40 G49 G69 G80", Dialect::LatheA), ok("G21 G40", Dialect::LatheA));
+    // 660 ft/min = 660 · 0.3048 m/min.
+    let speed = ok("G20 G96 S660", Dialect::LatheA);
+    assert!(speed.iter().any(|op| op.contains("value=201.168")), "{speed:?}");
+    assert!(ok("G21 G96 S660", Dialect::LatheA).iter().any(|op| op.contains("value=660")));
+    // 0.0002 in/rev.
+    assert!(ok("G20 G99 F0.0002\nG01 X1.", Dialect::LatheA).iter().any(|op| op.contains("f=0.00508")));
+    assert_eq!(refused("G21 G99 F0.0002\nG01 X1."), "out-of-range");
+    assert!((value_of("#3101").unwrap() - std::f64::consts::PI).abs() < 1e-15 && value_of("#3100").is_none());
+    assert_eq!(value_of("0\nWH[#100 LT 3]DO1\n#100=#100+1\nEND1"), Some(3.0));
+    for (text, name) in [
+        ("G75 X0. I0.5 F0.1", "foreign-cycle"),
+        ("G95 G01 X10. F0.1", "feed-per-rev-by-g99"),
+        ("G92 S1300", "preset-by-g50"),
+        ("G92 X10. Z5.", "preset-by-g50"),
+        ("T01", "tool-without-offset"),
+        ("T17", "out-of-range"),
+        ("G71 U2000 R500", "point-missing"),
+        ("G20\nG71 U930 R500", "point-missing"),
+        ("G73 U4. W2. R3\nG73 P10 Q20 U200 W0 F100", "point-missing"),
+    ] {
+        assert_eq!(refused(text), name, "{text}");
+    }
+}

@@ -122,6 +122,28 @@ fn b2_an_arc_may_fall_and_rise() {
 }
 
 #[test]
+fn b2_a_contour_that_its_allowance_puts_above_the_start_is_refused() {
+    // 40 + 20 > 30; −22 + … the face allowance is longer than the contour.
+    for (allowance, name) in [("U40. W0.1", "contour-start"), ("U0.4 W50.", "contour-start")] {
+        let text = format!(
+            "G00 X30. Z2.\nG71 U5. R1.\nG71 P10 Q20 {allowance} F100\nN10 G00 X10.\nG01 Z-20. F50\nN20 X28.\nM30\n"
+        );
+        assert_eq!(moves_of_line(&text, 3).unwrap_err().error.id(), name, "{allowance}");
+    }
+}
+
+#[test]
+fn b2_an_arc_with_a_rounded_end_is_no_turn() {
+    // The fillet of a real program, in millimetres: its end lies 0.0001 in beyond the tangent point.
+    let text = "G00 X270.891 Z1.27\nG71 U1.57 R1.27\nG71 P100 Q106 U.25 W.06 F100\nN100 G00 X246.2428\nN101 G01 Z0.0 F50\n\
+                N102 G03 X247.9319 Z-.5639 R.9144\nN103 G01 X249.8827 Z-2.667\nN106 X270.891\nM30\n";
+    let settings = NcSettings::for_dialect(Dialect::LatheA);
+    let source = Arc::new(Source::new(1001, "O1001.NC", text, Dialect::LatheA));
+    let report = kt830::nc::check(&source, &(Arc::new(EmptyLibrary) as _), &settings);
+    assert_eq!(report.faults, [], "{:?}", report.faults.first().map(ToString::to_string));
+}
+
+#[test]
 fn b2_what_type_2_refuses() {
     for (contour, name) in [
         // Back along Z.

@@ -146,3 +146,22 @@ fn s1_a_subprogram_that_the_run_does_not_reach_is_read() {
     let wanted = [("L10", 3, "no-such-code"), ("L20", 2, "no-spindle-position")];
     assert_eq!(found, wanted.map(|(name, line, error)| (name.to_owned(), line, error)));
 }
+
+/// A condition may stand in brackets, DOS ends a text with 0x1A, and statements of larger controls are named.
+#[test]
+fn s1_what_programs_of_others_have() {
+    let check = |text: &str| {
+        let source = Arc::new(Source::new(1001, "A.MPF", text, Dialect::Sinumerik));
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(HashMap::new()));
+        let settings = NcSettings::for_dialect(Dialect::Sinumerik);
+        let check = ProgramCheck::new(&source, &library, &settings, CommonVariables::default());
+        mistakes(&check.run(&mut OfflineMachine::new(&settings), &mut |_| {}))
+    };
+    assert_eq!(check("R3=5\nMARK1:\nR3=R3-1\nIF(R3>2)GOTOB MARK1\nIF (R3+1)*2>100 GOTOB MARK1\nM2\n\u{1a}"), [""; 0]);
+    assert!(!check("R3=5\nIF(R3>2 GOTOF A1\nA1:\nM2\n").is_empty());
+    for word in ["DEF REAL X", "PROC GRIND", "ENDIF", "WHILE R1<3", "CYCLE406(1,2)"] {
+        let found = check(&format!("{word}\nM2\n"));
+        let named = word.split([' ', '(']).next().unwrap();
+        assert!(found[0].ends_with(&format!("this control has no {named}")), "{word}: {found:?}");
+    }
+}

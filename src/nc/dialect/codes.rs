@@ -68,7 +68,8 @@ impl BlockCodes {
                 modals.inch_feed = matches!(code.number, 20 | 700);
             }
             GCodeGroup::Compensation => self.compensation = Some(code),
-            GCodeGroup::DrillingCycle | GCodeGroup::ExactStopWindow => {}
+            GCodeGroup::DrillingCycle | GCodeGroup::LengthCompensation => {}
+            GCodeGroup::Rotation | GCodeGroup::ExactStopWindow => {}
             GCodeGroup::ModalCall => self.modal_call = Some(code),
             GCodeGroup::WorkOffset => {
                 self.work_offset = true;

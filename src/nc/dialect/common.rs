@@ -12,14 +12,17 @@ use crate::nc::cutter::{Compensation, CutterShape};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{Capitals, E, ReadResult, ReadStop, fail1, fail2};
 use crate::nc::functions::whole_number;
-use crate::nc::op::Op;
+use crate::nc::op::{Op, SpeedMode};
 use crate::nc::settings::CutterSource;
 use crate::nc::words::Word;
 
 /// Greatest coordinate, feed or speed that can be programmed.
 pub(super) const MAX_VALUE: f64 = 99_999.999;
-/// Least feed: three decimals.
+/// Least feed, mm/min or mm/rev: three decimals.
 const MIN_FEED: f64 = 0.001;
+/// Least feed in inches: four decimals.
+const MIN_FEED_INCH: f64 = 0.0001;
+const METRES_PER_FOOT: f64 = 0.3048;
 
 /// Reports an unknown word, as written up to the next letter or blank.
 #[cold]
@@ -57,16 +60,19 @@ pub(super) fn letter_at(text: &[u8], at: u32) -> char {
 #[inline]
 pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
     let Some(word) = running.words.take(b'F') else { return Ok(()) };
-    running.modals.feed = Some(in_range(word, (MIN_FEED, MAX_VALUE), "")? * mm);
+    let least = if mm > 1.0 { MIN_FEED_INCH } else { MIN_FEED };
+    running.modals.feed = Some(in_range(word, (least, MAX_VALUE), "")? * mm);
     Ok(())
 }
 
-/// Makes S the modal speed.
+/// Makes S the modal speed. With inches a surface speed is in feet per minute.
 pub(super) fn set_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
     let value = in_range(word, (0.0, MAX_VALUE), "")?;
     running.modals.speed = Some(value);
-    running.ops.push(Op::S { value, mode: running.modals.speed_mode });
+    let mode = running.modals.speed_mode;
+    let is_in_feet = mode == SpeedMode::SurfaceSpeed && running.modals.inch_feed;
+    running.ops.push(Op::S { value: if is_in_feet { value * METRES_PER_FOOT } else { value }, mode });
     Ok(())
 }
 

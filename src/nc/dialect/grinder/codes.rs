@@ -15,6 +15,9 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
     let mut absolute = None;
     let words = running.words;
     for code in words.g.iter() {
+        if code.number == 92 && !mill && (words.has(b'S') || !words.has(b'F')) {
+            return fail(code.at as usize, E::PresetByG50);
+        }
         let row = look_up(*code, mill)?;
         // K1: on GC `G90` with another motion code means absolute, which is always active there.
         if code.number == 90 && !mill {
@@ -74,6 +77,7 @@ pub(super) fn look_up(code: Code, mill: bool) -> ReadResult<&'static GCode> {
         Availability::Yes => Ok(row),
         Availability::NotYet => fail1(at, E::UnavailableG, name()),
         Availability::No if code.number == 91 => fail(at, E::IncrementalG91),
+        Availability::No if code.number == 95 => fail(at, E::FeedPerRevByG99),
         Availability::No => fail1(at, E::WrongKindG, name()),
     }
 }

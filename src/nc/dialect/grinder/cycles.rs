@@ -88,6 +88,9 @@ pub(super) const fn is_grooving(code: u32) -> bool {
     matches!(code, 74 | 75)
 }
 
+/// Depth, allowance or retract of a cycle above which a decimal point is missing, mm.
+const MAX_WITHOUT_POINT_MM: f64 = 100.0;
+
 /// G70 to G73: stores the settings of the block, or returns the cycle to execute.
 pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Option<ContourCycle>> {
     let (code, at) = (code.number, code.at as usize);
@@ -106,6 +109,7 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> R
     }
     let kept = running.modals.repetitive;
     let mut allowance = PerAxis::default();
+    refuse_missing_points(running)?;
     if code != 70 {
         let given = [(b'U', Axis::X), (b'W', Axis::Z)].map(|(letter, axis)| (running.words.take(letter), axis));
         for (word, axis) in given {
@@ -130,10 +134,25 @@ pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> R
     Ok(Some(ContourCycle { first_block: first, last_block: last, at, allowance, kind: form }))
 }
 
+/// Refuses U, W and R without a decimal point that are read as millimetres and are larger than any cut: their program was
+/// written for a control that counts them in thousandths.
+fn refuse_missing_points(running: &BlockContext<'_, '_>) -> ReadResult<()> {
+    if running.settings.least_increment_mm.is_some() {
+        return Ok(());
+    }
+    for word in b"UWR".iter().filter_map(|letter| running.words.peek(*letter)) {
+        if word.kind == ValueKind::Integer && length_mm(running, word)?.abs() > MAX_WITHOUT_POINT_MM {
+            return fail1(word.at as usize, E::PointMissing, format_args!("{}{}", char::from(word.letter), word.value));
+        }
+    }
+    Ok(())
+}
+
 /// A block without P and Q: stores the settings.
 fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> ReadResult<()> {
     let words = running.words;
     let (u, w, r) = (words.take(b'U'), words.take(b'W'), words.take(b'R'));
+    refuse_missing_points(running)?;
     let mut kept = running.modals.repetitive;
     if code == 73 {
         let of = |word: Option<Word>| word.map_or(Ok(0.0), |word| length_mm(running, word));
@@ -164,6 +183,9 @@ fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> R
 fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let (code, at) = (code.number, code.at as usize);
     let (peck, step) = if code == 74 { (Axis::Z, Axis::X) } else { (Axis::X, Axis::Z) };
+    if let Some(word) = b"DHIK".iter().find_map(|letter| running.words.peek(*letter)) {
+        return fail2(word.at as usize, E::ForeignCycle, format_args!("G{code}"), char::from(word.letter));
+    }
     let MoveTarget { from, to, words, .. } = target(running)?;
     let relief = running.words.take(b'R');
     if words.is_empty() {

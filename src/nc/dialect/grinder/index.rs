@@ -75,7 +75,7 @@ impl OpenLoops {
     /// Opens or closes a loop if the block is a WHILE, DO or END. `end` is the end of its line.
     fn visit_block(&mut self, loops: &mut Vec<WhileLoop>, block: &[u8], at: usize, end: usize) {
         self.closed = None;
-        if starts_with_word(block, b"WHILE") || starts_with_word(block, b"DO") {
+        if starts_with_word(block, b"WH") || starts_with_word(block, b"DO") {
             let outer = self.depth.checked_sub(1).map(|top| self.loops[top] as u32);
             if let Some(place) = self.loops.get_mut(self.depth) {
                 *place = loops.len();

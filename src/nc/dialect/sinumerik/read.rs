@@ -15,6 +15,12 @@ use crate::nc::statement::{BlockContent, BlockReader};
 use crate::nc::words::{Assignment, BlockWords, Code, ValueKind, Word};
 use crate::units::Axis;
 
+/// Statements of larger controls of the same maker.
+const FOREIGN_WORDS: [&str; 24] = [
+    "DEF", "PROC", "ENDPROC", "EXTERN", "IF", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP",
+    "REPEAT", "REPEATB", "UNTIL", "CASE", "ROT", "AROT", "MIRROR", "SCALE", "SETAL", "SUPA", "MCALL",
+];
+
 const IF_SYNTAX: &str = "IF a<b GOTOF …";
 
 /// Opening and closing quotes: ASCII, then “ ” in UTF-8 and in GBK.
@@ -26,8 +32,8 @@ pub(super) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
     let BlockReader { cursor, scope, words, block_skip, .. } = reader;
     words.clear();
     skip_blanks(cursor);
-    // `%_N_NAME_MPF` is the header of a file from serial transfer.
-    if cursor.peek() == b'%' || cursor.accept(b'/') && block_skip {
+    // `%_N_NAME_MPF` is the header of a file from serial transfer; 0x1A ends a text of DOS.
+    if matches!(cursor.peek(), b'%' | 0x1a) || cursor.accept(b'/') && block_skip {
         cursor.skip_rest_of_line();
         return Ok(BlockContent::Empty);
     }
@@ -102,7 +108,10 @@ fn skip_label(cursor: &mut Cursor<'_>) -> ReadResult<()> {
 fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords) -> ReadResult<BlockContent> {
     let at = cursor.at;
     if accept_keyword(cursor, "IF") {
-        let holds = read_condition(cursor, scope)?;
+        let holds = match bracketed_condition(cursor) {
+            Some(end) => read_bracketed_condition(cursor, scope, end)?,
+            None => read_condition(cursor, scope)?,
+        };
         skip_blanks(cursor);
         let Some(forward) = jump_direction(cursor)? else { return fail1(cursor.at, E::BadCondition, IF_SYNTAX) };
         return read_jump(cursor, forward, holds);
@@ -153,6 +162,41 @@ fn read_jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> ReadResult<
         }
         (None, _) => unexpected(cursor),
     }
+}
+
+/// The byte of the bracket that closes `(R3<3)`, if the whole condition stands in brackets: a jump follows.
+fn bracketed_condition(cursor: &Cursor<'_>) -> Option<usize> {
+    let mut ahead = *cursor;
+    skip_blanks(&mut ahead);
+    if !ahead.accept(b'(') {
+        return None;
+    }
+    let mut depth = 1;
+    while depth > 0 {
+        match ahead.peek() {
+            b'(' => depth += 1,
+            b')' => depth -= 1,
+            b'\r' | b'\n' | b';' => return None,
+            _ => {}
+        }
+        ahead.at += 1;
+    }
+    let end = ahead.at - 1;
+    skip_blanks(&mut ahead);
+    word_at(&ahead).get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GOTO")).then_some(end)
+}
+
+/// A condition in brackets; `end` is the byte of the closing one.
+fn read_bracketed_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, end: usize) -> ReadResult<bool> {
+    skip_blanks(cursor);
+    cursor.at += 1;
+    let holds = read_condition(cursor, scope)?;
+    skip_blanks(cursor);
+    if cursor.at != end {
+        return unexpected(cursor);
+    }
+    cursor.at += 1;
+    Ok(holds)
 }
 
 fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<bool> {
@@ -307,6 +351,11 @@ fn read_long_word<S: Scope>(
     }
     if ["SPOS", "SPOSA"].iter().any(|word| found.eq_ignore_ascii_case(word.as_bytes())) {
         return fail1(at, E::NoSpindlePosition, upper_text(found));
+    }
+    let name = upper_text(found);
+    let is_cycle = name.strip_prefix("CYCLE").is_some_and(|number| is_number(number.as_bytes()));
+    if is_cycle || FOREIGN_WORDS.contains(&name.as_str()) {
+        return fail1(at, E::ForeignWord, name);
     }
     // `XR20`: `=` is missing.
     if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
