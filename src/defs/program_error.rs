@@ -328,7 +328,7 @@ program_errors! {
         "用 DPRNT 打印文字", "print text with DPRNT";
     PointMissing = 526, "point-missing", "{} 没有小数点，按 mm（英寸）读", "{} has no decimal point and is read as mm (inches)",
         "写小数点，或设 P6.1=1：没有小数点的数以最小输入单位计", "write the point, or set P6.1=1: numbers without one count least increments";
-    FeedPerRevByG99 = 527, "feed-per-rev-by-g99", "外圆磨没有 G95", "GC has no G95",
+    FeedPerRevByG99 = 527, "feed-per-rev-by-g99", "外圆磨没有 G95", "G95 does not exist on this machine",
         "每转进给用 G99，每分进给用 G98", "use G99 for a feed per revolution, G98 for one per minute";
     PresetByG50 = 528, "preset-by-g50", "外圆磨的 G92 是螺纹循环", "G92 is a thread cycle on GC",
         "设定坐标、限制转速用 G50", "set coordinates and limit the speed with G50";

@@ -1,5 +1,6 @@
 //! The G codes of a block. Each is looked up in the table; none is ignored. Source: spec B2, K1.
 
+use super::AXIS_WORDS;
 use crate::defs::gcode::{Availability, GCode, GCodeGroup};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::rules::BlockContext;
@@ -15,7 +16,9 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
     let mut absolute = None;
     let words = running.words;
     for code in words.g.iter() {
-        if code.number == 92 && !mill && (words.has(b'S') || !words.has(b'F')) {
+        // A preset of other G code systems: it has coordinates and no lead.
+        let presets = words.has(b'S') || words.has_any(AXIS_WORDS) && !words.has(b'F');
+        if code.number == 92 && !mill && presets {
             return fail(code.at as usize, E::PresetByG50);
         }
         let row = look_up(*code, mill)?;
