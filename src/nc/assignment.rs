@@ -30,11 +30,7 @@ impl Interpreter {
             }
             3000 | 3006 => {
                 let text = comment.map_or(Arg::None, |range| self.flow.source.message_text(range));
-                let value = value.unwrap_or(0.0);
-                let Some(number) = whole_number(value).filter(|number| (0..=999).contains(number)) else {
-                    return fail2(at, E::OutOfRange, format_args!("#{variable}={value}"), "0–999");
-                };
-                let number = number as u32;
+                let number = whole_up_to(999, variable, value, at)?;
                 block.ops.push(if variable == 3000 {
                     Op::Alarm { number: 3000 + number, text }
                 } else {
@@ -42,15 +38,11 @@ impl Interpreter {
                 });
             }
             3003 | 3004 => {
-                let (most, range) = if variable == 3003 { (3, "0–3") } else { (7, "0–7") };
-                let wanted = value.unwrap_or(0.0);
-                let Some(whole) = whole_number(wanted).filter(|whole| (0..=most).contains(whole)) else {
-                    return fail2(at, E::OutOfRange, format_args!("#{variable}={wanted}"), range);
-                };
+                let whole = whole_up_to(if variable == 3003 { 3 } else { 7 }, variable, value, at)?;
                 if let (3004, 1.., Some(notes)) = (variable, whole, &mut self.warnings) {
                     notes.push(ErrorAt { at, error: E::HoldNotInhibited, details: Default::default() });
                 }
-                block.ops.push(Op::SetSystemVariable { number: variable, value: Some(wanted) });
+                block.ops.push(Op::SetSystemVariable { number: variable, value: Some(f64::from(whole)) });
             }
             _ if CommonVariables::contains(variable) => match self.change_common(variable, value) {
                 Ok(()) => block.ops.push(Op::SetVariable { variable, value }),
@@ -68,5 +60,14 @@ impl Interpreter {
             },
         }
         Ok(())
+    }
+}
+
+/// The value of a variable that takes whole numbers from 0 to `most`; null is 0.
+fn whole_up_to(most: u32, variable: u32, value: Value, at: usize) -> ReadResult<u32> {
+    let value = value.unwrap_or(0.0);
+    match whole_number(value).filter(|whole| (0..=i64::from(most)).contains(whole)) {
+        Some(whole) => Ok(whole as u32),
+        None => fail2(at, E::OutOfRange, format_args!("#{variable}={value}"), format_args!("0–{most}")),
     }
 }

@@ -69,14 +69,11 @@ impl RoughingCycle {
         let rest = &all[..all.len() - usize::from(leads_out && all.len() > 1)];
         let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
         let way = |from: f64, to: f64| if (to - from).abs() > MIN_LENGTH_MM { (to - from).signum() } else { 0.0 };
-        let depths = rest.iter().map(|segment| segment.to[a]);
         let along = way(at[b], last.to[b]);
-        let down = match self.has_pockets {
-            // The start is above every point of the contour.
-            true => depths
-                .fold(way(self.start[a], at[a]), |down, to| if down == 0.0 { way(self.start[a], to) } else { down }),
-            false => way(self.start[a], at[a]),
-        };
+        // A contour with pockets may begin at the height of the start: its first other point tells the direction.
+        let others = rest.iter().map(|segment| segment.to[a]).take_while(|_| self.has_pockets);
+        let mut ways = std::iter::once(at[a]).chain(others).map(|to| way(self.start[a], to));
+        let down = ways.find(|way| way.abs() > 0.0).unwrap_or(0.0);
         if down == 0.0 || along == 0.0 || (at[b] - self.start[b]) * along < -MIN_LENGTH_MM {
             return Err(E::ContourStart);
         }
@@ -150,6 +147,7 @@ impl RoughingCycle {
         parts.extend(split);
         let deepest = parts.iter().flat_map(|part| [part.from[a], part.to[a]]);
         let bottom = deepest.fold(0.0_f64, |deepest, at| deepest.max((at - self.start[a]) * down));
+        // The summit of an arc counts, too.
         if parts.iter().any(|part| (part.from[a] - self.start[a]) * down < -MIN_LENGTH_MM) {
             return Err(E::ContourStart);
         }

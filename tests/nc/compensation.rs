@@ -12,8 +12,7 @@ use kt830::nc::{
 use kt830::units::{Axis, WorkPos};
 use proptest::prelude::*;
 
-/// Rounding of coordinates, mm.
-const ROUNDING_MM: f64 = 1e-9;
+use crate::running::{Move, ROUNDING_MM, assert_moves, moves, run_in};
 
 fn settings() -> NcSettings {
     NcSettings { diameter: false, ..NcSettings::for_dialect(Dialect::LatheA) }
@@ -27,38 +26,11 @@ fn machine(settings: &NcSettings, cutter: CutterShape) -> OfflineMachine {
 
 /// The operations of a text with their lines.
 fn operations_with(text: &str, settings: &NcSettings, cutter: CutterShape) -> Result<Vec<(u32, Op)>, ProgramFault> {
-    let (mut world, mut block) = (machine(settings, cutter), Block::new(settings));
-    let source = Arc::new(Source::new(1001, "O1001.NC", text, settings.dialect));
-    let mut interpreter =
-        Interpreter::new(source, Arc::new(EmptyLibrary), settings.clone(), CommonVariables::default());
-    let mut ops = Vec::new();
-    loop {
-        match interpreter.next(&mut world, &mut block)? {
-            NextStatus::Block => {
-                block.ops.iter().for_each(|op| world.apply(op));
-                ops.extend(block.ops.iter().map(|op| (block.location.line, op.clone())));
-            }
-            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
-            NextStatus::End => return Ok(ops),
-        }
-    }
+    Ok(run_in(&mut machine(settings, cutter), text, settings)?.0)
 }
 
 fn operations(text: &str, radius_mm: f64) -> Result<Vec<(u32, Op)>, ProgramFault> {
     operations_with(text, &settings(), CutterShape { radius_mm, tip: 0 })
-}
-
-/// A move: its line, its end as (z, x), and the centre of an arc.
-type Move = (u32, [f64; 2], Option<[f64; 2]>);
-
-/// The moves of the operations: line, end as (z, x), and the centre of an arc.
-fn moves(ops: &[(u32, Op)]) -> Vec<Move> {
-    let at = |position: WorkPos| [position[Axis::Z], position[Axis::X]];
-    let one = |(line, op): &(u32, Op)| match op.effect() {
-        OpEffect::Motion(OpMotion::Work(by)) => Some((*line, at(by.to), by.arc.map(|arc| at(arc.center)))),
-        _ => None,
-    };
-    ops.iter().filter_map(one).collect()
 }
 
 fn assert_near(is: [f64; 2], should: [f64; 2], what: &str) {
@@ -67,18 +39,7 @@ fn assert_near(is: [f64; 2], should: [f64; 2], what: &str) {
 
 /// Compares the moves of a text with those expected.
 fn check_moves(text: &str, radius_mm: f64, expected: &[Move]) {
-    let found = moves(&operations(text, radius_mm).unwrap());
-    let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < ROUNDING_MM && (a[1] - b[1]).abs() < ROUNDING_MM;
-    let is_same = found.len() == expected.len()
-        && found.iter().zip(expected).all(|(is, should)| {
-            let centres = match (is.2, should.2) {
-                (Some(a), Some(b)) => near(a, b),
-                (None, None) => true,
-                _ => false,
-            };
-            is.0 == should.0 && near(is.1, should.1) && centres
-        });
-    assert!(is_same, "{text}\nfound {found:?}\nexpected {expected:?}");
+    assert_moves(&moves(&operations(text, radius_mm).unwrap()), expected, text);
 }
 
 fn refused(text: &str, radius_mm: f64) -> (u32, &'static str) {

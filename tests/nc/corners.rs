@@ -8,13 +8,12 @@ use std::sync::Arc;
 use kt830::defs::kind::Dialect;
 use kt830::nc::{
     Block, CommonVariables, CutterShape, EmptyLibrary, Interpreter, NcSettings, NextStatus, OfflineMachine, Op,
-    OpEffect, OpMotion, ProgramFault, Source, WorkOffsets, check,
+    ProgramFault, Source, WorkOffsets, check,
 };
-use kt830::units::{Axis, PerAxis, WorkBudget, WorkPos};
+use kt830::units::{PerAxis, WorkBudget};
 use proptest::prelude::*;
 
-/// Rounding of coordinates, mm.
-const ROUNDING_MM: f64 = 1e-9;
+use crate::running::{Move, assert_moves, moves, run_in};
 
 fn settings(dialect: Dialect) -> NcSettings {
     NcSettings { diameter: false, ..NcSettings::for_dialect(dialect) }
@@ -25,47 +24,13 @@ fn operations(text: &str, dialect: Dialect) -> Result<Vec<(u32, Op)>, ProgramFau
     let settings = settings(dialect);
     let mut offsets = WorkOffsets::default();
     offsets.cutter[0] = CutterShape { radius_mm: 1.0, tip: 0 };
-    let (mut world, mut block) = (OfflineMachine::new(&settings).with_work_offsets(offsets), Block::new(&settings));
-    let source = Arc::new(Source::new(1001, "O1001.NC", text, dialect));
-    let mut interpreter = Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default());
-    let mut ops = Vec::new();
-    loop {
-        match interpreter.next(&mut world, &mut block)? {
-            NextStatus::Block => {
-                block.ops.iter().for_each(|op| world.apply(op));
-                ops.extend(block.ops.iter().map(|op| (block.location.line, op.clone())));
-            }
-            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
-            NextStatus::End => return Ok(ops),
-        }
-    }
-}
-
-/// A move: its line, its end as (z, x), and the centre of an arc.
-type Move = (u32, [f64; 2], Option<[f64; 2]>);
-
-fn moves(ops: &[(u32, Op)]) -> Vec<Move> {
-    let at = |position: WorkPos| [position[Axis::Z], position[Axis::X]];
-    let one = |(line, op): &(u32, Op)| match op.effect() {
-        OpEffect::Motion(OpMotion::Work(by)) => Some((*line, at(by.to), by.arc.map(|arc| at(arc.center)))),
-        _ => None,
-    };
-    ops.iter().filter_map(one).collect()
+    let mut world = OfflineMachine::new(&settings).with_work_offsets(offsets);
+    Ok(run_in(&mut world, text, &settings)?.0)
 }
 
 fn expect(text: &str, dialect: Dialect, wanted: &[Move]) {
-    let found = moves(&operations(text, dialect).unwrap_or_else(|fault| panic!("{text}\n{fault}")));
-    let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < ROUNDING_MM;
-    let same = |a: &Move, b: &Move| {
-        let centre = match (a.2, b.2) {
-            (Some(a), Some(b)) => near(a, b),
-            (None, None) => true,
-            _ => false,
-        };
-        a.0 == b.0 && near(a.1, b.1) && centre
-    };
-    let equal = found.len() == wanted.len() && found.iter().zip(wanted).all(|(found, wanted)| same(found, wanted));
-    assert!(equal, "{text}\nfound  {found:?}\nwanted {wanted:?}");
+    let ops = operations(text, dialect).unwrap_or_else(|fault| panic!("{text}\n{fault}"));
+    assert_moves(&moves(&ops), wanted, text);
 }
 
 fn refused(text: &str, dialect: Dialect) -> (&'static str, u32) {

@@ -5,27 +5,17 @@ use std::sync::Arc;
 use kt830::defs::kind::Dialect;
 use kt830::nc::{
     Block, CommonVariables, EmptyLibrary, ExternalState, Interpreter, LiveValue, NcSettings, NextStatus,
-    OfflineMachine, Op, ProgramFault, Source,
+    OfflineMachine, ProgramFault, Source,
 };
 use kt830::units::WorkPos;
+
+use crate::running::run_in;
 
 /// The operations of a text, and the common variables behind them.
 fn run(text: &str, dialect: Dialect) -> Result<(Vec<String>, CommonVariables), ProgramFault> {
     let settings = NcSettings::for_dialect(dialect);
-    let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
-    let source = Arc::new(Source::new(1001, "O1001.NC", text, dialect));
-    let mut interpreter = Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default());
-    let mut ops = Vec::new();
-    loop {
-        match interpreter.next(&mut world, &mut block)? {
-            NextStatus::Block => {
-                block.ops.iter().for_each(|op| world.apply(op));
-                ops.extend(block.ops.iter().map(Op::to_string));
-            }
-            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
-            NextStatus::End => return Ok((ops, interpreter.common_variables().clone())),
-        }
-    }
+    let (ops, variables) = run_in(&mut OfflineMachine::new(&settings), text, &settings)?;
+    Ok((ops.iter().map(|(_, op)| op.to_string()).collect(), variables))
 }
 
 fn value_of(expression: &str) -> Option<f64> {

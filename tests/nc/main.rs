@@ -16,6 +16,7 @@ mod op_effect;
 mod program_uses;
 mod roughing;
 mod rows;
+mod running;
 mod sinumerik;
 mod unexecuted;
 mod work_offsets;

@@ -6,38 +6,25 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use kt830::defs::kind::Dialect;
-use kt830::nc::{
-    Block, CommonVariables, EmptyLibrary, Interpreter, NcSettings, NextStatus, OfflineMachine, Op, OpEffect, OpMotion,
-    ProgramFault, Source,
-};
+use kt830::nc::{EmptyLibrary, NcSettings, OfflineMachine, Op, OpEffect, OpMotion, ProgramFault, Source};
 use kt830::units::{Axis, WorkPos};
 use proptest::prelude::*;
 
-/// A move of the cycle: rapid or at feed, its end, and the centre of an arc.
-type Move = (bool, [f64; 2], Option<[f64; 2]>);
+use crate::running::run_in;
+
+/// A move of the cycle: rapid or at feed, and its end.
+type Move = (bool, [f64; 2]);
 
 /// The moves of the block on a line.
 fn moves_of_line(text: &str, line: u32) -> Result<Vec<Move>, ProgramFault> {
     let settings = NcSettings { diameter: false, ..NcSettings::for_dialect(Dialect::LatheA) };
-    let (mut world, mut block) = (OfflineMachine::new(&settings), Block::new(&settings));
-    let source = Arc::new(Source::new(1001, "O1001.NC", text, Dialect::LatheA));
-    let mut interpreter = Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default());
+    let (ops, _) = run_in(&mut OfflineMachine::new(&settings), text, &settings)?;
     let at = |position: WorkPos| [position[Axis::Z], position[Axis::X]];
     let one = |op: &Op| match op.effect() {
-        OpEffect::Motion(OpMotion::Work(by)) => Some((by.rapid, at(by.to), by.arc.map(|arc| at(arc.center)))),
+        OpEffect::Motion(OpMotion::Work(by)) => Some((by.rapid, at(by.to))),
         _ => None,
     };
-    let mut moves = Vec::new();
-    loop {
-        match interpreter.next(&mut world, &mut block)? {
-            NextStatus::Block => {
-                block.ops.iter().for_each(|op| world.apply(op));
-                moves.extend(block.ops.iter().filter(|_| block.location.line == line).filter_map(one));
-            }
-            NextStatus::Drain | NextStatus::Busy | NextStatus::Waiting => {}
-            NextStatus::End => return Ok(moves),
-        }
-    }
+    Ok(ops.iter().filter(|(of, _)| *of == line).filter_map(|(_, op)| one(op)).collect())
 }
 
 /// `+` in front of rapid moves, then z and x.
@@ -45,7 +32,7 @@ fn shown(moves: &[Move]) -> Vec<String> {
     let round = |value: f64| (value * 1e6).round() / 1e6 + 0.0;
     moves
         .iter()
-        .map(|(rapid, [z, x], _)| format!("{}{} {}", if *rapid { "+" } else { "" }, round(*z), round(*x)))
+        .map(|(rapid, [z, x])| format!("{}{} {}", if *rapid { "+" } else { "" }, round(*z), round(*x)))
         .collect()
 }
 
@@ -194,7 +181,7 @@ proptest! {
         let place = |step: usize| end * (step as f64 + 0.5) / STEPS as f64;
         let mut stock = vec![30.0_f64; STEPS];
         let mut from = [0.0_f64, 30.0];
-        for (rapid, to, _) in strokes {
+        for (rapid, to) in strokes {
             let (low, high) = (from[0].min(to[0]), from[0].max(to[0]));
             for (step, left) in stock.iter_mut().enumerate() {
                 let z = place(step);

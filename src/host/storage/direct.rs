@@ -9,6 +9,9 @@ use crate::host::part::PartQuery;
 use crate::host::print_file::printed_lines;
 use crate::store::FolderError;
 
+/// Most printed lines that wait to be taken; the oldest are dropped first.
+const MAX_PRINTED: usize = 100_000;
+
 /// Storage without threads.
 pub struct DirectStorage {
     retained: RetainedWorker,
@@ -51,6 +54,7 @@ impl Storage for DirectStorage {
         self.retained.handle(requests, tell);
         self.worker.print(requests, tell);
         self.printed.extend(printed_lines(requests).map(|(_, line)| line.as_name().to_owned()));
+        self.printed.drain(..self.printed.len().saturating_sub(MAX_PRINTED));
         for request in requests.drain(..) {
             // A job that is cancelled has ended already: `run` does nothing with `Cancel`.
             if let StorageRequest::Job(job) = request {
