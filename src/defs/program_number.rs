@@ -1,12 +1,24 @@
 //! Program names: `O1001`, `L10` and SINUMERIK names such as `VGRIND`. Each name maps to one number, which identifies
 //! the program inside the control. Source: spec B1, S1.
 
+/// Least number of digits in the name of an O program.
+pub const O_DIGITS: u32 = 4;
+/// Most digits of an O number; programs call more than four of them if P418 says so.
+pub const O_MAX_DIGITS: u32 = 8;
+/// The highest O number.
+pub const O_MAX: u32 = o_limit(O_MAX_DIGITS);
 /// First number of the subprograms `L0` to `L9999999`.
-const L_FIRST: u32 = 10_000_000;
+const L_FIRST: u32 = O_MAX + 1;
 /// The highest L number.
 pub const L_MAX: u32 = 9_999_999;
 /// Numbers from here on are hashes of names.
 const NAMED_FIRST: u32 = 1 << 31;
+
+/// The highest O number with this many digits.
+#[must_use]
+pub const fn o_limit(digits: u32) -> u32 {
+    10_u32.pow(digits) - 1
+}
 
 /// The number of the subprogram `L n`.
 #[must_use]
@@ -25,7 +37,8 @@ pub const fn is_named(number: u32) -> bool {
 pub fn from_name(name: &str) -> u32 {
     let digits = |rest: &str| rest.parse::<u32>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
     let upper = name.to_ascii_uppercase();
-    if let Some(n) = upper.strip_prefix('O').filter(|rest| rest.len() == 4).and_then(digits) {
+    let has_digits = |rest: &&str| (O_DIGITS..=O_MAX_DIGITS).contains(&(rest.len() as u32));
+    if let Some(n) = upper.strip_prefix('O').filter(has_digits).and_then(digits) {
         return n;
     }
     if let Some(n) = upper.strip_prefix('L').and_then(digits).filter(|n| *n <= L_MAX) {
@@ -56,10 +69,10 @@ pub fn name_of(number: u32) -> String {
     }
 }
 
-/// Whether a number is that of an O program.
+/// Whether a number is that of an O program: 1 to 99 999 999.
 #[must_use]
 pub const fn is_o_number(number: u32) -> bool {
-    number < L_FIRST
+    0 < number && number <= O_MAX
 }
 
 /// Whether a number belongs to an L subprogram such as `L10`.

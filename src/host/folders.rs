@@ -26,11 +26,11 @@ use crate::store::{
 };
 
 /// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
-const PAGE_NUMBERS: std::ops::RangeInclusive<u16> = 1..=20;
+const PAGE_NUMBERS: std::ops::RangeInclusive<u32> = 1..=20;
 /// Page file numbers of the R pages of the vertical grinder (S3).
-const R_PAGE_NUMBERS: std::ops::RangeInclusive<u16> = 801..=803;
+const R_PAGE_NUMBERS: std::ops::RangeInclusive<u32> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
-const DRESSING_PICTURE: u16 = 100;
+const DRESSING_PICTURE: u32 = 100;
 /// Lines of a program that are searched for its kinds of machine, and characters of a line.
 const HEAD_LINES: usize = 10;
 const HEAD_CHARS: usize = 200;
@@ -113,12 +113,11 @@ impl Folders {
                 rows.push(program);
             }
         };
-        for FolderEntry { number: file, size, modified, comment, .. } in folder.list(&PROGRAM)?.entries {
-            let number = u32::from(file);
+        for FolderEntry { number, size, modified, comment, .. } in folder.list(&PROGRAM)?.entries {
             let (name, modified) = (program_number::name_of(number), time_text(modified));
             let (english, kinds) = (None, Vec::new());
             let row = DirectoryRow { number, name, size, comment, english, modified, kinds };
-            add(folder.read(&PROGRAM, file), row);
+            add(folder.read(&PROGRAM, number), row);
         }
         for NamedProgram { stem, name: file, size, modified, comment } in list_named_programs(&self.programs)? {
             let (number, modified) = (program_number::from_name(&stem), time_text(modified));
@@ -166,14 +165,14 @@ impl Folders {
     /// The folder cannot be listed.
     pub fn read_screens(&self) -> Result<Screens, FolderError> {
         let folder = Folder::new(&self.screens);
-        let listed = |class: &FileClass| -> Result<Vec<u16>, FolderError> {
+        let listed = |class: &FileClass| -> Result<Vec<u32>, FolderError> {
             Ok(folder.list(class)?.entries.iter().map(|entry| entry.number).collect())
         };
         let (texts, pictures) = (listed(&PAGE_TEXT)?, listed(&PICTURE)?);
         let pages = PAGE_NUMBERS
             .chain(R_PAGE_NUMBERS)
             .filter(|number| texts.contains(number) || pictures.contains(number))
-            .map(|number| (1_000 + u32::from(number), screen_files(&folder, number)))
+            .map(|number| (1_000 + number, screen_files(&folder, number)))
             .collect();
         let dressing = Some(picture(&folder, DRESSING_PICTURE));
         Ok(Screens { pages, dressing })
@@ -282,7 +281,7 @@ fn file_fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileF
 }
 
 /// Reads a page file; a fault is shown with alarm 66.
-fn read_page_file(folder: &Folder, class: &FileClass, number: u16) -> Result<FileContent, FileFault> {
+fn read_page_file(folder: &Folder, class: &FileClass, number: u32) -> Result<FileContent, FileFault> {
     folder.read(class, number).map_err(|error| match error {
         FolderError::Missing { name, .. } => {
             file_fault(&name, "文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder")
@@ -292,7 +291,7 @@ fn read_page_file(folder: &Folder, class: &FileClass, number: u16) -> Result<Fil
 }
 
 /// Page text with its English, and picture. Without a valid English text the page is shown as written (H9).
-fn screen_files(folder: &Folder, number: u16) -> ScreenFiles {
+fn screen_files(folder: &Folder, number: u32) -> ScreenFiles {
     let parsed = |class: &FileClass| -> Result<page_text::PageText, FileFault> {
         let found = read_page_file(folder, class, number)?;
         parse_page_text(&found.name, &found.bytes)
@@ -323,7 +322,7 @@ pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<page_text::PageText, 
     page_text::parse(&decoded.text).map_err(|wrong| fault((wrong.line, wrong.column), wrong.message))
 }
 
-fn picture(folder: &Folder, number: u16) -> Result<Arc<Picture>, FileFault> {
+fn picture(folder: &Folder, number: u32) -> Result<Arc<Picture>, FileFault> {
     let found = read_page_file(folder, &PICTURE, number)?;
     parse_picture(&found.name, &found.bytes).map(Arc::new)
 }

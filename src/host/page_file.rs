@@ -33,8 +33,8 @@ pub struct PageFileFolder {
     pub usb_drive: Option<UsbDrive>,
 }
 
-fn file_number(page: u32) -> Result<u16, Refusal> {
-    let number = page.checked_sub(PAGE_NUMBER_OFFSET).and_then(|number| u16::try_from(number).ok());
+fn file_number(page: u32) -> Result<u32, Refusal> {
+    let number = page.checked_sub(PAGE_NUMBER_OFFSET);
     let missing = || refusal(format!("{page} 没有页面"), format!("{page} has no page"));
     number.filter(|number| (1..=9_999).contains(number)).ok_or_else(missing)
 }
@@ -81,7 +81,7 @@ impl PageFileFolder {
     }
 
     /// The text of a file that does not exist yet. The English text begins as the page text, to be translated.
-    fn template(&self, id: PageTextId, file: u16) -> Rope {
+    fn template(&self, id: PageTextId, file: u32) -> Rope {
         let own = Some(PAGE_TEXT).filter(|_| id.lang == Lang::En).and_then(|own| self.screens.read(&own, file).ok());
         own.and_then(|own| Some(decode(&own.bytes).ok()?.text.into())).unwrap_or_else(empty_page_text)
     }

@@ -138,7 +138,7 @@ impl ProgramFiles<'_> {
     }
 
     /// Checks that neither a file nor a program in a file has a number.
-    fn check_free(&self, number: u32) -> Result<u16, Refusal> {
+    fn check_free(&self, number: u32) -> Result<u32, Refusal> {
         let file = file_number(number)?;
         if let Some(part) = self.part(number) {
             let (zh, en) = (format!("O{number:04} 在 {} 中", part.file), format!("O{number:04} is in {}", part.file));
@@ -243,7 +243,9 @@ impl ProgramFiles<'_> {
     }
 }
 
-fn file_number(number: u32) -> Result<u16, Refusal> {
-    let file = u16::try_from(number).ok().filter(|number| (1..=9_999).contains(number));
-    file.ok_or_else(|| refusal("程序号应为 1-9999", "program numbers are 1 to 9999"))
+fn file_number(number: u32) -> Result<u32, Refusal> {
+    program_number::is_o_number(number).then_some(number).ok_or_else(|| {
+        let most = program_number::O_MAX;
+        refusal(format!("程序号应为 1-{most}"), format!("program numbers are 1 to {most}"))
+    })
 }

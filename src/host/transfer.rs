@@ -39,6 +39,7 @@ const PRINT_LIMIT: usize = 64 * 1024 * 1024;
 /// Pictures on a USB drive; other formats than BMP can be converted (K5.12).
 pub(super) const FOREIGN_PICTURE: FileClass = FileClass {
     letter: 'B',
+    max_digits: PICTURE.max_digits,
     extensions: &["BMP", "PNG", "JPG", "JPEG"],
     limit: 32 * 1024 * 1024,
     comment_source: CommentSource::None,
@@ -48,7 +49,7 @@ const PICTURE_SIDE_LIMIT: u32 = 10_000;
 const PICTURE_MEMORY_LIMIT: u64 = 256 * 1024 * 1024;
 
 /// The class and number of a page file.
-fn parse_page_file(name: &str) -> Option<(&'static FileClass, u16)> {
+fn parse_page_file(name: &str) -> Option<(&'static FileClass, u32)> {
     static CLASSES: [FileClass; 3] = PAGE_FILES;
     CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
 }
@@ -363,7 +364,7 @@ enum FilePlace {
     /// A program by name.
     Program(ProgramFolder, String),
     /// A page file by number.
-    Page(Folder, FileClass, u16),
+    Page(Folder, FileClass, u32),
 }
 
 impl FilePlace {

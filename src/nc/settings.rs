@@ -1,6 +1,7 @@
 //! Settings of the interpreter from machine kind and parameters. Source: spec K1, B1, B2.
 
 pub use crate::defs::kind::Dialect;
+use crate::defs::program_number;
 use crate::units::{Axis, PerAxis};
 
 /// The meaning of S under G97.
@@ -91,6 +92,8 @@ pub struct NcSettings {
     pub jump_input: u32,
     /// Highest tool and offset number of a T word.
     pub tool_count: u32,
+    /// The highest O number that a program can call; by its digits (P418).
+    pub program_limit: u32,
     /// The initial path mode is exact stop (G61, G60), not G64.
     pub exact_stop: bool,
     /// The start position is the work zero until the program changes it (L3).
@@ -127,6 +130,7 @@ impl NcSettings {
             speed_unit: SpeedUnit::Rpm,
             jump_input: 0,
             tool_count: 16,
+            program_limit: program_number::o_limit(program_number::O_DIGITS),
             exact_stop: false,
             start_is_work_zero: false,
             needs_block_numbers: false,

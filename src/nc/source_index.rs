@@ -1,6 +1,8 @@
 //! The index of a program's text: what a jump, a loop or a call can go to. Each dialect fills in what it has.
 //! Source: spec B1, B3, L1, L4, L7, S1.
 
+use crate::defs::program_number;
+
 /// Deepest nesting of WHILE in one program. The numbers after DO are 1 to this.
 pub(crate) const LOOP_DEPTH: usize = 3;
 
@@ -145,20 +147,17 @@ fn read_block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
     (number, after_blanks(&rest[kept..], brackets))
 }
 
-/// The programs that O and `:` can name.
-const O_NUMBERS: std::ops::RangeInclusive<u32> = 1..=9_999;
-/// Most digits of an O number; leading zeros count.
-const MAX_O_DIGITS: usize = 8;
-
 /// The number of a line that begins with `O1001` or `:1001`, and the rest of the line.
 #[must_use]
 pub fn o_number(line: &[u8]) -> Option<(u32, &[u8])> {
     let [b'O' | b'o' | b':', rest @ ..] = line.trim_ascii_start() else { return None };
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
     let (number, rest) = rest.split_at(digits);
-    let number = std::str::from_utf8(number).ok()?.parse().ok().filter(|number| O_NUMBERS.contains(number))?;
+    let number =
+        std::str::from_utf8(number).ok()?.parse().ok().filter(|number| program_number::is_o_number(*number))?;
     let ends = !rest.first().is_some_and(|byte| byte.is_ascii_alphanumeric() || *byte >= 0x80);
-    let is_heading = (1..=MAX_O_DIGITS).contains(&digits) && ends && foreign_statement(rest).is_none();
+    let is_heading =
+        (1..=program_number::O_MAX_DIGITS as usize).contains(&digits) && ends && foreign_statement(rest).is_none();
     is_heading.then_some((number, rest))
 }
 

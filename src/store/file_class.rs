@@ -1,4 +1,4 @@
-//! Names of numbered files: a letter, four digits, an extension; case-insensitive.
+//! Names of numbered files: a letter, four digits (a program may have up to eight), an extension; case-insensitive.
 
 /// Maximum size of a part program, bytes: over ten million blocks.
 pub const PROGRAM_LIMIT: u64 = 512 * 1024 * 1024;
@@ -7,18 +7,38 @@ pub const PAGE_TEXT_LIMIT: u64 = 64 * 1024;
 /// Maximum size of a picture, bytes; 200 × 400 pixels in 24 bits are 240 054 (K5.12).
 pub const PICTURE_LIMIT: u64 = 1024 * 1024;
 
-/// Part programs `O1001.NC` (B1).
-pub const PROGRAM: FileClass =
-    FileClass { letter: 'O', extensions: &["NC"], limit: PROGRAM_LIMIT, comment_source: CommentSource::FirstComment };
+/// Part programs `O1001.NC` (B1), `O12345678.NC`.
+pub const PROGRAM: FileClass = FileClass {
+    letter: 'O',
+    max_digits: 8,
+    extensions: &["NC"],
+    limit: PROGRAM_LIMIT,
+    comment_source: CommentSource::FirstComment,
+};
 /// Page texts `C0001.TXT`; `C0001.NC` is used only without it (K7.3).
-pub const PAGE_TEXT: FileClass =
-    FileClass { letter: 'C', extensions: &["TXT", "NC"], limit: PAGE_TEXT_LIMIT, comment_source: CommentSource::Title };
+pub const PAGE_TEXT: FileClass = FileClass {
+    letter: 'C',
+    max_digits: DIGITS,
+    extensions: &["TXT", "NC"],
+    limit: PAGE_TEXT_LIMIT,
+    comment_source: CommentSource::Title,
+};
 /// English texts of the pages, `C0001.EN.TXT`, beside the page texts (H9).
-pub const PAGE_TEXT_EN: FileClass =
-    FileClass { letter: 'C', extensions: &["EN.TXT"], limit: PAGE_TEXT_LIMIT, comment_source: CommentSource::Title };
+pub const PAGE_TEXT_EN: FileClass = FileClass {
+    letter: 'C',
+    max_digits: DIGITS,
+    extensions: &["EN.TXT"],
+    limit: PAGE_TEXT_LIMIT,
+    comment_source: CommentSource::Title,
+};
 /// Pictures `B0001.BMP` (K7.3).
-pub const PICTURE: FileClass =
-    FileClass { letter: 'B', extensions: &["BMP"], limit: PICTURE_LIMIT, comment_source: CommentSource::None };
+pub const PICTURE: FileClass = FileClass {
+    letter: 'B',
+    max_digits: DIGITS,
+    extensions: &["BMP"],
+    limit: PICTURE_LIMIT,
+    comment_source: CommentSource::None,
+};
 
 /// The files of the pages.
 pub const PAGE_FILES: [FileClass; 3] = [PAGE_TEXT, PAGE_TEXT_EN, PICTURE];
@@ -28,6 +48,8 @@ pub const PAGE_FILES: [FileClass; 3] = [PAGE_TEXT, PAGE_TEXT_EN, PICTURE];
 pub struct FileClass {
     /// The letter before the number, upper case.
     pub letter: char,
+    /// Most digits of the number; it has at least four.
+    pub max_digits: usize,
     /// Extensions in upper case; earlier ones have priority.
     pub extensions: &'static [&'static str],
     /// Maximum size, bytes.
@@ -47,26 +69,31 @@ pub enum CommentSource {
     None,
 }
 
-/// Number of digits in a name.
-const DIGITS: usize = 4;
-/// Largest number in a name.
-pub(super) const LARGEST_NUMBER: u16 = 9999;
+/// Least number of digits in a name.
+pub(crate) const DIGITS: usize = 4;
 
 impl FileClass {
+    /// The largest number in a name.
+    #[must_use]
+    pub const fn largest_number(&self) -> u32 {
+        10_u32.pow(self.max_digits as u32) - 1
+    }
+
     /// The file name for a number, as written by this control: `O1001.NC`.
     #[must_use]
-    pub fn file_name(&self, number: u16) -> String {
+    pub fn file_name(&self, number: u32) -> String {
         let extension = self.extensions.first().copied().unwrap_or_default();
         format!("{}{number:04}.{extension}", self.letter)
     }
 
     /// Number and rank of the extension (0 is best) of a name, case-insensitive; `None` for names of other classes.
     #[must_use]
-    pub fn parse(&self, name: &str) -> Option<(u16, usize)> {
+    pub fn parse(&self, name: &str) -> Option<(u32, usize)> {
         let (stem, extension) = name.split_once('.')?;
         let rank = self.extensions.iter().position(|known| known.eq_ignore_ascii_case(extension))?;
         let digits = stem.strip_prefix([self.letter, self.letter.to_ascii_lowercase()])?;
-        let numbered = digits.len() == DIGITS && digits.bytes().all(|byte| byte.is_ascii_digit());
+        let numbered =
+            (DIGITS..=self.max_digits).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
         Some((digits.parse().ok().filter(|_| numbered)?, rank))
     }
 

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::atomic_file::{self, ReadError, is_temporary};
-use super::file_class::{FileClass, LARGEST_NUMBER};
+use super::file_class::FileClass;
 use super::io_fault::IoFault;
 use super::listing::{self, FolderEntry, FolderListing};
 use crate::defs::text::LocalizedText;
@@ -32,8 +32,8 @@ pub enum FolderError {
         like: String,
     },
     /// The number is too large for a file name.
-    #[error("{0} is not a file number; use 0 to {LARGEST_NUMBER}")]
-    BadNumber(u16),
+    #[error("{0} is not a file number; use 0 to {1}")]
+    BadNumber(u32, u32),
     /// A link, folder or device has that name.
     #[error("{}: a link, folder or device; put the file itself there", .0.display())]
     NotRegular(PathBuf),
@@ -64,7 +64,7 @@ impl FolderError {
     pub fn message(&self) -> LocalizedText {
         let name = match self {
             Self::Missing { name, .. } | Self::BadName { name, .. } => name.clone(),
-            Self::BadNumber(number) => number.to_string(),
+            Self::BadNumber(number, _) => number.to_string(),
             Self::NotRegular(path) | Self::BeingWritten(path) | Self::Exists(path) => file_name(path),
             Self::TooLarge { path, .. } => file_name(path),
             Self::Io(fault) => return LocalizedText::new(fault.zh(), fault.en()),
@@ -82,7 +82,9 @@ impl FolderError {
             Self::BadName { like, .. } => {
                 of(&format!("不是有效的文件名，应像 {like}"), &format!("is not a file name: use one like {like}"))
             }
-            Self::BadNumber(_) => of("不是有效的程序号，应为 1-9999", "is not a program number: use 1 to 9999"),
+            Self::BadNumber(_, most) => {
+                of(&format!("不是有效的程序号，应为 1-{most}"), &format!("is not a program number: use 1 to {most}"))
+            }
             Self::Missing { .. } | Self::Io(_) => of("不存在", "does not exist"),
         }
     }
@@ -128,7 +130,7 @@ impl Folder {
     ///
     /// # Errors
     /// [`FolderError::Missing`], or the folder cannot be listed.
-    pub fn find(&self, class: &FileClass, number: u16) -> Result<FolderEntry, FolderError> {
+    pub fn find(&self, class: &FileClass, number: u32) -> Result<FolderEntry, FolderError> {
         let (mut found, _) = listing::scan(&self.path, class)?;
         let found = found.remove(&number).ok_or_else(|| self.missing(class, number))?;
         Ok(listing::folder_entry(&self.path, class, number, found))
@@ -138,7 +140,7 @@ impl Folder {
     ///
     /// # Errors
     /// It is missing, not a regular file, larger than its class allows, still being written, or unreadable.
-    pub fn read(&self, class: &FileClass, number: u16) -> Result<FileContent, FolderError> {
+    pub fn read(&self, class: &FileClass, number: u32) -> Result<FileContent, FolderError> {
         let path = self.existing(class, number)?;
         Ok(FileContent { name: file_name(&path), bytes: read_regular_file(&path, class.limit)? })
     }
@@ -168,7 +170,7 @@ impl Folder {
     ///
     /// # Errors
     /// It is too large, or a link, folder or device has its name, or a disk error.
-    pub fn write(&self, class: &FileClass, number: u16, bytes: &[u8]) -> Result<String, FolderError> {
+    pub fn write(&self, class: &FileClass, number: u32, bytes: &[u8]) -> Result<String, FolderError> {
         let path = match self.existing(class, number) {
             Ok(path) => path,
             Err(FolderError::Missing { .. }) => self.new_path(class, number)?,
@@ -191,7 +193,7 @@ impl Folder {
     ///
     /// # Errors
     /// It is missing, the number is in use, or a disk error.
-    pub fn rename(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
+    pub fn rename(&self, class: &FileClass, from: u32, to: u32) -> Result<String, FolderError> {
         self.check_free(class, to)?;
         let (old, new) = (self.existing(class, from)?, self.new_path(class, to)?);
         fs::rename(&old, &new).map_err(IoFault::at(&old, "rename"))?;
@@ -203,7 +205,7 @@ impl Folder {
     ///
     /// # Errors
     /// It is missing, or a disk error.
-    pub fn delete(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
+    pub fn delete(&self, class: &FileClass, number: u32) -> Result<(), FolderError> {
         let path = self.existing(class, number)?;
         self.remove(&path)
     }
@@ -225,7 +227,7 @@ impl Folder {
     }
 
     /// The path of the file with a number; refuses a link, folder or device with that name.
-    fn existing(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
+    fn existing(&self, class: &FileClass, number: u32) -> Result<PathBuf, FolderError> {
         let (mut found, ignored) = listing::scan(&self.path, class)?;
         if let Some(found) = found.remove(&number) {
             return Ok(self.path.join(found.name));
@@ -241,9 +243,9 @@ impl Folder {
     }
 
     /// The path of a new file.
-    fn new_path(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
-        if number > LARGEST_NUMBER {
-            return Err(FolderError::BadNumber(number));
+    fn new_path(&self, class: &FileClass, number: u32) -> Result<PathBuf, FolderError> {
+        if number > class.largest_number() {
+            return Err(FolderError::BadNumber(number, class.largest_number()));
         }
         Ok(self.path.join(class.file_name(number)))
     }
@@ -252,7 +254,7 @@ impl Folder {
     ///
     /// # Errors
     /// The number is taken, or the folder cannot be listed.
-    pub fn check_free(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
+    pub fn check_free(&self, class: &FileClass, number: u32) -> Result<(), FolderError> {
         match self.existing(class, number) {
             Ok(path) => Err(FolderError::Exists(path)),
             Err(FolderError::Missing { .. }) => Ok(()),
@@ -260,7 +262,7 @@ impl Folder {
         }
     }
 
-    fn missing(&self, class: &FileClass, number: u16) -> FolderError {
+    fn missing(&self, class: &FileClass, number: u32) -> FolderError {
         FolderError::Missing { name: class.file_name(number), folder: self.path.clone() }
     }
 }

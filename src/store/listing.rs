@@ -23,7 +23,7 @@ const COMMENT_LIMIT: usize = 80;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FolderEntry {
     /// The number in its name.
-    pub number: u16,
+    pub number: u32,
     /// Its name on the disk.
     pub name: String,
     /// Its size, in bytes.
@@ -60,8 +60,8 @@ pub(super) struct Candidate {
 }
 
 /// The files of a class by number, without comments, and the ignored files.
-pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Candidate>, Vec<IgnoredFile>), IoFault> {
-    let mut found: BTreeMap<u16, Candidate> = BTreeMap::new();
+pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u32, Candidate>, Vec<IgnoredFile>), IoFault> {
+    let mut found: BTreeMap<u32, Candidate> = BTreeMap::new();
     let mut ignored = Vec::new();
     for (looked_at, entry) in fs::read_dir(folder).map_err(IoFault::at(folder, "list"))?.enumerate() {
         let entry = entry.map_err(IoFault::at(folder, "list"))?;
@@ -117,7 +117,7 @@ pub(super) fn list(folder: &Path, class: &FileClass) -> Result<FolderListing, Io
 }
 
 /// The entry of a file; reads its comment line.
-pub(super) fn folder_entry(folder: &Path, class: &FileClass, number: u16, found: Candidate) -> FolderEntry {
+pub(super) fn folder_entry(folder: &Path, class: &FileClass, number: u32, found: Candidate) -> FolderEntry {
     let head = match class.comment_source {
         CommentSource::None => String::new(),
         // An unreadable file has no comment; reading it later reports the error.

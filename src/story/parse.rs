@@ -395,7 +395,8 @@ fn on_off(word: &str) -> Option<bool> {
 /// `O1001`, `o1001`, `1001`.
 #[must_use]
 pub fn program(word: &str) -> Option<u32> {
-    let number = word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number));
+    let number =
+        word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| defs::program_number::is_o_number(*number));
     number.or_else(|| defs::program_number::is_name(word).then(|| defs::program_number::from_name(word)))
 }
 

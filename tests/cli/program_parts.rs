@@ -112,6 +112,47 @@ fn b1_all_programs_of_a_file_are_listed_and_called() {
 }
 
 #[test]
+fn b1_program_numbers_of_up_to_eight_digits_are_called_by_parameter() {
+    let main = "O12345678\nM98 P50010\nM98 P50010 L2\nG65 P12345679 A3\nM30\nO50010\n#500=#500+1\nM99\n";
+    let shop = Shop::new(&[
+        ("O12345678.NC", main),
+        ("O00000010.NC", "O0010\n#501=#501+1\nM99\n"),
+        ("O12345679.NC", "#502=#1+#4115\nM99\n"),
+    ]);
+    let listed: Vec<_> = shop.directory().into_iter().map(|(number, name, _)| (number, name)).collect();
+    let own = |number: u32, name: &str| (number, name.to_owned());
+    let all = [own(10, "O0010"), own(50_010, "O50010"), own(12_345_678, "O12345678"), own(12_345_679, "O12345679")];
+    assert_eq!(listed, all);
+    // Eight digits are all of P; L repeats.
+    let called = ["run", "12345678", "--param", "P418=8", "--set", "#500=0", "--set", "#501=0"];
+    let (status, told) = shop.run(&called);
+    assert_eq!(status, Some(0), "{told}");
+    assert!(!told.contains("#501"), "{told}");
+    for value in ["#500 = 3", "#502 = 12345682"] {
+        assert!(told.contains(value), "{value}: {told}");
+    }
+    // Four digits: `P50010` calls O0010 five times; L and G65 take no more than four.
+    let (status, told) = shop.run(&["check", "O12345678.NC"]);
+    assert_eq!(status, Some(2), "{told}");
+    assert!(told.contains(":3:5: P50010 is out of range 1–9999") && told.contains(":4:5: P12345679 is"), "{told}");
+    let five = Shop::new(&[("O0001.NC", "M98 P50010\nM30\n"), ("O0010.NC", "#501=#501+1\nM99\n")]);
+    let (_, told) = five.run(&["run", "O0001", "--set", "#501=0"]);
+    assert!(told.contains("#501 = 5"), "{told}");
+    // Six digits: the two before them repeat.
+    let (_, told) = five.run(&["check", "O0001.NC", "--param", "P418=6"]);
+    assert!(told.contains("O50010"), "{told}");
+}
+
+#[test]
+fn b6_a_new_program_has_a_number_that_can_be_called() {
+    let shop = Shop::new(&[]);
+    assert!(matches!(shop.ask(FileRequest::New(12_345_678)), FileAnswer::Saved { .. } | FileAnswer::Done(_)));
+    assert_eq!(shop.directory()[0].1, "O12345678");
+    assert!(shop.text("O12345678.NC").starts_with("O12345678"));
+    assert!(matches!(shop.ask(FileRequest::New(100_000_000)), FileAnswer::Refused(_)));
+}
+
+#[test]
 fn b1_a_mistake_in_a_later_program_names_the_line_of_the_file() {
     let shop = Shop::new(&[("O0031.NC", &EXPORT.replace("G00 X-40", "G00 X-40 X-41"))]);
     let (status, told) = shop.run(&["check", "O0031.NC"]);

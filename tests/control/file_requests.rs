@@ -146,6 +146,17 @@ fn k6_2_o9000_to_o9999_have_a_password_of_their_own() {
 }
 
 #[test]
+fn b6_a_program_gets_no_number_that_programs_cannot_call() {
+    let mut core = editing();
+    for request in [FileRequest::New(10_000), FileRequest::Copy { from: 5, to: 10_000 }] {
+        assert!(core.ask(MINE, request).is_empty());
+        assert!(other_refusal(core.result(MINE)).contains("1 to 9999; P418"));
+    }
+    core.send(Command::SetParam(param::PROGRAM_DIGITS.address(), 8.0));
+    assert_eq!(core.ask(MINE, FileRequest::New(12_345_678)).len(), 1);
+}
+
+#[test]
 fn k7_8_export_is_always_allowed_and_import_needs_the_password_of_its_set() {
     let mut core = running();
     for set in TransferSet::ALL {

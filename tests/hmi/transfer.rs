@@ -444,7 +444,7 @@ fn l9_the_page_carries_over_rs232() {
     shop.bench.touch("存为 serial-name");
     shop.bench.write("0");
     shop.bring_serial();
-    assert!(shop.refusal().contains("1 到 9999"), "{}", shop.refusal());
+    assert!(shop.refusal().contains("1 到 8 位"), "{}", shop.refusal());
     shop.bench.write("77");
     let sender = std::thread::spawn(move || {
         let mut byte = [0];

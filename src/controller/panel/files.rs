@@ -11,6 +11,7 @@ pub use crate::controller::storage_request::{BackgroundJob, DrawingStart, Transf
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::param;
+use crate::defs::program_number;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::files::{Completion, FileAnswer, FileRequest, FilesView, Refusal, RestoredValues, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
@@ -107,17 +108,16 @@ impl Panel {
             return Err(Refusal::Other(BUSY.into()));
         }
         match request {
-            FileRequest::Save { number, .. } | FileRequest::New(number) | FileRequest::Delete(number) => {
-                self.check_program_edit(parts, *number)
-            }
+            FileRequest::Save { number, .. } | FileRequest::Delete(number) => self.check_program_edit(parts, *number),
+            FileRequest::New(number) => self.check_new_program(parts, *number),
             FileRequest::SaveRecording(_) => self.check_program_write(parts, 0),
             // K6.2: a page has the same protection as its program.
             FileRequest::SavePage { id: PageTextId { page, .. }, .. } | FileRequest::ImportPicture { page, .. } => {
                 self.check_program_edit(parts, *page)
             }
-            FileRequest::Copy { to, .. } => self.check_program_edit(parts, *to),
+            FileRequest::Copy { to, .. } => self.check_new_program(parts, *to),
             FileRequest::Rename { from, to } => {
-                self.check_program_edit(parts, *from).and_then(|()| self.check_program_edit(parts, *to))
+                self.check_program_edit(parts, *from).and_then(|()| self.check_new_program(parts, *to))
             }
             FileRequest::Transfer(transfer) => self.check_transfer(parts, transfer),
             FileRequest::ImportLeadscrew(_) if parts.program.is_open() => Err(Refusal::Other(TRANSFER_IN_RUN.into())),
@@ -127,6 +127,19 @@ impl Panel {
             FileRequest::ReadPage { .. } | FileRequest::ListMedia | FileRequest::Cancel => Ok(()),
             FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) => Ok(()),
         }
+    }
+
+    /// Whether a program may get a number: one that other programs can call (P418).
+    fn check_new_program(&self, parts: PartsView<'_>, number: u32) -> Result<(), Refusal> {
+        let most = nc_settings(parts.plant.kind, &parts.plant.params).program_limit;
+        if number > most {
+            return Err(Refusal::Other(phrase!(
+                "程序号应为 1-{most}，位数由 P418 定",
+                "program numbers are 1 to {most}; P418 has their digits",
+                most = most
+            )));
+        }
+        self.check_program_edit(parts, number)
     }
 
     /// Export is always allowed. Import is refused while a run is open; programs need the program password, parameters
@@ -152,8 +165,8 @@ impl Panel {
 
     /// Whether an import needs the program password. A program of unknown name may be one of O9000 to O9999.
     fn needs_program_password(&self, parts: PartsView<'_>, transfer: &TransferRequest) -> bool {
-        let number = |name: &String| name.get(1..5).and_then(|digits| digits.parse::<u32>().ok());
-        let guarded = |name: &String| number(name).is_some_and(|number| GUARDED_SUBPROGRAMS.contains(&number));
+        let number = |name: &String| program_number::from_name(program_number::stem(name));
+        let guarded = |name: &String| GUARDED_SUBPROGRAMS.contains(&number(name));
         let any =
             transfer.set == TransferSet::Serial || transfer.names.is_empty() || transfer.names.iter().any(guarded);
         parts.plant.params.bit(param::PROGRAM_PASSWORD) || (any && parts.plant.params.bit(param::SUBPROGRAM_PASSWORD))

@@ -5,6 +5,7 @@
 use super::{Plant, key_stroke};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, NumberParam, Params};
+use crate::defs::program_number;
 use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
@@ -61,6 +62,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
         speed_unit: if params.bit(param::S_IS_SURFACE_SPEED) { SpeedUnit::MetresPerSecond } else { SpeedUnit::Rpm },
         jump_input: params.get(param::JUMP_INPUT) as u32,
         tool_count: TOOL_OFFSET_COUNT as u32,
+        program_limit: program_number::o_limit(params.get(param::PROGRAM_DIGITS) as u32),
         cutter_source: match params.get(param::CUTTER_SOURCE) as u32 {
             1 => CutterSource::Offset(params.get(param::DRESSER_OFFSET) as u32),
             2 => CutterSource::WholeWheel,

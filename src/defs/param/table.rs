@@ -168,6 +168,7 @@ numbers! {
     TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: shank width", ToolTurret;
     CUTTER_SOURCE = 416, 0 => 2, 0, "", User, "G41/G42 半径 0:刀补 R 1:修整器 (P417) 2:整个砂轮", "radius of G41 and G42: 0 R of the active offset, 1 dresser (P417), 2 whole wheel";
     DRESSER_OFFSET = 417, 1 => 16, 16, "", User, "修整器的刀补号", "tool offset of the dresser";
+    PROGRAM_DIGITS = 418, 4 => 8, 4, "", Builder, "程序号位数 4–8", "digits of program numbers in calls, 4 to 8", Wheel;
     G_MACRO_0_CODE = 420, 0 => 999, 0, "", Builder, "调用宏程序 0 的 G 代码 (0 无)", "G code that calls macro 0, 0 none", Wheel;
     G_MACRO_0_PROGRAM = 421, 1 => 9_999, 9_030, "", Builder, "G 代码 0 的宏程序号", "program of G macro 0", Wheel;
     G_MACRO_1_CODE = 422, 0 => 999, 0, "", Builder, "调用宏程序 1 的 G 代码 (0 无)", "G code that calls macro 1, 0 none", Wheel;

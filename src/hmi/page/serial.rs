@@ -6,6 +6,7 @@ use egui::{Color32, Rect};
 
 use crate::defs::kind::Kind;
 use crate::defs::param;
+use crate::defs::program_number::{O_MAX_DIGITS, is_o_number};
 use crate::defs::text::LocalizedText;
 use crate::hmi::{Area, EditKey, KeyboardFocus, Login, PageKey, View, theme};
 use crate::link::Command;
@@ -13,7 +14,7 @@ use crate::link::media::MediaView;
 use crate::link::page_command::{PageCommand, PasswordScope};
 
 /// Maximum number of digits of a program number.
-const MAX_DIGITS: usize = 4;
+const MAX_DIGITS: usize = O_MAX_DIGITS as usize;
 /// Height of the field and of the key.
 const FIELD_HEIGHT: f32 = 48.0;
 
@@ -41,7 +42,7 @@ impl SerialPane {
                     self.number.push(*sign);
                 }
                 EditKey::Char(_) | EditKey::Sign => {
-                    self.refused = Some(LocalizedText::new("只能输入 1 到 4 位数字", "1 to 4 digits only"))
+                    self.refused = Some(LocalizedText::new("只能输入 1 到 8 位数字", "1 to 8 digits only"))
                 }
                 EditKey::Backspace | EditKey::Delete => {
                     self.refused = None;
@@ -61,7 +62,7 @@ impl SerialPane {
     /// File name for the typed number; none: the number in the program applies.
     ///
     /// # Errors
-    /// The number is not 1 to 9999.
+    /// The number is not 1 to 99 999 999.
     pub fn file_name(&mut self, kind: Kind) -> Result<Option<String>, LocalizedText> {
         if self.number.is_empty() {
             return Ok(None);
@@ -69,10 +70,10 @@ impl SerialPane {
         if kind.is_lathe() {
             return Ok(Some(format!("{}.NC", self.number)));
         }
-        match self.number.parse::<u16>() {
-            Ok(number @ 1..=9_999) => Ok(Some(format!("O{number:04}.NC"))),
+        match self.number.parse::<u32>() {
+            Ok(number) if is_o_number(number) => Ok(Some(format!("O{number:04}.NC"))),
             Ok(_) | Err(_) => {
-                let message = LocalizedText::new("程序号应为 1 到 9999", "program numbers are 1 to 9999");
+                let message = LocalizedText::new("程序号为 1 到 8 位数字", "a program number has 1 to 8 digits");
                 self.refused = Some(message.clone());
                 Err(message)
             }

@@ -61,7 +61,7 @@ pub fn encode_transmission(sheets: &[SerialProgram], leader: usize, named: bool)
 
 /// The header of a program.
 enum ProgramHeader {
-    Number(u16),
+    Number(u32),
     Name(String),
     Sinumerik(String),
 }
@@ -138,9 +138,9 @@ fn trim_end(line: &str) -> &str {
 }
 
 /// The number of a line that starts with `O1001` or `:1001`, and the rest of the line.
-fn o_number(line: &str) -> Option<(u16, &str)> {
+fn o_number(line: &str) -> Option<(u32, &str)> {
     let (number, rest) = nc::o_number(line.as_bytes())?;
-    Some((u16::try_from(number).ok()?, &line[line.len() - rest.len()..]))
+    Some((number, &line[line.len() - rest.len()..]))
 }
 
 /// Whether the transmission continues.

@@ -105,7 +105,7 @@ pub(crate) struct DialectRow {
     /// The program that a block certainly calls (literal number, at least one call), and the byte of the call.
     pub called_program: fn(&BlockWords) -> Option<(u32, usize)>,
     /// The program that a line calls, by its text in upper case without comments; for the page designer.
-    pub call_in_text: fn(&str) -> Option<u32>,
+    pub call_in_text: fn(&str) -> Vec<u32>,
     /// The text of a block that calls a program; `None` if a block cannot call by a number.
     pub call_text: fn(u32) -> Option<String>,
     /// The number, and the name if it has one, of the program that begins in a line of a text with several.

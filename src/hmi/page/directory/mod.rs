@@ -10,6 +10,7 @@ use super::{InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::defs::{param, program_number};
 use crate::hmi::widget::page_keys;
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeyboardFocus, KeyboardInput, LetterKey, Login, PageKey, PageMessage, PendingRequests,
@@ -233,12 +234,13 @@ impl DirectoryPage {
         };
         let from = self.list.selected().map_or(0, |row| row.number);
         match self.typing.text.parse::<u32>() {
-            Ok(to @ 1..=9_999) => {
+            Ok(to) if program_number::is_o_number(to) => {
                 self.request = Some(request(from, to));
                 self.send(out);
             }
             Ok(_) | Err(_) => {
-                self.typing.refused = Some(LocalizedText::new("程序号应为 1-9999", "program numbers are 1 to 9999"));
+                let message = LocalizedText::new("程序号为 1 到 8 位数字", "a program number has 1 to 8 digits");
+                self.typing.refused = Some(message);
             }
         }
     }
@@ -279,7 +281,8 @@ impl DirectoryPage {
             // A new program has nothing to do with the selected one.
             let from = self.list.selected().filter(|_| action != DirectoryAction::New);
             let name = from.map_or_else(String::new, |row| row.name.clone());
-            let told = InputPrompt { label: what, name: &name, range: "1 … 9999" };
+            let most = program_number::o_limit(view.snapshot.params.get(param::PROGRAM_DIGITS) as u32);
+            let told = InputPrompt { label: what, name: &name, range: &format!("1 … {most}") };
             input_line::ui(view, rect.band(0.0, theme::INPUT), &self.typing, &told);
             return false;
         }

@@ -149,14 +149,15 @@ fn input_jump(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Flow
     Ok(if active == (code.number == 91) { FlowAction::Goto { n, at: target.at as usize } } else { FlowAction::Next })
 }
 
-/// `M98 P○○○○ L□□□□`, or both in P: `P×××○○○○`.
+/// `M98 P○○○○ L□□□□`, or both in P: `P×××○○○○`; the number has the digits of P418.
 fn subprogram(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
     let words = running.words;
     let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, "M98", "P") };
     let packed = integer(p, 1, MAX_BLOCK_NUMBER)?;
+    let limit = running.settings.program_limit;
     let (program, times) = match words.take(b'L') {
-        Some(times) => (integer(p, 1, 9_999)?, integer(times, 1, MAX_REPEATS)?),
-        None if packed > 9_999 => (packed % 10_000, packed / 10_000),
+        Some(times) => (integer(p, 1, limit)?, integer(times, 1, MAX_REPEATS)?),
+        None if packed > limit => (packed % (limit + 1), packed / (limit + 1)),
         None => (packed, 1),
     };
     Ok(FlowAction::Call(Call { program, times, callee: Callee::Sub, at: p.at as usize }))

@@ -36,7 +36,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
         return macro_a::execute(running);
     }
     let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name, "P") };
-    let program = integer(p, 1, 9_999)?;
+    let program = integer(p, 1, running.settings.program_limit)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
     *running.arguments = arguments(&words.list)?;
     if let Some(m) = words.m.first() {

@@ -18,6 +18,7 @@ use super::codes::BlockCodes;
 use super::common::{self, MAX_VALUE, out_of_range};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
+use crate::defs::program_number::{O_DIGITS, O_MAX_DIGITS, o_limit};
 use crate::nc::contour::PendingCycle;
 use crate::nc::fault::{Capitals, E, ReadResult, fail1};
 use crate::nc::flow::{CallLimit, Callee};
@@ -94,15 +95,18 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
 const SUB_DEPTH: usize = 4;
 const MACRO_DEPTH: usize = 4;
 
-/// The program that a line calls.
-fn call_in_text(code: &str) -> Option<u32> {
+/// The programs that a line may call.
+fn call_in_text(code: &str) -> Vec<u32> {
     let calls = ["M98", "G65", "G66"].iter().any(|word| code.contains(word));
     let calculates = code.contains("G65") && code.contains('H');
-    let behind = code.split('P').nth(1).filter(|_| calls && !calculates)?;
+    let Some(behind) = code.split('P').nth(1).filter(|_| calls && !calculates) else { return Vec::new() };
     let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
-    let number = behind[..digits].parse::<u32>().unwrap_or(0);
-    // B3: P may hold a repeat count before the four digits of the number.
-    (1..=8).contains(&digits).then_some(number % 10_000)
+    let Ok(number) = behind[..digits].parse::<u32>() else { return Vec::new() };
+    // B3: P may hold a repeat count before the number; how many digits are the number, P418 says.
+    let own = (O_DIGITS..=O_MAX_DIGITS).map(|digits| number % (o_limit(digits) + 1));
+    let mut found: Vec<u32> = own.filter(|number| *number > 0 && digits <= O_MAX_DIGITS as usize).collect();
+    found.dedup();
+    found
 }
 
 /// The letters X Y Z U V W.

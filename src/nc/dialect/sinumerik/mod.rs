@@ -51,7 +51,7 @@ impl DialectRules for Sinumerik {
         check_unexecuted: |words, block| check_unexecuted(words, block.source.bytes()),
         executes_lone_blocks: false,
         called_program,
-        call_in_text: |_| None,
+        call_in_text: |_| Vec::new(),
         call_text: |program| program_number::is_l_number(program).then(|| program_number::name_of(program)),
         program_heading: index::program_heading,
         new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),

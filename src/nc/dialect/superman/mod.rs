@@ -39,7 +39,7 @@ impl DialectRules for SuperMan {
         check_unexecuted,
         executes_lone_blocks: false,
         called_program: |_| None,
-        call_in_text: |_| None,
+        call_in_text: |_| Vec::new(),
         // L7: M98 calls a block of the same text.
         call_text: |_| None,
         program_heading: |_| None,
