@@ -229,6 +229,8 @@ impl ModalState {
             4002 if mill => code(self.plane.g()),
             4002 => code(surface),
             4003 if mill => code(if self.incremental { 91 } else { 90 }),
+            // DECISION: the lathe has no group 03; null, so that `G#4003` of a macro that restores the modes is no word.
+            4003 => Some(None),
             4005 => code(if self.per_rev { 99 } else { 98 }),
             4006 => code(if self.inch { 20 } else { 21 }),
             4007 => code(self.compensation.map_or(40, |active| active.g())),

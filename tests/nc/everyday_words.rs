@@ -54,7 +54,7 @@ fn b3_functions_of_two_arguments() {
 /// What is never active has its cancelling code: a macro that saves and restores it works.
 #[test]
 fn b3_modal_variables_of_compensation_and_drilling_cycles() {
-    let (_, variables) = run("#100=#4007\n#101=#4010\nG#4007\nM30\n", Dialect::LatheA).unwrap();
+    let (_, variables) = run("#100=#4007\n#101=#4010\nG#4007 G#4003\nM30\n", Dialect::LatheA).unwrap();
     assert_eq!([100, 101].map(|number| variables.get(number).unwrap()), [Some(40.0), Some(80.0)]);
     let (_, variables) = run("#100=#4007\n#101=#4009\nG#4009\nM30\n", Dialect::Mill).unwrap();
     assert_eq!([100, 101].map(|number| variables.get(number).unwrap()), [Some(40.0), Some(80.0)]);
