@@ -24,8 +24,6 @@ const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 const CUTTER_RADIUS: &str = "cutter-radius-";
 const CUTTER_TIP: &str = "cutter-tip-";
 const RUNNING_AT: &str = "running-at";
-/// Factor that combines program and line into one number; larger than any line number.
-const LINE_FACTOR: f64 = 1e8;
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// Result of opening the data.
@@ -117,10 +115,10 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
         StorageRequest::Alarm(past) => RetainedChange::Alarm(past.clone()),
         StorageRequest::ClockOffset(seconds) => number(CLOCK_OFFSET, *seconds as f64),
         StorageRequest::PartCount(parts) => number(PARTS, f64::from(*parts)),
-        StorageRequest::RunningAt(place) => RetainedChange::Number {
+        StorageRequest::RunningAt(place) => RetainedChange::Text {
             key: RUNNING_AT.into(),
-            // One number, so that program and line always belong together.
-            value: place.map(|(program, line)| f64::from(program) * LINE_FACTOR + f64::from(line)),
+            // One row, so that program and line always belong together.
+            value: place.map(|(program, line)| format!("{program} {line}")),
         },
         StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) => return None,
     })
@@ -206,8 +204,8 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<S
     retained.part_count = number(PARTS);
     retained.alarm_history = loaded.alarms.values().cloned().collect();
     retained.clock_offset_s = loaded.numbers.get(CLOCK_OFFSET).map_or(0, |seconds| *seconds as i64);
-    retained.interrupted =
-        loaded.numbers.get(RUNNING_AT).map(|at| ((at / LINE_FACTOR) as u32, (at % LINE_FACTOR) as u32));
+    let place = loaded.texts.get(RUNNING_AT).and_then(|text| text.split_once(' '));
+    retained.interrupted = place.and_then(|(program, line)| Some((program.parse().ok()?, line.parse().ok()?)));
     retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
 }

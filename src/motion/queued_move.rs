@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::Move;
 use super::path_segment::PathSegment;
+use super::{CornerMode, Move, dot, per_coordinate};
 
 /// Maximum number of queued moves.
 pub const MAX_QUEUED_MOVES: usize = 4_096;
@@ -30,4 +30,24 @@ pub(super) struct QueuedMove {
     pub ends_s: f64,
     /// Index on the buffer at which the move is finished (one after its last set-point), once that is appended.
     pub end_index: Option<u64>,
+}
+
+impl QueuedMove {
+    /// Whether a point of the curve lies beyond the end of this line and beside the line that continues it, within the
+    /// tolerance. Where the contour turns by 90° or more, the axes may still be before the end.
+    pub fn is_passed(&self, next: &Self, point: [f64; 3]) -> bool {
+        let is_line = |queued: &Self| queued.segment.curvature() <= 0.0 && !queued.segment.has_no_length();
+        if self.programmed.corner == CornerMode::ExactStop || !is_line(self) || !is_line(next) {
+            return false;
+        }
+        let end = self.programmed.to.coordinates();
+        let beyond = per_coordinate(|x| point[x] - end[x]);
+        let [own, following] = [self, next].map(|queued| queued.segment.directions()[1]);
+        let along = dot(beyond, following);
+        let beside = per_coordinate(|x| beyond[x] - along * following[x]);
+        dot(own, following) > 0.0
+            && dot(beyond, own) >= 0.0
+            && along >= 0.0
+            && dot(beside, beside).sqrt() <= self.tolerance_mm
+    }
 }

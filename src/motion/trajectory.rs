@@ -320,18 +320,30 @@ impl TrajectoryPlanner {
     fn report_finished(&mut self) {
         while let Some(queued) = self.moves.front() {
             match queued.end_index {
-                Some(place) if self.buffer_position.tick >= place => {
-                    let tag = queued.programmed.tag;
-                    self.moves.pop_front();
-                    self.planner.first_move_finished();
-                    self.finished_tag = Some(tag);
-                    if self.finished.len() == MAX_FINISHED_TAGS {
-                        self.finished.pop_front();
-                    }
-                    self.finished.push_back(tag);
-                }
+                Some(place) if self.buffer_position.tick >= place => self.finish_first_move(),
                 Some(_) | None => return,
             }
+        }
+    }
+
+    fn finish_first_move(&mut self) {
+        let Some(queued) = self.moves.pop_front() else { return };
+        self.planner.first_move_finished();
+        self.finished_tag = Some(queued.programmed.tag);
+        if self.finished.len() == MAX_FINISHED_TAGS {
+            self.finished.pop_front();
+        }
+        self.finished.push_back(queued.programmed.tag);
+    }
+
+    /// Finishes the lines that the axes have passed; call it at rest, before [`TrajectoryPlanner::discard_moves`]. A curve
+    /// knows the ends of short lines only at its knots: pushed again, they would lead back.
+    pub fn finish_passed_moves(&mut self) {
+        let at = self.position().coordinates();
+        while let (Some(first), Some(next)) = (self.moves.front(), self.moves.get(1))
+            && first.is_passed(next, at)
+        {
+            self.finish_first_move();
         }
     }
 

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use kt830::controller::files::BackgroundJob;
 use kt830::controller::{PowerOnState, StorageRequest, nc_settings};
 use kt830::defs::kind::Kind;
+use kt830::defs::program_number;
 use kt830::host::folders::Folders;
 use kt830::host::job_runner::JobRunner;
+use kt830::host::retained_store::RetainedStore;
 use kt830::host::storage::{Arrival, DirectStorage, RetainedWorker, Storage};
 use kt830::link::Command;
 use kt830::link::files::{FileRequest, Requester, Ticket};
@@ -75,4 +77,22 @@ fn without_a_store_passwords_are_checked_and_nothing_is_acknowledged() {
         panic!("{} answers", told.len());
     };
     assert!(matches!(answer, StorageAnswer::PasswordChecked(PasswordScope::User, true)), "{answer:?}");
+}
+
+/// As one number, program and line of a named program or of one with eight digits lost the last digits of the line.
+#[test]
+fn b5_the_place_of_a_run_is_kept_exactly_whatever_its_program_is_called() {
+    let folder = tempfile::tempdir().unwrap();
+    let programs = [1_001, 99_999_999, program_number::from_l(9_999_999), program_number::from_name("VGRIND")];
+    for (program, line) in programs.into_iter().zip([1, 1_234_567, 13, 999_999]) {
+        let (mut store, _) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
+        store.commit(&[StorageRequest::RunningAt(Some((program, line)))]).unwrap();
+        drop(store);
+        let (mut store, found) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
+        assert_eq!(found.retained.interrupted, Some((program, line)));
+        store.commit(&[StorageRequest::RunningAt(None)]).unwrap();
+        drop(store);
+        let (_, found) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
+        assert_eq!(found.retained.interrupted, None);
+    }
 }

@@ -11,6 +11,7 @@ mod alarms;
 mod allocation;
 mod compensation;
 mod core_alone;
+mod dense_program;
 mod file_requests;
 mod gathered_writes;
 mod grinding_functions;

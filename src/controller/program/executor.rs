@@ -5,7 +5,7 @@ use super::actions::raise_no_workpiece_drive;
 use super::activity::{ActionStatus, Activity, Handover};
 use super::move_refusal::MoveRefusal;
 use super::queue::{ProgrammedFeed, QueueItem, QueuedAction};
-use super::run::{MAX_ITEMS, Origin, ProgramRun, ReadAheadStatus};
+use super::run::{Origin, ProgramRun, ReadAheadStatus};
 use super::run_world::RunWorld;
 use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
 use crate::defs::alarm;
@@ -199,7 +199,7 @@ impl ProgramRun {
             self.read_ahead = ReadAheadStatus::Open;
         }
         for _ in 0..BLOCKS_PER_TICK {
-            if self.read_ahead != ReadAheadStatus::Open || self.queue.len() >= MAX_ITEMS {
+            if self.read_ahead != ReadAheadStatus::Open || self.is_full() {
                 return;
             }
             let drained = self.queue.is_empty() && plant.axes.is_at_rest() && plant.axes.is_in_position(&plant.params);
@@ -249,18 +249,24 @@ impl ProgramRun {
     }
 
     /// Once the axes are at rest, takes the unfinished moves back from the planner, to hand them over block by block.
+    /// The blocks that they have passed stay at the front, to be left without a stop.
     pub fn take_back_moves(&mut self, plant: &mut Plant) {
         if !plant.axes.planner.is_at_rest() {
             return;
         }
+        plant.axes.planner.finish_passed_moves();
         plant.axes.planner.discard_moves();
-        for item in &mut self.queue {
+        let finished = plant.axes.planner.finished_tag();
+        let is_passed = |item: &QueueItem| matches!(item, QueueItem::Move(planned) if planned.tag <= finished);
+        let handed_over = self.queue.iter().take(self.handed_over);
+        let passed = handed_over.enumerate().filter(|(_, item)| is_passed(item)).last().map_or(0, |(at, _)| at + 1);
+        for item in self.queue.range_mut(passed..self.handed_over) {
             if let QueueItem::Move(planned) = item {
                 planned.tag = None;
             }
         }
-        self.handed_over = 0;
-        if self.handover == Handover::TakingBack {
+        self.handed_over = passed;
+        if self.handover == Handover::TakingBack && passed == 0 {
             self.handover = Handover::Feeding;
         }
         plant.axes.planner.resume();

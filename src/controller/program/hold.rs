@@ -165,17 +165,36 @@ impl ProgramRun {
         }
         let begin = parted.start + shift;
         let back = self.return_moves(parted, begin, &shift, params);
-        // Tried on copies first: an error changes nothing.
-        let (mut tried_shift, mut tried_from) = (shift, begin);
-        self.queue.iter().try_for_each(|item| item.clone().shift(&mut tried_shift, &mut tried_from, params))?;
-        let mut from = begin;
-        self.queue.iter_mut().try_for_each(|item| item.shift(&mut shift, &mut from, params))?;
+        // Tried first: an error changes nothing.
+        self.check_shift(shift, begin, params)?;
+        self.queue.range_mut(self.handed_over..).for_each(|item| item.shift(&mut shift));
         for planned in back.into_iter().rev().flatten() {
-            self.queue.push_front(QueueItem::Move(planned));
+            self.queue.insert(self.handed_over, QueueItem::Move(planned));
         }
         self.lookahead.machine_position = self.lookahead.machine_position + shift;
         self.interpreter.shift_by_hand(shift);
         self.handover = Handover::Feeding;
+        Ok(())
+    }
+
+    /// Whether every move stays within the soft limits with a shift; `from` is where the first one begins.
+    fn check_shift(&self, mut shift: PerAxis<f64>, mut from: MachinePos, params: &Params) -> Result<(), MoveRefusal> {
+        for item in self.queue.range(self.handed_over..) {
+            match item {
+                QueueItem::Move(planned) | QueueItem::Action(QueuedAction::Skip(planned, _)) => {
+                    let mut moved = planned.clone();
+                    moved.shift(&mut shift);
+                    moved.check_soft_limits(from, params)?;
+                    from = moved.to;
+                }
+                QueueItem::Action(QueuedAction::Thread(thread)) => {
+                    let mut moved = *thread;
+                    moved.shift_by(&shift);
+                    from = moved.run_out_end;
+                }
+                QueueItem::BlockStart(_) | QueueItem::BlockEnd | QueueItem::Action(_) => {}
+            }
+        }
         Ok(())
     }
 
@@ -190,7 +209,7 @@ impl ProgramRun {
         let speed = ProgrammedFeed::PerMinute(params.get(param::WHEEL_ON_INFEED_SPEED));
         let straight = |to| PlannedMove::new(to, MoveShape::Line, speed, (AxisSet::NONE, AxisSet::NONE));
         let mut back = [parted.withdrawn.map(|_| straight(begin)), None];
-        if let Some(QueueItem::Move(next)) = self.queue.front()
+        if let Some(QueueItem::Move(next)) = self.queue.get(self.handed_over)
             && let MoveShape::Arc { plane, .. } = next.shape
         {
             let (first, second) = plane.axes();
@@ -208,27 +227,13 @@ impl ProgramRun {
 }
 
 impl QueueItem {
-    /// Shifts the item, and takes `from` to its end.
-    fn shift(&mut self, shift: &mut PerAxis<f64>, from: &mut MachinePos, params: &Params) -> Result<(), MoveRefusal> {
-        if let Self::Action(QueuedAction::Thread(thread)) = self {
-            // A thread is programmed incrementally.
-            thread.shift_by(shift);
-            *from = thread.run_out_end;
-        }
-        if let Some(planned) = self.move_mut() {
-            planned.shift(shift);
-            planned.check_soft_limits(*from, params)?;
-            *from = planned.to;
-        }
-        Ok(())
-    }
-
-    /// The move of an item, if it has one.
-    fn move_mut(&mut self) -> Option<&mut PlannedMove> {
+    /// Shifts what the item moves.
+    fn shift(&mut self, shift: &mut PerAxis<f64>) {
         match self {
-            Self::Move(planned) => Some(planned),
-            Self::Action(QueuedAction::Skip(planned, _)) => Some(planned),
-            Self::BlockStart(_) | Self::BlockEnd | Self::Action(_) => None,
+            Self::Move(planned) | Self::Action(QueuedAction::Skip(planned, _)) => planned.shift(shift),
+            // A thread is programmed incrementally.
+            Self::Action(QueuedAction::Thread(thread)) => thread.shift_by(shift),
+            Self::BlockStart(_) | Self::BlockEnd | Self::Action(_) => {}
         }
     }
 }

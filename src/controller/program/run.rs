@@ -15,11 +15,17 @@ use super::queue::{QueueItem, QueuedAction};
 use crate::controller::plant::system_variables::nc_settings;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
+use crate::motion::MAX_QUEUED_MOVES;
 use crate::nc::{self, Block, CommonVariables, Interpreter, Source, WorkOffsets};
 use crate::units::{MachinePos, Micros, PerAxis};
 
-/// Maximum items read ahead.
-pub const MAX_ITEMS: usize = 512;
+/// Items read ahead in any case.
+const MIN_ITEMS: usize = 512;
+/// Beyond [`MIN_ITEMS`], items are read only to have this many that the planner does not have: more than it takes in a
+/// tick. How far ahead it plans, it decides itself.
+const WAITING_ITEMS: usize = 128;
+/// Maximum items read ahead: every move that the planner holds as a block of its own, and what waits.
+const MAX_ITEMS: usize = 3 * MAX_QUEUED_MOVES + MIN_ITEMS;
 
 /// System variables for which a search for a start block has memory; more take more.
 const SYSTEM_VARIABLES: usize = 512;
@@ -216,6 +222,12 @@ impl RunPool {
 }
 
 impl ProgramRun {
+    /// Whether enough is read ahead.
+    pub fn is_full(&self) -> bool {
+        let waiting = self.queue.len() - self.handed_over;
+        self.queue.len() >= MIN_ITEMS && (waiting >= WAITING_ITEMS || self.queue.len() >= MAX_ITEMS)
+    }
+
     /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
     pub fn end_with_fault(&mut self, fault: &nc::ProgramFault) {
         self.read_ahead = ReadAheadStatus::Finished;
