@@ -258,8 +258,8 @@ impl ProgramRun {
         plant.axes.planner.discard_moves();
         let finished = plant.axes.planner.finished_tag();
         let is_passed = |item: &QueueItem| matches!(item, QueueItem::Move(planned) if planned.tag <= finished);
-        let handed_over = self.queue.iter().take(self.handed_over);
-        let passed = handed_over.enumerate().filter(|(_, item)| is_passed(item)).last().map_or(0, |(at, _)| at + 1);
+        let last_passed = (0..self.handed_over).rev().find(|at| self.queue.get(*at).is_some_and(is_passed));
+        let passed = last_passed.map_or(0, |at| at + 1);
         for item in self.queue.range_mut(passed..self.handed_over) {
             if let QueueItem::Move(planned) = item {
                 planned.tag = None;
