@@ -8,6 +8,8 @@ mod demo;
 mod finished_size_check;
 mod leadscrew;
 mod play;
+#[cfg(feature = "hmi")]
+mod process_end;
 mod program_places;
 mod run;
 mod setup;

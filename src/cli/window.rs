@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::args::SharedArgs;
+use super::process_end::guard_process;
 use super::{CallError, SUCCESS, setup};
 use crate::defs::param::Params;
 use crate::hmi::core_fault::CoreHealth;
@@ -42,6 +43,7 @@ fn open_with<P: HostedMachine + Send + 'static>(
 /// # Errors
 /// There is no display.
 pub fn show(link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
+    guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
     let options = WindowOptions { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),

@@ -17,6 +17,7 @@ mod storage_request;
 
 use std::sync::Arc;
 
+use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::text::LocalizedText;
 use crate::io::{InputImage, OutputImage};
@@ -108,6 +109,17 @@ impl Controller {
     /// Raises an alarm detected outside the core (damaged data, late ticks).
     pub fn report_alarm(&mut self, number: u16, detail: Option<LocalizedText>) {
         self.plant.raise(number, detail);
+    }
+
+    /// The control is to end. What moves brakes by an alarm that stops everything; the place of an open run is kept as
+    /// at a power cut.
+    pub fn begin_end(&mut self) {
+        let Self { plant, program, .. } = self;
+        program.keep_run_position(plant);
+        if plant.execution.phase.is_run_open() || !plant.axes.is_at_rest() {
+            plant.raise(alarm::CONTROL_ENDED, None);
+            plant.store_alarm_changes();
+        }
     }
 
     /// The control ends: what waits for its commit is stored with the next requests.

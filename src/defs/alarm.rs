@@ -262,6 +262,9 @@ alarms! {
         "连续多个控制周期迟到", "several control cycles in a row were late", "关闭其他程序，检查系统", "close other programs, check the computer";
     BUS_LOST = 402, StopAll, Reset, "输入输出总线中断", "I/O bus not responding",
         "总线没有应答", "the bus does not answer", "检查总线接线和电源", "check bus wiring and supply";
+    CONTROL_ENDED = 403, StopAll, Reset, "系统在运行中关闭", "control closed in a run",
+        "关机、断开显示或系统结束时程序或轴在运动", "a program ran or an axis moved when the control was ended, by a signal or a lost display",
+        "检查工件和砂轮位置，回零；断点在程序页", "check part and wheel, home the axes; the program page has the place";
 }
 
 /// The alarms of the RS232 line.

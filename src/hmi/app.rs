@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui};
 
+use super::closing::Closing;
 use super::key_press::KeyPresses;
 use super::layout::Regions;
 use super::numeric_pad::NumericPad;
@@ -14,7 +15,7 @@ use super::panel::OperatorPanel;
 use super::panel::layout::panel_layout;
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
-use super::{KeyboardInput, View, aside, blink_phase, clock_time, file_command, keyboard};
+use super::{EditKey, KeyboardInput, View, aside, blink_phase, clock_time, file_command, keyboard};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param;
@@ -48,6 +49,9 @@ pub struct Hmi {
     help: Help,
     help_open: bool,
     hint: Option<(Text, f64)>,
+    closing: Closing,
+    /// The window was asked to close since the last frame.
+    close_asked: bool,
     pad: NumericPad,
     /// The picture of the page, and whether its colours are those of the light theme.
     picture: Option<(Arc<Picture>, bool, TextureHandle)>,
@@ -78,6 +82,8 @@ impl Hmi {
             help: Help::default(),
             help_open: false,
             hint: None,
+            closing: Closing::default(),
+            close_asked: false,
             pad: NumericPad::default(),
             picture: None,
             screenshots: Arc::default(),
@@ -130,6 +136,17 @@ impl Hmi {
         self.pages.state(Page::Program).map(ProgramPage::text)
     }
 
+    /// The window manager, or a key of it, asks to close the window: the next frame refuses it or asks the operator.
+    pub const fn ask_to_close(&mut self) {
+        self.close_asked = true;
+    }
+
+    /// Whether the operator has confirmed that the window closes.
+    #[must_use]
+    pub const fn may_close(&self) -> bool {
+        self.closing.is_confirmed()
+    }
+
     /// Every page records what it needs of a snapshot; called for each new one, painted or not.
     pub fn record(&mut self, snapshot: &Snapshot) {
         self.pages.record(snapshot);
@@ -155,6 +172,7 @@ impl Hmi {
             self.show_hint(ui, reason);
         }
         asked.edits.splice(..0, self.pad.take_touched());
+        let to_closing = self.edits_for_closing(&view, &mut asked);
         let (content, strip) = aside::split(regions.content, snapshot.page);
         if let Some(strip) = strip {
             aside::ui(&view, strip);
@@ -165,7 +183,8 @@ impl Hmi {
         } else {
             self.draw_page(content, &view, &asked, &mut out);
         }
-        let typing = !self.help_open && self.pages.wants_pad(&view);
+        self.closing.ui(content, &view, &to_closing, &mut out);
+        let typing = !self.help_open && self.pages.wants_pad(&view) || self.closing.wants_pad();
         self.pad.ui(&view, self.pages.pad_room(&view, content), typing);
         self.draw_frame(&regions, &view, &asked, &mut out);
         if self.brightness < *BRIGHTNESS.end() {
@@ -203,6 +222,16 @@ impl Hmi {
         }
         let now = ui.input(|input| input.time);
         self.hint = self.hint.filter(|(_, since)| now - since < HINT_SECONDS);
+    }
+
+    /// Answers a request to close the window; gives the keys for its question, which the page does not get.
+    fn edits_for_closing(&mut self, view: &View<'_>, asked: &mut KeyboardInput) -> Vec<EditKey> {
+        if std::mem::take(&mut self.close_asked)
+            && let Some(reason) = self.closing.ask(view)
+        {
+            self.show_hint(view.ui, reason);
+        }
+        if self.closing.is_open() { std::mem::take(&mut asked.edits) } else { Vec::new() }
     }
 
     fn show_hint(&mut self, ui: &Ui, reason: Text) {

@@ -6,6 +6,7 @@
 
 pub mod app;
 pub mod aside;
+mod closing;
 pub mod core_fault;
 pub mod field_editor;
 mod key_press;

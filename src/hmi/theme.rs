@@ -199,6 +199,8 @@ pub fn install(ctx: &egui::Context, theme: &Theme) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.options_mut(|options| {
         options.zoom_with_keyboard = false;
+        // No key of the toolkit acts that is not in the keyboard table: Ctrl+Q ended the control.
+        options.quit_shortcuts.clear();
         // A slow touch, or one that moves a little in a glove, still counts as a click.
         options.input_options.max_click_duration = f64::INFINITY;
         options.input_options.max_click_dist = 10.0;

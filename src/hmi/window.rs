@@ -182,13 +182,23 @@ impl eframe::App for Window {
         // Reading the newest snapshot renews its age.
         core.newest();
         let mut screen = self.screen.lock().unwrap_or_else(PoisonError::into_inner);
-        match core.health().fault() {
+        let fault = core.health().fault();
+        let asked_to_close = ui.input(|input| input.viewport().close_requested());
+        // A control that has failed or does not answer holds nobody back.
+        if asked_to_close && fault.is_none() && !screen.hmi.may_close() {
+            ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
+            screen.hmi.ask_to_close();
+        }
+        match fault {
             Some(fault) => paint_core_fault(ui, screen.hmi.theme(), fault),
             None => {
                 for command in screen.ui(ui, core.newest()) {
                     core.send(command);
                 }
             }
+        }
+        if screen.hmi.may_close() && !asked_to_close {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
         }
         if self.alive_sent.is_none_or(|sent| sent.elapsed() >= KEEP_ALIVE_INTERVAL) {
             self.alive_sent = Some(Instant::now());

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::Sender;
 
+use super::control_end::ControlEnd;
 use crate::defs::key::Key;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
@@ -32,7 +33,7 @@ pub struct HostLink {
     pub(super) snapshots: triple_buffer::Output<Snapshot>,
     pub(super) updated: Instant,
     pub(super) health: Arc<ThreadHealth>,
-    pub(super) stop: Arc<AtomicBool>,
+    pub(super) end: ControlEnd,
     pub(super) thread: Option<JoinHandle<()>>,
 }
 
@@ -62,6 +63,12 @@ impl HostLink {
         self.updated.elapsed()
     }
 
+    /// Ends the control from another thread.
+    #[must_use]
+    pub fn control_end(&self) -> ControlEnd {
+        self.end.clone()
+    }
+
     /// Statistics and state of the control thread.
     #[must_use]
     pub fn health(&self) -> &ThreadHealth {
@@ -71,7 +78,7 @@ impl HostLink {
 
 impl Drop for HostLink {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::Release);
+        self.end.stop.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             drop(thread.join());
         }

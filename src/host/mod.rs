@@ -5,6 +5,7 @@
 
 pub mod bar;
 pub mod clock;
+pub mod control_end;
 pub mod folders;
 pub mod headless;
 pub mod hosted_machine;
@@ -354,6 +355,11 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.outputs =
             OutputImage { terminals, drives_on: false, wheel_volts: 0.0, analog_2_volts: 0.0, ..self.outputs };
         drop(catch_unwind(AssertUnwindSafe(|| self.plant.write(self.now, &self.outputs))));
+    }
+
+    /// The control is to end: what moves brakes in the next ticks, and the place of an open run is kept.
+    pub fn begin_end(&mut self) {
+        self.controller.begin_end();
     }
 
     /// Stores everything and ends the storage.

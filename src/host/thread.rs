@@ -5,13 +5,14 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, bounded};
 use triple_buffer::TripleBuffer;
 
 use super::Host;
+use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
 use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
@@ -19,11 +20,14 @@ use super::storage::Storage;
 use crate::defs::alarm;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
+use crate::units::Micros;
 
 /// Capacity of the queue of commands for the next tick.
 const COMMAND_QUEUE: usize = 256;
 /// Capacity of the separate queue for reset, feed hold and emergency stop.
 const URGENT_QUEUE: usize = 16;
+/// Longest wait for the axes at the end of the control.
+const MAX_BRAKING: Micros = Micros::from_millis(3_000);
 /// Snapshots a second.
 const SNAPSHOTS_PER_SECOND: u64 = 60;
 
@@ -37,7 +41,7 @@ pub struct HostThread<P, S> {
     started: Instant,
     ticks: u64,
     health: Arc<ThreadHealth>,
-    stop: Arc<AtomicBool>,
+    end: ControlEnd,
     touched: bool,
 }
 
@@ -58,8 +62,8 @@ where
     let (commands, from_screen) = bounded(COMMAND_QUEUE);
     let (urgent, from_urgent) = bounded(URGENT_QUEUE);
     let (snapshots, newest) = TripleBuffer::new(host.snapshot()).split();
-    let (health, stop) = (Arc::new(ThreadHealth::default()), Arc::new(AtomicBool::new(false)));
-    let (own_health, own_stop) = (Arc::clone(&health), Arc::clone(&stop));
+    let (health, end) = (Arc::new(ThreadHealth::default()), ControlEnd::default());
+    let (own_health, own_end) = (Arc::clone(&health), end.clone());
     let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
         own_health.real_time.store(request_real_time(), Ordering::Release);
         let mut thread = HostThread {
@@ -71,15 +75,17 @@ where
             started: Instant::now(),
             ticks: 0,
             health: own_health,
-            stop: own_stop,
+            end: own_end,
             touched: false,
         };
         thread.guard(script);
+        thread.guard(HostThread::bring_to_rest);
         thread.host.leave_safe();
-        thread.host.close();
+        thread.guard(|thread| thread.host.close());
+        thread.end.set_ended();
     })?;
     let updated = Instant::now();
-    Ok(HostLink { commands, urgent, snapshots: newest, updated, health, stop, thread: Some(thread) })
+    Ok(HostLink { commands, urgent, snapshots: newest, updated, health, end, thread: Some(thread) })
 }
 
 /// Runs the control until it is stopped: the script of the window.
@@ -102,6 +108,21 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
             thread.publish();
         });
         self.health.ticks.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The control ends: a machine that moves brakes to rest first. Nothing more is received.
+    fn bring_to_rest(&mut self) {
+        if self.health.failed.load(Ordering::Acquire) {
+            return;
+        }
+        self.host.begin_end();
+        for _ in 0..MAX_BRAKING.0 / self.host.tick_time().0.max(1) {
+            if self.host.controller.is_at_rest() {
+                break;
+            }
+            self.pace();
+            self.host.step();
+        }
     }
 
     /// Runs a step; a panic in it stops the thread and is shown on the screen.
@@ -148,7 +169,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
     /// Whether the thread is to end: the screen is closed, or a step has failed.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Acquire) || self.health.failed.load(Ordering::Acquire)
+        self.end.stop.load(Ordering::Acquire) || self.health.failed.load(Ordering::Acquire)
     }
 
     /// Whether the operator has sent a command since [`Self::take_touched`].

@@ -30,6 +30,7 @@ mod motion_profile;
 mod motion_thread;
 mod oscillation;
 mod panel_keys;
+mod process_end;
 mod restart;
 mod retract;
 mod run_control;

@@ -9,6 +9,7 @@ mod sample;
 mod stories;
 
 mod alarm;
+mod closing;
 mod core_fault;
 mod designer;
 mod dressing_point;

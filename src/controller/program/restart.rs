@@ -220,12 +220,14 @@ pub struct PowerCutPosition {
     pub interrupted: Option<(u32, u32)>,
     /// Line of the present run last stored on disk, and when.
     stored: Option<(u32, Micros)>,
+    /// The control ends: the record stays.
+    is_kept: bool,
 }
 
 impl PowerCutPosition {
     /// Starts from the record of the last power-on.
     pub const fn new(interrupted: Option<(u32, u32)>) -> Self {
-        Self { interrupted, stored: None }
+        Self { interrupted, stored: None, is_kept: false }
     }
 }
 
@@ -446,10 +448,17 @@ impl Program {
         }
     }
 
+    /// The control ends: stores the position of the open run and keeps it.
+    pub fn keep_run_position(&mut self, plant: &mut Plant) {
+        self.power_cut.stored = self.power_cut.stored.map(|(line, _)| (line, Micros::ZERO));
+        self.store_run_position(plant);
+        self.power_cut.is_kept = true;
+    }
+
     /// The run is over: clears the recorded position.
     pub fn clear_run_position(&mut self, plant: &mut Plant) {
         self.power_cut.interrupted = None;
-        if self.power_cut.stored.take().is_some() {
+        if self.power_cut.stored.take().is_some() && !self.power_cut.is_kept {
             plant.outbox.requests.push(StorageRequest::RunningAt(None));
         }
     }

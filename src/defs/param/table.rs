@@ -57,6 +57,7 @@ bits! {
     PRINT_AS_BMP = 22 bit 1, Off, User, "屏幕打印存为 BMP", "screen prints are saved as BMP";
     FINE_DISPLAY = 22 bit 2, Off, User, "显示到 0.0001 mm", "display resolution 0.0001 mm";
     PROGRAM_PASSWORD = 22 bit 5, On, User, "编辑程序需要密码", "program editing needs the password";
+    CLOSE_PASSWORD = 23 bit 6, Off, User, "关闭系统需要密码", "closing the control needs the password";
     SUBPROGRAM_PASSWORD = 23 bit 5, On, User, "编辑 O9000-O9999 需要密码", "editing O9000-O9999 needs the password";
 }
 
