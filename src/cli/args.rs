@@ -50,6 +50,9 @@ pub struct SharedArgs {
     /// The language that holds: asked for, else stored, else Chinese.
     #[arg(skip)]
     pub lang: Lang,
+    /// What is wrong with the settings of the data directory.
+    #[arg(skip)]
+    pub settings_fault: Option<String>,
     /// The light theme, as set on the machine.
     #[arg(skip)]
     pub light: bool,

@@ -5,6 +5,8 @@ use std::path::Path;
 use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::PowerOnState;
+use crate::defs::alarm;
+use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::program_number;
 use crate::host::Host;
@@ -33,15 +35,42 @@ const SIM_VIEW_INTERVAL: Micros = Micros::from_millis(100);
 /// # Errors
 /// The data directory or the settings in it cannot be read.
 pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<SharedArgs, CallError> {
-    let stored = match shared.data.is_some() || opens_control {
-        true => StoredSettings::read(data_dir(&shared)?.root()).map_err(CallError::new)?,
-        false => StoredSettings::default(),
-    };
+    let mut stored = StoredSettings::default();
+    if shared.data.is_some() || opens_control {
+        let data = data_dir(&shared)?;
+        let kind = RetainedStore::kind_of(data.root());
+        (stored, shared.settings_fault) = read_settings(data.root(), kind);
+        // The kind of machine belongs to the retained data.
+        stored.kind = kind.or(stored.kind);
+        if let (Some(asked), Some(kind)) = (shared.requested_kind, kind)
+            && asked != kind
+        {
+            return Err(CallError::new(format!(
+                "--kind {}: the data in {} are those of kind {}; leave --kind out, choose the kind on the settings page, or take another --data",
+                asked.id(),
+                data.root().display(),
+                kind.id()
+            )));
+        }
+    }
     shared.kind = shared.requested_kind.or(stored.kind).unwrap_or_default();
     shared.lang = shared.requested_lang.or(stored.lang).unwrap_or_default();
     shared.light = stored.light.unwrap_or_default();
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);
     Ok(shared)
+}
+
+/// The settings of a data directory, and what is wrong with them: the control starts with what is whole and says so.
+fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Option<String>) {
+    let (stored, warning) = match StoredSettings::read_with_warnings(folder) {
+        Ok((stored, warnings)) => {
+            (stored, warnings.first().filter(|warning| warning.is_damage()).map(ToString::to_string))
+        }
+        Err(error) => (StoredSettings::default(), Some(error.to_string())),
+    };
+    let other = stored.kind.zip(data_kind).filter(|(set, data)| set != data);
+    let mismatch = other.map(|(set, data)| format!("settings.ron: kind {}, the data: {}", set.id(), data.id()));
+    (stored, mismatch.or(warning))
 }
 
 /// The data directory: from the call, otherwise the platform's.
@@ -95,8 +124,8 @@ pub fn apply_overrides(shared: &SharedArgs, mut retained: PowerOnState) -> Resul
 struct HostParts {
     retained: PowerOnState,
     store: Option<RetainedStore>,
-    /// Report of damaged retained data.
-    damaged: Option<String>,
+    /// Alarms of data and settings that stand until a person has decided.
+    standing: Vec<(u16, String)>,
     jobs: JobRunner,
 }
 
@@ -107,17 +136,19 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
         .with_serial(shared.serial.clone(), data.as_ref().map(|data| data.root().to_path_buf()));
     let Some(data) = data else {
         let retained = apply_overrides(shared, PowerOnState::factory(shared.kind))?;
-        return Ok(HostParts { retained, store: None, damaged: None, jobs });
+        return Ok(HostParts { retained, store: None, standing: Vec::new(), jobs });
     };
     let (store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     for value in &found.dropped {
         eprintln!("kt830: retained value {value} is no longer allowed and was ignored");
     }
-    if let Some(damaged) = &found.damaged {
-        eprintln!("kt830: the retained data were damaged; a copy is kept as {damaged}; factory values are used");
+    if let Some(loss) = &found.loss {
+        eprintln!("kt830: the retained data were damaged or gone and are not accepted yet: {loss}");
     }
+    let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
+    let standing = found.loss.map(|what| (alarm::RETAINED_DATA_DAMAGED, what)).into_iter().chain(settings).collect();
     let retained = apply_overrides(shared, found.retained)?;
-    Ok(HostParts { retained, store: Some(store), damaged: found.damaged, jobs })
+    Ok(HostParts { retained, store: Some(store), standing, jobs })
 }
 
 /// The data directory, if the call names one.
@@ -149,7 +180,7 @@ pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
     let storage = DirectStorage::new(RetainedWorker::new(parts.store), parts.jobs).map_err(CallError::new)?;
     let machine = simulated(shared, &parts.retained.params, Micros::ZERO)?;
     let mut host = Host::connect(shared.kind, parts.retained, machine, storage);
-    parts.damaged.iter().for_each(|damaged| host.report_damage(damaged));
+    parts.standing.iter().for_each(|(number, what)| host.report_standing(*number, what));
     Ok(host)
 }
 
@@ -170,7 +201,7 @@ pub fn threaded_host<P: HostedMachine>(
     let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;
     let machine = machine(shared, &parts.retained.params)?;
     let mut host = Host::connect(shared.kind, parts.retained, machine, storage);
-    parts.damaged.iter().for_each(|damaged| host.report_damage(damaged));
+    parts.standing.iter().for_each(|(number, what)| host.report_standing(*number, what));
     Ok(host)
 }
 

@@ -217,15 +217,18 @@ alarms! {
     SPINDLE_NOT_TURNING = 212, StopProgram, Reset, "主轴未转动", "the spindle is not turning",
         "螺纹加工时主轴没有转动", "threading was started with the spindle stopped",
         "先用 M03 或 M04 启动主轴", "start it with M03 or M04 first";
-    RETAINED_DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
-        "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; a copy is kept, factory values are used",
-        "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";
+    RETAINED_DATA_DAMAGED = 300, BlockStart, SelfClearing, "保存数据损坏或丢失", "retained data damaged or gone",
+        "保存数据不能读出或被删除，已用最近的完好数据，没有时用出厂值", "the stored data could not be read, or were removed: the newest whole state is used, else factory values",
+        "核对参数、刀补、修整点或恢复备份，再在报警页用机床厂密码接受", "check all values or restore a backup, then ACCEPT on the alarm page (builder)";
     STORE_FAILED = 301, BlockStart, Reset, "数据保存失败", "data could not be stored",
         "磁盘满或损坏", "the disk is full or damaged",
         "清理磁盘后复位", "free disk space, then RESET";
     PROGRAM_MISSING = 302, StopProgram, Reset, "程序不存在", "program not found",
         "程序目录中没有该程序", "the program is not in the programs folder",
         "检查程序号，或拷入程序", "check the number or copy the program in";
+    SETTINGS_INVALID = 304, BlockStart, SelfClearing, "设置文件损坏或机型不符", "settings damaged or of another kind",
+        "settings.ron 不能读出，或机型与保存数据不同；机型按保存数据", "settings.ron cannot be read, or its kind is not that of the retained data; the kind is that of the data",
+        "在设置页用机床厂密码重新选择机床类型", "choose the kind of machine again on the settings page (builder's password)";
     SERIAL_PORT_NOT_OPEN = 310, Show, Reset, "RS232 端口打不开", "RS232 port cannot be opened",
         "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P370", "no port selected, port missing, in use or not permitted, or the baud rate P370 is not supported",
         "在 U盘/通信 的 RS232 页选择端口；检查 P370 和接线", "select the port on the RS232 tab of USB/COMM; check P370 and the cable";

@@ -43,6 +43,7 @@ use crate::io::sim::PartFile;
 use crate::io::trace::TraceRow;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
+use crate::link::page_command::{PageCommand, StorageAnswer};
 use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
 use crate::nc::Source;
 use crate::units::Micros;
@@ -64,8 +65,8 @@ struct Delivered {
     screens: Option<Arc<Screens>>,
     /// The time of day, and the host's time at which it came.
     wall_clock: Option<(DateTime, Micros)>,
-    /// Report of damaged retained data.
-    damage: Option<String>,
+    /// Alarms of data and settings that stand until a person has decided, with their detail.
+    standing: Vec<(u16, String)>,
 }
 
 /// The part in the machine, and the part that belongs to the current program.
@@ -154,6 +155,12 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         match &command {
             Command::ScreensLoaded(screens) => self.delivered.screens = Some(Arc::clone(screens)),
             Command::WallClock(date) => self.delivered.wall_clock = Some((*date, self.now)),
+            Command::Page(PageCommand::StorageAnswered(StorageAnswer::DataAccepted)) => {
+                self.delivered.standing.retain(|(number, _)| *number != alarm::RETAINED_DATA_DAMAGED);
+            }
+            Command::Page(PageCommand::StorageAnswered(StorageAnswer::KindSaved(_))) => {
+                self.delivered.standing.retain(|(number, _)| *number != alarm::SETTINGS_INVALID);
+            }
             _ => {}
         }
         self.inbox.push(command);
@@ -332,19 +339,15 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             self.inbox.push(Command::WallClock(DateTime(seconds + passed as i64)));
         }
         self.inbox.extend(self.part.mounted.as_ref().map(part::stock_command));
-        if let Some(what) = self.delivered.damage.clone() {
-            self.raise_damage(&what);
+        for (number, what) in &self.delivered.standing {
+            self.controller.report_alarm(*number, Some(LocalizedText::same(what)));
         }
     }
 
-    /// Raises the alarm for damaged retained data, now and at every power-on.
-    pub fn report_damage(&mut self, what: &str) {
-        self.delivered.damage = Some(what.to_owned());
-        self.raise_damage(what);
-    }
-
-    fn raise_damage(&mut self, what: &str) {
-        self.controller.report_alarm(alarm::RETAINED_DATA_DAMAGED, Some(LocalizedText::same(what)));
+    /// Raises an alarm of data or settings, now and at every power-on until a person has decided.
+    pub fn report_standing(&mut self, number: u16, what: &str) {
+        self.delivered.standing.push((number, what.to_owned()));
+        self.controller.report_alarm(number, Some(LocalizedText::same(what)));
     }
 
     /// Writes the safe image without a tick: spindles, fluids, drives and analog outputs off, clamps hold. Also after a

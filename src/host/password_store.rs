@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 use crate::store::{RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
 
 /// The key of the changed password in the store, and the default one, valid until it is changed; the manual lists them.
@@ -19,10 +20,15 @@ const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
     }
 }
 
+/// The hashes once more, beside the database: they outlive it.
+const PASSWORD_FILE: &str = "passwords.ron";
+
 /// Hashes of the changed passwords, and the folder of the settings.
 #[derive(Clone, Debug, Default)]
 pub struct PasswordStore {
     hashes: BTreeMap<PasswordScope, String>,
+    /// Neither the database nor its copy says whether passwords were changed: none matches.
+    is_locked: bool,
     folder: Option<PathBuf>,
 }
 
@@ -30,8 +36,15 @@ impl PasswordStore {
     /// Takes the passwords from retained data; settings are stored in `folder`.
     #[must_use]
     pub fn new(loaded: &RetainedData, folder: PathBuf) -> Self {
-        let found = |guard: PasswordScope| loaded.texts.get(password_row(guard).0).map(|hash| (guard, hash.clone()));
-        Self { hashes: PasswordScope::ALL.into_iter().filter_map(found).collect(), folder: Some(folder) }
+        let copy = ron_file::read::<BTreeMap<String, String>>(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict);
+        let is_damaged = !matches!(copy, Ok(_) | Err(RonError::Missing(_)));
+        let copy = copy.map(|read| read.value).unwrap_or_default();
+        let found = |guard: PasswordScope| {
+            let row = password_row(guard).0;
+            Some((guard, loaded.texts.get(row).or_else(|| copy.get(row))?.clone()))
+        };
+        let hashes: BTreeMap<_, _> = PasswordScope::ALL.into_iter().filter_map(found).collect();
+        Self { is_locked: is_damaged && hashes.is_empty(), hashes, folder: Some(folder) }
     }
 
     /// Executes a request and returns the answer; without a store a new password is kept in memory only.
@@ -56,6 +69,7 @@ impl PasswordStore {
                 }
                 return Ok(StorageAnswer::PasswordChanged(*scope, allowed));
             }
+            SettingsRequest::AcceptData => return Ok(StorageAnswer::DataAccepted),
             SettingsRequest::SaveKind(kind) => {
                 self.update_settings(|settings| settings.kind = Some(*kind))?;
                 return Ok(StorageAnswer::KindSaved(*kind));
@@ -70,6 +84,9 @@ impl PasswordStore {
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
         let secret = secret.reveal();
+        if self.is_locked {
+            return false;
+        }
         self.hashes.get(&guard).map_or_else(|| secret == password_row(guard).1, |hash| password::verify(secret, hash))
     }
 
@@ -85,12 +102,21 @@ impl PasswordStore {
             store.commit(&[change]).map_err(error_text)?;
         }
         self.hashes.insert(guard, hash);
-        Ok(())
+        self.write_copy()
+    }
+
+    /// Writes the hashes beside the database.
+    fn write_copy(&self) -> Result<(), LocalizedText> {
+        let Some(folder) = &self.folder else { return Ok(()) };
+        let rows: BTreeMap<String, String> =
+            self.hashes.iter().map(|(guard, hash)| (password_row(*guard).0.to_owned(), hash.clone())).collect();
+        ron_file::write(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict, &rows).map_err(error_text)
     }
 
     fn update_settings(&self, change: impl FnOnce(&mut StoredSettings)) -> Result<(), LocalizedText> {
         let Some(folder) = &self.folder else { return Ok(()) };
-        let mut settings = StoredSettings::read(folder).map_err(error_text)?;
+        // A damaged file is put aside and replaced; the kind of machine is that of the retained data.
+        let mut settings = StoredSettings::read(folder).unwrap_or_default();
         change(&mut settings);
         settings.write(folder).map_err(error_text)
     }

@@ -1,7 +1,8 @@
 //! Maps the core's storage requests to database rows: keys, values, and how they are restored at power-on.
 //! Source: spec B3 (retained ranges), notes "acknowledge after commit".
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use super::password_store::PasswordStore;
 use crate::controller::{PowerOnState, StorageRequest};
@@ -9,11 +10,12 @@ use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
 use crate::defs::system_variable;
+use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
-use crate::link::page_command::SettingsRequest;
+use crate::link::page_command::{PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset};
+use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations};
 use crate::units::{Axis, PerAxis};
 
 const CURRENT_PROGRAM: &str = "current-program";
@@ -24,6 +26,9 @@ const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 const CUTTER_RADIUS: &str = "cutter-radius-";
 const CUTTER_TIP: &str = "cutter-tip-";
 const RUNNING_AT: &str = "running-at";
+/// The kind of machine of the data, and what happened to lost data.
+const KIND: &str = "machine-kind";
+const LOSS: &str = "data-loss";
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// Result of opening the data.
@@ -31,8 +36,10 @@ const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-
 pub struct StoreReport {
     /// The data that the control starts with.
     pub retained: PowerOnState,
-    /// The data were damaged: path of the copy and cause.
-    pub damaged: Option<String>,
+    /// The data were damaged or gone, and no person has accepted what took their place: what happened.
+    pub loss: Option<String>,
+    /// The kind of machine that the data belong to.
+    pub kind: Kind,
     /// Stored values that are no longer allowed; factory values are used instead.
     pub dropped: Vec<String>,
 }
@@ -43,7 +50,13 @@ pub struct RetainedStore {
     passwords: PasswordStore,
     /// Changes that the disk has refused; they are written before the next changes.
     unsaved: Vec<RetainedChange>,
+    folder: PathBuf,
+    /// When a generation was kept last.
+    kept_at: Instant,
 }
+
+/// Time after which the next commit keeps a generation.
+const GENERATION_INTERVAL: Duration = Duration::from_secs(3_600);
 
 /// Maximum number of unsaved changes; the oldest are dropped first.
 const MAX_UNSAVED: usize = 100_000;
@@ -55,17 +68,66 @@ impl RetainedStore {
     /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
         let mut opened = RetainedDatabase::open(folder)?;
-        let loaded = opened.database.load()?;
-        let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
+        let damage = opened.damaged.take().map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
+        let gone = || opened.gone.then(|| format!("{} is gone", opened.database.path().display()));
+        if let Some(what) = damage.or_else(gone) {
+            replace_lost(&mut opened.database, folder, &what)?;
+        }
+        let mut loaded = opened.database.load()?;
+        let stored_kind = loaded.texts.get(KIND).and_then(|id| Kind::from_id(id));
+        if stored_kind.is_none() {
+            opened.database.commit(&[text(KIND, Some(kind.id().to_owned()))])?;
+            loaded = opened.database.load()?;
+        }
         let (retained, dropped) = retained_from_data(kind, &loaded);
         let passwords = PasswordStore::new(&loaded, folder.to_path_buf());
-        let store = Self { database: opened.database, passwords, unsaved: Vec::new() };
-        Ok((store, StoreReport { retained, damaged, dropped }))
+        let report =
+            StoreReport { retained, loss: loaded.texts.get(LOSS).cloned(), kind: stored_kind.unwrap_or(kind), dropped };
+        let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
+        let mut store = Self { database: opened.database, passwords, unsaved: Vec::new(), folder, kept_at };
+        store.keep_generation()?;
+        Ok((store, report))
+    }
+
+    /// The kind of machine that the data of a directory belong to; of the newest whole generation if they are damaged
+    /// or gone. Nothing is written.
+    #[must_use]
+    pub fn kind_of(folder: &Path) -> Option<Kind> {
+        let data =
+            RetainedDatabase::peek(folder).or_else(|| generations::newest_whole(folder).map(|(_, data)| data))?;
+        data.texts.get(KIND).and_then(|id| Kind::from_id(id))
+    }
+
+    /// Keeps the present state as a generation.
+    ///
+    /// # Errors
+    /// The disk reports an error.
+    pub fn keep_generation(&mut self) -> Result<(), RetainedError> {
+        let data = self.database.load()?;
+        self.kept_at = Instant::now();
+        // What nobody has accepted never takes the place of a good state.
+        if !data.texts.contains_key(LOSS) && data.generation.0 > 0 {
+            generations::keep(&self.folder, &data).map_err(|error| RetainedError::Generation(error.to_string()))?;
+        }
+        Ok(())
     }
 
     /// Answers a request of a page.
     pub fn answer(&mut self, request: &SettingsRequest) -> Command {
-        self.passwords.answer(request, Some(&mut self.database))
+        let accepts = *request == SettingsRequest::AcceptData;
+        let binds = match request {
+            SettingsRequest::AcceptData => Some(text(LOSS, None)),
+            // The data go with the kind.
+            SettingsRequest::SaveKind(kind) => Some(text(KIND, Some(kind.id().to_owned()))),
+            _ => None,
+        };
+        let stored = binds.map_or(Ok(()), |change| self.database.commit(&[change]).map(drop));
+        let answer = match stored {
+            Ok(()) if accepts => StorageAnswer::DataAccepted,
+            Ok(()) => return self.passwords.answer(request, Some(&mut self.database)),
+            Err(error) => StorageAnswer::Failed(LocalizedText::same(&error)),
+        };
+        Command::Page(PageCommand::StorageAnswered(answer))
     }
 
     /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
@@ -83,11 +145,40 @@ impl RetainedStore {
             self.unsaved.clear();
         }
         match &mut done {
-            Ok(_) => self.unsaved.clear(),
+            Ok(_) => {
+                self.unsaved.clear();
+                if self.kept_at.elapsed() >= GENERATION_INTERVAL {
+                    self.keep_generation()?;
+                }
+            }
             Err(_) => drop(self.unsaved.drain(..self.unsaved.len().saturating_sub(MAX_UNSAVED))),
         }
         done.map(|generation| generation.0)
     }
+}
+
+impl Drop for RetainedStore {
+    /// The last state of a session is a generation.
+    fn drop(&mut self) {
+        drop(self.keep_generation());
+    }
+}
+
+/// Puts the newest whole generation in the place of data that are damaged or gone, and records what happened until a
+/// person has accepted it.
+fn replace_lost(database: &mut RetainedDatabase, folder: &Path, what: &str) -> Result<(), RetainedError> {
+    let used = match generations::newest_whole(folder) {
+        Some((path, data)) => {
+            database.restore(&data)?;
+            format!("{} is used", path.display())
+        }
+        None => "factory values are used".to_owned(),
+    };
+    database.commit(&[text(LOSS, Some(format!("{what}; {used}")))]).map(drop)
+}
+
+fn text(key: &str, value: Option<String>) -> RetainedChange {
+    RetainedChange::Text { key: key.to_owned(), value }
 }
 
 /// The database change of a request; `None` for jobs and page requests.

@@ -110,6 +110,8 @@ pub enum PageCommand {
         /// The new password.
         new: Secret,
     },
+    /// Accepts the retained data after damage or loss (alarm 300).
+    AcceptData,
     /// Selects the kind of machine from the next start on.
     SetNextKind(Kind),
     /// Sets the language of the screen, now and at the next start.
@@ -144,6 +146,8 @@ pub enum SettingsRequest {
         /// The new password.
         new: Secret,
     },
+    /// The data are accepted after damage or loss.
+    AcceptData,
     /// Saves the kind for the next start.
     SaveKind(Kind),
     /// Saves the language for the next start.
@@ -163,6 +167,8 @@ pub enum StorageAnswer {
     PasswordChecked(PasswordScope, bool),
     /// Whether a password was replaced; false if the old one did not match.
     PasswordChanged(PasswordScope, bool),
+    /// The data are accepted.
+    DataAccepted,
     /// The kind for the next start is saved.
     KindSaved(Kind),
     /// The language is saved.

@@ -45,7 +45,7 @@ pub use named_program::{NamedProgram, list_named_programs, program_stem};
 pub use program_folder::{ProgramFolder, STEM_LIMIT};
 pub use retained::{
     DamageReport, Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError,
-    StorageFault, ToolOffset,
+    StorageFault, ToolOffset, generations,
 };
 pub use settings::StoredSettings;
 pub use usb_drive::{ListedFile, UsbDrive};

@@ -48,6 +48,14 @@ pub enum RonWarning {
     },
 }
 
+impl RonWarning {
+    /// Whether the file itself could not be read.
+    #[must_use]
+    pub const fn is_damage(&self) -> bool {
+        matches!(self, Self::FromBackup { .. })
+    }
+}
+
 /// A value and its warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedFile<T> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::ron_file::{self, ChecksumPolicy, RonError};
+use super::ron_file::{self, ChecksumPolicy, RonError, RonWarning};
 use crate::defs::kind::Kind;
 use crate::defs::text::Lang;
 
@@ -34,9 +34,17 @@ impl StoredSettings {
     /// # Errors
     /// The file cannot be read or is invalid; the error names line and column.
     pub fn read(folder: &Path) -> Result<Self, RonError> {
+        Self::read_with_warnings(folder).map(|(settings, _)| settings)
+    }
+
+    /// As [`Self::read`], with what is wrong with the file that was read.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_with_warnings(folder: &Path) -> Result<(Self, Vec<RonWarning>), RonError> {
         match ron_file::read(&folder.join(FILE), ChecksumPolicy::Lenient) {
-            Ok(found) => Ok(found.value),
-            Err(RonError::Missing(_)) => Ok(Self::default()),
+            Ok(found) => Ok((found.value, found.warnings)),
+            Err(RonError::Missing(_)) => Ok((Self::default(), Vec::new())),
             Err(error) => Err(error),
         }
     }

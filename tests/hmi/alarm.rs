@@ -2,7 +2,8 @@
 //! Source: spec B6 (报警), B8, H7.
 
 use crate::live_screen::Bench;
-use kt830::defs::alarm::{ALARMS, Alarm};
+use egui_kittest::kittest::Queryable;
+use kt830::defs::alarm::{self, ALARMS, Alarm};
 use kt830::defs::alarm_history::AlarmHistory;
 use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
@@ -131,4 +132,32 @@ fn h7_an_alarm_has_one_severity_in_chip_line_and_page() {
     bench.turn();
     let texts = coloured(&bench);
     assert!(texts.iter().any(|(text, ink)| text.contains("砂轮不能启动") && *ink == DARK.hold), "{texts:?}");
+}
+
+/// Alarm 300 stands until the builder accepts the data.
+#[test]
+fn b6_lost_data_are_accepted_on_the_alarm_page_with_the_password_of_the_builder() {
+    let mut bench = Bench::new(crate::stories::rig(), Page::Alarm);
+    let is_offered = |bench: &Bench| bench.screen.query_by_label_contains("accept-data").is_some();
+    assert!(!is_offered(&bench));
+    bench.rig.report_standing(alarm::RETAINED_DATA_DAMAGED, "retained.redb is gone; factory values are used");
+    bench.turn();
+    assert!(is_offered(&bench) && bench.shows("保存数据损坏或丢失"));
+    bench.touch("接受数据 accept-data");
+    bench.press(egui::Key::Escape);
+    assert!(is_offered(&bench) && !bench.asks_password(), "cancelled");
+    bench.touch("接受数据 accept-data");
+    bench.touch("接受 accept-yes");
+    assert!(bench.asks_password());
+    bench.write("123456");
+    bench.press(egui::Key::Enter);
+    assert!(bench.asks_password() && is_offered(&bench), "the user's password accepts nothing");
+    bench.press(egui::Key::Escape);
+    bench.touch("接受数据 accept-data");
+    bench.touch("接受 accept-yes");
+    bench.write("830830");
+    bench.press(egui::Key::Enter);
+    assert!(!is_offered(&bench) && !bench.shows("保存数据损坏或丢失"));
+    crate::stories::tell(&mut bench.rig, "power cut\npower on\nwait 0.1 s");
+    assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != alarm::RETAINED_DATA_DAMAGED));
 }

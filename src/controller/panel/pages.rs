@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::snapshot::run_state;
 use super::{Panel, Parts, PartsView};
 use crate::controller::storage_request::StorageRequest;
+use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::param::{AccessLevel, ParamAddress, Params};
 use crate::defs::param_row;
@@ -48,7 +49,10 @@ impl Panel {
     pub fn handle_page_command(&mut self, parts: &mut Parts<'_>, command: &PageCommand) {
         let mut save = |request| parts.plant.store(StorageRequest::Page(request));
         match command {
-            PageCommand::EditLeadscrew(..) | PageCommand::SetNextKind(_) | PageCommand::SetSerialPort(_)
+            PageCommand::EditLeadscrew(..)
+            | PageCommand::SetNextKind(_)
+            | PageCommand::SetSerialPort(_)
+            | PageCommand::AcceptData
                 if !self.access.is_builder() =>
             {
                 parts.plant.refuse(password_needed(AccessLevel::Builder))
@@ -71,6 +75,7 @@ impl Panel {
                 let request = SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() };
                 self.request_password_check(parts, request);
             }
+            PageCommand::AcceptData => save(SettingsRequest::AcceptData),
             PageCommand::SetNextKind(kind) => save(SettingsRequest::SaveKind(*kind)),
             PageCommand::SetLang(lang) => save(SettingsRequest::SaveLang(*lang)),
             PageCommand::SetLightTheme(light) => save(SettingsRequest::SaveLightTheme(*light)),
@@ -117,7 +122,12 @@ impl Panel {
                 let wrong = self.access.reject(parts.plant.now);
                 parts.plant.refuse(wrong);
             }
+            StorageAnswer::DataAccepted => {
+                parts.plant.alarms.clear(alarm::RETAINED_DATA_DAMAGED);
+                parts.plant.show_note(phrase!("保存数据已接受", "the retained data are accepted"));
+            }
             StorageAnswer::KindSaved(kind) => {
+                parts.plant.alarms.clear(alarm::SETTINGS_INVALID);
                 self.pages.next_kind = *kind;
                 let name = &kind.row().name;
                 parts.plant.show_note(phrase!("下次启动为 {name}", "from the next start: {name}", name));

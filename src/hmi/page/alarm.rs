@@ -7,6 +7,7 @@ use std::borrow::Cow;
 
 use egui::{Align2, Rect, pos2, vec2};
 
+use super::accept_data::AcceptData;
 use super::help::{self, CAUSE, HelpEntry, REMEDY};
 use super::{PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::alarm;
@@ -40,6 +41,7 @@ pub struct AlarmPage {
     shows_history: bool,
     selected: Option<AlarmRef>,
     scroll: Scroll,
+    accept: AcceptData,
     /// Alarm whose text was looked up last, and its help.
     looked_up: Option<(u16, Option<HelpEntry>)>,
 }
@@ -55,7 +57,19 @@ impl PageUi for AlarmPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { rect, view, typed, out, hand_over, .. } = ctx;
+        let PageContext { rect, view, typed, out, hand_over, login, .. } = ctx;
+        let free = KeyboardInput::default();
+        let is_asking = self.accept.is_open() || login.is_open();
+        let (typed, asked) = if is_asking { (&free, typed) } else { (typed, &free) };
+        self.list(rect, view, typed, (hand_over, out));
+        self.accept.ui(rect, view, &asked.edits, login, out);
+    }
+}
+
+impl AlarmPage {
+    /// The tabs and the rows.
+    fn list(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, to: (&mut Option<u32>, &mut Vec<Command>)) {
+        let (hand_over, out) = to;
         let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         out.extend(self.bar(bar, view, typed));
         let rest = rest.trim_top(theme::PAD);
@@ -93,9 +107,7 @@ impl PageUi for AlarmPage {
             out.push(Command::OpenPage(entry_page(view, variable)));
         }
     }
-}
 
-impl AlarmPage {
     /// Number of the selected alarm; without a selection the first active one.
     fn selected_number(&self, view: &View<'_>) -> Option<u16> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
@@ -127,6 +139,9 @@ impl AlarmPage {
         let wanted = touched.unwrap_or(self.shows_history != turned);
         if wanted != self.shows_history {
             *self = Self { shows_history: wanted, ..Self::default() };
+        }
+        if !self.shows_history && AcceptData::is_due(view) {
+            self.accept.key(bar.with_min_x(bar.max.x - 200.0), view);
         }
         if self.shows_history {
             let key = bar.with_min_x(bar.max.x - 150.0);

@@ -1,7 +1,8 @@
 //! The pages: a page is one file behind [`PageUi`] and one row of the table below. A page draws from the view and keeps
 //! only its cursor and its edit text; no page knows another page's state.
 
-pub mod alarm;
+pub mod accept_data;
+mod alarm;
 pub mod designer;
 pub mod diagnosis;
 pub mod directory;

@@ -7,7 +7,7 @@ use redb::StorageBackend;
 use redb::backends::InMemoryBackend;
 
 use super::tables::{self, FORMAT, OLDEST_FORMAT};
-use super::{RetainedError, builder};
+use super::{RetainedData, RetainedError, builder};
 use crate::store::atomic_file::{self, ReadError};
 
 /// Maximum size of the database, bytes; a thousand times the expected size.
@@ -30,15 +30,24 @@ pub(super) fn find_damage(path: &Path) -> Result<Option<String>, RetainedError> 
     // The bytes are untrusted: a failed assertion of the database is a finding, not a crash.
     let found = catch_unwind(AssertUnwindSafe(|| inspect(&bytes)));
     match found {
-        Ok(DatabaseState::Intact) => Ok(None),
+        Ok(DatabaseState::Intact(_)) => Ok(None),
         Ok(DatabaseState::Damaged(cause)) => Ok(Some(cause)),
         Ok(DatabaseState::Newer(found)) => Err(RetainedError::Newer { path: path.to_path_buf(), found, known: FORMAT }),
         Err(_) => Ok(Some("the database cannot read its own file".to_owned())),
     }
 }
 
+/// The data of a file that is intact. The file is only read.
+pub(super) fn read_whole(path: &Path) -> Option<RetainedData> {
+    let bytes = atomic_file::read(path, FILE_LIMIT).ok()?;
+    match catch_unwind(AssertUnwindSafe(|| inspect(&bytes))) {
+        Ok(DatabaseState::Intact(data)) => Some(*data),
+        Ok(DatabaseState::Damaged(_) | DatabaseState::Newer(_)) | Err(_) => None,
+    }
+}
+
 enum DatabaseState {
-    Intact,
+    Intact(Box<RetainedData>),
     Damaged(String),
     Newer(u64),
 }
@@ -65,7 +74,7 @@ fn inspect(bytes: &[u8]) -> DatabaseState {
         Ok(found) if found.stored_sum != found.computed_sum => {
             DatabaseState::Damaged("rows do not match their checksum".to_owned())
         }
-        Ok(_) => DatabaseState::Intact,
+        Ok(found) => DatabaseState::Intact(Box::new(found.data)),
         Err(cause) => DatabaseState::Damaged(cause.to_string()),
     }
 }

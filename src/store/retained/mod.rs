@@ -4,6 +4,7 @@
 //! power cut none of them is. A damaged or foreign file is detected before it is opened, renamed and reported; the
 //! caller raises an alarm and starts with factory data. Source: spec K4.2 (points kept over power-off), B3, B6.
 
+pub mod generations;
 mod integrity;
 mod tables;
 
@@ -15,6 +16,8 @@ use redb::{Database, DatabaseError};
 
 use super::atomic_file;
 use super::io_fault::IoFault;
+use serde::{Deserialize, Serialize};
+
 use crate::defs::alarm_history::PastAlarm;
 use crate::units::PerAxis;
 pub use tables::StorageFault;
@@ -31,11 +34,11 @@ const MAX_DAMAGED_FILES: u32 = 99;
 const CACHE_BYTES: usize = 8 * 1024 * 1024;
 
 /// Number of a commit; it increases by one with every commit, also across power cuts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Generation(pub u64);
 
 /// Geometry and wear of a tool offset, radius mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolOffset {
     /// Geometry of X, Y, Z.
     pub geometry: PerAxis<f64>,
@@ -93,7 +96,7 @@ pub enum RetainedChange {
 }
 
 /// All retained data at once.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RetainedData {
     /// Number of the last commit.
     pub generation: Generation,
@@ -111,6 +114,29 @@ pub struct RetainedData {
     pub texts: BTreeMap<String, String>,
     /// Alarms of the history by slot.
     pub alarms: BTreeMap<u16, PastAlarm>,
+}
+
+impl RetainedData {
+    /// The changes that make an empty database this one.
+    fn changes(&self) -> Vec<RetainedChange> {
+        let mut all = Vec::new();
+        all.extend(
+            self.variables.iter().map(|(&number, &value)| RetainedChange::Variable { number, value: Some(value) }),
+        );
+        all.extend(
+            self.params.iter().map(|(key, &value)| RetainedChange::Param { key: key.clone(), value: Some(value) }),
+        );
+        all.extend(self.offsets.iter().map(|(&number, &offset)| RetainedChange::Offset { number, offset }));
+        all.extend(self.work_offsets.iter().map(|(&index, &origin)| RetainedChange::WorkOffset { index, origin }));
+        all.extend(
+            self.numbers.iter().map(|(key, &value)| RetainedChange::Number { key: key.clone(), value: Some(value) }),
+        );
+        let text =
+            |(key, text): (&String, &String)| RetainedChange::Text { key: key.clone(), value: Some(text.clone()) };
+        all.extend(self.texts.iter().map(text));
+        all.extend(self.alarms.values().cloned().map(RetainedChange::Alarm));
+        all
+    }
 }
 
 /// A damaged or foreign file.
@@ -131,6 +157,8 @@ pub struct OpenedDatabase {
     pub damaged: Option<DamageReport>,
     /// Whether the store is new and empty: first start, file deleted, or damaged.
     pub fresh: bool,
+    /// Whether the file is gone that was here at an earlier start.
+    pub gone: bool,
 }
 
 /// Why the retained data cannot be opened, read or written.
@@ -158,6 +186,9 @@ pub enum RetainedError {
     /// Database error in the file. The commit may have succeeded or not; it is safe to commit the same changes again.
     #[error("{}: {}; free disk space or replace it, then try again", .0.display(), .1)]
     Storage(PathBuf, StorageFault),
+    /// A generation could not be kept; the data themselves are stored.
+    #[error("{0}; the earlier states of the data are not kept")]
+    Generation(String),
     /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
@@ -178,6 +209,8 @@ impl RetainedDatabase {
     /// # Errors
     /// Another process has it open, a newer control wrote it, or a disk error. Damage is not an error: see [`OpenedDatabase`].
     pub fn open(folder: &Path) -> Result<OpenedDatabase, RetainedError> {
+        // The lock file stays: a control has run on this directory before.
+        let used = fs::symlink_metadata(folder.join(LOCK_FILE)).is_ok();
         let lock = lock(folder)?;
         let path = folder.join(DATABASE_FILE);
         let mut damaged = None;
@@ -193,7 +226,8 @@ impl RetainedDatabase {
         if !fresh {
             tables::upgrade(&database).map_err(|fault| RetainedError::Storage(path.clone(), fault))?;
         }
-        Ok(OpenedDatabase { database: Self { path, database: Some(database), _lock: lock }, damaged, fresh })
+        let database = Self { path, database: Some(database), _lock: lock };
+        Ok(OpenedDatabase { database, damaged, fresh, gone: used && !present })
     }
 
     /// Stores all changes or none, in their order. When it returns, they survive a power cut.
@@ -206,6 +240,24 @@ impl RetainedDatabase {
             tables::check_change(change)?;
         }
         self.with_database(|database| tables::commit_changes(database, changes))
+    }
+
+    /// Stores an earlier state in an empty database, with the number of its commit.
+    ///
+    /// # Errors
+    /// As [`Self::commit`].
+    pub fn restore(&mut self, data: &RetainedData) -> Result<(), RetainedError> {
+        let changes = data.changes();
+        for change in &changes {
+            tables::check_change(change)?;
+        }
+        self.with_database(|database| tables::restore(database, &changes, data.generation))
+    }
+
+    /// All data of a directory that nobody opens; `None` if there are none, or they are damaged. Nothing is written.
+    #[must_use]
+    pub fn peek(folder: &Path) -> Option<RetainedData> {
+        integrity::read_whole(&folder.join(DATABASE_FILE))
     }
 
     /// Whether a change is valid.

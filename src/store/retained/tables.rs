@@ -144,6 +144,23 @@ pub(super) fn commit_changes(database: &Database, changes: &[RetainedChange]) ->
     Ok(generation)
 }
 
+/// Writes all rows of an earlier state with the number of its commit, in one durable transaction.
+pub(super) fn restore(
+    database: &Database,
+    changes: &[RetainedChange],
+    generation: Generation,
+) -> Result<(), StorageFault> {
+    let transaction = database.begin_write()?;
+    let moved = apply_rows(&transaction, changes)?;
+    {
+        let mut meta = transaction.open_table(META)?;
+        let rows = meta_value(&meta, META_ROWS)?.wrapping_add(moved);
+        meta.insert(META_ROWS, rows)?;
+        meta.insert(META_GENERATION, generation.0)?;
+    }
+    Ok(transaction.commit()?)
+}
+
 /// Sets a row, or removes it for `None`; gives the change of the checksum sum. `$sum` is the checksum of a row's value.
 macro_rules! set_row {
     ($table:ident, $key:expr, $value:expr, $sum:expr) => {{

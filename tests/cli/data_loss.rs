@@ -1,0 +1,203 @@
+//! Retained data and settings that are damaged, gone or of another kind: never factory values without an alarm that stands,
+//! never another kind of machine, never an open password. Source: safety stance; spec K1, K4.2, B6.
+
+use std::fs;
+use std::path::Path;
+
+use kt830::controller::StorageRequest;
+use kt830::defs::kind::Kind;
+use kt830::host::retained_store::{RetainedStore, StoreReport};
+use kt830::link::Command;
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use kt830::store::StoredSettings;
+use tempfile::TempDir;
+
+use crate::command::kt830;
+
+const DATABASE: &str = "retained.redb";
+
+fn open(folder: &Path) -> (RetainedStore, StoreReport) {
+    RetainedStore::open(folder, Kind::Gc).unwrap()
+}
+
+/// Data of a session: values, and a changed builder password.
+fn session() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut store, found) = open(folder.path());
+    assert_eq!((found.loss, found.kind), (None, Kind::Gc));
+    let values: Vec<_> =
+        (860..900).map(|number| StorageRequest::Variable(number, Some(f64::from(number) / 8.0))).collect();
+    store.commit(&values).unwrap();
+    let change = SettingsRequest::ChangePassword {
+        scope: PasswordScope::Builder,
+        old: Secret::new("830830".into()),
+        new: Secret::new("4711".into()),
+    };
+    assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+    folder
+}
+
+fn answer(store: &mut RetainedStore, request: &SettingsRequest) -> StorageAnswer {
+    match store.answer(request) {
+        Command::Page(PageCommand::StorageAnswered(answer)) => answer,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn matches(store: &mut RetainedStore, password: &str) -> bool {
+    let request = SettingsRequest::CheckPassword(PasswordScope::Builder, Secret::new(password.into()));
+    answer(store, &request) == StorageAnswer::PasswordChecked(PasswordScope::Builder, true)
+}
+
+fn value(found: &StoreReport, number: u32) -> Option<f64> {
+    found.retained.variables.get(number).unwrap()
+}
+
+fn has_values(found: &StoreReport) -> bool {
+    (860..900).all(|number| value(found, number) == Some(f64::from(number) / 8.0))
+}
+
+/// What a start after a loss must do, at every start until a person accepts.
+fn assert_restored(folder: &Path, what: &str) {
+    for start in 1..=3 {
+        let (mut store, found) = open(folder);
+        assert!(found.loss.as_deref().is_some_and(|loss| loss.contains("generations")), "{what}, start {start}");
+        assert!(has_values(&found), "{what}, start {start}: values");
+        assert!(matches(&mut store, "4711") && !matches(&mut store, "830830"), "{what}, start {start}: password");
+    }
+    let (mut store, _) = open(folder);
+    assert_eq!(answer(&mut store, &SettingsRequest::AcceptData), StorageAnswer::DataAccepted);
+    drop(store);
+    let (_, found) = open(folder);
+    assert!(found.loss.is_none() && has_values(&found), "{what}: accepted");
+}
+
+#[test]
+fn b6_a_database_that_is_gone_is_told_until_a_person_accepts_and_the_last_generation_is_used() {
+    let folder = session();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    assert_restored(folder.path(), "removed");
+}
+
+#[test]
+fn b6_a_power_cut_between_put_aside_and_made_anew_is_no_first_start() {
+    let folder = session();
+    fs::rename(folder.path().join(DATABASE), folder.path().join("retained.damaged-1.redb")).unwrap();
+    assert_restored(folder.path(), "put aside");
+}
+
+#[test]
+fn b6_one_bad_bit_anywhere_in_the_file_loses_no_value() {
+    let folder = session();
+    let whole = fs::read(folder.path().join(DATABASE)).unwrap();
+    let (mut told, step) = (0, whole.len() / 40);
+    for at in (0..40).map(|k| k * step + 7 * k % step) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 1 << (at % 8);
+        fs::write(folder.path().join(DATABASE), &bytes).unwrap();
+        let (_, found) = open(folder.path());
+        assert!(has_values(&found), "byte {at}: {:?}", found.loss);
+        told += usize::from(found.loss.is_some());
+    }
+    assert!(told > 0, "some bits are in used pages");
+}
+
+#[test]
+fn b6_without_a_whole_generation_factory_values_stand_under_an_alarm_and_passwords_survive() {
+    let folder = session();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    fs::remove_dir_all(folder.path().join("generations")).unwrap();
+    for start in 1..=2 {
+        let (mut store, found) = open(folder.path());
+        assert!(found.loss.as_deref().is_some_and(|loss| loss.contains("factory")), "start {start}");
+        assert_eq!(value(&found, 860), None);
+        assert!(matches(&mut store, "4711") && !matches(&mut store, "830830"), "start {start}");
+    }
+    // What nobody has accepted becomes no generation.
+    assert!(!folder.path().join("generations").exists());
+}
+
+#[test]
+fn b6_damaged_passwords_open_nothing() {
+    let folder = session();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    fs::remove_dir_all(folder.path().join("generations")).unwrap();
+    fs::write(folder.path().join("passwords.ron"), "{}").unwrap();
+    let _ = fs::remove_file(folder.path().join("passwords.ron.bak"));
+    let (mut store, _) = open(folder.path());
+    assert!(["830830", "4711", "123456", ""].iter().all(|password| !matches(&mut store, password)));
+}
+
+#[test]
+fn b6_a_damaged_generation_gives_way_to_the_one_before() {
+    let folder = session();
+    let (mut store, _) = open(folder.path());
+    store.commit(&[StorageRequest::Variable(860, Some(1.0))]).unwrap();
+    drop(store);
+    let mut files: Vec<_> =
+        fs::read_dir(folder.path().join("generations")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    assert!(files.len() >= 2, "{files:?}");
+    let newest = files.last().unwrap();
+    fs::write(newest, fs::read_to_string(newest).unwrap().replace("860: 1.0", "860: 2.0")).unwrap();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    let (_, found) = open(folder.path());
+    assert!(has_values(&found), "{:?}", found.loss);
+}
+
+/// The program runs with data that nobody has accepted only after that.
+#[test]
+fn b6_cycle_start_is_refused_until_the_data_are_accepted() {
+    let folder = session();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    let data = folder.path().to_string_lossy().into_owned();
+    let run = || kt830(&["run", "O1002", "--data", &data, "--lang", "en"]);
+    let out = run();
+    let told = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(!out.status.success() && told.contains("300"), "{told}");
+    let (mut store, _) = open(folder.path());
+    answer(&mut store, &SettingsRequest::AcceptData);
+    drop(store);
+    assert!(run().status.success());
+}
+
+#[test]
+fn k1_a_flipped_bit_in_the_settings_changes_no_kind_of_machine() {
+    let folder = session();
+    let settings = StoredSettings { kind: Some(Kind::Gc), ..StoredSettings::default() };
+    settings.write(folder.path()).unwrap();
+    let file = folder.path().join("settings.ron");
+    let data = folder.path().to_string_lossy().into_owned();
+    let text = fs::read_to_string(&file).unwrap();
+    for (bad, what) in
+        [(text.replace("Gc", "Ga"), "Ga"), (text.replace("kind", "k\u{1}nd"), "syntax"), (String::new(), "empty")]
+    {
+        fs::write(&file, bad).unwrap();
+        let _ = fs::remove_file(folder.path().join("settings.ron.bak"));
+        let out = kt830(&["run", "O1002", "--data", &data, "--lang", "en"]);
+        let told = String::from_utf8_lossy(&out.stdout).into_owned();
+        assert!(!out.status.success() && told.contains("304"), "{what}: {told}");
+        // Its axes are those of the data: a cylindrical grinder has no Y.
+        assert!(!told.contains("Y  work"), "{what}: {told}");
+    }
+    // The kind is chosen again: settings and data agree.
+    let (mut store, _) = open(folder.path());
+    assert_eq!(answer(&mut store, &SettingsRequest::SaveKind(Kind::Gc)), StorageAnswer::KindSaved(Kind::Gc));
+    drop(store);
+    assert!(kt830(&["run", "O1002", "--data", &data]).status.success());
+}
+
+#[test]
+fn k1_another_kind_is_asked_for_in_vain() {
+    let folder = session();
+    let data = folder.path().to_string_lossy().into_owned();
+    let out = kt830(&["run", "O1002", "--data", &data, "--kind", "gs"]);
+    let told = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(2) && told.contains("those of kind gc"), "{told}");
+    // A change of the kind on the settings page takes the data along.
+    let (mut store, _) = open(folder.path());
+    answer(&mut store, &SettingsRequest::SaveKind(Kind::Gs));
+    drop(store);
+    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gs));
+    assert_eq!(StoredSettings::read(folder.path()).unwrap().kind, Some(Kind::Gs));
+}
