@@ -8,7 +8,7 @@ use crate::defs::date::DateTime;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, LocalizedText};
 use crate::units::{Axis, Micros};
 
 /// KT-830: a CNC control for grinding machines. Without a command it opens the control full-screen.
@@ -52,7 +52,7 @@ pub struct SharedArgs {
     pub lang: Lang,
     /// What is wrong with the settings of the data directory.
     #[arg(skip)]
-    pub settings_fault: Option<String>,
+    pub settings_fault: Option<LocalizedText>,
     /// The light theme, as set on the machine.
     #[arg(skip)]
     pub light: bool,

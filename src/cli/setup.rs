@@ -9,6 +9,7 @@ use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::program_number;
+use crate::defs::text::LocalizedText;
 use crate::host::Host;
 use crate::host::folders::{Folders, named_programs_beside, programs_from_file};
 use crate::host::headless::HeadlessHost;
@@ -61,7 +62,7 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
 }
 
 /// The settings of a data directory, and what is wrong with them: the control starts with what is whole and says so.
-fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Option<String>) {
+fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Option<LocalizedText>) {
     let (stored, warning) = match StoredSettings::read_with_warnings(folder) {
         Ok((stored, warnings)) => {
             (stored, warnings.first().filter(|warning| warning.is_damage()).map(ToString::to_string))
@@ -69,8 +70,11 @@ fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Opt
         Err(error) => (StoredSettings::default(), Some(error.to_string())),
     };
     let other = stored.kind.zip(data_kind).filter(|(set, data)| set != data);
-    let mismatch = other.map(|(set, data)| format!("settings.ron: kind {}, the data: {}", set.id(), data.id()));
-    (stored, mismatch.or(warning))
+    let mismatch = other.map(|(set, data)| {
+        let (set, data) = (set.short_name(), data.short_name());
+        LocalizedText::new(format!("设置为 {set}，数据为 {data}"), format!("settings {set}, data {data}"))
+    });
+    (stored, mismatch.or(warning.map(|what| LocalizedText::same(&what))))
 }
 
 /// The data directory: from the call, otherwise the platform's.
@@ -125,7 +129,7 @@ struct HostParts {
     retained: PowerOnState,
     store: Option<RetainedStore>,
     /// Alarms of data and settings that stand until a person has decided.
-    standing: Vec<(u16, String)>,
+    standing: Vec<(u16, LocalizedText)>,
     jobs: JobRunner,
 }
 
@@ -143,10 +147,14 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
         eprintln!("kt830: retained value {value} is no longer allowed and was ignored");
     }
     if let Some(loss) = &found.loss {
-        eprintln!("kt830: the retained data were damaged or gone and are not accepted yet: {loss}");
+        eprintln!("kt830: the retained data were damaged or gone and are not accepted yet: {}", loss.message().en());
+    }
+    if let Some(fault) = &shared.settings_fault {
+        eprintln!("kt830: settings: {}", fault.en());
     }
     let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
-    let standing = found.loss.map(|what| (alarm::RETAINED_DATA_DAMAGED, what)).into_iter().chain(settings).collect();
+    let loss = found.loss.map(|loss| (alarm::RETAINED_DATA_DAMAGED, loss.message()));
+    let standing = loss.into_iter().chain(settings).collect();
     let retained = apply_overrides(shared, found.retained)?;
     Ok(HostParts { retained, store: Some(store), standing, jobs })
 }

@@ -254,7 +254,8 @@ pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram
     list_named_programs(folder_of(file)).unwrap_or_default().into_iter().filter_map(read).collect()
 }
 
-fn time_text(modified: Option<SystemTime>) -> String {
+/// A time of the computer's clock as the pages show it; empty if unknown.
+pub(super) fn time_text(modified: Option<SystemTime>) -> String {
     modified.map(|time| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M").to_string()).unwrap_or_default()
 }
 

@@ -66,7 +66,7 @@ struct Delivered {
     /// The time of day, and the host's time at which it came.
     wall_clock: Option<(DateTime, Micros)>,
     /// Alarms of data and settings that stand until a person has decided, with their detail.
-    standing: Vec<(u16, String)>,
+    standing: Vec<(u16, LocalizedText)>,
 }
 
 /// The part in the machine, and the part that belongs to the current program.
@@ -340,14 +340,14 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         }
         self.inbox.extend(self.part.mounted.as_ref().map(part::stock_command));
         for (number, what) in &self.delivered.standing {
-            self.controller.report_alarm(*number, Some(LocalizedText::same(what)));
+            self.controller.report_alarm(*number, Some(what.clone()));
         }
     }
 
     /// Raises an alarm of data or settings, now and at every power-on until a person has decided.
-    pub fn report_standing(&mut self, number: u16, what: &str) {
-        self.delivered.standing.push((number, what.to_owned()));
-        self.controller.report_alarm(number, Some(LocalizedText::same(what)));
+    pub fn report_standing(&mut self, number: u16, what: &LocalizedText) {
+        self.delivered.standing.push((number, what.clone()));
+        self.controller.report_alarm(number, Some(what.clone()));
     }
 
     /// Writes the safe image without a tick: spindles, fluids, drives and analog outputs off, clamps hold. Also after a

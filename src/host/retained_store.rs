@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use super::folders::time_text;
 use super::password_store::PasswordStore;
 use crate::controller::{PowerOnState, StorageRequest};
 use crate::defs::kind::Kind;
@@ -15,7 +16,9 @@ use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations};
+use crate::store::{
+    DamageReport, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations,
+};
 use crate::units::{Axis, PerAxis};
 
 const CURRENT_PROGRAM: &str = "current-program";
@@ -37,7 +40,7 @@ pub struct StoreReport {
     /// The data that the control starts with.
     pub retained: PowerOnState,
     /// The data were damaged or gone, and no person has accepted what took their place: what happened.
-    pub loss: Option<String>,
+    pub loss: Option<DataLoss>,
     /// The kind of machine that the data belong to.
     pub kind: Kind,
     /// Stored values that are no longer allowed; factory values are used instead.
@@ -68,10 +71,8 @@ impl RetainedStore {
     /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
         let mut opened = RetainedDatabase::open(folder)?;
-        let damage = opened.damaged.take().map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
-        let gone = || opened.gone.then(|| format!("{} is gone", opened.database.path().display()));
-        if let Some(what) = damage.or_else(gone) {
-            replace_lost(&mut opened.database, folder, &what)?;
+        if opened.damaged.is_some() || opened.gone {
+            replace_lost(&mut opened.database, folder, opened.damaged.as_ref())?;
         }
         let mut loaded = opened.database.load()?;
         let stored_kind = loaded.texts.get(KIND).and_then(|id| Kind::from_id(id));
@@ -81,8 +82,12 @@ impl RetainedStore {
         }
         let (retained, dropped) = retained_from_data(kind, &loaded);
         let passwords = PasswordStore::new(&loaded, folder.to_path_buf());
-        let report =
-            StoreReport { retained, loss: loaded.texts.get(LOSS).cloned(), kind: stored_kind.unwrap_or(kind), dropped };
+        let report = StoreReport {
+            retained,
+            loss: loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row)),
+            kind: stored_kind.unwrap_or(kind),
+            dropped,
+        };
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
         let mut store = Self { database: opened.database, passwords, unsaved: Vec::new(), folder, kept_at };
         store.keep_generation()?;
@@ -166,15 +171,56 @@ impl Drop for RetainedStore {
 
 /// Puts the newest whole generation in the place of data that are damaged or gone, and records what happened until a
 /// person has accepted it.
-fn replace_lost(database: &mut RetainedDatabase, folder: &Path, what: &str) -> Result<(), RetainedError> {
-    let used = match generations::newest_whole(folder) {
-        Some((path, data)) => {
-            database.restore(&data)?;
-            format!("{} is used", path.display())
-        }
-        None => "factory values are used".to_owned(),
-    };
-    database.commit(&[text(LOSS, Some(format!("{what}; {used}")))]).map(drop)
+fn replace_lost(
+    database: &mut RetainedDatabase,
+    folder: &Path,
+    damaged: Option<&DamageReport>,
+) -> Result<(), RetainedError> {
+    let mut state_of = None;
+    if let Some((path, data)) = generations::newest_whole(folder) {
+        database.restore(&data)?;
+        state_of = Some(time_text(path.metadata().ok().and_then(|metadata| metadata.modified().ok())));
+    }
+    let copy = damaged.and_then(|report| Some(report.kept_as.file_name()?.to_string_lossy().into_owned()));
+    let loss = DataLoss { copy, state_of };
+    database.commit(&[text(LOSS, Some(loss.row()))]).map(drop)
+}
+
+/// What happened to the retained data.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DataLoss {
+    /// The copy of a damaged file; none: the file was gone.
+    pub copy: Option<String>,
+    /// Time of the generation that took its place; none: factory values.
+    pub state_of: Option<String>,
+}
+
+impl DataLoss {
+    /// The text of the database row.
+    fn row(&self) -> String {
+        let word = |of: &Option<String>| of.clone().unwrap_or_default();
+        format!("{}|{}", word(&self.copy), word(&self.state_of))
+    }
+
+    fn from_row(row: &str) -> Self {
+        let (copy, state_of) = row.split_once('|').unwrap_or_default();
+        let some = |word: &str| Some(word.to_owned()).filter(|word| !word.is_empty());
+        Self { copy: some(copy), state_of: some(state_of) }
+    }
+
+    /// What happened and what is used, for the alarm.
+    #[must_use]
+    pub fn message(&self) -> LocalizedText {
+        let (what_zh, what) = match &self.copy {
+            Some(copy) => (format!("文件损坏（副本 {copy}）"), format!("file damaged (copy {copy})")),
+            None => ("文件被删除".to_owned(), "file gone".to_owned()),
+        };
+        let (used_zh, used) = match &self.state_of {
+            Some(time) => (format!("用 {time} 的数据"), format!("values of {time}")),
+            None => ("用出厂值".to_owned(), "factory values".to_owned()),
+        };
+        LocalizedText::new(format!("{what_zh}，{used_zh}"), format!("{what}; {used}"))
+    }
 }
 
 fn text(key: &str, value: Option<String>) -> RetainedChange {

@@ -43,10 +43,10 @@ fn k1_the_kind_set_on_the_machine_holds_where_none_is_asked_for() {
     let stored = kt830(&["play", &path, "--data", &folder]);
     assert_eq!(status(&stored), 0, "{stored:?}");
     let asked = kt830(&["play", &path, "--data", &folder, "--kind", "gc"]);
-    assert_ne!(status(&asked), 0, "the command line goes first: GC has no such key");
+    assert!(status(&asked) == 2 && errors(&asked).contains("those of kind gs"), "{}", errors(&asked));
     std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gx))").unwrap();
     let wrong = kt830(&["play", &path, "--data", &folder]);
-    assert!(status(&wrong) == 2 && errors(&wrong).contains("settings.ron line 1"), "{}", errors(&wrong));
+    assert!(status(&wrong) == 0 && errors(&wrong).contains("settings.ron line 1"), "{}", errors(&wrong));
 }
 
 #[test]

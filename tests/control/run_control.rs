@@ -4,7 +4,7 @@ use kt830::controller::WORK_PER_TICK;
 use kt830::defs::alarm;
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
-use kt830::defs::text::Lang;
+use kt830::defs::text::{Lang, LocalizedText};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
@@ -327,7 +327,7 @@ fn k3_15_m91_and_m92_jump_on_a_real_input() {
 #[test]
 fn damaged_data_are_told_at_every_power_on_and_nothing_moves_before_homing() {
     let mut rig = rig();
-    rig.report_standing(alarm::RETAINED_DATA_DAMAGED, "retained.redb");
+    rig.report_standing(alarm::RETAINED_DATA_DAMAGED, &LocalizedText::same(&"retained.redb"));
     tell(&mut rig, "expect alarm 300\npower cut\npower on\nexpect alarm 300\nmode auto\nkey cycle-start");
     tell(&mut rig, "expect state alarm\nkey reset\nexpect alarm 300");
 }

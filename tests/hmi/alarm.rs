@@ -140,7 +140,7 @@ fn b6_lost_data_are_accepted_on_the_alarm_page_with_the_password_of_the_builder(
     let mut bench = Bench::new(crate::stories::rig(), Page::Alarm);
     let is_offered = |bench: &Bench| bench.screen.query_by_label_contains("accept-data").is_some();
     assert!(!is_offered(&bench));
-    bench.rig.report_standing(alarm::RETAINED_DATA_DAMAGED, "retained.redb is gone; factory values are used");
+    bench.rig.report_standing(alarm::RETAINED_DATA_DAMAGED, &LocalizedText::same(&"用出厂值"));
     bench.turn();
     assert!(is_offered(&bench) && bench.shows("保存数据损坏或丢失"));
     bench.touch("接受数据 accept-data");
