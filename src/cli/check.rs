@@ -27,7 +27,7 @@ use crate::nc::{
     BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, OriginPlace, ProgramCheck,
     ProgramFault, SharedLibrary, Source, WorkOffsets,
 };
-use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, decode, folder_of};
+use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, PROGRAM_LIMIT, decode, folder_of};
 use crate::units::{Axis, PerAxis};
 
 /// Prefix of a warning.
@@ -90,7 +90,7 @@ impl CheckError {
 pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
     let mut status = SUCCESS;
     for path in &call.files {
-        let bytes = std::fs::read(path).map_err(|error| {
+        let bytes = setup::read_bounded(path, PROGRAM_LIMIT).map_err(|error| {
             CallError::new(format!("{}: {error}; check the path and the permission to read the file", path.display()))
         })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();

@@ -9,10 +9,12 @@ use crate::controller::StorageRequest;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::text::Lang;
 use crate::host::retained_store::RetainedStore;
+use crate::store::TEXT_LIMIT;
 
 fn read_table(path: &Path, lang: Lang) -> Result<LeadscrewCompensation, CallError> {
     let name = path.display();
-    let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{name}: {error}; check the path")))?;
+    let read = setup::read_bounded(path, TEXT_LIMIT);
+    let bytes = read.map_err(|error| CallError::new(format!("{name}: {error}; check the path")))?;
     let text = crate::store::decode(&bytes).map_err(CallError::at(name))?;
     LeadscrewCompensation::parse(&text.text)
         .map_err(|fault| CallError::new(format!("{}:{}: {}", path.display(), fault.line, fault.message.get(lang))))

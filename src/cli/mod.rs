@@ -38,6 +38,7 @@ const USAGE_ERROR: u8 = 2;
 /// Runs the command line of this process.
 #[must_use]
 pub fn main() -> ExitCode {
+    crate::store::silence_database_check();
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(error) => {

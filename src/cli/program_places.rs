@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::controller::{Programs, StoredProgram};
 use crate::nc::ProgramFault;
-use crate::store::stamp;
+use crate::store::{PROGRAM_LIMIT, read_regular_file, stamp};
 
 /// A line of a file, from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ impl ProgramPlaces {
         // A named program beside the checked file comes before one of the same name in the folder.
         let is_beside = || {
             let is_it = |bytes: Vec<u8>| program.part.is_none() && stamp(&bytes) == program.stamp;
-            std::fs::read(&beside).is_ok_and(is_it)
+            read_regular_file(&beside, PROGRAM_LIMIT).is_ok_and(is_it)
         };
         if beside == self.path || !in_folder.is_file() || is_beside() { beside } else { in_folder }
     }

@@ -22,7 +22,7 @@ use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
 use crate::host::storage::{StorageWorker, ThreadedStorage};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::store::{DataDir, StoredSettings};
+use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file};
 use crate::story::parse;
 use crate::units::Micros;
 
@@ -154,7 +154,9 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
     }
     let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
     let loss = found.loss.map(|loss| (alarm::RETAINED_DATA_DAMAGED, loss.message()));
-    let standing = loss.into_iter().chain(settings).collect();
+    let dropped = Some(found.dropped.join(", ")).filter(|values| !values.is_empty());
+    let dropped = dropped.map(|values| (alarm::VALUES_DROPPED, LocalizedText::same(&values)));
+    let standing = loss.into_iter().chain(settings).chain(dropped).collect();
     let retained = apply_overrides(shared, found.retained)?;
     Ok(HostParts { retained, store: Some(store), standing, jobs })
 }
@@ -240,13 +242,20 @@ pub fn read_part_file(path: &Path) -> Result<PartFile, CallError> {
     PartFile::parse(&text).map_err(CallError::at(format!("part file {}", path.display())))
 }
 
+/// Reads a file named in a call, if it is a regular file of at most `limit` bytes. A link is followed.
+pub fn read_bounded(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
+    let named = path.canonicalize().map_err(|error| error.to_string())?;
+    read_regular_file(&named, limit).map_err(|error| error.to_string())
+}
+
 /// Reads a text file; `what` names it in the error.
 ///
 /// # Errors
 /// The file cannot be read.
 pub fn read_text(what: &str, path: &Path) -> Result<String, CallError> {
-    let read = std::fs::read_to_string(path);
-    read.map_err(|error| CallError::new(format!("{what} {}: {error}; check the path", path.display())))
+    let refused = |error: String| CallError::new(format!("{what} {}: {error}; check the path", path.display()));
+    let bytes = read_bounded(path, TEXT_LIMIT).map_err(refused)?;
+    String::from_utf8(bytes).map_err(|_| refused("not UTF-8 text".to_owned()))
 }
 
 /// Finds the program of the call, a number or name in the folder or a file; adds a file to the host.
@@ -268,7 +277,7 @@ pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallErro
             ))
         });
     }
-    let bytes = std::fs::read(path).map_err(CallError::at(word))?;
+    let bytes = read_bounded(path, PROGRAM_LIMIT).map_err(CallError::at(word))?;
     // L1: every program of a lathe has a name of at least one letter.
     let by_name = host.kind().row().programs.by_name && !stem.is_empty();
     let named = named.filter(|_| !by_name);

@@ -229,6 +229,9 @@ alarms! {
     SETTINGS_INVALID = 304, BlockStart, SelfClearing, "设置文件损坏或机型不符", "settings damaged or of another kind",
         "settings.ron 不能读出，或机型与保存数据不同；机型按保存数据", "settings.ron cannot be read, or its kind is not that of the retained data; the kind is that of the data",
         "在设置页用机床厂密码重新选择机床类型", "choose the kind of machine again on the settings page (builder's password)";
+    VALUES_DROPPED = 305, Show, Reset, "有保存数据不再有效", "stored values are no longer allowed",
+        "参数或变量的保存值超出范围，已用出厂值", "stored values of parameters or variables are out of range: factory values are used",
+        "核对所列的参数和变量", "check the parameters and variables that are named";
     SERIAL_PORT_NOT_OPEN = 310, Show, Reset, "RS232 端口打不开", "RS232 port cannot be opened",
         "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P370", "no port selected, port missing, in use or not permitted, or the baud rate P370 is not supported",
         "在 U盘/通信 的 RS232 页选择端口；检查 P370 和接线", "select the port on the RS232 tab of USB/COMM; check P370 and the cable";
@@ -268,6 +271,9 @@ alarms! {
     CONTROL_ENDED = 403, StopAll, Reset, "系统在运行中关闭", "control closed in a run",
         "关机、断开显示或系统结束时程序或轴在运动", "a program ran or an axis moved when the control was ended, by a signal or a lost display",
         "检查工件和砂轮位置，回零；断点在程序页", "check part and wheel, home the axes; the program page has the place";
+    CONTROL_STALLED = 404, HoldProgram, Reset, "控制停顿", "control stood still",
+        "系统停顿超过 1 秒：休眠、调试或计算机过载", "the system stood still for more than a second: sleep, a debugger, or an overloaded computer",
+        "检查机床位置和计算机，复位后循环启动继续", "check machine and computer, RESET, then cycle start goes on";
 }
 
 /// The alarms of the RS232 line.

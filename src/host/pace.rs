@@ -12,6 +12,8 @@ const MAX_CATCH_UP_TICKS: u32 = 50;
 const TICKS_PER_WAKE_UP: u32 = 16;
 /// Number of consecutive late ticks that raises an alarm on a real machine.
 const MAX_LATE_IN_A_ROW: u32 = 10;
+/// A process that stands still for longer, once, holds a program: nobody has watched machine and clock meanwhile.
+const MAX_STALL: Duration = Duration::from_millis(1_000);
 /// Real-time priority, SCHED_FIFO.
 const PRIORITY: u8 = 80;
 
@@ -63,6 +65,8 @@ pub enum WakeUp {
     Late,
     /// Late on a real machine so often in a row that the alarm is due.
     TooOftenLate,
+    /// So late that the process must have stood still.
+    Stalled,
 }
 
 impl TickSchedule {
@@ -95,6 +99,9 @@ impl TickSchedule {
             return WakeUp::OnTime;
         }
         self.late_in_a_row += 1;
+        if behind > MAX_STALL {
+            return WakeUp::Stalled;
+        }
         match self.pace {
             Pace::Real if self.late_in_a_row >= MAX_LATE_IN_A_ROW => WakeUp::TooOftenLate,
             Pace::Real | Pace::Simulated => WakeUp::Late,

@@ -30,7 +30,7 @@ const SCREEN_PREFIX: &str = "screens/";
 /// Text shown with the progress.
 const COPYING: Text = Text::new("正在复制", "copying");
 /// Maximum size of an archive, bytes.
-const ARCHIVE_LIMIT: u64 = 2 * 1024 * 1024 * 1024;
+const ARCHIVE_LIMIT: u64 = 512 * 1024 * 1024;
 /// Maximum size of a value file, bytes.
 const VALUES_LIMIT: u64 = 4 * 1024 * 1024;
 /// Maximum size of a screenshot, bytes of RGB data.

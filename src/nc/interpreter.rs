@@ -489,7 +489,10 @@ impl Interpreter {
 
     /// Executes jumps, loops, calls and returns.
     fn change_flow(&mut self, step: FlowAction, next: Place) -> ReadResult<()> {
-        self.passes.changed |= !matches!(step, FlowAction::Goto { .. } | FlowAction::GotoUnique { .. });
+        // M99 of the main program is a jump to its start.
+        let restarts = matches!(step, FlowAction::Return { .. }) && self.flow.is_main();
+        let jumps = restarts || matches!(step, FlowAction::Goto { .. } | FlowAction::GotoUnique { .. });
+        self.passes.changed |= !jumps;
         match step {
             FlowAction::Goto { n, at } => {
                 self.flow.go_to_block(n, at)?;

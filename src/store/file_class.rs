@@ -1,7 +1,9 @@
 //! Names of numbered files: a letter, four digits (a program may have up to eight), an extension; case-insensitive.
 
-/// Maximum size of a part program, bytes: over ten million blocks.
-pub const PROGRAM_LIMIT: u64 = 512 * 1024 * 1024;
+/// Maximum size of a part program, bytes: some five million blocks.
+pub const PROGRAM_LIMIT: u64 = 128 * 1024 * 1024;
+/// Maximum size of a text named in a call or a story (story, part, leadscrew table), bytes.
+pub const TEXT_LIMIT: u64 = 16 * 1024 * 1024;
 /// Maximum size of a page text, bytes; a real one has 22 short lines.
 pub const PAGE_TEXT_LIMIT: u64 = 64 * 1024;
 /// Maximum size of a picture, bytes; 200 × 400 pixels in 24 bits are 240 054 (K5.12).

@@ -35,7 +35,7 @@ pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode, encode};
 pub use file_class::{
     CommentSource, FileClass, PAGE_FILES, PAGE_TEXT, PAGE_TEXT_EN, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LIMIT, PROGRAM,
-    PROGRAM_LIMIT,
+    PROGRAM_LIMIT, TEXT_LIMIT,
 };
 pub use folder::{FileContent, Folder, FolderError, read_regular_file};
 pub use folder_watch::{FolderChange, FolderWatch, POLL_INTERVAL};
@@ -45,7 +45,7 @@ pub use named_program::{NamedProgram, list_named_programs, program_stem};
 pub use program_folder::{ProgramFolder, STEM_LIMIT};
 pub use retained::{
     DamageReport, Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError,
-    StorageFault, ToolOffset, generations,
+    StorageFault, ToolOffset, generations, silence_database_check,
 };
 pub use settings::StoredSettings;
 pub use usb_drive::{ListedFile, UsbDrive};

@@ -19,6 +19,8 @@ use crate::link::command::Command;
 use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
 
+/// Maximum size of a file named in a story, bytes.
+const FILE_LIMIT: u64 = 16 * 1024 * 1024;
 /// Ticks after every statement.
 const ANSWER_TICKS: u32 = 2;
 /// Maximum wait for an answer.
@@ -313,7 +315,12 @@ impl<'a, G: Stage> Player<'a, G> {
     fn read(&self, file: &str) -> Result<(String, String), String> {
         let path = self.folder.join(file);
         let place = path.display().to_string();
-        std::fs::read_to_string(path).map_err(|error| format!("{place}: {error}")).map(|text| (place.clone(), text))
+        let refused = |error: String| format!("{place}: {error}");
+        let metadata = std::fs::metadata(&path).map_err(|error| refused(error.to_string()))?;
+        if !metadata.is_file() || metadata.len() > FILE_LIMIT {
+            return Err(refused(format!("not a regular file of at most {FILE_LIMIT} bytes")));
+        }
+        std::fs::read_to_string(path).map_err(|error| refused(error.to_string())).map(|text| (place.clone(), text))
     }
 
     fn part(&mut self, file: &str) -> Result<(), String> {

@@ -247,6 +247,9 @@ fn t3_a_loop_that_moves_nothing_ends_the_run_by_itself() {
     let report: Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
     assert!(report["message"].as_str().unwrap().contains("does not end"), "{report}");
+    // M99 of the main program is such a jump, too.
+    let (_alone, m99) = file("O2005.NC", b"M99\n");
+    assert!(errors(&kt830(&["run", &m99, "--lang", "en"])).contains("does not end"));
     let out = kt830(&["run", &path, "--lang", "en"]);
     assert_eq!(status(&out), 1);
     assert!(errors(&out).contains("does not end"));

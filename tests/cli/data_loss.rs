@@ -201,3 +201,56 @@ fn k1_another_kind_is_asked_for_in_vain() {
     assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gs));
     assert_eq!(StoredSettings::read(folder.path()).unwrap().kind, Some(Kind::Gs));
 }
+
+/// A folder that is removed or replaced under a running control takes no commit in silence.
+#[test]
+fn b6_a_data_folder_that_is_removed_or_replaced_is_noticed_by_the_next_commit() {
+    for is_replaced in [false, true] {
+        let folder = session();
+        let (mut store, _) = open(folder.path());
+        let change = [StorageRequest::Variable(860, Some(1.0))];
+        store.commit(&change).unwrap();
+        let aside = folder.path().with_extension("aside");
+        fs::rename(folder.path(), &aside).unwrap();
+        if is_replaced {
+            fs::create_dir(folder.path()).unwrap();
+            fs::copy(aside.join(DATABASE), folder.path().join(DATABASE)).unwrap();
+        }
+        let refused = store.commit(&change).unwrap_err().to_string();
+        assert!(refused.contains("removed or replaced"), "{refused}");
+        assert!(store.commit(&change).is_err(), "and by every later one");
+        drop(store);
+        fs::remove_dir_all(&aside).unwrap();
+    }
+}
+
+#[test]
+fn b6_a_damaged_database_is_told_in_words() {
+    let folder = session();
+    let whole = fs::read(folder.path().join(DATABASE)).unwrap();
+    let data = folder.path().to_string_lossy().into_owned();
+    for at in (0..12).map(|k| k * 4_096 + 17 * k) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 0x40;
+        fs::write(folder.path().join(DATABASE), &bytes).unwrap();
+        let out = kt830(&["check", "programs/O1001.NC", "--data", &data]);
+        let told = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.success() && !told.contains("panicked"), "byte {at}: {told}");
+    }
+}
+
+/// What is no regular file is not read, and nothing waits for it.
+#[cfg(unix)]
+#[test]
+fn t4_devices_and_pipes_are_refused_by_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("O0001.NC");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in ["/dev/zero", &pipe.to_string_lossy()] {
+        for words in [&["check", path][..], &["run", path], &["play", path], &["run", "O1002", "--part", path]] {
+            let out = kt830(words);
+            let told = String::from_utf8_lossy(&out.stderr).into_owned();
+            assert_eq!(out.status.code(), Some(2), "{words:?}: {told}");
+        }
+    }
+}

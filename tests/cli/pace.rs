@@ -40,3 +40,16 @@ fn a_simulated_machine_makes_up_for_fifty_ticks_and_drops_more() {
         assert_eq!(schedule.next_due(TICK), Some(due * TICK));
     }
 }
+
+/// A process that stood still for more than a second, once, has a name of its own on every machine.
+#[test]
+fn b5_a_stall_is_told_once_it_is_longer_than_a_second() {
+    for pace in [Pace::Real, Pace::Simulated] {
+        let mut schedule = TickSchedule::new(pace);
+        let due = schedule.next_due(TICK).unwrap();
+        assert_eq!(schedule.woke_up(due + Duration::from_millis(990), TICK), WakeUp::Late, "{pace:?}");
+        let mut schedule = TickSchedule::new(pace);
+        let due = schedule.next_due(TICK).unwrap();
+        assert_eq!(schedule.woke_up(due + Duration::from_millis(1_010), TICK), WakeUp::Stalled, "{pace:?}");
+    }
+}

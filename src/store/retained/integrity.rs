@@ -1,6 +1,5 @@
 //! Checks a copy of the database in memory before the file is opened, because opening can repair and write the file.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use redb::StorageBackend;
@@ -27,9 +26,7 @@ pub(super) fn find_damage(path: &Path) -> Result<Option<String>, RetainedError> 
     if bytes.is_empty() {
         return Ok(Some("empty: the file was cut off".to_owned()));
     }
-    // The bytes are untrusted: a failed assertion of the database is a finding, not a crash.
-    let found = catch_unwind(AssertUnwindSafe(|| inspect(&bytes)));
-    match found {
+    match inspect_apart(&bytes) {
         Ok(DatabaseState::Intact(_)) => Ok(None),
         Ok(DatabaseState::Damaged(cause)) => Ok(Some(cause)),
         Ok(DatabaseState::Newer(found)) => Err(RetainedError::Newer { path: path.to_path_buf(), found, known: FORMAT }),
@@ -40,7 +37,7 @@ pub(super) fn find_damage(path: &Path) -> Result<Option<String>, RetainedError> 
 /// The data of a file that is intact. The file is only read.
 pub(super) fn read_whole(path: &Path) -> Option<RetainedData> {
     let bytes = atomic_file::read(path, FILE_LIMIT).ok()?;
-    match catch_unwind(AssertUnwindSafe(|| inspect(&bytes))) {
+    match inspect_apart(&bytes) {
         Ok(DatabaseState::Intact(data)) => Some(*data),
         Ok(DatabaseState::Damaged(_) | DatabaseState::Newer(_)) | Err(_) => None,
     }
@@ -50,6 +47,31 @@ enum DatabaseState {
     Intact(Box<RetainedData>),
     Damaged(String),
     Newer(u64),
+}
+
+/// Name of the thread that inspects a database.
+pub const DATABASE_CHECK_THREAD: &str = "kt830-database-check";
+
+/// Inspects the bytes on a thread of its own. They are untrusted: a failed assertion of the database is a finding, not a
+/// crash. [`silence_database_check`] keeps it off the console.
+fn inspect_apart(bytes: &[u8]) -> std::thread::Result<DatabaseState> {
+    std::thread::scope(|scope| {
+        let builder = std::thread::Builder::new().name(DATABASE_CHECK_THREAD.to_owned());
+        match builder.spawn_scoped(scope, || inspect(bytes)) {
+            Ok(thread) => thread.join(),
+            Err(cause) => Ok(DatabaseState::Damaged(cause.to_string())),
+        }
+    })
+}
+
+/// A panic of the database check prints nothing; call it once at the start of the process.
+pub fn silence_database_check() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if std::thread::current().name() != Some(DATABASE_CHECK_THREAD) {
+            report(panic);
+        }
+    }));
 }
 
 /// Opens the bytes as a database, checks the checksum of every page, then the checksum over the rows.

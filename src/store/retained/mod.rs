@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::defs::alarm_history::PastAlarm;
 use crate::units::PerAxis;
+pub use integrity::silence_database_check;
 pub use tables::StorageFault;
 
 /// The database's file name.
@@ -186,6 +187,9 @@ pub enum RetainedError {
     /// Database error in the file. The commit may have succeeded or not; it is safe to commit the same changes again.
     #[error("{}: {}; free disk space or replace it, then try again", .0.display(), .1)]
     Storage(PathBuf, StorageFault),
+    /// The file was removed or replaced while it is open: what is stored now is lost at the end of the process.
+    #[error("{}: removed or replaced while the control runs; nothing is kept any more: save a backup, then restart the control", .0.display())]
+    Gone(PathBuf),
     /// A generation could not be kept; the data themselves are stored.
     #[error("{0}; the earlier states of the data are not kept")]
     Generation(String),
@@ -198,6 +202,8 @@ pub enum RetainedError {
 #[derive(Debug)]
 pub struct RetainedDatabase {
     path: PathBuf,
+    /// Identity of the file that is open.
+    opened: Option<FileIdentity>,
     /// `None` after a failed commit; the next use opens the file again.
     database: Option<Database>,
     _lock: File,
@@ -226,7 +232,8 @@ impl RetainedDatabase {
         if !fresh {
             tables::upgrade(&database).map_err(|fault| RetainedError::Storage(path.clone(), fault))?;
         }
-        let database = Self { path, database: Some(database), _lock: lock };
+        let opened = identity(&path);
+        let database = Self { path, opened, database: Some(database), _lock: lock };
         Ok(OpenedDatabase { database, damaged, fresh, gone: used && !present })
     }
 
@@ -239,7 +246,12 @@ impl RetainedDatabase {
         for change in changes {
             tables::check_change(change)?;
         }
-        self.with_database(|database| tables::commit_changes(database, changes))
+        let generation = self.with_database(|database| tables::commit_changes(database, changes))?;
+        // A removed folder takes its name from the file, not the file from us: commits would go on into nothing.
+        if identity(&self.path) != self.opened {
+            return Err(RetainedError::Gone(self.path.clone()));
+        }
+        Ok(generation)
     }
 
     /// Stores an earlier state in an empty database, with the number of its commit.
@@ -286,6 +298,24 @@ impl RetainedDatabase {
         // Only after success: redb must be opened again after a failed write.
         self.database = Some(database);
         Ok(done)
+    }
+}
+
+/// Device and number of a file; where a system has neither, its time of creation.
+type FileIdentity = (u64, u64);
+
+/// The identity of the file that a path names now.
+fn identity(path: &Path) -> Option<FileIdentity> {
+    let metadata = fs::metadata(path).ok()?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        Some((metadata.dev(), metadata.ino()))
+    }
+    #[cfg(not(unix))]
+    {
+        let created = metadata.created().ok()?.duration_since(std::time::UNIX_EPOCH).ok()?;
+        Some((created.as_secs(), u64::from(created.subsec_nanos())))
     }
 }
 
