@@ -84,6 +84,7 @@ impl Controller {
         let Parts { plant, program, manual } = parts;
         plant.supervise_axes();
         plant.supervise_screen();
+        plant.supervise_storage();
         program.step_restart(plant);
         program.step_run(plant);
         program.store_run_position(plant);
@@ -130,7 +131,12 @@ impl Controller {
     /// Moves the pending disk requests to `out`. What programs write is gathered for a quarter of a second.
     pub fn drain_storage_requests(&mut self, out: &mut Vec<StorageRequest>) {
         self.plant.store_gathered_when_due();
-        out.append(&mut self.plant.outbox.requests);
+        let outbox = &mut self.plant.outbox;
+        if outbox.requests.iter().any(StorageRequest::is_retained) {
+            let mark = outbox.unstored.send(self.plant.now);
+            outbox.requests.push(StorageRequest::Mark(mark));
+        }
+        out.append(&mut outbox.requests);
     }
 
     /// Writes everything that pages show.

@@ -59,13 +59,15 @@ pub enum StorageRequest {
     Job(Box<BackgroundJob>),
     /// A request of a page: passwords, settings. It is answered by a command.
     Page(SettingsRequest),
+    /// The end of a batch of values: the disk thread acknowledges it once everything before it is stored.
+    Mark(u64),
 }
 
 impl StorageRequest {
     /// Whether it changes retained data.
     #[must_use]
     pub const fn is_retained(&self) -> bool {
-        !matches!(self, Self::PrintLine(..) | Self::Page(_) | Self::Job(_))
+        !matches!(self, Self::PrintLine(..) | Self::Page(_) | Self::Job(_) | Self::Mark(_))
     }
 
     /// Whether it assigns a port to a function or changes the shape of a lathe tool.

@@ -232,6 +232,9 @@ alarms! {
     VALUES_DROPPED = 305, Show, Reset, "有保存数据不再有效", "stored values are no longer allowed",
         "参数或变量的保存值超出范围，已用出厂值", "stored values of parameters or variables are out of range: factory values are used",
         "核对所列的参数和变量", "check the parameters and variables that are named";
+    STORE_SLOW = 306, Show, SelfClearing, "数据还没有保存", "values are not stored yet",
+        "磁盘超过 1 秒没有保存完改动的数据；现在断电会丢失", "the disk has not stored changed values for more than a second: a power cut would lose them",
+        "不要关机；经常出现时更换磁盘", "do not switch off; replace the disk if it happens often";
     SERIAL_PORT_NOT_OPEN = 310, Show, Reset, "RS232 端口打不开", "RS232 port cannot be opened",
         "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P370", "no port selected, port missing, in use or not permitted, or the baud rate P370 is not supported",
         "在 U盘/通信 的 RS232 页选择端口；检查 P370 和接线", "select the port on the RS232 tab of USB/COMM; check P370 and the cable";

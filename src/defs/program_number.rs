@@ -37,7 +37,10 @@ pub const fn is_named(number: u32) -> bool {
 pub fn from_name(name: &str) -> u32 {
     let digits = |rest: &str| rest.parse::<u32>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
     let upper = name.to_ascii_uppercase();
-    let has_digits = |rest: &&str| (O_DIGITS..=O_MAX_DIGITS).contains(&(rest.len() as u32));
+    let has_digits = |rest: &&str| {
+        rest.len() == O_DIGITS as usize
+            || rest.len() <= O_MAX_DIGITS as usize && rest.len() > O_DIGITS as usize && !rest.starts_with('0')
+    };
     if let Some(n) = upper.strip_prefix('O').filter(has_digits).and_then(digits) {
         return n;
     }

@@ -162,19 +162,25 @@ pub fn status_line(view: &View<'_>, rect: Rect) {
         format!("F {} %", snapshot.feed_override),
         format!("{} mm/min", format_feed(snapshot.feed_mm_min)),
         format!("S {}", format_whole(snapshot.wheel_rpm)),
-        format!("{} {}", view.text("件数", "parts"), snapshot.parts_counted),
+        if snapshot.is_storing {
+            view.text("正在保存…", "storing …").to_owned()
+        } else {
+            format!("{} {}", view.text("件数", "parts"), snapshot.parts_counted)
+        },
     ];
     // Fixed columns: nothing shifts when a value changes.
     let row = rect.trim_sides(theme::PAD);
     let shares: [f32; 7] = [0.15, 0.13, 0.11, 0.13, 0.21, 0.13, 0.14];
     let mut left = row.min.x;
-    for (word, share) in words.iter().zip(shares) {
+    let inks =
+        [view.theme.text; 6].into_iter().chain([if snapshot.is_storing { view.theme.hold } else { view.theme.text }]);
+    for ((word, share), ink) in words.iter().zip(shares).zip(inks) {
         let place = Rect::from_min_size(pos2(left, row.min.y), vec2(row.width() * share, row.height()));
         if left > row.min.x {
             let stroke = egui::Stroke::new(theme::HAIRLINE, view.theme.line);
             view.painter.vline(left - theme::GAP, rect.min.y + 8.0..=rect.max.y - 7.0, stroke);
         }
-        view.fit_left(place.with_max_x(place.max.x - 2.0 * theme::GAP), word, theme::LABEL, view.theme.text);
+        view.fit_left(place.with_max_x(place.max.x - 2.0 * theme::GAP), word, theme::LABEL, ink);
         left = place.max.x;
     }
 }

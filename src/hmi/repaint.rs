@@ -67,6 +67,7 @@ compared_fields! {
     tool_station: differ;
     teach: on(FieldGroup::Teach, differ);
     strokes_per_min: |old, new, _| format_strokes(*old) != format_strokes(*new);
+    is_storing: differ;
     parts_counted: differ;
     cycle: |old, new, page| {
         let shown = |cycle: &CycleView| format_cycle_time(cycle.seconds);

@@ -257,7 +257,9 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
             // One row, so that program and line always belong together.
             value: place.map(|(program, line)| format!("{program} {line}")),
         },
-        StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) => return None,
+        StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) | StorageRequest::Mark(_) => {
+            return None;
+        }
     })
 }
 
@@ -291,7 +293,7 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
         StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
         StorageRequest::PartCount(parts) => retained.part_count = *parts,
         StorageRequest::RunningAt(place) => retained.interrupted = *place,
-        StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) => {}
+        StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) | StorageRequest::Mark(_) => {}
     }
 }
 

@@ -92,7 +92,7 @@ pub enum Command {
     ClearRelative(Axis),
     /// The disk thread has read the folder of page texts and pictures.
     ScreensLoaded(Arc<Screens>),
-    /// The disk thread has stored the retained data up to and including this generation.
+    /// The disk thread has stored everything up to this mark of the core's requests.
     Stored(u64),
     /// The disk thread could not execute a request.
     DiskFailed(LocalizedText),

@@ -268,6 +268,8 @@ pub struct Snapshot {
     pub teach: TeachView,
     /// Measured strokes per minute of the oscillating axis (K4.3).
     pub strokes_per_min: Option<f64>,
+    /// Changed values are not on the disk yet, for longer than usual.
+    pub is_storing: bool,
     /// Number of workpieces counted.
     pub parts_counted: u32,
     /// The running or last cycle.
@@ -463,6 +465,7 @@ impl Snapshot {
             tool_station: None,
             teach: TeachView::default(),
             strokes_per_min: None,
+            is_storing: false,
             parts_counted: 0,
             cycle: CycleView::default(),
             inputs: InputSet::NONE,

@@ -33,6 +33,11 @@ pub(super) struct QueuedMove {
 }
 
 impl QueuedMove {
+    /// Whether it has no length and no stop.
+    pub fn is_point_on_the_way(&self) -> bool {
+        self.segment.has_no_length() && self.programmed.corner != CornerMode::ExactStop
+    }
+
     /// Whether a point of the curve lies beyond the end of this line and beside the line that continues it, within the
     /// tolerance. Where the contour turns by 90° or more, the axes may still be before the end.
     pub fn is_passed(&self, next: &Self, point: [f64; 3]) -> bool {

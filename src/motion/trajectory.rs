@@ -340,10 +340,15 @@ impl TrajectoryPlanner {
     /// knows the ends of short lines only at its knots: pushed again, they would lead back.
     pub fn finish_passed_moves(&mut self) {
         let at = self.position().coordinates();
-        while let (Some(first), Some(next)) = (self.moves.front(), self.moves.get(1))
-            && first.is_passed(next, at)
-        {
-            self.finish_first_move();
+        loop {
+            // Points that repeat make moves without a length: the moves on either side of them continue each other.
+            let mut with_length =
+                self.moves.iter().enumerate().filter(|(_, queued)| !queued.is_point_on_the_way()).map(|(at, _)| at);
+            let (Some(first), Some(next)) = (with_length.next(), with_length.next()) else { return };
+            if !self.moves[first].is_passed(&self.moves[next], at) {
+                return;
+            }
+            (0..next).for_each(|_| self.finish_first_move());
         }
     }
 

@@ -94,8 +94,11 @@ impl FileClass {
         let (stem, extension) = name.split_once('.')?;
         let rank = self.extensions.iter().position(|known| known.eq_ignore_ascii_case(extension))?;
         let digits = stem.strip_prefix([self.letter, self.letter.to_ascii_lowercase()])?;
-        let numbered =
-            (DIGITS..=self.max_digits).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
+        // One name for each number: more than four digits have no leading zero.
+        let is_canonical = digits.len() == DIGITS || !digits.starts_with('0');
+        let numbered = (DIGITS..=self.max_digits).contains(&digits.len())
+            && is_canonical
+            && digits.bytes().all(|byte| byte.is_ascii_digit());
         Some((digits.parse().ok().filter(|_| numbered)?, rank))
     }
 

@@ -116,7 +116,7 @@ fn b1_program_numbers_of_up_to_eight_digits_are_called_by_parameter() {
     let main = "O12345678\nM98 P50010\nM98 P50010 L2\nG65 P12345679 A3\nM30\nO50010\n#500=#500+1\nM99\n";
     let shop = Shop::new(&[
         ("O12345678.NC", main),
-        ("O00000010.NC", "O0010\n#501=#501+1\nM99\n"),
+        ("O0010.NC", "O0010\n#501=#501+1\nM99\n"),
         ("O12345679.NC", "#502=#1+#4115\nM99\n"),
     ]);
     let listed: Vec<_> = shop.directory().into_iter().map(|(number, name, _)| (number, name)).collect();

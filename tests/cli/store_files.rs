@@ -408,8 +408,18 @@ fn names_are_told_without_regard_to_case_and_nothing_else_passes() {
     assert_eq!(PROGRAM.parse("o1001.nc"), Some((1001, 0)));
     assert_eq!((PROGRAM.parse("O12345678.NC"), PAGE_TEXT.parse("C00001.TXT")), (Some((12_345_678, 0)), None));
     assert_eq!(PAGE_TEXT.parse("c0001.NC"), Some((1, 1)));
-    for other in ["O101.NC", "O123456789.NC", "O1001.TXT", "O1001", "O+001.NC", "../O1001.NC", "O１００１.NC", "", "."]
-    {
+    for other in [
+        "O101.NC",
+        "O123456789.NC",
+        "O00001001.NC",
+        "O1001.TXT",
+        "O1001",
+        "O+001.NC",
+        "../O1001.NC",
+        "O１００１.NC",
+        "",
+        ".",
+    ] {
         assert_eq!(PROGRAM.parse(other), None, "{other}");
     }
     assert_eq!(PROGRAM.file_name(7), "O0007.NC");

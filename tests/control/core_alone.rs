@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use kt830::controller::{Controller, PowerOnState, Programs, StorageRequest};
+use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::host::folders::program_from_bytes;
 use kt830::io::Backend;
@@ -19,6 +20,9 @@ pub struct Core {
     machine: SimulatedMachine,
     now: Micros,
     stored: Vec<StorageRequest>,
+    /// Marks that the disk has not acknowledged; it does in the next tick, unless it hangs.
+    marks: Vec<u64>,
+    pub disk_hangs: bool,
     snapshot: Snapshot,
 }
 
@@ -36,7 +40,15 @@ impl Core {
         };
         controller.set_programs(Arc::new(Programs::new(programs.iter().map(stored).collect())), Arc::default());
         let snapshot = Snapshot::new(kind);
-        let mut core = Self { controller, machine, now: Micros::ZERO, stored: Vec::new(), snapshot };
+        let mut core = Self {
+            controller,
+            machine,
+            now: Micros::ZERO,
+            stored: Vec::new(),
+            marks: Vec::new(),
+            disk_hangs: false,
+            snapshot,
+        };
         core.wait(100);
         core
     }
@@ -44,9 +56,21 @@ impl Core {
     fn tick(&mut self, commands: &[Command]) {
         self.now = self.now + self.controller.tick_time();
         let image = self.machine.read(self.now);
-        let outputs = *self.controller.tick(self.now, &image, commands);
+        let mut commands = commands.to_vec();
+        if !self.disk_hangs {
+            commands.extend(self.marks.drain(..).map(Command::Stored));
+        }
+        let outputs = *self.controller.tick(self.now, &image, &commands);
         self.machine.write(self.now, &outputs);
         self.controller.drain_storage_requests(&mut self.stored);
+        let marks = &mut self.marks;
+        self.stored.retain(|request| match request {
+            StorageRequest::Mark(mark) => {
+                marks.push(*mark);
+                false
+            }
+            _ => true,
+        });
     }
 
     /// One tick with a command.
@@ -107,4 +131,30 @@ impl Core {
         let answer = self.shown().files.answers.iter().rev().find(|answer| answer.ticket == ticket)?;
         Some(answer.result.clone().map(|done| done.message.en().to_string()))
     }
+}
+
+/// A disk that hangs: the value is marked after a tenth of a second, an alarm comes after one second, and both end with the
+/// acknowledgement. What is sent meanwhile waits for its own.
+#[test]
+fn b6_a_value_is_shown_as_stored_only_when_it_is() {
+    let mut core = Core::ready(Kind::Gc, &[]);
+    let storing = |core: &mut Core| {
+        core.wait(1);
+        let shown = core.shown();
+        (shown.is_storing, shown.alarms.iter().any(|alarm| alarm.number == alarm::STORE_SLOW))
+    };
+    assert_eq!(storing(&mut core), (false, false));
+    core.disk_hangs = true;
+    core.send(Command::SetVariable(500, Some(1.0)));
+    core.wait(90);
+    assert_eq!(storing(&mut core), (false, false), "a commit takes some milliseconds");
+    core.wait(20);
+    assert_eq!(storing(&mut core), (true, false));
+    core.wait(700);
+    core.send(Command::SetVariable(501, Some(1.0)));
+    core.wait(200);
+    assert_eq!(storing(&mut core), (true, true));
+    core.disk_hangs = false;
+    core.wait(2);
+    assert_eq!(storing(&mut core), (false, false));
 }

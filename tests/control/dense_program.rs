@@ -141,3 +141,51 @@ fn b5_single_block_in_dense_points_never_runs_back() {
         assert!(back_mm < 0.01, "{back_mm} mm back after {stop_ms} ms");
     }
 }
+
+/// A hold names the block at which the axes stand, and what the passed blocks assign is done. Single block in the hold goes
+/// on with the rest of that block, not with all that was planned.
+#[test]
+fn b5_a_hold_in_dense_points_shows_the_block_of_the_axes_and_single_block_goes_on_from_it() {
+    let (text, _) = s_in_chords(0.005, 6);
+    let mut text: Vec<String> = text.lines().map(str::to_owned).collect();
+    text.insert(0, "#500=0".to_owned());
+    let text: Vec<String> =
+        text.into_iter().map(|line| if line.starts_with('X') { line + "\n#500=#500+1" } else { line }).collect();
+    let mut rig = ready_with(&text.join("\n"));
+    let from = place(&rig);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 275 ms\nkey feed-hold\nwait 1 s\nexpect state held");
+    // Where the axes stand, as the number of chords along the S.
+    let at = place(&rig);
+    let angle = |at: [f64; 2]| {
+        let (x, z) = (at[0] - from[0], at[1] - from[1]);
+        if z <= RADIUS_MM {
+            z.atan2(RADIUS_MM - x)
+        } else {
+            std::f64::consts::PI - (2.0 * RADIUS_MM - z).atan2(x - RADIUS_MM)
+        }
+    };
+    let stands = angle(at) * RADIUS_MM / 0.005;
+    let counted = |rig: &HeadlessHost| rig.controller().variable(500).unwrap();
+    // A joined line is half a knot, some 0.2 mm at this speed.
+    assert!(
+        (counted(&rig) - stands).abs() < 60.0,
+        "{} assignments where the axes are at block {stands}",
+        counted(&rig)
+    );
+    let line = f64::from(rig.controller().current_block().line);
+    assert!((line / 2.0 - stands).abs() < 60.0, "line {line} where the axes are at block {stands}");
+    tell(&mut rig, "key single-block\nkey cycle-start\nwait 0.5 s\nexpect state stopped");
+    assert!(distance(place(&rig), at) < 0.02, "one block: {} mm", distance(place(&rig), at));
+    for _ in 0..5 {
+        let before = place(&rig);
+        tell(&mut rig, "key cycle-start\nwait 0.3 s\nexpect state stopped");
+        let way = distance(place(&rig), before);
+        assert!(way < 0.011, "{way} mm");
+    }
+    assert!(distance(place(&rig), at) > 0.005, "it goes on");
+    tell(
+        &mut rig,
+        "key single-block\nkey cycle-start\nwait until idle max 20 s\nexpect no alarm\nexpect Z -126 ±0.001",
+    );
+    assert!((counted(&rig) - (std::f64::consts::PI * RADIUS_MM / 0.005).round()).abs() < 0.5, "{}", counted(&rig));
+}

@@ -62,6 +62,7 @@ const CHANGES: &[Change] = &[
     ("variables", Page::Macro, |machine| machine.variables[100] = Some(7.0)),
     ("restart", Page::Program, |machine| machine.restart = Some(Box::new(restart()))),
     ("interrupted", Page::Program, |machine| machine.interrupted = Some((1_001, 13))),
+    ("is_storing", Page::Mdi, |machine| machine.is_storing = true),
     ("alarms", Page::Mdi, |machine| machine.alarms = crate::sample::alarm(machine.page).alarms),
     ("message", Page::Mdi, |machine| machine.message = crate::sample::refused(machine.page).message),
     ("waiting_for", Page::Mdi, |machine| machine.waiting_for = Some(LocalizedText::new("等待", "waits"))),

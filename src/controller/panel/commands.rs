@@ -70,7 +70,8 @@ impl Panel {
                 self.screens.clone_from(screens);
                 self.check_page_files(parts);
             }
-            Command::Stored(_) | Command::Simulate(_) => {}
+            Command::Stored(mark) => parts.plant.outbox.unstored.stored(*mark),
+            Command::Simulate(_) => {}
             Command::DiskFailed(why) => parts.plant.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.handle_page_command(parts, command),
             Command::Teach(command) => self.handle_teach_command(parts, *command),

@@ -34,6 +34,7 @@ impl Panel {
         out.tool_station = parts.plant.kind.is_lathe().then(|| parts.plant.turret_station().map_or(0, u32::from));
         parts.manual.teach.write_view(&mut out.teach);
         out.strokes_per_min = parts.plant.measured_strokes_min();
+        out.is_storing = parts.plant.is_storing();
         out.parts_counted = parts.plant.work.part_count;
         out.restart = parts.program.restart_view(parts.plant).map(Box::new);
         out.interrupted = parts.program.power_cut.interrupted;

@@ -21,9 +21,10 @@ impl Program {
     pub fn toggle_single_block(&mut self, plant: &mut Plant) {
         plant.operator.switches.single_block = !plant.operator.switches.single_block;
         if plant.operator.switches.single_block
-            && matches!(plant.execution.phase, ControlPhase::Running)
+            && matches!(plant.execution.phase, ControlPhase::Running | ControlPhase::Holding | ControlPhase::Held)
             && let Some(run) = &mut self.run
             && run.handed_over > 0
+            && run.handover == Handover::Feeding
         {
             plant.axes.planner.hold();
             run.handover = Handover::TakingBack;

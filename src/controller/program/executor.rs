@@ -12,10 +12,12 @@ use crate::defs::alarm;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::motion::Move;
-use crate::nc::{NextStatus, PreflightStatus};
+use crate::nc::{BlockLocation, NextStatus, PreflightStatus};
 
 /// Maximum blocks with operations read per tick: more than the shortest moves take.
 const BLOCKS_PER_TICK: usize = 16;
+/// Maximum items left behind in a tick while the run brakes and stands.
+const PASSED_ITEMS_PER_TICK: usize = 512;
 /// Maximum actions executed per tick.
 const ACTIONS_PER_TICK: usize = 64;
 
@@ -33,6 +35,7 @@ impl ProgramRun {
         }
         self.drop_finished_moves(plant);
         if !matches!(plant.execution.phase, ControlPhase::Running) {
+            self.leave_passed_blocks(plant, suspended);
             return false;
         }
         let over = self.execute_front(plant, suspended);
@@ -71,6 +74,44 @@ impl ProgramRun {
         }
     }
 
+    /// While the run brakes to a hold and stands in it: leaves the blocks that the axes have passed, and does what stands
+    /// between them.
+    fn leave_passed_blocks(&mut self, plant: &mut Plant, mut suspended: Option<&mut Self>) {
+        for _ in 0..PASSED_ITEMS_PER_TICK {
+            let finished = plant.axes.planner.finished_tag();
+            let next_move = self.queue.iter().take(self.handed_over).find_map(|item| match item {
+                QueueItem::Move(planned) => Some(planned),
+                _ => None,
+            });
+            if !next_move.is_some_and(|planned| planned.tag.is_some() && planned.tag <= finished) {
+                return;
+            }
+            match self.queue.front() {
+                Some(QueueItem::BlockStart(place)) => Self::enter_block(plant, *place),
+                Some(QueueItem::Action(_)) => drop(self.execute_front_action(plant, &mut suspended)),
+                Some(QueueItem::Move(_) | QueueItem::BlockEnd) | None => {}
+            }
+            self.pop_front();
+        }
+    }
+
+    fn enter_block(plant: &mut Plant, place: BlockLocation) {
+        plant.execution.current_block = place;
+        plant.execution.block_count += 1;
+    }
+
+    /// Executes the action at the front; it stays there.
+    fn execute_front_action(&mut self, plant: &mut Plant, suspended: &mut Option<&mut Self>) -> ActionStatus {
+        let Some(QueueItem::Action(action)) = self.queue.pop_front() else { return ActionStatus::Done };
+        let status = self.execute_action(plant, &action);
+        // A run suspended by the retract has its own copy of the variables.
+        if let (QueuedAction::SetVariable(number, value), Some(waiting)) = (&action, suspended) {
+            let _ = waiting.interpreter.update_variable(*number, *value);
+        }
+        self.queue.push_front(QueueItem::Action(action));
+        status
+    }
+
     /// Executes the items at the front of the queue. True when the run is over.
     fn execute_front(&mut self, plant: &mut Plant, mut suspended: Option<&mut Self>) -> bool {
         for _ in 0..ACTIONS_PER_TICK {
@@ -78,8 +119,7 @@ impl ProgramRun {
             let status = match self.queue.front() {
                 None | Some(QueueItem::Move(_)) => return false,
                 Some(QueueItem::BlockStart(place)) => {
-                    plant.execution.current_block = *place;
-                    plant.execution.block_count += 1;
+                    Self::enter_block(plant, *place);
                     ActionStatus::Done
                 }
                 // While splitting, a block ends without a stop if its successor is already moving.
@@ -95,16 +135,7 @@ impl ProgramRun {
                     }
                 }
                 Some(QueueItem::BlockEnd) => ActionStatus::Done,
-                Some(QueueItem::Action(_)) => {
-                    let Some(QueueItem::Action(action)) = self.queue.pop_front() else { return false };
-                    let status = self.execute_action(plant, &action);
-                    // A run suspended by the retract has its own copy of the variables.
-                    if let (QueuedAction::SetVariable(number, value), Some(waiting)) = (&action, &mut suspended) {
-                        let _ = waiting.interpreter.update_variable(*number, *value);
-                    }
-                    self.queue.push_front(QueueItem::Action(action));
-                    status
-                }
+                Some(QueueItem::Action(_)) => self.execute_front_action(plant, &mut suspended),
             };
             match status {
                 ActionStatus::Wait => return false,

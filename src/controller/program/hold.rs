@@ -89,7 +89,9 @@ impl Program {
         {
             run.activity = Activity::Idle; // a key may have switched the unit in the hold: request it again
         }
-        if plant.axes.owner() == AxisOwner::Program {
+        // Moves that are taken back wait for the planner at rest.
+        let takes_back = self.run.as_ref().is_some_and(|run| run.handover == Handover::TakingBack);
+        if plant.axes.owner() == AxisOwner::Program && !takes_back {
             plant.axes.planner.resume();
         }
         plant.transition(ControlEvent::Start);

@@ -41,14 +41,19 @@ impl RetainedWorker {
                 tell(Arrival::Command(self.answer(request)));
             }
         }
-        let Self::Disk(store) = self else { return };
-        if !requests.iter().any(StorageRequest::is_retained) {
-            return;
+        if let Self::Disk(store) = self
+            && requests.iter().any(StorageRequest::is_retained)
+            && let Err(error) = store.commit(requests)
+        {
+            return tell(Arrival::Command(Command::DiskFailed(LocalizedText::same(&error))));
         }
-        tell(Arrival::Command(match store.commit(requests) {
-            Ok(generation) => Command::Stored(generation),
-            Err(error) => Command::DiskFailed(LocalizedText::same(&error)),
-        }));
+        let marks = requests.iter().filter_map(|request| match request {
+            StorageRequest::Mark(mark) => Some(*mark),
+            _ => None,
+        });
+        if let Some(mark) = marks.last() {
+            tell(Arrival::Command(Command::Stored(mark)));
+        }
     }
 
     fn answer(&mut self, request: &SettingsRequest) -> Command {

@@ -4,7 +4,7 @@ use super::{MAX_VALUE, integer};
 use crate::defs::mcode;
 use crate::defs::text::arg::Arg;
 use crate::nc::dialect::codes::{self, BlockCodes};
-use crate::nc::dialect::common::{in_range, set_speed};
+use crate::nc::dialect::common::{in_range, out_of_range, set_speed};
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
@@ -157,6 +157,7 @@ fn subprogram(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowActi
     let limit = running.settings.program_limit;
     let (program, times) = match words.take(b'L') {
         Some(times) => (integer(p, 1, limit)?, integer(times, 1, MAX_REPEATS)?),
+        None if packed > limit && packed % (limit + 1) == 0 => return out_of_range(p, "×××○○○○"),
         None if packed > limit => (packed % (limit + 1), packed / (limit + 1)),
         None => (packed, 1),
     };
