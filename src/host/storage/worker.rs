@@ -47,11 +47,11 @@ impl RetainedWorker {
         {
             return tell(Arrival::Command(Command::DiskFailed(LocalizedText::same(&error))));
         }
-        let marks = requests.iter().filter_map(|request| match request {
+        let mark = requests.iter().rev().find_map(|request| match request {
             StorageRequest::Mark(mark) => Some(*mark),
             _ => None,
         });
-        if let Some(mark) = marks.last() {
+        if let Some(mark) = mark {
             tell(Arrival::Command(Command::Stored(mark)));
         }
     }
