@@ -101,12 +101,14 @@ pub fn folders(shared: &SharedArgs) -> Result<Folders, CallError> {
 /// As [`apply_overrides`].
 pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
     let factory = || PowerOnState::factory(shared.kind);
-    let opened = named_data(shared)?.map(|data| RetainedStore::open(data.root(), shared.kind)).transpose();
-    let opened = opened.unwrap_or_else(|error| {
-        eprintln!("kt830: {error}; the check uses factory values");
-        None
-    });
-    apply_overrides(shared, opened.map_or_else(factory, |(_, found)| found.retained))
+    let read = |data: DataDir| {
+        let found = RetainedStore::read_only(data.root(), shared.kind);
+        if found.is_none() {
+            eprintln!("kt830: {}: no whole data; the check uses factory values", data.root().display());
+        }
+        found
+    };
+    apply_overrides(shared, named_data(shared)?.and_then(read).unwrap_or_else(factory))
 }
 
 /// Applies `--param` and `--set` to factory or retained data.
@@ -154,9 +156,10 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
     }
     let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
     let loss = found.loss.map(|loss| (alarm::RETAINED_DATA_DAMAGED, loss.message()));
+    let unkept = found.unkept.map(|why| (alarm::STORE_FAILED, LocalizedText::same(&why)));
     let dropped = Some(found.dropped.join(", ")).filter(|values| !values.is_empty());
     let dropped = dropped.map(|values| (alarm::VALUES_DROPPED, LocalizedText::same(&values)));
-    let standing = loss.into_iter().chain(settings).chain(dropped).collect();
+    let standing = loss.into_iter().chain(settings).chain(unkept).chain(dropped).collect();
     let retained = apply_overrides(shared, found.retained)?;
     Ok(HostParts { retained, store: Some(store), standing, jobs })
 }

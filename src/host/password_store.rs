@@ -3,13 +3,13 @@
 //! Source: spec B6, K1, K6.2.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
-use crate::store::ron_file::{self, ChecksumPolicy, RonError};
-use crate::store::{RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
+use crate::store::ron_file::{self, ChecksumPolicy, RonError, RonWarning};
+use crate::store::{PASSWORD_FILE, RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
 
 /// The key of the changed password in the store, and the default one, valid until it is changed; the manual lists them.
 const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
@@ -20,31 +20,40 @@ const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
     }
 }
 
-/// The hashes once more, beside the database: they outlive it.
-const PASSWORD_FILE: &str = "passwords.ron";
-
 /// Hashes of the changed passwords, and the folder of the settings.
 #[derive(Clone, Debug, Default)]
 pub struct PasswordStore {
     hashes: BTreeMap<PasswordScope, String>,
-    /// Neither the database nor its copy says whether passwords were changed: none matches.
+    /// Nobody knows whether a password without a hash was changed: none matches.
     is_locked: bool,
     folder: Option<PathBuf>,
 }
 
 impl PasswordStore {
-    /// Takes the passwords from retained data; settings are stored in `folder`.
+    /// Takes the passwords from retained data, where they lack one from the copy beside them; settings are stored in
+    /// `folder`. With data that were lost and a damaged copy, what has no password is locked.
     #[must_use]
-    pub fn new(loaded: &RetainedData, folder: PathBuf) -> Self {
-        let copy = ron_file::read::<BTreeMap<String, String>>(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict);
-        let is_damaged = !matches!(copy, Ok(_) | Err(RonError::Missing(_)));
-        let copy = copy.map(|read| read.value).unwrap_or_default();
+    pub fn new(loaded: &RetainedData, is_lost: bool, folder: PathBuf) -> Self {
+        let (copy, is_damaged) = Self::copy_in(&folder);
         let found = |guard: PasswordScope| {
             let row = password_row(guard).0;
             Some((guard, loaded.texts.get(row).or_else(|| copy.get(row))?.clone()))
         };
         let hashes: BTreeMap<_, _> = PasswordScope::ALL.into_iter().filter_map(found).collect();
-        Self { is_locked: is_damaged && hashes.is_empty(), hashes, folder: Some(folder) }
+        Self { is_locked: is_damaged && is_lost, hashes, folder: Some(folder) }
+    }
+
+    /// The rows of the copy beside the database, and whether it is damaged: an older copy lacks the last change.
+    pub(super) fn copy_in(folder: &Path) -> (BTreeMap<String, String>, bool) {
+        let read = ron_file::read::<BTreeMap<String, String>>(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict);
+        match read {
+            Ok(found) => {
+                let is_damaged = found.warnings.iter().any(RonWarning::is_damage);
+                (found.value, is_damaged)
+            }
+            Err(RonError::Missing(_)) => (BTreeMap::new(), false),
+            Err(_) => (BTreeMap::new(), true),
+        }
     }
 
     /// Executes a request and returns the answer; without a store a new password is kept in memory only.
@@ -84,10 +93,8 @@ impl PasswordStore {
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
         let secret = secret.reveal();
-        if self.is_locked {
-            return false;
-        }
-        self.hashes.get(&guard).map_or_else(|| secret == password_row(guard).1, |hash| password::verify(secret, hash))
+        let initial = || !self.is_locked && secret == password_row(guard).1;
+        self.hashes.get(&guard).map_or_else(initial, |hash| password::verify(secret, hash))
     }
 
     fn set_password(

@@ -41,8 +41,8 @@ pub struct StoreReport {
     pub retained: PowerOnState,
     /// The data were damaged or gone, and no person has accepted what took their place: what happened.
     pub loss: Option<DataLoss>,
-    /// The kind of machine that the data belong to.
-    pub kind: Kind,
+    /// Earlier states cannot be kept; why.
+    pub unkept: Option<String>,
     /// Stored values that are no longer allowed; factory values are used instead.
     pub dropped: Vec<String>,
 }
@@ -70,27 +70,32 @@ impl RetainedStore {
     /// # Errors
     /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
-        let mut opened = RetainedDatabase::open(folder)?;
-        if opened.damaged.is_some() || opened.gone {
-            replace_lost(&mut opened.database, folder, opened.damaged.as_ref())?;
-        }
+        let mut opened = RetainedDatabase::open_or_replace(folder, |damaged| replacement(folder, damaged))?;
         let mut loaded = opened.database.load()?;
         let stored_kind = loaded.texts.get(KIND).and_then(|id| Kind::from_id(id));
+        if let Some(stored) = stored_kind.filter(|stored| *stored != kind) {
+            return Err(RetainedError::OtherKind(stored.id().to_owned(), kind.id().to_owned()));
+        }
+        // A database that was put back is older than states that are kept.
+        if let Some(highest) = generations::highest(folder).filter(|highest| *highest > loaded.generation) {
+            opened.database.raise_generation(highest)?;
+        }
         if stored_kind.is_none() {
             opened.database.commit(&[text(KIND, Some(kind.id().to_owned()))])?;
             loaded = opened.database.load()?;
         }
         let (retained, dropped) = retained_from_data(kind, &loaded);
-        let passwords = PasswordStore::new(&loaded, folder.to_path_buf());
-        let report = StoreReport {
+        let is_lost = loaded.texts.contains_key(LOSS);
+        let passwords = PasswordStore::new(&loaded, is_lost, folder.to_path_buf());
+        let mut report = StoreReport {
+            unkept: None,
             retained,
             loss: loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row)),
-            kind: stored_kind.unwrap_or(kind),
             dropped,
         };
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
         let mut store = Self { database: opened.database, passwords, unsaved: Vec::new(), folder, kept_at };
-        store.keep_generation()?;
+        report.unkept = store.keep_generation().err().map(|error| error.to_string());
         Ok((store, report))
     }
 
@@ -98,9 +103,14 @@ impl RetainedStore {
     /// or gone. Nothing is written.
     #[must_use]
     pub fn kind_of(folder: &Path) -> Option<Kind> {
-        let data =
-            RetainedDatabase::peek(folder).or_else(|| generations::newest_whole(folder).map(|(_, data)| data))?;
-        data.texts.get(KIND).and_then(|id| Kind::from_id(id))
+        peek(folder)?.texts.get(KIND).and_then(|id| Kind::from_id(id))
+    }
+
+    /// The data of a directory for a check: nothing is written, and a running control is not disturbed. `None` without
+    /// whole data.
+    #[must_use]
+    pub fn read_only(folder: &Path, kind: Kind) -> Option<PowerOnState> {
+        Some(retained_from_data(kind, &peek(folder)?).0)
     }
 
     /// Keeps the present state as a generation.
@@ -162,6 +172,11 @@ impl RetainedStore {
     }
 }
 
+/// The data of a directory, or its newest whole generation.
+fn peek(folder: &Path) -> Option<RetainedData> {
+    RetainedDatabase::peek(folder).or_else(|| generations::newest_whole(folder).map(|(_, data)| data))
+}
+
 impl Drop for RetainedStore {
     /// The last state of a session is a generation.
     fn drop(&mut self) {
@@ -169,21 +184,19 @@ impl Drop for RetainedStore {
     }
 }
 
-/// Puts the newest whole generation in the place of data that are damaged or gone, and records what happened until a
-/// person has accepted it.
-fn replace_lost(
-    database: &mut RetainedDatabase,
-    folder: &Path,
-    damaged: Option<&DamageReport>,
-) -> Result<(), RetainedError> {
-    let mut state_of = None;
-    if let Some((path, data)) = generations::newest_whole(folder) {
-        database.restore(&data)?;
+/// What takes the place of data that are damaged or gone: the newest whole generation, the newest passwords, and the record
+/// of what happened, until a person has accepted it.
+fn replacement(folder: &Path, damaged: Option<&DamageReport>) -> RetainedData {
+    let (mut data, mut state_of) = (RetainedData::default(), None);
+    if let Some((path, whole)) = generations::newest_whole(folder) {
+        data = whole;
         state_of = Some(time_text(path.metadata().ok().and_then(|metadata| metadata.modified().ok())));
     }
+    data.generation = data.generation.max(generations::highest(folder).unwrap_or_default());
+    data.texts.extend(PasswordStore::copy_in(folder).0);
     let copy = damaged.and_then(|report| Some(report.kept_as.file_name()?.to_string_lossy().into_owned()));
-    let loss = DataLoss { copy, state_of };
-    database.commit(&[text(LOSS, Some(loss.row()))]).map(drop)
+    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of }.row());
+    data
 }
 
 /// What happened to the retained data.

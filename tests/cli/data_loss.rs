@@ -24,7 +24,7 @@ fn open(folder: &Path) -> (RetainedStore, StoreReport) {
 fn session() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let (mut store, found) = open(folder.path());
-    assert_eq!((found.loss, found.kind), (None, Kind::Gc));
+    assert_eq!(found.loss, None);
     let values: Vec<_> =
         (860..900).map(|number| StorageRequest::Variable(number, Some(f64::from(number) / 8.0))).collect();
     store.commit(&values).unwrap();
@@ -253,4 +253,111 @@ fn t4_devices_and_pipes_are_refused_by_every_command() {
             assert_eq!(out.status.code(), Some(2), "{words:?}: {told}");
         }
     }
+}
+
+/// A start that was cut after the lock is a first start; whatever else a control leaves behind is not.
+#[test]
+fn b6_what_a_control_leaves_behind_tells_a_first_start_from_a_loss() {
+    let first = tempfile::tempdir().unwrap();
+    fs::write(first.path().join("retained.lock"), "").unwrap();
+    assert_eq!(open(first.path()).1.loss, None);
+    for left in ["generations", "passwords.ron"] {
+        let folder = session();
+        for name in [DATABASE, "retained.lock", "generations", "passwords.ron", "passwords.ron.bak"] {
+            let path = folder.path().join(name);
+            match name == left {
+                true => {}
+                false if path.is_dir() => fs::remove_dir_all(path).unwrap(),
+                false => drop(fs::remove_file(path)),
+            }
+        }
+        assert!(open(folder.path()).1.loss.is_some(), "{left}");
+    }
+}
+
+/// The replacement comes with the file: there is no moment with an empty database in the place of the lost one.
+#[test]
+fn b6_a_power_cut_while_lost_data_are_replaced_leaves_them_lost() {
+    let folder = session();
+    fs::write(folder.path().join(DATABASE), [7; 20_000]).unwrap();
+    // Put aside, the new file complete under its other name, not yet renamed.
+    drop(open(folder.path()));
+    let made = folder.path().join(DATABASE);
+    fs::rename(&made, folder.path().join("retained.fresh.redb")).unwrap();
+    let (_, found) = open(folder.path());
+    assert!(found.loss.is_some() && has_values(&found));
+}
+
+/// A database of some days ago, put back: its next states are newer than those that are kept.
+#[test]
+fn b6_states_after_an_old_database_was_put_back_are_kept() {
+    let folder = session();
+    let old = fs::read(folder.path().join(DATABASE)).unwrap();
+    for value in 1..=6 {
+        let (mut store, _) = open(folder.path());
+        store.commit(&[StorageRequest::Variable(860, Some(f64::from(value)))]).unwrap();
+    }
+    fs::write(folder.path().join(DATABASE), old).unwrap();
+    let (mut store, _) = open(folder.path());
+    store.commit(&[StorageRequest::Variable(860, Some(77.0))]).unwrap();
+    drop(store);
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    assert_eq!(value(&open(folder.path()).1, 860), Some(77.0));
+}
+
+#[test]
+fn b6_states_that_cannot_be_kept_do_not_keep_the_control_from_starting() {
+    let folder = session();
+    fs::remove_dir_all(folder.path().join("generations")).unwrap();
+    fs::write(folder.path().join("generations"), "in the way").unwrap();
+    let (_, found) = open(folder.path());
+    assert!(found.unkept.is_some_and(|why| why.contains("generations")) && found.loss.is_none());
+}
+
+/// The password changed last is valid after a loss, not the one of the last generation.
+#[test]
+fn k6_2_the_newest_password_outlives_an_older_generation() {
+    let folder = session();
+    drop(open(folder.path()));
+    let (mut store, _) = open(folder.path());
+    let change = SettingsRequest::ChangePassword {
+        scope: PasswordScope::Builder,
+        old: Secret::new("4711".into()),
+        new: Secret::new("4712".into()),
+    };
+    assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+    std::mem::forget(store); // A crash: no generation is kept.
+    let copy = tempfile::tempdir().unwrap();
+    for name in ["passwords.ron", "generations"] {
+        let (from, to) = (folder.path().join(name), copy.path().join(name));
+        if from.is_dir() {
+            fs::create_dir(&to).unwrap();
+            for entry in fs::read_dir(&from).unwrap().map(Result::unwrap) {
+                fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+            }
+        } else {
+            fs::copy(from, to).unwrap();
+        }
+    }
+    let (mut store, found) = open(copy.path());
+    assert!(found.loss.is_some() && matches(&mut store, "4712") && !matches(&mut store, "4711"));
+}
+
+#[test]
+fn k1_a_story_of_another_kind_does_not_touch_the_data() {
+    let folder = session();
+    let data = folder.path().to_string_lossy().into_owned();
+    let story = folder.path().join("gs.story");
+    fs::write(&story, "kind gs\nwait 0.1 s\n").unwrap();
+    let out = kt830(&["play", &story.to_string_lossy(), "--data", &data]);
+    let told = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(2) && told.contains("those of kind gc"), "{told}");
+}
+
+#[test]
+fn t4_a_check_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().to_string_lossy().into_owned();
+    assert!(kt830(&["check", "programs/O1001.NC", "--data", &data]).status.success());
+    assert!(!folder.path().join(DATABASE).exists());
 }

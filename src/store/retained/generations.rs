@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::RetainedData;
+use super::{Generation, RetainedData};
 use crate::store::io_fault::IoFault;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
@@ -43,6 +43,12 @@ pub fn keep(folder: &Path, data: &RetainedData) -> Result<(), RonError> {
         fs::remove_file(path).map_err(IoFault::at(path, "delete"))?;
     }
     Ok(())
+}
+
+/// The highest number of a kept state, whole or not.
+#[must_use]
+pub fn highest(folder: &Path) -> Option<Generation> {
+    list(folder).first().map(|file| Generation(file.number))
 }
 
 /// The newest state that is whole, and its file.

@@ -27,6 +27,8 @@ pub use tables::StorageFault;
 const DATABASE_FILE: &str = "retained.redb";
 /// Temporary name of a new database, until it is complete.
 const NEW_DATABASE_FILE: &str = "retained.fresh.redb";
+/// The passwords once more, beside the database: they outlive it.
+pub const PASSWORD_FILE: &str = "passwords.ron";
 /// Locked while a control uses the data.
 const LOCK_FILE: &str = "retained.lock";
 /// Maximum number of damaged files kept; then a person must delete them.
@@ -190,6 +192,11 @@ pub enum RetainedError {
     /// The file was removed or replaced while it is open: what is stored now is lost at the end of the process.
     #[error("{}: removed or replaced while the control runs; nothing is kept any more: save a backup, then restart the control", .0.display())]
     Gone(PathBuf),
+    /// The data belong to another kind of machine: what is stored, and what was asked for.
+    #[error(
+        "the data are those of kind {0}, not {1}; start with that kind, choose the kind on the settings page, or take another --data FOLDER"
+    )]
+    OtherKind(String, String),
     /// A generation could not be kept; the data themselves are stored.
     #[error("{0}; the earlier states of the data are not kept")]
     Generation(String),
@@ -215,8 +222,18 @@ impl RetainedDatabase {
     /// # Errors
     /// Another process has it open, a newer control wrote it, or a disk error. Damage is not an error: see [`OpenedDatabase`].
     pub fn open(folder: &Path) -> Result<OpenedDatabase, RetainedError> {
-        // The lock file stays: a control has run on this directory before.
-        let used = fs::symlink_metadata(folder.join(LOCK_FILE)).is_ok();
+        Self::open_or_replace(folder, |_| RetainedData::default())
+    }
+
+    /// As [`Self::open`]. Data that are damaged or gone are replaced by what `replacement` gives, together with the new
+    /// file: a power cut leaves the old state, or the new one whole.
+    ///
+    /// # Errors
+    /// As [`Self::open`]; the replacement has values that cannot be kept.
+    pub fn open_or_replace(
+        folder: &Path,
+        replacement: impl FnOnce(Option<&DamageReport>) -> RetainedData,
+    ) -> Result<OpenedDatabase, RetainedError> {
         let lock = lock(folder)?;
         let path = folder.join(DATABASE_FILE);
         let mut damaged = None;
@@ -225,8 +242,11 @@ impl RetainedDatabase {
             damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause });
         }
         let fresh = !present || damaged.is_some();
+        let gone = !present && has_traces(folder);
         if fresh {
-            create_database(folder, &path)?;
+            let lost = damaged.is_some() || gone;
+            let content = if lost { replacement(damaged.as_ref()) } else { RetainedData::default() };
+            create_database(folder, &path, &content)?;
         }
         let database = open_database(&path)?;
         if !fresh {
@@ -234,7 +254,7 @@ impl RetainedDatabase {
         }
         let opened = identity(&path);
         let database = Self { path, opened, database: Some(database), _lock: lock };
-        Ok(OpenedDatabase { database, damaged, fresh, gone: used && !present })
+        Ok(OpenedDatabase { database, damaged, fresh, gone })
     }
 
     /// Stores all changes or none, in their order. When it returns, they survive a power cut.
@@ -254,16 +274,12 @@ impl RetainedDatabase {
         Ok(generation)
     }
 
-    /// Stores an earlier state in an empty database, with the number of its commit.
+    /// Raises the number of the last commit, so that later states are newer than all that are kept.
     ///
     /// # Errors
     /// As [`Self::commit`].
-    pub fn restore(&mut self, data: &RetainedData) -> Result<(), RetainedError> {
-        let changes = data.changes();
-        for change in &changes {
-            tables::check_change(change)?;
-        }
-        self.with_database(|database| tables::restore(database, &changes, data.generation))
+    pub fn raise_generation(&mut self, generation: Generation) -> Result<(), RetainedError> {
+        self.with_database(|database| tables::restore(database, &[], generation))
     }
 
     /// All data of a directory that nobody opens; `None` if there are none, or they are damaged. Nothing is written.
@@ -345,8 +361,20 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
     Err(RetainedError::TooManyDamaged(folder.to_path_buf()))
 }
 
+/// Whether a control has stored data in this directory before.
+fn has_traces(folder: &Path) -> bool {
+    let names =
+        fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    generations::highest(folder).is_some()
+        || names.into_iter().any(|name| name.starts_with("retained.damaged-") || name == PASSWORD_FILE)
+}
+
 /// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
-fn create_database(folder: &Path, path: &Path) -> Result<(), RetainedError> {
+fn create_database(folder: &Path, path: &Path, content: &RetainedData) -> Result<(), RetainedError> {
+    let changes = content.changes();
+    for change in &changes {
+        tables::check_change(change)?;
+    }
     let fresh = folder.join(NEW_DATABASE_FILE);
     match fs::remove_file(&fresh).map_err(IoFault::at(&fresh, "delete")) {
         Err(fault) if !fault.is_missing() => return Err(fault.into()),
@@ -355,6 +383,7 @@ fn create_database(folder: &Path, path: &Path) -> Result<(), RetainedError> {
     let refused = |fault| RetainedError::Storage(fresh.clone(), fault);
     let database = builder().create(&fresh).map_err(|wrong| refused(wrong.into()))?;
     tables::create_tables(&database).map_err(refused)?;
+    tables::restore(&database, &changes, content.generation).map_err(refused)?;
     drop(database);
     // Closing has written the header again.
     let file = File::open(&fresh).map_err(IoFault::at(&fresh, "open"))?;
