@@ -32,19 +32,25 @@ pub const fn is_named(number: u32) -> bool {
     number >= NAMED_FIRST
 }
 
+/// The number that digits in the name of a file spell: four, or up to `most` without a leading zero. So each number has one
+/// name.
+#[must_use]
+pub fn of_digits(digits: &str, most: usize) -> Option<u32> {
+    let least = O_DIGITS as usize;
+    let is_one_spelling = digits.len() == least || !digits.starts_with('0');
+    let fits = (least..=most).contains(&digits.len()) && is_one_spelling;
+    digits.parse().ok().filter(|_| fits && digits.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
 /// The number of a program name: `O1001`, `L10`, `VGRIND`, in either case.
 #[must_use]
 pub fn from_name(name: &str) -> u32 {
-    let digits = |rest: &str| rest.parse::<u32>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
     let upper = name.to_ascii_uppercase();
-    let has_digits = |rest: &&str| {
-        rest.len() == O_DIGITS as usize
-            || rest.len() <= O_MAX_DIGITS as usize && rest.len() > O_DIGITS as usize && !rest.starts_with('0')
-    };
-    if let Some(n) = upper.strip_prefix('O').filter(has_digits).and_then(digits) {
+    if let Some(n) = upper.strip_prefix('O').and_then(|digits| of_digits(digits, O_MAX_DIGITS as usize)) {
         return n;
     }
-    if let Some(n) = upper.strip_prefix('L').and_then(digits).filter(|n| *n <= L_MAX) {
+    let l = upper.strip_prefix('L').filter(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()));
+    if let Some(n) = l.and_then(|digits| digits.parse().ok()).filter(|n| *n <= L_MAX) {
         return from_l(n);
     }
     // FNV-1a, 31 bits: names in a folder of a few dozen programs collide about once in several million folders.

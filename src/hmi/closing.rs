@@ -3,11 +3,10 @@
 
 use egui::Rect;
 
-use super::{EditKey, Login, Question, QuestionDialog, View};
+use super::{EditKey, GuardedQuestion, Login, Question, View};
 use crate::defs::param::{self, AccessLevel};
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::Command;
-use crate::link::page_command::PasswordScope;
 use crate::link::snapshot::RunState;
 
 /// Why the window stays open now.
@@ -17,10 +16,8 @@ pub const MOVES: Text =
 /// The state of a request to close the window.
 #[derive(Debug, Default)]
 pub struct Closing {
-    dialog: QuestionDialog<()>,
+    question: GuardedQuestion,
     login: Login,
-    /// Confirmed, but for the password.
-    needs_password: bool,
     /// The window may close.
     confirmed: bool,
 }
@@ -33,14 +30,14 @@ impl Closing {
         }
         if !self.is_open() {
             let key = ("question-close", Text::new("关闭", "CLOSE"));
-            self.dialog.ask((), Question::new(Text::new("关闭系统？", "close the control?"), consequence(view), key));
+            self.question.ask(Question::new(Text::new("关闭系统？", "close the control?"), consequence(view), key));
         }
         None
     }
 
     /// Whether the question or the password dialog is open and takes all input.
     pub const fn is_open(&self) -> bool {
-        self.dialog.is_open() || self.login.is_open()
+        self.question.is_open() || self.login.is_open()
     }
 
     /// Whether the window may close.
@@ -59,19 +56,10 @@ impl Closing {
             *self = Self::default();
             return;
         }
-        let is_locked =
-            view.snapshot.params.bit(param::CLOSE_PASSWORD) && view.snapshot.access.level < AccessLevel::User;
-        if let Some(((), Some(_))) = self.dialog.ui(rect, view, edits) {
-            self.needs_password = true;
-            if is_locked {
-                self.login.unlock(view, PasswordScope::User);
-                return;
-            }
-        }
+        let is_guarded = view.snapshot.params.bit(param::CLOSE_PASSWORD);
+        let level = if is_guarded { AccessLevel::User } else { AccessLevel::Operator };
+        self.confirmed |= self.question.ui(rect, view, edits, (level, &mut self.login));
         self.login.ui(rect, view, edits, out);
-        if self.needs_password && !self.login.is_open() {
-            (self.needs_password, self.confirmed) = (false, !is_locked);
-        }
     }
 }
 

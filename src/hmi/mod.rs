@@ -9,6 +9,7 @@ pub mod aside;
 mod closing;
 pub mod core_fault;
 pub mod field_editor;
+mod guarded_question;
 mod key_press;
 mod keyboard;
 mod keycap;
@@ -35,6 +36,7 @@ pub mod window;
 
 pub use app::Hmi;
 pub(crate) use field_editor::{CoreAnswer, FieldEditor, ValueField, param_range, parse_number};
+pub(crate) use guarded_question::GuardedQuestion;
 pub(crate) use keyboard::{EditKey, KeyboardInput, TypedInput};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub(crate) use keycap::KeycapState;

@@ -85,17 +85,12 @@ impl RetainedStore {
             loaded = opened.database.load()?;
         }
         let (retained, dropped) = retained_from_data(kind, &loaded);
-        let is_lost = loaded.texts.contains_key(LOSS);
-        let passwords = PasswordStore::new(&loaded, is_lost, folder.to_path_buf());
-        let mut report = StoreReport {
-            unkept: None,
-            retained,
-            loss: loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row)),
-            dropped,
-        };
+        let loss = loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row));
+        let passwords = PasswordStore::new(&loaded, loss.is_some(), folder.to_path_buf());
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
         let mut store = Self { database: opened.database, passwords, unsaved: Vec::new(), folder, kept_at };
-        report.unkept = store.keep_generation().err().map(|error| error.to_string());
+        let unkept = store.keep_generation().err().map(|error| error.to_string());
+        let report = StoreReport { retained, loss, unkept, dropped };
         Ok((store, report))
     }
 

@@ -1,5 +1,7 @@
 //! Names of numbered files: a letter, four digits (a program may have up to eight), an extension; case-insensitive.
 
+use crate::defs::program_number;
+
 /// Maximum size of a part program, bytes: some five million blocks.
 pub const PROGRAM_LIMIT: u64 = 128 * 1024 * 1024;
 /// Maximum size of a text named in a call or a story (story, part, leadscrew table), bytes.
@@ -12,7 +14,7 @@ pub const PICTURE_LIMIT: u64 = 1024 * 1024;
 /// Part programs `O1001.NC` (B1), `O12345678.NC`.
 pub const PROGRAM: FileClass = FileClass {
     letter: 'O',
-    max_digits: 8,
+    max_digits: program_number::O_MAX_DIGITS as usize,
     extensions: &["NC"],
     limit: PROGRAM_LIMIT,
     comment_source: CommentSource::FirstComment,
@@ -71,8 +73,8 @@ pub enum CommentSource {
     None,
 }
 
-/// Least number of digits in a name.
-pub(crate) const DIGITS: usize = 4;
+/// Number of digits in the name of a page file; the least in that of a program.
+const DIGITS: usize = program_number::O_DIGITS as usize;
 
 impl FileClass {
     /// The largest number in a name.
@@ -94,12 +96,7 @@ impl FileClass {
         let (stem, extension) = name.split_once('.')?;
         let rank = self.extensions.iter().position(|known| known.eq_ignore_ascii_case(extension))?;
         let digits = stem.strip_prefix([self.letter, self.letter.to_ascii_lowercase()])?;
-        // One name for each number: more than four digits have no leading zero.
-        let is_canonical = digits.len() == DIGITS || !digits.starts_with('0');
-        let numbered = (DIGITS..=self.max_digits).contains(&digits.len())
-            && is_canonical
-            && digits.bytes().all(|byte| byte.is_ascii_digit());
-        Some((digits.parse().ok().filter(|_| numbered)?, rank))
+        Some((program_number::of_digits(digits, self.max_digits)?, rank))
     }
 
     /// The comment line of a file that starts with `head`.

@@ -67,6 +67,8 @@ fn b5_an_end_in_a_run_brakes_makes_safe_and_keeps_the_place() {
     for line in [2, 3, 4] {
         let mut rig = ready_with(PROGRAM);
         run_to(&mut rig, line);
+        let wheel = rig.controller().params().output_port(Output::Wheel);
+        assert!(wheel > 0 && rig.trace_row().outputs.terminals.is_closed(wheel), "the wheel turns before the end");
         let ticks = end(&mut rig);
         assert!(ticks < 500, "{ticks} ticks");
         assert_safe(&rig);

@@ -435,13 +435,18 @@ impl Program {
 
     /// Records the position of the run for a power failure: the line in the main program.
     pub fn store_run_position(&mut self, plant: &mut Plant) {
+        self.store_position_after(STORE_INTERVAL, plant);
+    }
+
+    /// Stores the line if it is another one than stored, and that `pause` ago.
+    fn store_position_after(&mut self, pause: Micros, plant: &mut Plant) {
         let Some(run) = self.run.as_ref().filter(|run| run.origin == Origin::Program) else { return };
         // In a subprogram, the calling block counts.
         let (program, line) = (plant.execution.current_program, plant.execution.current_block.line);
         if plant.execution.current_block.program != program || run.started_at == plant.now {
             return;
         }
-        let due = self.power_cut.stored.is_none_or(|(told, at)| told != line && plant.now.since(at) >= STORE_INTERVAL);
+        let due = self.power_cut.stored.is_none_or(|(told, at)| told != line && plant.now.since(at) >= pause);
         if due {
             self.power_cut.stored = Some((line, plant.now));
             plant.outbox.requests.push(StorageRequest::RunningAt(Some((program, line))));
@@ -450,8 +455,7 @@ impl Program {
 
     /// The control ends: stores the position of the open run and keeps it.
     pub fn keep_run_position(&mut self, plant: &mut Plant) {
-        self.power_cut.stored = self.power_cut.stored.map(|(line, _)| (line, Micros::ZERO));
-        self.store_run_position(plant);
+        self.store_position_after(Micros::ZERO, plant);
         self.power_cut.is_kept = true;
     }
 

@@ -6,16 +6,14 @@ use egui::Rect;
 use crate::defs::alarm;
 use crate::defs::param::AccessLevel;
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::{EditKey, Login, PageKey, Question, QuestionDialog, View, widget};
+use crate::hmi::{EditKey, GuardedQuestion, Login, PageKey, Question, View, widget};
 use crate::link::Command;
-use crate::link::page_command::{PageCommand, PasswordScope};
+use crate::link::page_command::PageCommand;
 
 /// State of the key, its question and its password.
 #[derive(Debug, Default)]
 pub struct AcceptData {
-    question: QuestionDialog<()>,
-    /// Confirmed, but for the password.
-    needs_password: bool,
+    question: GuardedQuestion,
 }
 
 impl AcceptData {
@@ -38,23 +36,13 @@ impl AcceptData {
                  checked one by one, or restored from a backup.",
             );
             let yes = ("accept-yes", Text::new("接受", "ACCEPT"));
-            self.question
-                .ask((), Question::new(Text::new("接受现在的数据？", "accept the data as they are?"), body, yes));
+            self.question.ask(Question::new(Text::new("接受现在的数据？", "accept the data as they are?"), body, yes));
         }
     }
 
     /// Draws the question; sends the acceptance once the builder's level is unlocked.
     pub fn ui(&mut self, rect: Rect, view: &View<'_>, edits: &[EditKey], login: &mut Login, out: &mut Vec<Command>) {
-        let is_builder = view.snapshot.access.level >= AccessLevel::Builder;
-        if let Some(((), Some(_))) = self.question.ui(rect, view, edits) {
-            self.needs_password = true;
-            if !is_builder {
-                return login.unlock(view, PasswordScope::Builder);
-            }
-        }
-        if self.needs_password && !login.is_open() {
-            self.needs_password = false;
-            out.extend(is_builder.then_some(Command::Page(PageCommand::AcceptData)));
-        }
+        let is_accepted = self.question.ui(rect, view, edits, (AccessLevel::Builder, login));
+        out.extend(is_accepted.then_some(Command::Page(PageCommand::AcceptData)));
     }
 }

@@ -363,10 +363,10 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
 
 /// Whether a control has stored data in this directory before.
 fn has_traces(folder: &Path) -> bool {
-    let names =
+    let mut names =
         fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
     generations::highest(folder).is_some()
-        || names.into_iter().any(|name| name.starts_with("retained.damaged-") || name == PASSWORD_FILE)
+        || names.any(|name| name.starts_with("retained.damaged-") || name == PASSWORD_FILE)
 }
 
 /// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
