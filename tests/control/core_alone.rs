@@ -157,4 +157,5 @@ fn b6_a_value_is_shown_as_stored_only_when_it_is() {
     core.disk_hangs = false;
     core.wait(2);
     assert_eq!(storing(&mut core), (false, false));
+    assert_eq!(core.shown().message.text.en(), "the values are stored");
 }

@@ -7,7 +7,7 @@ use super::gathered::GatheredWrites;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
 use crate::defs::param::ParamAddress;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, phrase};
 use crate::link::snapshot::{Message, Tone};
 use crate::units::Micros;
 
@@ -133,8 +133,9 @@ impl Plant {
         let waits = self.outbox.unstored.oldest().map(|sent| self.now.since(sent));
         if waits.is_some_and(|waits| waits > MAX_STORING) {
             self.raise(alarm::STORE_SLOW, None);
-        } else {
+        } else if self.alarms.has(alarm::STORE_SLOW) {
             self.alarms.clear(alarm::STORE_SLOW);
+            self.show_note(phrase!("数据已保存", "the values are stored"));
         }
     }
 
