@@ -2,11 +2,15 @@
 //! brakes, makes the outputs safe and stores everything. Source: safety stance; spec B6 (data kept).
 
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use crate::host::control_end::ControlEnd;
 
 /// The control of this process.
 static CONTROL: OnceLock<ControlEnd> = OnceLock::new();
+
+/// How long the window may take to close after a signal, before the process ends without it.
+const MAX_CLOSING: Duration = Duration::from_secs(3);
 
 /// From now on, every end of this process ends the control first: SIGINT, SIGTERM, SIGHUP (Windows: Ctrl+C, log-off,
 /// shutdown), and a library that calls `exit` – Xlib does when the display is lost.
@@ -17,10 +21,27 @@ pub fn guard_process(control: ControlEnd) -> std::io::Result<()> {
     if CONTROL.set(control).is_err() {
         return Ok(());
     }
-    if !shutdown_hooks::add_shutdown_hook(end_at_exit) {
-        return Err(std::io::Error::other("the system takes no exit handler"));
+    guard_exit()?;
+    ctrlc::set_handler(end_by_signal).map_err(std::io::Error::other)
+}
+
+/// Exit handlers run in reverse order: those that a library has registered since would come before ours, and may fail.
+///
+/// # Errors
+/// The system takes no handler.
+pub fn guard_exit() -> std::io::Result<()> {
+    match shutdown_hooks::add_shutdown_hook(end_at_exit) {
+        true => Ok(()),
+        false => Err(std::io::Error::other("the system takes no exit handler")),
     }
-    ctrlc::set_handler(|| std::process::exit(0)).map_err(std::io::Error::other)
+}
+
+/// Ends the control; then the window closes by itself. Another thread must not call `exit` while the window draws: the
+/// graphics libraries would be torn down under it.
+fn end_by_signal() {
+    end_at_exit();
+    std::thread::sleep(MAX_CLOSING);
+    std::process::exit(0);
 }
 
 extern "C" fn end_at_exit() {

@@ -82,7 +82,20 @@ fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Opt
 /// # Errors
 /// The platform has none, or it cannot be created.
 pub fn data_dir(shared: &SharedArgs) -> Result<DataDir, CallError> {
-    DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)
+    let found = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+    match shared.data {
+        Some(_) => Ok(found),
+        None => data_dir_of_kind(found, shared.requested_kind),
+    }
+}
+
+/// The platform's data directory for a kind that is asked for: its own folder in it, if the data are those of another.
+fn data_dir_of_kind(found: DataDir, asked: Option<Kind>) -> Result<DataDir, CallError> {
+    let own = RetainedStore::kind_of(found.root());
+    match asked.filter(|asked| own.is_some_and(|own| own != *asked)) {
+        Some(kind) => DataDir::resolve(Some(&found.root().join(kind.id()))).map_err(CallError::new),
+        None => Ok(found),
+    }
 }
 
 /// The folders: from the call, otherwise in the current directory, otherwise in the data directory.
@@ -307,4 +320,23 @@ pub fn mount_part(host: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> 
     }
     host.send(Command::LoadProgram(number));
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k1_a_kind_that_is_asked_for_has_data_of_its_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = || DataDir::resolve(Some(folder.path())).unwrap();
+        let of = |kind| data_dir_of_kind(root(), kind).ok().unwrap().root().to_path_buf();
+        // The first start takes any kind.
+        assert_eq!(of(Some(Kind::Gs)), folder.path());
+        drop(RetainedStore::open(folder.path(), Kind::Gc).unwrap());
+        assert_eq!([of(None), of(Some(Kind::Gc))], [folder.path(), folder.path()]);
+        assert_eq!(of(Some(Kind::Gs)), folder.path().join("gs"));
+        drop(RetainedStore::open(&of(Some(Kind::Gs)), Kind::Gs).unwrap());
+        assert_eq!(of(Some(Kind::Gs)), folder.path().join("gs"));
+    }
 }

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::args::SharedArgs;
-use super::process_end::guard_process;
+use super::process_end::{guard_exit, guard_process};
 use super::{CallError, SUCCESS, setup};
 use crate::defs::param::Params;
 use crate::hmi::core_fault::CoreHealth;
@@ -68,6 +68,15 @@ impl CoreConnection for HostLink {
 
     fn health(&self) -> CoreHealth {
         CoreHealth { snapshot_age: self.snapshot_age(), failed: self.health().failed.load(Ordering::Acquire) }
+    }
+
+    fn is_ended(&self) -> bool {
+        self.control_end().is_requested()
+    }
+
+    fn window_opened(&self) {
+        // The handler of `guard_process` still acts if this one is not taken.
+        drop(guard_exit());
     }
 
     fn send(&mut self, command: Command) {

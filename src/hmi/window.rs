@@ -32,6 +32,10 @@ pub trait CoreConnection: Send {
     fn newest(&mut self) -> &Snapshot;
     /// The age of the newest snapshot, and whether the control has failed.
     fn health(&self) -> CoreHealth;
+    /// Whether the control was ended from outside, by a signal: the window closes.
+    fn is_ended(&self) -> bool;
+    /// The window is open and its graphics libraries are loaded.
+    fn window_opened(&self);
     /// Sends a command. Must not block.
     fn send(&mut self, command: Command);
 }
@@ -87,6 +91,7 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);
             hmi.install(&context.egui_ctx);
+            core.lock().unwrap_or_else(PoisonError::into_inner).window_opened();
             let screen = Arc::new(Mutex::new(LiveScreen::new(hmi)));
             watch_snapshots(Arc::clone(&core), Arc::clone(&screen), context.egui_ctx.clone(), Arc::clone(&end));
             Ok(Box::new(Window { screen, core, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
@@ -112,7 +117,7 @@ fn watch_snapshots(core: SharedConnection, screen: SharedScreen, ctx: egui::Cont
                 let mut screen = screen.lock().unwrap_or_else(PoisonError::into_inner);
                 let (changed, interval) = (screen.follow(snapshot), max_frame_interval(snapshot));
                 let before = std::mem::replace(&mut fault, core.health().fault());
-                (changed || fault != before, interval)
+                (changed || fault != before || core.is_ended(), interval)
             };
             if changed || asked.elapsed() >= interval {
                 asked = Instant::now();
@@ -185,7 +190,8 @@ impl eframe::App for Window {
         let fault = core.health().fault();
         let asked_to_close = ui.input(|input| input.viewport().close_requested());
         // A control that has failed or does not answer holds nobody back.
-        if asked_to_close && fault.is_none() && !screen.hmi.may_close() {
+        let may_close = screen.hmi.may_close() || core.is_ended();
+        if asked_to_close && fault.is_none() && !may_close {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
             screen.hmi.ask_to_close();
         }
@@ -197,7 +203,7 @@ impl eframe::App for Window {
                 }
             }
         }
-        if screen.hmi.may_close() && !asked_to_close {
+        if (screen.hmi.may_close() || core.is_ended()) && !asked_to_close {
             ui.ctx().send_viewport_cmd(ViewportCommand::Close);
         }
         if self.alive_sent.is_none_or(|sent| sent.elapsed() >= KEEP_ALIVE_INTERVAL) {

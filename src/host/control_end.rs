@@ -24,6 +24,12 @@ impl ControlEnd {
         *waited.unwrap_or_else(PoisonError::into_inner).0
     }
 
+    /// Whether the end was requested.
+    #[must_use]
+    pub fn is_requested(&self) -> bool {
+        self.stop.load(Ordering::Acquire)
+    }
+
     /// The control has ended.
     pub(super) fn set_ended(&self) {
         let (ended, changed) = &*self.ended;

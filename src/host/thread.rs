@@ -173,7 +173,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
     /// Whether the thread is to end: the screen is closed, or a step has failed.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.end.stop.load(Ordering::Acquire) || self.health.failed.load(Ordering::Acquire)
+        self.end.is_requested() || self.health.failed.load(Ordering::Acquire)
     }
 
     /// Whether the operator has sent a command since [`Self::take_touched`].
