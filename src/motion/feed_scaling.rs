@@ -3,20 +3,40 @@
 //! Holds the rate and its slope and searches for a change of rate that keeps every limit. Knows nothing of moves. A
 //! change of rate adds to the acceleration and jerk of the buffer. Whether the sum is within the limits depends on the
 //! buffer ahead, so a candidate is simulated tick by tick to its end and the differences of its set-points are checked.
-//! Only a valid candidate is started, so the change in progress is always verified.
+//! Only a valid candidate is started, so the change in progress is always verified. A candidate has a fixed shape, or it is a
+//! [`slowdown`] fitted to the path ahead; while a slowdown is in progress, shorter ones are looked for.
+
+mod slowdown;
 
 use super::MotionLimits;
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use crate::units::{Axis, WorkBudget};
+use slowdown::{MAX_SLOWDOWN_TICKS, RateState, SlowdownRequest, SlowdownStep};
 
 /// Rate changes tried, as fractions of the fastest possible on a straight line; the first valid one is used.
 const RATE_CHANGE_FRACTIONS: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2, 0.12, 0.07, 0.035, 0.015];
+/// Slowdowns tried; the shortest valid one is used. First what is the shortest most often; more braking is shorter where it
+/// is possible at all, and some paths have it with much relief, some with little. The last two are valid nearly everywhere.
+const SLOWDOWN_CANDIDATES: [SlowdownCandidate; 10] = [
+    SlowdownCandidate::Shaped { fraction: 0.98 },
+    SlowdownCandidate::Fitted { share: 1.0, relief: 0.75 },
+    SlowdownCandidate::Fitted { share: 0.7, relief: 0.75 },
+    SlowdownCandidate::Fitted { share: 0.85, relief: 0.85 },
+    SlowdownCandidate::Fitted { share: 1.0, relief: 0.5 },
+    SlowdownCandidate::Fitted { share: 0.5, relief: 0.75 },
+    SlowdownCandidate::Fitted { share: 1.0, relief: 0.9 },
+    SlowdownCandidate::Fitted { share: 0.3, relief: 0.6 },
+    SlowdownCandidate::Shaped { fraction: 0.3 },
+    SlowdownCandidate::Shaped { fraction: 0.05 },
+];
 /// The target itself, then the fractions of it that are tried if it cannot be reached.
 const TARGET_FRACTIONS: [f64; 3] = [1.0, 0.97, 0.85];
 /// Work units of a simulated tick.
 const STEP_WORK: usize = 40;
 /// Work units per tick after which no further candidate is tried.
-const TRY_WORK: usize = 1_200 * STEP_WORK;
+const TRY_WORK: usize = 48_000;
+/// Work units per tick to shorten a slowdown in progress: about one search of 200 ticks.
+const SHORTEN_WORK: usize = 30_000;
 /// Maximum work units per tick: those, and the last candidate to its end.
 pub const MAX_FEED_SCALING_WORK: usize = TRY_WORK + MAX_CANDIDATE_TICKS * STEP_WORK;
 /// Maximum simulated length of a candidate, ticks.
@@ -98,28 +118,95 @@ pub struct SetpointsAhead<'a> {
     pub limits: &'a DifferenceLimits,
 }
 
-/// The rate at which the buffer is followed.
+impl SetpointsAhead<'_> {
+    /// Whether the set-points that shape the curve at a place have been appended.
+    fn is_known(&self, spot: BufferPosition) -> bool {
+        !self.buffer.is_open() || spot.tick + 3 <= self.buffer.end()
+    }
+}
+
+/// A change of rate of a fixed shape: from a state to a target in three segments.
 #[derive(Clone, Copy, Debug)]
-pub struct FeedScaling {
-    rate: f64,
-    slope: f64,
+struct ShapedChange {
+    state: RateState,
     segments: [RateSegment; 3],
     target: f64,
+}
+
+/// Advances by one tick along the segments of a change to `target`; returns the distance along the buffer in ticks.
+fn advance(state: &mut RateState, segments: &mut [RateSegment], target: f64) -> f64 {
+    let (mut left, mut way) = (1.0, 0.0);
+    for leg in segments.iter_mut() {
+        let t = leg.ticks.min(left);
+        if t > 0.0 {
+            way += state.advance(t, leg.bend);
+            leg.ticks -= t;
+            left -= t;
+        }
+    }
+    if is_over(segments) {
+        *state = RateState { rate: target, slope: 0.0 };
+        way += left * target;
+    }
+    way.max(0.0)
+}
+
+/// Whether nothing is left of a change of rate.
+fn is_over(segments: &[RateSegment]) -> bool {
+    segments.iter().all(|leg| leg.ticks <= 0.0)
+}
+
+/// The rate at which the buffer is followed.
+#[derive(Clone, Debug)]
+pub struct FeedScaling {
+    state: RateState,
+    target: f64,
+    /// The change in progress: its segments, and the first that is left.
+    segments: Vec<RateSegment>,
+    first: usize,
+    /// The slowdown that was tried last.
+    trial: Vec<SlowdownStep>,
     /// The candidate to try first in the next tick.
     next_try: usize,
+    /// Where the slowdown in progress ends on the buffer.
+    landing: Option<BufferPosition>,
+}
+
+/// A slowdown that is tried.
+#[derive(Clone, Copy, Debug)]
+enum SlowdownCandidate {
+    /// Of a fixed shape, this fraction of the fastest possible on a straight line.
+    Shaped { fraction: f64 },
+    /// Fitted to the path, with this share of the braking that it leaves, and this relief ([`SlowdownRequest`]).
+    Fitted { share: f64, relief: f64 },
 }
 
 impl FeedScaling {
     /// A constant rate.
     #[must_use]
-    pub const fn steady(rate: f64) -> Self {
-        Self { rate, slope: 0.0, segments: [RateSegment { ticks: 0.0, bend: 0.0 }; 3], target: rate, next_try: 0 }
+    pub fn steady(rate: f64) -> Self {
+        Self {
+            state: RateState { rate, slope: 0.0 },
+            target: rate,
+            segments: Vec::with_capacity(MAX_SLOWDOWN_TICKS),
+            first: 0,
+            trial: Vec::with_capacity(MAX_SLOWDOWN_TICKS + TAIL_TICKS),
+            next_try: 0,
+            landing: None,
+        }
+    }
+
+    /// Sets a constant rate at once; only at rest.
+    pub fn set_steady(&mut self, rate: f64) {
+        (self.state, self.target) = (RateState { rate, slope: 0.0 }, rate);
+        self.segments.clear();
+        (self.first, self.next_try, self.landing) = (0, 0, None);
     }
 
     /// The present rate.
     #[must_use]
     pub const fn rate(&self) -> f64 {
-        self.rate
+        self.state.rate
     }
 
     /// The rate at the end of the change in progress.
@@ -131,58 +218,93 @@ impl FeedScaling {
     /// Whether no change is in progress.
     #[must_use]
     pub fn is_steady(&self) -> bool {
-        self.segments.iter().all(|leg| leg.ticks <= 0.0)
+        self.first >= self.segments.len()
     }
 
     /// Whether the rate is constantly zero.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.is_steady() && self.rate <= 0.0
+        self.is_steady() && self.state.rate <= 0.0
     }
 
     /// Advances by one tick; returns the distance along the buffer in ticks.
     pub fn advance(&mut self) -> f64 {
-        let (mut left, mut way) = (1.0, 0.0);
-        for leg in &mut self.segments {
-            let t = leg.ticks.min(left);
-            if t > 0.0 {
-                way += t * (self.rate + t * (self.slope / 2.0 + t * leg.bend / 6.0));
-                self.rate += t * (self.slope + t * leg.bend / 2.0);
-                self.slope += t * leg.bend;
-                leg.ticks -= t;
-                left -= t;
-            }
+        let way = advance(&mut self.state, &mut self.segments[self.first..], self.target);
+        while self.segments.get(self.first).is_some_and(|leg| leg.ticks <= 0.0) {
+            self.first += 1;
         }
-        if self.is_steady() {
-            (self.rate, self.slope) = (self.target, 0.0);
-            way += left * self.target;
-        }
-        way.max(0.0)
+        way
     }
 
     /// Starts the fastest change to `target` (0 to 1) that keeps every limit on the set-points ahead. If no candidate is
     /// valid in this tick, the rate continues as before; call again in the next tick.
-    ///
-    /// Where the buffer is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
-    /// slightly lower rate ([`TARGET_FRACTIONS`]) is used on the way up.
     pub fn change_to(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
         let mut share = budget.share(TRY_WORK);
-        self.try_changes(target, ahead, &mut share);
+        if target < self.state.rate {
+            self.landing = None;
+            self.slow_down(target, ahead, &mut share);
+        } else {
+            self.speed_up(target, ahead, &mut share);
+        }
         budget.spend(share.spent());
     }
 
-    /// Tries candidates until one is valid or the budget is spent.
-    fn try_changes(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
-        let (slope, bend) = scales(ahead);
-        for _ in 0..RATE_CHANGE_FRACTIONS.len() * TARGET_FRACTIONS.len() {
-            let near = target * TARGET_FRACTIONS[self.next_try / RATE_CHANGE_FRACTIONS.len()];
-            let part = RATE_CHANGE_FRACTIONS[self.next_try % RATE_CHANGE_FRACTIONS.len()];
-            self.next_try = (self.next_try + 1) % (RATE_CHANGE_FRACTIONS.len() * TARGET_FRACTIONS.len());
-            let closer = (near - target).abs() <= 0.0 || (near > self.rate && near > self.target);
+    /// Looks for a shorter slowdown than the one in progress.
+    pub fn shorten(&mut self, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+        if self.landing.is_some() && !self.is_steady() {
+            let mut share = budget.share(SHORTEN_WORK);
+            self.slow_down(self.target, ahead, &mut share);
+            budget.spend(share.spent());
+        }
+    }
+
+    /// Starts the shortest slowdown found within the budget, if it is shorter than the one in progress.
+    fn slow_down(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+        for _ in 0..SLOWDOWN_CANDIDATES.len() {
+            if budget.is_spent() {
+                return;
+            }
+            let (slope, bend) = scales(ahead, self.landing);
+            let landing = self.landing;
+            match SLOWDOWN_CANDIDATES[self.next_try % SLOWDOWN_CANDIDATES.len()] {
+                SlowdownCandidate::Shaped { fraction } => {
+                    let change = ShapedChange::new(self.state, target, fraction * slope, fraction * bend);
+                    if let Some(end) = change.landing(ahead, budget).filter(|end| is_before(*end, landing)) {
+                        self.begin(target, change.segments.into_iter());
+                        self.landing = Some(end);
+                    }
+                }
+                SlowdownCandidate::Fitted { share, relief } => {
+                    let request = SlowdownRequest { target, share, relief, bend, landing };
+                    if let Some(end) = slowdown::find(&mut self.trial, self.state, request, ahead, budget) {
+                        let trial = std::mem::take(&mut self.trial);
+                        self.begin(target, trial.iter().map(|step| step.segment));
+                        (self.trial, self.landing) = (trial, Some(end));
+                    }
+                }
+            }
+            self.next_try += 1;
+        }
+    }
+
+    /// Tries changes upward until one is valid or the budget is spent.
+    ///
+    /// Where the buffer is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
+    /// slightly lower rate ([`TARGET_FRACTIONS`]) is used.
+    fn speed_up(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+        let (slope, bend) = scales(ahead, None);
+        const COUNT: usize = RATE_CHANGE_FRACTIONS.len() * TARGET_FRACTIONS.len();
+        for _ in 0..COUNT {
+            let number = self.next_try % COUNT;
+            let near = target * TARGET_FRACTIONS[number / RATE_CHANGE_FRACTIONS.len()];
+            let fraction = RATE_CHANGE_FRACTIONS[number % RATE_CHANGE_FRACTIONS.len()];
+            self.next_try = number + 1;
+            let closer = (near - target).abs() <= 0.0 || (near > self.state.rate && near > self.target);
             if closer {
-                let candidate = self.candidate_to(near, part * slope, part * bend);
-                if candidate.keeps_limits(ahead, budget) {
-                    *self = Self { next_try: 0, ..candidate };
+                let change = ShapedChange::new(self.state, near, fraction * slope, fraction * bend);
+                if change.landing(ahead, budget).is_some() {
+                    self.begin(near, change.segments.into_iter());
+                    self.landing = None;
                     return;
                 }
                 if budget.is_spent() {
@@ -192,11 +314,25 @@ impl FeedScaling {
         }
     }
 
-    /// The fastest change of rate with bounded slope and bend.
-    fn candidate_to(&self, target: f64, slope_most: f64, bend: f64) -> Self {
-        let settled = self.rate + self.slope * self.slope.abs() / (2.0 * bend);
+    fn begin(&mut self, target: f64, segments: impl Iterator<Item = RateSegment>) {
+        self.segments.clear();
+        self.segments.extend(segments.filter(|leg| leg.ticks > 0.0));
+        (self.first, self.target, self.next_try) = (0, target, 0);
+    }
+}
+
+/// Whether a place on the buffer is before another.
+fn is_before(spot: BufferPosition, other: Option<BufferPosition>) -> bool {
+    other.is_none_or(|other| (spot.tick, spot.fraction) < (other.tick, other.fraction))
+}
+
+impl ShapedChange {
+    /// The fastest change with bounded slope and bend.
+    fn new(state: RateState, target: f64, slope_most: f64, bend: f64) -> Self {
+        let RateState { rate, slope } = state;
+        let settled = rate + slope * slope.abs() / (2.0 * bend);
         let way = if target >= settled { 1.0 } else { -1.0 };
-        let (rise, first) = (way * (target - self.rate), way * self.slope);
+        let (rise, first) = (way * (target - rate), way * slope);
         let peak = (bend * rise + first * first / 2.0).max(0.0).sqrt();
         let top = slope_most.max(first);
         let legs = if peak <= top {
@@ -206,40 +342,48 @@ impl FeedScaling {
             [(top - first) / bend, (rise - gained).max(0.0) / top, top / bend]
         };
         let bends = [way * bend, 0.0, -way * bend];
-        let legs = [0, 1, 2].map(|k| RateSegment { ticks: legs[k], bend: bends[k] });
-        Self { segments: legs, target, ..*self }
+        let segments = [0, 1, 2].map(|k| RateSegment { ticks: legs[k], bend: bends[k] });
+        Self { state, segments, target }
     }
 
-    fn keeps_limits(mut self, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) -> bool {
+    /// Where it reaches its target on the buffer; none if it leaves the limits or the known set-points.
+    fn landing(mut self, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) -> Option<BufferPosition> {
         let &SetpointsAhead { buffer, mut spot, past, limits } = ahead;
         let mut seen = *past;
-        let mut tail = 0;
+        let (mut tail, mut landing) = (0, None);
         for _ in 0..MAX_CANDIDATE_TICKS {
             budget.spend(STEP_WORK);
-            spot = spot.later(self.advance());
+            spot = spot.later(advance(&mut self.state, &mut self.segments, self.target));
             // A rate below zero or above one is invalid, and set-points not appended yet cannot be checked.
-            let unknown = buffer.is_open() && spot.tick + 3 > buffer.end();
-            if self.rate < -1e-12 || self.rate > 1.0 + 1e-12 || unknown {
-                return false;
+            if self.state.rate < -1e-12 || self.state.rate > 1.0 + 1e-12 || !ahead.is_known(spot) {
+                return None;
             }
             seen = [seen[1], seen[2], seen[3], buffer.sample(spot).position];
             if !limits.allows(&seen) {
-                return false;
+                return None;
             }
-            tail += usize::from(self.is_steady());
+            if is_over(&self.segments) {
+                landing = landing.or(Some(spot));
+                tail += 1;
+            }
             if tail > TAIL_TICKS {
-                return true;
+                return landing;
             }
         }
-        false
+        None
     }
 }
 
 /// Maximum slope and bend of the rate by acceleration and jerk limits at the highest speed ahead.
-fn scales(&SetpointsAhead { buffer, spot, limits, .. }: &SetpointsAhead<'_>) -> (f64, f64) {
+fn scales(
+    &SetpointsAhead { buffer, spot, limits, .. }: &SetpointsAhead<'_>,
+    landing: Option<BufferPosition>,
+) -> (f64, f64) {
+    let count =
+        landing.map_or(SCALE_SETPOINTS, |landing| (landing.tick + 3).saturating_sub(spot.tick).min(SCALE_SETPOINTS));
     let mut speed = [1e-9; 3];
     let mut last = buffer.setpoint(spot.tick.saturating_sub(1)).position;
-    for number in 0..SCALE_SETPOINTS {
+    for number in 0..count {
         let at = buffer.setpoint(spot.tick + number).position;
         for axis in 0..3 {
             speed[axis] = (at[axis] - last[axis]).abs().max(speed[axis]);

@@ -32,6 +32,20 @@ pub struct BufferSample {
     pub step: [f64; 3],
 }
 
+/// The curve at a place: the position, and its derivatives by the index of the set-points; the third up to the next
+/// set-point, and behind it.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalCurve {
+    /// X, Y, Z in mm.
+    pub position: [f64; 3],
+    /// mm per tick at full rate.
+    pub first: [f64; 3],
+    /// mm per tick².
+    pub second: [f64; 3],
+    /// mm per tick³.
+    pub third: [[f64; 3]; 2],
+}
+
 /// A position on the buffer: whole ticks and a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BufferPosition {
@@ -131,14 +145,33 @@ impl SetpointBuffer {
     #[must_use]
     pub fn sample(&self, spot: BufferPosition) -> BufferSample {
         let t = spot.fraction;
-        let before = self.setpoint(spot.tick.saturating_sub(1)).position;
-        let [here, next, after] = [0, 1, 2].map(|k| self.setpoint(spot.tick + k).position);
-        let u = 1.0 - t;
-        let step = per_coordinate(|x| {
-            let (b, n, a) = (before[x] - here[x], next[x] - here[x], after[x] - here[x]);
-            -u * u / 2.0 * b + (1.0 + t * (2.0 - 3.0 * t)) / 2.0 * n + t * t / 2.0 * a
-        });
-        BufferSample { position: spline(&[before, here, next, after], t), step }
+        let points = self.points_around(spot.tick);
+        BufferSample { position: spline(&points, t), step: spline_step(&points, t) }
+    }
+
+    /// The curve with its derivatives at a position on the buffer.
+    #[must_use]
+    pub fn local_curve(&self, spot: BufferPosition) -> LocalCurve {
+        let t = spot.fraction;
+        let points = self.points_around(spot.tick);
+        let [before, here, next, after] = points;
+        let last = self.setpoint(spot.tick + 3).position;
+        let bend = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| per_coordinate(|x| (c[x] - b[x]) - (b[x] - a[x]));
+        let (start, end, far) = (bend(before, here, next), bend(here, next, after), bend(next, after, last));
+        let third = [per_coordinate(|x| end[x] - start[x]), per_coordinate(|x| far[x] - end[x])];
+        LocalCurve {
+            position: spline(&points, t),
+            first: spline_step(&points, t),
+            second: per_coordinate(|x| start[x] + t * third[0][x]),
+            third,
+        }
+    }
+
+    /// The set-points before, at and after an index that shape the curve from there to the next.
+    fn points_around(&self, tick: u64) -> [[f64; 3]; 4] {
+        let before = self.setpoint(tick.saturating_sub(1)).position;
+        let [here, next, after] = [0, 1, 2].map(|k| self.setpoint(tick + k).position);
+        [before, here, next, after]
     }
 }
 
@@ -151,6 +184,15 @@ pub fn spline(p: &[[f64; 3]], part: f64) -> [f64; 3] {
     per_coordinate(|x| {
         let (b, n, a) = (p[0][x] - p[1][x], p[2][x] - p[1][x], p[3][x] - p[1][x]);
         p[1][x] + (u * u * u / 6.0 * b + weight_next * n + t * t * t / 6.0 * a)
+    })
+}
+
+/// The first derivative of [`spline`], per interval.
+fn spline_step(p: &[[f64; 3]; 4], part: f64) -> [f64; 3] {
+    let (t, u) = (part, 1.0 - part);
+    per_coordinate(|x| {
+        let (b, n, a) = (p[0][x] - p[1][x], p[2][x] - p[1][x], p[3][x] - p[1][x]);
+        -u * u / 2.0 * b + (1.0 + t * (2.0 - 3.0 * t)) / 2.0 * n + t * t / 2.0 * a
     })
 }
 

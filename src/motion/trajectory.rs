@@ -179,7 +179,7 @@ impl TrajectoryPlanner {
         if self.aborting && self.is_at_rest() {
             self.discard_moves();
             (self.aborting, self.held) = (false, false);
-            self.feed_scaling = FeedScaling::steady(1.0);
+            self.feed_scaling.set_steady(1.0);
         }
         let rate = self.feed_scaling.rate() / self.limits.tick_s;
         Setpoint { position: MachinePos::new(on.position), velocity_mm_s: PerAxis(on.step.map(|step| step * rate)) }
@@ -222,7 +222,7 @@ impl TrajectoryPlanner {
         if self.is_at_rest() {
             self.discard_moves();
             (self.aborting, self.held) = (false, false);
-            self.feed_scaling = FeedScaling::steady(1.0);
+            self.feed_scaling.set_steady(1.0);
         }
     }
 
@@ -236,7 +236,7 @@ impl TrajectoryPlanner {
         self.planner.clear();
         self.buffer_position = self.buffer.reset_to(position.coordinates());
         self.history = [position.coordinates(); 4];
-        self.feed_scaling = FeedScaling::steady(if self.held { 0.0 } else { 1.0 });
+        self.feed_scaling.set_steady(if self.held { 0.0 } else { 1.0 });
     }
 
     /// Number of unfinished moves, including the active one.
@@ -302,11 +302,14 @@ impl TrajectoryPlanner {
         let target = self.wanted_rate(requested);
         if (target - self.feed_scaling.target()).abs() <= 0.0 {
             self.unmet_ticks = 0;
+            let (buffer, spot) = (&self.buffer, self.buffer_position);
+            self.feed_scaling
+                .shorten(&SetpointsAhead { buffer, spot, past: &self.history, limits: &self.steps }, budget);
             return;
         }
         if self.buffer_position.tick >= self.buffer.end() {
             // At rest with an empty buffer: the rate can change at once.
-            self.feed_scaling = FeedScaling::steady(target);
+            self.feed_scaling.set_steady(target);
             self.unmet_ticks = 0;
         } else {
             let (buffer, spot) = (&self.buffer, self.buffer_position);

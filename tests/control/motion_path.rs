@@ -245,6 +245,59 @@ fn hold_in_a_curve_comes_to_rest_soon() {
     finish(&mut path);
 }
 
+/// Holds at many moments of a run along `points` at 100 mm/s: the way to rest, and that from the same speed on a line, mm.
+fn ways_to_rest(points: &[[f64; 2]]) -> Vec<(f64, f64)> {
+    let axis = AxisLimits { velocity_mm_s: 200.0, acceleration_mm_s2: 1_500.0, jerk_mm_s3: 20_000.0 };
+    let limits = MotionLimits { axes: PerAxis([axis; 3]), tick_s: 0.001 };
+    let mut path = TrajectoryPlanner::new(limits, MachinePos::new([points[0][0], 0.0, points[0][1]]));
+    let mut rest = points[1..].iter();
+    let corner = CornerMode::Continuous { tolerance_mm: 0.01 };
+    let fill = |path: &mut TrajectoryPlanner, rest: &mut std::slice::Iter<'_, [f64; 2]>| {
+        while path.free_slots() > 0
+            && let Some([x, z]) = rest.next()
+        {
+            path.push(Move { corner, ..line(*x, *z, 0) }).unwrap();
+        }
+    };
+    let (mut ways, mut tick) = (Vec::new(), 0);
+    while tick == 0 || !path.is_done() {
+        fill(&mut path, &mut rest);
+        let before = path.path_speed_mm_s();
+        path.tick(FULL);
+        tick += 1;
+        let speed = path.path_speed_mm_s();
+        if tick % 37 == 0 && speed > 5.0 && speed <= before {
+            let (mut held, mut rest, mut way) = (path.clone(), rest.clone(), 0.0);
+            held.hold();
+            while !held.is_at_rest() {
+                fill(&mut held, &mut rest);
+                held.tick(FULL);
+                way += held.path_speed_mm_s() * 0.001;
+            }
+            let (a, j) = (axis.acceleration_mm_s2, axis.jerk_mm_s3);
+            let time = if speed >= a * a / j { speed / a + a / j } else { 2.0 * (speed / j).sqrt() };
+            ways.push((way, speed * time / 2.0));
+        }
+    }
+    ways
+}
+
+#[test]
+fn b2_a_hold_in_chords_at_their_limits_brakes_nearly_as_on_a_line() {
+    // Before, no change of rate was found there and the plan was run to its end: up to 18 times the way on a line.
+    for chord in [0.02, 0.1, 0.5, 2.0] {
+        let along = |at: f64| (0..=(80.0 / chord) as u32).map(move |k| f64::from(k) * chord * at);
+        let zigzag: Vec<_> = along(1.0).map(|z| [4.0 * (z / 20.0 - (z / 20.0 + 0.5).floor()).abs(), z]).collect();
+        let arc: Vec<_> = along(1.0 / 12.0).map(|turn| [12.0 * turn.cos(), 12.0 * turn.sin()]).collect();
+        for (name, points) in [("zigzag", zigzag), ("arc", arc)] {
+            // Braking in a bend or a corner takes longer than on a line: the axis that turns needs its jerk for that.
+            for (way, line) in ways_to_rest(&points) {
+                assert!(way <= 1.5 * line + 2.0, "{name} of {chord} mm: {way:.2} mm, {line:.2} on a line");
+            }
+        }
+    }
+}
+
 /// A sine of 5 mm over `count` chords of 0.1 mm along Z, fed as room allows; calls `see` after every tick.
 fn sine(path: &mut TrajectoryPlanner, count: u32, mut see: impl FnMut(&TrajectoryPlanner)) {
     let end = CornerMode::Continuous { tolerance_mm: 0.01 };
