@@ -51,7 +51,7 @@ impl Controller {
     /// A control at power-on.
     #[must_use]
     pub fn new(kind: Kind, retained: PowerOnState, image: InputImage, now: Micros) -> Self {
-        let (program, panel) = (Program::new(kind, retained.interrupted), Panel::new(kind, retained.clock_offset_s));
+        let (program, panel) = (Program::new(kind, retained.interrupted), Panel::new(kind, &retained, now));
         let mut plant = Plant::new(kind, retained, image, now);
         program.announce_interrupted(&mut plant);
         Self { plant, program, manual: Manual::default(), panel }

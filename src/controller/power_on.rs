@@ -31,6 +31,8 @@ pub struct PowerOnState {
     pub alarm_history: Vec<PastAlarm>,
     /// Date set at the machine minus the system clock, s.
     pub clock_offset_s: i64,
+    /// Number of wrong passwords in a row before the power went.
+    pub wrong_passwords: u32,
 }
 
 impl PowerOnState {
@@ -54,6 +56,7 @@ impl PowerOnState {
             interrupted: None,
             alarm_history: Vec::new(),
             clock_offset_s: 0,
+            wrong_passwords: 0,
         }
     }
 }

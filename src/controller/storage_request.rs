@@ -51,6 +51,8 @@ pub enum StorageRequest {
     Alarm(PastAlarm),
     /// Store the date set at the machine minus the system clock, s.
     ClockOffset(i64),
+    /// Store the number of wrong passwords in a row; 0 after a right one.
+    WrongPasswords(u32),
     /// Store the workpiece count.
     PartCount(u32),
     /// Add a line that a program prints (DPRNT) to the file of the day.
@@ -93,6 +95,8 @@ pub struct BackgroundJob {
     pub settings: NcSettings,
     /// The programs.
     pub programs: Arc<Programs>,
+    /// The password for O9000 to O9999 was not entered: a text that brings one in is refused (P23.5).
+    pub subprograms_locked: bool,
     /// Values of the core; only for a transfer.
     pub transfer_values: Option<Box<TransferValues>>,
     /// Initial state of a check run; only for a drawing.

@@ -20,6 +20,12 @@ pub const fn o_limit(digits: u32) -> u32 {
     10_u32.pow(digits) - 1
 }
 
+/// Whether P23.5 protects a program: the subprograms O9000 to O9999.
+#[must_use]
+pub const fn is_protected_subprogram(number: u32) -> bool {
+    matches!(number, 9_000..=9_999)
+}
+
 /// The number of the subprogram `L n`.
 #[must_use]
 pub const fn from_l(n: u32) -> u32 {

@@ -132,6 +132,7 @@ impl JobRunner {
             folder: Folder::new(&self.folders.programs),
             programs: &job.programs,
             dialect: job.settings.dialect,
+            subprograms_locked: job.subprograms_locked,
         };
         match &job.request {
             FileRequest::CheckEditable(_) | FileRequest::Cancel => ChangedFolders::default(),
@@ -235,7 +236,9 @@ impl JobRunner {
     fn transfer_usb(&self, ask: &TransferRequest, job: &BackgroundJob, tell: Tell<'_>) -> ChangedFolders {
         let Some(drive) = self.usb_drive() else { return report_answer(Err(no_usb_drive()), tell) };
         let (holdings, cancelled, date) = (job.transfer_values.as_deref(), &*self.cancelled, file_date(job));
-        let transfer = UsbTransfer { folders: &self.folders, usb_drive: &drive, holdings, cancelled, date };
+        let subprograms_locked = job.subprograms_locked;
+        let folders = &self.folders;
+        let transfer = UsbTransfer { folders, usb_drive: &drive, holdings, subprograms_locked, cancelled, date };
         report_answer(transfer.run(ask, tell), tell);
         // Incoming files change the folders.
         let inward = ask.direction == Direction::Import;

@@ -24,6 +24,8 @@ pub(super) struct ProgramFiles<'a> {
     pub folder: Folder,
     pub programs: &'a Programs,
     pub dialect: Dialect,
+    /// The password for O9000 to O9999 was not entered.
+    pub subprograms_locked: bool,
 }
 
 /// A file, and a program in it.
@@ -35,6 +37,13 @@ struct ProgramInFile {
     own_number: Option<u32>,
     /// The number of the second program, if this is the first of several.
     next_number: Option<u32>,
+}
+
+/// Whether a protected subprogram follows the first program of a text.
+fn has_subprogram_behind(text: &Rope, dialect: Dialect) -> bool {
+    let (bytes, _) = encode(text, Encoding::Utf8);
+    let is_protected = |part: &ProgramPart| part.number.is_some_and(program_number::is_protected_subprogram);
+    program_parts(&bytes, dialect).iter().skip(1).any(is_protected)
 }
 
 impl ProgramInFile {
@@ -150,6 +159,9 @@ impl ProgramFiles<'_> {
 
     /// Replaces a program unless it was changed since it was read. Keeps its encoding, or UTF-8 if GBK lacks a character.
     pub(super) fn save(&self, number: u32, text: &Rope, (base, force): (u64, bool)) -> JobResult {
+        if self.subprograms_locked && has_subprogram_behind(text, self.dialect) {
+            return Err(Refusal::Password);
+        }
         let file = match self.read_file(number) {
             // Deleted meanwhile: writing it again loses nothing.
             Err(FolderError::Missing { .. }) => {

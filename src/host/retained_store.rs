@@ -24,6 +24,7 @@ use crate::units::{Axis, PerAxis};
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
 const CLOCK_OFFSET: &str = "clock-offset";
+const WRONG_PASSWORDS: &str = "wrong-passwords";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 /// The number of the tool offset follows.
 const CUTTER_RADIUS: &str = "cutter-radius-";
@@ -259,6 +260,7 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
         StorageRequest::CurrentProgram(program) => number(CURRENT_PROGRAM, f64::from(*program)),
         StorageRequest::Alarm(past) => RetainedChange::Alarm(past.clone()),
         StorageRequest::ClockOffset(seconds) => number(CLOCK_OFFSET, *seconds as f64),
+        StorageRequest::WrongPasswords(count) => number(WRONG_PASSWORDS, f64::from(*count)),
         StorageRequest::PartCount(parts) => number(PARTS, f64::from(*parts)),
         StorageRequest::RunningAt(place) => RetainedChange::Text {
             key: RUNNING_AT.into(),
@@ -299,6 +301,7 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
             retained.alarm_history.push(past.clone());
         }
         StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
+        StorageRequest::WrongPasswords(count) => retained.wrong_passwords = *count,
         StorageRequest::PartCount(parts) => retained.part_count = *parts,
         StorageRequest::RunningAt(place) => retained.interrupted = *place,
         StorageRequest::PrintLine(..) | StorageRequest::Page(_) | StorageRequest::Job(_) | StorageRequest::Mark(_) => {}
@@ -349,6 +352,7 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<S
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);
     retained.part_count = number(PARTS);
+    retained.wrong_passwords = number(WRONG_PASSWORDS);
     retained.alarm_history = loaded.alarms.values().cloned().collect();
     retained.clock_offset_s = loaded.numbers.get(CLOCK_OFFSET).map_or(0, |seconds| *seconds as i64);
     let place = loaded.texts.get(RUNNING_AT).and_then(|text| text.split_once(' '));

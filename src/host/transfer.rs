@@ -11,6 +11,7 @@ use super::program_split;
 use super::value_set;
 use crate::controller::files::TransferValues;
 use crate::defs::date::DateTime;
+use crate::defs::program_number;
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::files::{FileAnswer, Refusal, RestoredValues};
 use crate::link::media::{Direction, MediaFile, MediaView, Screenshot, TransferRequest, TransferSet};
@@ -103,6 +104,8 @@ pub struct UsbTransfer<'a> {
     pub usb_drive: &'a UsbDrive,
     /// The values of the core.
     pub holdings: Option<&'a TransferValues>,
+    /// The password for O9000 to O9999 was not entered.
+    pub subprograms_locked: bool,
     /// Cancels the transfer between two files.
     pub cancelled: &'a AtomicBool,
     /// Date and time for file names.
@@ -184,6 +187,12 @@ impl UsbTransfer<'_> {
                 Err(_) if ask.names.is_empty() && !shelf.is_program_name(&name) => continue,
                 parts => parts?,
             };
+            let is_protected = |name: &str| {
+                program_number::is_protected_subprogram(program_number::from_name(program_number::stem(name)))
+            };
+            if self.subprograms_locked && parts.iter().any(|(name, _)| is_protected(name)) {
+                return Err(Refusal::Password);
+            }
             let together = ask.split == Some(false) && shelf.is_program_name(&name);
             if parts.is_empty() || together {
                 let to = FilePlace::Program(shelf.clone(), name.clone());

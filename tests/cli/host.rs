@@ -374,6 +374,7 @@ fn what_only_calculates_is_not_begun_after_the_end_and_what_writes_is_completed(
             request,
             settings: settings.clone(),
             programs: Arc::default(),
+            subprograms_locked: false,
             transfer_values: None,
             start: None,
             date: None,

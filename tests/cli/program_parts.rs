@@ -24,6 +24,8 @@ struct Shop {
     files: TempDir,
     runner: JobRunner,
     folders: Folders,
+    /// P23.5 asks for the password, and it was not entered.
+    subprograms_locked: bool,
 }
 
 impl Shop {
@@ -39,7 +41,7 @@ impl Shop {
         }
         let folders = Folders { programs: own, screens, by_name: false, dialect: Kind::Gc.dialect() };
         let runner = JobRunner::new(folders.clone()).with_drives(None, Some(drive));
-        Self { files, runner, folders }
+        Self { files, runner, folders, subprograms_locked: false }
     }
 
     fn programs(&self) -> Programs {
@@ -62,6 +64,7 @@ impl Shop {
             request,
             settings: nc_settings(Kind::Gc, &PowerOnState::factory(Kind::Gc).params),
             programs: Arc::new(self.programs()),
+            subprograms_locked: self.subprograms_locked,
             transfer_values: None,
             start: None,
             date: None,
@@ -325,6 +328,24 @@ fn k7_8_an_import_with_a_number_twice_names_both_lines() {
 
 /// A text without number and block would let the next program of the file take its place, and a comment above a number
 /// would go to the program before: both are refused, and the file stays as it is.
+#[test]
+fn k6_2_a_protected_subprogram_behind_another_program_needs_its_password() {
+    let mut shop = Shop::new(&[("O0031.NC", "O0031\nM30\n")]);
+    let stick = shop.files.path().join("stick");
+    std::fs::write(stick.join("O0077.NC"), "%\nO0077\nM30\nO9001\nM99\n%\n").unwrap();
+    shop.subprograms_locked = true;
+    for split in [None, Some(false), Some(true)] {
+        assert_eq!(shop.import(split), FileAnswer::Refused(Refusal::Password), "{split:?}");
+    }
+    assert_eq!(shop.save(31, "O0031\nM30\nO9001\nM99\n"), FileAnswer::Refused(Refusal::Password));
+    assert_eq!(shop.directory().len(), 1);
+    assert_eq!(shop.text("O0031.NC"), "O0031\nM30\n");
+    shop.subprograms_locked = false;
+    let done = shop.import(Some(true));
+    assert!(matches!(done, FileAnswer::Done(_)), "{done:?}");
+    assert_eq!(shop.directory().iter().map(|row| row.0).collect::<Vec<_>>(), [31, 77, 9_001]);
+}
+
 #[test]
 fn b1_a_text_that_would_change_other_programs_of_the_file_is_refused() {
     let shop = Shop::new(&[("O0031.NC", EXPORT)]);

@@ -57,6 +57,7 @@ fn a_folder_that_cannot_be_read_after_a_job_is_told() {
         request: FileRequest::Transfer(restore),
         settings: nc_settings(Kind::Gc, &PowerOnState::factory(Kind::Gc).params),
         programs: Arc::default(),
+        subprograms_locked: false,
         transfer_values: None,
         start: None,
         date: None,

@@ -135,22 +135,44 @@ fn b6_parameters_are_not_changed_in_a_run() {
     assert!(text == "9" && reason.contains("运行中"), "{text}: {reason}");
 }
 
+/// Asks with the user's password: the level that is open then, and the message.
+fn ask_user_password(rig: &mut HeadlessHost, text: &str) -> (AccessLevel, String) {
+    rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new(text.into()))));
+    (0..3).for_each(|_| rig.step());
+    (rig.snapshot().access.level, rig.snapshot().message.text.zh().into_owned())
+}
+
 #[test]
 fn b6_three_wrong_passwords_bring_a_pause() {
     let mut rig = crate::stories::rig();
-    let mut ask = |text: &str| {
-        rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new(text.into()))));
-        (0..3).for_each(|_| rig.step());
-        (rig.snapshot().access.level, rig.snapshot().message.text.zh().into_owned())
-    };
     for _ in 0..3 {
-        assert_eq!(ask("000000"), (AccessLevel::Operator, "密码错误".into()));
+        assert_eq!(ask_user_password(&mut rig, "000000"), (AccessLevel::Operator, "密码错误".into()));
     }
-    assert_eq!(ask("123456"), (AccessLevel::Operator, "密码错误次数过多，30 秒后再试".into()));
+    let paused = (AccessLevel::Operator, "密码错误次数过多，30 秒后再试".to_owned());
+    assert_eq!(ask_user_password(&mut rig, "123456"), paused);
     crate::stories::tell(&mut rig, "wait 31 s");
-    rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new("123456".into()))));
-    (0..3).for_each(|_| rig.step());
-    assert_eq!(rig.snapshot().access.level, AccessLevel::User);
+    assert_eq!(ask_user_password(&mut rig, "123456").0, AccessLevel::User);
+}
+
+#[test]
+fn b6_a_restart_saves_no_pause_after_wrong_passwords() {
+    let folder = tempfile::tempdir().unwrap();
+    let paused = (AccessLevel::Operator, "密码错误次数过多，30 秒后再试".to_owned());
+    {
+        let mut rig = kept(folder.path(), Kind::Gc);
+        assert_eq!(ask_user_password(&mut rig, "000000").1, "密码错误");
+        assert_eq!(ask_user_password(&mut rig, "123456").0, AccessLevel::User, "a right one begins anew");
+        for _ in 0..3 {
+            ask_user_password(&mut rig, "000000");
+        }
+    }
+    let mut rig = kept(folder.path(), Kind::Gc);
+    assert_eq!(ask_user_password(&mut rig, "123456"), paused);
+    crate::stories::tell(&mut rig, "wait 31 s");
+    assert_eq!(ask_user_password(&mut rig, "123456").0, AccessLevel::User);
+    drop(rig);
+    let mut rig = kept(folder.path(), Kind::Gc);
+    assert_eq!(ask_user_password(&mut rig, "123456").0, AccessLevel::User, "the right one ended it");
 }
 
 #[test]

@@ -27,6 +27,27 @@ pub struct Access {
 }
 
 impl Access {
+    /// Every level locked, after a number of wrong passwords in a row before the power went: a restart saves no lock-out.
+    #[must_use]
+    pub fn at_power_on(wrong_passwords: u32, now: Micros) -> Self {
+        let mut access = Self { wrong_passwords, ..Self::default() };
+        access.lock_out(now);
+        access
+    }
+
+    /// Number of wrong passwords in a row.
+    #[must_use]
+    pub const fn wrong_passwords(&self) -> u32 {
+        self.wrong_passwords
+    }
+
+    /// Locks the input after every third wrong password in a row.
+    fn lock_out(&mut self, now: Micros) {
+        if self.wrong_passwords > 0 && self.wrong_passwords.is_multiple_of(MAX_WRONG_PASSWORDS) {
+            self.locked_until = now + PAUSE;
+        }
+    }
+
     /// What the pages show.
     #[must_use]
     pub const fn view(&self) -> AccessView {
@@ -76,11 +97,8 @@ impl Access {
 
     /// The password was wrong. Returns the refusal.
     pub fn reject(&mut self, now: Micros) -> Text {
-        self.wrong_passwords += 1;
-        if self.wrong_passwords >= MAX_WRONG_PASSWORDS {
-            self.wrong_passwords = 0;
-            self.locked_until = now + PAUSE;
-        }
+        self.wrong_passwords = self.wrong_passwords.saturating_add(1);
+        self.lock_out(now);
         self.answer(Some(WRONG));
         WRONG
     }
@@ -113,9 +131,23 @@ mod tests {
         }
         assert_eq!(access.begin_check(Micros(30_000_999)), Err(TOO_OFTEN));
         assert_eq!(access.begin_check(Micros(30_001_000)), Ok(()));
+        access.reject(Micros(30_001_000));
+        assert_eq!(access.begin_check(Micros(30_001_001)), Ok(()), "a fourth one in a row");
         access.unlock(PasswordScope::Program);
+        assert_eq!(access.wrong_passwords(), 0);
         assert!(access.may_edit_programs() && !access.is_builder());
         access.lock();
         assert!(!access.may_edit_programs());
+    }
+
+    #[test]
+    fn b6_a_restart_saves_no_lock_out() {
+        let mut locked = Access::at_power_on(6, Micros(500));
+        assert_eq!(locked.begin_check(Micros(30_000_499)), Err(TOO_OFTEN));
+        assert_eq!(locked.begin_check(Micros(30_000_500)), Ok(()));
+        let mut open = Access::at_power_on(2, Micros(0));
+        assert_eq!(open.begin_check(Micros(0)), Ok(()));
+        open.reject(Micros(0));
+        assert_eq!((open.wrong_passwords(), open.begin_check(Micros(1))), (3, Err(TOO_OFTEN)));
     }
 }

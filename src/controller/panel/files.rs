@@ -22,9 +22,6 @@ use crate::nc::{CutterShape, OriginPlace};
 use crate::units::WorkPos;
 use std::sync::Arc;
 
-/// Programs whose editing is protected by P23.5.
-const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
-
 const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the previous job is not finished: wait or cancel it");
 const EDIT_MODE: Text = Text::new("先按面板上的 编辑 键", "press EDIT on the panel first");
 const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs cannot be edited while one runs");
@@ -98,7 +95,10 @@ impl Panel {
             })
         });
         let (programs, date) = (Arc::clone(&work.programs), self.calendar.date(plant.now));
-        let job = BackgroundJob { ticket, request: request.clone(), settings, programs, transfer_values, start, date };
+        let subprograms_locked = params.bit(param::SUBPROGRAM_PASSWORD) && !self.access.may_edit_programs();
+        let request = request.clone();
+        let job =
+            BackgroundJob { ticket, request, settings, programs, subprograms_locked, transfer_values, start, date };
         parts.plant.store(StorageRequest::Job(Box::new(job)));
     }
 
@@ -166,7 +166,7 @@ impl Panel {
     /// Whether an import needs the program password. A program of unknown name may be one of O9000 to O9999.
     fn needs_program_password(&self, parts: PartsView<'_>, transfer: &TransferRequest) -> bool {
         let number = |name: &String| program_number::from_name(program_number::stem(name));
-        let guarded = |name: &String| GUARDED_SUBPROGRAMS.contains(&number(name));
+        let guarded = |name: &String| program_number::is_protected_subprogram(number(name));
         let any =
             transfer.set == TransferSet::Serial || transfer.names.is_empty() || transfer.names.iter().any(guarded);
         parts.plant.params.bit(param::PROGRAM_PASSWORD) || (any && parts.plant.params.bit(param::SUBPROGRAM_PASSWORD))
@@ -227,7 +227,7 @@ impl Panel {
         if parts.program.is_open() {
             return Err(Refusal::Other(IN_RUN.into()));
         }
-        let asks = match GUARDED_SUBPROGRAMS.contains(&number) {
+        let asks = match program_number::is_protected_subprogram(number) {
             true => param::SUBPROGRAM_PASSWORD,
             false => param::PROGRAM_PASSWORD,
         };

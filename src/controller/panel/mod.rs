@@ -24,6 +24,7 @@ use std::sync::Arc;
 
 use super::manual::Manual;
 use super::plant::Plant;
+use super::power_on::PowerOnState;
 use super::program::Program;
 use crate::defs::kind::Kind;
 use crate::defs::text::LocalizedText;
@@ -31,7 +32,7 @@ use crate::link::command::Screens;
 use crate::link::edit::EditAnswer;
 use crate::link::part_result::PartResult;
 use crate::link::snapshot::DirectoryRow;
-use crate::units::MachinePos;
+use crate::units::{MachinePos, Micros};
 
 /// The parts on which a key or a command acts.
 pub struct Parts<'a> {
@@ -86,10 +87,11 @@ pub struct Panel {
 impl Panel {
     /// The panel at power-on.
     #[must_use]
-    pub fn new(kind: Kind, clock_offset_s: i64) -> Self {
+    pub fn new(kind: Kind, retained: &PowerOnState, now: Micros) -> Self {
         Self {
             pages: pages::PageState::new(kind),
-            calendar: calendar::Calendar::new(clock_offset_s),
+            calendar: calendar::Calendar::new(retained.clock_offset_s),
+            access: access::Access::at_power_on(retained.wrong_passwords, now),
             ..Self::default()
         }
     }

@@ -106,20 +106,30 @@ impl Panel {
         }
     }
 
+    /// Stores the number of wrong passwords in a row, if it differs from that before.
+    fn store_wrong_passwords(&self, parts: &mut Parts<'_>, count: u32) {
+        if count > 0 || self.access.wrong_passwords() > 0 {
+            parts.plant.store(StorageRequest::WrongPasswords(count));
+        }
+    }
+
     fn handle_page_answer(&mut self, parts: &mut Parts<'_>, answer: &StorageAnswer) {
         match answer {
             StorageAnswer::PasswordChecked(guard, true) => {
+                self.store_wrong_passwords(parts, 0);
                 self.access.unlock(*guard);
                 let name = guard.name();
                 parts.plant.show_note(phrase!("{name}已打开，关机前有效", "{name}: unlocked until power-off", name));
             }
             StorageAnswer::PasswordChanged(guard, true) => {
+                self.store_wrong_passwords(parts, 0);
                 self.access.accept();
                 let name = guard.name();
                 parts.plant.show_note(phrase!("{name}密码已修改", "{name}: password changed", name));
             }
             StorageAnswer::PasswordChecked(_, false) | StorageAnswer::PasswordChanged(_, false) => {
                 let wrong = self.access.reject(parts.plant.now);
+                self.store_wrong_passwords(parts, self.access.wrong_passwords());
                 parts.plant.refuse(wrong);
             }
             StorageAnswer::DataAccepted => {
