@@ -16,16 +16,18 @@ use slowdown::{MAX_SLOWDOWN_TICKS, RateState, SlowdownRequest, SlowdownStep};
 /// Rate changes tried, as fractions of the fastest possible on a straight line; the first valid one is used.
 const RATE_CHANGE_FRACTIONS: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2, 0.12, 0.07, 0.035, 0.015];
 /// Slowdowns tried; the shortest valid one is used. First what is the shortest most often; more braking is shorter where it
-/// is possible at all, and some paths have it with much relief, some with little. The last two are valid nearly everywhere.
-const SLOWDOWN_CANDIDATES: [SlowdownCandidate; 10] = [
+/// is possible at all, and some paths need a much smaller slope in their corners, some a little smaller one. The last three are for slowdowns too long to be
+/// fitted within the work of a tick; the last is valid nearly everywhere.
+const SLOWDOWN_CANDIDATES: [SlowdownCandidate; 11] = [
     SlowdownCandidate::Shaped { fraction: 0.98 },
-    SlowdownCandidate::Fitted { share: 1.0, relief: 0.75 },
-    SlowdownCandidate::Fitted { share: 0.7, relief: 0.75 },
-    SlowdownCandidate::Fitted { share: 0.85, relief: 0.85 },
-    SlowdownCandidate::Fitted { share: 1.0, relief: 0.5 },
-    SlowdownCandidate::Fitted { share: 0.5, relief: 0.75 },
-    SlowdownCandidate::Fitted { share: 1.0, relief: 0.9 },
-    SlowdownCandidate::Fitted { share: 0.3, relief: 0.6 },
+    SlowdownCandidate::Fitted { share: 1.0, slope_factor: 0.75 },
+    SlowdownCandidate::Fitted { share: 0.7, slope_factor: 0.75 },
+    SlowdownCandidate::Fitted { share: 0.85, slope_factor: 0.85 },
+    SlowdownCandidate::Fitted { share: 1.0, slope_factor: 0.5 },
+    SlowdownCandidate::Fitted { share: 0.5, slope_factor: 0.75 },
+    SlowdownCandidate::Fitted { share: 1.0, slope_factor: 0.9 },
+    SlowdownCandidate::Fitted { share: 0.3, slope_factor: 0.6 },
+    SlowdownCandidate::Shaped { fraction: 0.6 },
     SlowdownCandidate::Shaped { fraction: 0.3 },
     SlowdownCandidate::Shaped { fraction: 0.05 },
 ];
@@ -43,6 +45,8 @@ pub const MAX_FEED_SCALING_WORK: usize = TRY_WORK + MAX_CANDIDATE_TICKS * STEP_W
 const MAX_CANDIDATE_TICKS: usize = 4_096;
 /// Number of set-points ahead whose speed sets the scale of the candidates.
 const SCALE_SETPOINTS: u64 = 96;
+/// Work units of their scale.
+const SCALE_WORK: usize = 400;
 /// Ticks after the end of a change in which its last difference still shows.
 const TAIL_TICKS: usize = 4;
 /// Rounding of positions near 1 m, differenced three times at 1 ms, is 1e-3 mm/s³: 1e-6 of the smallest useful jerk
@@ -143,6 +147,9 @@ fn advance(state: &mut RateState, segments: &mut [RateSegment], target: f64) -> 
             leg.ticks -= t;
             left -= t;
         }
+        if left <= 0.0 {
+            break;
+        }
     }
     if is_over(segments) {
         *state = RateState { rate: target, slope: 0.0 };
@@ -168,8 +175,10 @@ pub struct FeedScaling {
     trial: Vec<SlowdownStep>,
     /// The candidate to try first in the next tick.
     next_try: usize,
+    /// The rate that was requested last.
+    requested: f64,
     /// Where the slowdown in progress ends on the buffer.
-    landing: Option<BufferPosition>,
+    slowdown_end: Option<BufferPosition>,
 }
 
 /// A slowdown that is tried.
@@ -177,8 +186,8 @@ pub struct FeedScaling {
 enum SlowdownCandidate {
     /// Of a fixed shape, this fraction of the fastest possible on a straight line.
     Shaped { fraction: f64 },
-    /// Fitted to the path, with this share of the braking that it leaves, and this relief ([`SlowdownRequest`]).
-    Fitted { share: f64, relief: f64 },
+    /// Fitted to the path, with this share of the braking that it leaves, and this factor on the slope ([`SlowdownRequest`]).
+    Fitted { share: f64, slope_factor: f64 },
 }
 
 impl FeedScaling {
@@ -192,7 +201,8 @@ impl FeedScaling {
             first: 0,
             trial: Vec::with_capacity(MAX_SLOWDOWN_TICKS + TAIL_TICKS),
             next_try: 0,
-            landing: None,
+            requested: rate,
+            slowdown_end: None,
         }
     }
 
@@ -200,7 +210,8 @@ impl FeedScaling {
     pub fn set_steady(&mut self, rate: f64) {
         (self.state, self.target) = (RateState { rate, slope: 0.0 }, rate);
         self.segments.clear();
-        (self.first, self.next_try, self.landing) = (0, 0, None);
+        (self.first, self.next_try, self.slowdown_end) = (0, 0, None);
+        self.requested = rate;
     }
 
     /// The present rate.
@@ -239,10 +250,12 @@ impl FeedScaling {
     /// Starts the fastest change to `target` (0 to 1) that keeps every limit on the set-points ahead. If no candidate is
     /// valid in this tick, the rate continues as before; call again in the next tick.
     pub fn change_to(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+        if (target - self.requested).abs() > 0.0 {
+            (self.requested, self.next_try) = (target, 0);
+        }
         let mut share = budget.share(TRY_WORK);
         if target < self.state.rate {
-            self.landing = None;
-            self.slow_down(target, ahead, &mut share);
+            self.slow_down(target, None, ahead, &mut share);
         } else {
             self.speed_up(target, ahead, &mut share);
         }
@@ -251,39 +264,50 @@ impl FeedScaling {
 
     /// Looks for a shorter slowdown than the one in progress.
     pub fn shorten(&mut self, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
-        if self.landing.is_some() && !self.is_steady() {
+        if self.slowdown_end.is_some() && !self.is_steady() {
             let mut share = budget.share(SHORTEN_WORK);
-            self.slow_down(self.target, ahead, &mut share);
+            self.slow_down(self.target, self.slowdown_end, ahead, &mut share);
             budget.spend(share.spent());
         }
     }
 
-    /// Starts the shortest slowdown found within the budget, if it is shorter than the one in progress.
-    fn slow_down(&mut self, target: f64, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) {
+    /// Starts the shortest slowdown found within the budget that ends before a place on the buffer.
+    fn slow_down(
+        &mut self,
+        target: f64,
+        mut before: Option<BufferPosition>,
+        ahead: &SetpointsAhead<'_>,
+        budget: &mut WorkBudget,
+    ) {
         for _ in 0..SLOWDOWN_CANDIDATES.len() {
             if budget.is_spent() {
                 return;
             }
-            let (slope, bend) = scales(ahead, self.landing);
-            let landing = self.landing;
-            match SLOWDOWN_CANDIDATES[self.next_try % SLOWDOWN_CANDIDATES.len()] {
+            let (slope, bend) = scales(ahead, before);
+            budget.spend(SCALE_WORK);
+            let candidate = SLOWDOWN_CANDIDATES[self.next_try % SLOWDOWN_CANDIDATES.len()];
+            self.next_try += 1;
+            let found = match candidate {
                 SlowdownCandidate::Shaped { fraction } => {
                     let change = ShapedChange::new(self.state, target, fraction * slope, fraction * bend);
-                    if let Some(end) = change.landing(ahead, budget).filter(|end| is_before(*end, landing)) {
-                        self.begin(target, change.segments.into_iter());
-                        self.landing = Some(end);
-                    }
+                    let end = change.end(before, ahead, budget);
+                    end.inspect(|_| self.begin(target, change.segments.into_iter()))
                 }
-                SlowdownCandidate::Fitted { share, relief } => {
-                    let request = SlowdownRequest { target, share, relief, bend, landing };
-                    if let Some(end) = slowdown::find(&mut self.trial, self.state, request, ahead, budget) {
-                        let trial = std::mem::take(&mut self.trial);
-                        self.begin(target, trial.iter().map(|step| step.segment));
-                        (self.trial, self.landing) = (trial, Some(end));
-                    }
+                // A change of fixed shape may swing below the target; from there nothing is slowed down.
+                SlowdownCandidate::Fitted { .. } if target >= self.state.rate => None,
+                SlowdownCandidate::Fitted { share, slope_factor } => {
+                    let request = SlowdownRequest { target, share, slope_factor, bend, before };
+                    let mut steps = std::mem::take(&mut self.trial);
+                    let end = slowdown::find(&mut steps, self.state, request, ahead, budget);
+                    let end = end.inspect(|_| self.begin(target, steps.iter().map(|step| step.segment)));
+                    self.trial = steps;
+                    end
                 }
+            };
+            if found.is_some() {
+                before = found;
+                self.slowdown_end = found;
             }
-            self.next_try += 1;
         }
     }
 
@@ -302,9 +326,9 @@ impl FeedScaling {
             let closer = (near - target).abs() <= 0.0 || (near > self.state.rate && near > self.target);
             if closer {
                 let change = ShapedChange::new(self.state, near, fraction * slope, fraction * bend);
-                if change.landing(ahead, budget).is_some() {
+                if change.end(None, ahead, budget).is_some() {
                     self.begin(near, change.segments.into_iter());
-                    self.landing = None;
+                    (self.slowdown_end, self.next_try) = (None, 0);
                     return;
                 }
                 if budget.is_spent() {
@@ -314,10 +338,11 @@ impl FeedScaling {
         }
     }
 
+    /// Starts a change that has been checked.
     fn begin(&mut self, target: f64, segments: impl Iterator<Item = RateSegment>) {
         self.segments.clear();
         self.segments.extend(segments.filter(|leg| leg.ticks > 0.0));
-        (self.first, self.target, self.next_try) = (0, target, 0);
+        (self.first, self.target) = (0, target);
     }
 }
 
@@ -346,11 +371,17 @@ impl ShapedChange {
         Self { state, segments, target }
     }
 
-    /// Where it reaches its target on the buffer; none if it leaves the limits or the known set-points.
-    fn landing(mut self, ahead: &SetpointsAhead<'_>, budget: &mut WorkBudget) -> Option<BufferPosition> {
+    /// Where it reaches its target on the buffer; none if that is not before a place, or if it leaves the limits or the known
+    /// set-points.
+    fn end(
+        mut self,
+        before: Option<BufferPosition>,
+        ahead: &SetpointsAhead<'_>,
+        budget: &mut WorkBudget,
+    ) -> Option<BufferPosition> {
         let &SetpointsAhead { buffer, mut spot, past, limits } = ahead;
         let mut seen = *past;
-        let (mut tail, mut landing) = (0, None);
+        let (mut tail, mut end) = (0, None);
         for _ in 0..MAX_CANDIDATE_TICKS {
             budget.spend(STEP_WORK);
             spot = spot.later(advance(&mut self.state, &mut self.segments, self.target));
@@ -363,11 +394,14 @@ impl ShapedChange {
                 return None;
             }
             if is_over(&self.segments) {
-                landing = landing.or(Some(spot));
+                end = end.or(Some(spot));
                 tail += 1;
             }
+            if !is_before(end.unwrap_or(spot), before) {
+                return None;
+            }
             if tail > TAIL_TICKS {
-                return landing;
+                return end;
             }
         }
         None
@@ -377,10 +411,9 @@ impl ShapedChange {
 /// Maximum slope and bend of the rate by acceleration and jerk limits at the highest speed ahead.
 fn scales(
     &SetpointsAhead { buffer, spot, limits, .. }: &SetpointsAhead<'_>,
-    landing: Option<BufferPosition>,
+    end: Option<BufferPosition>,
 ) -> (f64, f64) {
-    let count =
-        landing.map_or(SCALE_SETPOINTS, |landing| (landing.tick + 3).saturating_sub(spot.tick).min(SCALE_SETPOINTS));
+    let count = end.map_or(SCALE_SETPOINTS, |end| (end.tick + 3).saturating_sub(spot.tick).min(SCALE_SETPOINTS));
     let mut speed = [1e-9; 3];
     let mut last = buffer.setpoint(spot.tick.saturating_sub(1)).position;
     for number in 0..count {

@@ -283,6 +283,26 @@ fn ways_to_rest(points: &[[f64; 2]]) -> Vec<(f64, f64)> {
 }
 
 #[test]
+fn b2_a_run_resumes_at_once_whatever_the_hold_has_tried() {
+    let mut path = path();
+    let end = CornerMode::Continuous { tolerance_mm: 0.01 };
+    for k in 1..=200 {
+        path.push(Move { corner: end, ..line(0.0, f64::from(k), k) }).unwrap();
+    }
+    ticks(&mut path, 400, FULL);
+    for _ in 0..60 {
+        ticks(&mut path, 7, FULL);
+        let mut held = path.clone();
+        held.hold();
+        ticks_to_rest(&mut held);
+        held.resume();
+        let start = (0..).find(|_| held.tick(FULL).velocity_mm_s[Axis::Z] >= 97.0).unwrap();
+        // 100 mm/s at 500 mm/s², and 5 ms for the jerk: 205 ms; twice that where little of the run is on the buffer.
+        assert!(start <= 410, "{start} ticks");
+    }
+}
+
+#[test]
 fn b2_a_hold_in_chords_at_their_limits_brakes_nearly_as_on_a_line() {
     // Before, no change of rate was found there and the plan was run to its end: up to 18 times the way on a line.
     for chord in [0.02, 0.1, 0.5, 2.0] {

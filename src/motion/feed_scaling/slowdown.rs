@@ -5,8 +5,8 @@
 //! index, the rate r and its derivatives r' (slope) and r'' (bend), velocity is q' r, acceleration q'' r² + q' r', and jerk
 //! q''' r³ + 3 q'' r r' + q' r''. So each axis bounds the bend by its jerk and its acceleration. The search takes the
 //! lowest bend within the bounds, until the rest of the way is needed to arrive at the target without slope. Where
-//! the bounds leave nothing, for example in a corner, the slope before was too steep: the search goes back and comes there with
-//! less. Every step is also checked as the set-points are: by their differences.
+//! the bounds leave nothing, for example in a corner, the slope before was too steep: the search goes back and comes there
+//! with less. Every step is also checked as the set-points are: by their differences.
 
 use super::{RateSegment, SetpointsAhead, TAIL_TICKS, is_before};
 use crate::motion::setpoint_buffer::{BufferPosition, LocalCurve};
@@ -20,12 +20,12 @@ const STEP_WORK: usize = 150;
 const ARRIVAL_SHARE: f64 = 0.92;
 /// Share of the limits that the bounds are taken from: they hold at the ends of a tick, not between them.
 const BOUND_SHARE: f64 = 0.995;
-/// Maximum number of places that are passed with a limited slope, and of times that the search goes back.
-const MAX_PASSES: usize = 6;
+/// Maximum number of limits of the slope, and of times that the search goes back.
+const MAX_SLOPE_LIMITS: usize = 6;
 const MAX_RETURNS: usize = 16;
-/// Ticks of the way before and behind the place for which the slope is limited at first.
-const PASS_TICKS: u64 = 8;
-const TICKS_BEHIND: u64 = 4;
+/// First length of a limit of the slope, and its part behind the place where the bounds leave nothing, set-points.
+const FIRST_LENGTH: u64 = 8;
+const LENGTH_BEHIND: u64 = 4;
 
 /// Bounds of the bend.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,8 @@ struct Bounds {
 }
 
 impl Bounds {
-    const NONE: Self = Self { low: f64::NEG_INFINITY, high: f64::INFINITY };
+    /// A change within about one tick is the fastest that has an effect.
+    const NONE: Self = Self { low: -1.0, high: 1.0 };
 
     /// Where `offset + factor · bend` stays within ± `limit`.
     fn keep(&mut self, offset: f64, factor: f64, limit: f64) {
@@ -74,12 +75,12 @@ pub struct SlowdownRequest {
     pub target: f64,
     /// Share of the bounds used for braking.
     pub share: f64,
-    /// Factor on the slope at a place each time that the bounds leave nothing there.
-    pub relief: f64,
+    /// Factor on the slope before a place each time that the bounds leave nothing there.
+    pub slope_factor: f64,
     /// The bend that the speed ahead allows on a straight line, per tick².
     pub bend: f64,
-    /// Where a slowdown in progress ends on the buffer; a later end is of no use.
-    pub landing: Option<BufferPosition>,
+    /// Where it must have ended on the buffer.
+    pub before: Option<BufferPosition>,
 }
 
 /// A tick of a slowdown: its bend, and the state and the place on the buffer after it.
@@ -92,46 +93,49 @@ pub struct SlowdownStep {
     curve: LocalCurve,
 }
 
-/// A part of the buffer that is passed with a limited slope, because steeper the bounds leave nothing at its end.
+/// A part of the buffer in which the slope is limited, so that the bounds leave a bend at its end.
 #[derive(Clone, Copy, Debug, Default)]
-struct GentlePass {
+struct SlopeLimit {
+    /// First and last set-point.
     from: u64,
     to: u64,
-    floor: f64,
-    ticks: u64,
+    /// The least slope there.
+    least: f64,
+    /// Its length in set-points.
+    length: u64,
 }
 
-/// The places passed with a limited slope, in the order of the way.
+/// The limits of the slope, in the order in which the search has found them.
 #[derive(Debug, Default)]
-struct GentlePasses {
-    passes: [GentlePass; MAX_PASSES],
+struct SlopeLimits {
+    limits: [SlopeLimit; MAX_SLOPE_LIMITS],
     count: usize,
 }
 
-impl GentlePasses {
+impl SlopeLimits {
     /// The least slope at a place.
-    fn floor(&self, tick: u64) -> f64 {
-        let here = self.passes[..self.count].iter().filter(|pass| (pass.from..=pass.to).contains(&tick));
-        here.map(|pass| pass.floor).fold(f64::NEG_INFINITY, f64::max)
+    fn least(&self, tick: u64) -> f64 {
+        let here = self.limits[..self.count].iter().filter(|limit| (limit.from..=limit.to).contains(&tick));
+        here.map(|limit| limit.least).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The bounds leave nothing at a place where the slope is `slope`: returns the steps to keep, or none if that does not
-    /// help any more.
-    fn relieve(&mut self, tick: u64, slope: f64, steps: &[SlowdownStep], relief: f64) -> Option<usize> {
-        let is_known =
-            self.count > 0 && (self.passes[self.count - 1].from..=self.passes[self.count - 1].to).contains(&tick);
-        if !is_known {
-            *self.passes.get_mut(self.count)? =
-                GentlePass { floor: slope.min(0.0), ticks: PASS_TICKS / 2, ..GentlePass::default() };
+    /// The bounds leave nothing at a place with the slope there: limits the slope before it, or limits it more and from
+    /// farther before. Returns how many steps stand, or none if there are too many limits.
+    fn limit_before(&mut self, from: &SlowdownStep, steps: &[SlowdownStep], factor: f64) -> Option<usize> {
+        let tick = from.spot.tick;
+        let last = self.limits[..self.count].last();
+        if last.is_none_or(|limit| !(limit.from..=limit.to).contains(&tick)) {
+            let least = from.state.slope.min(0.0);
+            *self.limits.get_mut(self.count)? = SlopeLimit { least, length: FIRST_LENGTH / 2, ..SlopeLimit::default() };
             self.count += 1;
         }
-        let pass = &mut self.passes[self.count - 1];
-        pass.floor *= relief;
-        pass.ticks *= 2;
-        pass.to = pass.to.max(tick + TICKS_BEHIND);
-        let kept = steps.iter().take_while(|step| step.spot.tick + pass.ticks < pass.to).count();
-        pass.from = steps[..kept].last().map_or(0, |step| step.spot.tick);
-        Some(kept)
+        let limit = &mut self.limits[self.count - 1];
+        limit.least *= factor;
+        limit.length *= 2;
+        limit.to = limit.to.max(tick + LENGTH_BEHIND);
+        let stand = steps.iter().take_while(|step| step.spot.tick + limit.length < limit.to).count();
+        limit.from = steps[..stand].last().map_or(0, |step| step.spot.tick);
+        Some(stand)
     }
 }
 
@@ -147,20 +151,21 @@ pub fn find(
     let begun = RateSegment { ticks: 0.0, bend: 0.0 };
     let first =
         SlowdownStep { segment: begun, state: start, spot: ahead.spot, curve: ahead.buffer.local_curve(ahead.spot) };
-    let mut passes = GentlePasses::default();
+    let mut slope_limits = SlopeLimits::default();
     let mut returns = 0;
     steps.clear();
     while steps.len() < MAX_SLOWDOWN_TICKS && !budget.is_spent() {
         budget.spend(STEP_WORK);
         let from = steps.last().copied().unwrap_or(first);
-        let step = next_step(&from, passes.floor(from.spot.tick), request, ahead);
+        let step = next_step(&from, slope_limits.least(from.spot.tick), request, ahead);
+        if !ahead.is_known(step.spot) || !is_before(step.spot, request.before) {
+            return None;
+        }
         if is_valid(&step, steps, request, ahead) {
             let is_last = step.segment.ticks < 1.0;
             steps.push(step);
-            if !is_before(step.spot, request.landing) {
-                return None;
-            }
             if is_last {
+                budget.spend(TAIL_TICKS * STEP_WORK);
                 return ends_within_limits(&step, steps, request, ahead).then_some(step.spot);
             }
         } else {
@@ -168,15 +173,20 @@ pub fn find(
             if returns > MAX_RETURNS {
                 return None;
             }
-            let kept = passes.relieve(from.spot.tick, from.state.slope, steps, request.relief)?;
-            steps.truncate(kept);
+            let stand = slope_limits.limit_before(&from, steps, request.slope_factor)?;
+            steps.truncate(stand);
         }
     }
     None
 }
 
-/// The next step: as much braking as the bounds and the floor of the slope leave, then the arrival at the target.
-fn next_step(from: &SlowdownStep, floor: f64, request: SlowdownRequest, ahead: &SetpointsAhead<'_>) -> SlowdownStep {
+/// The next step: as much braking as the bounds and the least slope leave, then the arrival at the target.
+fn next_step(
+    from: &SlowdownStep,
+    least_slope: f64,
+    request: SlowdownRequest,
+    ahead: &SetpointsAhead<'_>,
+) -> SlowdownStep {
     let &SlowdownStep { state, spot, ref curve, .. } = from;
     let RateState { rate, slope } = state;
     let gap = rate - request.target;
@@ -189,10 +199,14 @@ fn next_step(from: &SlowdownStep, floor: f64, request: SlowdownRequest, ahead: &
         (1.0, arrival.max(bounds.low))
     } else {
         let least = if bounds.low < 0.0 { request.share * bounds.low } else { bounds.low };
-        (1.0, least.max(floor - slope).min(bounds.high))
+        (1.0, least.max(least_slope - slope).min(bounds.high))
     };
     let mut after = state;
     let way = after.advance(ticks, bend) + (1.0 - ticks) * request.target;
+    if ticks < 1.0 {
+        // Exactly, whatever is lost by rounding.
+        after = RateState { rate: request.target, slope: 0.0 };
+    }
     let spot = spot.later(way.max(0.0));
     let segment = RateSegment { ticks, bend };
     SlowdownStep { segment, state: after, spot, curve: ahead.buffer.local_curve(spot) }

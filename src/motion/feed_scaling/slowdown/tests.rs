@@ -159,7 +159,6 @@ fn shortest_way(buffer: &SetpointBuffer, tick: u64, limits: &DifferenceLimits) -
             if slope < 0.0 && slope * slope / (2.0 * rate) > 0.5 * high {
                 best = arrive(*node, buffer, limits).map_or(best, |end| best.min(end));
             }
-            let (low, high) = (low.max(-1.0), high.min(1.0));
             for bend in
                 [low, 0.75 * low + 0.25 * high, 0.5 * (low + high), 0.25 * low + 0.75 * high, high, 0.0, 0.3 * low]
             {
