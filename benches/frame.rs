@@ -18,7 +18,7 @@ use kt830::hmi::Hmi;
 use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::link::Snapshot;
 use kt830::link::files::FilesView;
-use kt830::link::toolpath::{MoveKind, PathPoint, Toolpath};
+use kt830::link::toolpath::{CycleTime, MoveKind, PathPoint, Toolpath};
 use kt830::units::{Axis, WorkPos};
 
 const FRAMES: u32 = 600;
@@ -91,7 +91,7 @@ fn million_blocks() -> Snapshot {
     let mut drawing = Toolpath {
         number: machine.program.number,
         length_mm: 250_000.0,
-        duration_s: 36_000.0,
+        cycle_time: CycleTime::AtFeeds(36_000.0),
         lines: BLOCKS as _,
         extents: Some((WorkPos::new([5.0, 0.0, -101.0]), WorkPos::new([35.0, 0.0, 1.0]))),
         finished: true,

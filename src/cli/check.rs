@@ -7,27 +7,30 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::{CheckArgs, OutputFormat, RunArgs, SharedArgs};
+use super::cycle_time::cycle_time;
 use super::finished_size_check::{FinishedSizeCheck, Overshoot};
+use super::page_text_check::english_warnings;
 use super::program_places::{FileLine, ProgramPlaces};
-use super::run::{RunEnd, RunResult};
+use super::run::RunResult;
 use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
 use crate::controller::{PowerOnState, Programs, nc_settings, reference_points, stored_system_variables};
-use crate::defs::page_text::{self, PageTextFault};
 use crate::defs::program_error::ProgramError;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, programs_from_file};
+use crate::host::headless_run::RunEnd;
 use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
+use crate::link::toolpath::CycleTime;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
     BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, OriginPlace, ProgramCheck,
     ProgramFault, SharedLibrary, Source, WorkOffsets,
 };
-use crate::store::{FileClass, FileContent, Folder, PAGE_TEXT, PAGE_TEXT_EN, PROGRAM_LIMIT, decode, folder_of};
+use crate::store::PROGRAM_LIMIT;
 use crate::units::{Axis, PerAxis};
 
 /// Prefix of a warning.
@@ -153,36 +156,6 @@ fn print_warning(shared: &SharedArgs, file: &str, at: &CheckError) {
     eprintln!("{}", CheckError { message, program: None, ..at.clone() }.text(file));
 }
 
-/// Where a page text and the English text beside it do not fit (H9); either of them may be the checked file. A page
-/// text without an English one has no warnings.
-fn english_warnings(path: &Path, name: &str, bytes: &[u8]) -> Vec<FileFault> {
-    let folder = Folder::new(folder_of(path));
-    let other = |class: &FileClass, number| folder.read(class, number).ok();
-    let own = FileContent { name: name.to_owned(), bytes: bytes.to_vec() };
-    let pair = match (PAGE_TEXT.parse(name), PAGE_TEXT_EN.parse(name)) {
-        (Some((number, _)), _) => other(&PAGE_TEXT_EN, number).map(|english| (own, english)),
-        (None, Some((number, _))) => other(&PAGE_TEXT, number).map(|page| (page, own)),
-        (None, None) => None,
-    };
-    let Some((page, english)) = pair else { return Vec::new() };
-    let Ok(page) = parse_page_text(&page.name, &page.bytes) else { return Vec::new() };
-    match parse_page_text(&english.name, &english.bytes) {
-        // The faults of the checked file itself are errors.
-        Err(fault) => Some(fault).filter(|_| english.name != name).into_iter().collect(),
-        Ok(_) => {
-            let text = decode(&english.bytes).map(|decoded| decoded.text).unwrap_or_default();
-            let faults = page_text::english_faults(&page, &page_text::parse_all(&text)).into_iter();
-            let file = english.name;
-            let fault = |fault: PageTextFault| FileFault {
-                file: file.clone(),
-                position: Some((fault.line, fault.column)),
-                message: fault.message,
-            };
-            faults.map(fault).collect()
-        }
-    }
-}
-
 fn errors_json(wrong: &[CheckError]) -> Value {
     wrong.iter().map(CheckError::json).collect()
 }
@@ -216,6 +189,7 @@ struct CheckOutcome {
     checked: CheckReport,
     /// Errors that are not in the text: beyond the finished size or a soft limit, or refused by an interlock.
     move_errors: Vec<CheckError>,
+    time: CycleTime,
 }
 
 /// Adds what the check of another program has found.
@@ -265,12 +239,19 @@ impl<'a> FileCheck<'a> {
 
     /// Checks the program, runs it if the call asks for it, and prints the result; returns the exit status.
     fn execute(&self) -> Result<u8, CallError> {
-        let found = self.analyse();
+        let mut found = self.analyse();
         let wrong = !found.checked.faults.is_empty()
             || !found.move_errors.is_empty()
             || self.duplicate_errors().next().is_some();
         let run = RunArgs { program: self.path.display().to_string(), through_stops: true, parts: 1, trace: None };
         let ran = (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run)).transpose()?;
+        match &ran {
+            Some(ran) if ran.end == RunEnd::Finished => found.time = CycleTime::Simulated(ran.seconds),
+            None if !wrong && !self.call.ops => {
+                found.time = cycle_time(self.shared, &self.retained, &run.program, &found.checked)?;
+            }
+            Some(_) | None => {}
+        }
         let met = ran.as_ref().map(|ran| self.run_errors(ran)).unwrap_or_default();
         self.print(&found, ran.as_ref().map(|ran| (ran, met.as_slice())));
         let status = match &ran {
@@ -407,7 +388,7 @@ impl<'a> FileCheck<'a> {
         let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
         move_errors.sort_by_key(|wrong| wrong.line);
         let checked = self.check_others(checked, library);
-        CheckOutcome { checked, move_errors }
+        CheckOutcome { time: CycleTime::AtFeeds(checked.seconds), checked, move_errors }
     }
 
     /// Checks the programs of the file that the first one does not call, each by itself. One that another of them calls was
@@ -518,7 +499,8 @@ impl<'a> FileCheck<'a> {
                 let extents: serde_json::Map<String, Value> =
                     extents.iter().map(|(axis, low, high)| (axis.to_string(), json!([low, high]))).collect();
                 let mut told = json!({"file": file, "errors": errors_json(&wrong), "warnings": errors_json(&warnings),
-                           "finished": checked.finished, "seconds": checked.seconds, "length": checked.length_mm,
+                           "finished": checked.finished, "seconds": found.time.seconds(),
+                           "timing": timing_word(found.time), "length": checked.length_mm,
                            "extents": extents});
                 if let Some((ran, _)) = ran {
                     told["simulated"] = json!(ran.end.report_word());
@@ -529,7 +511,11 @@ impl<'a> FileCheck<'a> {
                 warnings.iter().for_each(|at| print_warning(shared, &file, at));
                 print_errors(shared, &file, &wrong, &verdict(checked, ran.map(|(ran, _)| ran)));
                 let ranges = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}"));
-                print_line(format!("{}  {}", summary(checked).get(shared.lang), ranges.collect::<Vec<_>>().join("  ")));
+                print_line(format!(
+                    "{}  {}",
+                    summary(checked, found.time).get(shared.lang),
+                    ranges.collect::<Vec<_>>().join("  ")
+                ));
             }
         }
     }
@@ -571,12 +557,24 @@ fn verdict(checked: &CheckReport, ran: Option<&RunResult>) -> LocalizedText {
     }
 }
 
+/// How the time was found, in the report.
+const fn timing_word(time: CycleTime) -> &'static str {
+    match time {
+        CycleTime::Simulated(_) => "simulated",
+        CycleTime::AtFeeds(_) => "feeds",
+    }
+}
+
 /// Lines, path length and time; a loop that is not followed to the end counts up to its repetition.
-fn summary(checked: &CheckReport) -> LocalizedText {
-    let (lines, seconds) = (checked.lines, checked.seconds);
+fn summary(checked: &CheckReport, time: CycleTime) -> LocalizedText {
+    let (lines, seconds) = (checked.lines, time.seconds());
     let (zh, en) =
         ("没有走到底的循环只算到开始重复为止：", "loops that are not followed to the end count until they repeat: ");
     let (zh, en) = if checked.finished { ("", "") } else { (zh, en) };
     let path = format!("{:.3} mm  {seconds:.1} s", checked.length_mm);
-    LocalizedText::new(format!("{lines} 行  {zh}{path}"), format!("{lines} lines  {en}{path}"))
+    let (by_zh, by_en) = match time {
+        CycleTime::Simulated(_) => ("", ""),
+        CycleTime::AtFeeds(_) => (" (按编程速度)", " (at the programmed feeds)"),
+    };
+    LocalizedText::new(format!("{lines} 行  {zh}{path}{by_zh}"), format!("{lines} lines  {en}{path}{by_en}"))
 }

@@ -4,9 +4,11 @@
 mod args;
 mod check;
 mod codes;
+mod cycle_time;
 mod demo;
 mod finished_size_check;
 mod leadscrew;
+mod page_text_check;
 mod play;
 #[cfg(feature = "hmi")]
 mod process_end;

@@ -6,23 +6,17 @@ use serde_json::{Map, Value, json};
 use super::args::{OutputFormat, RunArgs, SharedArgs};
 use super::trace_file::TraceFile;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
-use crate::defs::key::Key;
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
+use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::io::sim::PartReport;
-use crate::link::command::Command;
-use crate::link::snapshot::{AxisView, RunState, Snapshot, ThreadCut, VARIABLE_COUNT};
+use crate::link::snapshot::{AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
 use crate::units::{MachinePos, Micros};
-
-/// Ticks after cycle start until the state is evaluated.
-const START_TICKS: u32 = 5;
 
 /// Maximum simulated time of a headless run: a working day.
 const MAX_RUN_TIME: Micros = Micros::from_millis(8 * 3_600_000);
-/// After this time without a move the run counts as an endless loop; longer than the longest dwell, 9 999.99 s (L2).
-const MAX_STALLED_TIME: Micros = Micros::from_millis(10_000_000);
 /// Ticks after the end until the axes are in position within a micrometre: ten servo lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
@@ -32,6 +26,8 @@ pub struct RunResult {
     pub end: RunEnd,
     /// The number of the program.
     pub program: u32,
+    /// Simulated time of all its parts, s.
+    pub seconds: f64,
     /// The printed report.
     pub report: String,
     /// Its alarms: program and line, if known, and the text.
@@ -40,38 +36,6 @@ pub struct RunResult {
     pub message: Option<LocalizedText>,
     /// The program has set its own error number (R62).
     pub has_own_error: bool,
-}
-
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RunEnd {
-    /// M30, M02 and the like.
-    Finished,
-    /// An alarm.
-    Alarm,
-    /// Program stop M00 or M01.
-    Pause,
-    /// Held by an interlock of the machine.
-    Held,
-    /// It waits for an input (M80–M89) that a headless run never gets.
-    Waiting,
-    /// The maximum simulated time is over.
-    TimedOut,
-    /// No axis has moved for so long that it is an endless loop.
-    Stalled,
-    /// A loop repeats in which nothing changes.
-    Endless,
-}
-
-impl RunEnd {
-    /// The word in the report; the exit status and the message distinguish the kinds of `stopped`.
-    pub const fn report_word(self) -> &'static str {
-        match self {
-            Self::Finished => "finished",
-            Self::Alarm => "alarm",
-            Self::Pause | Self::Held | Self::Waiting | Self::TimedOut | Self::Stalled | Self::Endless => "stopped",
-        }
-    }
 }
 
 /// Runs the program and prints the report. A run that ends in an alarm, a hold, a wait or an endless loop fails.
@@ -90,18 +54,19 @@ pub fn run(shared: &SharedArgs, call: &RunArgs) -> Result<u8, CallError> {
 /// The call or a file is wrong.
 pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, CallError> {
     let mut host = setup::headless_host(shared)?;
-    let number = setup::find_program(&mut host, &call.program)?;
-    setup::mount_part(&mut host, shared, number)?;
-    host.step(); // the control takes part, program and work offsets
-    host.make_ready();
-    setup::mount_part(&mut host, shared, number)?;
-    host.step();
+    let number = setup::prepare_run(&mut host, shared, &call.program)?;
     let mut trace = call.trace.as_deref().map(|path| TraceFile::create(path, trace_header(&host))).transpose()?;
     let variables_before = host.snapshot().variables.clone();
     let started = host.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
-        let end = run_one_part(&mut host, call, trace.as_mut());
+        let limits = RunLimits { through_stops: call.through_stops, longest: MAX_RUN_TIME };
+        let end = host.run_program(&limits, &mut |host| {
+            if let Some(trace) = &mut trace {
+                trace.write(trace_line(host));
+            }
+            true
+        });
         let seconds = host.now().since(started).as_secs_f64();
         (0..SETTLE_TICKS).for_each(|_| host.step());
         batch.push(host.machine().measure());
@@ -135,39 +100,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
         OutputFormat::Json => report.json(&mut host, shared.lang).to_string(),
         OutputFormat::Text => report.text(&mut host, shared.lang),
     };
-    Ok(RunResult { end, program: number, report, alarms, message: told, has_own_error: refused_itself })
-}
-
-/// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
-fn run_one_part(host: &mut HeadlessHost, call: &RunArgs, mut trace: Option<&mut TraceFile>) -> RunEnd {
-    let started = host.now();
-    let mut moved = started;
-    host.send(Command::Press(Key::CycleStart));
-    loop {
-        host.step();
-        if !host.controller().is_at_rest() {
-            moved = host.now();
-        }
-        if let Some(trace) = &mut trace {
-            trace.write(trace_line(host));
-        }
-        let young = host.now().since(started).0 < u64::from(START_TICKS) * host.tick_time().0;
-        match host.controller().state() {
-            RunState::Stopped if call.through_stops => host.send(Command::Press(Key::CycleStart)),
-            RunState::Stopped => return RunEnd::Pause,
-            RunState::Held => return RunEnd::Held,
-            RunState::Idle if !young => return RunEnd::Finished,
-            RunState::Alarm if host.controller().is_at_rest() => return RunEnd::Alarm,
-            // A headless run has no operator who gives the input.
-            RunState::Waiting => return RunEnd::Waiting,
-            RunState::Running if host.now().since(started) > MAX_RUN_TIME => return RunEnd::TimedOut,
-            RunState::Running if host.now().since(moved) > MAX_STALLED_TIME => return RunEnd::Stalled,
-            RunState::Running if host.controller().is_in_endless_loop() && host.controller().is_at_rest() => {
-                return RunEnd::Endless;
-            }
-            RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
-        }
-    }
+    Ok(RunResult { end, program: number, seconds, report, alarms, message: told, has_own_error: refused_itself })
 }
 
 /// Why a run stopped; at M00 the text of its MSG.

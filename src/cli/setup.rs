@@ -11,6 +11,7 @@ use crate::defs::param::Params;
 use crate::defs::program_number;
 use crate::defs::text::LocalizedText;
 use crate::host::Host;
+use crate::host::cycle_time;
 use crate::host::folders::{Folders, named_programs_beside, programs_from_file};
 use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
@@ -151,6 +152,7 @@ struct HostParts {
 /// Opens the retained data of a directory, or takes factory values without one, and the folders.
 fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, CallError> {
     let jobs = JobRunner::new(folders(shared)?)
+        .with_cycle_timer(cycle_time::simulate)
         .with_drives(data.as_ref().map(DataDir::screenshots), shared.usb.clone())
         .with_serial(shared.serial.clone(), data.as_ref().map(|data| data.root().to_path_buf()));
     let Some(data) = data else {
@@ -208,6 +210,39 @@ pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
     let mut host = Host::connect(shared.kind, parts.retained, machine, storage);
     parts.standing.iter().for_each(|(number, what)| host.report_standing(*number, what));
     Ok(host)
+}
+
+/// Creates a host for a headless job that stores nothing.
+///
+/// # Errors
+/// Folders or the machine cannot be opened.
+pub fn unstored_host(shared: &SharedArgs, retained: PowerOnState) -> Result<HeadlessHost, CallError> {
+    let storage =
+        DirectStorage::new(RetainedWorker::new(None), JobRunner::new(folders(shared)?)).map_err(CallError::new)?;
+    let machine = simulated(shared, &retained.params, Micros::ZERO)?;
+    Ok(Host::connect(shared.kind, retained, machine, storage))
+}
+
+/// Makes the machine ready for the program of a call, with its part; returns the program's number.
+///
+/// # Errors
+/// There is no such program, or the part file cannot be read.
+pub fn prepare_run(host: &mut HeadlessHost, shared: &SharedArgs, program: &str) -> Result<u32, CallError> {
+    let number = find_program(host, program)?;
+    make_ready_for(host, shared, number)?;
+    host.step();
+    Ok(number)
+}
+
+/// Makes the machine ready for a program, with its part; the control takes program and part in the next tick.
+///
+/// # Errors
+/// The part file cannot be read.
+pub fn make_ready_for(host: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> Result<(), CallError> {
+    mount_part(host, shared, number)?;
+    host.step(); // the control takes part, program and work offsets
+    host.make_ready();
+    mount_part(host, shared, number)
 }
 
 /// Creates a host for a display, with storage on threads; `machine` opens its machine. The control itself always has a
@@ -278,7 +313,7 @@ pub fn read_text(what: &str, path: &Path) -> Result<String, CallError> {
 ///
 /// # Errors
 /// There is no such program.
-pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
+fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
     let known = |number: &u32| host.has_program(*number);
     if let Some(number) = parse::program(word).filter(known).or_else(|| host.find_program(word)) {
         return Ok(number);
@@ -308,7 +343,7 @@ pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallErro
 ///
 /// # Errors
 /// The part file cannot be read.
-pub fn mount_part(host: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> Result<(), CallError> {
+fn mount_part(host: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> Result<(), CallError> {
     if let Some(part) = part(host, shared, number)? {
         host.mount_part(&part);
         // A control without retained data has factory variables; the part's program needs its own.

@@ -38,10 +38,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
         }
         None => {
             let number = program_number::from_name(kind.ui().picture_program);
-            setup::mount_part(&mut host, &shared, number)?;
-            host.step();
-            host.make_ready();
-            setup::mount_part(&mut host, &shared, number)?;
+            setup::make_ready_for(&mut host, &shared, number)?;
         }
     }
     host.send(Command::OpenPage(call.page));

@@ -133,8 +133,8 @@ pub struct DrawingStart {
     pub position: WorkPos,
     /// The reference points, machine coordinates.
     pub reference_points: [MachinePos; REFERENCE_POINTS],
-    /// System variables that are stored: number, value.
-    pub system_variables: Vec<(u32, Option<f64>)>,
+    /// Dressing points, machine coordinates, radius mm; `None` where not set.
+    pub dress_points: PerAxis<Option<f64>>,
     /// Block skip (跳段) is on.
     pub block_skip: bool,
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::Host;
+use super::cycle_time;
 use super::folders::Folders;
 use super::job_runner::JobRunner;
 use super::retained_store::RetainedStore;
@@ -53,7 +54,8 @@ impl HeadlessHost {
     /// The machine file of the kind is invalid, or a folder cannot be read.
     pub fn new(setup: HostSetup) -> Result<Self, HostError> {
         let HostSetup { kind, retained, store, folders, seed } = setup;
-        let storage = DirectStorage::new(RetainedWorker::new(store), JobRunner::new(folders))?;
+        let jobs = JobRunner::new(folders).with_cycle_timer(cycle_time::simulate);
+        let storage = DirectStorage::new(RetainedWorker::new(store), jobs)?;
         let machine = SimulatedMachine::new(MachineFile::builtin(kind)?, None, &retained.params, seed);
         Ok(Self::connect(kind, retained, HostedSimulation::new(machine, Micros::ZERO), storage))
     }

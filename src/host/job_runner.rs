@@ -16,7 +16,7 @@ use super::serial::SerialError;
 use super::serial::format::SerialProgram;
 use super::serial::port::{SerialLine, port_names};
 use super::serial::transfer::SerialTransfer;
-use super::toolpath;
+use super::toolpath::{self, CycleTimer};
 use super::transfer::{self, SaveTarget, UsbTransfer};
 use crate::controller::files::BackgroundJob;
 use crate::defs::date::DateTime;
@@ -25,6 +25,7 @@ use crate::link::files::{FileAnswer, FileRequest, LineCheck, Refusal};
 use crate::link::line_fault::LineFault;
 use crate::link::media::{Direction, MediaView, TransferRequest, TransferSet};
 use crate::link::teach::program_text;
+use crate::link::toolpath::CycleTime;
 use crate::nc::{NcSettings, Source, check_syntax};
 use crate::store::{Folder, StoredSettings, UsbDrive};
 
@@ -40,6 +41,8 @@ pub struct JobRunner {
     port: Option<String>,
     /// Data directory whose settings name the port if none is given.
     data_dir: Option<PathBuf>,
+    /// Runs a program for its time; `None` keeps the time at the programmed feeds.
+    cycle_timer: Option<CycleTimer>,
     /// Received programs that wait for the answer whether to overwrite.
     received: Arc<Mutex<Vec<SerialProgram>>>,
     /// The operator has cancelled the long job in progress.
@@ -58,6 +61,7 @@ impl JobRunner {
             usb_drive: None,
             port: None,
             data_dir: None,
+            cycle_timer: None,
             received: Arc::default(),
             cancelled: Arc::default(),
             ending: Arc::default(),
@@ -74,6 +78,12 @@ impl JobRunner {
     #[must_use]
     pub fn with_serial(self, port: Option<String>, data: Option<PathBuf>) -> Self {
         Self { port, data_dir: data, ..self }
+    }
+
+    /// Sets what runs a program for its time.
+    #[must_use]
+    pub fn with_cycle_timer(self, timer: CycleTimer) -> Self {
+        Self { cycle_timer: Some(timer), ..self }
     }
 
     /// The same runner with a cancel flag of its own, for a second thread.
@@ -253,7 +263,12 @@ impl JobRunner {
         let program = job.programs.get(number).ok_or_else(missing)?;
         let start = job.start.as_ref().ok_or_else(missing)?;
         tell(FileAnswer::Progress(toolpath::PROGRESS_TEXT, 0));
-        let drawing = toolpath::compute_toolpath(program, job, start, &|| self.is_stopped(), tell);
+        let mut drawing = toolpath::compute_toolpath(program, job, start, &|| self.is_stopped(), tell);
+        if let Some(timer) = self.cycle_timer.filter(|_| drawing.finished && drawing.faults.is_empty()) {
+            tell(FileAnswer::Progress(toolpath::TIMING_TEXT, toolpath::TIMING_PROGRESS));
+            let seconds = timer(program, job, start, &|| self.is_stopped());
+            drawing.cycle_time = seconds.map_or(drawing.cycle_time, CycleTime::Simulated);
+        }
         if self.is_stopped() {
             return Err(cancelled());
         }

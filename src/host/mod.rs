@@ -6,8 +6,10 @@
 pub mod bar;
 pub mod clock;
 pub mod control_end;
+pub mod cycle_time;
 pub mod folders;
 pub mod headless;
+pub mod headless_run;
 pub mod hosted_machine;
 mod job_answer;
 pub mod job_runner;

@@ -4,20 +4,29 @@
 use std::sync::Arc;
 
 use super::job_answer::line_fault;
-use crate::controller::StoredProgram;
 use crate::controller::files::{BackgroundJob, DrawingStart};
+use crate::controller::{StoredProgram, stored_system_variables};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::SwitchedUnit;
 use crate::defs::text::{LocalizedText, Text};
 use crate::io::sim::{InterferenceCheck, MachineFile};
 use crate::link::files::FileAnswer;
 use crate::link::line_fault::LineFault;
-use crate::link::toolpath::{MAX_POINTS, MoveKind, PathPoint, Toolpath};
+use crate::link::toolpath::{CycleTime, MAX_POINTS, MoveKind, PathPoint, Toolpath};
 use crate::nc::{CoordinateChange, ExternalState, Library, MotionSegment, OfflineMachine, Op, OpEffect, ProgramCheck};
 use crate::units::WorkPos;
 
 /// Text shown with the progress.
 pub const PROGRESS_TEXT: Text = Text::new("正在计算图形", "computing the path");
+/// Text shown while the program runs on the simulated machine for its time.
+pub const TIMING_TEXT: Text = Text::new("正在模拟，计算时间", "simulating for the time");
+/// Thousandths of the progress when that begins.
+pub const TIMING_PROGRESS: u16 = 950;
+
+/// Runs a program on a simulated machine; returns the seconds to its end, `None` if it does not come there. The last
+/// argument ends the run early.
+pub type CycleTimer = fn(&StoredProgram, &BackgroundJob, &DrawingStart, &dyn Fn() -> bool) -> Option<f64>;
+
 /// Blocks between two progress reports.
 const PROGRESS_INTERVAL_BLOCKS: u64 = 4_096;
 /// Maximum number of interferences reported.
@@ -40,7 +49,9 @@ pub fn compute_toolpath(
         .with_block_skip(start.block_skip)
         .with_position(start.position)
         .with_work_offsets(start.work_offsets.clone());
-    start.system_variables.iter().for_each(|(number, value)| world.set_system(*number, *value));
+    for (number, value) in stored_system_variables(&start.params, start.dress_points) {
+        world.set_system(number, value);
+    }
     let (path, interference_check) = (RecordedPath::default(), interference_check(program, start));
     let (dialect, interferences) = (job.settings.dialect, Vec::new());
     let mut pen = ToolpathRecorder { world: world.clone(), dialect, path, interference_check, interferences };
@@ -65,7 +76,7 @@ pub fn compute_toolpath(
         stamp: program.stamp,
         extents: checked.extents,
         length_mm: checked.length_mm,
-        duration_s: checked.seconds,
+        cycle_time: CycleTime::AtFeeds(checked.seconds),
         lines: checked.lines,
         crashes: pen.interferences.iter().map(|met| met.at).collect(),
         faults: own_faults.map(line_fault).collect(),

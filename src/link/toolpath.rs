@@ -124,6 +124,30 @@ impl DetailLevel {
     }
 }
 
+/// How long a program takes, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CycleTime {
+    /// Of a run on the simulated machine: with acceleration, waits for units of the machine, gauge and part.
+    Simulated(f64),
+    /// The path at the programmed feeds, without acceleration and waits.
+    AtFeeds(f64),
+}
+
+impl Default for CycleTime {
+    fn default() -> Self {
+        Self::AtFeeds(0.0)
+    }
+}
+
+impl CycleTime {
+    /// Seconds.
+    #[must_use]
+    pub const fn seconds(self) -> f64 {
+        let (Self::Simulated(seconds) | Self::AtFeeds(seconds)) = self;
+        seconds
+    }
+}
+
 /// A path and the results of its check run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Toolpath {
@@ -137,8 +161,8 @@ pub struct Toolpath {
     pub extents: Option<(WorkPos, WorkPos)>,
     /// Length of all moves, mm.
     pub length_mm: f64,
-    /// Duration at the programmed feeds, s.
-    pub duration_s: f64,
+    /// How long the program takes.
+    pub cycle_time: CycleTime,
     /// Number of lines of the text.
     pub lines: usize,
     /// The errors found.

@@ -86,6 +86,33 @@ fn l7_an_endless_program_is_measured_and_listed_once() {
 }
 
 #[test]
+fn t4_the_time_of_a_check_is_that_of_the_run() {
+    // A contour in points, where acceleration decides; a plunge with waits for units; a gauge that ends the stages.
+    let wave: String = (0..=1_500_u32)
+        .map(|at| f64::from(at) * 0.02)
+        .map(|z| format!("X{:.4} Z{:.4}\n", -80.0 + 4.0 * (z * 1.5).sin(), -150.0 - z))
+        .collect();
+    let dense = format!("G64\nG01 F4000\n{wave}M30\n");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("O0500.NC"), dense).unwrap();
+    let shipped = |name: &str| format!("{}/programs/{name}", env!("CARGO_MANIFEST_DIR"));
+    for program in ["O0500.NC".to_owned(), shipped("O1002.NC"), shipped("O1004.NC")] {
+        let told = |what: &str| -> serde_json::Value {
+            let out = kt830_in(folder.path(), folder.path(), &[what, &program, "--format", "json"]);
+            serde_json::from_str(&said(&out)).unwrap()
+        };
+        let (checked, ran) = (told("check"), told("run"));
+        assert_eq!((&checked["timing"], &ran["end"]), (&"simulated".into(), &"finished".into()), "{checked} {ran}");
+        let (check_s, run_s) = (checked["seconds"].as_f64().unwrap(), ran["seconds"].as_f64().unwrap());
+        assert!((check_s / run_s - 1.0).abs() < 0.03, "{program}: {check_s} for {run_s}");
+    }
+    // Without an end that a headless run reaches: the time at the programmed feeds, and it says so.
+    std::fs::write(folder.path().join("O0501.NC"), "G01 U-10 F60\nM81\nM30\n").unwrap();
+    let out = kt830_in(folder.path(), folder.path(), &["check", "O0501.NC", "--lang", "en"]);
+    assert!(said(&out).contains("5.0 s (at the programmed feeds)"), "{}", said(&out));
+}
+
+#[test]
 fn s1_a_value_that_grows_in_an_endless_loop_is_no_error_of_its_line() {
     let text = "N10 G90 G94 F600\nN20 R1=0\nAA1:R1=R1+10\nN40 G1 X=R1\nN50 GOTOB AA1\nN60 M2\n";
     let told = json("vertical", "A.MPF", text);

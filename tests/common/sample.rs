@@ -26,7 +26,7 @@ use kt830::link::part_result::{NominalSize, PartResult};
 use kt830::link::program_view::ProgramView;
 use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
-use kt830::link::toolpath::{MoveKind, PathPoint, StockBox, Toolpath};
+use kt830::link::toolpath::{CycleTime, MoveKind, PathPoint, StockBox, Toolpath};
 use kt830::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
 
 /// The customer's own page text (seed 000).
@@ -253,7 +253,7 @@ pub fn busy(page: Page) -> Snapshot {
     let mut drawing = Toolpath {
         number: snapshot.program.number,
         length_mm: 123_456.7,
-        duration_s: 36_061.0,
+        cycle_time: CycleTime::Simulated(36_061.0),
         lines: 1_000_000,
         extents: Some((WorkPos::new([-371.54, -1.0, -139.08]), WorkPos::new([371.54, 1_000.0, 139.08]))),
         finished: true,

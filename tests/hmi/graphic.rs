@@ -2,11 +2,13 @@
 
 use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
+use kt830::defs::key::Key;
 use kt830::defs::page::Page;
 use kt830::link::Command;
 use kt830::link::files::{FileRequest, Requester, Ticket};
 use kt830::link::page_command::PageCommand;
-use kt830::link::toolpath::MoveKind;
+use kt830::link::snapshot::RunState;
+use kt830::link::toolpath::{CycleTime, MoveKind};
 use kt830::units::Axis;
 
 fn bench(text: &str) -> Bench {
@@ -26,12 +28,41 @@ fn b6_path_time_and_extents_are_there_before_the_first_start() {
     let at: Vec<[f32; 3]> = drawing.levels[0].points.iter().map(|point| point.at).collect();
     assert_eq!(at[1..], [[20.0, 0.0, 5.0], [10.0, 0.0, 5.0], [10.0, 0.0, -15.0]]);
     assert!(low[Axis::X] <= 10.0 && low[Axis::Z] <= -15.0 && high[Axis::X] >= 20.0 && high[Axis::Z] >= 5.0);
-    assert!(drawing.finished && drawing.duration_s > 30.0 && drawing.duration_s < 60.0, "{}", drawing.duration_s);
+    let seconds = drawing.cycle_time.seconds();
+    assert!(drawing.finished && seconds > 30.0 && seconds < 60.0, "{seconds}");
     let ways: Vec<MoveKind> = drawing.levels[0].points.iter().map(|point| point.kind).collect();
     assert_eq!(ways, [MoveKind::Break, MoveKind::Rapid, MoveKind::Feed, MoveKind::Feed]);
     // As a diameter, as everywhere.
     let (least, most) = (format!("{:.3}", low[Axis::X] * 2.0), format!("{:.3}", high[Axis::X] * 2.0));
     assert!(bench.shows(&least) && bench.shows(&most) && bench.shows("检查无错误"));
+}
+
+#[test]
+fn b6_the_time_is_that_of_a_run_on_the_machine() {
+    let mut bench = bench("G64\nM08\nG01 U-10 F60\nW-20\nG04 P500\nM30\n");
+    bench.turn();
+    let drawing = bench.rig.snapshot().files.toolpath.clone().expect("a drawing");
+    let CycleTime::Simulated(seconds) = drawing.cycle_time else { panic!("{:?}", drawing.cycle_time) };
+    bench.rig.send(Command::Press(Key::CycleStart));
+    let started = bench.rig.now();
+    (0..10).for_each(|_| bench.rig.step());
+    while bench.rig.controller().state() != RunState::Idle {
+        bench.rig.step();
+        assert!(bench.rig.now().since(started).as_secs_f64() < 60.0, "{:?}", bench.rig.snapshot().alarms);
+    }
+    let ran = bench.rig.now().since(started).as_secs_f64();
+    // 5 mm of slide and 20 mm at 60 mm/min, and the dwell.
+    assert!(ran > 25.5 && (seconds / ran - 1.0).abs() < 0.03 && bench.shows("循环时间"), "{seconds} for {ran}");
+}
+
+#[test]
+fn b6_a_program_that_needs_an_operator_has_the_time_of_its_feeds() {
+    // M81 waits for an input that nobody gives.
+    let mut bench = bench("G00 X40 Z5\nG01 X20 F60\nM81\nM30\n");
+    bench.turn();
+    let drawing = bench.rig.snapshot().files.toolpath.clone().expect("a drawing");
+    let CycleTime::AtFeeds(seconds) = drawing.cycle_time else { panic!("{:?}", drawing.cycle_time) };
+    assert!((10.0..20.0).contains(&seconds) && bench.shows("进给时间"), "{seconds}");
 }
 
 #[test]

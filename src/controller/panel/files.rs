@@ -4,7 +4,7 @@
 
 use super::{Panel, Parts, PartsView};
 use crate::controller::plant::Plant;
-use crate::controller::plant::system_variables::{nc_settings, stored_system_variables};
+use crate::controller::plant::system_variables::nc_settings;
 use crate::controller::program::lookahead_state::reference_points;
 use crate::controller::storage_request::StorageRequest;
 pub use crate::controller::storage_request::{BackgroundJob, DrawingStart, TransferValues};
@@ -90,7 +90,7 @@ impl Panel {
                 // L3: a lathe program starts at its own zero.
                 position: if settings.start_is_work_zero { WorkPos::default() } else { plant.work_position() },
                 reference_points: reference_points(params),
-                system_variables: stored_system_variables(params, work.dress_points).collect(),
+                dress_points: work.dress_points,
                 block_skip: plant.operator.switches.block_skip,
             })
         });

@@ -18,7 +18,7 @@ use crate::hmi::{
 };
 use crate::link::files::{FileRequest, Requester};
 use crate::link::snapshot::RunState;
-use crate::link::toolpath::Toolpath;
+use crate::link::toolpath::{CycleTime, Toolpath};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
 use camera::{Camera, GraphicScene};
@@ -238,6 +238,14 @@ fn duration(seconds: f64) -> String {
     format!("{:02}:{:02}:{:02}", whole / 3_600, whole / 60 % 60, whole % 60)
 }
 
+/// What the time is.
+const fn time_label(time: CycleTime) -> Text {
+    match time {
+        CycleTime::Simulated(_) => Text::new("循环时间", "cycle time"),
+        CycleTime::AtFeeds(_) => Text::new("进给时间", "feed time"),
+    }
+}
+
 /// Time, distance, extents, errors.
 fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fresh: bool) {
     view.card(rect);
@@ -246,7 +254,7 @@ fn path_figures(rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fr
         return view.note(inside, view.text("还没有轨迹", "no path yet"));
     };
     let mut rows = vec![
-        (view.text("时间", "time").to_owned(), duration(drawing.duration_s)),
+        (time_label(drawing.cycle_time).get(view.lang).to_owned(), duration(drawing.cycle_time.seconds())),
         (view.text("行程 m", "length m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
         (view.text("行数", "lines").to_owned(), drawing.lines.to_string()),
     ];

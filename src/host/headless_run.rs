@@ -1,0 +1,91 @@
+//! Runs a program of a headless host from cycle start to its end.
+//! Source: spec tools.md T3.
+
+use super::Host;
+use super::simulated::HostedSimulation;
+use super::storage::Storage;
+use crate::defs::key::Key;
+use crate::link::command::Command;
+use crate::link::snapshot::RunState;
+use crate::units::Micros;
+
+/// Ticks after cycle start until the state is evaluated.
+const START_TICKS: u32 = 5;
+/// After this time without a move the run counts as an endless loop; longer than the longest dwell, 9 999.99 s (L2).
+const MAX_STALLED_TIME: Micros = Micros::from_millis(10_000_000);
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RunEnd {
+    /// M30, M02 and the like.
+    Finished,
+    /// An alarm.
+    Alarm,
+    /// Program stop M00 or M01.
+    Pause,
+    /// Held by an interlock of the machine.
+    Held,
+    /// It waits for an input (M80–M89) that a headless run never gets.
+    Waiting,
+    /// The maximum simulated time is over, or the caller has ended it.
+    TimedOut,
+    /// No axis has moved for so long that it is an endless loop.
+    Stalled,
+    /// A loop repeats in which nothing changes.
+    Endless,
+}
+
+impl RunEnd {
+    /// The word in the report; the exit status and the message distinguish the kinds of `stopped`.
+    pub const fn report_word(self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Alarm => "alarm",
+            Self::Pause | Self::Held | Self::Waiting | Self::TimedOut | Self::Stalled | Self::Endless => "stopped",
+        }
+    }
+}
+
+/// How far a run goes.
+#[derive(Clone, Copy, Debug)]
+pub struct RunLimits {
+    /// Cycle start is pressed again at M00 and M01.
+    pub through_stops: bool,
+    /// Maximum simulated time.
+    pub longest: Micros,
+}
+
+impl<S: Storage> Host<HostedSimulation, S> {
+    /// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
+    /// `goes_on` is called after every tick.
+    pub fn run_program(&mut self, limits: &RunLimits, goes_on: &mut dyn FnMut(&Self) -> bool) -> RunEnd {
+        let started = self.now();
+        let mut moved = started;
+        self.send(Command::Press(Key::CycleStart));
+        loop {
+            self.step();
+            if !self.controller().is_at_rest() {
+                moved = self.now();
+            }
+            if !goes_on(self) {
+                return RunEnd::TimedOut;
+            }
+            let young = self.now().since(started).0 < u64::from(START_TICKS) * self.tick_time().0;
+            match self.controller().state() {
+                RunState::Stopped if limits.through_stops => self.send(Command::Press(Key::CycleStart)),
+                RunState::Stopped => return RunEnd::Pause,
+                RunState::Held => return RunEnd::Held,
+                RunState::Idle if !young => return RunEnd::Finished,
+                RunState::Alarm if self.controller().is_at_rest() => return RunEnd::Alarm,
+                // A headless run has no operator who gives the input.
+                RunState::Waiting => return RunEnd::Waiting,
+                RunState::Running if self.now().since(started) > limits.longest => return RunEnd::TimedOut,
+                RunState::Running if self.now().since(moved) > MAX_STALLED_TIME => return RunEnd::Stalled,
+                RunState::Running if self.controller().is_in_endless_loop() && self.controller().is_at_rest() => {
+                    return RunEnd::Endless;
+                }
+                RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
+            }
+        }
+    }
+}
