@@ -14,6 +14,8 @@ use std::time::Instant;
 
 /// Relative tolerance of the checks: rounding at 300 mm, differenced three times over 1 ms, gives 5e-4 mm/s³.
 const SLACK: f64 = 1e-6;
+/// How much faster than the feed the axes may be.
+const FEED_SLACK: f64 = 0.005;
 const MAX_TICKS: u32 = 200_000;
 /// Runs of each path; the shortest duration of each tick counts.
 const RUNS: u32 = 5;
@@ -47,7 +49,7 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
     });
     let start = path.position().coordinates();
     let mut past = [start; 4];
-    let (mut kept, mut worst, mut ticks) = (true, [0.0_f64; 4], 0);
+    let (mut kept, mut worst, mut ticks, mut fastest) = (true, [0.0_f64; 4], 0, 0.0_f64);
     let mut waited = None;
     while ticks == 0 || (!path.is_done() && ticks < MAX_TICKS) {
         while path.free_slots() > 0
@@ -68,6 +70,7 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
             waited = Some(ticks);
         }
         past = [past[1], past[2], past[3], p];
+        fastest = fastest.max(path.path_speed_mm_s() / mm_s);
         for (k, l) in [(0, x), (2, z)] {
             let v = (past[3][k] - past[2][k]) * 1e3 / l.velocity_mm_s;
             let a = (past[3][k] - 2.0 * past[2][k] + past[1][k]) * 1e6 / l.acceleration_mm_s2;
@@ -77,15 +80,18 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
         let off = points.windows(2).map(|w| distance_to_line(w[0], w[1], [p[0], p[2]])).fold(f64::INFINITY, f64::min);
         worst[3] = worst[3].max(off / tolerance_mm);
     }
-    kept &= worst.iter().all(|w| *w <= 1.0 + SLACK) && path.is_done();
+    kept &= worst.iter().all(|w| *w <= 1.0 + SLACK) && fastest <= 1.0 + FEED_SLACK && path.is_done();
     let end = points[points.len() - 1];
     kept &= (past[3][0] - end[0]).hypot(past[3][2] - end[1]) <= 1e-9;
+    if !kept {
+        println!("  used {worst:.4?} feed {fastest:.4}");
+    }
     if say {
         let mean = costs.iter().sum::<f64>() / costs.len() as f64;
         costs.sort_by(f64::total_cmp);
         let part = |share: f64| costs[((costs.len() - 1) as f64 * share) as usize];
         println!(
-            "  used v {:.4} a {:.4} j {:.4} tolerance {:.3}; starts in tick {}",
+            "  used v {:.4} a {:.4} j {:.4} tolerance {:.3} feed {fastest:.4}; starts in tick {}",
             worst[0],
             worst[1],
             worst[2],

@@ -1,5 +1,6 @@
 //! The arguments of the command line.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
@@ -106,6 +107,8 @@ pub enum CliCommand {
     Screw(LeadscrewArgs),
     /// Paint a page to a PNG file
     Shot(ShotArgs),
+    /// Run a program and draw its path: contour, band, speed, acceleration, jerk
+    PlotPath(PlotPathArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
     Codes,
 }
@@ -197,6 +200,30 @@ pub struct ShotArgs {
     /// Paint in the light theme [default: as set on the machine, else dark]
     #[arg(long)]
     pub light: bool,
+}
+
+/// `kt830 plot-path`
+#[derive(Debug, ClapArgs)]
+pub struct PlotPathArgs {
+    /// A program of the folder (O1002) or a file
+    pub program: String,
+    /// The picture to write
+    #[arg(long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Size of the picture in pixels
+    #[arg(long, default_value = "1600x1000", value_parser = size)]
+    pub size: (u32, u32),
+    /// Draw only what the blocks of these lines move
+    #[arg(long, value_name = "FIRST-LAST", value_parser = lines)]
+    pub lines: Option<RangeInclusive<u32>>,
+}
+
+fn lines(words: &str) -> Result<RangeInclusive<u32>, String> {
+    let wrong = || "write the lines as 10-25".to_owned();
+    let (first, last) = words.split_once('-').ok_or_else(wrong)?;
+    let line = |text: &str| text.trim().parse::<u32>().map_err(|_| wrong());
+    let (first, last) = (line(first)?, line(last)?);
+    if first <= last { Ok(first..=last) } else { Err(wrong()) }
 }
 
 fn time(words: &str) -> Result<Micros, String> {

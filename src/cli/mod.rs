@@ -11,6 +11,8 @@ mod leadscrew;
 mod page_text_check;
 mod play;
 #[cfg(feature = "hmi")]
+mod plot_path;
+#[cfg(feature = "hmi")]
 mod process_end;
 mod program_places;
 mod run;
@@ -68,9 +70,11 @@ fn execute(args: Args) -> Result<u8, CallError> {
         #[cfg(feature = "hmi")]
         Some(CliCommand::Shot(call)) => shot::shot(&shared, call),
         #[cfg(feature = "hmi")]
+        Some(CliCommand::PlotPath(call)) => plot_path::plot_path(&shared, call),
+        #[cfg(feature = "hmi")]
         None => window::open(&shared, !args.windowed),
         #[cfg(not(feature = "hmi"))]
-        Some(CliCommand::Shot(_)) | None => Err(CallError::new(
+        Some(CliCommand::Shot(_) | CliCommand::PlotPath(_)) | None => Err(CallError::new(
             "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",
         )),
     }

@@ -10,7 +10,7 @@ use crate::defs::text::LocalizedText;
 use crate::io::OutputImage;
 use crate::link::part_result::PartResult;
 use crate::link::snapshot::{RunState, ThreadCut};
-use crate::nc::BlockLocation;
+use crate::nc::{BlockLocation, WorkOffsets};
 use crate::units::{Axis, MachinePos, Micros};
 
 impl Controller {
@@ -55,6 +55,12 @@ impl Controller {
     #[must_use]
     pub fn variable(&self, number: u32) -> Option<f64> {
         self.plant.work.variables.get(number).ok().flatten()
+    }
+
+    /// Work offsets and tool offsets as executed.
+    #[must_use]
+    pub const fn work_offsets(&self) -> &WorkOffsets {
+        &self.plant.work.offsets
     }
 
     /// The present block: program, line, N.

@@ -22,6 +22,7 @@ mod page;
 mod page_frame;
 mod page_message;
 pub mod panel;
+pub mod path_plot;
 pub mod pictogram;
 mod question;
 pub mod rasterizer;

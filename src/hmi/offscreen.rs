@@ -1,7 +1,7 @@
 //! Pages without a display: as a picture, and as the painted text.
 //! Source: tools.md T6, the story line `expect page … shows`.
 
-use egui::{Context, Pos2, RawInput, Rect, Shape, ViewportId, vec2};
+use egui::{Color32, Context, Pos2, RawInput, Rect, Shape, Ui, ViewportId, vec2};
 use image::RgbaImage;
 
 use super::app::Hmi;
@@ -30,16 +30,67 @@ pub fn page_text(snapshot: &Snapshot, lang: Lang) -> Vec<String> {
     stage.texts().into_iter().map(|(text, ..)| text).collect()
 }
 
-/// The user interface on an egui context without a window; its frames are painted in software.
-pub struct OffscreenHmi {
-    /// The user interface; public for tests.
-    pub hmi: Hmi,
+/// An egui context without a window; its frames are painted in software.
+pub struct OffscreenContext {
     ctx: Context,
     raster: Rasterizer,
+    /// Pixels, and pixels per point.
     size: (u32, u32),
     scale: f32,
     shapes: Vec<egui::epaint::ClippedShape>,
     time: f64,
+}
+
+impl OffscreenContext {
+    /// A context of `size` pixels.
+    #[must_use]
+    pub fn new(size: (u32, u32)) -> Self {
+        let scale = theme::scale(vec2(size.0 as f32, size.1 as f32));
+        Self { ctx: Context::default(), raster: Rasterizer::default(), size, scale, shapes: Vec::new(), time: 0.0 }
+    }
+
+    /// The egui context.
+    #[must_use]
+    pub const fn ctx(&self) -> &Context {
+        &self.ctx
+    }
+
+    /// Runs one frame, 1/60 s after the last.
+    pub fn frame(&mut self, events: Vec<egui::Event>, ui: impl FnMut(&mut Ui)) {
+        let logical = vec2(self.size.0 as f32, self.size.1 as f32) / self.scale;
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, logical)),
+            time: Some(self.time),
+            focused: true,
+            events,
+            ..RawInput::default()
+        };
+        if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(self.scale);
+        }
+        self.time += 1.0 / 60.0;
+        let mut output = self.ctx.run_ui(input, ui);
+        let mut delta = std::mem::take(&mut output.textures_delta);
+        self.raster.update(&delta);
+        self.raster.free(&delta);
+        delta.clear();
+        self.shapes = std::mem::take(&mut output.shapes);
+        output.drop_without_applying_deltas();
+    }
+
+    /// The last frame as a picture.
+    #[must_use]
+    pub fn picture(&self, ground: Color32) -> RgbaImage {
+        let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
+        self.raster.paint(&primitives, self.scale, self.size, ground)
+    }
+}
+
+/// The user interface without a window.
+pub struct OffscreenHmi {
+    /// The user interface; public for tests.
+    pub hmi: Hmi,
+    screen: OffscreenContext,
     /// Input of the next frame.
     pub events: Vec<egui::Event>,
 }
@@ -48,47 +99,28 @@ impl OffscreenHmi {
     /// A screen of `size` pixels.
     #[must_use]
     pub fn new(hmi: Hmi, size: (u32, u32)) -> Self {
-        let ctx = Context::default();
-        hmi.install(&ctx);
-        let scale = theme::scale(vec2(size.0 as f32, size.1 as f32));
-        Self { hmi, ctx, raster: Rasterizer::default(), size, scale, shapes: Vec::new(), time: 0.0, events: Vec::new() }
+        let screen = OffscreenContext::new(size);
+        hmi.install(screen.ctx());
+        Self { hmi, screen, events: Vec::new() }
     }
 
     /// The egui context; tests change its options.
     #[must_use]
     pub const fn ctx(&self) -> &Context {
-        &self.ctx
+        self.screen.ctx()
     }
 
     /// Runs one frame, 1/60 s after the last; returns its commands.
     pub fn frame(&mut self, snapshot: &Snapshot) -> Vec<crate::link::Command> {
-        let logical = vec2(self.size.0 as f32, self.size.1 as f32) / self.scale;
-        let mut input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, logical)),
-            time: Some(self.time),
-            focused: true,
-            events: std::mem::take(&mut self.events),
-            ..RawInput::default()
-        };
-        if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
-            viewport.native_pixels_per_point = Some(self.scale);
-        }
-        self.time += 1.0 / 60.0;
         let hmi = &mut self.hmi;
         let mut commands = Vec::new();
-        let mut output = self.ctx.run_ui(input, |ui| commands.extend(hmi.ui(ui, snapshot)));
-        let mut delta = std::mem::take(&mut output.textures_delta);
-        self.raster.update(&delta);
-        self.raster.free(&delta);
-        delta.clear();
-        self.shapes = std::mem::take(&mut output.shapes);
-        output.drop_without_applying_deltas();
+        self.screen.frame(std::mem::take(&mut self.events), |ui| commands.extend(hmi.ui(ui, snapshot)));
         commands
     }
 
     /// Tessellates the shapes of the last frame; returns the number of triangles.
     pub fn triangles(&self) -> usize {
-        let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
+        let primitives = self.ctx().tessellate(self.screen.shapes.clone(), self.screen.scale);
         let count = |primitive: &egui::epaint::ClippedPrimitive| match &primitive.primitive {
             egui::epaint::Primitive::Mesh(mesh) => mesh.indices.len() / 3,
             egui::epaint::Primitive::Callback(_) => 0,
@@ -99,21 +131,20 @@ impl OffscreenHmi {
     /// The last frame as a picture.
     #[must_use]
     pub fn picture(&self) -> RgbaImage {
-        let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
-        self.raster.paint(&primitives, self.scale, self.size, self.hmi.background())
+        self.screen.picture(self.hmi.background())
     }
 
     /// The shapes of the last frame, in the order of painting.
     #[must_use]
     pub fn shapes(&self) -> &[egui::epaint::ClippedShape] {
-        &self.shapes
+        &self.screen.shapes
     }
 
     /// Every text of the last frame with the bounds of its glyphs, its clip rectangle, and whether it was truncated.
     #[must_use]
     pub fn texts(&self) -> Vec<(String, Rect, Rect, bool)> {
         let mut found = Vec::new();
-        for clipped in &self.shapes {
+        for clipped in &self.screen.shapes {
             collect_texts(&clipped.shape, clipped.clip_rect, &mut found);
         }
         found

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use egui::{Color32, FontData, FontDefinitions, FontFamily, FontId, Vec2};
 
+use crate::units::PerAxis;
+
 /// The bundled font: Noto Sans SC with every GBK character and tabular figures.
 static FONT: &[u8] = include_bytes!("../../assets/font/NotoSansSC-GBK.otf");
 const FONT_NAME: &str = "NotoSansSC-GBK";
@@ -187,6 +189,32 @@ pub fn scale(pixels: Vec2) -> f32 {
 pub fn font(size: f32) -> FontId {
     FontId::new(size, FontFamily::Proportional)
 }
+
+/// Colours of a printed diagram.
+pub struct PlotColours {
+    /// The ground.
+    pub paper: Color32,
+    /// Grid lines.
+    pub grid: Color32,
+    /// A programmed contour.
+    pub contour: Color32,
+    /// What the axes do along it.
+    pub path: Color32,
+    /// Limits and tolerances.
+    pub limit: Color32,
+    /// Curves of the axes.
+    pub axes: PerAxis<Color32>,
+}
+
+/// Blue, vermilion and green differ for every eye (Okabe and Ito).
+pub const PLOT: PlotColours = PlotColours {
+    paper: Color32::WHITE,
+    grid: Color32::from_rgb(215, 220, 226),
+    contour: Color32::from_rgb(190, 190, 190),
+    path: Color32::from_rgb(0, 114, 178),
+    limit: Color32::from_rgb(180, 30, 30),
+    axes: PerAxis([Color32::from_rgb(213, 94, 0), Color32::from_rgb(0, 158, 115), Color32::from_rgb(0, 114, 178)]),
+};
 
 /// Installs the font and disables what a machine screen must not do: keyboard zoom, text selection, animation.
 pub fn install(ctx: &egui::Context, theme: &Theme) {

@@ -449,6 +449,12 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.delivered.programs.get(number).is_some()
     }
 
+    /// The programs.
+    #[must_use]
+    pub fn programs(&self) -> &Arc<Programs> {
+        &self.delivered.programs
+    }
+
     /// The text of a program.
     #[must_use]
     pub fn program_source(&self, number: u32) -> Option<Arc<Source>> {

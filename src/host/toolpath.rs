@@ -32,7 +32,7 @@ const PROGRESS_INTERVAL_BLOCKS: u64 = 4_096;
 /// Maximum number of interferences reported.
 const MAX_INTERFERENCES: usize = 20;
 /// Maximum number of chords per arc, and the largest distance between chord and arc, mm.
-const MAX_CHORDS: f64 = 180.0;
+const MAX_CHORDS: u32 = 180;
 const CHORD_TOLERANCE_MM: f64 = 0.002;
 
 /// Computes the toolpath of a program; `stopped` ends it early.
@@ -193,17 +193,8 @@ impl RecordedPath {
     /// Records a segment, an arc as chords.
     fn record(&mut self, from: WorkPos, segment: &MotionSegment) {
         let kind = if segment.rapid { MoveKind::Rapid } else { MoveKind::Feed };
-        let Some(arc) = segment.arc else { return self.record_line(from, segment.to, kind) };
-        let to = segment.to;
-        let (radius, begin, swept) = (arc.radius_at(from), arc.angle_of(from), arc.sweep(from, to));
-        let step = 2.0 * (1.0 - CHORD_TOLERANCE_MM / radius.max(CHORD_TOLERANCE_MM)).clamp(-1.0, 1.0).acos();
-        let chords = (swept / step.max(1e-3)).ceil().clamp(1.0, MAX_CHORDS) as u32;
         let mut last = from;
-        for chord in 1..=chords {
-            let part = f64::from(chord) / f64::from(chords);
-            let at = begin + f64::from(arc.turn) * swept * part;
-            let along = WorkPos::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
-            let next = if chord == chords { to } else { arc.point_at(along, radius, at) };
+        for next in segment.chords(from, CHORD_TOLERANCE_MM, MAX_CHORDS) {
             self.record_line(last, next, kind);
             last = next;
         }

@@ -45,10 +45,10 @@ const EVEN_SHARE: f64 = 0.9;
 const COST_CLEAR: usize = 4;
 const COST_APPLY: usize = 4;
 const COST_TERMS: (usize, usize) = (30, 40);
-const COST_ASSEMBLE: (usize, usize) = (39, 55);
+const COST_ASSEMBLE: (usize, usize) = (45, 55);
 const COST_SOLVE: usize = 9;
-const COST_LIMIT_STEP: (usize, usize) = (12, 14);
-const COST_MEASURE: (usize, usize) = (10, 13);
+const COST_LIMIT_STEP: (usize, usize) = (14, 14);
+const COST_MEASURE: (usize, usize) = (11, 13);
 
 /// Axis limits in units of the knot spacing d: mm/d, mm/d², mm/d³.
 #[derive(Clone, Copy, Debug, Default)]

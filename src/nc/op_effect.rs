@@ -102,6 +102,26 @@ pub struct MotionSegment {
     pub speed: SegmentSpeed,
 }
 
+impl MotionSegment {
+    /// Points along the segment, without its start; the chords between them lie within `tolerance_mm` of it, unless an arc
+    /// would need more than `most` of them. The last one is its end.
+    pub fn chords(&self, from: WorkPos, tolerance_mm: f64, most: u32) -> impl Iterator<Item = WorkPos> + use<> {
+        let (arc, to) = (self.arc, self.to);
+        let (radius, begin, swept) =
+            arc.map_or((0.0, 0.0, 0.0), |arc| (arc.radius_at(from), arc.angle_of(from), arc.sweep(from, to)));
+        let step = 2.0 * (1.0 - tolerance_mm / radius.max(tolerance_mm)).clamp(-1.0, 1.0).acos();
+        let count = (swept / step.max(1e-6)).ceil().clamp(1.0, f64::from(most)) as u32;
+        (1..=count).map(move |chord| {
+            let part = f64::from(chord) / f64::from(count);
+            let along = WorkPos::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+            match arc {
+                Some(arc) if chord < count => arc.point_at(along, radius, begin + f64::from(arc.turn) * swept * part),
+                _ => to,
+            }
+        })
+    }
+}
+
 /// The speed of a path segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SegmentSpeed {

@@ -3,6 +3,8 @@
 #![cfg(feature = "hmi")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
 
+#[path = "../common/command.rs"]
+mod command;
 #[path = "../common/sample.rs"]
 mod sample;
 #[path = "../common/stories.rs"]
@@ -26,6 +28,7 @@ mod pages;
 mod panel;
 mod params;
 mod part_result;
+mod path_plot;
 mod process;
 mod program_list;
 mod reach;

@@ -33,8 +33,8 @@ pub struct LimitTerm {
 pub struct LimitTerms {
     /// Of each axis, knot by knot.
     knots: Vec<[LimitTerm; 3]>,
-    /// Factor of the squared path speed on b.
-    pub speed: Vec<f64>,
+    /// Factors of the squared path speed on b, at each knot and in the middle of the interval after it.
+    pub speed: Vec<[f64; 2]>,
     /// The moving axes are the first `moving_count` of these.
     axes: [usize; 3],
     moving_count: usize,
@@ -79,7 +79,8 @@ impl LimitTerms {
     /// Appends the terms of knot `k`; `feed` is the maximum path speed there, mm per spacing.
     pub fn push(&mut self, p: &[[f64; 3]], k: usize, limits: &KnotLimits, feed: f64) {
         let interval = k + 3 < p.len();
-        let mut square = 0.0;
+        // At the knot and in the middle of the interval after it.
+        let (mut square, mut middle) = (0.0, 0.0);
         let mut row = [LimitTerm::default(); 3];
         for x in 0..3 {
             let (d1, d2) = at_knot(p, k, x);
@@ -97,6 +98,7 @@ impl LimitTerms {
                 let (r1, r2) = at_knot(p, k + 1, x);
                 let d3 = r2 - d2;
                 let places = [(d1, d2), (d1 + d2 / 2.0 + d3 / 8.0, f64::midpoint(d2, r2)), (r1, r2)];
+                middle += places[1].0 * places[1].0;
                 let inverse = 1.0 / limits.jerk[x];
                 for (jerk, ((d1, d2), (wb, ws))) in term.jerk.iter_mut().zip(places.iter().zip(&WEIGHTS)) {
                     *jerk =
@@ -106,6 +108,6 @@ impl LimitTerms {
             row[x] = term;
         }
         self.knots.push(row);
-        self.speed.push(square / (feed * feed));
+        self.speed.push([square, middle].map(|square| square / (feed * feed)));
     }
 }
