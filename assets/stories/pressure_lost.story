@@ -22,3 +22,12 @@ key 循环启动                      #! refused while the alarm is there
 expect state alarm
 key 砂轮启动
 expect output wheel off
+fault pressure-loss off           #! the pump is repaired
+wait 4 s
+key 复位
+wait 1 s
+expect no alarm
+key 砂轮启动
+wait 10 s
+expect output wheel on
+expect no alarm

@@ -260,12 +260,14 @@ impl Hmi {
         let header = page_frame::header(view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
         let of_page = self.pages.page(view.snapshot.page).message(view.lang).filter(|_| !self.help_open);
-        match header.or(page_frame::message_line(view, regions.message, hint, of_page.as_deref())) {
+        let message = page_frame::message_line(view, regions.message, hint, of_page.as_deref());
+        let status = page_frame::status_line(view, regions.status);
+        match header.or(message).or(status) {
             Some(FrameTouch::Help) => self.toggle_help(view),
             Some(FrameTouch::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
+            Some(FrameTouch::InterruptedRun) => out.push(Command::OpenPage(Page::Program)),
             None => {}
         }
-        page_frame::status_line(view, regions.status);
         let rows = page_frame::soft_key_row_count(view);
         let row = view.snapshot.soft_key_row % rows;
         let touched = page_frame::soft_keys(view, regions.soft, row);

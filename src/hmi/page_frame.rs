@@ -4,6 +4,7 @@
 use egui::{Color32, Rect, pos2, vec2};
 
 use super::{Area, View, format_feed, format_whole, keycap, theme, widget};
+use crate::defs::page::Page;
 use crate::defs::soft_key::{self, SoftKey, SoftKeyAction};
 use crate::defs::text::Lang;
 use crate::link::Snapshot;
@@ -20,6 +21,8 @@ pub enum FrameTouch {
     Help,
     /// The alarm chip, or the message line while it shows an alarm.
     Alarm,
+    /// The offer to resume the run that a power cut has ended.
+    InterruptedRun,
 }
 
 /// Draws the header: kind · page, program and block, mode, state, alarms, clock, help.
@@ -148,8 +151,23 @@ pub fn message_line(view: &View<'_>, rect: Rect, hint: Option<&str>, of_page: Op
     view.touch(rect, "message", "报警 alarm-list").clicked().then_some(FrameTouch::Alarm)
 }
 
-/// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`
-pub fn status_line(view: &View<'_>, rect: Rect) {
+/// Columns of the status line that the offer to resume takes: mode and state stand in the header, single block is a lit key.
+const OFFER_COLUMNS: usize = 3;
+
+/// The offer to resume the run that a power cut has ended, until the operator has resumed it or begun another one (B5). The
+/// program page has it above its keys.
+fn interrupted_run(view: &View<'_>) -> Option<String> {
+    let (program, line) = view.snapshot.interrupted.filter(|_| view.snapshot.page != Page::Program)?;
+    let name = view.snapshot.title(program);
+    Some(match view.lang {
+        Lang::Zh => format!("断电续 {name} 第 {line} 行 ▶"),
+        Lang::En => format!("RESUME {name} line {line} ▶"),
+    })
+}
+
+/// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`; after a power cut the offer to resume is first. Returns
+/// whether that was touched.
+pub fn status_line(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     view.painter.rect_filled(rect, 0.0, view.theme.background);
     view.hairline(rect, rect.min.y + 0.5);
     let snapshot = view.snapshot;
@@ -172,9 +190,21 @@ pub fn status_line(view: &View<'_>, rect: Rect) {
     let row = rect.trim_sides(theme::PAD);
     let shares: [f32; 7] = [0.15, 0.13, 0.11, 0.13, 0.21, 0.13, 0.14];
     let mut left = row.min.x;
+    let offer = interrupted_run(view);
+    let hidden = if offer.is_some() { OFFER_COLUMNS } else { 0 };
+    let mut touched = None;
+    if let Some(words) = offer {
+        let width = row.width() * shares.iter().take(hidden).sum::<f32>();
+        let place = Rect::from_min_size(rect.min, vec2(row.min.x - rect.min.x + width - theme::GAP, rect.height()));
+        view.painter.rect_filled(place.trim_top(1.0), 0.0, view.theme.hold);
+        view.fit_left(place.trim_sides(theme::PAD), &words, theme::LABEL, view.theme.on_accent);
+        let offered = view.touch(place, "interrupted-run", "断电续 interrupted-run");
+        touched = offered.clicked().then_some(FrameTouch::InterruptedRun);
+        left += width;
+    }
     let inks =
         [view.theme.text; 6].into_iter().chain([if snapshot.is_storing { view.theme.hold } else { view.theme.text }]);
-    for ((word, share), ink) in words.iter().zip(shares).zip(inks) {
+    for ((word, share), ink) in words.iter().zip(shares).zip(inks).skip(hidden) {
         let place = Rect::from_min_size(pos2(left, row.min.y), vec2(row.width() * share, row.height()));
         if left > row.min.x {
             let stroke = egui::Stroke::new(theme::HAIRLINE, view.theme.line);
@@ -183,6 +213,7 @@ pub fn status_line(view: &View<'_>, rect: Rect) {
         view.fit_left(place.with_max_x(place.max.x - 2.0 * theme::GAP), word, theme::LABEL, ink);
         left = place.max.x;
     }
+    touched
 }
 
 /// Paints the title inside a page; here so that all titles look the same. Returns the area it covers.

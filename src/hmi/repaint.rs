@@ -83,7 +83,7 @@ compared_fields! {
             && pairs.any(|(old, new)| old.map(f64::to_bits) != new.map(f64::to_bits))
     };
     restart: on(FieldGroup::Restart, differ);
-    interrupted: on(FieldGroup::Restart, differ);
+    interrupted: differ;
     alarms: differ;
     message: differ;
     waiting_for: differ;

@@ -265,11 +265,14 @@ impl LineParser {
         if text == "list" {
             return Ok(Statement::FaultList);
         }
-        if let Err(error) = SimulatedMachine::check_fault(&text) {
-            return Err(self.error(error.to_string()));
-        }
+        let ended = text.strip_suffix(" off").map(str::trim_end);
+        let checked = match ended {
+            Some(text) => SimulatedMachine::check_ended_fault(text),
+            None => SimulatedMachine::check_fault(&text),
+        };
+        checked.map_err(|error| self.error(error.to_string()))?;
         self.next = self.words.len();
-        Ok(Statement::Fault(text))
+        Ok(ended.map_or_else(|| Statement::Fault(text.clone()), |text| Statement::FaultOff(text.to_owned())))
     }
 
     fn input(&mut self) -> Result<Statement, StoryError> {

@@ -164,6 +164,10 @@ impl<'a, G: Stage> Player<'a, G> {
                 self.host().machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
                 self.wait_for_answer()
             }
+            Statement::FaultOff(text) => {
+                self.host().machine_mut().clear_fault(text).map_err(|error| error.to_string())?;
+                self.wait_for_answer()
+            }
             Statement::FaultList => Ok(()),
             Statement::Wait(seconds) => {
                 self.wait(Micros::from_secs_f64(*seconds));

@@ -150,6 +150,8 @@ pub enum Statement {
     Input(String, InputForce),
     /// `fault pressure-loss`
     Fault(String),
+    /// `fault pressure-loss off`: the fault is repaired
+    FaultOff(String),
     /// `fault list`: lists the names of all faults; simulates none
     FaultList,
     /// `wait 2 s`

@@ -41,6 +41,8 @@ fn t5_every_statement_of_the_specification_is_read() {
     );
     assert_eq!(one("fault stuck-on home-x"), Statement::Fault("stuck-on home-x".into()));
     assert_eq!(one("fault list"), Statement::FaultList);
+    assert_eq!(one("fault stuck-on home-x off"), Statement::FaultOff("stuck-on home-x".into()));
+    assert_eq!(one("fault bus-silent off"), Statement::FaultOff("bus-silent".into()));
     assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
     assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(WaitCondition::Axis(Axis::X, true, 10.5), 5.0));
     assert_eq!(one("wait until idle"), Statement::WaitUntil(WaitCondition::State(RunState::Idle), 60.0));
@@ -80,6 +82,8 @@ fn t5_what_is_not_of_the_language_is_refused_with_its_place() {
     assert_eq!(fault("hold X 1 s"), (1, 6));
     assert_eq!(fault("load"), (1, 5));
     assert_eq!(fault("fault earthquake"), (1, 7));
+    assert_eq!(fault("fault earthquake off"), (1, 7));
+    assert_eq!(fault("fault off"), (1, 7));
     assert_eq!(fault("fault stuck-on nothing"), (1, 7));
     assert_eq!(fault("expect event bang"), (1, 14));
     assert_eq!(fault("power on\nkind gc"), (2, 1));

@@ -222,6 +222,7 @@ pub fn part_result() -> PartResult {
 /// A simulated machine, a medium with files, a path: what the pages of work beside the tick show.
 pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
+    snapshot.interrupted = Some((1_001, 12_345));
     let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.simulated = Some(Arc::new(SimView {
         forced: vec![(Input::HydraulicPressure, true)],

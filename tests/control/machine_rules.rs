@@ -63,6 +63,19 @@ fn k3_7_alarm_180_says_what_is_so() {
 }
 
 #[test]
+fn k3_7_a_repaired_pressure_ends_the_alarm_and_the_wheel_starts_by_its_key_alone() {
+    let mut rig = story("key hydraulic\nwait 4 s\nkey wheel-start\nwait 9.5 s\nexpect output wheel on");
+    tell(&mut rig, "fault pressure-loss\nwait until alarm max 3 s\nexpect alarm 180\nexpect output wheel off");
+    // As long as the fault is there, nothing ends the alarm.
+    tell(
+        &mut rig,
+        "wait 5 s\nkey reset\nwait 1 s\nexpect alarm 180\nkey wheel-start\nwait 1 s\nexpect output wheel off",
+    );
+    tell(&mut rig, "fault pressure-loss off\nwait 4 s\nkey reset\nwait 1 s\nexpect no alarm\nexpect output wheel off");
+    tell(&mut rig, "key wheel-start\nwait 9.5 s\nexpect output wheel on\nexpect no alarm");
+}
+
+#[test]
 fn k3_7_m14_works_under_alarm_180_in_mdi_and_in_a_program() {
     tell(&mut story("wait 4 s\nexpect alarm 180"), "mdi M14\nexpect output hydraulic on\nwait 4 s\nexpect no alarm");
     let mut rig = story("wait 4 s\nexpect alarm 180\nhome all\nexpect alarm 180");

@@ -402,6 +402,27 @@ fn b6_a_search_scrolls_to_its_match_outside_edit_mode() {
     }
 }
 
+/// After a power cut alarm 180 has the message line; the offer to resume has a place of its own on every page until the
+/// operator has begun a run.
+#[test]
+fn b5_the_offer_to_resume_stands_beside_an_alarm_until_it_is_answered() {
+    let mut bench = Bench::new(crate::stories::ready_with("G04 X5\nG04 X60\nM30\n"), Page::Position);
+    assert!(!bench.shows("断电续 O7000"));
+    let cut = "mode auto\nkey cycle-start\nwait 10 s\npower cut\nwait 1 s\npower on\nwait 10 s\nexpect alarm 180";
+    crate::stories::tell(&mut bench.rig, cut);
+    bench.turn();
+    assert!(bench.shows("180") && bench.shows("断电续 O7000 第 2 行"), "{:?}", bench.painted());
+    bench.touch("断电续 interrupted-run");
+    assert_eq!(bench.rig.snapshot().page, Page::Program);
+    // There it stands above the keys, with the key that resumes.
+    assert!(bench.shows("O7000 在第 2 行断电中断") && !bench.shows("断电续 O7000"), "{:?}", bench.painted());
+    let begun = "key hydraulic\nwait 4 s\nhome all\nmode auto\nkey cycle-start\nwait 1 s\nexpect state running\nkey reset\nwait 1 s";
+    crate::stories::tell(&mut bench.rig, begun);
+    crate::stories::tell(&mut bench.rig, "page position");
+    bench.turn();
+    assert!(!bench.shows("断电续 O7000"), "{:?}", bench.painted());
+}
+
 /// The modal state at the chosen block stays in sight until it runs, also when the message has gone.
 #[test]
 fn b5_the_page_shows_where_cycle_start_would_begin() {

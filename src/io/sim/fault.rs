@@ -113,6 +113,14 @@ impl SimulatedMachine {
         SimFault::parse(text, false).map(drop)
     }
 
+    /// As [`Self::check_fault`], for the end of a fault: the number of ticks may be omitted.
+    ///
+    /// # Errors
+    /// The name or its input is wrong.
+    pub fn check_ended_fault(text: &str) -> Result<(), FaultError> {
+        SimFault::parse(text, true).map(drop)
+    }
+
     /// Injects a fault by name.
     ///
     /// # Errors
