@@ -4,6 +4,7 @@
 use super::args::SharedArgs;
 use super::{CallError, setup};
 use crate::controller::PowerOnState;
+use crate::defs::param;
 use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::link::toolpath::CycleTime;
 use crate::nc::CheckReport;
@@ -26,10 +27,14 @@ pub fn cycle_time(
     checked: &CheckReport,
 ) -> Result<CycleTime, CallError> {
     let at_feeds = CycleTime::AtFeeds(checked.seconds);
-    if !checked.faults.is_empty() || !checked.finished || checked.blocks > MAX_BLOCKS {
+    if !checked.finished || checked.blocks > MAX_BLOCKS {
         return Ok(at_feeds);
     }
-    let mut host = setup::unstored_host(shared, retained.clone())?;
+    // P390 repeats the program: the time is that of one pass.
+    let mut retained = retained.clone();
+    let _ = retained.params.write(param::PROGRAM_REPEATS.address(), 1.0); // 1 is in its range
+    // A folder that cannot be read is no mistake of the program.
+    let Ok(mut host) = setup::unstored_host(shared, retained) else { return Ok(at_feeds) };
     setup::prepare_run(&mut host, shared, program)?;
     let started = host.now();
     let end = host.run_program(&RunLimits { through_stops: true, longest: LONGEST }, &mut |_| true);

@@ -110,7 +110,7 @@ fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
     match end {
         RunEnd::Finished | RunEnd::Alarm => None,
         RunEnd::Pause => told,
-        RunEnd::Held => Some(snapshot.message.text.clone()),
+        RunEnd::Held | RunEnd::Refused => Some(snapshot.message.text.clone()),
         RunEnd::Waiting => {
             Some(told.unwrap_or_else(|| LocalizedText::new("等待的信号没有来", "the awaited signal does not come")))
         }

@@ -10,6 +10,8 @@ use super::simulated::HostedSimulation;
 use super::storage::{Arrival, Storage};
 use crate::controller::files::{BackgroundJob, DrawingStart};
 use crate::controller::{PowerOnState, StorageRequest, StoredProgram};
+use crate::defs::key::Key;
+use crate::defs::param;
 use crate::io::sim::{MachineFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::units::Micros;
@@ -43,8 +45,11 @@ pub fn simulate(
     start: &DrawingStart,
     stopped: &dyn Fn() -> bool,
 ) -> Option<f64> {
+    // P390 repeats the program: the time is that of one pass.
+    let mut params = start.params.clone();
+    let _ = params.write(param::PROGRAM_REPEATS.address(), 1.0); // 1 is in its range
     let retained = PowerOnState {
-        params: start.params.clone(),
+        params,
         variables: start.memory.clone(),
         work_offsets: start.work_offsets.clone(),
         dress_points: start.dress_points,
@@ -62,6 +67,9 @@ pub fn simulate(
     };
     prepare(&mut host); // the control takes part, program and work offsets
     host.make_ready();
+    if start.block_skip {
+        host.send(Command::Press(Key::BlockSkip));
+    }
     prepare(&mut host);
     let started = host.now();
     let limits = RunLimits { through_stops: true, longest: LONGEST };

@@ -21,6 +21,8 @@ pub enum RunEnd {
     Finished,
     /// An alarm.
     Alarm,
+    /// Cycle start was refused: nothing ran.
+    Refused,
     /// Program stop M00 or M01.
     Pause,
     /// Held by an interlock of the machine.
@@ -41,7 +43,13 @@ impl RunEnd {
         match self {
             Self::Finished => "finished",
             Self::Alarm => "alarm",
-            Self::Pause | Self::Held | Self::Waiting | Self::TimedOut | Self::Stalled | Self::Endless => "stopped",
+            Self::Refused
+            | Self::Pause
+            | Self::Held
+            | Self::Waiting
+            | Self::TimedOut
+            | Self::Stalled
+            | Self::Endless => "stopped",
         }
     }
 }
@@ -61,6 +69,7 @@ impl<S: Storage> Host<HostedSimulation, S> {
     pub fn run_program(&mut self, limits: &RunLimits, goes_on: &mut dyn FnMut(&Self) -> bool) -> RunEnd {
         let started = self.now();
         let mut moved = started;
+        let mut refused = false;
         self.send(Command::Press(Key::CycleStart));
         loop {
             self.step();
@@ -70,12 +79,13 @@ impl<S: Storage> Host<HostedSimulation, S> {
             if !goes_on(self) {
                 return RunEnd::TimedOut;
             }
+            refused |= self.now().since(started) <= self.tick_time() && self.controller().refusal().is_some();
             let young = self.now().since(started).0 < u64::from(START_TICKS) * self.tick_time().0;
             match self.controller().state() {
                 RunState::Stopped if limits.through_stops => self.send(Command::Press(Key::CycleStart)),
                 RunState::Stopped => return RunEnd::Pause,
                 RunState::Held => return RunEnd::Held,
-                RunState::Idle if !young => return RunEnd::Finished,
+                RunState::Idle if !young => return if refused { RunEnd::Refused } else { RunEnd::Finished },
                 RunState::Alarm if self.controller().is_at_rest() => return RunEnd::Alarm,
                 // A headless run has no operator who gives the input.
                 RunState::Waiting => return RunEnd::Waiting,

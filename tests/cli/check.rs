@@ -110,6 +110,16 @@ fn t4_the_time_of_a_check_is_that_of_the_run() {
     std::fs::write(folder.path().join("O0501.NC"), "G01 U-10 F60\nM81\nM30\n").unwrap();
     let out = kt830_in(folder.path(), folder.path(), &["check", "O0501.NC", "--lang", "en"]);
     assert!(said(&out).contains("5.0 s (at the programmed feeds)"), "{}", said(&out));
+    // K5.17: with P6.7 a new wheel is not dressed yet, and cycle start is refused: nothing has run.
+    std::fs::write(folder.path().join("O0502.NC"), "G01 U-10 F60\nM30\n").unwrap();
+    let told = |words: &[&str]| said(&kt830_in(folder.path(), folder.path(), &[words, &["--lang", "en"]].concat()));
+    let refused = told(&["check", "O0502.NC", "--param", "P6.7=1"]);
+    assert!(refused.contains("5.0 s (at the programmed feeds)"), "{refused}");
+    let refused = told(&["run", "O0502.NC", "--param", "P6.7=1"]);
+    assert!(refused.starts_with("stopped") && refused.contains("0 blocks"), "{refused}");
+    // P390 repeats the program: the time is that of one pass.
+    let (once, five) = (told(&["check", "O0502.NC"]), told(&["check", "O0502.NC", "--param", "P390=5"]));
+    assert!(once == five && !once.contains("at the programmed feeds"), "{once} {five}");
 }
 
 #[test]

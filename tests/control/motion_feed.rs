@@ -146,7 +146,7 @@ fn b2_slow_arcs_and_corners_keep_feed_and_tolerance() {
 fn b2_no_smooth_run_is_faster_than_its_feed() {
     let mut random = 1_u64;
     let mut next = |from: f64, to: f64| {
-        // Numerical Recipes' linear congruential generator.
+        // Knuth's linear congruential generator (MMIX).
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         from + (to - from) * ((random >> 11) as f64 / (1_u64 << 53) as f64)
     };
