@@ -1,4 +1,5 @@
-//! `kt830 check`: checks programs, page texts and pictures without running them; every error has its position.
+//! `kt830 check`: checks programs, page texts and pictures; every error has its position. A program without errors runs
+//! once on the simulated machine for its time.
 //! Source: spec tools.md T4.
 
 use std::path::Path;
@@ -12,6 +13,7 @@ use super::finished_size_check::{FinishedSizeCheck, Overshoot};
 use super::page_text_check::english_warnings;
 use super::program_places::{FileLine, ProgramPlaces};
 use super::run::RunResult;
+use super::setup::ProgramToRun;
 use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
 use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
@@ -243,12 +245,13 @@ impl<'a> FileCheck<'a> {
         let wrong = !found.checked.faults.is_empty()
             || !found.move_errors.is_empty()
             || self.duplicate_errors().next().is_some();
+        let program = ProgramToRun::Checked(self.source.number(), &self.programs);
         let run = RunArgs { program: self.path.display().to_string(), through_stops: true, parts: 1, trace: None };
-        let ran = (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run)).transpose()?;
+        let ran = (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run, program)).transpose()?;
         match &ran {
             Some(ran) if ran.end == RunEnd::Finished => found.time = CycleTime::Simulated(ran.seconds),
             None if !wrong && !self.call.ops => {
-                found.time = cycle_time(self.shared, &self.retained, &run.program, &found.checked)?;
+                found.time = cycle_time(self.shared, &self.retained, program, &found.checked)?;
             }
             Some(_) | None => {}
         }

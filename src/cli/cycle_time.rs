@@ -2,6 +2,7 @@
 //! Source: spec tools.md T4.
 
 use super::args::SharedArgs;
+use super::setup::ProgramToRun;
 use super::{CallError, setup};
 use crate::controller::PowerOnState;
 use crate::defs::param;
@@ -23,7 +24,7 @@ const LONGEST: Micros = Micros::from_millis(3_600_000);
 pub fn cycle_time(
     shared: &SharedArgs,
     retained: &PowerOnState,
-    program: &str,
+    program: ProgramToRun<'_>,
     checked: &CheckReport,
 ) -> Result<CycleTime, CallError> {
     let at_feeds = CycleTime::AtFeeds(checked.seconds);

@@ -4,8 +4,10 @@
 use std::sync::Arc;
 
 use super::args::{PlotPathArgs, SharedArgs};
+use super::run::stop_reason;
+use super::setup::ProgramToRun;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
-use crate::controller::{nc_settings, reference_points};
+use crate::controller::{nc_settings, reference_points, stored_system_variables};
 use crate::defs::param;
 use crate::hmi::path_plot::{self, PlottedLimits, RecordedMotion};
 use crate::host::headless::HeadlessHost;
@@ -29,7 +31,7 @@ const SEARCH_CHORDS: usize = 8;
 /// The call or a file is wrong, or nothing moves.
 pub fn plot_path(shared: &SharedArgs, call: &PlotPathArgs) -> Result<u8, CallError> {
     let mut host = setup::unstored_host(shared, setup::check_retained(shared)?)?;
-    let number = setup::prepare_run(&mut host, shared, &call.program)?;
+    let number = setup::prepare_run(&mut host, shared, ProgramToRun::Word(&call.program))?;
     let is_drawn =
         |at: BlockLocation| call.lines.as_ref().is_none_or(|lines| at.program == number && lines.contains(&at.line));
     let contour = ProgrammedContour::new(&host, number, is_drawn)?;
@@ -70,6 +72,12 @@ pub fn plot_path(shared: &SharedArgs, call: &PlotPathArgs) -> Result<u8, CallErr
     picture.save(out).map_err(CallError::at(format!("--out {}", out.display())))?;
     let most_um = motion.deviation.iter().copied().fold(0.0, f64::max) * 1_000.0;
     print_line(format!("{}: {seconds:.3} s, deviation up to {most_um:.1} µm", out.display()));
+    if let Some(why) = stop_reason(&mut host, end) {
+        eprintln!("kt830: stopped: {}", why.get(shared.lang));
+    }
+    for alarm in &host.snapshot().alarms {
+        eprintln!("kt830: {}", alarm.text.get(shared.lang));
+    }
     Ok(if end == RunEnd::Finished { SUCCESS } else { FAILED })
 }
 
@@ -98,6 +106,9 @@ impl ProgrammedContour {
             .with_references(reference_points(control.params()))
             .with_position(offsets.work_from_machine(control.set_point()))
             .with_work_offsets(offsets.clone());
+        for (number, value) in stored_system_variables(control.params(), host.retained().dress_points) {
+            world.set_system(number, value);
+        }
         let (mut pen, mut begun) = (world.clone(), false);
         let mut pieces: Vec<(bool, Vec<MachinePos>)> = Vec::new();
         ProgramCheck::new(&source, &library, &settings, memory).run(&mut world, &mut |block| {

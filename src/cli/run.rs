@@ -4,6 +4,7 @@
 use serde_json::{Map, Value, json};
 
 use super::args::{OutputFormat, RunArgs, SharedArgs};
+use super::setup::ProgramToRun;
 use super::trace_file::TraceFile;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::kind::Kind;
@@ -43,18 +44,22 @@ pub struct RunResult {
 /// # Errors
 /// The call or a file is wrong.
 pub fn run(shared: &SharedArgs, call: &RunArgs) -> Result<u8, CallError> {
-    let ran = run_program(shared, call)?;
+    let ran = run_program(shared, call, ProgramToRun::Word(&call.program))?;
     print_line(ran.report);
     Ok(if matches!(ran.end, RunEnd::Finished | RunEnd::Pause) && !ran.has_own_error { SUCCESS } else { FAILED })
 }
 
-/// Runs the program.
+/// Runs a program; `call` tells how, and which one if `program` is its word.
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, CallError> {
+pub fn run_program(
+    shared: &SharedArgs,
+    call: &RunArgs,
+    program: ProgramToRun<'_>,
+) -> Result<RunResult, CallError> {
     let mut host = setup::headless_host(shared)?;
-    let number = setup::prepare_run(&mut host, shared, &call.program)?;
+    let number = setup::prepare_run(&mut host, shared, program)?;
     let mut trace = call.trace.as_deref().map(|path| TraceFile::create(path, trace_header(&host))).transpose()?;
     let variables_before = host.snapshot().variables.clone();
     let started = host.now();
@@ -104,7 +109,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
 }
 
 /// Why a run stopped; at M00 the text of its MSG.
-fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
+pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
     let snapshot = host.snapshot();
     let told = snapshot.waiting_for.clone();
     match end {

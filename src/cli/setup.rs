@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::CallError;
 use super::args::SharedArgs;
-use crate::controller::PowerOnState;
+use crate::controller::{PowerOnState, Programs};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
@@ -223,12 +223,31 @@ pub fn unstored_host(shared: &SharedArgs, retained: PowerOnState) -> Result<Head
     Ok(Host::connect(shared.kind, retained, machine, storage))
 }
 
-/// Makes the machine ready for the program of a call, with its part; returns the program's number.
+/// The program of a run.
+#[derive(Clone, Copy, Debug)]
+pub enum ProgramToRun<'a> {
+    /// The word of the call: a number or name in the folder, or a file.
+    Word(&'a str),
+    /// A program that was checked, with those that it may call: a program of the folder with its number gives way.
+    Checked(u32, &'a Programs),
+}
+
+/// Makes the machine ready for a program, with its part; returns the program's number.
 ///
 /// # Errors
 /// There is no such program, or the part file cannot be read.
-pub fn prepare_run(host: &mut HeadlessHost, shared: &SharedArgs, program: &str) -> Result<u32, CallError> {
-    let number = find_program(host, program)?;
+pub fn prepare_run(
+    host: &mut HeadlessHost,
+    shared: &SharedArgs,
+    program: ProgramToRun<'_>,
+) -> Result<u32, CallError> {
+    let number = match program {
+        ProgramToRun::Word(word) => find_program(host, word)?,
+        ProgramToRun::Checked(number, programs) => {
+            host.add_programs(programs.iter().cloned().collect());
+            number
+        }
+    };
     make_ready_for(host, shared, number)?;
     host.step();
     Ok(number)

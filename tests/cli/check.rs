@@ -122,6 +122,24 @@ fn t4_the_time_of_a_check_is_that_of_the_run() {
     assert!(once == five && !once.contains("at the programmed feeds"), "{once} {five}");
 }
 
+/// The operator's copy of O1002 beside the machine's programs: the file is checked, and the file is run for its time.
+#[test]
+fn t4_the_time_is_that_of_the_file_and_not_of_a_program_with_its_number() {
+    let (data, here) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let programs = data.path().join("programs");
+    std::fs::create_dir(&programs).unwrap();
+    std::fs::write(programs.join("O1002.NC"), "G04 X50\nM30\n").unwrap();
+    std::fs::write(here.path().join("O1002.NC"), "G04 X2\nM30\n").unwrap();
+    let folder = programs.display().to_string();
+    for words in [&["check", "O1002.NC"][..], &["check", "O1002.NC", "--simulate"]] {
+        let words = [words, &["--format", "json", "--programs", &folder]].concat();
+        let out = said(&kt830_in(here.path(), data.path(), &words));
+        let told: serde_json::Value = serde_json::from_str(out.lines().next().unwrap()).unwrap();
+        let seconds = told["seconds"].as_f64().unwrap();
+        assert!(told["timing"] == "simulated" && (2.0..2.5).contains(&seconds), "{words:?} {told}");
+    }
+}
+
 #[test]
 fn s1_a_value_that_grows_in_an_endless_loop_is_no_error_of_its_line() {
     let text = "N10 G90 G94 F600\nN20 R1=0\nAA1:R1=R1+10\nN40 G1 X=R1\nN50 GOTOB AA1\nN60 M2\n";

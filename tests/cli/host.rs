@@ -330,6 +330,23 @@ fn the_answer_of_a_job_comes_with_the_programs_it_changed() {
     assert!(program_names(newest).contains(&7_200), "the first snapshot with the answer has the program");
 }
 
+/// A fault of the software in a job: the operator is told, and the next job is carried out.
+#[test]
+fn a_panic_in_a_job_ends_the_job_and_not_its_thread() {
+    let jobs = |jobs: JobRunner| jobs.with_cycle_timer(|_, _, _, _| panic!("planted"));
+    let mut bench = Bench::with(Pace::Simulated, jobs, run_until_stopped);
+    bench.until("programs", |snapshot| !snapshot.directory.is_empty());
+    for asked in 1..=2 {
+        let ticket = Ticket { requester: Requester::Graphic, number: asked };
+        bench.send(Command::Page(PageCommand::File(ticket, FileRequest::ComputeToolpath(1_001))));
+        bench.until("the answer", |snapshot| snapshot.files.answers.iter().any(|answer| answer.ticket == ticket));
+        let files = &bench.link.newest().files;
+        let last = files.answers.last().unwrap().result.clone();
+        assert!(matches!(&last, Err(Refusal::Other(said)) if said.zh().contains("内部错误")), "{last:?}");
+        assert_eq!(files.busy, None);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_serial_transfer_that_waits_is_cancelled_and_delays_no_value() {

@@ -2,6 +2,7 @@
 //! long job nor a transfer of minutes delays retained data. Detects files copied into the folders and sends the time.
 //! Source: notes "reliability", K7.3 ("copied in by the operator at any time"), L9.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -16,7 +17,7 @@ use crate::host::job_answer::ChangedFolders;
 use crate::host::job_runner::JobRunner;
 use crate::host::part::PartQuery;
 use crate::link::command::Command;
-use crate::link::files::{FileAnswer, FileRequest, Refusal};
+use crate::link::files::{FileAnswer, FileRequest, Refusal, Ticket};
 use crate::link::media::TransferSet;
 use crate::link::page_command::{PageCommand, StorageAnswer};
 use crate::store::{FolderChange, FolderWatch};
@@ -136,7 +137,10 @@ impl JobQueues {
         tell: Sender<Arrival>,
     ) -> std::io::Result<JoinHandle<()>> {
         Builder::new().name(name.into()).spawn(move || {
-            jobs.into_iter().for_each(|job| worker.run(&job, &mut |arrival| drop(tell.send(arrival))));
+            for job in jobs {
+                let mut arrived = |arrival| drop(tell.send(arrival));
+                run_guarded(&job, &mut arrived, |arrived| worker.run(&job, arrived));
+            }
         })
     }
 
@@ -152,8 +156,7 @@ impl JobQueues {
         let taken = queue.as_ref().is_some_and(|queue| queue.try_send(*job).is_ok());
         (!taken && !asked_again).then(|| {
             let busy = LocalizedText::new("上一项工作未完成，请稍候", "the previous job is not finished: wait");
-            let answer = FileAnswer::Refused(Refusal::Other(busy));
-            Arrival::Command(Command::Page(PageCommand::StorageAnswered(StorageAnswer::File(ticket, answer))))
+            refused(ticket, busy)
         })
     }
 
@@ -162,6 +165,24 @@ impl JobQueues {
         self.runners.iter().for_each(JobRunner::end);
         (self.general, self.line) = (None, None);
     }
+}
+
+/// Runs a job. A panic in it ends the job, not its thread: the control is told that it failed.
+fn run_guarded(job: &BackgroundJob, arrived: &mut dyn FnMut(Arrival), run: impl FnOnce(&mut dyn FnMut(Arrival))) {
+    if catch_unwind(AssertUnwindSafe(|| run(arrived))).is_ok() {
+        return;
+    }
+    let failed = LocalizedText::new(
+        "内部错误：该工作没有完成，请重试；再次出现时请重新启动并报告",
+        "internal error: the job was not completed; try again, and if it returns, restart and report it",
+    );
+    arrived(refused(job.ticket, failed));
+}
+
+/// The answer to a job that was not carried out.
+fn refused(ticket: Ticket, why: LocalizedText) -> Arrival {
+    let answer = FileAnswer::Refused(Refusal::Other(why));
+    Arrival::Command(Command::Page(PageCommand::StorageAnswered(StorageAnswer::File(ticket, answer))))
 }
 
 /// The state of the storage thread.
