@@ -3,6 +3,7 @@
 //! Lengths are in millimetres. Feeds are in millimetres per minute where people read them, in millimetres per second
 //! inside `motion`. Names end in the unit (`accel_mm_s2`) where no type states it.
 
+mod histogram;
 mod position;
 mod work_budget;
 
@@ -11,6 +12,7 @@ use std::ops::{Add, Index, IndexMut, Sub};
 
 use serde::{Deserialize, Serialize};
 
+pub use histogram::{Histogram, Percentiles};
 pub use position::{DisplayPos, EncoderPos, MachinePos, Position, WorkPos};
 pub use work_budget::WorkBudget;
 

@@ -25,6 +25,9 @@ pub struct Args {
     /// Open the control in a window.
     #[arg(long)]
     pub windowed: bool,
+    /// Description of a real machine [default: machine.ron in the data directory, else the simulated machine]
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
 }
 
 /// Options of every command.
@@ -109,8 +112,20 @@ pub enum CliCommand {
     Shot(ShotArgs),
     /// Run a program and draw its path: contour, band, speed, acceleration, jerk
     PlotPath(PlotPathArgs),
+    /// Look at the field bus of a real machine: devices, inputs, drives; nothing is switched on
+    Bus(BusArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
     Codes,
+}
+
+/// `kt830 bus`
+#[derive(Debug, ClapArgs)]
+pub struct BusArgs {
+    /// Description of the machine
+    pub machine: PathBuf,
+    /// How long to watch, seconds
+    #[arg(long = "for", value_name = "SECONDS", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=86_400))]
+    pub seconds: u32,
 }
 
 /// `kt830 demo`

@@ -247,7 +247,8 @@ impl<'a> FileCheck<'a> {
             || self.duplicate_errors().next().is_some();
         let program = ProgramToRun::Checked(self.source.number(), &self.programs);
         let run = RunArgs { program: self.path.display().to_string(), through_stops: true, parts: 1, trace: None };
-        let ran = (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run, program)).transpose()?;
+        let ran =
+            (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run, program)).transpose()?;
         match &ran {
             Some(ran) if ran.end == RunEnd::Finished => found.time = CycleTime::Simulated(ran.seconds),
             None if !wrong && !self.call.ops => {

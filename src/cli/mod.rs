@@ -2,6 +2,8 @@
 //! Source: spec tools.md T1–T6.
 
 mod args;
+#[cfg(target_os = "linux")]
+mod bus;
 mod check;
 mod codes;
 mod cycle_time;
@@ -59,12 +61,23 @@ pub fn main() -> ExitCode {
 
 /// Executes the command; returns the exit status.
 fn execute(args: Args) -> Result<u8, CallError> {
+    let machine = args.machine.as_deref();
+    if let (Some(file), Some(_)) = (machine, &args.verb) {
+        return Err(CallError::new(format!(
+            "--machine {}: only the control itself runs a real machine; `kt830 bus FILE` looks at it",
+            file.display()
+        )));
+    }
     let shared = setup::resolve_settings(args.shared, args.verb.is_none())?;
     match &args.verb {
         Some(CliCommand::Run(call)) => run::run(&shared, call),
         Some(CliCommand::Check(call)) => check::check(&shared, call),
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
         Some(CliCommand::Codes) => Ok(codes::codes(&shared)),
+        #[cfg(target_os = "linux")]
+        Some(CliCommand::Bus(call)) => bus::bus(&shared, call),
+        #[cfg(not(target_os = "linux"))]
+        Some(CliCommand::Bus(_)) => Err(CallError::new("a field bus needs Linux")),
         Some(CliCommand::Play(call)) => play::play(&shared, call),
         Some(CliCommand::Demo(call)) => demo::demo(&shared, call),
         #[cfg(feature = "hmi")]
@@ -72,7 +85,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         #[cfg(feature = "hmi")]
         Some(CliCommand::PlotPath(call)) => plot_path::plot_path(&shared, call),
         #[cfg(feature = "hmi")]
-        None => window::open(&shared, !args.windowed),
+        None => window::open(&shared, machine, !args.windowed),
         #[cfg(not(feature = "hmi"))]
         Some(CliCommand::Shot(_) | CliCommand::PlotPath(_)) | None => Err(CallError::new(
             "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",

@@ -12,6 +12,7 @@ use crate::defs::kind::Kind;
 use crate::defs::sim_fault::{FAULTS, FaultRow};
 use crate::defs::text::Lang;
 use crate::host::headless::HeadlessHost;
+use crate::host::simulated::HostedSimulation;
 use crate::host::storage::DirectStorage;
 use crate::io::trace;
 use crate::link::snapshot::Tone;
@@ -59,6 +60,7 @@ struct TracedStage {
 }
 
 impl Stage for TracedStage {
+    type Machine = HostedSimulation;
     type Storage = DirectStorage;
 
     fn host(&mut self) -> &mut HeadlessHost {

@@ -53,11 +53,7 @@ pub fn run(shared: &SharedArgs, call: &RunArgs) -> Result<u8, CallError> {
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn run_program(
-    shared: &SharedArgs,
-    call: &RunArgs,
-    program: ProgramToRun<'_>,
-) -> Result<RunResult, CallError> {
+pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_>) -> Result<RunResult, CallError> {
     let mut host = setup::headless_host(shared)?;
     let number = setup::prepare_run(&mut host, shared, program)?;
     let mut trace = call.trace.as_deref().map(|path| TraceFile::create(path, trace_header(&host))).transpose()?;

@@ -1,6 +1,8 @@
 //! Creates a control with its machine from the arguments of the call.
 
 use std::path::Path;
+#[cfg(feature = "hmi")]
+use std::path::PathBuf;
 
 use super::CallError;
 use super::args::SharedArgs;
@@ -21,6 +23,14 @@ use crate::host::simulated::HostedSimulation;
 use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
 #[cfg(feature = "hmi")]
 use crate::host::storage::{StorageWorker, ThreadedStorage};
+#[cfg(target_os = "linux")]
+use crate::io::ethercat::EtherCat;
+#[cfg(target_os = "linux")]
+use crate::io::fieldbus::FieldBusMachine;
+#[cfg(target_os = "linux")]
+use crate::io::fieldbus::bus_fault::BusFault;
+#[cfg(target_os = "linux")]
+use crate::io::fieldbus::description::MachineDescription;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file};
@@ -184,6 +194,50 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
     shared.data.is_some().then(|| data_dir(shared)).transpose()
 }
 
+/// Name of the description of the machine in a data directory.
+#[cfg(feature = "hmi")]
+const MACHINE_FILE: &str = "machine.ron";
+
+/// The file that describes the real machine: that of the call, otherwise the one in the data directory.
+///
+/// # Errors
+/// The data directory cannot be read.
+#[cfg(feature = "hmi")]
+pub fn machine_file(shared: &SharedArgs, named: Option<&Path>) -> Result<Option<PathBuf>, CallError> {
+    if let Some(file) = named {
+        return Ok(Some(file.to_path_buf()));
+    }
+    let installed = data_dir(shared)?.root().join(MACHINE_FILE);
+    Ok(installed.exists().then_some(installed))
+}
+
+/// Reads the description of a real machine.
+///
+/// # Errors
+/// The file cannot be read, or a value in it is wrong.
+#[cfg(target_os = "linux")]
+pub fn read_description(file: &Path) -> Result<MachineDescription, CallError> {
+    let text = read_text("machine description", file)?;
+    MachineDescription::parse(&text).map_err(CallError::at(file.display()))
+}
+
+/// Opens the field bus of a machine. What is missing there is no error here: the machine stands and reports it.
+///
+/// # Errors
+/// The process has opened a bus before.
+#[cfg(target_os = "linux")]
+pub fn open_bus(description: MachineDescription) -> Result<FieldBusMachine<EtherCat>, CallError> {
+    let bus = EtherCat::new(&description.ethercat).ok_or_else(|| CallError::new("the field bus is open already"))?;
+    let machine = FieldBusMachine::open(description, bus);
+    if machine.fault() == Some(BusFault::NoPermission) {
+        eprintln!(
+            "kt830: no permission for the network: `sudo setcap cap_net_raw,cap_sys_nice,cap_ipc_lock=ep {}` gives it without root",
+            std::env::current_exe().unwrap_or_default().display()
+        );
+    }
+    Ok(machine)
+}
+
 /// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.
 fn simulated(shared: &SharedArgs, params: &Params, view_interval: Micros) -> Result<HostedSimulation, CallError> {
     let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
@@ -236,11 +290,7 @@ pub enum ProgramToRun<'a> {
 ///
 /// # Errors
 /// There is no such program, or the part file cannot be read.
-pub fn prepare_run(
-    host: &mut HeadlessHost,
-    shared: &SharedArgs,
-    program: ProgramToRun<'_>,
-) -> Result<u32, CallError> {
+pub fn prepare_run(host: &mut HeadlessHost, shared: &SharedArgs, program: ProgramToRun<'_>) -> Result<u32, CallError> {
     let number = match program {
         ProgramToRun::Word(word) => find_program(host, word)?,
         ProgramToRun::Checked(number, programs) => {

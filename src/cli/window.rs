@@ -1,5 +1,6 @@
 //! Opens the control in a window (T1), and shows a control on a thread.
 
+use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use super::args::SharedArgs;
@@ -8,18 +9,51 @@ use super::{CallError, SUCCESS, setup};
 use crate::defs::param::Params;
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
+#[cfg(target_os = "linux")]
+use crate::host::field_machine::HostedFieldBus;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::link::HostLink;
 use crate::host::part::PartRule;
 use crate::host::thread::{run_until_stopped, start};
 use crate::link::{Command, Snapshot};
 
-/// Opens the control (T1); returns when the window is closed. The machine is chosen here.
+/// Opens the control (T1); returns when the window is closed. The machine is chosen here: that of a description, never
+/// another one in its place; without a description the simulated one.
 ///
 /// # Errors
-/// There is no display, or data and folders cannot be opened.
-pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
-    open_with(setup::simulated_for_display, shared, fullscreen)
+/// There is no display, data and folders cannot be opened, or the description of the machine is wrong.
+pub fn open(shared: &SharedArgs, machine: Option<&Path>, fullscreen: bool) -> Result<u8, CallError> {
+    let Some(file) = setup::machine_file(shared, machine)? else {
+        return open_with(setup::simulated_for_display, shared, fullscreen);
+    };
+    open_real(shared, &file, fullscreen)
+}
+
+/// Opens the control on a real machine.
+#[cfg(target_os = "linux")]
+fn open_real(shared: &SharedArgs, file: &Path, fullscreen: bool) -> Result<u8, CallError> {
+    if !shared.params.is_empty() || !shared.sets.is_empty() {
+        return Err(CallError::new(
+            "--param and --set: the values of a real machine are changed on its pages, with their passwords",
+        ));
+    }
+    let description = setup::read_description(file)?;
+    if description.kind != shared.kind {
+        return Err(CallError::new(format!(
+            "{}: a machine of kind {}; the control is set to {}: call it with --kind {}",
+            file.display(),
+            description.kind.id(),
+            shared.kind.id(),
+            description.kind.id()
+        )));
+    }
+    let machine = setup::open_bus(description)?;
+    open_with(move |_, _| Ok(HostedFieldBus::new(machine)), shared, fullscreen)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open_real(_shared: &SharedArgs, file: &Path, _fullscreen: bool) -> Result<u8, CallError> {
+    Err(CallError::new(format!("{}: a field bus needs Linux", file.display())))
 }
 
 /// Opens the control on a machine.

@@ -112,6 +112,12 @@ impl Controller {
         self.plant.raise(number, detail);
     }
 
+    /// The bus is lost, or differs from its description: what is wrong is the detail of the alarm, the newest counts.
+    pub fn report_bus_fault(&mut self, detail: LocalizedText) {
+        self.plant.alarms.complete(alarm::BUS_LOST, detail.clone());
+        self.plant.raise(alarm::BUS_LOST, Some(detail));
+    }
+
     /// The control is to end. What moves brakes by an alarm that stops everything; the place of an open run is kept as
     /// at a power cut.
     pub fn begin_end(&mut self) {

@@ -6,6 +6,7 @@ pub mod alarm;
 pub mod alarm_history;
 pub mod availability;
 pub mod date;
+pub mod device_state;
 pub mod dialect;
 pub mod dialect_word;
 pub mod equipment;

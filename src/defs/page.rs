@@ -132,6 +132,9 @@ pages! {
     Settings = "settings", ANY, "设置", "settings", row 3, key 3 4 "设置" "SETTINGS",
         "时钟（日期、时间）、语言、颜色、亮度、开关、密码、机型。", "The clock (date and time), language, colours, brightness, switches, passwords, kind of machine.",
         "密码每级一个；机型下次开机生效。", "One password per level; the kind takes effect at the next power-on.";
+    Bus = "bus", ANY, "总线", "field bus", row 4, key 4 2 "总线" "BUS",
+        "真实机床的 EtherCAT 总线：每个设备的状态，驱动器，丢失的报文，周期和唤醒时间。", "The EtherCAT network of a real machine: state of each device and drive, lost frames, times of cycle and wake-up.",
+        "总线故障（报警 402）时看哪个设备不在 OP。接好后按复位。翻页键看其余设备。模拟机床没有总线。", "After a bus fault (alarm 402) look which device is not in OP; RESET when it is back. PAGE keys show more devices. A simulated machine has no bus.";
     Simulator = "simulator", ANY, "模拟", "simulator", row 4, key 4 1 "模拟" "SIMULATOR",
         "模拟的机床：砂轮、工件、信号和故障，用于培训和试程序。", "The simulated machine: wheel, part, signals and faults, for training and for testing programs.",
         "换工件、强制输入、加故障。接真实机床时没有此页内容。", "Change the part, force inputs, add faults. Empty on a real machine.";

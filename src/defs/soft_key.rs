@@ -98,7 +98,7 @@ pub struct SoftKey {
     pub action: SoftKeyAction,
 }
 
-/// Number of rows that ▶ switches through; the simulator row is the last.
+/// Number of rows that ▶ switches through; the row of simulator and bus is the last.
 pub const ROWS: usize = 5;
 
 /// The keys that do not stand in the row of a page: row and place, as there.
@@ -150,8 +150,8 @@ pub const fn key_of_page(page: Page, coordinates: CoordinateView) -> SoftKeyActi
     }
 }
 
-/// The number of rows: without a simulated machine the last row is omitted (P1).
+/// The number of rows: the last one is for a simulated machine (P1) or a field bus, and omitted without them.
 #[must_use]
-pub const fn row_count(simulated: bool) -> usize {
-    if simulated { ROWS } else { ROWS - 1 }
+pub const fn row_count(has_last: bool) -> usize {
+    if has_last { ROWS } else { ROWS - 1 }
 }

@@ -239,7 +239,7 @@ pub enum SoftKeyPress {
 
 /// Number of soft key rows of this machine.
 pub const fn soft_key_row_count(view: &View<'_>) -> usize {
-    soft_key::row_count(view.snapshot.simulated.is_some())
+    soft_key::row_count(view.snapshot.simulated.is_some() || view.snapshot.bus.is_some())
 }
 
 /// The soft keys of a row as they act now.

@@ -54,8 +54,7 @@ compared_fields! {
     axes: |old, new, _| axes_differ(old, new);
     program: |old, new, _| program_differs(old, new);
     single_block: differ;
-    handwheel_axis: differ;
-    handwheel_step_mm: differ;
+    handwheel: differ;
     feed_override: differ;
     rapid_override: differ;
     spindle_override: differ;
@@ -94,9 +93,12 @@ compared_fields! {
     alarm_history: |old, new, _| old.version() != new.version();
     leadscrews: on(FieldGroup::Leadscrews, differ);
     params: replaced;
-    // Without a simulated machine every page has one row of soft keys less.
+    // Without a simulated machine and a bus every page has one row of soft keys less.
     simulated: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Simulated) && old != new
+    };
+    bus: |old, new, page| {
+        old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
     };
     stock: on(FieldGroup::Stock, differ);
     files: replaced;

@@ -6,9 +6,11 @@ use std::sync::Arc;
 use super::pace::Pace;
 use crate::defs::param::Params;
 use crate::io::Backend;
-use crate::io::sim::PartFile;
+use crate::io::fieldbus::bus_fault::BusFault;
+use crate::io::sim::{PartFile, SimulatedMachine};
+use crate::link::bus::BusView;
 use crate::link::simulation::{SimCommand, SimView};
-use crate::units::Micros;
+use crate::units::{Histogram, Micros};
 
 /// A machine under a host. A field bus implements the duties of a simulated machine with empty bodies: nothing is
 /// inherited, so that no duty is forgotten.
@@ -25,4 +27,10 @@ pub trait HostedMachine: Backend {
     fn simulate(&mut self, command: SimCommand);
     /// What the simulator page shows at `now`; `None` without a simulated machine.
     fn view(&mut self, now: Micros) -> Option<Arc<SimView>>;
+    /// The simulated machine, if it is one.
+    fn simulation(&mut self) -> Option<&mut SimulatedMachine>;
+    /// What the bus page shows at `now`, with the times of the thread's wake-ups; `None` without a bus.
+    fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>>;
+    /// What is wrong with its bus, once when it comes; `None` without a bus.
+    fn take_bus_fault(&mut self) -> Option<BusFault>;
 }

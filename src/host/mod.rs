@@ -7,6 +7,7 @@ pub mod bar;
 pub mod clock;
 pub mod control_end;
 pub mod cycle_time;
+pub mod field_machine;
 pub mod folders;
 pub mod headless;
 pub mod headless_run;
@@ -41,14 +42,14 @@ use crate::defs::date::DateTime;
 use crate::defs::kind::Kind;
 use crate::defs::signal::Terminals;
 use crate::defs::text::LocalizedText;
-use crate::io::sim::PartFile;
+use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::trace::TraceRow;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
 use crate::link::page_command::{PageCommand, StorageAnswer};
 use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
 use crate::nc::Source;
-use crate::units::Micros;
+use crate::units::{Histogram, Micros};
 
 use hosted_machine::HostedMachine;
 use pace::Pace;
@@ -105,6 +106,8 @@ pub struct Host<P, S> {
     outputs: OutputImage,
     now: Micros,
     powered: bool,
+    /// How late its thread wakes up; nothing of a host that is stepped.
+    wake_ups: Histogram,
     snapshot: Snapshot,
 }
 
@@ -138,6 +141,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             outputs: OutputImage::default(),
             now,
             powered: true,
+            wake_ups: Histogram::default(),
             snapshot: Snapshot::new(kind),
         };
         host.take_arrivals();
@@ -178,6 +182,9 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     fn step_with(&mut self, tick: impl FnOnce(&mut Controller, Micros, &InputImage, &[Command]) -> OutputImage) {
         self.now = self.now + self.controller.tick_time();
         self.image = self.plant.read(self.now);
+        if let Some(fault) = self.plant.take_bus_fault() {
+            self.controller.report_bus_fault(fault.text());
+        }
         if !self.powered {
             self.take_arrivals();
             self.inbox.clear();
@@ -308,6 +315,11 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.part.changes
     }
 
+    /// The simulated machine, if it is one.
+    pub fn simulation(&mut self) -> Option<&mut SimulatedMachine> {
+        self.plant.simulation()
+    }
+
     /// Cuts the power at this tick: all outputs go off.
     pub fn power_cut(&mut self) {
         self.powered = false;
@@ -362,6 +374,17 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         drop(catch_unwind(AssertUnwindSafe(|| self.plant.write(self.now, &self.outputs))));
     }
 
+    /// The machine gets the safe image on, and nothing else, for another tick.
+    pub fn hold_safe_image(&mut self) {
+        self.now = self.now + self.controller.tick_time();
+        let (plant, now, outputs) = (&mut self.plant, self.now, &self.outputs);
+        // A machine that fails in this has its watchdogs left.
+        drop(catch_unwind(AssertUnwindSafe(|| {
+            plant.read(now);
+            plant.write(now, outputs);
+        })));
+    }
+
     /// The control is to end: what moves brakes in the next ticks, and the place of an open run is kept.
     pub fn begin_end(&mut self) {
         self.controller.begin_end();
@@ -380,6 +403,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     pub fn snapshot_into(&mut self, into: &mut Snapshot) {
         self.controller.snapshot(into);
         into.simulated = self.plant.view(self.now);
+        into.bus = self.plant.bus_view(self.now, &self.wake_ups);
         if !self.powered {
             into.clear_for_power_off();
         }
@@ -389,6 +413,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
         self.snapshot.simulated = self.plant.view(self.now);
+        self.snapshot.bus = self.plant.bus_view(self.now, &self.wake_ups);
         if !self.powered {
             self.snapshot.clear_for_power_off();
         }

@@ -10,10 +10,12 @@ use crate::defs::page_meaning::SizeKind;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
+use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::sim::{PartFile, PartReport, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
+use crate::link::bus::BusView;
 use crate::link::simulation::{PartSize, SimCommand, SimView};
-use crate::units::Micros;
+use crate::units::{Histogram, Micros};
 
 /// Maximum number of events shown.
 const MAX_EVENTS: usize = 6;
@@ -167,5 +169,17 @@ impl HostedMachine for HostedSimulation {
             }
         }
         Some(Arc::clone(&self.view))
+    }
+
+    fn simulation(&mut self) -> Option<&mut SimulatedMachine> {
+        Some(&mut self.machine)
+    }
+
+    fn bus_view(&mut self, _now: Micros, _wake_ups: &Histogram) -> Option<Arc<BusView>> {
+        None
+    }
+
+    fn take_bus_fault(&mut self) -> Option<BusFault> {
+        None
     }
 }

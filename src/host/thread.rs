@@ -15,7 +15,7 @@ use super::Host;
 use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
-use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
+use super::pace::{Pace, TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
 use crate::defs::alarm;
 use crate::link::command::Command;
@@ -28,6 +28,8 @@ const COMMAND_QUEUE: usize = 256;
 const URGENT_QUEUE: usize = 16;
 /// Longest wait for the axes at the end of the control.
 const MAX_BRAKING: Micros = Micros::from_millis(3_000);
+/// How long a real machine gets the safe image at the end of the control.
+const SAFE_IMAGE_TIME: Micros = Micros::from_millis(500);
 /// Snapshots a second.
 const SNAPSHOTS_PER_SECOND: u64 = 60;
 
@@ -81,6 +83,7 @@ where
         thread.guard(script);
         thread.guard(HostThread::bring_to_rest);
         thread.host.leave_safe();
+        thread.hold_safe_image();
         thread.guard(|thread| thread.host.close());
         thread.end.set_ended();
     })?;
@@ -125,6 +128,20 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         }
     }
 
+    /// A real machine gets the safe image until its drives are off and its brakes hold; after a failure of the control
+    /// until the control is ended.
+    fn hold_safe_image(&mut self) {
+        if self.host.plant.pace() == Pace::Simulated {
+            return;
+        }
+        let mut left = SAFE_IMAGE_TIME.0 / self.host.tick_time().0.max(1);
+        while left > 0 || !self.end.is_requested() {
+            left = left.saturating_sub(1);
+            self.pace();
+            self.host.hold_safe_image();
+        }
+    }
+
     /// Runs a step; a panic in it stops the thread and is shown on the screen.
     fn guard(&mut self, step: impl FnOnce(&mut Self)) {
         if catch_unwind(AssertUnwindSafe(|| step(self))).is_err() {
@@ -136,7 +153,9 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         let tick = Duration::from_micros(self.host.tick_time().0);
         let Some(due) = self.schedule.next_due(tick) else { return };
         sleep_until(self.started + due);
-        match self.schedule.woke_up(self.started.elapsed(), tick) {
+        let woke = self.started.elapsed();
+        self.host.wake_ups.add(Micros(woke.saturating_sub(due).as_micros() as u64));
+        match self.schedule.woke_up(woke, tick) {
             WakeUp::OnTime => return,
             WakeUp::Late => {}
             WakeUp::TooOftenLate => self.host.controller.report_alarm(alarm::LATE_TICKS, None),

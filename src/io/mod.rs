@@ -3,13 +3,18 @@
 //! A [`Backend`] is the simulated machine or a field bus; the control does not know which.
 //! Source: spec P1–P8, style "time and hardware are arguments".
 
+pub mod drive;
+#[cfg(target_os = "linux")]
+pub mod ethercat;
+pub mod fieldbus;
 pub mod random;
 pub mod sim;
 pub mod trace;
 
+use self::drive::DriveState;
 use crate::defs::param::Params;
 use crate::defs::signal::Terminals;
-use crate::units::{EncoderPos, Micros};
+use crate::units::{EncoderPos, Micros, PerAxis};
 
 /// The inputs of one tick, from the machine to the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +28,8 @@ pub struct InputImage {
     pub spindle_turns: f64,
     /// Handwheel detents since the last tick, positive clockwise.
     pub handwheel_detents: i32,
+    /// State of the drive of each axis.
+    pub drives: PerAxis<DriveState>,
     /// Whether the bus answered in this tick. If not, the other fields hold the last known values.
     pub bus_alive: bool,
 }
@@ -34,8 +41,10 @@ pub struct OutputImage {
     pub terminals: Terminals,
     /// Set-point of each axis in the encoder's frame, mm of slide travel.
     pub set_point_mm: EncoderPos,
-    /// Whether the drives are on. If off, the brakes hold the axes.
+    /// Whether the drives are to be on. If off, the brakes hold the axes.
     pub drives_on: bool,
+    /// RESET in this tick: drives in a fault are to be reset, and a bus that was lost is set up again.
+    pub fault_reset: bool,
     /// First analog output: speed of the wheel (of the main spindle on a lathe), 0…10 V.
     pub wheel_volts: f64,
     /// Second analog output (`M63 S`), 0…10 V.

@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::drive::DriveState;
 use super::{InputImage, OutputImage};
 use crate::units::Micros;
 
@@ -18,8 +19,8 @@ pub struct TraceRow {
 }
 
 /// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,bus_alive,\
-outputs,set_x,set_y,set_z,drives_on,wheel_volts,analog_2_volts";
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,\
+outputs,set_x,set_y,set_z,drives_on,fault_reset,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -27,7 +28,10 @@ impl fmt::Display for TraceRow {
         let [ex, ey, ez] = i.encoder_mm.coordinates();
         let [sx, sy, sz] = o.set_point_mm.coordinates();
         write!(f, "{},{:x},{ex},{ey},{ez},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
-        write!(f, "{},{},{:x},", i.handwheel_detents, u8::from(i.bus_alive), o.terminals.0)?;
-        write!(f, "{sx},{sy},{sz},{},{},{}", u8::from(o.drives_on), o.wheel_volts, o.analog_2_volts)
+        let [dx, dy, dz] = i.drives.0.map(DriveState::trace_number);
+        write!(f, "{},{dx},{dy},{dz},{},", i.handwheel_detents, u8::from(i.bus_alive))?;
+        write!(f, "{:x},{sx},{sy},{sz},", o.terminals.0)?;
+        let (on, reset) = (u8::from(o.drives_on), u8::from(o.fault_reset));
+        write!(f, "{on},{reset},{},{}", o.wheel_volts, o.analog_2_volts)
     }
 }

@@ -1,6 +1,7 @@
 //! Everything that the control screen and the core share: commands in, the newest snapshot out.
 //! Neither side calls the other: a page cannot call the core, the core cannot call a page.
 
+pub mod bus;
 pub mod command;
 pub mod edit;
 pub mod files;

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::bus::BusView;
 use super::command::{Command, ScreenFiles, Screens};
 use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
@@ -221,6 +222,15 @@ pub struct CycleView {
     pub part: Option<PartResult>,
 }
 
+/// What the handwheel moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandwheelView {
+    /// The axis.
+    pub axis: Axis,
+    /// Displayed way of a detent, and of a step in mode STEP, mm.
+    pub step_mm: f64,
+}
+
 /// Everything that a page can show.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
@@ -248,10 +258,8 @@ pub struct Snapshot {
     pub program: ProgramView,
     /// Single block is on.
     pub single_block: bool,
-    /// Axis selected for the handwheel.
-    pub handwheel_axis: Axis,
-    /// Step of a handwheel detent, mm as displayed.
-    pub handwheel_step_mm: f64,
+    /// The handwheel.
+    pub handwheel: HandwheelView,
     /// Feed override, percent.
     pub feed_override: u16,
     /// Rapid override, percent (0 is F0).
@@ -310,6 +318,8 @@ pub struct Snapshot {
     pub params: Arc<Params>,
     /// The simulated machine, if the machine is simulated.
     pub simulated: Option<Arc<SimView>>,
+    /// The field bus, if the machine is a real one.
+    pub bus: Option<Arc<BusView>>,
     /// Boxes of the workpiece and its fixture, as far as known.
     pub stock: Arc<[StockBox]>,
     /// Results of file requests and long calculations; the `Arc` is replaced only on a change.
@@ -455,8 +465,7 @@ impl Snapshot {
             axes: PerAxis::default(),
             program: ProgramView::default(),
             single_block: false,
-            handwheel_axis: Axis::X,
-            handwheel_step_mm: 0.001,
+            handwheel: HandwheelView { axis: Axis::X, step_mm: 0.001 },
             feed_override: 100,
             rapid_override: 100,
             spindle_override: 100,
@@ -486,6 +495,7 @@ impl Snapshot {
             date: None,
             params: Arc::new(Params::factory(kind)),
             simulated: None,
+            bus: None,
             stock: Arc::from([]),
             files: Arc::default(),
             access: AccessView::default(),

@@ -65,6 +65,8 @@ pub struct ControlState {
     pub alarm_blocks: bool,
     /// The drives are off after a stop-all alarm.
     pub drives_off: bool,
+    /// The drives are to be on, and not every one follows yet.
+    pub drives_switching: bool,
     /// An axis oscillates by servo while no run is open; in an open run, by the key.
     pub oscillating: bool,
     /// Machine lock is on.

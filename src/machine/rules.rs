@@ -103,6 +103,8 @@ rules! {
         => Deny, "急停中，松开急停并复位", "emergency stop: release it and press RESET";
     row: "B5", motion, |inputs| inputs.control_state.drives_off
         => Deny, "驱动已断开，排除报警后按复位", "the drives are off: clear the alarm and press RESET";
+    row: "B5", motion, |inputs| inputs.control_state.drives_switching
+        => Deny, "驱动正在接通，请稍候", "the drives are switching on: wait";
     row: "B5", |request| matches!(request, Request::HomeAxes), |inputs| inputs.control_state.machine_lock
         => Deny, "机床锁中不能回零", "machine lock: no homing";
     row: "K4.3", |request| matches!(request, Request::HomeAxes), |inputs| inputs.control_state.oscillating

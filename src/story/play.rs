@@ -14,7 +14,7 @@ use crate::host::part::PartRule;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::{DirectStorage, Storage};
 use crate::host::thread::HostThread;
-use crate::io::sim::PartFile;
+use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
@@ -41,10 +41,12 @@ pub type PageReader = Box<dyn Fn(&Snapshot) -> Vec<String>>;
 
 /// What a story is played on: a host that is stepped, or one turn of a host on a thread.
 pub trait Stage {
+    /// Machine of the host.
+    type Machine: HostedMachine;
     /// Storage of the host.
     type Storage: Storage;
     /// The host.
-    fn host(&mut self) -> &mut Host<HostedSimulation, Self::Storage>;
+    fn host(&mut self) -> &mut Host<Self::Machine, Self::Storage>;
     /// One tick.
     fn step(&mut self);
     /// Whether the story is to end: the operator has touched the screen (demo), or the time is over.
@@ -52,6 +54,7 @@ pub trait Stage {
 }
 
 impl Stage for HeadlessHost {
+    type Machine = HostedSimulation;
     type Storage = DirectStorage;
 
     fn host(&mut self) -> &mut Self {
@@ -67,10 +70,11 @@ impl Stage for HeadlessHost {
     }
 }
 
-impl<S: Storage> Stage for HostThread<HostedSimulation, S> {
+impl<P: HostedMachine, S: Storage> Stage for HostThread<P, S> {
+    type Machine = P;
     type Storage = S;
 
-    fn host(&mut self) -> &mut Host<HostedSimulation, S> {
+    fn host(&mut self) -> &mut Host<P, S> {
         Self::host(self)
     }
 
@@ -114,7 +118,7 @@ impl<'a, G: Stage> Player<'a, G> {
 
     /// The host.
     #[must_use]
-    pub fn host(&mut self) -> &mut Host<HostedSimulation, G::Storage> {
+    pub fn host(&mut self) -> &mut Host<G::Machine, G::Storage> {
         self.stage.host()
     }
 
@@ -161,11 +165,11 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),
             Statement::Fault(text) => {
-                self.host().machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
+                self.simulated()?.inject_fault(text).map_err(|error| error.to_string())?;
                 self.wait_for_answer()
             }
             Statement::FaultOff(text) => {
-                self.host().machine_mut().clear_fault(text).map_err(|error| error.to_string())?;
+                self.simulated()?.clear_fault(text).map_err(|error| error.to_string())?;
                 self.wait_for_answer()
             }
             Statement::FaultList => Ok(()),
@@ -175,13 +179,19 @@ impl<'a, G: Stage> Player<'a, G> {
             }
             Statement::WaitUntil(until, most) => self.wait_until(*until, Micros::from_secs_f64(*most)),
             Statement::Seed(seed) => {
-                self.host().reseed(*seed);
+                self.simulated()?.reseed(*seed);
                 Ok(())
             }
             Statement::Part(file) => self.part(file),
             Statement::Screw(axis, file) => self.screw(*axis, file),
             Statement::Expect(expectation) => self.expect(expectation),
         }
+    }
+
+    /// The simulated machine: part, faults and inputs of a real one are not ours.
+    fn simulated(&mut self) -> Result<&mut SimulatedMachine, String> {
+        let missing = || "only the simulated machine has this".to_owned();
+        self.host().simulation().ok_or_else(missing)
     }
 
     fn power_on(&mut self) -> Result<(), String> {
@@ -199,7 +209,7 @@ impl<'a, G: Stage> Player<'a, G> {
 
     fn force_input(&mut self, name: &str, force: InputForce) -> Result<(), String> {
         let level = if let InputForce::To(on) = force { Some(on) } else { None };
-        self.host().machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
+        self.simulated()?.force_input(name, level).map_err(|error| error.to_string())?;
         self.ticks(INPUT_TICKS);
         Ok(())
     }
@@ -287,7 +297,7 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     /// Runs until the condition is true; returns false after the timeout or a touch.
-    fn run_until(&mut self, most: Micros, done: impl Fn(&mut Host<HostedSimulation, G::Storage>) -> bool) -> bool {
+    fn run_until(&mut self, most: Micros, done: impl Fn(&mut Host<G::Machine, G::Storage>) -> bool) -> bool {
         let end = self.host().now() + most;
         while !done(self.host()) {
             if self.host().now() >= end || self.stage.is_interrupted() {
@@ -348,7 +358,7 @@ impl<'a, G: Stage> Player<'a, G> {
         for axis in axes {
             self.press(Key::from_jog(axis, true))?;
         }
-        let homing = |host: &mut Host<HostedSimulation, G::Storage>| host.controller().state() != RunState::Homing;
+        let homing = |host: &mut Host<G::Machine, G::Storage>| host.controller().state() != RunState::Homing;
         if !self.run_until(HOMING_TIMEOUT, homing) {
             return Err("homing did not end".to_owned());
         }
@@ -413,10 +423,10 @@ impl<'a, G: Stage> Player<'a, G> {
                 Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh())),
             },
             Expectation::Event(kind) => {
-                let seen: Vec<_> = self.host().machine().events().iter().map(|event| event.kind).collect();
+                let seen: Vec<_> = self.simulated()?.events().iter().map(|event| event.kind).collect();
                 if seen.contains(kind) { Ok(()) } else { Err(format!("events: {seen:?}")) }
             }
-            Expectation::NoEvent => match self.host().machine().events().first() {
+            Expectation::NoEvent => match self.simulated()?.events().first() {
                 None => Ok(()),
                 Some(event) => Err(format!("event {} at {:.3} s on {}", event.kind.id(), event.seconds, event.place)),
             },
@@ -455,9 +465,9 @@ impl<'a, G: Stage> Player<'a, G> {
                 }
             }
             Quantity::Wear(number, axis) => self.host().controller().wear(number, axis),
-            Quantity::PartDiameter(z) => self.host().machine().diameter_at(z),
-            Quantity::PartFace(x) => self.host().machine().face_at(x, None),
-            Quantity::PartHeight(x, z) => self.host().machine().height_at(x, z),
+            Quantity::PartDiameter(z) => self.simulated()?.diameter_at(z),
+            Quantity::PartFace(x) => self.simulated()?.face_at(x, None),
+            Quantity::PartHeight(x, z) => self.simulated()?.height_at(x, z),
         };
         match found {
             // 1e-9 compensates binary rounding of the tolerance.

@@ -24,15 +24,17 @@ use kt830::host::retained_store::RetainedStore;
 use kt830::host::simulated::HostedSimulation;
 use kt830::host::storage::{DirectStorage, RetainedWorker, StorageWorker, ThreadedStorage};
 use kt830::host::thread::{HostThread, run_until_stopped, start};
+use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
+use kt830::link::bus::BusView;
 use kt830::link::files::{FileAnswer, FileRequest, Refusal, Requester, Ticket};
 use kt830::link::media::{Direction, TransferRequest, TransferSet};
 use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::link::simulation::{SimCommand, SimView};
 use kt830::link::{Command, Snapshot};
 use kt830::story::{Player, Stage, parse};
-use kt830::units::Micros;
+use kt830::units::{Histogram, Micros};
 use tempfile::TempDir;
 
 /// How long a test waits for what must come.
@@ -126,6 +128,18 @@ impl HostedMachine for NotedPlant {
 
     fn view(&mut self, now: Micros) -> Option<Arc<SimView>> {
         self.plant.view(now)
+    }
+
+    fn simulation(&mut self) -> Option<&mut SimulatedMachine> {
+        self.plant.simulation()
+    }
+
+    fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>> {
+        self.plant.bus_view(now, wake_ups)
+    }
+
+    fn take_bus_fault(&mut self) -> Option<BusFault> {
+        self.plant.take_bus_fault()
     }
 }
 

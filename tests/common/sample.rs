@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use kt830::defs::alarm::{ALARMS, Alarm};
 use kt830::defs::alarm_history::{AlarmEnd, AlarmHistory, PastAlarm};
 use kt830::defs::date::DateTime;
+use kt830::defs::device_state::DeviceState;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
@@ -16,7 +17,10 @@ use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::Input;
 use kt830::defs::text::{Lang, LocalizedText, SharedWords, Text};
+use kt830::io::drive::{DriveFault, DriveState};
+use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::link::Snapshot;
+use kt830::link::bus::{BusDevice, BusDrive, BusView};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
@@ -27,7 +31,7 @@ use kt830::link::program_view::ProgramView;
 use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
 use kt830::link::toolpath::{CycleTime, MoveKind, PathPoint, StockBox, Toolpath};
-use kt830::units::{Axis, DisplayPos, Micros, PerAxis, WorkPos};
+use kt830::units::{Axis, DisplayPos, Micros, PerAxis, Percentiles, WorkPos};
 
 /// The customer's own page text (seed 000).
 pub const C0001: &str = "外卡磨削;\n卡尺X轴始磨位置 #500;\n卡尺X轴终点位置 #501;\n卡尺X轴安全位置 #503;\n\
@@ -130,7 +134,7 @@ pub fn snapshot(page: Page) -> Snapshot {
         snapshot.keys[key as usize].lamp = true;
     }
     snapshot.rapid_override = 50;
-    snapshot.handwheel_step_mm = 0.01;
+    snapshot.handwheel.step_mm = 0.01;
     snapshot.keys[Key::Lubrication as usize].pending = true;
     let wheel_on = Text::new("砂轮旋转时液压键无效", "no effect while the wheel turns");
     snapshot.keys[Key::Hydraulic as usize].blocked = Some(wheel_on);
@@ -235,6 +239,7 @@ pub fn busy(page: Page) -> Snapshot {
         events: vec![said("12.3 s burn", "12.3 s burn")],
         lathe_workspace: None,
     }));
+    snapshot.bus = Some(Arc::new(bus(None)));
     let set = |name: &str| match name {
         name if name.starts_with('O') => TransferSet::Programs,
         name if name.ends_with("TAR") => TransferSet::Backup,
@@ -276,6 +281,35 @@ pub fn busy(page: Page) -> Snapshot {
     snapshot.stock =
         Arc::from([StockBox { low: corner(-20.0, 0.0, 0.0), high: corner(20.0, 10.0, 60.0), is_workpiece: true }]);
     snapshot
+}
+
+/// A field bus in operation, or with a fault: the last two devices do not answer then, and a drive has tripped.
+pub fn bus(fault: Option<LocalizedText>) -> BusView {
+    let broken = fault.is_some();
+    let drive = |axis: Axis| {
+        let tripped = broken && axis == Axis::Z;
+        let state = if tripped { DriveState::Fault(DriveFault(0x8611)) } else { DriveState::Enabled };
+        BusDrive { axis, state: state.text(), tripped }
+    };
+    let names = ["drive X", "drive Z", "coupler", "inputs 1 to 16", "inputs 17 to 32", "inputs 33 to 48"];
+    let more = ["outputs 1 to 16", "outputs 17 to 32", "analog outputs", "handwheel and spindle encoder"];
+    let names: Vec<&str> = names.into_iter().chain(more).collect();
+    let device = |(index, name): (usize, &&str)| BusDevice {
+        name: (*name).to_owned(),
+        identity: (0xe000_0830, 0x03b1_1002),
+        state: if broken && index + 2 >= names.len() { DeviceState::Missing } else { DeviceState::Operational },
+        drive: [Axis::X, Axis::Z].get(index).map(|axis| drive(*axis)),
+    };
+    let times = |median, p99, max| Percentiles { median: Micros(median), p99: Micros(p99), max: Micros(max) };
+    BusView {
+        interface: "enp2s0".to_owned(),
+        fault,
+        devices: names.iter().enumerate().map(device).collect(),
+        cycles: 86_400_000,
+        lost: 1_234,
+        round_trip: times(70, 110, 1_850),
+        wake_up: times(20, 90, 12_340),
+    }
 }
 
 /// Hydraulic pressure was lost.
@@ -335,6 +369,7 @@ pub fn troubled(page: Page) -> Snapshot {
     history.push(past(180, 0, None));
     snapshot.alarm_history = AlarmHistory::new(history, 1);
     snapshot.date = Some(DateTime(1_795_273_316));
+    snapshot.bus = Some(Arc::new(bus(Some(BusFault::DeviceMissing { device: 9 }.text()))));
     snapshot
 }
 

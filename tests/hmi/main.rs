@@ -11,6 +11,7 @@ mod sample;
 mod stories;
 
 mod alarm;
+mod bus;
 mod closing;
 mod core_fault;
 mod designer;

@@ -5,12 +5,13 @@ use std::collections::VecDeque;
 
 use kt830::defs::param::Params;
 use kt830::defs::signal::Terminals;
+use kt830::io::drive::DriveState;
 use kt830::io::trace::{HEADER, TraceRow};
 use kt830::io::{Backend, InputImage, OutputImage};
-use kt830::units::{EncoderPos, Micros};
+use kt830::units::{EncoderPos, Micros, PerAxis};
 
 /// Number of columns of a row.
-const COLUMNS: usize = 15;
+const COLUMNS: usize = 19;
 
 /// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -61,6 +62,10 @@ impl ColumnReader<'_> {
         })
     }
 
+    fn drive(&mut self) -> Result<DriveState, TraceError> {
+        self.next(|text| DriveState::from_trace_number(text.parse().ok()?))
+    }
+
     fn terminals(&mut self) -> Result<Terminals, TraceError> {
         self.next(|text| u64::from_str_radix(text, 16).ok()).map(Terminals)
     }
@@ -80,12 +85,14 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
             encoder_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             spindle_turns: c.float()?,
             handwheel_detents: c.next(|text| text.parse().ok())?,
+            drives: PerAxis([c.drive()?, c.drive()?, c.drive()?]),
             bus_alive: c.flag()?,
         },
         outputs: OutputImage {
             terminals: c.terminals()?,
             set_point_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             drives_on: c.flag()?,
+            fault_reset: c.flag()?,
             wheel_volts: c.float()?,
             analog_2_volts: c.float()?,
         },
@@ -256,6 +263,6 @@ fn p8_only_the_last_ticks_are_kept() {
 #[test]
 fn p8_a_broken_trace_is_refused_with_its_place() {
     let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-    assert_eq!(said("1,2"), "line 1: 2 columns instead of 15");
-    assert_eq!(said("1,0,0,0,0,0,0,2,0,0,0,0,0,0,0"), "line 1, column 8: '2' is not a number");
+    assert_eq!(said("1,2"), "line 1: 2 columns instead of 19");
+    assert_eq!(said("1,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0"), "line 1, column 8: '3' is not a number");
 }

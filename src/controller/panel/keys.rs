@@ -112,7 +112,7 @@ impl Panel {
         parts.program.abandon_retract(parts.plant);
         parts.program.abandon_restart();
         parts.plant.stop_oscillation();
-        parts.plant.reset_alarms();
+        parts.plant.reset();
         parts.plant.outbox.message = Message::default();
     }
 }

@@ -186,7 +186,7 @@ fn internal_signals(parts: PartsView<'_>) -> InternalSignalSet {
     for (axis, homed, moving) in axes {
         set = set.with(homed, plant.axes.is_homed(axis)).with(moving, plant.is_moving(axis));
     }
-    set.with(InternalSignal::DrivesOn, plant.outputs.drives_on)
+    set.with(InternalSignal::DrivesOn, plant.drives_follow())
         .with(InternalSignal::BusAlive, plant.inputs.image.bus_alive)
         .with(InternalSignal::EmergencyStopped, plant.machine.is_e_stopped())
         .with(InternalSignal::ScreenEmergencyStop, plant.inputs.screen_e_stop())

@@ -136,8 +136,8 @@ pub fn run_state(parts: PartsView<'_>) -> RunState {
 fn operator_view(operator: &OperatorState, out: &mut Snapshot) {
     (out.mode, out.page) = (operator.mode, operator.page);
     out.single_block = operator.switches.single_block;
-    out.handwheel_axis = operator.handwheel_axis;
-    out.handwheel_step_mm = operator.step_mm;
+    out.handwheel.axis = operator.handwheel_axis;
+    out.handwheel.step_mm = operator.step_mm;
     out.feed_override = operator.overrides.feed;
     out.rapid_override = operator.overrides.rapid;
     out.spindle_override = operator.overrides.spindle;

@@ -10,7 +10,7 @@ const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is
 
 /// Machine lock: positions count but axes do not move. Switching it off shows the real positions again.
 pub fn toggle_machine_lock(parts: &mut Parts<'_>) {
-    if !parts.plant.outputs.drives_on {
+    if !parts.plant.drives_follow() {
         return parts.plant.refuse(DRIVES_OFF);
     }
     let moving = !parts.plant.axes.is_at_rest() || parts.plant.jog.is_active();

@@ -270,6 +270,7 @@ impl Plant {
             homed: self.axes.all_homed() || self.kind.row().may_start_unhomed(),
             alarm_blocks: self.alarms.blocks_start(),
             drives_off: !self.outputs.drives_on,
+            drives_switching: self.outputs.drives_on && !self.drives_follow(),
             oscillating: match self.execution.phase.is_run_open() {
                 true => self.oscillates_by_key(),
                 false => self.oscillation.is_some(),
@@ -318,11 +319,14 @@ pub fn displayed_per_mm(params: &Params, axis: Axis) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::drive::DriveState;
 
     impl Plant {
         /// A cylindrical grinding machine in its factory state.
         pub fn factory() -> Self {
-            Self::new(Kind::Gc, PowerOnState::factory(Kind::Gc), InputImage::default(), Micros::ZERO)
+            let drives = PerAxis([DriveState::Enabled; 3]);
+            let image = InputImage { drives, bus_alive: true, ..InputImage::default() };
+            Self::new(Kind::Gc, PowerOnState::factory(Kind::Gc), image, Micros::ZERO)
         }
     }
 }

@@ -173,7 +173,7 @@ impl Program {
                 self.withdraw_wheel(plant);
             }
         }
-        if !plant.outputs.drives_on && rest {
+        if !plant.drives_follow() && rest {
             plant.axes.unlock();
             plant.axes.follow_actual();
         }

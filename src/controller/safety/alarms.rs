@@ -120,6 +120,18 @@ impl AlarmList {
         self.present.push(alarm);
     }
 
+    /// Replaces the detail of an active alarm by one that is known now.
+    pub fn complete(&mut self, number: u16, detail: LocalizedText) {
+        let text = detail.after_alarm(number);
+        let Some(alarm) = self.present.iter_mut().find(|alarm| alarm.number == number) else { return };
+        alarm.text = text.clone();
+        let entries = self.history.entries_mut();
+        if let Some(past) = entries.iter_mut().rev().find(|past| past.number == number && past.ended.is_none()) {
+            past.text = text.cut(MAX_TEXT_CHARS);
+            self.changed.push(past.count);
+        }
+    }
+
     /// Adds to an alarm raised in this tick what its program says of it (B8): the words that it gives, and the variable
     /// whose value is wrong.
     pub fn explain(&mut self, number: u16, help: &AlarmHelp, variable: Option<u16>) {

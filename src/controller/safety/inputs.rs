@@ -4,7 +4,7 @@
 use super::filter::Filter;
 use crate::defs::key::Key;
 use crate::defs::param::Params;
-use crate::defs::signal::{Input, InputSet};
+use crate::defs::signal::{Input, InputSet, Terminals};
 use crate::io::InputImage;
 
 /// The inputs.
@@ -26,9 +26,12 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Inputs at power-on: the first levels count as stable.
+    /// Inputs at power-on: the first levels count as stable. Without a bus no input is active.
     #[must_use]
-    pub fn new(params: &Params, image: InputImage) -> Self {
+    pub fn new(params: &Params, mut image: InputImage) -> Self {
+        if !image.bus_alive {
+            image.terminals = Terminals(params.inverted_inputs());
+        }
         Self {
             image,
             filter: Filter::new(params, image.terminals),
@@ -45,11 +48,12 @@ impl Inputs {
         self.filter.configure(params);
     }
 
-    /// Reads the inputs of a tick.
+    /// Reads the inputs of a tick. Without the bus the last levels hold: the alarm of the bus stops everything.
     pub fn read(&mut self, image: &InputImage) {
-        self.image = *image;
-        self.raw = self.filter.unfiltered(image.terminals);
-        self.filtered = self.filter.tick(image.terminals);
+        let terminals = if image.bus_alive { image.terminals } else { self.image.terminals };
+        self.image = InputImage { terminals, ..*image };
+        self.raw = self.filter.unfiltered(terminals);
+        self.filtered = self.filter.tick(terminals);
         // The emergency stop acts at its first edge; only its release is debounced.
         if self.screen_e_stop || self.raw.has(Input::EmergencyStop) {
             self.filtered.set(Input::EmergencyStop, true);
@@ -85,12 +89,12 @@ impl Inputs {
 mod tests {
     use super::*;
     use crate::defs::kind::Kind;
-    use crate::defs::signal::Terminals;
 
     #[test]
     fn b5_the_emergency_stop_on_the_screen_acts_at_once_and_lasts_until_it_is_released() {
         let params = Params::factory(Kind::Gc);
-        let image = InputImage { terminals: Terminals(params.inverted_inputs()), ..InputImage::default() };
+        let terminals = Terminals(params.inverted_inputs());
+        let image = InputImage { terminals, bus_alive: true, ..InputImage::default() };
         let mut inputs = Inputs::new(&params, image);
         inputs.set_screen_e_stop(true);
         inputs.set_screen_e_stop(true);

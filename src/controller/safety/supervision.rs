@@ -9,10 +9,7 @@ use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, phrase};
 use crate::link::snapshot::Tone;
 use crate::machine::{Consequence, MachineFinding};
-use crate::units::{Axis, Micros, PerAxis};
-
-/// The fault signals of the drives, by axis.
-const DRIVES: [Input; 3] = [Input::DriveX, Input::DriveY, Input::DriveZ];
+use crate::units::Micros;
 
 impl Plant {
     /// One tick of the machine logic.
@@ -33,23 +30,15 @@ impl Plant {
     pub fn supervise_axes(&mut self) {
         if !self.inputs.image.bus_alive {
             self.raise(alarm::BUS_LOST, None);
+            // Nobody has watched the encoders meanwhile, and a drive without power starts to count anew.
+            self.axes.clear_homed();
         }
         let limits = [
             (Input::LimitXPlus, Input::LimitXMinus),
             (Input::LimitYPlus, Input::LimitYMinus),
             (Input::LimitZPlus, Input::LimitZMinus),
         ];
-        let tripped = |axis: Axis| self.inputs.filtered.has(DRIVES[axis as usize]);
-        let mut faults = PerAxis::from_fn(|axis| self.axes.is_present(axis) && tripped(axis));
-        if faults.0.contains(&true) {
-            // A crash trips all drives at once: report the moving axes.
-            let moving = PerAxis::from_fn(|axis| faults[axis] && self.is_moving(axis));
-            if moving.0.contains(&true) {
-                faults = moving;
-            }
-            self.raise(alarm::DRIVE_FAULT, Some(axis_names(faults)));
-            self.axes.clear_homed();
-        }
+        self.supervise_drives();
         for axis in self.axes.present() {
             let name = || Some(phrase!("{axis}", "{axis}", axis));
             let (plus, minus) = limits[axis as usize];
@@ -65,7 +54,7 @@ impl Plant {
                 if pressed { self.inputs.limit_switches |= mask } else { self.inputs.limit_switches &= !mask }
             }
         }
-        if self.outputs.drives_on
+        if self.drives_follow()
             && let Some(axis) = self.axes.first_following_error(&self.params)
         {
             self.raise(alarm::FOLLOWING_ERROR, Some(phrase!("{axis}", "{axis}", axis)));
@@ -84,12 +73,18 @@ impl Plant {
         }
     }
 
-    /// RESET: clears the alarms whose cause is gone; the drives go on if nothing forbids it.
-    pub fn reset_alarms(&mut self) {
+    /// RESET: clears the alarms whose cause is gone and resets what tripped; the drives go on if nothing forbids it.
+    pub fn reset(&mut self) {
+        self.reset_alarms();
+        self.begin_fault_reset();
+    }
+
+    /// Clears the alarms whose cause is gone; the drives go on if nothing forbids it.
+    pub(super) fn reset_alarms(&mut self) {
         let e_stop = self.machine.is_e_stopped();
         let bus = self.inputs.image.bus_alive;
-        let (inputs, limits) = (self.inputs.filtered, self.inputs.limit_switches);
-        let drives = DRIVES.into_iter().any(|input| inputs.has(input));
+        let limits = self.inputs.limit_switches;
+        let drives = self.has_drive_fault();
         self.alarms.reset(|number| match number {
             alarm::EMERGENCY_STOP => e_stop,
             alarm::BUS_LOST => !bus,
@@ -135,17 +130,6 @@ impl Plant {
     }
 }
 
-/// The letters of the axes that are set.
-fn axis_names(axes: PerAxis<bool>) -> LocalizedText {
-    let mut named = Axis::ALL.into_iter().filter(|axis| axes[*axis]);
-    match (named.next(), named.next(), named.next()) {
-        (Some(a), Some(b), Some(c)) => phrase!("{a} {b} {c}", "{a} {b} {c}", a, b, c),
-        (Some(a), Some(b), None) => phrase!("{a} {b}", "{a} {b}", a, b),
-        (Some(a), ..) => phrase!("{a}", "{a}", a),
-        (None, ..) => LocalizedText::default(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +137,7 @@ mod tests {
     use crate::controller::plant::ControlPhase;
     use crate::defs::kind::Kind;
     use crate::io::InputImage;
+    use crate::units::Axis;
 
     fn plant(bus_alive: bool) -> Plant {
         let image = InputImage { bus_alive, ..InputImage::default() };

@@ -3,6 +3,7 @@
 
 pub mod accept_data;
 mod alarm;
+mod bus;
 pub mod designer;
 pub mod diagnosis;
 pub mod directory;
@@ -129,6 +130,8 @@ pub enum FieldGroup {
     Inputs,
     /// Outputs, terminals, analog outputs, internal signals.
     Diagnosis,
+    /// The field bus.
+    Bus,
     /// The simulated machine.
     Simulated,
     /// The stock of the drawing.
@@ -182,6 +185,7 @@ page_rows! {
     Process => process::ProcessPage, shows Inputs Simulated;
     Alarm => alarm::AlarmPage;
     Settings => settings::SettingsPage;
+    Bus => bus::BusPage, shows Bus;
     Simulator => simulator::SimulatorPage, shows Inputs Simulated;
     Help => help::Help;
 }

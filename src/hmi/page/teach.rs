@@ -141,7 +141,7 @@ fn tool_status(rect: Rect, view: &View<'_>) {
         top = line.max.y;
     }
     let fixed = snapshot.params.get(param::FIXED_STEP_LENGTH);
-    let step = if fixed > 0.0 { fixed } else { snapshot.handwheel_step_mm };
+    let step = if fixed > 0.0 { fixed } else { snapshot.handwheel.step_mm };
     let station =
         snapshot.tool_station.filter(|station| *station > 0).map_or_else(|| "–".to_owned(), |at| format!("T{at}"));
     let rows = [

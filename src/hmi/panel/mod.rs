@@ -62,9 +62,9 @@ impl OperatorPanel {
     fn handwheel(&mut self, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
         let response = view.ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
         // The step is shown without trailing zeros.
-        let step = format!("{:.3}", view.snapshot.handwheel_step_mm);
+        let step = format!("{:.3}", view.snapshot.handwheel.step_mm);
         let step = step.trim_end_matches('0').trim_end_matches('.');
-        let text = format!("{} {} ×{step}", view.text("手轮", "HANDWHEEL"), view.snapshot.handwheel_axis);
+        let text = format!("{} {} ×{step}", view.text("手轮", "HANDWHEEL"), view.snapshot.handwheel.axis);
         let name = view.text("手轮 handwheel", "handwheel handwheel");
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         let dragged = widget::drag_delta(&response).x;

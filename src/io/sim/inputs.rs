@@ -1,6 +1,7 @@
 //! The input image of a tick: the state of every switch by function, then the terminal levels (P1, P3, P7, P8).
 
 use super::super::InputImage;
+use super::super::drive::DriveState;
 use super::SimulatedMachine;
 use super::axis::{AxisSwitches, SimAxis};
 use super::lathe::SimLathe;
@@ -27,8 +28,15 @@ impl SimulatedMachine {
             encoder_mm: EncoderPos::from_fn(|axis| self.axis_value(axis, SimAxis::encoder_mm)),
             spindle_turns: self.lathe.as_ref().map_or(0.0, SimLathe::encoder_turns),
             handwheel_detents: 0,
+            drives: self.drive_states(),
             bus_alive: true,
         }
+    }
+
+    /// The drives of the simulated machine come on at once; their faults are signals.
+    fn drive_states(&self) -> PerAxis<DriveState> {
+        let on = if self.outputs.drives_on { DriveState::Enabled } else { DriveState::Off };
+        PerAxis::from_fn(|axis| if self.axes[axis].is_some() { on } else { DriveState::Off })
     }
 
     fn logical_inputs(&mut self, dt_s: f64) -> InputSet {

@@ -1,0 +1,104 @@
+//! Bus page: the field bus of a real machine, its devices and drives, lost frames and times.
+//! Source: docs/manual, chapter "first start on a machine".
+
+use egui::{Rect, vec2};
+
+use super::{PageContext, PageUi, empty};
+use crate::defs::device_state::DeviceState;
+use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
+use crate::link::bus::{BusDevice, BusDrive, BusView};
+use crate::units::Percentiles;
+
+/// Height of a row.
+const ROW_HEIGHT: f32 = 36.0;
+/// Height of a line of the figures.
+const LINE_HEIGHT: f32 = 27.0;
+/// Lines of the figures: the bus, then two columns of two.
+const LINES: f32 = 3.0;
+
+/// Width of a lamp with its figure.
+const LAMP_WIDTH: f32 = 40.0;
+
+/// Width of the number of a device.
+const NUMBER_WIDTH: f32 = 28.0;
+
+/// State of the page.
+#[derive(Debug, Default)]
+pub struct BusPage {
+    /// The first device shown.
+    first: usize,
+}
+
+impl PageUi for BusPage {
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { rect, view, typed, .. } = ctx;
+        let Some(bus) = view.snapshot.bus.as_deref() else {
+            let remedy = view.text("控制器运行模拟机床。", "The control runs the simulated machine.");
+            return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有总线", "no field bus"), remedy);
+        };
+        let body = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (figures, list) = body.split_top(LINES * LINE_HEIGHT + 2.0 * theme::PAD);
+        show_figures(figures.trim_bottom(theme::GAP), view, bus);
+        let list = round_to_lines(list, ROW_HEIGHT);
+        let rows = (list.height() / ROW_HEIGHT).max(1.0) as usize;
+        let last = bus.devices.len().saturating_sub(rows);
+        self.first = (self.first as i32 + typed.scroll_pages * rows as i32).clamp(0, last as i32) as usize;
+        for (index, device) in bus.devices.iter().enumerate().skip(self.first).take(rows) {
+            let place = list.band((index - self.first) as f32 * ROW_HEIGHT, ROW_HEIGHT - 3.0);
+            show_device(place, view, index + 1, device);
+        }
+    }
+}
+
+/// State of the bus, cycles, and the times in two columns.
+fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
+    view.card(rect);
+    let inside = rect.shrink2(vec2(theme::PAD, theme::PAD / 2.0));
+    let (lamp, title) = inside.band(0.0, LINE_HEIGHT).split_left_right_at_x(inside.min.x + LAMP_WIDTH);
+    widget::lamp(view, lamp, bus.fault.is_none());
+    let state = match &bus.fault {
+        None => format!("{}  {}", bus.interface, view.text("运行", "in operation")),
+        Some(fault) => format!("{}  {}", bus.interface, fault.get(view.lang)),
+    };
+    let colour = if bus.fault.is_none() { view.theme.text } else { view.theme.alarm_text };
+    view.fit_left(title, &state, theme::SECONDARY, colour);
+    let times = |times: Percentiles| format!("{} / {} / {} µs", times.median.0, times.p99.0, times.max.0);
+    let figures = [
+        (view.text("周期", "cycles"), bus.cycles.to_string()),
+        (view.text("丢失的报文", "lost frames"), bus.lost.to_string()),
+        (view.text("往返 50% / 99% / 最大", "round trip 50% / 99% / max"), times(bus.round_trip)),
+        (view.text("唤醒 50% / 99% / 最大", "wake-up 50% / 99% / max"), times(bus.wake_up)),
+    ];
+    for (index, (name, value)) in figures.iter().enumerate() {
+        let line = inside.band((1 + index % 2) as f32 * LINE_HEIGHT, LINE_HEIGHT).cell(index / 2, 2);
+        // The counts are short, the times long.
+        let share = if index < 2 { 0.5 } else { 0.52 };
+        let (left, right) = line.trim_right(theme::PAD).split_left_right_at_fraction(share);
+        view.fit_left(left, name, theme::LABEL, view.theme.muted);
+        view.fit_left(right, value, theme::LABEL, view.theme.text);
+    }
+}
+
+/// Number, state, name, identity and drive of a device.
+fn show_device(rect: Rect, view: &View<'_>, number: usize, device: &BusDevice) {
+    view.card(rect);
+    let inside = rect.trim_sides(8.0);
+    let (place, rest) = inside.split_left(NUMBER_WIDTH);
+    let (lamp, rest) = rest.split_left(LAMP_WIDTH);
+    view.line_left(place, &number.to_string(), theme::LABEL, view.theme.muted);
+    widget::lamp(view, lamp, device.state == DeviceState::Operational);
+    let (left, right) = rest.split_left_right_at_fraction(0.42);
+    view.fit_left(left, &device.name, theme::LABEL, view.theme.text);
+    let (state, drive) = right.split_left_right_at_fraction(0.24);
+    let colour = if device.state == DeviceState::Operational { view.theme.muted } else { view.theme.alarm_text };
+    view.fit_left(state.trim_right(6.0), device.state.name().get(view.lang), theme::LABEL, colour);
+    let (vendor, product) = device.identity;
+    let (what, colour) = match &device.drive {
+        Some(BusDrive { axis, state, tripped }) => {
+            let colour = if *tripped { view.theme.alarm_text } else { view.theme.text };
+            (format!("{axis}  {}", state.get(view.lang)), colour)
+        }
+        None => (format!("{vendor:#x} / {product:#x}"), view.theme.muted),
+    };
+    view.fit_left(drive, &what, theme::LABEL, colour);
+}

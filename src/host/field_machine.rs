@@ -1,0 +1,109 @@
+//! A machine on a field bus under a host: the duties of a simulated machine are empty, the part is the operator's.
+//! Source: spec P1–P8; safety stance.
+
+use std::sync::Arc;
+
+use super::hosted_machine::HostedMachine;
+use super::pace::Pace;
+use crate::defs::param::Params;
+use crate::io::fieldbus::bus_fault::BusFault;
+use crate::io::fieldbus::{FieldBus, FieldBusMachine};
+use crate::io::sim::{PartFile, SimulatedMachine};
+use crate::io::{Backend, InputImage, OutputImage};
+use crate::link::bus::{BusDevice, BusDrive, BusView};
+use crate::link::simulation::{SimCommand, SimView};
+use crate::units::{Axis, Histogram, Micros};
+
+/// The view of the bus page is built anew so often.
+const VIEW_INTERVAL: Micros = Micros::from_millis(250);
+
+/// A machine on a field bus, and what its page shows.
+pub struct HostedFieldBus<F> {
+    machine: FieldBusMachine<F>,
+    view: Arc<BusView>,
+    viewed_at: Option<Micros>,
+}
+
+impl<F: FieldBus> HostedFieldBus<F> {
+    /// A host's machine on a bus.
+    #[must_use]
+    pub fn new(machine: FieldBusMachine<F>) -> Self {
+        Self { machine, view: Arc::default(), viewed_at: None }
+    }
+
+    fn build_view(&self, wake_ups: &Histogram) -> BusView {
+        let Self { machine, .. } = self;
+        let description = machine.description();
+        let fitted = description.axes();
+        let drive_of = |number: u16| {
+            let is_its = |axis: &Axis| fitted[*axis].is_some_and(|servo| servo.device == number);
+            let axis = Axis::ALL.into_iter().find(is_its)?;
+            let state = machine.drive_state(axis);
+            Some(BusDrive { axis, state: state.text(), tripped: state.fault().is_some() })
+        };
+        let devices = description.devices.iter().zip(1..).map(|(device, number)| BusDevice {
+            name: device.name.clone(),
+            identity: (device.vendor, device.product),
+            state: machine.device_state(usize::from(number) - 1),
+            drive: drive_of(number),
+        });
+        let counted = machine.statistics();
+        BusView {
+            interface: description.ethercat.interface.clone(),
+            fault: machine.fault().map(BusFault::text),
+            devices: devices.collect(),
+            cycles: counted.cycles,
+            lost: counted.lost,
+            round_trip: machine.round_trips().percentiles(),
+            wake_up: wake_ups.percentiles(),
+        }
+    }
+}
+
+impl<F: FieldBus> Backend for HostedFieldBus<F> {
+    fn read(&mut self, now: Micros) -> InputImage {
+        self.machine.read(now)
+    }
+
+    fn write(&mut self, now: Micros, outputs: &OutputImage) {
+        self.machine.write(now, outputs);
+    }
+
+    fn rewire(&mut self, params: &Params) {
+        self.machine.rewire(params);
+    }
+}
+
+impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
+    fn pace(&self) -> Pace {
+        Pace::Real
+    }
+
+    fn power_on(&mut self, _params: &Params) {}
+
+    fn mount_part(&mut self, _part: &PartFile) {}
+
+    fn measure_finished_part(&mut self) {}
+
+    fn simulate(&mut self, _command: SimCommand) {}
+
+    fn view(&mut self, _now: Micros) -> Option<Arc<SimView>> {
+        None
+    }
+
+    fn simulation(&mut self) -> Option<&mut SimulatedMachine> {
+        None
+    }
+
+    fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>> {
+        if self.viewed_at.is_none_or(|at| now.since(at) >= VIEW_INTERVAL) {
+            self.viewed_at = Some(now);
+            self.view = Arc::new(self.build_view(wake_ups));
+        }
+        Some(Arc::clone(&self.view))
+    }
+
+    fn take_bus_fault(&mut self) -> Option<BusFault> {
+        self.machine.take_fault()
+    }
+}

@@ -1,0 +1,308 @@
+//! EtherCAT by the `ethercrab` stack: scan, comparison with the description, start-up objects, operation, exchange.
+//! Files: `link` the socket and the loop that runs the stack.
+//! Source: ETG.1000; docs of ethercrab 0.7.
+
+mod link;
+
+use core::time::Duration;
+
+use ethercrab::error::{Error, TimeoutError};
+use ethercrab::std::ethercat_now;
+use ethercrab::subdevice_group::{NoDc, Op, PreOp, SafeOp};
+use ethercrab::{
+    DefaultLock, MainDevice, MainDeviceConfig, PduStorage, SubDevice, SubDeviceGroup, SubDeviceRef, SubDeviceState,
+    Timeouts,
+};
+use rustix::event::Timespec;
+
+use self::link::EtherCatLink;
+use super::fieldbus::FieldBus;
+use super::fieldbus::bus_fault::{BusFault, DeviceIdentity};
+use super::fieldbus::description::{
+    DeviceDescription, ERROR_CODE, EtherCatDescription, MAX_DEVICES, PdoEntry, SdoWrite,
+};
+use super::fieldbus::process_image::DeviceImage;
+use crate::defs::device_state::DeviceState;
+use crate::units::Micros;
+
+/// Most bytes of process data.
+const MAX_PROCESS_DATA: usize = 1_024;
+/// Frames on their way, and bytes of one.
+const MAX_FRAMES: usize = 16;
+const FRAME_BYTES: usize = PduStorage::element_size(1_100);
+/// Frames that settle the clocks of the devices at the start.
+const CLOCK_FRAMES: u32 = 100;
+/// Cycles until all devices must be in operation, and the time between them.
+const MAX_START_CYCLES: u32 = 3_000;
+const START_CYCLE: Timespec = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
+/// Cycles until devices that were brought back must be in operation.
+const MAX_RECOVERY_CYCLES: u32 = 300;
+/// Registers: AL control, AL status.
+const AL_CONTROL: u16 = 0x0120;
+const AL_STATUS: u16 = 0x0130;
+/// AL states, and the bit that acknowledges an error.
+const STATE_MASK: u16 = 0x0f;
+const SAFE_OPERATIONAL: u16 = 0x04;
+const OPERATIONAL: u16 = 0x08;
+const ERROR_BIT: u16 = 0x10;
+/// Register of the AL status code.
+const AL_STATUS_CODE: u16 = 0x0134;
+
+/// The frame memory of the stack. There is one bus in a process.
+static STORAGE: PduStorage<MAX_FRAMES, FRAME_BYTES> = PduStorage::new();
+
+type Group<State> = SubDeviceGroup<MAX_DEVICES, MAX_PROCESS_DATA, DefaultLock, State, NoDc>;
+type Device<'a> = SubDeviceRef<'a, &'a SubDevice>;
+
+/// An EtherCAT network.
+pub struct EtherCat {
+    interface: String,
+    main_device: MainDevice<'static>,
+    link: EtherCatLink,
+    /// The devices, once all of them are in operation.
+    group: Option<Group<Op>>,
+    /// Working counter of a whole exchange.
+    expected: u16,
+    /// States of the devices as of the last frame.
+    states: Vec<SubDeviceState>,
+    round_trip: Micros,
+}
+
+impl EtherCat {
+    /// A network that is not open yet; `None` where the process has one already.
+    #[must_use]
+    pub fn new(description: &EtherCatDescription) -> Option<Self> {
+        let (tx, rx, pdu_loop) = STORAGE.try_split().ok()?;
+        let timeouts = Timeouts { pdu: Duration::from_micros(description.reply_time_us), ..Timeouts::default() };
+        let config = MainDeviceConfig { dc_static_sync_iterations: CLOCK_FRAMES, ..MainDeviceConfig::default() };
+        Some(Self {
+            interface: description.interface.clone(),
+            main_device: MainDevice::new(pdu_loop, timeouts, config),
+            link: EtherCatLink::new(tx, rx),
+            group: None,
+            expected: 0,
+            states: Vec::with_capacity(MAX_DEVICES),
+            round_trip: Micros::ZERO,
+        })
+    }
+
+    /// Finds the devices and compares them; sets up what the description says.
+    fn pre_operational(&mut self, devices: &[DeviceDescription]) -> Result<Group<PreOp>, BusFault> {
+        let Self { main_device, link, .. } = self;
+        let found = link.run(main_device.init_single_group::<MAX_DEVICES, MAX_PROCESS_DATA>(ethercat_now));
+        let group: Group<PreOp> = found.map_err(|error| at_start(&error))?;
+        let (expected, found) = (devices.len() as u16, group.len() as u16);
+        for ((device, described), place) in group.iter(main_device).zip(devices).zip(1..) {
+            let is = device.identity();
+            let found = DeviceIdentity { vendor: is.vendor_id, product: is.product_id, revision: is.revision };
+            let expected = described.identity();
+            let any_revision = expected.revision == 0 || expected.revision == found.revision;
+            if (expected.vendor, expected.product) != (found.vendor, found.product) || !any_revision {
+                return Err(BusFault::WrongDevice { device: place, expected, found });
+            }
+        }
+        match found {
+            0 => return Err(BusFault::NoReply),
+            found if found != expected => return Err(BusFault::DeviceCount { expected, found }),
+            _ => {}
+        }
+        for ((device, described), place) in group.iter(main_device).zip(devices).zip(1..) {
+            link.run(set_up(&device, described)).map_err(|object| BusFault::ObjectRefused { device: place, object })?;
+        }
+        Ok(group)
+    }
+
+    /// Compares the process data and counts what a whole exchange adds to the working counter.
+    fn safe_operational(
+        &mut self,
+        group: Group<PreOp>,
+        devices: &[DeviceDescription],
+    ) -> Result<Group<SafeOp>, BusFault> {
+        let Self { main_device, link, .. } = self;
+        let group = link.run(group.into_safe_op(main_device)).map_err(|error| at_start(&error))?;
+        self.expected = 0;
+        for ((device, described), place) in group.iter(main_device).zip(devices).zip(1..) {
+            let image = device.io_raw();
+            let found = (image.inputs().len() as u16, image.outputs().len() as u16);
+            let expected = described.process_data_bytes();
+            if found != expected {
+                return Err(BusFault::ProcessDataSize { device: place, expected, found });
+            }
+            // A read counts 1, a write 2.
+            self.expected += u16::from(found.0 > 0) + 2 * u16::from(found.1 > 0);
+        }
+        Ok(group)
+    }
+
+    /// Brings the devices into operation: they need process data for it.
+    fn operational(&mut self, group: Group<SafeOp>, images: &mut [DeviceImage]) -> Result<(), BusFault> {
+        let Self { main_device, link, .. } = self;
+        let group = link.run(group.request_into_op(main_device)).map_err(|error| at_start(&error))?;
+        self.group = Some(group);
+        let begun = self.cycle_until_operational(MAX_START_CYCLES, images);
+        if begun.is_err() {
+            self.group = None;
+        }
+        begun
+    }
+
+    fn cycle_until_operational(&mut self, most: u32, images: &mut [DeviceImage]) -> Result<(), BusFault> {
+        let mut last = BusFault::NoReply;
+        for _ in 0..most {
+            match self.exchange(images) {
+                Ok(()) => return Ok(()),
+                Err(fault) => last = fault,
+            }
+            self.link.pause(&START_CYCLE);
+        }
+        Err(last)
+    }
+
+    /// Asks every device that has left operation to come back.
+    fn request_operation(&mut self) -> Result<(), BusFault> {
+        let Self { main_device, link, group, .. } = self;
+        let Some(group) = group else { return Err(BusFault::NoReply) };
+        for (device, place) in group.iter(main_device).zip(1..) {
+            let lost = |error: Error| match error {
+                Error::Timeout(_) => BusFault::NoReply,
+                _ => BusFault::DeviceMissing { device: place },
+            };
+            let status = link.run(device.register_read::<u16>(AL_STATUS)).map_err(lost)?;
+            match status & (STATE_MASK | ERROR_BIT) {
+                OPERATIONAL => continue,
+                state if matches!(state & STATE_MASK, SAFE_OPERATIONAL | OPERATIONAL) => {}
+                _ => return Err(BusFault::NotOperational { device: place, al_status: 0 }),
+            }
+            for asked in [SAFE_OPERATIONAL | ERROR_BIT, OPERATIONAL] {
+                link.run(device.register_write(AL_CONTROL, asked)).map_err(lost)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Which device is missing or has left operation.
+    fn locate(&mut self, fault: BusFault) -> BusFault {
+        let Self { main_device, link, group, states, .. } = self;
+        let Some(group) = group else { return fault };
+        let Some(index) = states.iter().position(|state| *state != SubDeviceState::Op) else { return fault };
+        let device = index as u16 + 1;
+        if states.get(index) == Some(&SubDeviceState::None) {
+            return BusFault::DeviceMissing { device };
+        }
+        let Ok(at_fault) = group.subdevice(main_device, index) else { return fault };
+        let al_status = link.run(at_fault.register_read::<u16>(AL_STATUS_CODE)).unwrap_or(0);
+        BusFault::NotOperational { device, al_status }
+    }
+}
+
+/// Writes the process data assignment and the start-up objects; the object that is refused is the error.
+async fn set_up(device: &Device<'_>, described: &DeviceDescription) -> Result<(), u16> {
+    if described.assign {
+        assign(device, 0x1600, 0x1c12, &described.outputs).await?;
+        assign(device, 0x1a00, 0x1c13, &described.inputs).await?;
+    }
+    for SdoWrite { object, sub, bits, value } in described.startup.iter().copied() {
+        let written = match bits {
+            8 => device.sdo_write(object, sub, value as u8).await,
+            16 => device.sdo_write(object, sub, value as u16).await,
+            _ => device.sdo_write(object, sub, value as u32).await,
+        };
+        written.map_err(|_| object)?;
+    }
+    Ok(())
+}
+
+/// Maps entries into one process data object and assigns it to its sync manager.
+async fn assign(device: &Device<'_>, mapping: u16, manager: u16, entries: &[PdoEntry]) -> Result<(), u16> {
+    let refused = |object: u16| move |_: Error| object;
+    device.sdo_write(manager, 0, 0_u8).await.map_err(refused(manager))?;
+    if entries.is_empty() {
+        return Ok(());
+    }
+    device.sdo_write(mapping, 0, 0_u8).await.map_err(refused(mapping))?;
+    let mut at = 0_u8;
+    for entry in entries {
+        for step in 0..entry.count {
+            let sub = if entry.object == 0 { 0 } else { u16::from(entry.sub) + step };
+            let mapped = u32::from(entry.object) << 16 | u32::from(sub) << 8 | u32::from(entry.bits);
+            at += 1;
+            device.sdo_write(mapping, at, mapped).await.map_err(refused(mapping))?;
+        }
+    }
+    device.sdo_write(mapping, 0, at).await.map_err(refused(mapping))?;
+    device.sdo_write(manager, 1, mapping).await.map_err(refused(manager))?;
+    device.sdo_write(manager, 0, 1_u8).await.map_err(refused(manager))
+}
+
+/// What an error of the stack says at the start.
+fn at_start(error: &Error) -> BusFault {
+    match error {
+        Error::Timeout(TimeoutError::Pdu) => BusFault::NoReply,
+        _ => BusFault::Other,
+    }
+}
+
+impl FieldBus for EtherCat {
+    fn connect(&mut self, devices: &[DeviceDescription], images: &mut [DeviceImage]) -> Result<(), BusFault> {
+        self.group = None;
+        self.states.clear();
+        // The interface may have been away.
+        self.link.open(&self.interface)?;
+        let group = self.pre_operational(devices)?;
+        let group = self.safe_operational(group, devices)?;
+        self.operational(group, images)
+    }
+
+    fn recover(&mut self, images: &mut [DeviceImage]) -> Result<(), BusFault> {
+        let mut requested = self.request_operation();
+        if requested == Err(BusFault::NoReply) {
+            // The interface may have been away.
+            self.link.open(&self.interface)?;
+            requested = self.request_operation();
+        }
+        requested?;
+        self.cycle_until_operational(MAX_RECOVERY_CYCLES, images)
+    }
+
+    fn exchange(&mut self, images: &mut [DeviceImage]) -> Result<(), BusFault> {
+        let Self { main_device, link, group, expected, states, round_trip, .. } = self;
+        let Some(group) = group else { return Err(BusFault::NoReply) };
+        for (device, image) in group.iter(main_device).zip(images.iter()) {
+            device.outputs_raw_mut().copy_from_slice(&image.outputs);
+        }
+        let sent = ethercat_now();
+        let Ok(response) = link.run(group.tx_rx(main_device)) else { return Err(BusFault::FrameLost) };
+        *round_trip = Micros(ethercat_now().saturating_sub(sent) / 1_000);
+        states.clear();
+        states.extend_from_slice(&response.subdevice_states);
+        for (device, image) in group.iter(main_device).zip(images.iter_mut()) {
+            image.inputs.copy_from_slice(&device.inputs_raw());
+        }
+        let (expected, found) = (*expected, response.working_counter);
+        if found == expected && response.all_op() {
+            return Ok(());
+        }
+        let fault = BusFault::WorkingCounter { expected, found };
+        Err(self.locate(fault))
+    }
+
+    fn device_state(&self, device: usize) -> DeviceState {
+        match self.states.get(device) {
+            Some(SubDeviceState::Init) => DeviceState::Init,
+            Some(SubDeviceState::PreOp) => DeviceState::PreOperational,
+            Some(SubDeviceState::SafeOp) => DeviceState::SafeOperational,
+            Some(SubDeviceState::Op) => DeviceState::Operational,
+            _ => DeviceState::Missing,
+        }
+    }
+
+    fn round_trip(&self) -> Micros {
+        self.round_trip
+    }
+
+    fn read_error_code(&mut self, device: usize) -> Option<u16> {
+        let Self { main_device, link, group, .. } = self;
+        let device = group.as_ref()?.subdevice(main_device, device).ok()?;
+        link.run(device.sdo_read(ERROR_CODE, 0)).ok()
+    }
+}

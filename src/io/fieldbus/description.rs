@@ -1,0 +1,416 @@
+//! The description of a real machine (`machine.ron`): its bus, its devices, and what their process data mean.
+//! Parses and checks text; the caller reads the file.
+//! Source: docs/manual, chapter "first start on a machine"; CiA 402-2 for the objects of drives.
+
+use serde::Deserialize;
+
+use super::bus_fault::DeviceIdentity;
+use super::process_image::{BitField, MAX_FIELD_BITS};
+use crate::defs::kind::Kind;
+use crate::defs::signal::PORTS;
+use crate::units::{Axis, PerAxis};
+
+/// Most devices of a bus: the stack reserves memory for them.
+pub const MAX_DEVICES: usize = 32;
+/// Most entries in the inputs or the outputs of a device.
+const MAX_ENTRIES: usize = 64;
+
+/// Controlword.
+pub const CONTROLWORD: u16 = 0x6040;
+/// Statusword.
+pub const STATUSWORD: u16 = 0x6041;
+/// Mode of operation.
+pub const MODE: u16 = 0x6060;
+/// Target position, counts.
+pub const TARGET_POSITION: u16 = 0x607a;
+/// Actual position, counts.
+pub const ACTUAL_POSITION: u16 = 0x6064;
+/// Error code.
+pub const ERROR_CODE: u16 = 0x603f;
+
+/// Why a description is not taken.
+#[derive(Debug, thiserror::Error)]
+pub enum DescriptionError {
+    /// It is no RON text of this form.
+    #[error("{0}; see assets/machines/*_ethercat.ron for examples")]
+    Syntax(#[from] ron::error::SpannedError),
+    /// A value is wrong or missing.
+    #[error("{place}: {rule}")]
+    Wrong {
+        /// Where: the names of the fields.
+        place: String,
+        /// What must hold.
+        rule: &'static str,
+    },
+}
+
+/// A real machine.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MachineDescription {
+    /// Kind of machine.
+    pub kind: Kind,
+    /// The EtherCAT network.
+    pub ethercat: EtherCatDescription,
+    /// The devices in the order of the cable.
+    pub devices: Vec<DeviceDescription>,
+    /// Axis X.
+    #[serde(default)]
+    pub x: Option<ServoAxisDescription>,
+    /// Axis Y.
+    #[serde(default)]
+    pub y: Option<ServoAxisDescription>,
+    /// Axis Z.
+    #[serde(default)]
+    pub z: Option<ServoAxisDescription>,
+    /// Inputs of devices to ports of the input terminals.
+    #[serde(default)]
+    pub inputs: Vec<DigitalChannels>,
+    /// Ports of the output terminals to outputs of devices.
+    #[serde(default)]
+    pub outputs: Vec<DigitalChannels>,
+    /// First analog output: speed of the wheel or of the main spindle.
+    #[serde(default)]
+    pub wheel_speed: Option<AnalogChannel>,
+    /// Second analog output (`M63 S`).
+    #[serde(default)]
+    pub analog_2: Option<AnalogChannel>,
+    /// Counter of the handwheel.
+    #[serde(default)]
+    pub handwheel: Option<CounterChannel>,
+    /// Encoder of the main spindle.
+    #[serde(default)]
+    pub spindle_encoder: Option<CounterChannel>,
+}
+
+/// The EtherCAT network. The cycle is the control's own (P58).
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EtherCatDescription {
+    /// Network interface of the computer, e.g. `enp2s0`. It serves nothing else.
+    pub interface: String,
+    /// How long a frame may take, µs; less than the cycle.
+    #[serde(default = "default_reply_time_us")]
+    pub reply_time_us: u64,
+    /// Lost frames in a row that are bridged; one more is an alarm.
+    #[serde(default = "default_bridged_frames")]
+    pub bridged_frames: u32,
+}
+
+const fn default_reply_time_us() -> u64 {
+    500
+}
+
+const fn default_bridged_frames() -> u32 {
+    2
+}
+
+/// A device of the bus.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeviceDescription {
+    /// What it is, for the fitter.
+    pub name: String,
+    /// Vendor.
+    pub vendor: u32,
+    /// Product.
+    pub product: u32,
+    /// Revision; without it any one fits.
+    #[serde(default)]
+    pub revision: u32,
+    /// Its process data outputs, in their order.
+    #[serde(default)]
+    pub outputs: Vec<PdoEntry>,
+    /// Its process data inputs, in their order.
+    #[serde(default)]
+    pub inputs: Vec<PdoEntry>,
+    /// Whether the entries are written to the device at the start (objects 1600h, 1A00h, 1C12h, 1C13h).
+    #[serde(default)]
+    pub assign: bool,
+    /// Objects that are written at the start.
+    #[serde(default)]
+    pub startup: Vec<SdoWrite>,
+}
+
+impl DeviceDescription {
+    /// Its identity.
+    #[must_use]
+    pub const fn identity(&self) -> DeviceIdentity {
+        DeviceIdentity { vendor: self.vendor, product: self.product, revision: self.revision }
+    }
+
+    /// Bytes of its inputs and outputs.
+    #[must_use]
+    pub fn process_data_bytes(&self) -> (u16, u16) {
+        let bytes = |entries: &[PdoEntry]| entries.iter().map(|entry| entry.total_bits()).sum::<u16>().div_ceil(8);
+        (bytes(&self.inputs), bytes(&self.outputs))
+    }
+}
+
+/// An entry of process data, or several equal ones in a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PdoEntry {
+    /// Index of the object; 0 is a gap.
+    pub object: u16,
+    /// Subindex; of several entries that of the first one.
+    #[serde(default)]
+    pub sub: u8,
+    /// Bits of the entry, 1 to 32.
+    pub bits: u16,
+    /// Number of entries, with rising subindices.
+    #[serde(default = "one")]
+    pub count: u16,
+}
+
+const fn one() -> u16 {
+    1
+}
+
+impl PdoEntry {
+    const fn total_bits(self) -> u16 {
+        self.bits.saturating_mul(self.count)
+    }
+}
+
+/// An object that is written at the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SdoWrite {
+    /// Index.
+    pub object: u16,
+    /// Subindex.
+    #[serde(default)]
+    pub sub: u8,
+    /// Length, bits: 8, 16 or 32.
+    pub bits: u16,
+    /// Value; a negative one in two's complement.
+    pub value: i64,
+}
+
+/// A servo axis.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ServoAxisDescription {
+    /// Number of its drive in `devices`, from 1.
+    pub device: u16,
+    /// Encoder counts for 1 mm of the slide (radius on X), gear and screw included.
+    pub counts_per_mm: f64,
+    /// The counts rise where the axis moves in its minus direction.
+    #[serde(default)]
+    pub reversed: bool,
+    /// Its holding brake, if the drive does not switch it itself.
+    #[serde(default)]
+    pub brake: Option<BrakeDescription>,
+}
+
+/// A holding brake.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BrakeDescription {
+    /// Output port that releases it.
+    pub port: u8,
+    /// From the release until the axis may move, s.
+    pub release_s: f64,
+    /// From the end of the release until the brake holds and the torque may go, s.
+    pub engage_s: f64,
+}
+
+/// Bits of a device and the ports of the terminals that they are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DigitalChannels {
+    /// Number of the device, from 1.
+    pub device: u16,
+    /// First bit in its process data, from 0.
+    #[serde(default)]
+    pub bit: u16,
+    /// Number of bits.
+    #[serde(default = "one")]
+    pub count: u16,
+    /// Port of the first bit, from 1.
+    pub port: u8,
+}
+
+impl DigitalChannels {
+    /// Bit and port of each channel.
+    pub fn channels(self) -> impl Iterator<Item = (BitField, u8)> {
+        (0..self.count).map(move |at| (BitField { first: self.bit + at, bits: 1 }, self.port + at as u8))
+    }
+}
+
+/// An analog output.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AnalogChannel {
+    /// Number of the device, from 1.
+    pub device: u16,
+    /// First bit in its outputs.
+    pub bit: u16,
+    /// Bits of the value.
+    pub bits: u16,
+    /// Value at 10 V.
+    pub counts_at_10_v: f64,
+}
+
+/// A counter of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CounterChannel {
+    /// Number of the device, from 1.
+    pub device: u16,
+    /// First bit in its inputs.
+    pub bit: u16,
+    /// Bits of the counter; it wraps.
+    pub bits: u16,
+    /// Counts of one detent of a handwheel, or of one revolution of a spindle; negative if it counts backwards.
+    pub counts: f64,
+}
+
+fn wrong(place: impl Into<String>, rule: &'static str) -> DescriptionError {
+    DescriptionError::Wrong { place: place.into(), rule }
+}
+
+/// Returns an error unless a condition holds.
+fn require(holds: bool, place: &str, rule: &'static str) -> Result<(), DescriptionError> {
+    if holds { Ok(()) } else { Err(wrong(place, rule)) }
+}
+
+impl MachineDescription {
+    /// Parses and checks a description.
+    ///
+    /// # Errors
+    /// The syntax error with line and column, or the first value that is wrong.
+    pub fn parse(text: &str) -> Result<Self, DescriptionError> {
+        let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        let description: Self = options.from_str(text)?;
+        description.check()?;
+        Ok(description)
+    }
+
+    /// The servo axes.
+    #[must_use]
+    pub fn axes(&self) -> PerAxis<Option<&ServoAxisDescription>> {
+        PerAxis([self.x.as_ref(), self.y.as_ref(), self.z.as_ref()])
+    }
+
+    /// The device of a number, from 1.
+    fn device(&self, number: u16, place: &str) -> Result<&DeviceDescription, DescriptionError> {
+        let found = usize::from(number).checked_sub(1).and_then(|at| self.devices.get(at));
+        found.ok_or_else(|| wrong(place, "there is no device of this number in `devices`; they count from 1"))
+    }
+
+    fn check(&self) -> Result<(), DescriptionError> {
+        let EtherCatDescription { interface, reply_time_us, bridged_frames } = &self.ethercat;
+        require(!interface.is_empty(), "ethercat.interface", "the network interface must have a name")?;
+        require((50..=50_000).contains(reply_time_us), "ethercat.reply_time_us", "must be 50 to 50 000 µs")?;
+        require(*bridged_frames <= 20, "ethercat.bridged_frames", "must be 0 to 20")?;
+        require((1..=MAX_DEVICES).contains(&self.devices.len()), "devices", "there must be 1 to 32 devices")?;
+        for (at, device) in self.devices.iter().enumerate() {
+            check_entries(device, at + 1)?;
+        }
+        let fitted = self.axes();
+        for (axis, servo) in fitted.iter() {
+            if let Some(servo) = servo {
+                self.check_axis(axis, servo)?;
+            }
+        }
+        require(fitted[Axis::X].is_some() && fitted[Axis::Z].is_some(), "x, z", "every machine has the axes X and Z")?;
+        self.check_digital("inputs", &self.inputs, |device| device.process_data_bytes().0)?;
+        self.check_digital("outputs", &self.outputs, |device| device.process_data_bytes().1)?;
+        for (place, analog) in [("wheel_speed", self.wheel_speed), ("analog_2", self.analog_2)] {
+            let Some(analog) = analog else { continue };
+            let bytes = self.device(analog.device, place)?.process_data_bytes().1;
+            check_field(place, BitField { first: analog.bit, bits: analog.bits }, bytes)?;
+            require(analog.counts_at_10_v.is_normal(), place, "counts_at_10_v must not be 0")?;
+        }
+        for (place, counter) in [("handwheel", self.handwheel), ("spindle_encoder", self.spindle_encoder)] {
+            let Some(counter) = counter else { continue };
+            let bytes = self.device(counter.device, place)?.process_data_bytes().0;
+            check_field(place, BitField { first: counter.bit, bits: counter.bits }, bytes)?;
+            require(counter.counts.is_normal(), place, "counts must not be 0")?;
+        }
+        Ok(())
+    }
+
+    fn check_axis(&self, axis: Axis, servo: &ServoAxisDescription) -> Result<(), DescriptionError> {
+        let place = axis.letter().to_ascii_lowercase().to_string();
+        let device = self.device(servo.device, &format!("{place}.device"))?;
+        let rule = "must be greater than 0; `reversed: true` turns the direction";
+        require(servo.counts_per_mm.is_normal() && servo.counts_per_mm > 0.0, &format!("{place}.counts_per_mm"), rule)?;
+        for (object, entries) in [
+            (CONTROLWORD, &device.outputs),
+            (TARGET_POSITION, &device.outputs),
+            (STATUSWORD, &device.inputs),
+            (ACTUAL_POSITION, &device.inputs),
+        ] {
+            let rule = "its drive needs 6040h and 607Ah in its outputs, 6041h and 6064h in its inputs";
+            require(field_of(entries, object).is_some(), &place, rule)?;
+        }
+        let same =
+            self.axes().iter().filter(|(_, other)| other.is_some_and(|other| other.device == servo.device)).count();
+        require(same == 1, &format!("{place}.device"), "two axes have the same drive")?;
+        if let Some(brake) = &servo.brake {
+            let place = format!("{place}.brake");
+            require((1..=PORTS).contains(&brake.port), &place, "the port must be 1 to 64")?;
+            let times = [brake.release_s, brake.engage_s];
+            require(times.iter().all(|time| (0.0..=2.0).contains(time)), &place, "the times must be 0 to 2 s")?;
+        }
+        Ok(())
+    }
+
+    /// Checks that the channels exist, and that no port is given twice.
+    fn check_digital(
+        &self,
+        place: &str,
+        channels: &[DigitalChannels],
+        bytes: impl Fn(&DeviceDescription) -> u16,
+    ) -> Result<(), DescriptionError> {
+        let mut used = [false; PORTS as usize];
+        for (at, block) in channels.iter().enumerate() {
+            let place = format!("{place}[{at}]");
+            let device = self.device(block.device, &place)?;
+            let last = u16::from(block.port).saturating_add(block.count);
+            require(block.port >= 1 && block.count >= 1 && last <= u16::from(PORTS) + 1, &place, "ports are 1 to 64")?;
+            let end = block.bit.saturating_add(block.count);
+            require(end <= 8 * bytes(device), &place, "the device has not so many bits")?;
+            for (_, port) in block.channels() {
+                let taken = std::mem::replace(&mut used[usize::from(port) - 1], true);
+                require(!taken, &place, "a port is given twice")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The place of an object in the process data.
+#[must_use]
+pub fn field_of(entries: &[PdoEntry], object: u16) -> Option<BitField> {
+    let mut first = 0;
+    for entry in entries {
+        if entry.object == object && entry.sub == 0 {
+            return Some(BitField { first, bits: entry.bits });
+        }
+        first += entry.total_bits();
+    }
+    None
+}
+
+fn check_entries(device: &DeviceDescription, number: usize) -> Result<(), DescriptionError> {
+    for (side, entries) in [("inputs", &device.inputs), ("outputs", &device.outputs)] {
+        let place = format!("devices[{number}].{side}");
+        let count: usize = entries.iter().map(|entry| usize::from(entry.count)).sum();
+        require(count <= MAX_ENTRIES, &place, "there must be at most 64 entries")?;
+        let fits = |entry: &PdoEntry| (1..=MAX_FIELD_BITS).contains(&entry.bits) && entry.count >= 1;
+        require(entries.iter().all(fits), &place, "an entry has 1 to 32 bits, and a count of at least 1")?;
+    }
+    let place = format!("devices[{number}].startup");
+    let fits = |write: &SdoWrite| matches!(write.bits, 8 | 16 | 32);
+    require(device.startup.iter().all(fits), &place, "an object has 8, 16 or 32 bits")
+}
+
+fn check_field(place: &str, field: BitField, bytes: u16) -> Result<(), DescriptionError> {
+    require((1..=MAX_FIELD_BITS).contains(&field.bits), place, "the value must have 1 to 32 bits")?;
+    let end = field.first.saturating_add(field.bits);
+    require(end <= bytes.saturating_mul(8), place, "the device has not so many bits")
+}

@@ -1,0 +1,203 @@
+//! A servo axis on a field bus: counts to millimetres, the way of its drive to operation enabled, its brake.
+//! Source: CiA 402-2, cyclic synchronous position mode.
+
+use super::cia402::{CYCLIC_SYNCHRONOUS_POSITION, PowerState};
+use super::description::{
+    ACTUAL_POSITION, BrakeDescription, CONTROLWORD, DeviceDescription, ERROR_CODE, MODE, STATUSWORD,
+    ServoAxisDescription, TARGET_POSITION, field_of,
+};
+use super::process_image::{BitField, DeviceImage};
+use crate::io::drive::{DriveFault, DriveState};
+use crate::units::Micros;
+
+/// Where the objects of the drive are in its process data.
+#[derive(Clone, Copy, Debug)]
+struct DriveFields {
+    controlword: BitField,
+    target_position: BitField,
+    mode: Option<BitField>,
+    statusword: BitField,
+    actual_position: BitField,
+    error_code: Option<BitField>,
+}
+
+/// An axis with its drive.
+#[derive(Clone, Debug)]
+pub struct ServoAxis {
+    /// Index of the drive in the process image.
+    pub device: usize,
+    fields: DriveFields,
+    /// Counts for 1 mm in the plus direction; negative if they fall.
+    counts_per_mm: f64,
+    brake: Option<BrakeDescription>,
+    /// Actual position in counts, without the wrap of its field; `None` before the first exchange.
+    count: Option<i64>,
+    /// Count where the axis was switched on: 0 mm of the encoder's frame.
+    zero_count: i64,
+    power: PowerState,
+    /// The error code, once it is read by mailbox.
+    fault: DriveFault,
+    /// Since when the drive has been enabled, and since when it is to be off.
+    enabled_since: Option<Micros>,
+    off_since: Option<Micros>,
+    resetting: bool,
+    /// Counts of the last tick.
+    velocity_counts: i64,
+}
+
+/// What the control asks of the axis.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisSetPoint {
+    /// Set-point in the encoder's frame, mm.
+    pub position_mm: f64,
+    /// The drive is to be on.
+    pub on: bool,
+}
+
+impl ServoAxis {
+    /// An axis whose drive has not been read yet; `None` if the drive lacks an object, which the check excludes.
+    #[must_use]
+    pub fn new(description: &ServoAxisDescription, drive: &DeviceDescription) -> Option<Self> {
+        let fields = DriveFields {
+            controlword: field_of(&drive.outputs, CONTROLWORD)?,
+            target_position: field_of(&drive.outputs, TARGET_POSITION)?,
+            mode: field_of(&drive.outputs, MODE),
+            statusword: field_of(&drive.inputs, STATUSWORD)?,
+            actual_position: field_of(&drive.inputs, ACTUAL_POSITION)?,
+            error_code: field_of(&drive.inputs, ERROR_CODE),
+        };
+        let sign = if description.reversed { -1.0 } else { 1.0 };
+        Some(Self {
+            device: usize::from(description.device).saturating_sub(1),
+            fields,
+            counts_per_mm: sign * description.counts_per_mm,
+            brake: description.brake.clone(),
+            count: None,
+            zero_count: 0,
+            power: PowerState::default(),
+            fault: DriveFault::UNKNOWN,
+            enabled_since: None,
+            off_since: None,
+            resetting: false,
+            velocity_counts: 0,
+        })
+    }
+
+    /// Takes what the drive has sent.
+    pub fn read(&mut self, now: Micros, image: &DeviceImage) {
+        let raw = self.fields.actual_position.read_signed(&image.inputs);
+        let count = match self.count {
+            // The difference of the fields is right across their wrap.
+            Some(before) => before + i64::from(raw.wrapping_sub(before as i32)),
+            None => {
+                self.zero_count = i64::from(raw);
+                i64::from(raw)
+            }
+        };
+        self.velocity_counts = self.count.map_or(0, |before| count - before);
+        self.count = Some(count);
+        self.power = PowerState::from_statusword(self.fields.statusword.read(&image.inputs) as u16);
+        if !self.power.is_fault() {
+            (self.fault, self.resetting) = (DriveFault::UNKNOWN, false);
+        } else if let Some(field) = self.fields.error_code {
+            self.fault = DriveFault(field.read(&image.inputs) as u16);
+        }
+        if self.power == PowerState::OperationEnabled {
+            self.enabled_since.get_or_insert(now);
+        } else {
+            self.enabled_since = None;
+        }
+    }
+
+    /// A frame is missing: the axis is taken to go on at its last speed.
+    pub fn extrapolate(&mut self) {
+        self.count = self.count.map(|count| count + self.velocity_counts);
+    }
+
+    /// Position in the encoder's frame, mm.
+    #[must_use]
+    pub fn encoder_mm(&self) -> f64 {
+        // Added to 0, a reversed axis has no negative zero.
+        0.0 + self.count.map_or(0.0, |count| (count - self.zero_count) as f64 / self.counts_per_mm)
+    }
+
+    /// State of the drive at `now`, with its brake.
+    #[must_use]
+    pub fn state(&self, now: Micros) -> DriveState {
+        match (self.power, self.enabled_since) {
+            (PowerState::Fault | PowerState::FaultReactionActive, _) => DriveState::Fault(self.fault),
+            _ if self.off_since.is_some() => DriveState::Off,
+            (PowerState::OperationEnabled, Some(since)) if now.since(since) >= self.release_time() => {
+                DriveState::Enabled
+            }
+            _ => DriveState::SwitchingOn,
+        }
+    }
+
+    /// Whether the drive is in a fault whose code is to be read by mailbox.
+    #[must_use]
+    pub fn is_code_missing(&self) -> bool {
+        self.power == PowerState::Fault && self.fault == DriveFault::UNKNOWN && self.fields.error_code.is_none()
+    }
+
+    /// The error code that was read by mailbox.
+    pub const fn set_fault(&mut self, fault: DriveFault) {
+        self.fault = fault;
+    }
+
+    /// RESET: the drive is to leave its fault.
+    pub fn reset_fault(&mut self) {
+        self.resetting = self.power.is_fault();
+    }
+
+    fn release_time(&self) -> Micros {
+        self.brake.as_ref().map_or(Micros::ZERO, |brake| Micros::from_millis_f64(1_000.0 * brake.release_s))
+    }
+
+    fn engage_time(&self) -> Micros {
+        self.brake.as_ref().map_or(Micros::ZERO, |brake| Micros::from_millis_f64(1_000.0 * brake.engage_s))
+    }
+
+    /// Port of the brake, and whether it is to be released.
+    #[must_use]
+    pub fn brake_release(&self) -> Option<(u8, bool)> {
+        let brake = self.brake.as_ref()?;
+        Some((brake.port, self.power == PowerState::OperationEnabled && self.off_since.is_none()))
+    }
+
+    /// Writes what the drive gets in the next exchange. A drive that is not enabled, or that is to go off, gets its actual
+    /// position, so that nothing jumps when it is enabled.
+    pub fn write(&mut self, now: Micros, asked: AxisSetPoint, image: &mut DeviceImage) {
+        if asked.on {
+            self.off_since = None;
+        } else {
+            self.off_since.get_or_insert(now);
+        }
+        let last = self.fields.controlword.read(&image.outputs) as u16;
+        // The brake holds before the torque goes.
+        let holds = |since: Micros| now.since(since) < self.engage_time();
+        let controlword = match self.off_since {
+            _ if self.resetting => PowerState::controlword_reset(last),
+            Some(since) if self.power == PowerState::OperationEnabled && holds(since) => self.power.controlword_on(),
+            Some(_) => self.power.controlword_off(),
+            None => self.power.controlword_on(),
+        };
+        let target = match self.state(now) {
+            DriveState::Enabled => {
+                self.zero_count.wrapping_add((asked.position_mm * self.counts_per_mm).round() as i64)
+            }
+            DriveState::Off if self.power == PowerState::OperationEnabled => return self.hold(controlword, image),
+            DriveState::Off | DriveState::SwitchingOn | DriveState::Fault(_) => self.count.unwrap_or_default(),
+        };
+        self.fields.target_position.write(&mut image.outputs, target as u32);
+        self.fields.controlword.write(&mut image.outputs, u32::from(controlword));
+        if let Some(mode) = self.fields.mode {
+            mode.write(&mut image.outputs, u32::from(CYCLIC_SYNCHRONOUS_POSITION));
+        }
+    }
+
+    /// Keeps the last target position until the drive is off.
+    fn hold(&self, controlword: u16, image: &mut DeviceImage) {
+        self.fields.controlword.write(&mut image.outputs, u32::from(controlword));
+    }
+}

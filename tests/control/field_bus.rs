@@ -1,0 +1,416 @@
+//! A control on a field bus whose drives are played here: lost frames, faults, brakes, and the way back.
+
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use kt830::controller::PowerOnState;
+use kt830::defs::device_state::DeviceState;
+use kt830::defs::key::{Key, Mode};
+use kt830::defs::kind::Kind;
+use kt830::host::Host;
+use kt830::host::field_machine::HostedFieldBus;
+use kt830::host::job_runner::JobRunner;
+use kt830::host::storage::{DirectStorage, RetainedWorker};
+use kt830::io::drive::{DriveFault, DriveState};
+use kt830::io::fieldbus::bus_fault::BusFault;
+use kt830::io::fieldbus::cia402::PowerState;
+use kt830::io::fieldbus::description::{DeviceDescription, MachineDescription};
+use kt830::io::fieldbus::process_image::DeviceImage;
+use kt830::io::fieldbus::{FieldBus, FieldBusMachine};
+use kt830::link::command::Command;
+use kt830::units::{Axis, Micros};
+
+use crate::stories::folders_of;
+
+/// Two drives and a terminal; X has a brake at port 20.
+const MACHINE: &str = "(
+    kind: Gc,
+    ethercat: (interface: \"none\", bridged_frames: 2),
+    devices: [
+        (name: \"X\", vendor: 1, product: 1, outputs: [(object: 0x6040, bits: 16), (object: 0x607a, bits: 32)],
+            inputs: [(object: 0x6041, bits: 16), (object: 0x6064, bits: 32)]),
+        (name: \"Z\", vendor: 1, product: 1, outputs: [(object: 0x6040, bits: 16), (object: 0x607a, bits: 32)],
+            inputs: [(object: 0x6041, bits: 16), (object: 0x6064, bits: 32)]),
+        (name: \"terminal\", vendor: 1, product: 2, outputs: [(object: 0x7000, sub: 1, bits: 1, count: 32)],
+            inputs: [(object: 0x6000, sub: 1, bits: 1, count: 64)]),
+    ],
+    x: (device: 1, counts_per_mm: 1000.0, reversed: true, brake: (port: 20, release_s: 0.05, engage_s: 0.03)),
+    z: (device: 2, counts_per_mm: 1000.0),
+    inputs: [(device: 3, count: 64, port: 1)],
+    outputs: [(device: 3, count: 32, port: 1)],
+)";
+
+/// A drive as CiA 402 describes it; it follows at once. Every transition takes a cycle.
+#[derive(Clone, Copy, Debug)]
+struct PlayedDrive {
+    state: PowerState,
+    position: i32,
+    last_control: u16,
+    /// The largest step of an enabled drive, counts.
+    largest_step: i32,
+    error_code: u16,
+}
+
+impl PlayedDrive {
+    fn cycle(&mut self, control: u16, target: i32) {
+        use PowerState::*;
+        let reset = control & 0x80 != 0 && self.last_control & 0x80 == 0;
+        self.state = match (self.state, control & 0x0f) {
+            (NotReadyToSwitchOn, _) => SwitchOnDisabled,
+            (FaultReactionActive, _) => Fault,
+            (Fault, _) if reset => SwitchOnDisabled,
+            (Fault, _) => Fault,
+            (SwitchOnDisabled, 0x06) => ReadyToSwitchOn,
+            (ReadyToSwitchOn, 0x07) => SwitchedOn,
+            (SwitchedOn, 0x0f) => OperationEnabled,
+            (OperationEnabled, 0x07) => SwitchedOn,
+            (SwitchedOn, 0x06) => ReadyToSwitchOn,
+            (_, 0x00) => SwitchOnDisabled,
+            (state, _) => state,
+        };
+        if self.state == OperationEnabled {
+            self.largest_step = self.largest_step.max((target.wrapping_sub(self.position)).abs());
+            self.position = target;
+        }
+        self.last_control = control;
+    }
+
+    const fn statusword(&self) -> u16 {
+        match self.state {
+            PowerState::NotReadyToSwitchOn => 0x00,
+            PowerState::SwitchOnDisabled => 0x40,
+            PowerState::ReadyToSwitchOn => 0x21,
+            PowerState::SwitchedOn => 0x23,
+            PowerState::OperationEnabled => 0x27,
+            PowerState::QuickStopActive => 0x07,
+            PowerState::FaultReactionActive => 0x0f,
+            PowerState::Fault => 0x08,
+        }
+    }
+}
+
+/// The played devices.
+struct Devices {
+    drives: RefCell<[PlayedDrive; 2]>,
+    inputs: Cell<u64>,
+    outputs: Cell<u32>,
+    /// What the next exchanges meet.
+    faults: RefCell<VecDeque<BusFault>>,
+    /// What connecting meets.
+    refusal: Cell<Option<BusFault>>,
+    connected: Cell<u32>,
+}
+
+struct PlayedBus(Rc<Devices>);
+
+impl FieldBus for PlayedBus {
+    fn connect(&mut self, devices: &[DeviceDescription], _: &mut [DeviceImage]) -> Result<(), BusFault> {
+        assert_eq!(devices.len(), 3);
+        self.0.connected.set(self.0.connected.get() + 1);
+        self.0.refusal.get().map_or(Ok(()), Err)
+    }
+
+    fn recover(&mut self, _: &mut [DeviceImage]) -> Result<(), BusFault> {
+        self.0.refusal.get().map_or(Ok(()), Err)
+    }
+
+    fn exchange(&mut self, images: &mut [DeviceImage]) -> Result<(), BusFault> {
+        if let Some(fault) = self.0.faults.borrow_mut().pop_front() {
+            return Err(fault);
+        }
+        for (drive, image) in self.0.drives.borrow_mut().iter_mut().zip(images.iter_mut()) {
+            let [c0, c1, t0, t1, t2, t3] = image.outputs[..] else { panic!("{image:?}") };
+            drive.cycle(u16::from_le_bytes([c0, c1]), i32::from_le_bytes([t0, t1, t2, t3]));
+            image.inputs[..2].copy_from_slice(&drive.statusword().to_le_bytes());
+            image.inputs[2..].copy_from_slice(&drive.position.to_le_bytes());
+        }
+        images[2].inputs.copy_from_slice(&self.0.inputs.get().to_le_bytes());
+        self.0.outputs.set(u32::from_le_bytes(images[2].outputs[..].try_into().unwrap()));
+        Ok(())
+    }
+
+    fn device_state(&self, _: usize) -> DeviceState {
+        DeviceState::Operational
+    }
+
+    fn round_trip(&self) -> Micros {
+        Micros(70)
+    }
+
+    fn read_error_code(&mut self, device: usize) -> Option<u16> {
+        Some(self.0.drives.borrow()[device].error_code)
+    }
+}
+
+/// A control on the played bus.
+struct Shop {
+    host: Host<HostedFieldBus<PlayedBus>, DirectStorage>,
+    devices: Rc<Devices>,
+}
+
+impl Shop {
+    /// A bus that refuses with this, or none that does; the encoders of both drives stand at `position`.
+    fn new(refusal: Option<BusFault>, position: i32) -> Self {
+        let drive = PlayedDrive {
+            state: PowerState::NotReadyToSwitchOn,
+            position,
+            last_control: 0,
+            largest_step: 0,
+            error_code: 0x2310,
+        };
+        let retained = PowerOnState::factory(Kind::Gc);
+        let devices = Rc::new(Devices {
+            drives: RefCell::new([drive; 2]),
+            // All functions inactive: the normally closed contacts are closed.
+            inputs: Cell::new(retained.params.inverted_inputs()),
+            outputs: Cell::new(0),
+            faults: RefCell::default(),
+            refusal: Cell::new(refusal),
+            connected: Cell::new(0),
+        });
+        let description = MachineDescription::parse(MACHINE).unwrap();
+        let machine = HostedFieldBus::new(FieldBusMachine::open(description, PlayedBus(Rc::clone(&devices))));
+        let jobs = JobRunner::new(folders_of(Kind::Gc));
+        let storage = DirectStorage::new(RetainedWorker::new(None), jobs).unwrap();
+        Self { host: Host::connect(Kind::Gc, retained, machine, storage), devices }
+    }
+
+    fn ticks(&mut self, ticks: u32) {
+        (0..ticks).for_each(|_| self.host.step());
+    }
+
+    fn press(&mut self, key: Key) {
+        self.host.send(Command::Press(key));
+        self.host.step();
+    }
+
+    fn drive(&self, axis: Axis) -> DriveState {
+        self.host.trace_row().inputs.drives[axis]
+    }
+
+    fn alarms(&mut self) -> Vec<String> {
+        self.host.snapshot().alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.en())).collect()
+    }
+
+    /// Holds a jog key for a number of ticks; it stays pressed.
+    fn jog(&mut self, key: Key, ticks: u32) {
+        self.press(Mode::Manual.key());
+        self.press(key);
+        for tick in 0..ticks {
+            if tick % 50 == 0 {
+                self.host.send(Command::StillHeld(key));
+            }
+            self.host.step();
+        }
+    }
+
+    /// Lets a key go and waits for standstill.
+    fn release(&mut self, key: Key) {
+        self.host.send(Command::Release(key));
+        self.ticks(500);
+    }
+
+    fn output(&self, port: u32) -> bool {
+        self.devices.outputs.get() >> (port - 1) & 1 == 1
+    }
+}
+
+/// 0x7fff_ff00 is just below the wrap of the counter.
+#[test]
+fn p1_drives_come_on_without_a_jump_and_their_counters_may_wrap() {
+    for position in [0, -123_456, 0x7fff_ff00] {
+        let mut shop = Shop::new(None, position);
+        shop.ticks(5);
+        assert_eq!(shop.drive(Axis::Z), DriveState::Enabled, "four transitions, then it follows");
+        assert_eq!(shop.drive(Axis::X), DriveState::SwitchingOn, "its brake is being released");
+        assert!(
+            shop.output(20) || {
+                shop.ticks(1);
+                shop.output(20)
+            }
+        );
+        shop.jog(Key::ZPlus, 10);
+        assert!(shop.host.controller().is_at_rest(), "the drives are switching on");
+        shop.release(Key::ZPlus);
+        assert_eq!(shop.drive(Axis::X), DriveState::Enabled);
+        let [x, z] = *shop.devices.drives.borrow();
+        assert_eq!([x.largest_step, z.largest_step], [0, 0]);
+        for key in [Key::XMinus, Key::ZPlus] {
+            shop.jog(key, 300);
+            shop.release(key);
+        }
+        assert!(shop.alarms().is_empty(), "{:?}", shop.alarms());
+        let moved = shop.devices.drives.borrow().map(|drive| f64::from(drive.position.wrapping_sub(position)));
+        // X is reversed and shown as a diameter: minus is the rising direction, and 2 mm shown are 1000 counts.
+        let axes = &shop.host.snapshot().axes;
+        let shown = [-500.0 * axes[Axis::X].machine, 1_000.0 * axes[Axis::Z].machine];
+        for (counts, shown) in moved.into_iter().zip(shown) {
+            assert!(counts > 1_000.0 && (counts - shown).abs() < 1.0, "{moved:?} {shown}");
+        }
+    }
+}
+
+#[test]
+fn b8_two_lost_frames_are_bridged_and_the_third_one_stops_the_machine() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.jog(Key::ZPlus, 500);
+    for lost in 1..=2 {
+        shop.devices.faults.borrow_mut().extend(vec![BusFault::FrameLost; lost]);
+        shop.ticks(20);
+        assert!(shop.alarms().is_empty(), "{:?}", shop.alarms());
+    }
+    let before = shop.host.trace_row().inputs.encoder_mm[Axis::Z];
+    shop.devices.faults.borrow_mut().extend([BusFault::FrameLost; 3]);
+    shop.ticks(2);
+    // The jog speed (P56) of 1000 mm/min is 1/60 mm in a tick: the encoder goes on meanwhile.
+    let bridged = shop.host.trace_row().inputs.encoder_mm[Axis::Z];
+    assert!((bridged - before - 2.0 / 60.0).abs() < 0.002, "{before} {bridged}");
+    shop.ticks(1);
+    assert_eq!(shop.alarms(), ["402 I/O bus not responding: frames are lost"]);
+    // The axis brakes along its path, then the torque goes.
+    shop.ticks(500);
+    let row = shop.host.trace_row();
+    assert!(!row.outputs.drives_on && shop.devices.drives.borrow()[1].largest_step <= 70, "{row:?}");
+    // RESET brings it back without a new start of the devices; the axes are to be homed again.
+    shop.press(Key::Reset);
+    shop.ticks(200);
+    assert!(shop.alarms().is_empty() && shop.devices.connected.get() == 1, "{:?}", shop.alarms());
+    assert!(!shop.host.snapshot().axes[Axis::Z].homed);
+    assert_eq!(shop.drive(Axis::Z), DriveState::Enabled);
+}
+
+#[test]
+fn b8_a_machine_that_differs_stands_and_says_why_until_it_is_right() {
+    let found = BusFault::DeviceCount { expected: 3, found: 2 };
+    let mut shop = Shop::new(Some(found), 0);
+    shop.ticks(50);
+    let text = "402 I/O bus not responding: 3 devices expected, 2 found";
+    assert_eq!(shop.alarms(), [text], "and no alarm of inputs that nobody has read");
+    shop.devices.refusal.set(Some(BusFault::DeviceMissing { device: 3 }));
+    shop.press(Key::Reset);
+    shop.ticks(50);
+    assert_eq!(shop.alarms(), ["402 I/O bus not responding: device 3 does not answer"], "the newest fault counts");
+    assert_eq!((shop.drive(Axis::Z), shop.devices.outputs.get()), (DriveState::Off, 0));
+    shop.devices.refusal.set(None);
+    shop.press(Key::Reset);
+    shop.ticks(200);
+    assert!(shop.alarms().is_empty(), "{:?}", shop.alarms());
+    assert_eq!([shop.drive(Axis::X), shop.drive(Axis::Z)], [DriveState::Enabled; 2]);
+}
+
+#[test]
+fn b8_a_drive_fault_has_its_code_in_words_and_reset_brings_the_drive_back() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.jog(Key::ZPlus, 500);
+    shop.devices.drives.borrow_mut()[0].state = PowerState::FaultReactionActive;
+    shop.ticks(2);
+    assert!(shop.alarms()[0].starts_with("104 drive fault: X"), "{:?}", shop.alarms());
+    // The other axis brakes; the code is read when the drives are off.
+    shop.ticks(500);
+    assert_eq!(shop.alarms(), ["104 drive fault: X 2310h continuous overcurrent"]);
+    assert!(!shop.host.trace_row().outputs.drives_on);
+    assert!(shop.devices.drives.borrow()[1].largest_step <= 17);
+    shop.press(Key::Reset);
+    shop.ticks(200);
+    assert!(shop.alarms().is_empty(), "{:?}", shop.alarms());
+    assert_eq!([shop.drive(Axis::X), shop.drive(Axis::Z)], [DriveState::Enabled; 2]);
+}
+
+#[test]
+fn b8_a_drive_that_goes_off_by_itself_is_a_fault() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.devices.drives.borrow_mut()[1].state = PowerState::SwitchOnDisabled;
+    shop.ticks(2);
+    assert_eq!(shop.alarms(), ["104 drive fault: Z has switched itself off"]);
+}
+
+/// P1: with the torque gone nothing holds the axis but its brake; it engages first.
+#[test]
+fn p1_the_brake_holds_before_the_torque_goes() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    assert!(shop.output(20));
+    shop.host.send(Command::EmergencyStop(true));
+    let (mut engaged, mut without_torque) = (None, None);
+    for tick in 0..200 {
+        shop.host.step();
+        engaged = engaged.or((!shop.output(20)).then_some(tick));
+        let torque = shop.devices.drives.borrow()[0].state == PowerState::OperationEnabled;
+        without_torque = without_torque.or((!torque).then_some(tick));
+    }
+    // 0.03 s of engaging.
+    let (engaged, without_torque) = (engaged.unwrap(), without_torque.unwrap());
+    assert!((30..=33).contains(&(without_torque - engaged)), "{engaged} {without_torque}");
+}
+
+#[test]
+fn p1_codes_of_drives_have_words() {
+    let said = |code: u16| DriveFault(code).text().get(kt830::defs::text::Lang::En).to_owned();
+    assert_eq!(
+        [said(0x3220), said(0x3299), said(0x7399), said(0xff01)],
+        [
+            "DC link undervoltage".to_owned(),
+            "DC link voltage".to_owned(),
+            "sensor".to_owned(),
+            "see the manual of the drive".to_owned()
+        ]
+    );
+    assert_eq!(DriveFault(0x8611).to_string(), "8611h");
+}
+
+/// Each wrong value of a description, and what is said of it.
+#[test]
+fn p1_a_wrong_description_is_refused_with_its_place() {
+    for (from, to, said) in [
+        ("x: (device: 1", "x: (device: 9", "x.device: there is no device of this number"),
+        ("x: (device: 1", "x: (device: 2", "x.device: two axes have the same drive"),
+        ("x: (device: 1", "x: (device: 3", "x: its drive needs 6040h"),
+        ("counts_per_mm: 1000.0, reversed", "counts_per_mm: -5.0, reversed", "x.counts_per_mm: must be greater than 0"),
+        ("port: 20", "port: 65", "x.brake: the port must be 1 to 64"),
+        ("release_s: 0.05", "release_s: 5.0", "x.brake: the times must be 0 to 2 s"),
+        ("count: 64, port: 1", "count: 64, port: 2", "inputs[0]: ports are 1 to 64"),
+        ("count: 32, port: 1)]", "count: 33, port: 1)]", "outputs[0]: the device has not so many bits"),
+        (
+            "inputs: [(device: 3, count: 64, port: 1)]",
+            "inputs: [(device: 3, port: 1), (device: 3, bit: 1, port: 1)]",
+            "inputs[1]: a port is given twice",
+        ),
+        ("bits: 1, count: 64", "bits: 33, count: 64", "devices[3].inputs: an entry has 1 to 32 bits"),
+        ("bridged_frames: 2", "bridged_frames: 99", "ethercat.bridged_frames: must be 0 to 20"),
+        ("interface: \"none\"", "interface: \"\"", "ethercat.interface: the network interface must have a name"),
+        ("z: (device: 2, counts_per_mm: 1000.0),", "", "x, z: every machine has the axes X and Z"),
+        ("kind: Gc", "kind: Gx", "1:"),
+        ("bits: 16), (object: 0x607a", "bits: 16, colour: 3), (object: 0x607a", "colour"),
+    ] {
+        let text = MACHINE.replacen(from, to, 1);
+        assert_ne!(text, MACHINE, "{from}");
+        let error = MachineDescription::parse(&text).expect_err(to).to_string();
+        assert!(error.contains(said) || (said == "1:" && error.contains("2:")), "{to}: {error}");
+    }
+}
+
+/// The examples that come along are right, and their ports reach every function of their kind.
+#[test]
+fn p1_the_example_descriptions_are_right() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/machines");
+    let mut kinds = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().into_string().unwrap();
+        if name.ends_with("_ethercat.ron") {
+            let text = std::fs::read_to_string(entry.path()).unwrap();
+            let machine = MachineDescription::parse(&text).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert!(name.starts_with(machine.kind.id()), "{name}");
+            let params = PowerOnState::factory(machine.kind).params;
+            let fitted = params.fitted().axes();
+            assert!(Axis::ALL.into_iter().all(|axis| fitted[axis] == machine.axes()[axis].is_some()), "{name}");
+            kinds.push(machine.kind);
+        }
+    }
+    kinds.sort_by_key(|kind| kind.id());
+    assert_eq!(kinds, [Kind::Ga, Kind::Gc, Kind::Gs, Kind::Lathe]);
+}

@@ -1,0 +1,348 @@
+//! The scenarios: a whole program from a cold start, then faults, each with its reaction and the way back.
+
+use std::process::Command;
+
+use kt830::io::drive::DriveState;
+use kt830::io::fieldbus::description::MachineDescription;
+use kt830::io::trace::TraceRow;
+use kt830::units::{Axis, PerAxis};
+
+use crate::plant::PlantLink;
+use crate::session::{Scenario, Session, simulated, tell};
+
+/// A scenario on the machine as it is described.
+const fn scenario(name: &'static str, play: fn(&mut Session<'_>)) -> Scenario {
+    Scenario { name, describe: |_| {}, play, after_panic: None }
+}
+
+/// A scenario on a machine that differs from its description.
+const fn differing(name: &'static str, describe: fn(&mut MachineDescription), play: fn(&mut Session<'_>)) -> Scenario {
+    Scenario { name, describe, play, after_panic: None }
+}
+
+/// Every scenario.
+pub const ALL: &[Scenario] = &[
+    scenario("cold_start_o1002", |rig| grind(rig, 1_002)),
+    scenario("cold_start_o1004", |rig| grind(rig, 1_004)),
+    scenario("drive_fault_at_rest", drive_fault_at_rest),
+    scenario("drive_fault_in_a_path", drive_fault_in_a_path),
+    scenario("drive_blocked", drive_blocked),
+    scenario("emergency_stop_in_a_path", emergency_stop_in_a_path),
+    scenario("frames_lost", frames_lost),
+    scenario("frame_late", frame_late),
+    scenario("cable_behind_a_drive", cable_behind_a_drive),
+    scenario("cable_at_the_control", cable_at_the_control),
+    scenario("terminal_mute", terminal_mute),
+    scenario("interface_gone", interface_gone),
+    differing(
+        "wrong_device",
+        |machine| machine.devices.swap(1, 3),
+        |rig| {
+            different(rig, "device 2: E0000830h/1616h expected, 29Ch/3B11002h found");
+        },
+    ),
+    differing(
+        "foreign_revision",
+        |machine| machine.devices[0].revision = 0x7777,
+        |rig| {
+            different(rig, "device 1: revision 7777h expected");
+        },
+    ),
+    differing(
+        "device_missing",
+        |machine| machine.devices.push(machine.devices[4].clone()),
+        |rig| {
+            different(rig, "6 devices expected, 5 found");
+        },
+    ),
+    differing(
+        "other_process_data",
+        |machine| machine.devices[3].inputs[0].count = 24,
+        |rig| {
+            different(rig, "device 4: 3/2 bytes of inputs/outputs expected, 2/2 found");
+        },
+    ),
+    differing(
+        "no_interface",
+        |machine| machine.ethercat.interface = "kt-none".to_owned(),
+        |rig| {
+            different(rig, "no such network interface");
+        },
+    ),
+    scenario("hold", hold),
+    Scenario { name: "control_panics", describe: |_| {}, play: wheel_on, after_panic: Some(outputs_are_safe) },
+];
+
+/// The drives come on, hydraulics on.
+fn power_on(rig: &mut Session<'_>) {
+    rig.ticks_until("drives on", 1_000, |row| row.inputs.drives[Axis::X] == DriveState::Enabled);
+    rig.story("expect no alarm\nkey 液压\nwait 3 s\nexpect input hydraulic-pressure on\n");
+}
+
+/// Homing over the switches.
+fn home(rig: &mut Session<'_>) {
+    rig.story("home all\nexpect machine X 0.000 ±0.01\nexpect machine Z 0.000 ±0.01\nexpect no alarm\n");
+}
+
+/// Ready for a program: homed, part between centres, wheel running.
+fn ready(rig: &mut Session<'_>) {
+    power_on(rig);
+    home(rig);
+    rig.story(
+        "key 尾座进\nwait 2 s\nexpect input tailstock-advanced on\nkey 砂轮启动\nwait 10 s\nexpect output wheel on\n",
+    );
+}
+
+/// A long move in both axes, on its way.
+fn moving(rig: &mut Session<'_>) {
+    ready(rig);
+    rig.story("mode mdi\nmdi G01 U-100 W-100 F3000\nexpect state running\n");
+}
+
+/// The largest distance between set-points and encoders, mm.
+fn following_error(row: &TraceRow) -> f64 {
+    let of = |axis: Axis| (row.outputs.set_point_mm[axis] - row.inputs.encoder_mm[axis]).abs();
+    of(Axis::X).max(of(Axis::Z))
+}
+
+/// Cold start, homing and a whole program, on the rig and on the simulated machine.
+fn grind(rig: &mut Session<'_>, number: u32) {
+    let begin =
+        format!("part assets/parts/O{number}.ron\nload O{number}\nmode auto\nkey 循环启动\nexpect state running\n");
+    ready(rig);
+    let mut gauge = PlayedGauge::new(rig);
+    rig.story(&begin);
+    let (mut ticks, mut error_mm, mut lost) = (0_u32, 0.0_f64, 0_u32);
+    let ended = |state: kt830::link::snapshot::RunState| state == kt830::link::snapshot::RunState::Idle;
+    while !ended(rig.snapshot().state) {
+        let row = rig.turn();
+        gauge.follow(rig);
+        ticks += 1;
+        lost += u32::from(!row.inputs.bus_alive);
+        error_mm = error_mm.max(following_error(&row));
+        assert!(ticks < 600_000 && rig.snapshot().alarms.is_empty(), "{ticks} ticks, {:?}", rig.alarms());
+    }
+    let on_rig = end_position(rig.snapshot());
+    let mut reference = simulated();
+    tell(&mut reference, "power on\nkey 液压\nwait 4 s\nhome all\nkey 尾座进\nwait 2 s\nkey 砂轮启动\nwait 10 s\n");
+    tell(&mut reference, &begin);
+    let begun = reference.now();
+    tell(&mut reference, "wait until idle max 600 s\nexpect no alarm\n");
+    let off = on_rig.iter().zip(end_position(reference.snapshot())).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let simulated_s = reference.now().since(begun).as_secs_f64();
+    let rig_s = f64::from(ticks) / 1_000.0;
+    println!("  O{number}: {rig_s:.3} s on the rig, {simulated_s:.3} s simulated; end positions {off:.4} mm apart");
+    println!("  following error up to {error_mm:.3} mm, {lost} ticks without the bus");
+    assert!(off < 0.005, "{off}");
+}
+
+/// The radial gauge of O1004: the part is where the wheel is. The rig has no gauge, so its stages are forced.
+struct PlayedGauge {
+    on: [bool; 4],
+}
+
+/// Inputs of the rig that are the stages, and how far above the finished size they come, mm (machine file of GC).
+const GAUGE_STAGES: [(u8, f64); 4] = [(0, 0.1), (1, 0.02), (12, 0.005), (15, 0.0)];
+/// Finished diameter of O1004's part, mm.
+const GAUGE_SIZE_MM: f64 = 40.0;
+
+impl PlayedGauge {
+    fn new(rig: &mut Session<'_>) -> Self {
+        GAUGE_STAGES.iter().for_each(|(bit, _)| rig.plant.send(&format!("force {bit} 0")));
+        Self { on: [false; 4] }
+    }
+
+    fn follow(&mut self, rig: &mut Session<'_>) {
+        let diameter = rig.snapshot().axes[Axis::X].work;
+        for (was, (bit, above)) in self.on.iter_mut().zip(GAUGE_STAGES) {
+            let on = diameter <= GAUGE_SIZE_MM + above;
+            if on != *was {
+                *was = on;
+                rig.plant.send(&format!("force {bit} {}", u8::from(on)));
+            }
+        }
+    }
+}
+
+fn end_position(snapshot: &kt830::link::snapshot::Snapshot) -> [f64; 2] {
+    [snapshot.axes[Axis::X].machine, snapshot.axes[Axis::Z].machine]
+}
+
+/// A drive trips at rest: its code is read, RESET brings it back, and the axes are homed again.
+fn drive_fault_at_rest(rig: &mut Session<'_>) {
+    power_on(rig);
+    rig.plant.send("fault Z 0x2310");
+    rig.alarm(104, "Z 2310h continuous overcurrent");
+    rig.story("key 复位\nwait 1 s\nexpect no alarm\n");
+    home(rig);
+}
+
+/// The other axis stops along its path, without a jump, and everything goes safe.
+fn drive_fault_in_a_path(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("fault X 0x3220");
+    let tripped = rig.ticks_until("fault", 200, |row| row.inputs.drives[Axis::X].fault().is_some());
+    let ticks = stop(rig);
+    println!("  fault in the inputs after {tripped} ticks, standstill after {ticks} more");
+    rig.alarm(104, "X 3220h DC link undervoltage");
+    rig.story("expect output wheel off\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    home(rig);
+}
+
+/// Ticks until all set-points rest; a set-point must not jump meanwhile.
+fn stop(rig: &mut Session<'_>) -> u32 {
+    let (mut before, mut rests) = (rig.turn(), 0);
+    for ticks in 1..1_000 {
+        let row = rig.turn();
+        let step = |axis: Axis| (row.outputs.set_point_mm[axis] - before.outputs.set_point_mm[axis]).abs();
+        // 3000 mm/min are 0.05 mm in a tick of 1 ms; at the end of braking the set-point may take the encoder's place.
+        let steps = PerAxis::from_fn(step);
+        if before.outputs.drives_on && row.outputs.drives_on {
+            assert!(steps[Axis::X] < 0.06 && steps[Axis::Z] < 0.06, "{steps:?}");
+        }
+        rests = if steps.0.iter().all(|step| *step < 1e-9) { rests + 1 } else { 0 };
+        before = row;
+        if rests == 5 {
+            return ticks;
+        }
+    }
+    panic!("it does not stop");
+}
+
+/// The slide is blocked: the drive's own supervision trips.
+fn drive_blocked(rig: &mut Session<'_>) {
+    ready(rig);
+    rig.plant.send("stall Z on");
+    rig.story("mode mdi\nmdi G01 W-100 F1200\n");
+    let ticks = rig.ticks_until("alarm", 3_000, |row| !row.outputs.drives_on);
+    println!("  {:?} after {ticks} ticks", rig.alarms());
+    rig.plant.send("stall Z off");
+    rig.story("wait 1 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    home(rig);
+}
+
+/// Category 1: the axes stop along their path, then the torque goes; RESET after release brings everything back.
+fn emergency_stop_in_a_path(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("estop press");
+    let seen = rig.ticks_until("emergency stop", 200, |row| !row.outputs.terminals.is_closed(1));
+    let ticks = rig.ticks_until("torque off", 1_000, |row| !row.outputs.drives_on);
+    println!("  wheel output off after {seen} ticks, torque off {ticks} ticks later");
+    assert!(rig.alarms().iter().any(|text| text.contains("emergency stop")), "{:?}", rig.alarms());
+    rig.turns(1_000);
+    rig.plant.send("estop release");
+    rig.story("wait 1 s\nkey 复位\nwait 2 s\nexpect no alarm\n");
+    home(rig);
+}
+
+/// As many lost frames as are bridged are no alarm; one more stops the machine.
+fn frames_lost(rig: &mut Session<'_>) {
+    moving(rig);
+    for _ in 0..5 {
+        rig.plant.send("lose 1");
+        rig.turns(50);
+    }
+    assert!(rig.alarms().is_empty(), "{:?}", rig.alarms());
+    rig.plant.send("lose 5");
+    rig.alarm(402, "frames are lost");
+    back(rig);
+}
+
+/// A reply that comes after its time-out is one lost frame, and the bus goes on.
+fn frame_late(rig: &mut Session<'_>) {
+    moving(rig);
+    for _ in 0..5 {
+        rig.plant.send("delay 15000 1");
+        rig.turns(100);
+    }
+    assert!(rig.alarms().is_empty(), "{:?}", rig.alarms());
+    rig.story("key 复位\nwait until idle max 10 s\n");
+}
+
+/// RESET sets the bus up again; the axes are homed again.
+fn back(rig: &mut Session<'_>) {
+    // A terminal that was away has dropped the tailstock for a moment: that alarm is right, and the second RESET clears it.
+    rig.story("wait 1 s\nkey 复位\nwait 2 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    rig.ticks_until("drives on", 1_000, |row| row.inputs.drives[Axis::X] == DriveState::Enabled);
+    home(rig);
+}
+
+fn cable_behind_a_drive(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("cable 1 2 out");
+    rig.alarm(402, "device 3 does not answer");
+    rig.story("expect output wheel off\n");
+    // While it is out, RESET says so.
+    rig.story("wait 1 s\nkey 复位\nwait 3 s\nexpect alarm 402\n");
+    assert!(rig.alarms()[0].contains("device 3 does not answer"), "{:?}", rig.alarms());
+    rig.plant.send("cable 1 2 in");
+    back(rig);
+}
+
+fn cable_at_the_control(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("cable master out");
+    rig.alarm(402, "frames are lost");
+    rig.story("wait 1 s\nkey 复位\nwait 3 s\nexpect alarm 402\n");
+    assert!(rig.alarms()[0].contains("no device answers"), "{:?}", rig.alarms());
+    rig.plant.send("cable master in");
+    back(rig);
+}
+
+/// A terminal lets the frames pass and takes no part: its inputs are not those of the machine.
+fn terminal_mute(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("mute io on");
+    rig.alarm(402, "device 4");
+    rig.plant.send("mute io off");
+    back(rig);
+}
+
+fn interface_gone(rig: &mut Session<'_>) {
+    moving(rig);
+    let interface = std::env::var("KT_ETHERCAT_IF").expect("interface");
+    let set = |state: &str| {
+        let set = Command::new("ip").args(["link", "set", &interface, state]).status().expect("ip");
+        assert!(set.success());
+    };
+    set("down");
+    rig.alarm(402, "frames are lost");
+    set("up");
+    back(rig);
+}
+
+/// A machine that differs from its description stands, says why, and no output goes on.
+fn different(rig: &mut Session<'_>, words: &str) {
+    rig.alarm(402, words);
+    rig.story("key 液压\nwait 1 s\nkey 复位\nwait 1 s\nexpect alarm 402\n");
+    let row = rig.turn();
+    assert!(row.inputs.drives.0.iter().all(|drive| *drive == DriveState::Off) && !row.outputs.drives_on);
+    let on: Vec<_> = rig.plant.outputs().into_iter().filter(|(_, on)| *on).collect();
+    assert!(on.is_empty(), "{on:?}");
+}
+
+/// The wheel runs and the axes move; then the control fails by a panic.
+fn wheel_on(rig: &mut Session<'_>) {
+    moving(rig);
+}
+
+/// The wheel runs for a while: the process is killed meanwhile.
+fn hold(rig: &mut Session<'_>) {
+    power_on(rig);
+    rig.story("mode manual\nkey 尾座进\nwait 2 s\nkey 砂轮启动\nwait 1 s\nexpect output wheel on\nwait 15 s\n");
+}
+
+/// The bus goes on with the safe image: the outputs are off by it, not by the watchdogs of the devices, and the drives
+/// have no torque.
+fn outputs_are_safe(plant: &mut PlantLink) {
+    let status = plant.status();
+    println!("  after the panic: outputs {}, X {}", status["outputs"], status["axes"]["X"]["state"]);
+    let outputs =
+        status["outputs"].as_str().and_then(|word| u16::from_str_radix(word.trim_start_matches("0x"), 16).ok());
+    // Clamps and their pressure hold (tailstock, bit 3; hydraulic, bit 9); a watchdog would have switched them off, too.
+    assert_eq!(outputs, Some(1 << 3 | 1 << 9));
+    for axis in ["X", "Z"] {
+        assert_ne!(status["axes"][axis]["state"], "operation enabled");
+        assert_eq!(status["axes"][axis]["error"], "0x0000");
+    }
+}
