@@ -208,7 +208,11 @@ pub fn machine_file(shared: &SharedArgs, named: Option<&Path>) -> Result<Option<
         return Ok(Some(file.to_path_buf()));
     }
     let installed = data_dir(shared)?.root().join(MACHINE_FILE);
-    Ok(installed.exists().then_some(installed))
+    // A file that is there and cannot be read is an error, not a simulated machine.
+    match installed.symlink_metadata() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Ok(_) | Err(_) => Ok(Some(installed)),
+    }
 }
 
 /// Reads the description of a real machine.

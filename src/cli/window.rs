@@ -6,7 +6,11 @@ use std::sync::atomic::Ordering;
 use super::args::SharedArgs;
 use super::process_end::{guard_exit, guard_process};
 use super::{CallError, SUCCESS, setup};
+#[cfg(target_os = "linux")]
+use crate::defs::param;
 use crate::defs::param::Params;
+#[cfg(target_os = "linux")]
+use crate::defs::signal::Output;
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
 #[cfg(target_os = "linux")]
@@ -15,6 +19,8 @@ use crate::host::hosted_machine::HostedMachine;
 use crate::host::link::HostLink;
 use crate::host::part::PartRule;
 use crate::host::thread::{run_until_stopped, start};
+#[cfg(target_os = "linux")]
+use crate::io::fieldbus::description::MachineDescription;
 use crate::link::{Command, Snapshot};
 
 /// Opens the control (T1); returns when the window is closed. The machine is chosen here: that of a description, never
@@ -47,8 +53,33 @@ fn open_real(shared: &SharedArgs, file: &Path, fullscreen: bool) -> Result<u8, C
             description.kind.id()
         )));
     }
-    let machine = setup::open_bus(description)?;
-    open_with(move |_, _| Ok(HostedFieldBus::new(machine)), shared, fullscreen)
+    let opened = move |_: &SharedArgs, params: &Params| {
+        check_against_parameters(&description, params)?;
+        setup::open_bus(description).map(HostedFieldBus::new)
+    };
+    open_with(opened, shared, fullscreen)
+}
+
+/// What the parameters of the control exclude: a frame longer than the cycle, a brake at the port of a function.
+#[cfg(target_os = "linux")]
+fn check_against_parameters(description: &MachineDescription, params: &Params) -> Result<(), CallError> {
+    let cycle_us = params.get(param::TICK_TIME);
+    if description.ethercat.reply_time_us as f64 >= cycle_us {
+        return Err(CallError::new(format!("ethercat.reply_time_us: must be less than the cycle P58, {cycle_us} µs")));
+    }
+    let brakes = description.axes().0.into_iter().flatten().filter_map(|axis| axis.brake.as_ref());
+    for brake in brakes {
+        let fitted = Output::ALL.iter().filter(|output| output.exists_on(params.fitted()));
+        if let Some(output) = fitted.copied().find(|output| params.output_port(*output) == brake.port) {
+            return Err(CallError::new(format!(
+                "brake: port {} is that of {} (P{})",
+                brake.port,
+                output.id(),
+                output.port_param()
+            )));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(not(target_os = "linux"))]

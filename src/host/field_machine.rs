@@ -103,6 +103,10 @@ impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
         Some(Arc::clone(&self.view))
     }
 
+    fn settling_time(&self) -> Micros {
+        self.machine.settling_time()
+    }
+
     fn take_bus_fault(&mut self) -> Option<BusFault> {
         self.machine.take_fault()
     }

@@ -31,6 +31,8 @@ pub trait HostedMachine: Backend {
     fn simulation(&mut self) -> Option<&mut SimulatedMachine>;
     /// What the bus page shows at `now`, with the times of the thread's wake-ups; `None` without a bus.
     fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>>;
+    /// How long it gets the safe image at the end; 0 for a simulated machine.
+    fn settling_time(&self) -> Micros;
     /// What is wrong with its bus, once when it comes; `None` without a bus.
     fn take_bus_fault(&mut self) -> Option<BusFault>;
 }

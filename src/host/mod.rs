@@ -369,8 +369,14 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     pub fn leave_safe(&mut self) {
         let kept = catch_unwind(AssertUnwindSafe(|| self.controller.kept_in_safe_state())).unwrap_or_default();
         let terminals = Terminals(self.outputs.terminals.0 & kept.0);
-        self.outputs =
-            OutputImage { terminals, drives_on: false, wheel_volts: 0.0, analog_2_volts: 0.0, ..self.outputs };
+        self.outputs = OutputImage {
+            terminals,
+            drives_on: false,
+            fault_reset: false,
+            wheel_volts: 0.0,
+            analog_2_volts: 0.0,
+            ..self.outputs
+        };
         drop(catch_unwind(AssertUnwindSafe(|| self.plant.write(self.now, &self.outputs))));
     }
 

@@ -179,6 +179,10 @@ impl HostedMachine for HostedSimulation {
         None
     }
 
+    fn settling_time(&self) -> Micros {
+        Micros::ZERO
+    }
+
     fn take_bus_fault(&mut self) -> Option<BusFault> {
         None
     }

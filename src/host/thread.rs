@@ -15,7 +15,7 @@ use super::Host;
 use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
-use super::pace::{Pace, TickSchedule, WakeUp, request_real_time, sleep_until};
+use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
 use crate::defs::alarm;
 use crate::link::command::Command;
@@ -28,8 +28,6 @@ const COMMAND_QUEUE: usize = 256;
 const URGENT_QUEUE: usize = 16;
 /// Longest wait for the axes at the end of the control.
 const MAX_BRAKING: Micros = Micros::from_millis(3_000);
-/// How long a real machine gets the safe image at the end of the control.
-const SAFE_IMAGE_TIME: Micros = Micros::from_millis(500);
 /// Snapshots a second.
 const SNAPSHOTS_PER_SECOND: u64 = 60;
 
@@ -131,13 +129,15 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
     /// A real machine gets the safe image until its drives are off and its brakes hold; after a failure of the control
     /// until the control is ended.
     fn hold_safe_image(&mut self) {
-        if self.host.plant.pace() == Pace::Simulated {
+        let settling = self.host.plant.settling_time();
+        if settling == Micros::ZERO {
             return;
         }
-        let mut left = SAFE_IMAGE_TIME.0 / self.host.tick_time().0.max(1);
+        let mut left = settling.0 / self.host.tick_time().0.max(1);
         while left > 0 || !self.end.is_requested() {
             left = left.saturating_sub(1);
-            self.pace();
+            // After a panic the control may fail in its own report of late ticks.
+            self.guard(Self::pace);
             self.host.hold_safe_image();
         }
     }

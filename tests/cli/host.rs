@@ -138,6 +138,10 @@ impl HostedMachine for NotedPlant {
         self.plant.bus_view(now, wake_ups)
     }
 
+    fn settling_time(&self) -> Micros {
+        self.plant.settling_time()
+    }
+
     fn take_bus_fault(&mut self) -> Option<BusFault> {
         self.plant.take_bus_fault()
     }

@@ -30,9 +30,9 @@ const MACHINE: &str = "(
     ethercat: (interface: \"none\", bridged_frames: 2),
     devices: [
         (name: \"X\", vendor: 1, product: 1, outputs: [(object: 0x6040, bits: 16), (object: 0x607a, bits: 32)],
-            inputs: [(object: 0x6041, bits: 16), (object: 0x6064, bits: 32)]),
+            inputs: [(object: 0x6041, bits: 16), (object: 0x6064, bits: 32)], startup: [(object: 0x6060, bits: 8, value: 8)]),
         (name: \"Z\", vendor: 1, product: 1, outputs: [(object: 0x6040, bits: 16), (object: 0x607a, bits: 32)],
-            inputs: [(object: 0x6041, bits: 16), (object: 0x6064, bits: 32)]),
+            inputs: [(object: 0x6041, bits: 16), (object: 0x6064, bits: 32)], startup: [(object: 0x6060, bits: 8, value: 8)]),
         (name: \"terminal\", vendor: 1, product: 2, outputs: [(object: 0x7000, sub: 1, bits: 1, count: 32)],
             inputs: [(object: 0x6000, sub: 1, bits: 1, count: 64)]),
     ],
@@ -98,6 +98,8 @@ struct Devices {
     outputs: Cell<u32>,
     /// What the next exchanges meet.
     faults: RefCell<VecDeque<BusFault>>,
+    /// The device that does not answer.
+    missing: Cell<Option<usize>>,
     /// What connecting meets.
     refusal: Cell<Option<BusFault>>,
     connected: Cell<u32>,
@@ -131,8 +133,9 @@ impl FieldBus for PlayedBus {
         Ok(())
     }
 
-    fn device_state(&self, _: usize) -> DeviceState {
-        DeviceState::Operational
+    fn device_state(&self, device: usize) -> DeviceState {
+        let missing = self.0.missing.get() == Some(device);
+        if missing { DeviceState::Missing } else { DeviceState::Operational }
     }
 
     fn round_trip(&self) -> Micros {
@@ -167,6 +170,7 @@ impl Shop {
             inputs: Cell::new(retained.params.inverted_inputs()),
             outputs: Cell::new(0),
             faults: RefCell::default(),
+            missing: Cell::default(),
             refusal: Cell::new(refusal),
             connected: Cell::new(0),
         });
@@ -320,13 +324,47 @@ fn b8_a_drive_fault_has_its_code_in_words_and_reset_brings_the_drive_back() {
     assert_eq!([shop.drive(Axis::X), shop.drive(Axis::Z)], [DriveState::Enabled; 2]);
 }
 
+/// It does not come back while the others brake: it would jump to a set-point that went on without it.
 #[test]
-fn b8_a_drive_that_goes_off_by_itself_is_a_fault() {
+fn b8_a_drive_that_goes_off_by_itself_is_a_fault_and_stays_off() {
+    for by_itself in [PowerState::SwitchOnDisabled, PowerState::QuickStopActive] {
+        let mut shop = Shop::new(None, 0);
+        shop.ticks(100);
+        shop.jog(Key::ZPlus, 500);
+        shop.devices.drives.borrow_mut()[1].state = by_itself;
+        let mut enabled = 0;
+        for _ in 0..500 {
+            shop.host.step();
+            enabled += u32::from(shop.devices.drives.borrow()[1].state == PowerState::OperationEnabled);
+        }
+        assert_eq!((shop.alarms(), enabled), (vec!["104 drive fault: Z has switched itself off".to_owned()], 0));
+        shop.press(Key::Reset);
+        shop.ticks(200);
+        assert!(shop.alarms().is_empty() && shop.devices.drives.borrow()[1].largest_step <= 17);
+        assert_eq!(shop.drive(Axis::Z), DriveState::Enabled);
+    }
+}
+
+/// A drive with torque holds its axis where it is while its brake is released: a set-point that followed the encoder
+/// would let a vertical axis sink.
+#[test]
+fn p1_an_axis_is_held_while_the_brakes_are_released() {
     let mut shop = Shop::new(None, 0);
-    shop.ticks(100);
-    shop.devices.drives.borrow_mut()[1].state = PowerState::SwitchOnDisabled;
-    shop.ticks(2);
-    assert_eq!(shop.alarms(), ["104 drive fault: Z has switched itself off"]);
+    let mut targets = Vec::new();
+    for _ in 0..100 {
+        shop.host.step();
+        let mut drives = shop.devices.drives.borrow_mut();
+        // The load pulls both axes by a count in every tick that they have torque.
+        for drive in drives.iter_mut().filter(|drive| drive.state == PowerState::OperationEnabled) {
+            drive.position -= 1;
+        }
+        targets.push(drives.map(|drive| drive.largest_step));
+    }
+    // Each tick the drive takes the one count back: the target has not moved.
+    assert_eq!(targets.last(), Some(&[1, 1]));
+    assert_eq!([shop.drive(Axis::X), shop.drive(Axis::Z)], [DriveState::Enabled; 2]);
+    let [x, z] = *shop.devices.drives.borrow();
+    assert!(x.position >= -3 && z.position >= -3, "{x:?} {z:?}");
 }
 
 /// P1: with the torque gone nothing holds the axis but its brake; it engages first.
@@ -346,6 +384,99 @@ fn p1_the_brake_holds_before_the_torque_goes() {
     // 0.03 s of engaging.
     let (engaged, without_torque) = (engaged.unwrap(), without_torque.unwrap());
     assert!((30..=33).contains(&(without_torque - engaged)), "{engaged} {without_torque}");
+}
+
+/// The drive of X is gone: nothing but its brake holds the axis. The other one brakes along its path meanwhile.
+#[test]
+fn p1_the_brake_of_a_drive_that_is_gone_engages_at_once() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.jog(Key::ZPlus, 500);
+    shop.devices.missing.set(Some(0));
+    shop.devices.faults.borrow_mut().extend([BusFault::DeviceMissing { device: 1 }; 3]);
+    shop.ticks(3);
+    assert!(shop.alarms()[0].contains("device 1 does not answer"), "{:?}", shop.alarms());
+    shop.ticks(1);
+    assert!(!shop.output(20) && shop.host.trace_row().outputs.drives_on, "the brake of X; Z still brakes");
+}
+
+/// RESET while the brake engages: it is released anew, with its whole time, before the axis may move.
+#[test]
+fn p1_a_brake_that_has_begun_to_engage_is_released_anew() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.host.send(Command::EmergencyStop(true));
+    shop.ticks(3);
+    shop.host.send(Command::EmergencyStop(false));
+    shop.ticks(20); // the release is debounced
+    assert!(!shop.output(20) && shop.devices.drives.borrow()[0].state == PowerState::OperationEnabled);
+    shop.press(Key::Reset);
+    // 0.05 s of release.
+    let ticks = (0..200).take_while(|_| {
+        shop.host.step();
+        shop.drive(Axis::X) != DriveState::Enabled
+    });
+    let ticks = ticks.count();
+    assert!((48..=53).contains(&ticks), "{ticks}");
+}
+
+/// A drive that stops by its own quick stop is not disturbed: disabled voltage would let the axis coast.
+#[test]
+fn p1_a_quick_stop_of_the_drive_goes_on_until_it_stands() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.devices.drives.borrow_mut()[1].state = PowerState::QuickStopActive;
+    let mut disabled = None;
+    for tick in 0..60 {
+        {
+            let mut drives = shop.devices.drives.borrow_mut();
+            // It ramps down for 40 ticks.
+            drives[1].position += (40 - tick).max(0);
+            disabled = disabled.or((drives[1].state != PowerState::QuickStopActive).then_some(tick));
+        }
+        shop.host.step();
+    }
+    assert!(disabled.is_some_and(|tick| tick >= 39), "{disabled:?}");
+}
+
+/// A fault that stays is reset for a second; after that it waits for the next RESET.
+#[test]
+fn b8_reset_does_not_go_on_for_ever() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.devices.drives.borrow_mut()[1].state = PowerState::Fault;
+    shop.ticks(10);
+    shop.press(Key::Reset);
+    for _ in 0..1_500 {
+        shop.host.step();
+        // Its cause is still there.
+        shop.devices.drives.borrow_mut()[1].state = PowerState::Fault;
+    }
+    shop.ticks(1_000);
+    assert_eq!(shop.devices.drives.borrow()[1].state, PowerState::Fault, "nobody has pressed RESET");
+    assert!(shop.alarms()[0].starts_with("104"), "{:?}", shop.alarms());
+    shop.press(Key::Reset);
+    shop.ticks(100);
+    assert!(shop.alarms().is_empty() && shop.drive(Axis::Z) == DriveState::Enabled, "{:?}", shop.alarms());
+}
+
+/// The emergency stop is pressed, a drive in a fault; its release within the time of RESET switches nothing on.
+#[test]
+fn b5_a_reset_before_the_release_of_the_emergency_stop_switches_no_drive_on() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    shop.host.send(Command::EmergencyStop(true));
+    shop.ticks(100);
+    shop.devices.drives.borrow_mut()[1].state = PowerState::Fault;
+    shop.ticks(10);
+    shop.press(Key::Reset);
+    shop.host.send(Command::EmergencyStop(false));
+    shop.ticks(2_500);
+    assert!(shop.alarms().iter().any(|text| text.starts_with("0 ")), "{:?}", shop.alarms());
+    assert!(!shop.host.trace_row().outputs.drives_on);
+    shop.press(Key::Reset);
+    shop.ticks(200);
+    assert!(shop.alarms().is_empty() && shop.host.trace_row().outputs.drives_on, "{:?}", shop.alarms());
 }
 
 #[test]
@@ -381,6 +512,27 @@ fn p1_a_wrong_description_is_refused_with_its_place() {
             "inputs[1]: a port is given twice",
         ),
         ("bits: 1, count: 64", "bits: 33, count: 64", "devices[3].inputs: an entry has 1 to 32 bits"),
+        ("bits: 1, count: 64", "bits: 32, count: 65535", "devices[3].inputs: there must be at most 64 entries"),
+        (
+            "(object: 0x7000, sub: 1, bits: 1, count: 32)",
+            "(object: 0, bits: 32, count: 64), (object: 0, bits: 32, count: 1)",
+            "devices[3].outputs: there must be at most 64",
+        ),
+        ("count: 64, port: 1", "bit: 65535, count: 64, port: 1", "inputs[0]: the device has not so many bits"),
+        ("port: 20", "port: 40", "x.brake: its port is not among the outputs"),
+        ("object: 0x6064, bits: 32", "object: 0x6064, bits: 16", "x: its drive needs 6040h (16 bits)"),
+        ("startup: [(object: 0x6060, bits: 8, value: 8)]", "startup: []", "x: its drive needs the mode 6060h"),
+        (
+            "bits: 8, value: 8",
+            "bits: 8, value: 300",
+            "devices[1].startup: an object has 8, 16 or 32 bits, and a value that fits",
+        ),
+        ("sub: 1, bits: 1, count: 64", "sub: 200, bits: 1, count: 64", "devices[3].inputs: the last subindex"),
+        (
+            "outputs: [(device: 3, count: 32, port: 1)],",
+            "outputs: [(device: 3, count: 32, port: 1)], wheel_speed: (device: 1, bit: 16, bits: 16, counts_at_10_v: 1000.0),",
+            "wheel_speed and axis X: bit 16 of device 1: an output has one writer",
+        ),
         ("bridged_frames: 2", "bridged_frames: 99", "ethercat.bridged_frames: must be 0 to 20"),
         ("interface: \"none\"", "interface: \"\"", "ethercat.interface: the network interface must have a name"),
         ("z: (device: 2, counts_per_mm: 1000.0),", "", "x, z: every machine has the axes X and Z"),

@@ -27,6 +27,7 @@ pub const ALL: &[Scenario] = &[
     scenario("drive_fault_at_rest", drive_fault_at_rest),
     scenario("drive_fault_in_a_path", drive_fault_in_a_path),
     scenario("drive_blocked", drive_blocked),
+    scenario("quick_stop_of_a_drive", quick_stop_of_a_drive),
     scenario("emergency_stop_in_a_path", emergency_stop_in_a_path),
     scenario("frames_lost", frames_lost),
     scenario("frame_late", frame_late),
@@ -217,6 +218,17 @@ fn drive_blocked(rig: &mut Session<'_>) {
     let ticks = rig.ticks_until("alarm", 3_000, |row| !row.outputs.drives_on);
     println!("  {:?} after {ticks} ticks", rig.alarms());
     rig.plant.send("stall Z off");
+    rig.story("wait 1 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    home(rig);
+}
+
+/// A drive stops by itself: it stays off, and the other axis stops along its path.
+fn quick_stop_of_a_drive(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("qstop Z");
+    rig.alarm(104, "Z has switched itself off");
+    stop(rig);
+    assert_eq!(rig.turn().inputs.drives[Axis::Z], DriveState::Off);
     rig.story("wait 1 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
     home(rig);
 }

@@ -24,6 +24,7 @@ use kt830::io::trace::TraceRow;
 use kt830::link::snapshot::Snapshot;
 use kt830::story::parse::parse;
 use kt830::story::play::{Player, Stage, state_report};
+use kt830::units::Percentiles;
 
 use crate::plant::PlantLink;
 
@@ -88,7 +89,7 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
     let storage = ThreadedStorage::start(RetainedWorker::new(None), worker).map_err(|error| error.to_string())?;
     let host = Host::connect(Kind::Gc, retained(), machine, storage);
     let (told, answer) = channel();
-    let link = start(host, move |thread| {
+    let mut link = start(host, move |thread| {
         let played = catch_unwind(AssertUnwindSafe(|| {
             let mut session = Session { thread, plant: PlantLink::connect() };
             session.turns(20); // programs and pages arrive
@@ -110,6 +111,14 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
     let (ticks, late) = (health.ticks.load(Ordering::Relaxed), health.late.load(Ordering::Relaxed));
     let real_time = if health.real_time.load(Ordering::Relaxed) { "with" } else { "without" };
     println!("  {ticks} ticks, {late} late, {real_time} real-time priority");
+    if let Some(bus) = link.newest().bus.as_deref().filter(|bus| bus.cycles > 0) {
+        let us = |times: Percentiles| format!("{}/{}/{}", times.median.0, times.p99.0, times.max.0);
+        let (trip, wake) = (us(bus.round_trip), us(bus.wake_up));
+        println!(
+            "  median/99 %/max: round trip {trip} µs, wake-up {wake} µs; {} of {} frames lost",
+            bus.lost, bus.cycles
+        );
+    }
     drop(link);
     played
 }

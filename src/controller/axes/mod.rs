@@ -410,11 +410,13 @@ impl Axes {
         self.present().find(|axis| (set[*axis] - self.feedback.measured[*axis]).abs() > limit)
     }
 
-    /// Drives off: the set-points follow the actual positions, so that switching on causes no jump.
-    pub fn follow_actual(&mut self) {
+    /// Drives off: the set-points of these axes follow the actual positions, so that switching on causes no jump.
+    pub fn follow_actual(&mut self, which: PerAxis<bool>) {
         if self.planner.is_at_rest() {
-            self.commanded.set_point = self.feedback.actual;
-            self.set_movers(self.feedback.actual);
+            for axis in Axis::ALL.into_iter().filter(|axis| which[*axis]) {
+                self.commanded.set_point[axis] = self.feedback.actual[axis];
+            }
+            self.set_movers(self.commanded.set_point);
             self.owner = AxisOwner::Manual;
         }
     }

@@ -175,7 +175,7 @@ impl Program {
         }
         if !plant.drives_follow() && rest {
             plant.axes.unlock();
-            plant.axes.follow_actual();
+            plant.axes.follow_actual(plant.axes_without_drive());
         }
     }
 

@@ -2,7 +2,7 @@
 //! Source: spec B5, B8, table "what stops what"; CiA 402-2 for the states of a drive.
 
 use crate::controller::plant::Plant;
-use crate::defs::alarm;
+use crate::defs::alarm::{self, Reaction};
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, phrase};
 use crate::io::drive::{DriveFault, DriveState};
@@ -19,6 +19,11 @@ impl Plant {
     /// Whether every drive is on and follows its set-point.
     pub fn drives_follow(&self) -> bool {
         self.outputs.drives_on && self.axes.present().all(|axis| self.drive(axis) == DriveState::Enabled)
+    }
+
+    /// The axes whose drives do not follow: their set-points are their actual positions. The others hold theirs.
+    pub fn axes_without_drive(&self) -> PerAxis<bool> {
+        PerAxis::from_fn(|axis| !self.outputs.drives_on || self.drive(axis) != DriveState::Enabled)
     }
 
     /// Whether a drive reports a fault, over the bus or by its signal.
@@ -122,7 +127,10 @@ impl Plant {
             self.outputs.drives.reset_until = None;
         }
         if is_whole {
-            self.reset_alarms();
+            // What came after RESET waits for the next one.
+            self.alarms.reset(|number| !matches!(number, alarm::DRIVE_FAULT | alarm::BUS_LOST));
+            let stopped = self.machine.is_e_stopped() || self.alarms.has_reaction(Reaction::StopAll);
+            self.outputs.drives_on = !stopped;
         }
     }
 }

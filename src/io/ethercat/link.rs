@@ -5,17 +5,18 @@
 use std::future::Future;
 use std::num::NonZeroU32;
 use std::os::fd::{AsRawFd, OwnedFd};
-use std::pin::pin;
+use std::pin::{Pin, pin};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Poll, Wake, Waker};
 
+use ethercrab::std::ethercat_now;
 use ethercrab::{PduRx, PduTx};
 use nix::ifaddrs::getifaddrs;
 use nix::sys::socket::SockaddrLike;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
-use rustix::net::{AddressFamily, Protocol, RecvFlags, SendFlags, SocketFlags, SocketType};
+use rustix::net::{AddressFamily, Protocol, RecvFlags, SendFlags, SocketAddrUnix, SocketFlags, SocketType};
 
 use crate::io::fieldbus::bus_fault::BusFault;
 
@@ -42,7 +43,20 @@ pub struct EtherCatLink {
     rx: PduRx<'static>,
     /// `None` until the interface is open.
     socket: Option<OwnedFd>,
+    /// Keeps other processes from the bus.
+    taken: Option<OwnedFd>,
     woken: Arc<WakeFlag>,
+}
+
+/// Takes the bus of an interface for this process, until the socket is closed. Another process that set the devices up
+/// would stop the machine in its work.
+fn take_bus(interface: &str) -> Result<OwnedFd, BusFault> {
+    let name = format!("kt830-ethercat-{interface}");
+    let address = SocketAddrUnix::new_abstract_name(name.as_bytes()).map_err(|_| BusFault::NoInterface)?;
+    let taken = rustix::net::socket_with(AddressFamily::UNIX, SocketType::DGRAM, SocketFlags::CLOEXEC, None)
+        .map_err(|_| BusFault::Other)?;
+    rustix::net::bind(&taken, &address).map_err(|_| BusFault::InUse)?;
+    Ok(taken)
 }
 
 /// Opens a packet socket for EtherCAT frames on an interface.
@@ -70,7 +84,7 @@ fn open_socket(interface: &str) -> Result<OwnedFd, BusFault> {
 impl EtherCatLink {
     /// A link whose interface is not open.
     pub fn new(tx: PduTx<'static>, rx: PduRx<'static>) -> Self {
-        Self { tx, rx, socket: None, woken: Arc::default() }
+        Self { tx, rx, socket: None, taken: None, woken: Arc::default() }
     }
 
     /// Opens the interface, also anew after it was away.
@@ -79,6 +93,9 @@ impl EtherCatLink {
     /// There is no such interface, or the process may not use it.
     pub fn open(&mut self, interface: &str) -> Result<(), BusFault> {
         self.socket = None;
+        if self.taken.is_none() {
+            self.taken = Some(take_bus(interface)?);
+        }
         self.socket = Some(open_socket(interface)?);
         Ok(())
     }
@@ -86,18 +103,38 @@ impl EtherCatLink {
     /// Polls `work`, sends the frames that it asks for and hands it what comes back, until it is done.
     pub fn run<F: Future>(&mut self, work: F) -> F::Output {
         let mut work = pin!(work);
-        let waker = Waker::from(Arc::clone(&self.woken));
         loop {
-            self.woken.0.store(false, Ordering::Release);
-            if let Poll::Ready(output) = work.as_mut().poll(&mut Context::from_waker(&waker)) {
+            if let Some(output) = self.turn(work.as_mut()) {
                 return output;
             }
-            self.send();
-            if !self.woken.0.load(Ordering::Acquire) {
-                self.wait();
-            }
-            self.receive();
         }
+    }
+
+    /// The same, but given up after a number of nanoseconds of the clock of the stack.
+    pub fn run_for<F: Future>(&mut self, limit_ns: u64, work: F) -> Option<F::Output> {
+        let mut work = pin!(work);
+        let end = ethercat_now() + limit_ns;
+        loop {
+            let done = self.turn(work.as_mut());
+            if done.is_some() || ethercat_now() >= end {
+                return done;
+            }
+        }
+    }
+
+    /// Polls once; sends and receives if it is not done.
+    fn turn<F: Future>(&mut self, work: Pin<&mut F>) -> Option<F::Output> {
+        let waker = Waker::from(Arc::clone(&self.woken));
+        self.woken.0.store(false, Ordering::Release);
+        if let Poll::Ready(output) = work.poll(&mut Context::from_waker(&waker)) {
+            return Some(output);
+        }
+        self.send();
+        if !self.woken.0.load(Ordering::Acquire) {
+            self.wait();
+        }
+        self.receive();
+        None
     }
 
     fn send(&mut self) {

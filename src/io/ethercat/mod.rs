@@ -10,8 +10,8 @@ use ethercrab::error::{Error, TimeoutError};
 use ethercrab::std::ethercat_now;
 use ethercrab::subdevice_group::{NoDc, Op, PreOp, SafeOp};
 use ethercrab::{
-    DefaultLock, MainDevice, MainDeviceConfig, PduStorage, SubDevice, SubDeviceGroup, SubDeviceRef, SubDeviceState,
-    Timeouts,
+    Command, DefaultLock, MainDevice, MainDeviceConfig, PduStorage, SubDevice, SubDeviceGroup, SubDeviceRef,
+    SubDeviceState, Timeouts,
 };
 use rustix::event::Timespec;
 
@@ -37,6 +37,10 @@ const MAX_START_CYCLES: u32 = 3_000;
 const START_CYCLE: Timespec = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
 /// Cycles until devices that were brought back must be in operation.
 const MAX_RECOVERY_CYCLES: u32 = 300;
+/// Longest wait for a mailbox in operation: less than the process data watchdogs of the devices (100 ms).
+const MAILBOX_TIME_NS: u64 = 20_000_000;
+/// Register that every device has: its type.
+const DEVICE_TYPE: u16 = 0x0000;
 /// Registers: AL control, AL status.
 const AL_CONTROL: u16 = 0x0120;
 const AL_STATUS: u16 = 0x0130;
@@ -167,7 +171,20 @@ impl EtherCat {
                 Error::Timeout(_) => BusFault::NoReply,
                 _ => BusFault::DeviceMissing { device: place },
             };
-            let status = link.run(device.register_read::<u16>(AL_STATUS)).map_err(lost)?;
+            let status = match link.run(device.register_read::<u16>(AL_STATUS)).map_err(lost) {
+                Ok(status) => status,
+                // A device that was without power has no address any more. If all are there, they start anew.
+                Err(fault @ BusFault::DeviceMissing { .. }) => {
+                    let all = Command::brd(DEVICE_TYPE).with_wkc(group.len() as u16);
+                    let all_there = link.run(all.receive::<u8>(main_device)).is_ok();
+                    return Err(if all_there {
+                        BusFault::NotOperational { device: place, al_status: 0 }
+                    } else {
+                        fault
+                    });
+                }
+                Err(fault) => return Err(fault),
+            };
             match status & (STATE_MASK | ERROR_BIT) {
                 OPERATIONAL => continue,
                 state if matches!(state & STATE_MASK, SAFE_OPERATIONAL | OPERATIONAL) => {}
@@ -271,9 +288,9 @@ impl FieldBus for EtherCat {
             device.outputs_raw_mut().copy_from_slice(&image.outputs);
         }
         let sent = ethercat_now();
+        states.clear();
         let Ok(response) = link.run(group.tx_rx(main_device)) else { return Err(BusFault::FrameLost) };
         *round_trip = Micros(ethercat_now().saturating_sub(sent) / 1_000);
-        states.clear();
         states.extend_from_slice(&response.subdevice_states);
         for (device, image) in group.iter(main_device).zip(images.iter_mut()) {
             image.inputs.copy_from_slice(&device.inputs_raw());
@@ -303,6 +320,6 @@ impl FieldBus for EtherCat {
     fn read_error_code(&mut self, device: usize) -> Option<u16> {
         let Self { main_device, link, group, .. } = self;
         let device = group.as_ref()?.subdevice(main_device, device).ok()?;
-        link.run(device.sdo_read(ERROR_CODE, 0)).ok()
+        link.run_for(MAILBOX_TIME_NS, device.sdo_read(ERROR_CODE, 0))?.ok()
     }
 }

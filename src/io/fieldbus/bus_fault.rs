@@ -21,6 +21,8 @@ pub enum BusFault {
     NoInterface,
     /// The process may not send frames.
     NoPermission,
+    /// Another process runs the bus.
+    InUse,
     /// No frame comes back.
     NoReply,
     /// A frame came back late or never.
@@ -103,6 +105,7 @@ impl BusFault {
             Self::NoPermission => {
                 phrase!("没有网络权限 (cap_net_raw)", "no permission for the network (cap_net_raw)")
             }
+            Self::InUse => phrase!("另一个程序正在使用总线", "another program runs the bus"),
             Self::NoReply => phrase!("没有设备应答", "no device answers"),
             Self::FrameLost => phrase!("报文丢失", "frames are lost"),
             Self::DeviceCount { expected, found } => {

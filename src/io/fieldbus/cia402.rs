@@ -6,6 +6,8 @@ pub const CYCLIC_SYNCHRONOUS_POSITION: u8 = 8;
 
 /// Controlword: disable voltage.
 const DISABLE_VOLTAGE: u16 = 0x00;
+/// Controlword: quick stop; a drive that stops by itself goes on with it.
+pub const QUICK_STOP: u16 = 0x02;
 /// Controlword: shutdown, towards ready to switch on.
 const SHUTDOWN: u16 = 0x06;
 /// Controlword: switch on; from operation enabled, disable operation.

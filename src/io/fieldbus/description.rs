@@ -12,6 +12,8 @@ use crate::units::{Axis, PerAxis};
 
 /// Most devices of a bus: the stack reserves memory for them.
 pub const MAX_DEVICES: usize = 32;
+/// Most bytes of inputs, and of outputs, of a device.
+const MAX_DEVICE_BYTES: u16 = 256;
 /// Most entries in the inputs or the outputs of a device.
 const MAX_ENTRIES: usize = 64;
 
@@ -142,7 +144,8 @@ impl DeviceDescription {
     /// Bytes of its inputs and outputs.
     #[must_use]
     pub fn process_data_bytes(&self) -> (u16, u16) {
-        let bytes = |entries: &[PdoEntry]| entries.iter().map(|entry| entry.total_bits()).sum::<u16>().div_ceil(8);
+        let bits = |entries: &[PdoEntry]| entries.iter().map(|entry| u32::from(entry.total_bits())).sum::<u32>();
+        let bytes = |entries: &[PdoEntry]| u16::try_from(bits(entries).div_ceil(8)).unwrap_or(u16::MAX);
         (bytes(&self.inputs), bytes(&self.outputs))
     }
 }
@@ -309,6 +312,8 @@ impl MachineDescription {
         for (at, device) in self.devices.iter().enumerate() {
             check_entries(device, at + 1)?;
         }
+        self.check_digital("inputs", &self.inputs, |device| device.process_data_bytes().0)?;
+        self.check_digital("outputs", &self.outputs, |device| device.process_data_bytes().1)?;
         let fitted = self.axes();
         for (axis, servo) in fitted.iter() {
             if let Some(servo) = servo {
@@ -316,8 +321,6 @@ impl MachineDescription {
             }
         }
         require(fitted[Axis::X].is_some() && fitted[Axis::Z].is_some(), "x, z", "every machine has the axes X and Z")?;
-        self.check_digital("inputs", &self.inputs, |device| device.process_data_bytes().0)?;
-        self.check_digital("outputs", &self.outputs, |device| device.process_data_bytes().1)?;
         for (place, analog) in [("wheel_speed", self.wheel_speed), ("analog_2", self.analog_2)] {
             let Some(analog) = analog else { continue };
             let bytes = self.device(analog.device, place)?.process_data_bytes().1;
@@ -330,7 +333,37 @@ impl MachineDescription {
             check_field(place, BitField { first: counter.bit, bits: counter.bits }, bytes)?;
             require(counter.counts.is_normal(), place, "counts must not be 0")?;
         }
-        Ok(())
+        self.check_overlaps()
+    }
+
+    /// Every bit of the outputs has one writer: a wheel speed in the place of a target position would move an axis.
+    fn check_overlaps(&self) -> Result<(), DescriptionError> {
+        let mut written: Vec<(u16, u16, String)> = Vec::new();
+        let mut claim = |device: u16, field: BitField, place: String| {
+            (field.first..field.first + field.bits).for_each(|bit| written.push((device, bit, place.clone())));
+        };
+        for (axis, servo) in self.axes().iter().filter_map(|(axis, servo)| Some((axis, (*servo)?))) {
+            let outputs = &self.device(servo.device, "axes")?.outputs;
+            for field in [CONTROLWORD, TARGET_POSITION, MODE].into_iter().filter_map(|object| field_of(outputs, object))
+            {
+                claim(servo.device, field, format!("axis {axis}"));
+            }
+        }
+        for (at, block) in self.outputs.iter().enumerate() {
+            block.channels().for_each(|(bit, _)| claim(block.device, bit, format!("outputs[{at}]")));
+        }
+        for (place, analog) in [("wheel_speed", self.wheel_speed), ("analog_2", self.analog_2)] {
+            if let Some(AnalogChannel { device, bit, bits, .. }) = analog {
+                claim(device, BitField { first: bit, bits }, place.to_owned());
+            }
+        }
+        written.sort();
+        let twice = written.windows(2).find(|pair| (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1));
+        twice.map_or(Ok(()), |pair| {
+            let (device, bit, place) = &pair[1];
+            let place = format!("{place} and {}: bit {bit} of device {device}", pair[0].2);
+            Err(wrong(place, "an output has one writer"))
+        })
     }
 
     fn check_axis(&self, axis: Axis, servo: &ServoAxisDescription) -> Result<(), DescriptionError> {
@@ -338,21 +371,30 @@ impl MachineDescription {
         let device = self.device(servo.device, &format!("{place}.device"))?;
         let rule = "must be greater than 0; `reversed: true` turns the direction";
         require(servo.counts_per_mm.is_normal() && servo.counts_per_mm > 0.0, &format!("{place}.counts_per_mm"), rule)?;
-        for (object, entries) in [
-            (CONTROLWORD, &device.outputs),
-            (TARGET_POSITION, &device.outputs),
-            (STATUSWORD, &device.inputs),
-            (ACTUAL_POSITION, &device.inputs),
+        for (object, entries, bits) in [
+            (CONTROLWORD, &device.outputs, 16),
+            (TARGET_POSITION, &device.outputs, 32),
+            (STATUSWORD, &device.inputs, 16),
+            (ACTUAL_POSITION, &device.inputs, 32),
         ] {
-            let rule = "its drive needs 6040h and 607Ah in its outputs, 6041h and 6064h in its inputs";
-            require(field_of(entries, object).is_some(), &place, rule)?;
+            let rule = "its drive needs 6040h (16 bits) and 607Ah (32) in its outputs, 6041h (16) and 6064h (32) in its inputs";
+            require(field_of(entries, object).is_some_and(|field| field.bits == bits), &place, rule)?;
         }
+        let is_set = device.startup.iter().any(|write| write.object == MODE);
+        let rule = "its drive needs the mode 6060h in its outputs (8 bits), or in `startup` with the value 8";
+        require(is_set || field_of(&device.outputs, MODE).is_some_and(|field| field.bits == 8), &place, rule)?;
         let same =
             self.axes().iter().filter(|(_, other)| other.is_some_and(|other| other.device == servo.device)).count();
         require(same == 1, &format!("{place}.device"), "two axes have the same drive")?;
         if let Some(brake) = &servo.brake {
             let place = format!("{place}.brake");
             require((1..=PORTS).contains(&brake.port), &place, "the port must be 1 to 64")?;
+            let is_wired = self.outputs.iter().any(|block| block.channels().any(|(_, port)| port == brake.port));
+            require(is_wired, &place, "its port is not among the outputs")?;
+            let with_port =
+                |other: &&ServoAxisDescription| other.brake.as_ref().is_some_and(|at| at.port == brake.port);
+            let sharing = self.axes().0.into_iter().flatten().filter(with_port).count();
+            require(sharing == 1, &place, "two axes have the same port")?;
             let times = [brake.release_s, brake.engage_s];
             require(times.iter().all(|time| (0.0..=2.0).contains(time)), &place, "the times must be 0 to 2 s")?;
         }
@@ -403,10 +445,18 @@ fn check_entries(device: &DeviceDescription, number: usize) -> Result<(), Descri
         require(count <= MAX_ENTRIES, &place, "there must be at most 64 entries")?;
         let fits = |entry: &PdoEntry| (1..=MAX_FIELD_BITS).contains(&entry.bits) && entry.count >= 1;
         require(entries.iter().all(fits), &place, "an entry has 1 to 32 bits, and a count of at least 1")?;
+        let last = |entry: &PdoEntry| u32::from(entry.sub) + u32::from(entry.count) - 1;
+        require(entries.iter().all(|entry| last(entry) <= 255), &place, "the last subindex must be at most 255")?;
     }
+    let (inputs, outputs) = device.process_data_bytes();
+    let rule = "a device has at most 256 bytes of inputs and of outputs";
+    require(inputs.max(outputs) <= MAX_DEVICE_BYTES, &format!("devices[{number}]"), rule)?;
     let place = format!("devices[{number}].startup");
-    let fits = |write: &SdoWrite| matches!(write.bits, 8 | 16 | 32);
-    require(device.startup.iter().all(fits), &place, "an object has 8, 16 or 32 bits")
+    let fits = |write: &SdoWrite| {
+        let range = 1_i64 << write.bits.min(32);
+        matches!(write.bits, 8 | 16 | 32) && (-range / 2..range).contains(&write.value)
+    };
+    require(device.startup.iter().all(fits), &place, "an object has 8, 16 or 32 bits, and a value that fits")
 }
 
 fn check_field(place: &str, field: BitField, bytes: u16) -> Result<(), DescriptionError> {

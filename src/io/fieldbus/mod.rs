@@ -85,6 +85,8 @@ pub struct FieldBusMachine<F> {
     statistics: BusStatistics,
     round_trips: Histogram,
     inputs: InputImage,
+    /// The inputs have been read at least once.
+    has_inputs: bool,
     /// A fault that has not been reported yet.
     report: Option<BusFault>,
     /// RESET: the bus is set up again before the next exchange.
@@ -115,6 +117,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
             statistics: BusStatistics::default(),
             round_trips: Histogram::default(),
             inputs: InputImage::default(),
+            has_inputs: false,
             report: None,
             reconnect: false,
             reset_until: None,
@@ -126,7 +129,15 @@ impl<F: FieldBus> FieldBusMachine<F> {
     fn connect(&mut self) {
         // Nothing of the time before is sent again.
         self.images.iter_mut().for_each(|image| image.outputs.fill(0));
-        match self.bus.connect(&self.description.devices, &mut self.images) {
+        let mut connected = Err(BusFault::NoReply);
+        for _ in 0..CONNECT_ATTEMPTS {
+            connected = self.bus.connect(&self.description.devices, &mut self.images);
+            // A frame may be late while the computer starts; what differs stays different.
+            if !matches!(connected, Err(BusFault::NoReply | BusFault::Other)) {
+                break;
+            }
+        }
+        match connected {
             Ok(()) => self.state = BusState::Running(0),
             Err(fault) => self.fail(BusState::Down(fault), fault),
         }
@@ -186,13 +197,20 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.inputs.drives.0[axis as usize]
     }
 
+    /// How long the safe image is to be sent at the end: until every brake holds.
+    #[must_use]
+    pub fn settling_time(&self) -> Micros {
+        let slowest = self.axes.0.iter().flatten().map(ServoAxis::engage_time).max();
+        SAFE_IMAGE_TIME + slowest.unwrap_or_default()
+    }
+
     /// Counts of cycles and lost frames.
     #[must_use]
     pub const fn statistics(&self) -> BusStatistics {
         self.statistics
     }
 
-    /// One exchange; returns whether the inputs are those of this tick.
+    /// One exchange; returns whether the inputs are those of this tick: of a lost bus those of the devices that are left.
     fn exchange(&mut self) -> bool {
         self.statistics.cycles += 1;
         let exchanged = self.bus.exchange(&mut self.images);
@@ -208,11 +226,13 @@ impl<F: FieldBus> FieldBusMachine<F> {
             (BusState::Running(missing), Err(_)) => self.state = BusState::Running(missing + 1),
             (BusState::Lost(_) | BusState::Down(_), _) => {}
         }
-        exchanged.is_ok()
+        let came_back = |fault: &BusFault| !matches!(fault, BusFault::FrameLost | BusFault::NoReply);
+        exchanged.is_ok() || matches!((self.state, exchanged), (BusState::Lost(_), Err(fault)) if came_back(&fault))
     }
 
     /// Decodes the inputs of the devices.
     fn decode(&mut self, now: Micros) {
+        self.has_inputs = true;
         let images = &self.images;
         for axis in self.axes.0.iter_mut().flatten() {
             if let Some(image) = images.get(axis.device) {
@@ -241,8 +261,12 @@ impl<F: FieldBus> FieldBusMachine<F> {
     }
 }
 
+/// How long the safe image is sent at the end, beside the time of the brakes: drives take some cycles to switch off.
+const SAFE_IMAGE_TIME: Micros = Micros::from_millis(300);
 /// How long RESET resets drives: those behind a bus that is set up again report their faults after it.
 const RESET_TIME: Micros = Micros::from_millis(1_000);
+/// Attempts to connect while nothing answers.
+const CONNECT_ATTEMPTS: u32 = 3;
 /// Error code "generic error" (CiA 301).
 const GENERIC_ERROR: u16 = 0x1000;
 
@@ -252,13 +276,20 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
             self.reconnect();
         }
         self.inputs.handwheel_detents = 0;
-        let sends = !matches!(self.state, BusState::Down(_));
-        if sends && self.exchange() {
-            self.decode(now);
-        } else {
-            self.axes.0.iter_mut().flatten().for_each(ServoAxis::extrapolate);
+        let is_fresh = !matches!(self.state, BusState::Down(_)) && self.exchange();
+        match self.state {
+            _ if is_fresh => self.decode(now),
+            BusState::Running(_) => self.axes.0.iter_mut().flatten().for_each(ServoAxis::extrapolate),
+            BusState::Down(_) | BusState::Lost(_) => {}
         }
-        self.inputs.bus_alive = matches!(self.state, BusState::Running(_));
+        if matches!(self.state, BusState::Lost(_)) {
+            for axis in self.axes.0.iter_mut().flatten() {
+                if self.bus.device_state(axis.device) != DeviceState::Operational {
+                    axis.lose();
+                }
+            }
+        }
+        self.inputs.bus_alive = self.has_inputs && matches!(self.state, BusState::Running(_));
         let (axes, alive) = (&self.axes, self.inputs.bus_alive);
         self.inputs.encoder_mm = EncoderPos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, ServoAxis::encoder_mm));
         self.inputs.drives = PerAxis::from_fn(|axis| match &axes[axis] {
@@ -269,16 +300,21 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
     }
 
     fn write(&mut self, now: Micros, outputs: &OutputImage) {
-        self.read_error_code(outputs.drives_on);
         if outputs.fault_reset {
             self.reset_until = Some(now + RESET_TIME);
         }
-        let resets = self.reset_until.is_some_and(|until| now < until);
+        let reset_over = self.reset_until.is_some_and(|until| now >= until);
+        if reset_over {
+            self.reset_until = None;
+        }
         let mut terminals = outputs.terminals;
         for axis in Axis::ALL {
             let Some(servo) = &mut self.axes[axis] else { continue };
-            if resets {
+            if outputs.fault_reset {
                 servo.reset_fault();
+            }
+            if reset_over {
+                servo.end_reset();
             }
             let asked = AxisSetPoint { position_mm: outputs.set_point_mm[axis], on: outputs.drives_on };
             if let Some(image) = self.images.get_mut(servo.device) {
@@ -300,6 +336,8 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
             write_analog(channel, volts, &mut self.images);
         }
         self.reconnect |= outputs.fault_reset;
+        // Last: all outputs of this tick are in the image.
+        self.read_error_code(outputs.drives_on);
     }
 
     fn rewire(&mut self, _params: &Params) {}
@@ -319,7 +357,9 @@ const FULL_SCALE_VOLTS: f64 = 10.0;
 fn write_analog(channel: Option<AnalogChannel>, volts: f64, images: &mut [DeviceImage]) {
     let Some(channel) = channel else { return };
     let Some(image) = image_of_mut(images, channel.device) else { return };
-    let counts = (volts / FULL_SCALE_VOLTS * channel.counts_at_10_v).round() as i32;
+    // The largest value of a signed field; the description says whether 10 V are more.
+    let most = f64::from(i32::MAX >> (32 - u32::from(channel.bits.clamp(1, 32))));
+    let counts = (volts / FULL_SCALE_VOLTS * channel.counts_at_10_v).round().clamp(-most, most) as i32;
     BitField { first: channel.bit, bits: channel.bits }.write(&mut image.outputs, counts.cast_unsigned());
 }
 

@@ -1,7 +1,7 @@
 //! A servo axis on a field bus: counts to millimetres, the way of its drive to operation enabled, its brake.
 //! Source: CiA 402-2, cyclic synchronous position mode.
 
-use super::cia402::{CYCLIC_SYNCHRONOUS_POSITION, PowerState};
+use super::cia402::{self, CYCLIC_SYNCHRONOUS_POSITION, PowerState};
 use super::description::{
     ACTUAL_POSITION, BrakeDescription, CONTROLWORD, DeviceDescription, ERROR_CODE, MODE, STATUSWORD,
     ServoAxisDescription, TARGET_POSITION, field_of,
@@ -9,6 +9,9 @@ use super::description::{
 use super::process_image::{BitField, DeviceImage};
 use crate::io::drive::{DriveFault, DriveState};
 use crate::units::Micros;
+
+/// Counts in a tick that are standstill.
+const STANDSTILL_COUNTS: i64 = 1;
 
 /// Where the objects of the drive are in its process data.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +22,18 @@ struct DriveFields {
     statusword: BitField,
     actual_position: BitField,
     error_code: Option<BitField>,
+}
+
+/// What is wanted of the drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Demand {
+    /// No torque since then.
+    Off(Micros),
+    /// It is to follow its set-points.
+    On,
+    /// It has left operation while it was to be on. It stays off until it is no longer asked for: otherwise it would come
+    /// back in the middle of the braking of the other axes, and jump.
+    Dropped,
 }
 
 /// An axis with its drive.
@@ -37,9 +52,10 @@ pub struct ServoAxis {
     power: PowerState,
     /// The error code, once it is read by mailbox.
     fault: DriveFault,
-    /// Since when the drive has been enabled, and since when it is to be off.
+    demand: Demand,
+    /// Since when the drive has had torque and was to have it: the time of the brake counts from here.
     enabled_since: Option<Micros>,
-    off_since: Option<Micros>,
+    /// RESET is leading the drive out of its fault.
     resetting: bool,
     /// Counts of the last tick.
     velocity_counts: i64,
@@ -76,8 +92,8 @@ impl ServoAxis {
             zero_count: 0,
             power: PowerState::default(),
             fault: DriveFault::UNKNOWN,
+            demand: Demand::Off(Micros::ZERO),
             enabled_since: None,
-            off_since: None,
             resetting: false,
             velocity_counts: 0,
         })
@@ -105,8 +121,20 @@ impl ServoAxis {
         if self.power == PowerState::OperationEnabled {
             self.enabled_since.get_or_insert(now);
         } else {
-            self.enabled_since = None;
+            self.leave_operation();
         }
+    }
+
+    fn leave_operation(&mut self) {
+        if self.enabled_since.take().is_some() && self.demand == Demand::On {
+            self.demand = Demand::Dropped;
+        }
+    }
+
+    /// The drive does not answer any more: it is taken to be without torque, and its brake is to hold.
+    pub fn lose(&mut self) {
+        self.power = PowerState::NotReadyToSwitchOn;
+        self.leave_operation();
     }
 
     /// A frame is missing: the axis is taken to go on at its last speed.
@@ -124,14 +152,23 @@ impl ServoAxis {
     /// State of the drive at `now`, with its brake.
     #[must_use]
     pub fn state(&self, now: Micros) -> DriveState {
-        match (self.power, self.enabled_since) {
-            (PowerState::Fault | PowerState::FaultReactionActive, _) => DriveState::Fault(self.fault),
-            _ if self.off_since.is_some() => DriveState::Off,
-            (PowerState::OperationEnabled, Some(since)) if now.since(since) >= self.release_time() => {
-                DriveState::Enabled
-            }
-            _ => DriveState::SwitchingOn,
+        if self.power.is_fault() {
+            return DriveState::Fault(self.fault);
         }
+        let released = self.enabled_since.is_some_and(|since| now.since(since) >= self.release_time());
+        match self.demand {
+            Demand::Off(_) | Demand::Dropped => DriveState::Off,
+            Demand::On if self.power == PowerState::OperationEnabled && released => DriveState::Enabled,
+            Demand::On => DriveState::SwitchingOn,
+        }
+    }
+
+    /// Whether the drive has torque, or brakes by itself.
+    const fn has_torque(&self) -> bool {
+        matches!(
+            self.power,
+            PowerState::OperationEnabled | PowerState::QuickStopActive | PowerState::FaultReactionActive
+        )
     }
 
     /// Whether the drive is in a fault whose code is to be read by mailbox.
@@ -145,59 +182,80 @@ impl ServoAxis {
         self.fault = fault;
     }
 
-    /// RESET: the drive is to leave its fault.
-    pub fn reset_fault(&mut self) {
-        self.resetting = self.power.is_fault();
+    /// RESET: a drive in a fault is to leave it, also one that reports it only after the bus is back.
+    pub const fn reset_fault(&mut self) {
+        self.resetting = true;
+    }
+
+    /// RESET is over: a fault that is still there stays until the next one.
+    pub const fn end_reset(&mut self) {
+        self.resetting = false;
     }
 
     fn release_time(&self) -> Micros {
         self.brake.as_ref().map_or(Micros::ZERO, |brake| Micros::from_millis_f64(1_000.0 * brake.release_s))
     }
 
-    fn engage_time(&self) -> Micros {
+    /// Time from the end of the release until the brake holds.
+    #[must_use]
+    pub fn engage_time(&self) -> Micros {
         self.brake.as_ref().map_or(Micros::ZERO, |brake| Micros::from_millis_f64(1_000.0 * brake.engage_s))
     }
 
-    /// Port of the brake, and whether it is to be released.
+    /// Port of the brake, and whether it is to be released: while the axis is to follow, and while the drive stops it.
     #[must_use]
     pub fn brake_release(&self) -> Option<(u8, bool)> {
         let brake = self.brake.as_ref()?;
-        Some((brake.port, self.power == PowerState::OperationEnabled && self.off_since.is_none()))
+        let stops = matches!(self.power, PowerState::QuickStopActive | PowerState::FaultReactionActive);
+        Some((brake.port, stops || self.power == PowerState::OperationEnabled && self.demand == Demand::On))
     }
 
-    /// Writes what the drive gets in the next exchange. A drive that is not enabled, or that is to go off, gets its actual
-    /// position, so that nothing jumps when it is enabled.
+    /// Writes what the drive gets in the next exchange. A drive without torque gets its actual position, so that nothing
+    /// jumps when it is enabled.
     pub fn write(&mut self, now: Micros, asked: AxisSetPoint, image: &mut DeviceImage) {
-        if asked.on {
-            self.off_since = None;
-        } else {
-            self.off_since.get_or_insert(now);
-        }
-        let last = self.fields.controlword.read(&image.outputs) as u16;
-        // The brake holds before the torque goes.
-        let holds = |since: Micros| now.since(since) < self.engage_time();
-        let controlword = match self.off_since {
-            _ if self.resetting => PowerState::controlword_reset(last),
-            Some(since) if self.power == PowerState::OperationEnabled && holds(since) => self.power.controlword_on(),
-            Some(_) => self.power.controlword_off(),
-            None => self.power.controlword_on(),
-        };
-        let target = match self.state(now) {
-            DriveState::Enabled => {
-                self.zero_count.wrapping_add((asked.position_mm * self.counts_per_mm).round() as i64)
+        self.demand = match (self.demand, asked.on) {
+            (Demand::Off(since), false) => Demand::Off(since),
+            (Demand::On | Demand::Dropped, false) => Demand::Off(now),
+            (Demand::Off(_), true) => {
+                // The brake has begun to engage: it is released anew.
+                self.enabled_since = self.enabled_since.map(|_| now);
+                Demand::On
             }
-            DriveState::Off if self.power == PowerState::OperationEnabled => return self.hold(controlword, image),
-            DriveState::Off | DriveState::SwitchingOn | DriveState::Fault(_) => self.count.unwrap_or_default(),
+            (demand @ (Demand::On | Demand::Dropped), true) => demand,
         };
-        self.fields.target_position.write(&mut image.outputs, target as u32);
+        let controlword = self.controlword(now, self.fields.controlword.read(&image.outputs) as u16);
         self.fields.controlword.write(&mut image.outputs, u32::from(controlword));
         if let Some(mode) = self.fields.mode {
             mode.write(&mut image.outputs, u32::from(CYCLIC_SYNCHRONOUS_POSITION));
         }
+        let target = match self.state(now) {
+            DriveState::Enabled => {
+                self.zero_count.wrapping_add((asked.position_mm * self.counts_per_mm).round() as i64)
+            }
+            // With torque, and the brake on its way: the axis is held where it is, by its last target.
+            DriveState::Off | DriveState::SwitchingOn | DriveState::Fault(_) if self.has_torque() => return,
+            DriveState::Off | DriveState::SwitchingOn | DriveState::Fault(_) => self.count.unwrap_or_default(),
+        };
+        self.fields.target_position.write(&mut image.outputs, target as u32);
     }
 
-    /// Keeps the last target position until the drive is off.
-    fn hold(&self, controlword: u16, image: &mut DeviceImage) {
-        self.fields.controlword.write(&mut image.outputs, u32::from(controlword));
+    /// The next step of the power state machine. The brake holds before the torque goes, and a drive that stops by itself
+    /// is left alone until it stands.
+    fn controlword(&self, now: Micros, last: u16) -> u16 {
+        if self.resetting && self.power.is_fault() {
+            return PowerState::controlword_reset(last);
+        }
+        match self.demand {
+            _ if self.power == PowerState::QuickStopActive && self.velocity_counts.abs() > STANDSTILL_COUNTS => {
+                cia402::QUICK_STOP
+            }
+            Demand::Off(since)
+                if self.power == PowerState::OperationEnabled && now.since(since) < self.engage_time() =>
+            {
+                self.power.controlword_on()
+            }
+            Demand::Off(_) | Demand::Dropped => self.power.controlword_off(),
+            Demand::On => self.power.controlword_on(),
+        }
     }
 }
