@@ -72,6 +72,8 @@ pub struct StorageWorker {
     /// Programs that are not in the folder: files named on the command line.
     pub added: Vec<StoredProgram>,
     pub(super) delivered: KeptArrivals,
+    /// Held while a folder is read and delivered: what was read first is delivered first, whichever thread reads.
+    pub(super) reading: Arc<Mutex<()>>,
 }
 
 /// What the control was given. Storage keeps it until nobody else has it, so that its memory is never freed in a tick.
@@ -92,7 +94,7 @@ impl StorageWorker {
     /// A worker without added programs.
     #[must_use]
     pub fn new(jobs: JobRunner) -> Self {
-        Self { jobs, added: Vec::new(), delivered: KeptArrivals::default() }
+        Self { jobs, added: Vec::new(), delivered: KeptArrivals::default(), reading: Arc::default() }
     }
 
     /// Keeps the lines that programs print. A folder that cannot be written raises an alarm.
@@ -122,9 +124,14 @@ impl StorageWorker {
         last.into_iter().map(told).for_each(tell);
     }
 
-    /// Reads the changed folders. A folder that cannot be read raises an alarm.
+    /// Reads the changed folders, after a read that another thread has begun. A folder that cannot be read raises an
+    /// alarm.
     pub(super) fn read(&self, changed: ChangedFolders, tell: &mut dyn FnMut(Arrival)) {
         self.free_unused();
+        if changed == ChangedFolders::default() {
+            return;
+        }
+        let _reading = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
         let failed = |error: FolderError| Arrival::Command(Command::DiskFailed(error.message()));
         if changed.programs {
             tell(self.programs().unwrap_or_else(failed));
@@ -159,6 +166,24 @@ impl StorageWorker {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::defs::kind::Kind;
+    use crate::host::folders::Folders;
+
+    /// Without it a listing from before a job could replace the one from after it.
+    #[test]
+    fn no_folder_is_read_while_another_read_is_delivered() {
+        let files = tempfile::tempdir().unwrap();
+        let (programs, screens) = (files.path().to_path_buf(), files.path().to_path_buf());
+        let folders = Folders { programs, screens, by_name: false, dialect: Kind::Gc.dialect() };
+        let worker = StorageWorker::new(JobRunner::new(folders));
+        let mut told = 0;
+        worker.clone().read(ChangedFolders { programs: true, screens: true }, &mut |_| {
+            assert!(worker.reading.try_lock().is_err());
+            told += 1;
+        });
+        assert_eq!(told, 2);
+        assert!(worker.reading.try_lock().is_ok());
+    }
 
     #[test]
     fn what_was_delivered_is_freed_by_storage_when_nobody_uses_it() {
