@@ -6,11 +6,7 @@ use std::sync::atomic::Ordering;
 use super::args::SharedArgs;
 use super::process_end::{guard_exit, guard_process};
 use super::{CallError, SUCCESS, setup};
-#[cfg(target_os = "linux")]
-use crate::defs::param;
 use crate::defs::param::Params;
-#[cfg(target_os = "linux")]
-use crate::defs::signal::Output;
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
 #[cfg(target_os = "linux")]
@@ -19,11 +15,7 @@ use crate::host::hosted_machine::HostedMachine;
 use crate::host::link::HostLink;
 use crate::host::part::PartRule;
 use crate::host::thread::{run_until_stopped, start};
-#[cfg(target_os = "linux")]
-use crate::io::fieldbus::description::MachineDescription;
 use crate::link::{Command, Snapshot};
-#[cfg(target_os = "linux")]
-use crate::units::Axis;
 
 /// Opens the control (T1); returns when the window is closed. The machine is chosen here: that of a description, never
 /// another one in its place; without a description the simulated one.
@@ -56,41 +48,10 @@ fn open_real(shared: &SharedArgs, file: &Path, fullscreen: bool) -> Result<u8, C
         )));
     }
     let opened = move |_: &SharedArgs, params: &Params| {
-        check_against_parameters(&description, params)?;
+        description.check_against(params).map_err(CallError::at(file.display()))?;
         setup::open_bus(description).map(HostedFieldBus::new)
     };
     open_with(opened, shared, fullscreen)
-}
-
-/// What the parameters of the control exclude: a frame longer than the cycle, a brake at the port of a function.
-#[cfg(target_os = "linux")]
-fn check_against_parameters(description: &MachineDescription, params: &Params) -> Result<(), CallError> {
-    let cycle_us = params.get(param::TICK_TIME);
-    if description.ethercat.reply_time_us as f64 >= cycle_us {
-        return Err(CallError::new(format!("ethercat.reply_time_us: must be less than the cycle P58, {cycle_us} µs")));
-    }
-    let (fitted, described) = (params.fitted().axes(), description.axes());
-    for axis in Axis::ALL {
-        let what = match (fitted[axis], described[axis].is_some()) {
-            (true, false) => "the parameters have it, the description has no drive for it",
-            (false, true) => "the description has a drive for it, the parameters do not have it (P6.6)",
-            (true, true) | (false, false) => continue,
-        };
-        return Err(CallError::new(format!("axis {axis}: {what}")));
-    }
-    let brakes = description.axes().0.into_iter().flatten().filter_map(|axis| axis.brake.as_ref());
-    for brake in brakes {
-        let fitted = Output::ALL.iter().filter(|output| output.exists_on(params.fitted()));
-        if let Some(output) = fitted.copied().find(|output| params.output_port(*output) == brake.port) {
-            return Err(CallError::new(format!(
-                "brake: port {} is that of {} (P{})",
-                brake.port,
-                output.id(),
-                output.port_param()
-            )));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -158,54 +119,5 @@ impl CoreConnection for HostLink {
     fn send(&mut self, command: Command) {
         // The queue is full only while the control does not tick; the watchdog shows that.
         let _ = Self::send(self, command);
-    }
-}
-
-#[cfg(all(test, target_os = "linux"))]
-mod tests {
-    use super::*;
-    use crate::defs::kind::Kind;
-    use crate::defs::param::ParamAddress;
-
-    const EXAMPLE: &str = include_str!("../../assets/machines/gc_ethercat.ron");
-
-    fn refused(text: &str, params: &Params) -> Option<String> {
-        let description = MachineDescription::parse(text).unwrap();
-        check_against_parameters(&description, params).err().map(|error| error.to_string())
-    }
-
-    #[test]
-    fn p1_every_example_fits_the_parameters_of_its_kind() {
-        for (kind, text) in [
-            (Kind::Gc, EXAMPLE),
-            (Kind::Gs, include_str!("../../assets/machines/gs_ethercat.ron")),
-            (Kind::Ga, include_str!("../../assets/machines/ga_ethercat.ron")),
-            (Kind::Lathe, include_str!("../../assets/machines/lathe_ethercat.ron")),
-        ] {
-            assert_eq!(refused(text, &Params::factory(kind)), None, "{kind:?}");
-        }
-    }
-
-    #[test]
-    fn p1_a_description_that_differs_from_the_parameters_is_refused() {
-        let params = Params::factory(Kind::Gc);
-        let told = refused(&EXAMPLE.replace("reply_time_us: 500", "reply_time_us: 1000"), &params);
-        assert!(told.is_some_and(|told| told.contains("P58")), "a frame as long as the cycle");
-        let mut with_y = params.clone();
-        with_y.write(ParamAddress::parse("P6.6").unwrap(), 1.0).unwrap();
-        let told = refused(EXAMPLE, &with_y);
-        assert!(told.is_some_and(|told| told.contains("axis Y") && told.contains("no drive")), "an axis without drive");
-        let told = refused(include_str!("../../assets/machines/gs_ethercat.ron"), &params);
-        assert!(told.is_some_and(|told| told.contains("axis Y") && told.contains("P6.6")), "a drive without axis");
-        let port = params.output_port(Output::Coolant);
-        let told = refused(
-            &EXAMPLE.replacen(
-                "counts_per_mm: 26214.4)",
-                &format!("counts_per_mm: 26214.4, brake: Some((port: {port}, release_s: 0.1, engage_s: 0.1)))"),
-                1,
-            ),
-            &params,
-        );
-        assert!(told.is_some_and(|told| told.contains("brake")), "a brake at the port of the coolant");
     }
 }

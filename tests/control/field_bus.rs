@@ -9,6 +9,8 @@ use kt830::controller::PowerOnState;
 use kt830::defs::device_state::DeviceState;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
+use kt830::defs::param::{ParamAddress, Params};
+use kt830::defs::signal::Output;
 use kt830::host::Host;
 use kt830::host::field_machine::HostedFieldBus;
 use kt830::host::job_runner::JobRunner;
@@ -547,6 +549,38 @@ fn p1_a_wrong_description_is_refused_with_its_place() {
 }
 
 /// The examples that come along are right, and their ports reach every function of their kind.
+/// The example of a kind.
+fn example(kind: &str) -> String {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("assets/machines/{kind}_ethercat.ron"));
+    std::fs::read_to_string(file).unwrap()
+}
+
+#[test]
+fn p1_a_description_that_differs_from_the_parameters_is_refused() {
+    let refused = |text: &str, params: &Params| {
+        let description = MachineDescription::parse(text).unwrap();
+        description.check_against(params).map_err(|error| error.to_string())
+    };
+    for (kind, name) in [(Kind::Gc, "gc"), (Kind::Gs, "gs"), (Kind::Ga, "ga"), (Kind::Lathe, "lathe")] {
+        assert_eq!(refused(&example(name), &Params::factory(kind)), Ok(()), "{name}");
+    }
+    let params = Params::factory(Kind::Gc);
+    let mut with_y = params.clone();
+    with_y.write(ParamAddress::parse("P6.6").unwrap(), 1.0).unwrap();
+    let port = params.output_port(Output::Coolant);
+    let brake = format!("counts_per_mm: 26214.4, brake: (port: {port}, release_s: 0.1, engage_s: 0.1))");
+    for (text, params, said) in [
+        // The cycle is 1 ms: a frame of 1 ms would be late in every one.
+        (example("gc").replace("reply_time_us: 500", "reply_time_us: 1000"), &params, "(P58)"),
+        (example("gc"), &with_y, "y: the control has this axis"),
+        (example("gs"), &params, "y: has a drive"),
+        (example("gc").replacen("counts_per_mm: 26214.4)", &brake, 1), &params, "x.brake: port 2 and coolant (P"),
+    ] {
+        let told = refused(&text, params).unwrap_err();
+        assert!(told.contains(said), "{said}: {told}");
+    }
+}
+
 #[test]
 fn p1_the_example_descriptions_are_right() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/machines");

@@ -7,7 +7,8 @@ use serde::Deserialize;
 use super::bus_fault::DeviceIdentity;
 use super::process_image::{BitField, MAX_FIELD_BITS};
 use crate::defs::kind::Kind;
-use crate::defs::signal::PORTS;
+use crate::defs::param::{self, Params};
+use crate::defs::signal::{Output, PORTS};
 use crate::units::{Axis, PerAxis};
 
 /// Most devices of a bus: the stack reserves memory for them.
@@ -295,6 +296,32 @@ impl MachineDescription {
     #[must_use]
     pub fn axes(&self) -> PerAxis<Option<&ServoAxisDescription>> {
         PerAxis([self.x.as_ref(), self.y.as_ref(), self.z.as_ref()])
+    }
+
+    /// Checks what depends on the parameters of the control: the cycle, the fitted axes, the ports of functions.
+    ///
+    /// # Errors
+    /// The first value that does not go with them.
+    pub fn check_against(&self, params: &Params) -> Result<(), DescriptionError> {
+        let in_time = (self.ethercat.reply_time_us as f64) < params.get(param::TICK_TIME);
+        require(in_time, "ethercat.reply_time_us", "must be less than the cycle of the control (P58)")?;
+        let (fitted, described) = (params.fitted().axes(), self.axes());
+        for axis in Axis::ALL {
+            let place = axis.letter().to_ascii_lowercase().to_string();
+            let (fitted, described) = (fitted[axis], described[axis].is_some());
+            require(described || !fitted, &place, "the control has this axis, the description has no drive for it")?;
+            require(fitted || !described, &place, "has a drive, and the control does not have this axis (P6.6)")?;
+        }
+        for (axis, servo) in described.iter() {
+            let Some(brake) = servo.and_then(|servo| servo.brake.as_ref()) else { continue };
+            let mut functions = Output::ALL.iter().filter(|output| output.exists_on(params.fitted()));
+            if let Some(output) = functions.find(|output| params.output_port(**output) == brake.port) {
+                let place = format!("{}.brake", axis.letter().to_ascii_lowercase());
+                let taken = format!("{place}: port {} and {} (P{})", brake.port, output.id(), output.port_param());
+                return Err(wrong(taken, "an output port has one writer"));
+            }
+        }
+        Ok(())
     }
 
     /// The device of a number, from 1.
