@@ -11,7 +11,10 @@ use crate::defs::param::{self, Params};
 use crate::defs::signal::{PORTS, Terminals};
 use crate::defs::text::Lang;
 use crate::io::fieldbus::BusStatistics;
+use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::fieldbus::description::MachineDescription;
+use crate::io::fieldbus::station::StationHealth;
+use crate::io::fieldbus::station_description::FIRST_STATION;
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::units::{Axis, Micros};
 
@@ -20,8 +23,17 @@ struct Seen<'a> {
     description: &'a MachineDescription,
     inputs: InputImage,
     statistics: BusStatistics,
+    stations: Vec<SeenStation>,
     fault: Option<String>,
     lang: Lang,
+}
+
+/// A station, and the registers and bits that it sends, as bytes.
+struct SeenStation {
+    name: String,
+    address: String,
+    health: StationHealth,
+    inputs: Vec<u8>,
 }
 
 /// Connects the bus, watches it and prints what is there; fails if a device is missing or differs, or if the bus is lost.
@@ -32,6 +44,13 @@ pub fn bus(shared: &SharedArgs, call: &BusArgs) -> Result<u8, CallError> {
     let description = setup::read_description(&call.machine)?;
     let tick = Micros(Params::factory(description.kind).get(param::TICK_TIME) as u64);
     let mut machine = setup::open_bus(description)?;
+    machine.connect();
+    if machine.fault() == Some(BusFault::NoPermission) {
+        eprintln!(
+            "kt830: no permission for the network: `sudo setcap cap_net_raw,cap_sys_nice,cap_ipc_lock=ep {}` gives it without root",
+            std::env::current_exe().unwrap_or_default().display()
+        );
+    }
     let end = Instant::now() + Duration::from_secs(call.seconds.into());
     let (mut now, mut inputs) = (Micros::ZERO, InputImage::default());
     while Instant::now() < end && machine.fault().is_none() {
@@ -41,8 +60,22 @@ pub fn bus(shared: &SharedArgs, call: &BusArgs) -> Result<u8, CallError> {
         now = now + tick;
     }
     let fault = machine.fault().map(|fault| fault.text().get(shared.lang).into_owned());
-    let seen =
-        Seen { description: machine.description(), inputs, statistics: machine.statistics(), fault, lang: shared.lang };
+    let stations = machine.stations().iter().zip(&machine.description().stations).zip(machine.station_images());
+    let stations = stations.map(|((station, described), image)| SeenStation {
+        name: described.name.clone(),
+        address: described.address.to_string(),
+        health: station.health(),
+        inputs: image.inputs.clone(),
+    });
+    let stations = stations.collect();
+    let seen = Seen {
+        stations,
+        description: machine.description(),
+        inputs,
+        statistics: machine.statistics(),
+        fault,
+        lang: shared.lang,
+    };
     match shared.format {
         OutputFormat::Json => print_line(seen.json()),
         OutputFormat::Text => seen.print(),
@@ -69,8 +102,18 @@ impl Seen<'_> {
             .axes()
             .map(|(axis, mm, state)| (axis.to_string(), json!({"encoder_mm": mm, "drive": state})))
             .collect();
+        let stations: Vec<_> = self
+            .stations
+            .iter()
+            .map(|seen| {
+                let StationHealth { exchanges, failures, fault, .. } = seen.health;
+                let fault = fault.map(|fault| fault.text().get(self.lang).into_owned());
+                json!({"name": seen.name, "address": seen.address, "inputs": seen.inputs, "exchanges": exchanges,
+                    "failures": failures, "fault": fault})
+            })
+            .collect();
         let BusStatistics { cycles, lost } = self.statistics;
-        json!({"devices": devices, "axes": axes, "inputs_on": self.ports_on(), "cycles": cycles, "lost": lost, "fault": self.fault})
+        json!({"devices": devices, "stations": stations, "axes": axes, "inputs_on": self.ports_on(), "cycles": cycles, "lost": lost, "fault": self.fault})
     }
 
     fn print(&self) {
@@ -80,6 +123,13 @@ impl Seen<'_> {
         }
         for (device, number) in self.description.devices.iter().zip(1..) {
             print_line(format!("{number:3} {} {:X}h/{:X}h", device.name, device.vendor, device.product));
+        }
+        for (seen, number) in self.stations.iter().zip(FIRST_STATION..) {
+            let StationHealth { exchanges, failures, fault, .. } = seen.health;
+            let state = fault.map_or_else(String::new, |fault| fault.text().get(self.lang).into_owned());
+            let bytes: Vec<_> = seen.inputs.iter().map(|byte| format!("{byte:02x}")).collect();
+            print_line(format!("{number:3} {} {} {exchanges}/{failures} {state}", seen.name, seen.address));
+            print_line(format!("    {}: {}", words("输入字节", "input bytes"), bytes.join(" ")));
         }
         for (axis, mm, state) in self.axes() {
             print_line(format!("{axis} {mm:12.4} mm  {state}"));

@@ -18,6 +18,8 @@ use crate::host::folders::{Folders, named_programs_beside, programs_from_file};
 use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::job_runner::JobRunner;
+#[cfg(target_os = "linux")]
+use crate::host::modbus::ModbusLink;
 use crate::host::retained_store::RetainedStore;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
@@ -28,9 +30,9 @@ use crate::io::ethercat::EtherCat;
 #[cfg(target_os = "linux")]
 use crate::io::fieldbus::FieldBusMachine;
 #[cfg(target_os = "linux")]
-use crate::io::fieldbus::bus_fault::BusFault;
-#[cfg(target_os = "linux")]
 use crate::io::fieldbus::description::MachineDescription;
+#[cfg(target_os = "linux")]
+use crate::io::fieldbus::station::StationLink;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file};
@@ -225,21 +227,18 @@ pub fn read_description(file: &Path) -> Result<MachineDescription, CallError> {
     MachineDescription::parse(&text).map_err(CallError::at(file.display()))
 }
 
-/// Opens the field bus of a machine. What is missing there is no error here: the machine stands and reports it.
+/// A machine on its field bus, which goes into operation with the first tick.
 ///
 /// # Errors
 /// The process has opened a bus before.
 #[cfg(target_os = "linux")]
 pub fn open_bus(description: MachineDescription) -> Result<FieldBusMachine<EtherCat>, CallError> {
     let bus = EtherCat::new(&description.ethercat).ok_or_else(|| CallError::new("the field bus is open already"))?;
-    let machine = FieldBusMachine::open(description, bus);
-    if machine.fault() == Some(BusFault::NoPermission) {
-        eprintln!(
-            "kt830: no permission for the network: `sudo setcap cap_net_raw,cap_sys_nice,cap_ipc_lock=ep {}` gives it without root",
-            std::env::current_exe().unwrap_or_default().display()
-        );
+    let mut links: Vec<Box<dyn StationLink>> = Vec::new();
+    for station in &description.stations {
+        links.push(Box::new(ModbusLink::start(station.clone()).map_err(CallError::new)?));
     }
-    Ok(machine)
+    Ok(FieldBusMachine::new(description, bus, links))
 }
 
 /// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.

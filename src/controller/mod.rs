@@ -113,9 +113,9 @@ impl Controller {
     }
 
     /// The bus is lost, or differs from its description: what is wrong is the detail of the alarm, the newest counts.
-    pub fn report_bus_fault(&mut self, detail: LocalizedText) {
-        self.plant.alarms.complete(alarm::BUS_LOST, detail.clone());
-        self.plant.raise(alarm::BUS_LOST, Some(detail));
+    pub fn report_bus_fault(&mut self, number: u16, detail: LocalizedText) {
+        self.plant.alarms.complete(number, detail.clone());
+        self.plant.raise(number, Some(detail));
     }
 
     /// The control is to end. What moves brakes by an alarm that stops everything; the place of an open run is kept as

@@ -277,6 +277,9 @@ alarms! {
     CONTROL_STALLED = 404, HoldProgram, Reset, "控制停顿", "control stood still",
         "系统停顿超过 1 秒：休眠、调试或计算机过载", "the system stood still for more than a second: sleep, a debugger, or an overloaded computer",
         "检查机床位置和计算机，复位后循环启动继续", "check machine and computer, RESET, then cycle start goes on";
+    STATION_SILENT = 405, StopAll, Reset, "远程站没有应答", "remote station not responding",
+        "Modbus TCP 站没有应答、拒绝请求或断开", "a Modbus TCP station does not answer, refuses requests, or is cut off",
+        "检查该站的电源、网线、地址和寄存器", "check its supply, network cable, address and registers";
 }
 
 /// The alarms of the RS232 line.

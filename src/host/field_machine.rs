@@ -7,10 +7,12 @@ use super::hosted_machine::HostedMachine;
 use super::pace::Pace;
 use crate::defs::param::Params;
 use crate::io::fieldbus::bus_fault::BusFault;
+use crate::io::fieldbus::station::StationFault;
+use crate::io::fieldbus::station_description::FIRST_STATION;
 use crate::io::fieldbus::{FieldBus, FieldBusMachine};
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::bus::{BusDevice, BusDrive, BusView};
+use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView};
 use crate::link::simulation::{SimCommand, SimView};
 use crate::units::{Axis, Histogram, Micros};
 
@@ -47,11 +49,26 @@ impl<F: FieldBus> HostedFieldBus<F> {
             state: machine.device_state(usize::from(number) - 1),
             drive: drive_of(number),
         });
+        let numbered = description.stations.iter().zip(FIRST_STATION..).zip(machine.stations());
+        let stations = numbered.map(|((described, number), station)| {
+            let health = station.health();
+            BusStation {
+                number,
+                name: described.name.clone(),
+                address: described.address.to_string(),
+                is_heard: !station.is_silent(),
+                age: station.age(),
+                fault: health.fault.map(StationFault::text),
+                failures: health.failures,
+                round_trip: station.round_trips().percentiles(),
+            }
+        });
         let counted = machine.statistics();
         BusView {
             interface: description.ethercat.interface.clone(),
             fault: machine.fault().map(BusFault::text),
             devices: devices.collect(),
+            stations: stations.collect(),
             cycles: counted.cycles,
             lost: counted.lost,
             round_trip: machine.round_trips().percentiles(),
@@ -77,6 +94,10 @@ impl<F: FieldBus> Backend for HostedFieldBus<F> {
 impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
     fn pace(&self) -> Pace {
         Pace::Real
+    }
+
+    fn begin(&mut self) {
+        self.machine.connect();
     }
 
     fn power_on(&mut self, _params: &Params) {}

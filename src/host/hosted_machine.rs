@@ -17,6 +17,8 @@ use crate::units::{Histogram, Micros};
 pub trait HostedMachine: Backend {
     /// How strictly its ticks are kept.
     fn pace(&self) -> Pace;
+    /// The ticks begin: a field bus goes into operation.
+    fn begin(&mut self);
     /// The control gets its power back; the parameters are those it starts with.
     fn power_on(&mut self, params: &Params);
     /// Puts an unmachined part into the machine.

@@ -16,6 +16,7 @@ mod job_answer;
 pub mod job_runner;
 mod leadscrew_files;
 pub mod link;
+pub mod modbus;
 pub mod pace;
 mod page_file;
 pub mod part;
@@ -148,6 +149,11 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         host
     }
 
+    /// The ticks begin now.
+    pub fn begin(&mut self) {
+        self.plant.begin();
+    }
+
     /// Queues a command for the next tick; a command of the simulator page acts on the machine at once.
     pub fn send(&mut self, command: Command) {
         match command {
@@ -183,7 +189,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.now = self.now + self.controller.tick_time();
         self.image = self.plant.read(self.now);
         if let Some(fault) = self.plant.take_bus_fault() {
-            self.controller.report_bus_fault(fault.text());
+            self.controller.report_bus_fault(fault.alarm(), fault.text());
         }
         if !self.powered {
             self.take_arrivals();

@@ -121,6 +121,8 @@ impl HostedMachine for HostedSimulation {
         Pace::Simulated
     }
 
+    fn begin(&mut self) {}
+
     fn power_on(&mut self, params: &Params) {
         self.machine.power_on(params);
     }

@@ -66,6 +66,8 @@ where
     let (own_health, own_end) = (Arc::clone(&health), end.clone());
     let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
         own_health.real_time.store(request_real_time(), Ordering::Release);
+        // Last: locking the memory takes longer than the watchdogs of the devices.
+        host.begin();
         let mut thread = HostThread {
             host,
             from_screen,

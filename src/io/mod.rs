@@ -32,6 +32,8 @@ pub struct InputImage {
     pub drives: PerAxis<DriveState>,
     /// Whether the bus answered in this tick. If not, the other fields hold the last known values.
     pub bus_alive: bool,
+    /// Whether a station beside the bus has not answered for too long. Its inputs hold their last values.
+    pub station_silent: bool,
 }
 
 /// The outputs of one tick, from the control to the machine.

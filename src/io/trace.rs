@@ -19,7 +19,7 @@ pub struct TraceRow {
 }
 
 /// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,\
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,\
 outputs,set_x,set_y,set_z,drives_on,fault_reset,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
@@ -29,7 +29,8 @@ impl fmt::Display for TraceRow {
         let [sx, sy, sz] = o.set_point_mm.coordinates();
         write!(f, "{},{:x},{ex},{ey},{ez},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
         let [dx, dy, dz] = i.drives.0.map(DriveState::trace_number);
-        write!(f, "{},{dx},{dy},{dz},{},", i.handwheel_detents, u8::from(i.bus_alive))?;
+        let (alive, silent) = (u8::from(i.bus_alive), u8::from(i.station_silent));
+        write!(f, "{},{dx},{dy},{dz},{alive},{silent},", i.handwheel_detents)?;
         write!(f, "{:x},{sx},{sy},{sz},", o.terminals.0)?;
         let (on, reset) = (u8::from(o.drives_on), u8::from(o.fault_reset));
         write!(f, "{on},{reset},{},{}", o.wheel_volts, o.analog_2_volts)

@@ -3,7 +3,7 @@
 
 use crate::defs::device_state::DeviceState;
 use crate::defs::text::LocalizedText;
-use crate::units::{Axis, Percentiles};
+use crate::units::{Axis, Micros, Percentiles};
 
 /// A device.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +29,27 @@ pub struct BusDrive {
     pub tripped: bool,
 }
 
+/// A station on Modbus TCP.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BusStation {
+    /// Its number, from 101.
+    pub number: u16,
+    /// Its name in the description of the machine.
+    pub name: String,
+    /// Address and port.
+    pub address: String,
+    /// Its values are those of the machine.
+    pub is_heard: bool,
+    /// Age of its values.
+    pub age: Micros,
+    /// What was wrong in its last exchange.
+    pub fault: Option<LocalizedText>,
+    /// Exchanges without an answer.
+    pub failures: u64,
+    /// Time of an exchange.
+    pub round_trip: Percentiles,
+}
+
 /// The bus.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BusView {
@@ -38,6 +59,8 @@ pub struct BusView {
     pub fault: Option<LocalizedText>,
     /// The devices in the order of the cable.
     pub devices: Vec<BusDevice>,
+    /// The stations beside it.
+    pub stations: Vec<BusStation>,
     /// Exchanges, and those without a whole answer.
     pub cycles: u64,
     /// See `cycles`.

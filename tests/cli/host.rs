@@ -107,6 +107,10 @@ impl HostedMachine for NotedPlant {
         self.pace
     }
 
+    fn begin(&mut self) {
+        self.plant.begin();
+    }
+
     fn power_on(&mut self, params: &Params) {
         self.notes.lock().unwrap().powered_on += 1;
         self.plant.power_on(params);

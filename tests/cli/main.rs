@@ -14,6 +14,7 @@ mod defs;
 mod docs;
 mod foreign;
 mod host;
+mod modbus;
 mod pace;
 mod program_parts;
 mod requirements;

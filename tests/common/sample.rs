@@ -19,8 +19,9 @@ use kt830::defs::signal::Input;
 use kt830::defs::text::{Lang, LocalizedText, SharedWords, Text};
 use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
+use kt830::io::fieldbus::station::StationFault;
 use kt830::link::Snapshot;
-use kt830::link::bus::{BusDevice, BusDrive, BusView};
+use kt830::link::bus::{BusDevice, BusDrive, BusStation, BusView};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
@@ -301,10 +302,21 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         drive: [Axis::X, Axis::Z].get(index).map(|axis| drive(*axis)),
     };
     let times = |median, p99, max| Percentiles { median: Micros(median), p99: Micros(p99), max: Micros(max) };
+    let station = BusStation {
+        number: 101,
+        name: "wheel inverter".to_owned(),
+        address: "192.168.1.20:502".to_owned(),
+        is_heard: !broken,
+        age: Micros::from_millis(if broken { 1_420 } else { 12 }),
+        fault: broken.then(|| StationFault::TimedOut.text()),
+        failures: 3,
+        round_trip: times(1_100, 2_900, 14_200),
+    };
     BusView {
         interface: "enp2s0".to_owned(),
         fault,
         devices: names.iter().enumerate().map(device).collect(),
+        stations: vec![station],
         cycles: 86_400_000,
         lost: 1_234,
         round_trip: times(70, 110, 1_850),

@@ -20,6 +20,7 @@ use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::cia402::PowerState;
 use kt830::io::fieldbus::description::{DeviceDescription, MachineDescription};
 use kt830::io::fieldbus::process_image::DeviceImage;
+use kt830::io::fieldbus::station::StationLink;
 use kt830::io::fieldbus::{FieldBus, FieldBusMachine};
 use kt830::link::command::Command;
 use kt830::units::{Axis, Micros};
@@ -27,7 +28,7 @@ use kt830::units::{Axis, Micros};
 use crate::stories::folders_of;
 
 /// Two drives and a terminal; X has a brake at port 20.
-const MACHINE: &str = "(
+pub const MACHINE: &str = "(
     kind: Gc,
     ethercat: (interface: \"none\", bridged_frames: 2),
     devices: [
@@ -94,9 +95,9 @@ impl PlayedDrive {
 }
 
 /// The played devices.
-struct Devices {
+pub struct Devices {
     drives: RefCell<[PlayedDrive; 2]>,
-    inputs: Cell<u64>,
+    pub inputs: Cell<u64>,
     outputs: Cell<u32>,
     /// What the next exchanges meet.
     faults: RefCell<VecDeque<BusFault>>,
@@ -107,7 +108,7 @@ struct Devices {
     connected: Cell<u32>,
 }
 
-struct PlayedBus(Rc<Devices>);
+pub struct PlayedBus(Rc<Devices>);
 
 impl FieldBus for PlayedBus {
     fn connect(&mut self, devices: &[DeviceDescription], _: &mut [DeviceImage]) -> Result<(), BusFault> {
@@ -150,14 +151,24 @@ impl FieldBus for PlayedBus {
 }
 
 /// A control on the played bus.
-struct Shop {
-    host: Host<HostedFieldBus<PlayedBus>, DirectStorage>,
-    devices: Rc<Devices>,
+pub struct Shop {
+    pub host: Host<HostedFieldBus<PlayedBus>, DirectStorage>,
+    pub devices: Rc<Devices>,
 }
 
 impl Shop {
     /// A bus that refuses with this, or none that does; the encoders of both drives stand at `position`.
     fn new(refusal: Option<BusFault>, position: i32) -> Self {
+        Self::with_stations(MACHINE, Vec::new(), refusal, position)
+    }
+
+    /// The same with stations beside the bus.
+    pub fn with_stations(
+        machine: &str,
+        links: Vec<Box<dyn StationLink>>,
+        refusal: Option<BusFault>,
+        position: i32,
+    ) -> Self {
         let drive = PlayedDrive {
             state: PowerState::NotReadyToSwitchOn,
             position,
@@ -176,32 +187,40 @@ impl Shop {
             refusal: Cell::new(refusal),
             connected: Cell::new(0),
         });
-        let description = MachineDescription::parse(MACHINE).unwrap();
-        let machine = HostedFieldBus::new(FieldBusMachine::open(description, PlayedBus(Rc::clone(&devices))));
+        let description = MachineDescription::parse(machine).unwrap();
+        let bus = PlayedBus(Rc::clone(&devices));
+        let machine = HostedFieldBus::new(FieldBusMachine::new(description, bus, links));
         let jobs = JobRunner::new(folders_of(Kind::Gc));
         let storage = DirectStorage::new(RetainedWorker::new(None), jobs).unwrap();
-        Self { host: Host::connect(Kind::Gc, retained, machine, storage), devices }
+        let mut host = Host::connect(Kind::Gc, retained, machine, storage);
+        host.begin();
+        Self { host, devices }
     }
 
-    fn ticks(&mut self, ticks: u32) {
+    /// The bus with the same devices, for a machine without a control.
+    pub fn bus(&self) -> PlayedBus {
+        PlayedBus(Rc::clone(&self.devices))
+    }
+
+    pub fn ticks(&mut self, ticks: u32) {
         (0..ticks).for_each(|_| self.host.step());
     }
 
-    fn press(&mut self, key: Key) {
+    pub fn press(&mut self, key: Key) {
         self.host.send(Command::Press(key));
         self.host.step();
     }
 
-    fn drive(&self, axis: Axis) -> DriveState {
+    pub fn drive(&self, axis: Axis) -> DriveState {
         self.host.trace_row().inputs.drives[axis]
     }
 
-    fn alarms(&mut self) -> Vec<String> {
+    pub fn alarms(&mut self) -> Vec<String> {
         self.host.snapshot().alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.en())).collect()
     }
 
     /// Holds a jog key for a number of ticks; it stays pressed.
-    fn jog(&mut self, key: Key, ticks: u32) {
+    pub fn jog(&mut self, key: Key, ticks: u32) {
         self.press(Mode::Manual.key());
         self.press(key);
         for tick in 0..ticks {
@@ -548,7 +567,6 @@ fn p1_a_wrong_description_is_refused_with_its_place() {
     }
 }
 
-/// The examples that come along are right, and their ports reach every function of their kind.
 /// The example of a kind.
 fn example(kind: &str) -> String {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("assets/machines/{kind}_ethercat.ron"));
@@ -581,6 +599,7 @@ fn p1_a_description_that_differs_from_the_parameters_is_refused() {
     }
 }
 
+/// The examples that come along are right, and their ports reach every function of their kind.
 #[test]
 fn p1_the_example_descriptions_are_right() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/machines");

@@ -37,6 +37,7 @@ mod retract;
 mod run_control;
 mod run_phase;
 mod start_latency;
+mod stations;
 mod teach_in;
 mod thread_recorder;
 mod vertical;

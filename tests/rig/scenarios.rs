@@ -7,6 +7,7 @@ use kt830::io::fieldbus::description::MachineDescription;
 use kt830::io::trace::TraceRow;
 use kt830::units::{Axis, PerAxis};
 
+use crate::modbus;
 use crate::plant::PlantLink;
 use crate::session::{Scenario, Session, simulated, tell};
 
@@ -70,6 +71,7 @@ pub const ALL: &[Scenario] = &[
             different(rig, "no such network interface");
         },
     ),
+    differing("modbus_inverter", modbus::with_inverter, modbus::inverter),
     scenario("hold", hold),
     Scenario { name: "control_panics", describe: |_| {}, play: wheel_on, after_panic: Some(outputs_are_safe) },
 ];
@@ -86,7 +88,7 @@ fn home(rig: &mut Session<'_>) {
 }
 
 /// Ready for a program: homed, part between centres, wheel running.
-fn ready(rig: &mut Session<'_>) {
+pub fn ready(rig: &mut Session<'_>) {
     power_on(rig);
     home(rig);
     rig.story(
@@ -97,6 +99,11 @@ fn ready(rig: &mut Session<'_>) {
 /// A long move in both axes, on its way.
 fn moving(rig: &mut Session<'_>) {
     ready(rig);
+    long_move(rig);
+}
+
+/// The same from where the axes are.
+pub fn long_move(rig: &mut Session<'_>) {
     rig.story("mode mdi\nmdi G01 U-100 W-100 F3000\nexpect state running\n");
 }
 

@@ -15,11 +15,13 @@ use kt830::host::field_machine::HostedFieldBus;
 use kt830::host::folders::Folders;
 use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::host::job_runner::JobRunner;
+use kt830::host::modbus::ModbusLink;
 use kt830::host::storage::{RetainedWorker, StorageWorker, ThreadedStorage};
 use kt830::host::thread::{HostThread, start};
 use kt830::io::ethercat::EtherCat;
 use kt830::io::fieldbus::FieldBusMachine;
 use kt830::io::fieldbus::description::MachineDescription;
+use kt830::io::fieldbus::station::StationLink;
 use kt830::io::trace::TraceRow;
 use kt830::link::snapshot::Snapshot;
 use kt830::story::parse::parse;
@@ -84,7 +86,12 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
     let mut description = description();
     (scenario.describe)(&mut description);
     let bus = EtherCat::new(&description.ethercat).ok_or("a second bus in this process")?;
-    let machine = HostedFieldBus::new(FieldBusMachine::open(description, bus));
+    let links = description.stations.iter().map(|station| {
+        let link = ModbusLink::start(station.clone()).expect("thread of a station");
+        Box::new(link) as Box<dyn StationLink>
+    });
+    let links = links.collect();
+    let machine = HostedFieldBus::new(FieldBusMachine::new(description, bus, links));
     let worker = StorageWorker::new(JobRunner::new(folders()));
     let storage = ThreadedStorage::start(RetainedWorker::new(None), worker).map_err(|error| error.to_string())?;
     let host = Host::connect(Kind::Gc, retained(), machine, storage);

@@ -11,7 +11,7 @@ use kt830::io::{Backend, InputImage, OutputImage};
 use kt830::units::{EncoderPos, Micros, PerAxis};
 
 /// Number of columns of a row.
-const COLUMNS: usize = 19;
+const COLUMNS: usize = 20;
 
 /// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -87,6 +87,7 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
             handwheel_detents: c.next(|text| text.parse().ok())?,
             drives: PerAxis([c.drive()?, c.drive()?, c.drive()?]),
             bus_alive: c.flag()?,
+            station_silent: c.flag()?,
         },
         outputs: OutputImage {
             terminals: c.terminals()?,
@@ -263,6 +264,6 @@ fn p8_only_the_last_ticks_are_kept() {
 #[test]
 fn p8_a_broken_trace_is_refused_with_its_place() {
     let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-    assert_eq!(said("1,2"), "line 1: 2 columns instead of 19");
-    assert_eq!(said("1,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0"), "line 1, column 8: '3' is not a number");
+    assert_eq!(said("1,2"), "line 1: 2 columns instead of 20");
+    assert_eq!(said("1,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0"), "line 1, column 8: '3' is not a number");
 }

@@ -33,6 +33,9 @@ impl Plant {
             // Nobody has watched the encoders meanwhile, and a drive without power starts to count anew.
             self.axes.clear_homed();
         }
+        if self.inputs.image.station_silent {
+            self.raise(alarm::STATION_SILENT, None);
+        }
         let limits = [
             (Input::LimitXPlus, Input::LimitXMinus),
             (Input::LimitYPlus, Input::LimitYMinus),
@@ -83,16 +86,18 @@ impl Plant {
     pub(super) fn reset_alarms(&mut self) {
         let e_stop = self.machine.is_e_stopped();
         let bus = self.inputs.image.bus_alive;
+        let silent = self.inputs.image.station_silent;
         let limits = self.inputs.limit_switches;
         let drives = self.has_drive_fault();
         self.alarms.reset(|number| match number {
             alarm::EMERGENCY_STOP => e_stop,
             alarm::BUS_LOST => !bus,
+            alarm::STATION_SILENT => silent,
             alarm::DRIVE_FAULT => drives,
             alarm::HARD_LIMIT => limits != 0,
             _ => false,
         });
-        self.outputs.drives_on = !e_stop && bus && !drives;
+        self.outputs.drives_on = !e_stop && bus && !silent && !drives;
     }
 
     /// Raises an alarm and executes its reaction.

@@ -1,4 +1,4 @@
-//! Bus page: the field bus of a real machine, its devices and drives, lost frames and times.
+//! Bus page: the field bus of a real machine, its devices and drives, lost frames and times, and the stations beside it.
 //! Source: docs/manual, chapter "first start on a machine".
 
 use egui::{Rect, vec2};
@@ -6,8 +6,8 @@ use egui::{Rect, vec2};
 use super::{PageContext, PageUi, empty};
 use crate::defs::device_state::DeviceState;
 use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
-use crate::link::bus::{BusDevice, BusDrive, BusView};
-use crate::units::Percentiles;
+use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView};
+use crate::units::{Micros, Percentiles};
 
 /// Height of a row.
 const ROW_HEIGHT: f32 = 36.0;
@@ -20,7 +20,10 @@ const LINES: f32 = 3.0;
 const LAMP_WIDTH: f32 = 40.0;
 
 /// Width of the number of a device.
-const NUMBER_WIDTH: f32 = 28.0;
+const NUMBER_WIDTH: f32 = 36.0;
+
+/// An age beyond it is shown as this.
+const MAX_AGE_SHOWN: Micros = Micros::from_millis(99_999);
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -41,11 +44,12 @@ impl PageUi for BusPage {
         show_figures(figures.trim_bottom(theme::GAP), view, bus);
         let list = round_to_lines(list, ROW_HEIGHT);
         let rows = (list.height() / ROW_HEIGHT).max(1.0) as usize;
-        let last = bus.devices.len().saturating_sub(rows);
+        let last = (bus.devices.len() + bus.stations.len()).saturating_sub(rows);
         self.first = (self.first as i32 + typed.scroll_pages * rows as i32).clamp(0, last as i32) as usize;
-        for (index, device) in bus.devices.iter().enumerate().skip(self.first).take(rows) {
-            let place = list.band((index - self.first) as f32 * ROW_HEIGHT, ROW_HEIGHT - 3.0);
-            show_device(place, view, index + 1, device);
+        let devices = bus.devices.iter().zip(1..).map(|(device, number)| device_row(view, number, device));
+        let stations = bus.stations.iter().map(|station| station_row(view, station));
+        for (index, row) in devices.chain(stations).skip(self.first).take(rows).enumerate() {
+            show_row(list.band(index as f32 * ROW_HEIGHT, ROW_HEIGHT - 3.0), view, &row);
         }
     }
 }
@@ -79,26 +83,74 @@ fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
     }
 }
 
-/// Number, state, name, identity and drive of a device.
-fn show_device(rect: Rect, view: &View<'_>, number: usize, device: &BusDevice) {
+/// A device or a station, as its row shows it.
+struct BusRow<'a> {
+    number: u16,
+    /// It takes part in the exchange.
+    takes_part: bool,
+    name: &'a str,
+    state: String,
+    /// Drive, identity or address, and whether it is a fault.
+    what: String,
+    is_fault: bool,
+    is_secondary: bool,
+}
+
+fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow<'a> {
+    let (vendor, product) = device.identity;
+    let (what, is_fault) = match &device.drive {
+        Some(BusDrive { axis, state, tripped }) => (format!("{axis}  {}", state.get(view.lang)), *tripped),
+        None => (format!("{vendor:#x} / {product:#x}"), false),
+    };
+    BusRow {
+        number,
+        takes_part: device.state == DeviceState::Operational,
+        name: &device.name,
+        state: device.state.name().get(view.lang).to_owned(),
+        what,
+        is_fault,
+        is_secondary: device.drive.is_none(),
+    }
+}
+
+/// A station: while it is heard its address and the times of its exchanges, otherwise what is wrong.
+fn station_row<'a>(view: &View<'_>, station: &'a BusStation) -> BusRow<'a> {
+    let what = match &station.fault {
+        Some(fault) => format!("{}  {}", station.address, fault.get(view.lang)),
+        None => {
+            let Percentiles { median, p99, max } = station.round_trip;
+            let ms = |time: Micros| time.0 as f64 / 1_000.0;
+            format!("{}  {:.1} / {:.1} / {:.1} ms", station.address, ms(median), ms(p99), ms(max))
+        }
+    };
+    BusRow {
+        number: station.number,
+        takes_part: station.is_heard,
+        name: &station.name,
+        state: format!("{} ms", station.age.0.min(MAX_AGE_SHOWN.0) / 1_000),
+        what,
+        is_fault: station.fault.is_some(),
+        is_secondary: true,
+    }
+}
+
+/// Number, state, name and the rest of a device or a station.
+fn show_row(rect: Rect, view: &View<'_>, row: &BusRow<'_>) {
     view.card(rect);
     let inside = rect.trim_sides(8.0);
     let (place, rest) = inside.split_left(NUMBER_WIDTH);
     let (lamp, rest) = rest.split_left(LAMP_WIDTH);
-    view.line_left(place, &number.to_string(), theme::LABEL, view.theme.muted);
-    widget::lamp(view, lamp, device.state == DeviceState::Operational);
+    view.line_left(place, &row.number.to_string(), theme::LABEL, view.theme.muted);
+    widget::lamp(view, lamp, row.takes_part);
     let (left, right) = rest.split_left_right_at_fraction(0.42);
-    view.fit_left(left, &device.name, theme::LABEL, view.theme.text);
-    let (state, drive) = right.split_left_right_at_fraction(0.24);
-    let colour = if device.state == DeviceState::Operational { view.theme.muted } else { view.theme.alarm_text };
-    view.fit_left(state.trim_right(6.0), device.state.name().get(view.lang), theme::LABEL, colour);
-    let (vendor, product) = device.identity;
-    let (what, colour) = match &device.drive {
-        Some(BusDrive { axis, state, tripped }) => {
-            let colour = if *tripped { view.theme.alarm_text } else { view.theme.text };
-            (format!("{axis}  {}", state.get(view.lang)), colour)
-        }
-        None => (format!("{vendor:#x} / {product:#x}"), view.theme.muted),
+    view.fit_left(left, row.name, theme::LABEL, view.theme.text);
+    let (state, what) = right.split_left_right_at_fraction(0.24);
+    let colour = if row.takes_part { view.theme.muted } else { view.theme.alarm_text };
+    view.fit_left(state.trim_right(6.0), &row.state, theme::LABEL, colour);
+    let colour = match (row.is_fault, row.is_secondary) {
+        (true, _) => view.theme.alarm_text,
+        (false, true) => view.theme.muted,
+        (false, false) => view.theme.text,
     };
-    view.fit_left(drive, &what, theme::LABEL, colour);
+    view.fit_left(what, &row.what, theme::LABEL, colour);
 }

@@ -1,7 +1,9 @@
 //! What is wrong with a field bus, in the words of the alarm.
 //! Source: ETG.1000.6 (AL status codes).
 
-use crate::defs::text::{LocalizedText, Text, phrase};
+use super::station::StationFault;
+use crate::defs::alarm;
+use crate::defs::text::{LocalizedText, Template, Text, phrase};
 
 /// Vendor, product and revision of a device, as its EEPROM says them (object 1018h).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,9 +80,19 @@ pub enum BusFault {
         /// Working counter that came back.
         found: u16,
     },
+    /// A station beside the bus does not serve the control.
+    StationSilent {
+        /// Its number, from 101.
+        station: u16,
+        /// What was wrong in its last exchange.
+        why: StationFault,
+    },
     /// The driver of the bus reports something else.
     Other,
 }
+
+/// A station and what is wrong with it.
+const STATION: &Template = &Template::new("站 {station} {why}", "station {station} {why}", &["station", "why"]);
 
 /// AL status codes that a fitter meets; others are shown as numbers.
 static AL_STATUS: &[(u16, Text)] = &[
@@ -97,13 +109,22 @@ static AL_STATUS: &[(u16, Text)] = &[
 ];
 
 impl BusFault {
+    /// The alarm that it is.
+    #[must_use]
+    pub const fn alarm(self) -> u16 {
+        if matches!(self, Self::StationSilent { .. }) { alarm::STATION_SILENT } else { alarm::BUS_LOST }
+    }
+
     /// What is wrong, and where: the detail of the alarm.
     #[must_use]
     pub fn text(self) -> LocalizedText {
         match self {
             Self::NoInterface => phrase!("没有该网络接口", "there is no such network interface"),
             Self::NoPermission => {
-                phrase!("没有网络权限 (cap_net_raw)", "no permission for the network (cap_net_raw)")
+                phrase!(
+                    "没有网络权限：setcap cap_net_raw，见“第一次启动”",
+                    "no permission for the network: setcap cap_net_raw, see \"first start\""
+                )
             }
             Self::InUse => phrase!("另一个程序正在使用总线", "another program runs the bus"),
             Self::NoReply => phrase!("没有设备应答", "no device answers"),
@@ -142,6 +163,7 @@ impl BusFault {
                     expected
                 )
             }
+            Self::StationSilent { station, why } => LocalizedText::phrase_of(STATION, [station.into()], [why.text()]),
             Self::Other => phrase!("总线驱动程序错误", "error of the bus driver"),
         }
     }

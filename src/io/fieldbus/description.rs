@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::bus_fault::DeviceIdentity;
 use super::process_image::{BitField, MAX_FIELD_BITS};
+use super::station_description::{FIRST_STATION, MAX_STATIONS, StationDescription};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Output, PORTS};
@@ -57,6 +58,9 @@ pub struct MachineDescription {
     pub ethercat: EtherCatDescription,
     /// The devices in the order of the cable.
     pub devices: Vec<DeviceDescription>,
+    /// Stations on Modbus TCP: devices 101, 102 …
+    #[serde(default)]
+    pub stations: Vec<StationDescription>,
     /// Axis X.
     #[serde(default)]
     pub x: Option<ServoAxisDescription>,
@@ -224,7 +228,7 @@ pub struct BrakeDescription {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DigitalChannels {
-    /// Number of the device, from 1.
+    /// Number of the device, from 1; of a station, from 101.
     pub device: u16,
     /// First bit in its process data, from 0.
     #[serde(default)]
@@ -247,7 +251,7 @@ impl DigitalChannels {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AnalogChannel {
-    /// Number of the device, from 1.
+    /// Number of the device, from 1; of a station, from 101.
     pub device: u16,
     /// First bit in its outputs.
     pub bit: u16,
@@ -261,7 +265,7 @@ pub struct AnalogChannel {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CounterChannel {
-    /// Number of the device, from 1.
+    /// Number of the device, from 1; of a station, from 101.
     pub device: u16,
     /// First bit in its inputs.
     pub bit: u16,
@@ -324,10 +328,45 @@ impl MachineDescription {
         Ok(())
     }
 
-    /// The device of a number, from 1.
+    /// Place of a device among the images: first those of the bus, then the stations.
+    #[must_use]
+    pub fn image_index(&self, number: u16) -> Option<usize> {
+        match number.checked_sub(FIRST_STATION) {
+            Some(station) => {
+                let station = usize::from(station);
+                (station < self.stations.len()).then(|| self.devices.len() + station)
+            }
+            None => usize::from(number).checked_sub(1).filter(|at| *at < self.devices.len()),
+        }
+    }
+
+    /// Bytes of inputs and outputs of each device and station, in the order of the images.
+    pub fn process_data_bytes(&self) -> impl Iterator<Item = (u16, u16)> {
+        let devices = self.devices.iter().map(DeviceDescription::process_data_bytes);
+        devices.chain(self.stations.iter().map(StationDescription::process_data_bytes))
+    }
+
+    /// The device of a number on the bus, from 1.
     fn device(&self, number: u16, place: &str) -> Result<&DeviceDescription, DescriptionError> {
         let found = usize::from(number).checked_sub(1).and_then(|at| self.devices.get(at));
         found.ok_or_else(|| wrong(place, "there is no device of this number in `devices`; they count from 1"))
+    }
+
+    /// Bytes of inputs and outputs of a device or a station.
+    fn bytes_of(&self, number: u16, place: &str) -> Result<(u16, u16), DescriptionError> {
+        let found = self.image_index(number).and_then(|at| self.process_data_bytes().nth(at));
+        let rule = "there is no device of this number: those of `devices` count from 1, those of `stations` from 101";
+        found.ok_or_else(|| wrong(place, rule))
+    }
+
+    fn check_stations(&self) -> Result<(), DescriptionError> {
+        require(self.stations.len() <= MAX_STATIONS, "stations", "there must be at most 8 stations")?;
+        for (station, number) in self.stations.iter().zip(FIRST_STATION..) {
+            if let Some((field, rule)) = station.fault() {
+                return Err(wrong(format!("station {number}: {field}"), rule));
+            }
+        }
+        Ok(())
     }
 
     fn check(&self) -> Result<(), DescriptionError> {
@@ -339,8 +378,9 @@ impl MachineDescription {
         for (at, device) in self.devices.iter().enumerate() {
             check_entries(device, at + 1)?;
         }
-        self.check_digital("inputs", &self.inputs, |device| device.process_data_bytes().0)?;
-        self.check_digital("outputs", &self.outputs, |device| device.process_data_bytes().1)?;
+        self.check_stations()?;
+        self.check_digital("inputs", &self.inputs, |(inputs, _)| inputs)?;
+        self.check_digital("outputs", &self.outputs, |(_, outputs)| outputs)?;
         let fitted = self.axes();
         for (axis, servo) in fitted.iter() {
             if let Some(servo) = servo {
@@ -350,13 +390,13 @@ impl MachineDescription {
         require(fitted[Axis::X].is_some() && fitted[Axis::Z].is_some(), "x, z", "every machine has the axes X and Z")?;
         for (place, analog) in [("wheel_speed", self.wheel_speed), ("analog_2", self.analog_2)] {
             let Some(analog) = analog else { continue };
-            let bytes = self.device(analog.device, place)?.process_data_bytes().1;
+            let (_, bytes) = self.bytes_of(analog.device, place)?;
             check_field(place, BitField { first: analog.bit, bits: analog.bits }, bytes)?;
             require(analog.counts_at_10_v.is_normal(), place, "counts_at_10_v must not be 0")?;
         }
         for (place, counter) in [("handwheel", self.handwheel), ("spindle_encoder", self.spindle_encoder)] {
             let Some(counter) = counter else { continue };
-            let bytes = self.device(counter.device, place)?.process_data_bytes().0;
+            let (bytes, _) = self.bytes_of(counter.device, place)?;
             check_field(place, BitField { first: counter.bit, bits: counter.bits }, bytes)?;
             require(counter.counts.is_normal(), place, "counts must not be 0")?;
         }
@@ -433,16 +473,16 @@ impl MachineDescription {
         &self,
         place: &str,
         channels: &[DigitalChannels],
-        bytes: impl Fn(&DeviceDescription) -> u16,
+        side: impl Fn((u16, u16)) -> u16,
     ) -> Result<(), DescriptionError> {
         let mut used = [false; PORTS as usize];
         for (at, block) in channels.iter().enumerate() {
             let place = format!("{place}[{at}]");
-            let device = self.device(block.device, &place)?;
+            let bytes = side(self.bytes_of(block.device, &place)?);
             let last = u16::from(block.port).saturating_add(block.count);
             require(block.port >= 1 && block.count >= 1 && last <= u16::from(PORTS) + 1, &place, "ports are 1 to 64")?;
             let end = block.bit.saturating_add(block.count);
-            require(end <= 8 * bytes(device), &place, "the device has not so many bits")?;
+            require(end <= bytes.saturating_mul(8), &place, "the device has not so many bits")?;
             for (_, port) in block.channels() {
                 let taken = std::mem::replace(&mut used[usize::from(port) - 1], true);
                 require(!taken, &place, "a port is given twice")?;

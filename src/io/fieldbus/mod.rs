@@ -1,19 +1,24 @@
 //! A machine on a field bus, as a [`Backend`](super::Backend): process data to the images of the control and back, lost frames, the
 //! safe image of a bus that is lost. It knows no driver: a [`FieldBus`] exchanges the process data.
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
-//! Files: `description` the machine, `process_image` bit fields, `cia402` the state machine of a drive, `servo_axis` an axis,
-//! `bus_fault` what can be wrong.
+//! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
+//! Files: `description` and `station_description` the machine, `process_image` bit fields, `cia402` the state machine of a
+//! drive, `servo_axis` an axis, `station` a station, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod cia402;
 pub mod description;
 pub mod process_image;
 pub mod servo_axis;
+pub mod station;
+pub mod station_description;
 
 use self::bus_fault::BusFault;
 use self::description::{AnalogChannel, CounterChannel, DeviceDescription, MachineDescription};
 use self::process_image::{BitField, DeviceImage};
 use self::servo_axis::{AxisSetPoint, ServoAxis};
+use self::station::{Station, StationLink};
+use self::station_description::FIRST_STATION;
 use super::drive::{DriveFault, DriveState};
 use super::{Backend, InputImage, OutputImage};
 use crate::defs::device_state::DeviceState;
@@ -77,7 +82,9 @@ pub struct BusStatistics {
 pub struct FieldBusMachine<F> {
     bus: F,
     description: MachineDescription,
+    /// The devices of the bus, then the stations.
     images: Vec<DeviceImage>,
+    stations: Vec<Station>,
     axes: PerAxis<Option<ServoAxis>>,
     handwheel: CounterReader,
     spindle: CounterReader,
@@ -87,8 +94,8 @@ pub struct FieldBusMachine<F> {
     inputs: InputImage,
     /// The inputs have been read at least once.
     has_inputs: bool,
-    /// A fault that has not been reported yet.
-    report: Option<BusFault>,
+    /// Faults that have not been reported yet: of the bus, of a station.
+    reports: [Option<BusFault>; 2],
     /// RESET: the bus is set up again before the next exchange.
     reconnect: bool,
     /// RESET: until then drives in a fault are reset.
@@ -96,18 +103,22 @@ pub struct FieldBusMachine<F> {
 }
 
 impl<F: FieldBus> FieldBusMachine<F> {
-    /// Opens the bus. Where a device is missing or differs, the machine stands still and says so; RESET tries again.
-    pub fn open(description: MachineDescription, bus: F) -> Self {
+    /// A machine whose bus is not in operation yet. `links` are the drivers of the stations, in their order.
+    pub fn new(description: MachineDescription, bus: F, links: Vec<Box<dyn StationLink>>) -> Self {
+        debug_assert_eq!(description.stations.len(), links.len(), "every station has a driver");
         let device_of = |device: u16| description.devices.get(usize::from(device).saturating_sub(1));
         let axes = PerAxis::from_fn(|axis| {
             description.axes()[axis].and_then(|servo| ServoAxis::new(servo, device_of(servo.device)?))
         });
-        let images = description.devices.iter().map(|device| {
-            let (inputs, outputs) = device.process_data_bytes();
-            DeviceImage { inputs: vec![0; usize::from(inputs)], outputs: vec![0; usize::from(outputs)] }
+        let images = description.process_data_bytes().map(|(inputs, outputs)| DeviceImage {
+            inputs: vec![0; usize::from(inputs)],
+            outputs: vec![0; usize::from(outputs)],
         });
-        let mut machine = Self {
+        let stations = links.into_iter().zip(&description.stations);
+        let stations = stations.map(|(link, station)| Station::new(link, Micros::from_millis(station.max_age_ms)));
+        Self {
             images: images.collect(),
+            stations: stations.collect(),
             axes,
             handwheel: CounterReader::new(description.handwheel),
             spindle: CounterReader::new(description.spindle_encoder),
@@ -118,20 +129,21 @@ impl<F: FieldBus> FieldBusMachine<F> {
             round_trips: Histogram::default(),
             inputs: InputImage::default(),
             has_inputs: false,
-            report: None,
+            reports: [None; 2],
             reconnect: false,
             reset_until: None,
-        };
-        machine.connect();
-        machine
+        }
     }
 
-    fn connect(&mut self) {
+    /// Brings the bus into operation; the ticks follow at once, because the watchdogs of the devices run from now on. Where
+    /// a device is missing or differs, the machine stands still and says so; RESET tries again.
+    pub fn connect(&mut self) {
         // Nothing of the time before is sent again.
         self.images.iter_mut().for_each(|image| image.outputs.fill(0));
         let mut connected = Err(BusFault::NoReply);
         for _ in 0..CONNECT_ATTEMPTS {
-            connected = self.bus.connect(&self.description.devices, &mut self.images);
+            let devices = &self.description.devices;
+            connected = self.bus.connect(devices, &mut self.images[..devices.len()]);
             // A frame may be late while the computer starts; what differs stays different.
             if !matches!(connected, Err(BusFault::NoReply | BusFault::Other)) {
                 break;
@@ -146,7 +158,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
     /// RESET: what is left of a lost bus goes on; only a device that has lost its settings makes all of them start anew.
     fn reconnect(&mut self) {
         if matches!(self.state, BusState::Lost(_)) {
-            match self.bus.recover(&mut self.images) {
+            match self.bus.recover(&mut self.images[..self.description.devices.len()]) {
                 Ok(()) => return self.state = BusState::Running(0),
                 Err(BusFault::NotOperational { .. }) => {}
                 Err(fault) => return self.fail(BusState::Lost(fault), fault),
@@ -156,12 +168,24 @@ impl<F: FieldBus> FieldBusMachine<F> {
     }
 
     fn fail(&mut self, state: BusState, fault: BusFault) {
-        (self.state, self.report) = (state, Some(fault));
+        (self.state, self.reports[0]) = (state, Some(fault));
     }
 
-    /// Takes the fault that has come since the last call.
-    pub const fn take_fault(&mut self) -> Option<BusFault> {
-        self.report.take()
+    /// Takes a fault that has come since the last call.
+    pub fn take_fault(&mut self) -> Option<BusFault> {
+        self.reports.iter_mut().find_map(Option::take)
+    }
+
+    /// The stations, in the order of their description.
+    #[must_use]
+    pub fn stations(&self) -> &[Station] {
+        &self.stations
+    }
+
+    /// What each station sends and gets.
+    #[must_use]
+    pub fn station_images(&self) -> &[DeviceImage] {
+        &self.images[self.description.devices.len()..]
     }
 
     /// What is wrong with the bus now.
@@ -213,7 +237,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
     /// One exchange; returns whether the inputs are those of this tick: of a lost bus those of the devices that are left.
     fn exchange(&mut self) -> bool {
         self.statistics.cycles += 1;
-        let exchanged = self.bus.exchange(&mut self.images);
+        let exchanged = self.bus.exchange(&mut self.images[..self.description.devices.len()]);
         self.statistics.lost += u64::from(exchanged.is_err());
         if exchanged.is_ok() {
             self.round_trips.add(self.bus.round_trip());
@@ -230,23 +254,38 @@ impl<F: FieldBus> FieldBusMachine<F> {
         exchanged.is_ok() || matches!((self.state, exchanged), (BusState::Lost(_), Err(fault)) if came_back(&fault))
     }
 
-    /// Decodes the inputs of the devices.
+    /// Takes what the stations have sent. The counters of a silent one begin anew: what was turned meanwhile moves nothing.
+    fn read_stations(&mut self, now: Micros) {
+        let places = self.images.iter_mut().skip(self.description.devices.len());
+        for ((station, image), number) in self.stations.iter_mut().zip(places).zip(FIRST_STATION..) {
+            let was_silent = station.is_silent();
+            if let Some(why) = station.read(now, image) {
+                self.reports[1] = Some(BusFault::StationSilent { station: number, why });
+            }
+            if was_silent {
+                [&mut self.handwheel, &mut self.spindle].into_iter().for_each(|counter| counter.forget(number));
+            }
+        }
+        self.inputs.station_silent = self.stations.iter().any(Station::is_silent);
+    }
+
+    /// Decodes the inputs of devices and stations.
     fn decode(&mut self, now: Micros) {
         self.has_inputs = true;
-        let images = &self.images;
+        let (description, images) = (&self.description, &self.images);
         for axis in self.axes.0.iter_mut().flatten() {
             if let Some(image) = images.get(axis.device) {
                 axis.read(now, image);
             }
         }
         let mut terminals = Terminals::default();
-        for block in &self.description.inputs {
-            let Some(image) = image_of(images, block.device) else { continue };
+        for block in &description.inputs {
+            let Some(image) = description.image_index(block.device).and_then(|at| images.get(at)) else { continue };
             block.channels().for_each(|(bit, port)| terminals.set(port, bit.read(&image.inputs) == 1));
         }
         self.inputs.terminals = terminals;
-        self.inputs.handwheel_detents = self.handwheel.steps(images) as i32;
-        self.inputs.spindle_turns += self.spindle.turns(images);
+        self.inputs.handwheel_detents = self.handwheel.steps(description, images) as i32;
+        self.inputs.spindle_turns += self.spindle.turns(description, images);
     }
 
     /// The code of a fault is read once the drives are without torque: a mailbox takes longer than a cycle.
@@ -276,6 +315,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
             self.reconnect();
         }
         self.inputs.handwheel_detents = 0;
+        self.read_stations(now);
         let is_fresh = !matches!(self.state, BusState::Down(_)) && self.exchange();
         match self.state {
             _ if is_fresh => self.decode(now),
@@ -325,7 +365,8 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
             }
         }
         for block in &self.description.outputs {
-            let Some(image) = image_of_mut(&mut self.images, block.device) else { continue };
+            let place = self.description.image_index(block.device);
+            let Some(image) = place.and_then(|at| self.images.get_mut(at)) else { continue };
             for (bit, port) in block.channels() {
                 bit.write(&mut image.outputs, u32::from(terminals.is_closed(port)));
             }
@@ -333,8 +374,14 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
         for (channel, volts) in
             [(self.description.wheel_speed, outputs.wheel_volts), (self.description.analog_2, outputs.analog_2_volts)]
         {
-            write_analog(channel, volts, &mut self.images);
+            let Some(channel) = channel else { continue };
+            let place = self.description.image_index(channel.device);
+            if let Some(image) = place.and_then(|at| self.images.get_mut(at)) {
+                write_analog(channel, volts, image);
+            }
         }
+        let places = self.images.iter().skip(self.description.devices.len());
+        self.stations.iter_mut().zip(places).for_each(|(station, image)| station.write(image));
         self.reconnect |= outputs.fault_reset;
         // Last: all outputs of this tick are in the image.
         self.read_error_code(outputs.drives_on);
@@ -343,20 +390,10 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
     fn rewire(&mut self, _params: &Params) {}
 }
 
-fn image_of(images: &[DeviceImage], device: u16) -> Option<&DeviceImage> {
-    images.get(usize::from(device).checked_sub(1)?)
-}
-
-fn image_of_mut(images: &mut [DeviceImage], device: u16) -> Option<&mut DeviceImage> {
-    images.get_mut(usize::from(device).checked_sub(1)?)
-}
-
 /// Full scale of the analog outputs, V.
 const FULL_SCALE_VOLTS: f64 = 10.0;
 
-fn write_analog(channel: Option<AnalogChannel>, volts: f64, images: &mut [DeviceImage]) {
-    let Some(channel) = channel else { return };
-    let Some(image) = image_of_mut(images, channel.device) else { return };
+fn write_analog(channel: AnalogChannel, volts: f64, image: &mut DeviceImage) {
     // The largest value of a signed field; the description says whether 10 V are more.
     let most = f64::from(i32::MAX >> (32 - u32::from(channel.bits.clamp(1, 32))));
     let counts = (volts / FULL_SCALE_VOLTS * channel.counts_at_10_v).round().clamp(-most, most) as i32;
@@ -377,10 +414,17 @@ impl CounterReader {
         Self { channel, before: None, rest: 0.0 }
     }
 
+    /// What a device counts begins anew.
+    fn forget(&mut self, device: u16) {
+        if self.channel.is_some_and(|channel| channel.device == device) {
+            self.before = None;
+        }
+    }
+
     /// Revolutions since the last call.
-    fn turns(&mut self, images: &[DeviceImage]) -> f64 {
+    fn turns(&mut self, description: &MachineDescription, images: &[DeviceImage]) -> f64 {
         let Some(channel) = self.channel else { return 0.0 };
-        let Some(image) = image_of(images, channel.device) else { return 0.0 };
+        let Some(image) = description.image_index(channel.device).and_then(|at| images.get(at)) else { return 0.0 };
         let raw = BitField { first: channel.bit, bits: channel.bits }.read(&image.inputs);
         let before = self.before.replace(raw).unwrap_or(raw);
         let unused = 32 - u32::from(channel.bits.clamp(1, 32));
@@ -389,8 +433,8 @@ impl CounterReader {
     }
 
     /// Whole detents since the last call; what is less is kept.
-    fn steps(&mut self, images: &[DeviceImage]) -> f64 {
-        self.rest += self.turns(images);
+    fn steps(&mut self, description: &MachineDescription, images: &[DeviceImage]) -> f64 {
+        self.rest += self.turns(description, images);
         let whole = self.rest.trunc();
         self.rest -= whole;
         whole

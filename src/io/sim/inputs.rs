@@ -30,6 +30,7 @@ impl SimulatedMachine {
             handwheel_detents: 0,
             drives: self.drive_states(),
             bus_alive: true,
+            station_silent: false,
         }
     }
 
