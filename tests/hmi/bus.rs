@@ -16,7 +16,7 @@ fn p1_the_bus_page_shows_devices_drives_and_times() {
         "1234",
         "70 / 110 / 1850 µs",
         "wheel inverter",
-        "12 ms",
+        "12 ms ago",
         "192.168.1.20:502  1.1 / 2.9 / 14.2 ms",
     ] {
         assert!(texts.contains(said), "{said}: {texts}");
@@ -26,7 +26,7 @@ fn p1_the_bus_page_shows_devices_drives_and_times() {
 #[test]
 fn p1_the_bus_page_shows_what_is_missing() {
     let texts = page_text(&crate::sample::troubled(Page::Bus), Lang::Zh).join("\n");
-    for said in ["设备 9 没有应答", "Z  故障 8611h 跟随误差过大", "没有应答", "1420 ms", "192.168.1.20:502  没有应答"]
+    for said in ["设备 9 没有应答", "Z  故障 8611h 跟随误差过大", "没有应答", "1420 ms 前", "192.168.1.20:502  没有应答"]
     {
         assert!(texts.contains(said), "{said}: {texts}");
     }

@@ -76,6 +76,9 @@ pub const ALL: &[Scenario] = &[
     Scenario { name: "control_panics", describe: |_| {}, play: wheel_on, after_panic: Some(outputs_are_safe) },
 ];
 
+/// What takes long: played by its name alone.
+pub const LONG: &[Scenario] = &[scenario("ten_minutes", ten_minutes)];
+
 /// The drives come on, hydraulics on.
 fn power_on(rig: &mut Session<'_>) {
     rig.ticks_until("drives on", 1_000, |row| row.inputs.drives[Axis::X] == DriveState::Enabled);
@@ -142,6 +145,23 @@ fn grind(rig: &mut Session<'_>, number: u32) {
     println!("  O{number}: {rig_s:.3} s on the rig, {simulated_s:.3} s simulated; end positions {off:.4} mm apart");
     println!("  following error up to {error_mm:.3} mm, {lost} ticks without the bus");
     assert!(off < 0.005, "{off}");
+}
+
+/// O1002 again and again: no cycle is lost, none is without the bus.
+fn ten_minutes(rig: &mut Session<'_>) {
+    ready(rig);
+    rig.story("part assets/parts/O1002.ron\nload O1002\nmode auto\n");
+    let (mut ticks, mut parts) = (0_u32, 0);
+    while ticks < 600_000 {
+        if rig.snapshot().state == kt830::link::snapshot::RunState::Idle {
+            rig.story("key 循环启动\nexpect state running\n");
+            parts += 1;
+        }
+        let row = rig.turn();
+        ticks += 1;
+        assert!(row.inputs.bus_alive && rig.snapshot().alarms.is_empty(), "tick {ticks}: {:?}", rig.alarms());
+    }
+    println!("  {ticks} ticks, {parts} parts begun");
 }
 
 /// The radial gauge of O1004: the part is where the wheel is. The rig has no gauge, so its stages are forced.

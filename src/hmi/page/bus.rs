@@ -127,7 +127,7 @@ fn station_row<'a>(view: &View<'_>, station: &'a BusStation) -> BusRow<'a> {
         number: station.number,
         takes_part: station.is_heard,
         name: &station.name,
-        state: format!("{} ms", station.age.0.min(MAX_AGE_SHOWN.0) / 1_000),
+        state: format!("{} {}", station.age.0.min(MAX_AGE_SHOWN.0) / 1_000, view.text("ms 前", "ms ago")),
         what,
         is_fault: station.fault.is_some(),
         is_secondary: true,
