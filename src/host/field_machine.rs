@@ -4,17 +4,17 @@
 use std::sync::Arc;
 
 use super::hosted_machine::HostedMachine;
-use super::pace::Pace;
+use super::pace::{Pace, ThreadTimes};
 use crate::defs::param::Params;
 use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::fieldbus::station::StationFault;
 use crate::io::fieldbus::station_description::FIRST_STATION;
-use crate::io::fieldbus::{FieldBus, FieldBusMachine};
+use crate::io::fieldbus::{ClockReading, FieldBus, FieldBusMachine};
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView};
+use crate::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView};
 use crate::link::simulation::{SimCommand, SimView};
-use crate::units::{Axis, Histogram, Micros};
+use crate::units::{Axis, Micros};
 
 /// The view of the bus page is built anew so often.
 const VIEW_INTERVAL: Micros = Micros::from_millis(250);
@@ -33,7 +33,7 @@ impl<F: FieldBus> HostedFieldBus<F> {
         Self { machine, view: Arc::default(), viewed_at: None }
     }
 
-    fn build_view(&self, wake_ups: &Histogram) -> BusView {
+    fn build_view(&self, times: &ThreadTimes) -> BusView {
         let Self { machine, .. } = self;
         let description = machine.description();
         let fitted = description.axes();
@@ -41,7 +41,12 @@ impl<F: FieldBus> HostedFieldBus<F> {
             let is_its = |axis: &Axis| fitted[*axis].is_some_and(|servo| servo.device == number);
             let axis = Axis::ALL.into_iter().find(is_its)?;
             let state = machine.drive_state(axis);
-            Some(BusDrive { axis, state: state.text(), tripped: state.fault().is_some() })
+            Some(BusDrive {
+                axis,
+                state: state.text(),
+                tripped: state.fault().is_some(),
+                torque_percent: machine.torque_percent(axis),
+            })
         };
         let devices = description.devices.iter().zip(1..).map(|(device, number)| BusDevice {
             name: device.name.clone(),
@@ -72,7 +77,11 @@ impl<F: FieldBus> HostedFieldBus<F> {
             cycles: counted.cycles,
             lost: counted.lost,
             round_trip: machine.round_trips().percentiles(),
-            wake_up: wake_ups.percentiles(),
+            wake_up: times.wake_ups.percentiles(),
+            clock: description.ethercat.distributed_clocks.map(|_| BusClock {
+                distance: machine.clock_errors().percentiles(),
+                drift_ppm: times.bus_clock.drift_ppm(),
+            }),
         }
     }
 }
@@ -116,10 +125,14 @@ impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
         None
     }
 
-    fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>> {
+    fn bus_clock(&mut self) -> Option<ClockReading> {
+        self.machine.clock()
+    }
+
+    fn bus_view(&mut self, now: Micros, times: &ThreadTimes) -> Option<Arc<BusView>> {
         if self.viewed_at.is_none_or(|at| now.since(at) >= VIEW_INTERVAL) {
             self.viewed_at = Some(now);
-            self.view = Arc::new(self.build_view(wake_ups));
+            self.view = Arc::new(self.build_view(times));
         }
         Some(Arc::clone(&self.view))
     }

@@ -3,14 +3,15 @@
 
 use std::sync::Arc;
 
-use super::pace::Pace;
+use super::pace::{Pace, ThreadTimes};
 use crate::defs::param::Params;
 use crate::io::Backend;
+use crate::io::fieldbus::ClockReading;
 use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::bus::BusView;
 use crate::link::simulation::{SimCommand, SimView};
-use crate::units::{Histogram, Micros};
+use crate::units::Micros;
 
 /// A machine under a host. A field bus implements the duties of a simulated machine with empty bodies: nothing is
 /// inherited, so that no duty is forgotten.
@@ -31,8 +32,10 @@ pub trait HostedMachine: Backend {
     fn view(&mut self, now: Micros) -> Option<Arc<SimView>>;
     /// The simulated machine, if it is one.
     fn simulation(&mut self) -> Option<&mut SimulatedMachine>;
-    /// What the bus page shows at `now`, with the times of the thread's wake-ups; `None` without a bus.
-    fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>>;
+    /// What the bus page shows at `now`, with the times of the thread; `None` without a bus.
+    fn bus_view(&mut self, now: Micros, times: &ThreadTimes) -> Option<Arc<BusView>>;
+    /// What the clock of its bus has said of this tick; `None` without such a clock.
+    fn bus_clock(&mut self) -> Option<ClockReading>;
     /// How long it gets the safe image at the end; 0 for a simulated machine.
     fn settling_time(&self) -> Micros;
     /// What is wrong with its bus, once when it comes; `None` without a bus.

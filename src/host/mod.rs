@@ -50,10 +50,10 @@ use crate::link::command::{Command, Screens};
 use crate::link::page_command::{PageCommand, StorageAnswer};
 use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
 use crate::nc::Source;
-use crate::units::{Histogram, Micros};
+use crate::units::Micros;
 
 use hosted_machine::HostedMachine;
-use pace::Pace;
+use pace::{Pace, ThreadTimes};
 use part::{PartQuery, PartRule};
 use retained_store::apply_request;
 use storage::{Arrival, Storage};
@@ -107,8 +107,8 @@ pub struct Host<P, S> {
     outputs: OutputImage,
     now: Micros,
     powered: bool,
-    /// How late its thread wakes up; nothing of a host that is stepped.
-    wake_ups: Histogram,
+    /// Times of its thread; nothing of a host that is stepped.
+    times: ThreadTimes,
     snapshot: Snapshot,
 }
 
@@ -142,7 +142,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             outputs: OutputImage::default(),
             now,
             powered: true,
-            wake_ups: Histogram::default(),
+            times: ThreadTimes::default(),
             snapshot: Snapshot::new(kind),
         };
         host.take_arrivals();
@@ -415,7 +415,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     pub fn snapshot_into(&mut self, into: &mut Snapshot) {
         self.controller.snapshot(into);
         into.simulated = self.plant.view(self.now);
-        into.bus = self.plant.bus_view(self.now, &self.wake_ups);
+        into.bus = self.plant.bus_view(self.now, &self.times);
         if !self.powered {
             into.clear_for_power_off();
         }
@@ -425,7 +425,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
         self.snapshot.simulated = self.plant.view(self.now);
-        self.snapshot.bus = self.plant.bus_view(self.now, &self.wake_ups);
+        self.snapshot.bus = self.plant.bus_view(self.now, &self.times);
         if !self.powered {
             self.snapshot.clear_for_power_off();
         }

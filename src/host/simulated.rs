@@ -4,18 +4,19 @@
 use std::sync::Arc;
 
 use super::hosted_machine::HostedMachine;
-use super::pace::Pace;
+use super::pace::{Pace, ThreadTimes};
 use crate::defs::kind::GrindingForm;
 use crate::defs::page_meaning::SizeKind;
 use crate::defs::param::Params;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
+use crate::io::fieldbus::ClockReading;
 use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::sim::{PartFile, PartReport, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::bus::BusView;
 use crate::link::simulation::{PartSize, SimCommand, SimView};
-use crate::units::{Histogram, Micros};
+use crate::units::Micros;
 
 /// Maximum number of events shown.
 const MAX_EVENTS: usize = 6;
@@ -177,7 +178,11 @@ impl HostedMachine for HostedSimulation {
         Some(&mut self.machine)
     }
 
-    fn bus_view(&mut self, _now: Micros, _wake_ups: &Histogram) -> Option<Arc<BusView>> {
+    fn bus_clock(&mut self) -> Option<ClockReading> {
+        None
+    }
+
+    fn bus_view(&mut self, _now: Micros, _times: &ThreadTimes) -> Option<Arc<BusView>> {
         None
     }
 

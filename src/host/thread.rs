@@ -18,6 +18,7 @@ use super::link::{HostLink, ThreadHealth};
 use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
 use crate::defs::alarm;
+use crate::io::fieldbus::ClockReading;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
 use crate::units::Micros;
@@ -110,7 +111,17 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
             thread.host.step();
             thread.publish();
         });
+        self.follow_bus();
         self.health.ticks.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The clock of a bus paces the ticks.
+    fn follow_bus(&mut self) {
+        let tick = Duration::from_micros(self.host.tick_time().0);
+        if let Some(ClockReading { error_ns, time_ns }) = self.host.plant.bus_clock() {
+            self.schedule.follow(error_ns, tick);
+            self.host.times.bus_clock.read(self.started.elapsed(), time_ns);
+        }
     }
 
     /// The control ends: a machine that moves brakes to rest first. Nothing more is received.
@@ -156,7 +167,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         let Some(due) = self.schedule.next_due(tick) else { return };
         sleep_until(self.started + due);
         let woke = self.started.elapsed();
-        self.host.wake_ups.add(Micros(woke.saturating_sub(due).as_micros() as u64));
+        self.host.times.wake_ups.add(Micros(woke.saturating_sub(due).as_micros() as u64));
         match self.schedule.woke_up(woke, tick) {
             WakeUp::OnTime => return,
             WakeUp::Late => {}

@@ -27,6 +27,8 @@ pub struct BusDrive {
     pub state: LocalizedText,
     /// It is in a fault.
     pub tripped: bool,
+    /// Torque in percent of the rated one, where it sends it.
+    pub torque_percent: Option<f64>,
 }
 
 /// A station on Modbus TCP.
@@ -50,6 +52,15 @@ pub struct BusStation {
     pub round_trip: Percentiles,
 }
 
+/// The distributed clocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BusClock {
+    /// How far frames are from the time that the reference clock asks for.
+    pub distance: Percentiles,
+    /// How much faster than the computer's clock the reference clock goes, millionths.
+    pub drift_ppm: f64,
+}
+
 /// The bus.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BusView {
@@ -69,4 +80,6 @@ pub struct BusView {
     pub round_trip: Percentiles,
     /// How late the thread of the control wakes up.
     pub wake_up: Percentiles,
+    /// The distributed clocks, if they are used.
+    pub clock: Option<BusClock>,
 }

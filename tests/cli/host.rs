@@ -18,12 +18,13 @@ use kt830::host::folders::Folders;
 use kt830::host::hosted_machine::HostedMachine;
 use kt830::host::job_runner::JobRunner;
 use kt830::host::link::HostLink;
-use kt830::host::pace::Pace;
+use kt830::host::pace::{Pace, ThreadTimes};
 use kt830::host::part::PartRule;
 use kt830::host::retained_store::RetainedStore;
 use kt830::host::simulated::HostedSimulation;
 use kt830::host::storage::{DirectStorage, RetainedWorker, StorageWorker, ThreadedStorage};
 use kt830::host::thread::{HostThread, run_until_stopped, start};
+use kt830::io::fieldbus::ClockReading;
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
@@ -34,7 +35,7 @@ use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::link::simulation::{SimCommand, SimView};
 use kt830::link::{Command, Snapshot};
 use kt830::story::{Player, Stage, parse};
-use kt830::units::{Histogram, Micros};
+use kt830::units::Micros;
 use tempfile::TempDir;
 
 /// How long a test waits for what must come.
@@ -138,8 +139,12 @@ impl HostedMachine for NotedPlant {
         self.plant.simulation()
     }
 
-    fn bus_view(&mut self, now: Micros, wake_ups: &Histogram) -> Option<Arc<BusView>> {
-        self.plant.bus_view(now, wake_ups)
+    fn bus_clock(&mut self) -> Option<ClockReading> {
+        self.plant.bus_clock()
+    }
+
+    fn bus_view(&mut self, now: Micros, times: &ThreadTimes) -> Option<Arc<BusView>> {
+        self.plant.bus_view(now, times)
     }
 
     fn settling_time(&self) -> Micros {

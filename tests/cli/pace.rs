@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use kt830::host::pace::{Pace, TickSchedule, WakeUp};
+use kt830::host::pace::{DriftMeter, Pace, TickSchedule, WakeUp};
 
 const TICK: Duration = Duration::from_millis(1);
 
@@ -51,5 +51,57 @@ fn b5_a_stall_is_told_once_it_is_longer_than_a_second() {
         let mut schedule = TickSchedule::new(pace);
         let due = schedule.next_due(TICK).unwrap();
         assert_eq!(schedule.woke_up(due + Duration::from_millis(1_010), TICK), WakeUp::Stalled, "{pace:?}");
+    }
+}
+
+/// Clocks that go up to 200 ppm apart, from any phase, with wake-ups that are late as they come: the ticks find the clock
+/// of the bus and keep to it.
+#[test]
+fn p1_ticks_follow_the_clock_of_the_bus() {
+    let mut random = 830_u64;
+    let mut next = |below: u64| {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) % below
+    };
+    for case in 0..60 {
+        let tick = Duration::from_micros([500, 1_000, 2_000][case % 3]);
+        let period = tick.as_nanos() as f64;
+        let ppm = next(400) as f64 - 200.0;
+        let phase = next(tick.as_nanos() as u64) as f64;
+        let mut schedule = TickSchedule::new(Pace::Real);
+        let (mut meter, mut errors) = (DriftMeter::default(), Vec::new());
+        for at in 0..60_000_u32 {
+            let due = schedule.next_due(tick).unwrap();
+            let late = if next(1_000) == 0 { next(900) } else { next(40) } * 1_000;
+            let woke = due + Duration::from_nanos(late);
+            schedule.woke_up(woke, tick);
+            // The clock of the bus at that moment; the frame is asked for in the middle of its cycle.
+            let bus = woke.as_nanos() as f64 * (1.0 + ppm * 1e-6) + phase;
+            meter.read(woke, bus as u64);
+            let error = bus.rem_euclid(period) - period / 2.0;
+            schedule.follow(error as i64, tick);
+            if at > 30_000 {
+                errors.push(error.abs());
+            }
+        }
+        errors.sort_by(f64::total_cmp);
+        // Wake-ups vary by 40 µs, so that half of them are within 10 µs of their middle; 200 ppm leave 16 × 0.4 µs.
+        let median = errors[errors.len() / 2];
+        assert!(median < 20_000.0, "{case}: {tick:?}, {ppm} ppm, {median} ns");
+        // The last reading is 30 s or more from the first; a late wake-up of 0.9 ms is no reading of the drift.
+        assert!((meter.drift_ppm() - ppm).abs() < 40.0, "{case}: {ppm} ppm, found {}", meter.drift_ppm());
+    }
+}
+
+/// A wake-up that is late by most of a tick is no error of the clocks.
+#[test]
+fn p1_a_late_wake_up_moves_the_ticks_by_a_fiftieth_at_most() {
+    let tick = Duration::from_millis(1);
+    for error_ns in [480_000, -480_000, i64::MAX, i64::MIN] {
+        let mut schedule = TickSchedule::new(Pace::Real);
+        let first = schedule.next_due(tick).unwrap();
+        schedule.follow(error_ns, tick);
+        let moved = schedule.next_due(tick).unwrap().as_nanos() as i64 - (first + tick).as_nanos() as i64;
+        assert_eq!(moved, -20_000 * error_ns.signum());
     }
 }

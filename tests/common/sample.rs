@@ -21,7 +21,7 @@ use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::station::StationFault;
 use kt830::link::Snapshot;
-use kt830::link::bus::{BusDevice, BusDrive, BusStation, BusView};
+use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
@@ -290,7 +290,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
     let drive = |axis: Axis| {
         let tripped = broken && axis == Axis::Z;
         let state = if tripped { DriveState::Fault(DriveFault(0x8611)) } else { DriveState::Enabled };
-        BusDrive { axis, state: state.text(), tripped }
+        BusDrive { axis, state: state.text(), tripped, torque_percent: (!broken).then_some(-37.5) }
     };
     let names = ["drive X", "drive Z", "coupler", "inputs 1 to 16", "inputs 17 to 32", "inputs 33 to 48"];
     let more = ["outputs 1 to 16", "outputs 17 to 32", "analog outputs", "handwheel and spindle encoder"];
@@ -321,6 +321,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         lost: 1_234,
         round_trip: times(70, 110, 1_850),
         wake_up: times(20, 90, 12_340),
+        clock: Some(BusClock { distance: times(10, 80, 410), drift_ppm: -12.4 }),
     }
 }
 

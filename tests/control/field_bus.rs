@@ -18,10 +18,11 @@ use kt830::host::storage::{DirectStorage, RetainedWorker};
 use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::cia402::PowerState;
-use kt830::io::fieldbus::description::{DeviceDescription, MachineDescription};
+use kt830::io::fieldbus::description::{DeviceDescription, MachineDescription, field_of};
 use kt830::io::fieldbus::process_image::DeviceImage;
+use kt830::io::fieldbus::servo_axis::ServoAxis;
 use kt830::io::fieldbus::station::StationLink;
-use kt830::io::fieldbus::{FieldBus, FieldBusMachine};
+use kt830::io::fieldbus::{ClockReading, FieldBus, FieldBusMachine};
 use kt830::link::command::Command;
 use kt830::units::{Axis, Micros};
 
@@ -143,6 +144,10 @@ impl FieldBus for PlayedBus {
 
     fn round_trip(&self) -> Micros {
         Micros(70)
+    }
+
+    fn clock(&self) -> Option<ClockReading> {
+        None
     }
 
     fn read_error_code(&mut self, device: usize) -> Option<u16> {
@@ -515,6 +520,24 @@ fn p1_codes_of_drives_have_words() {
     assert_eq!(DriveFault(0x8611).to_string(), "8611h");
 }
 
+/// 6077h: 0.1 % of the rated torque, signed.
+#[test]
+fn p1_the_torque_of_a_drive_is_in_percent() {
+    let text = example("gc");
+    let description = MachineDescription::parse(&text).unwrap();
+    let drive = &description.devices[0];
+    let mut axis = ServoAxis::new(description.axes()[Axis::X].unwrap(), drive).unwrap();
+    let mut image = DeviceImage { inputs: vec![0; usize::from(drive.process_data_bytes().0)], outputs: Vec::new() };
+    let field = field_of(&drive.inputs, 0x6077).unwrap();
+    field.write(&mut image.inputs, (-375_i32) as u32);
+    axis.read(Micros::ZERO, &image);
+    assert_eq!(axis.torque_percent(), Some(-37.5));
+    // The drives of the other tests do not send it.
+    let plain = MachineDescription::parse(MACHINE).unwrap();
+    let axis = ServoAxis::new(plain.axes()[Axis::X].unwrap(), &plain.devices[0]).unwrap();
+    assert_eq!(axis.torque_percent(), None);
+}
+
 /// Each wrong value of a description, and what is said of it.
 #[test]
 fn p1_a_wrong_description_is_refused_with_its_place() {
@@ -554,6 +577,8 @@ fn p1_a_wrong_description_is_refused_with_its_place() {
             "outputs: [(device: 3, count: 32, port: 1)], wheel_speed: (device: 1, bit: 16, bits: 16, counts_at_10_v: 1000.0),",
             "wheel_speed and axis X: bit 16 of device 1: an output has one writer",
         ),
+        ("bridged_frames: 2", "distributed_clocks: (cycle_us: 1000)", "ethercat.distributed_clocks: SYNC0 needs both"),
+        ("product: 1, outputs", "product: 1, sync0: true, outputs", "ethercat.distributed_clocks: SYNC0 needs both"),
         ("bridged_frames: 2", "bridged_frames: 99", "ethercat.bridged_frames: must be 0 to 20"),
         ("interface: \"none\"", "interface: \"\"", "ethercat.interface: the network interface must have a name"),
         ("z: (device: 2, counts_per_mm: 1000.0),", "", "x, z: every machine has the axes X and Z"),

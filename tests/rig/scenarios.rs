@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use kt830::io::drive::DriveState;
-use kt830::io::fieldbus::description::MachineDescription;
+use kt830::io::fieldbus::description::{ClockDescription, MachineDescription};
 use kt830::io::trace::TraceRow;
 use kt830::units::{Axis, PerAxis};
 
@@ -35,6 +35,9 @@ pub const ALL: &[Scenario] = &[
     scenario("cable_behind_a_drive", cable_behind_a_drive),
     scenario("cable_at_the_control", cable_at_the_control),
     scenario("terminal_mute", terminal_mute),
+    differing("distributed_clocks", with_clocks, distributed_clocks),
+    scenario("bus_slow", bus_slow),
+    scenario("stuck_input", stuck_input),
     scenario("interface_gone", interface_gone),
     differing(
         "wrong_device",
@@ -335,6 +338,51 @@ fn terminal_mute(rig: &mut Session<'_>) {
     rig.alarm(402, "device 4");
     rig.plant.send("mute io off");
     back(rig);
+}
+
+/// The drives work at SYNC0.
+fn with_clocks(machine: &mut MachineDescription) {
+    machine.ethercat.distributed_clocks = Some(ClockDescription { cycle_us: 1_000, shift_us: None });
+    machine.devices.iter_mut().take(3).for_each(|drive| drive.sync0 = true);
+}
+
+/// The ticks follow the clock of the devices: half of the frames are within a tenth of a cycle of their place. Without
+/// it they would be anywhere in it.
+fn distributed_clocks(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.turns(5_000);
+    assert!(rig.alarms().is_empty(), "{:?}", rig.alarms());
+    let clock = rig.snapshot().bus.as_deref().and_then(|bus| bus.clock).expect("clocks");
+    assert!(clock.distance.median.0 < 100, "{clock:?}");
+    // A device that falls out of operation comes back with its clock.
+    rig.plant.send("cable 1 2 out");
+    rig.alarm(402, "device 3 does not answer");
+    rig.plant.send("cable 1 2 in");
+    back(rig);
+}
+
+/// Frames take longer than the cycle: ticks are late, and after ten in a row the machine stops.
+fn bus_slow(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.plant.send("delay 3000 200");
+    let ticks = rig.alarm(401, "control cycle late");
+    println!("  alarm after {ticks} ticks");
+    stop(rig);
+    rig.story("expect output wheel off\nwait 1 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    rig.ticks_until("drives on", 1_000, |row| row.inputs.drives[Axis::X] == DriveState::Enabled);
+    rig.story("key 砂轮启动\nwait 10 s\nexpect output wheel on\n");
+}
+
+/// A home switch that never opens is no zero point.
+fn stuck_input(rig: &mut Session<'_>) {
+    power_on(rig);
+    rig.plant.send("force 7 1");
+    rig.story("mode home\nkey Z+\nwait 2 s\n");
+    println!("  {:?} {:?}", rig.alarms(), rig.snapshot().axes[Axis::Z].homed);
+    assert!(!rig.snapshot().axes[Axis::Z].homed);
+    rig.plant.send("force 7 off");
+    rig.story("wait 1 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    home(rig);
 }
 
 fn interface_gone(rig: &mut Session<'_>) {

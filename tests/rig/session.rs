@@ -126,6 +126,10 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
             bus.lost, bus.cycles
         );
     }
+    if let Some(clock) = link.newest().bus.as_deref().and_then(|bus| bus.clock) {
+        let Percentiles { median, p99, max } = clock.distance;
+        println!("  off the clock {}/{}/{} µs, drift {:.1} ppm", median.0, p99.0, max.0, clock.drift_ppm);
+    }
     drop(link);
     played
 }

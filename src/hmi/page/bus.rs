@@ -13,8 +13,8 @@ use crate::units::{Micros, Percentiles};
 const ROW_HEIGHT: f32 = 36.0;
 /// Height of a line of the figures.
 const LINE_HEIGHT: f32 = 27.0;
-/// Lines of the figures: the bus, then two columns of two.
-const LINES: f32 = 3.0;
+/// Lines of the figures: the bus, then two columns of two or three.
+const LINES: usize = 3;
 
 /// Width of a lamp with its figure.
 const LAMP_WIDTH: f32 = 40.0;
@@ -40,7 +40,8 @@ impl PageUi for BusPage {
             return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有总线", "no field bus"), remedy);
         };
         let body = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (figures, list) = body.split_top(LINES * LINE_HEIGHT + 2.0 * theme::PAD);
+        let lines = LINES + usize::from(bus.clock.is_some());
+        let (figures, list) = body.split_top(lines as f32 * LINE_HEIGHT + 2.0 * theme::PAD);
         show_figures(figures.trim_bottom(theme::GAP), view, bus);
         let list = round_to_lines(list, ROW_HEIGHT);
         let rows = (list.height() / ROW_HEIGHT).max(1.0) as usize;
@@ -67,19 +68,31 @@ fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
     let colour = if bus.fault.is_none() { view.theme.text } else { view.theme.alarm_text };
     view.fit_left(title, &state, theme::SECONDARY, colour);
     let times = |times: Percentiles| format!("{} / {} / {} µs", times.median.0, times.p99.0, times.max.0);
-    let figures = [
-        (view.text("周期", "cycles"), bus.cycles.to_string()),
-        (view.text("丢失的报文", "lost frames"), bus.lost.to_string()),
-        (view.text("往返 50% / 99% / 最大", "round trip 50% / 99% / max"), times(bus.round_trip)),
-        (view.text("唤醒 50% / 99% / 最大", "wake-up 50% / 99% / max"), times(bus.wake_up)),
+    let mut figures = vec![
+        [
+            (view.text("周期", "cycles"), bus.cycles.to_string()),
+            (view.text("往返 50% / 99% / 最大", "round trip 50% / 99% / max"), times(bus.round_trip)),
+        ],
+        [
+            (view.text("丢失的报文", "lost frames"), bus.lost.to_string()),
+            (view.text("唤醒 50% / 99% / 最大", "wake-up 50% / 99% / max"), times(bus.wake_up)),
+        ],
     ];
-    for (index, (name, value)) in figures.iter().enumerate() {
-        let line = inside.band((1 + index % 2) as f32 * LINE_HEIGHT, LINE_HEIGHT).cell(index / 2, 2);
+    if let Some(clock) = bus.clock {
+        figures.push([
+            (view.text("时钟漂移", "clock drift"), format!("{:.1} ppm", clock.drift_ppm)),
+            (view.text("时钟偏差 50% / 99% / 最大", "off the clock 50% / 99% / max"), times(clock.distance)),
+        ]);
+    }
+    for (index, columns) in figures.iter().enumerate() {
+        let line = inside.band((1 + index) as f32 * LINE_HEIGHT, LINE_HEIGHT);
         // The counts are short, the times long.
-        let share = if index < 2 { 0.5 } else { 0.52 };
-        let (left, right) = line.trim_right(theme::PAD).split_left_right_at_fraction(share);
-        view.fit_left(left, name, theme::LABEL, view.theme.muted);
-        view.fit_left(right, value, theme::LABEL, view.theme.text);
+        for (column, ((name, value), share)) in columns.iter().zip([0.5, 0.52]).enumerate() {
+            let place = line.cell(column, 2).trim_right(theme::PAD);
+            let (left, right) = place.split_left_right_at_fraction(share);
+            view.fit_left(left, name, theme::LABEL, view.theme.muted);
+            view.fit_left(right, value, theme::LABEL, view.theme.text);
+        }
     }
 }
 
@@ -99,7 +112,10 @@ struct BusRow<'a> {
 fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow<'a> {
     let (vendor, product) = device.identity;
     let (what, is_fault) = match &device.drive {
-        Some(BusDrive { axis, state, tripped }) => (format!("{axis}  {}", state.get(view.lang)), *tripped),
+        Some(BusDrive { axis, state, tripped, torque_percent }) => {
+            let torque = torque_percent.map_or_else(String::new, |torque| format!("  {torque:.1} %"));
+            (format!("{axis}  {}{torque}", state.get(view.lang)), *tripped)
+        }
         None => (format!("{vendor:#x} / {product:#x}"), false),
     };
     BusRow {

@@ -1,14 +1,15 @@
 //! EtherCAT by the `ethercrab` stack: scan, comparison with the description, start-up objects, operation, exchange.
-//! Files: `link` the socket and the loop that runs the stack.
+//! Files: `link` the socket and the loop that runs the stack, `clocks` the distributed clocks.
 //! Source: ETG.1000; docs of ethercrab 0.7.
 
+mod clocks;
 mod link;
 
 use core::time::Duration;
 
 use ethercrab::error::{Error, TimeoutError};
 use ethercrab::std::ethercat_now;
-use ethercrab::subdevice_group::{NoDc, Op, PreOp, SafeOp};
+use ethercrab::subdevice_group::{HasDc, NoDc, Op, PreOp, SafeOp};
 use ethercrab::{
     Command, DefaultLock, MainDevice, MainDeviceConfig, PduStorage, SubDevice, SubDeviceGroup, SubDeviceRef,
     SubDeviceState, Timeouts,
@@ -16,12 +17,12 @@ use ethercrab::{
 use rustix::event::Timespec;
 
 use self::link::EtherCatLink;
-use super::fieldbus::FieldBus;
 use super::fieldbus::bus_fault::{BusFault, DeviceIdentity};
 use super::fieldbus::description::{
-    DeviceDescription, ERROR_CODE, EtherCatDescription, MAX_DEVICES, PdoEntry, SdoWrite,
+    ClockDescription, DeviceDescription, ERROR_CODE, EtherCatDescription, MAX_DEVICES, PdoEntry, SdoWrite,
 };
 use super::fieldbus::process_image::DeviceImage;
+use super::fieldbus::{ClockReading, FieldBus};
 use crate::defs::device_state::DeviceState;
 use crate::units::Micros;
 
@@ -55,8 +56,24 @@ const AL_STATUS_CODE: u16 = 0x0134;
 /// The frame memory of the stack. There is one bus in a process.
 static STORAGE: PduStorage<MAX_FRAMES, FRAME_BYTES> = PduStorage::new();
 
-type Group<State> = SubDeviceGroup<MAX_DEVICES, MAX_PROCESS_DATA, DefaultLock, State, NoDc>;
+type Devices<State, Clocks> = SubDeviceGroup<MAX_DEVICES, MAX_PROCESS_DATA, DefaultLock, State, Clocks>;
 type Device<'a> = SubDeviceRef<'a, &'a SubDevice>;
+
+/// The devices, with or without synchronised clocks.
+enum Group<State> {
+    Free(Devices<State, NoDc>),
+    Clocked(Devices<State, HasDc>),
+}
+
+/// The same work on the devices of either kind: they have types of their own, and the same methods.
+macro_rules! in_group {
+    ($group:expr, $devices:ident => $work:expr) => {
+        match $group {
+            Group::Free($devices) => $work,
+            Group::Clocked($devices) => $work,
+        }
+    };
+}
 
 /// An EtherCAT network.
 pub struct EtherCat {
@@ -70,6 +87,9 @@ pub struct EtherCat {
     /// States of the devices as of the last frame.
     states: Vec<SubDeviceState>,
     round_trip: Micros,
+    clocks: Option<ClockDescription>,
+    /// The reference clock as the last frame passed it.
+    clock: Option<ClockReading>,
 }
 
 impl EtherCat {
@@ -87,14 +107,16 @@ impl EtherCat {
             expected: 0,
             states: Vec::with_capacity(MAX_DEVICES),
             round_trip: Micros::ZERO,
+            clocks: description.distributed_clocks,
+            clock: None,
         })
     }
 
     /// Finds the devices and compares them; sets up what the description says.
-    fn pre_operational(&mut self, devices: &[DeviceDescription]) -> Result<Group<PreOp>, BusFault> {
+    fn pre_operational(&mut self, devices: &[DeviceDescription]) -> Result<Devices<PreOp, NoDc>, BusFault> {
         let Self { main_device, link, .. } = self;
         let found = link.run(main_device.init_single_group::<MAX_DEVICES, MAX_PROCESS_DATA>(ethercat_now));
-        let group: Group<PreOp> = found.map_err(|error| at_start(&error))?;
+        let group: Devices<PreOp, NoDc> = found.map_err(|error| at_start(&error))?;
         let (expected, found) = (devices.len() as u16, group.len() as u16);
         for ((device, described), place) in group.iter(main_device).zip(devices).zip(1..) {
             let is = device.identity();
@@ -119,13 +141,20 @@ impl EtherCat {
     /// Compares the process data and counts what a whole exchange adds to the working counter.
     fn safe_operational(
         &mut self,
-        group: Group<PreOp>,
+        group: Devices<PreOp, NoDc>,
         devices: &[DeviceDescription],
     ) -> Result<Group<SafeOp>, BusFault> {
         let Self { main_device, link, .. } = self;
-        let group = link.run(group.into_safe_op(main_device)).map_err(|error| at_start(&error))?;
+        let group = match self.clocks {
+            Some(clocks) => {
+                let group = clocks::synchronise(link, main_device, group, (clocks, devices))?;
+                link.run(group.into_safe_op(main_device)).map(Group::Clocked)
+            }
+            None => link.run(group.into_safe_op(main_device)).map(Group::Free),
+        };
+        let group = group.map_err(|error| at_start(&error))?;
         self.expected = 0;
-        for ((device, described), place) in group.iter(main_device).zip(devices).zip(1..) {
+        in_group!(&group, found => for ((device, described), place) in found.iter(main_device).zip(devices).zip(1..) {
             let image = device.io_raw();
             let found = (image.inputs().len() as u16, image.outputs().len() as u16);
             let expected = described.process_data_bytes();
@@ -134,15 +163,18 @@ impl EtherCat {
             }
             // A read counts 1, a write 2.
             self.expected += u16::from(found.0 > 0) + 2 * u16::from(found.1 > 0);
-        }
+        });
         Ok(group)
     }
 
     /// Brings the devices into operation: they need process data for it.
     fn operational(&mut self, group: Group<SafeOp>, images: &mut [DeviceImage]) -> Result<(), BusFault> {
         let Self { main_device, link, .. } = self;
-        let group = link.run(group.request_into_op(main_device)).map_err(|error| at_start(&error))?;
-        self.group = Some(group);
+        let group = match group {
+            Group::Free(devices) => link.run(devices.request_into_op(main_device)).map(Group::Free),
+            Group::Clocked(devices) => link.run(devices.request_into_op(main_device)).map(Group::Clocked),
+        };
+        self.group = Some(group.map_err(|error| at_start(&error))?);
         let begun = self.cycle_until_operational(MAX_START_CYCLES, images);
         if begun.is_err() {
             self.group = None;
@@ -166,7 +198,7 @@ impl EtherCat {
     fn request_operation(&mut self) -> Result<(), BusFault> {
         let Self { main_device, link, group, .. } = self;
         let Some(group) = group else { return Err(BusFault::NoReply) };
-        for (device, place) in group.iter(main_device).zip(1..) {
+        in_group!(group, devices => for (device, place) in devices.iter(main_device).zip(1..) {
             let lost = |error: Error| match error {
                 Error::Timeout(_) => BusFault::NoReply,
                 _ => BusFault::DeviceMissing { device: place },
@@ -175,7 +207,7 @@ impl EtherCat {
                 Ok(status) => status,
                 // A device that was without power has no address any more. If all are there, they start anew.
                 Err(fault @ BusFault::DeviceMissing { .. }) => {
-                    let all = Command::brd(DEVICE_TYPE).with_wkc(group.len() as u16);
+                    let all = Command::brd(DEVICE_TYPE).with_wkc(devices.len() as u16);
                     let all_there = link.run(all.receive::<u8>(main_device)).is_ok();
                     return Err(if all_there {
                         BusFault::NotOperational { device: place, al_status: 0 }
@@ -193,7 +225,7 @@ impl EtherCat {
             for asked in [SAFE_OPERATIONAL | ERROR_BIT, OPERATIONAL] {
                 link.run(device.register_write(AL_CONTROL, asked)).map_err(lost)?;
             }
-        }
+        });
         Ok(())
     }
 
@@ -206,8 +238,10 @@ impl EtherCat {
         if states.get(index) == Some(&SubDeviceState::None) {
             return BusFault::DeviceMissing { device };
         }
-        let Ok(at_fault) = group.subdevice(main_device, index) else { return fault };
-        let al_status = link.run(at_fault.register_read::<u16>(AL_STATUS_CODE)).unwrap_or(0);
+        let al_status = in_group!(group, devices => match devices.subdevice(main_device, index) {
+            Ok(at_fault) => link.run(at_fault.register_read::<u16>(AL_STATUS_CODE)).unwrap_or(0),
+            Err(_) => return fault,
+        });
         BusFault::NotOperational { device, al_status }
     }
 }
@@ -284,19 +318,30 @@ impl FieldBus for EtherCat {
     fn exchange(&mut self, images: &mut [DeviceImage]) -> Result<(), BusFault> {
         let Self { main_device, link, group, expected, states, round_trip, .. } = self;
         let Some(group) = group else { return Err(BusFault::NoReply) };
-        for (device, image) in group.iter(main_device).zip(images.iter()) {
+        in_group!(&*group, devices => for (device, image) in devices.iter(main_device).zip(images.iter()) {
             device.outputs_raw_mut().copy_from_slice(&image.outputs);
-        }
+        });
         let sent = ethercat_now();
         states.clear();
-        let Ok(response) = link.run(group.tx_rx(main_device)) else { return Err(BusFault::FrameLost) };
+        self.clock = None;
+        let answered = match (&*group, self.clocks) {
+            (Group::Clocked(devices), Some(clocks)) => link.run(devices.tx_rx_dc(main_device)).map(|response| {
+                self.clock = Some(clocks::reading(clocks, &response.extra));
+                states.extend_from_slice(&response.subdevice_states);
+                response.working_counter
+            }),
+            (group, _) => in_group!(group, devices => link.run(devices.tx_rx(main_device)).map(|response| {
+                states.extend_from_slice(&response.subdevice_states);
+                response.working_counter
+            })),
+        };
+        let Ok(found) = answered else { return Err(BusFault::FrameLost) };
         *round_trip = Micros(ethercat_now().saturating_sub(sent) / 1_000);
-        states.extend_from_slice(&response.subdevice_states);
-        for (device, image) in group.iter(main_device).zip(images.iter_mut()) {
+        in_group!(&*group, devices => for (device, image) in devices.iter(main_device).zip(images.iter_mut()) {
             image.inputs.copy_from_slice(&device.inputs_raw());
-        }
-        let (expected, found) = (*expected, response.working_counter);
-        if found == expected && response.all_op() {
+        });
+        let expected = *expected;
+        if found == expected && states.iter().all(|state| *state == SubDeviceState::Op) {
             return Ok(());
         }
         let fault = BusFault::WorkingCounter { expected, found };
@@ -317,9 +362,15 @@ impl FieldBus for EtherCat {
         self.round_trip
     }
 
+    fn clock(&self) -> Option<ClockReading> {
+        self.clock
+    }
+
     fn read_error_code(&mut self, device: usize) -> Option<u16> {
         let Self { main_device, link, group, .. } = self;
-        let device = group.as_ref()?.subdevice(main_device, device).ok()?;
-        link.run_for(MAILBOX_TIME_NS, device.sdo_read(ERROR_CODE, 0))?.ok()
+        in_group!(group.as_ref()?, devices => {
+            let device = devices.subdevice(main_device, device).ok()?;
+            link.run_for(MAILBOX_TIME_NS, device.sdo_read(ERROR_CODE, 0))?.ok()
+        })
     }
 }

@@ -73,6 +73,16 @@ pub enum BusFault {
         /// Its AL status code, 0 if it has none.
         al_status: u16,
     },
+    /// A device that is to work at SYNC0 has no distributed clock.
+    NoClock {
+        /// Place on the bus.
+        device: u16,
+    },
+    /// The clock of a device does not settle.
+    ClockApart {
+        /// Place on the bus.
+        device: u16,
+    },
     /// Not every device takes part in the exchange.
     WorkingCounter {
         /// Working counter of a whole exchange.
@@ -153,6 +163,12 @@ impl BusFault {
             }
             Self::DeviceMissing { device } => {
                 phrase!("设备 {device} 没有应答", "device {device} does not answer", device)
+            }
+            Self::NoClock { device } => {
+                phrase!("设备 {device} 没有分布时钟", "device {device} has no distributed clock", device)
+            }
+            Self::ClockApart { device } => {
+                phrase!("设备 {device} 的时钟没有同步", "the clock of device {device} does not settle", device)
             }
             Self::NotOperational { device, al_status } => not_operational(device, al_status),
             Self::WorkingCounter { expected, found } => {

@@ -29,6 +29,8 @@ pub const MODE: u16 = 0x6060;
 pub const TARGET_POSITION: u16 = 0x607a;
 /// Actual position, counts.
 pub const ACTUAL_POSITION: u16 = 0x6064;
+/// Actual torque, 0.1 % of the rated one.
+pub const ACTUAL_TORQUE: u16 = 0x6077;
 /// Error code.
 pub const ERROR_CODE: u16 = 0x603f;
 
@@ -102,6 +104,28 @@ pub struct EtherCatDescription {
     /// Lost frames in a row that are bridged; one more is an alarm.
     #[serde(default = "default_bridged_frames")]
     pub bridged_frames: u32,
+    /// The clocks of the devices are synchronised, and the tick follows them. Without it the computer's clock counts.
+    #[serde(default)]
+    pub distributed_clocks: Option<ClockDescription>,
+}
+
+/// The distributed clocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClockDescription {
+    /// Period of SYNC0, µs: the cycle of the control (P58).
+    pub cycle_us: u32,
+    /// From SYNC0 until the frame passes the first clock, µs; half the cycle without it: most room for either to be late.
+    #[serde(default)]
+    pub shift_us: Option<u32>,
+}
+
+impl ClockDescription {
+    /// From SYNC0 until the frame passes the first clock, µs.
+    #[must_use]
+    pub fn shift_us(self) -> u32 {
+        self.shift_us.unwrap_or(self.cycle_us / 2)
+    }
 }
 
 const fn default_reply_time_us() -> u64 {
@@ -134,6 +158,9 @@ pub struct DeviceDescription {
     /// Whether the entries are written to the device at the start (objects 1600h, 1A00h, 1C12h, 1C13h).
     #[serde(default)]
     pub assign: bool,
+    /// Whether it works at SYNC0 of the distributed clocks.
+    #[serde(default)]
+    pub sync0: bool,
     /// Objects that are written at the start.
     #[serde(default)]
     pub startup: Vec<SdoWrite>,
@@ -309,6 +336,10 @@ impl MachineDescription {
     pub fn check_against(&self, params: &Params) -> Result<(), DescriptionError> {
         let in_time = (self.ethercat.reply_time_us as f64) < params.get(param::TICK_TIME);
         require(in_time, "ethercat.reply_time_us", "must be less than the cycle of the control (P58)")?;
+        let in_step = |clocks: ClockDescription| f64::from(clocks.cycle_us) == params.get(param::TICK_TIME);
+        let place = "ethercat.distributed_clocks";
+        let rule = "cycle_us must be the cycle of the control (P58)";
+        require(self.ethercat.distributed_clocks.is_none_or(in_step), place, rule)?;
         let (fitted, described) = (params.fitted().axes(), self.axes());
         for axis in Axis::ALL {
             let place = axis.letter().to_ascii_lowercase().to_string();
@@ -370,10 +401,18 @@ impl MachineDescription {
     }
 
     fn check(&self) -> Result<(), DescriptionError> {
-        let EtherCatDescription { interface, reply_time_us, bridged_frames } = &self.ethercat;
+        let EtherCatDescription { interface, reply_time_us, bridged_frames, distributed_clocks } = &self.ethercat;
         require(!interface.is_empty(), "ethercat.interface", "the network interface must have a name")?;
         require((50..=50_000).contains(reply_time_us), "ethercat.reply_time_us", "must be 50 to 50 000 µs")?;
         require(*bridged_frames <= 20, "ethercat.bridged_frames", "must be 0 to 20")?;
+        let has_sync0 = self.devices.iter().any(|device| device.sync0);
+        let rule = "SYNC0 needs both: `distributed_clocks`, and `sync0: true` at the devices that work at it";
+        require(has_sync0 == distributed_clocks.is_some(), "ethercat.distributed_clocks", rule)?;
+        if let Some(clocks) = distributed_clocks {
+            let place = "ethercat.distributed_clocks";
+            require((100..=20_000).contains(&clocks.cycle_us), place, "cycle_us must be 100 to 20 000 µs")?;
+            require(clocks.shift_us() < clocks.cycle_us, place, "shift_us must be less than cycle_us")?;
+        }
         require((1..=MAX_DEVICES).contains(&self.devices.len()), "devices", "there must be 1 to 32 devices")?;
         for (at, device) in self.devices.iter().enumerate() {
             check_entries(device, at + 1)?;

@@ -54,8 +54,20 @@ pub trait FieldBus {
     /// How long the last frame took.
     fn round_trip(&self) -> Micros;
 
+    /// What the reference clock has said of the last frame. `None` without distributed clocks, and while frames are lost.
+    fn clock(&self) -> Option<ClockReading>;
+
     /// The error code of a drive (603Fh), by mailbox; `None` if it does not answer.
     fn read_error_code(&mut self, device: usize) -> Option<u16>;
+}
+
+/// The reference clock of the distributed clocks as a frame passed it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ClockReading {
+    /// How much later than asked, ns; earlier is negative.
+    pub error_ns: i64,
+    /// Its time, ns.
+    pub time_ns: u64,
 }
 
 /// Whether the bus serves the control.
@@ -91,6 +103,7 @@ pub struct FieldBusMachine<F> {
     state: BusState,
     statistics: BusStatistics,
     round_trips: Histogram,
+    clock_errors: Histogram,
     inputs: InputImage,
     /// The inputs have been read at least once.
     has_inputs: bool,
@@ -127,6 +140,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
             state: BusState::Down(BusFault::NoReply),
             statistics: BusStatistics::default(),
             round_trips: Histogram::default(),
+            clock_errors: Histogram::default(),
             inputs: InputImage::default(),
             has_inputs: false,
             reports: [None; 2],
@@ -209,6 +223,18 @@ impl<F: FieldBus> FieldBusMachine<F> {
         &self.round_trips
     }
 
+    /// What the reference clock has said of the frame of this tick; `None` without such a clock.
+    #[must_use]
+    pub fn clock(&self) -> Option<ClockReading> {
+        self.bus.clock()
+    }
+
+    /// Distances of the frames from the time that the reference clock asks for.
+    #[must_use]
+    pub const fn clock_errors(&self) -> &Histogram {
+        &self.clock_errors
+    }
+
     /// State of a device, by its index.
     #[must_use]
     pub fn device_state(&self, device: usize) -> DeviceState {
@@ -219,6 +245,12 @@ impl<F: FieldBus> FieldBusMachine<F> {
     #[must_use]
     pub const fn drive_state(&self, axis: Axis) -> DriveState {
         self.inputs.drives.0[axis as usize]
+    }
+
+    /// Torque of the drive of an axis in percent of the rated one, where it sends it.
+    #[must_use]
+    pub fn torque_percent(&self, axis: Axis) -> Option<f64> {
+        self.axes[axis].as_ref().and_then(ServoAxis::torque_percent)
     }
 
     /// How long the safe image is to be sent at the end: until every brake holds.
@@ -241,6 +273,9 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.statistics.lost += u64::from(exchanged.is_err());
         if exchanged.is_ok() {
             self.round_trips.add(self.bus.round_trip());
+            if let Some(reading) = self.bus.clock() {
+                self.clock_errors.add(Micros(reading.error_ns.unsigned_abs() / 1_000));
+            }
         }
         match (self.state, exchanged) {
             (BusState::Running(_), Ok(())) => self.state = BusState::Running(0),

@@ -3,7 +3,7 @@
 
 use super::cia402::{self, CYCLIC_SYNCHRONOUS_POSITION, PowerState};
 use super::description::{
-    ACTUAL_POSITION, BrakeDescription, CONTROLWORD, DeviceDescription, ERROR_CODE, MODE, STATUSWORD,
+    ACTUAL_POSITION, ACTUAL_TORQUE, BrakeDescription, CONTROLWORD, DeviceDescription, ERROR_CODE, MODE, STATUSWORD,
     ServoAxisDescription, TARGET_POSITION, field_of,
 };
 use super::process_image::{BitField, DeviceImage};
@@ -22,6 +22,7 @@ struct DriveFields {
     statusword: BitField,
     actual_position: BitField,
     error_code: Option<BitField>,
+    torque: Option<BitField>,
 }
 
 /// What is wanted of the drive.
@@ -59,6 +60,8 @@ pub struct ServoAxis {
     resetting: bool,
     /// Counts of the last tick.
     velocity_counts: i64,
+    /// Torque of the drive, 0.1 % of the rated one.
+    torque: i32,
 }
 
 /// What the control asks of the axis.
@@ -81,6 +84,7 @@ impl ServoAxis {
             statusword: field_of(&drive.inputs, STATUSWORD)?,
             actual_position: field_of(&drive.inputs, ACTUAL_POSITION)?,
             error_code: field_of(&drive.inputs, ERROR_CODE),
+            torque: field_of(&drive.inputs, ACTUAL_TORQUE).filter(|field| field.bits == 16),
         };
         let sign = if description.reversed { -1.0 } else { 1.0 };
         Some(Self {
@@ -96,6 +100,7 @@ impl ServoAxis {
             enabled_since: None,
             resetting: false,
             velocity_counts: 0,
+            torque: 0,
         })
     }
 
@@ -112,6 +117,7 @@ impl ServoAxis {
         };
         self.velocity_counts = self.count.map_or(0, |before| count - before);
         self.count = Some(count);
+        self.torque = self.fields.torque.map_or(0, |field| field.read_signed(&image.inputs));
         self.power = PowerState::from_statusword(self.fields.statusword.read(&image.inputs) as u16);
         if !self.power.is_fault() {
             (self.fault, self.resetting) = (DriveFault::UNKNOWN, false);
@@ -147,6 +153,12 @@ impl ServoAxis {
     pub fn encoder_mm(&self) -> f64 {
         // Added to 0, a reversed axis has no negative zero.
         0.0 + self.count.map_or(0.0, |count| (count - self.zero_count) as f64 / self.counts_per_mm)
+    }
+
+    /// Torque in percent of the rated one, where the drive sends it.
+    #[must_use]
+    pub fn torque_percent(&self) -> Option<f64> {
+        self.fields.torque.map(|_| f64::from(self.torque) / 10.0)
     }
 
     /// State of the drive at `now`, with its brake.
