@@ -10,11 +10,12 @@ use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{PORTS, Terminals};
 use crate::defs::text::Lang;
-use crate::io::fieldbus::BusStatistics;
+use crate::io::ethercat::EtherCat;
 use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::fieldbus::description::MachineDescription;
-use crate::io::fieldbus::station::StationHealth;
+use crate::io::fieldbus::station::{Station, StationHealth};
 use crate::io::fieldbus::station_description::FIRST_STATION;
+use crate::io::fieldbus::{BusStatistics, FieldBusMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::units::{Axis, Micros};
 
@@ -36,7 +37,8 @@ struct SeenStation {
     inputs: Vec<u8>,
 }
 
-/// Connects the bus, watches it and prints what is there; fails if a device is missing or differs, or if the bus is lost.
+/// Connects the bus, watches it and prints what is there; fails if a device is missing or differs, if the bus is lost, or
+/// if a station does not answer.
 ///
 /// # Errors
 /// The description is wrong.
@@ -53,13 +55,18 @@ pub fn bus(shared: &SharedArgs, call: &BusArgs) -> Result<u8, CallError> {
     }
     let end = Instant::now() + Duration::from_secs(call.seconds.into());
     let (mut now, mut inputs) = (Micros::ZERO, InputImage::default());
-    while Instant::now() < end && machine.fault().is_none() {
+    let may_look = |machine: &FieldBusMachine<EtherCat>| {
+        let beside = !machine.stations().is_empty() && machine.fault() != Some(BusFault::InUse);
+        machine.fault().is_none() || beside
+    };
+    while Instant::now() < end && may_look(&machine) {
         inputs = machine.read(now);
         machine.write(now, &OutputImage::default());
         std::thread::sleep(Duration::from_micros(tick.0));
         now = now + tick;
     }
     let fault = machine.fault().map(|fault| fault.text().get(shared.lang).into_owned());
+    let silent = machine.stations().iter().any(Station::is_silent);
     let stations = machine.stations().iter().zip(&machine.description().stations).zip(machine.station_images());
     let stations = stations.map(|((station, described), image)| SeenStation {
         name: described.name.clone(),
@@ -80,7 +87,7 @@ pub fn bus(shared: &SharedArgs, call: &BusArgs) -> Result<u8, CallError> {
         OutputFormat::Json => print_line(seen.json()),
         OutputFormat::Text => seen.print(),
     }
-    Ok(if seen.fault.is_none() { SUCCESS } else { FAILED })
+    Ok(if seen.fault.is_none() && !silent { SUCCESS } else { FAILED })
 }
 
 impl Seen<'_> {

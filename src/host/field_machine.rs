@@ -2,6 +2,7 @@
 //! Source: spec P1–P8; safety stance.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::hosted_machine::HostedMachine;
 use super::pace::{Pace, ThreadTimes};
@@ -18,6 +19,9 @@ use crate::units::{Axis, Micros};
 
 /// The view of the bus page is built anew so often.
 const VIEW_INTERVAL: Micros = Micros::from_millis(250);
+
+/// Longest wait for the stations beside the bus at the start.
+const STATION_TIME: Duration = Duration::from_millis(1_000);
 
 /// A machine on a field bus, and what its page shows.
 pub struct HostedFieldBus<F> {
@@ -106,6 +110,11 @@ impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
     }
 
     fn begin(&mut self) {
+        // Their first values are there before the first tick.
+        let end = Instant::now() + STATION_TIME;
+        while !self.machine.are_stations_tried() && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         self.machine.connect();
     }
 

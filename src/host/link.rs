@@ -13,6 +13,9 @@ use crate::defs::key::Key;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
 
+/// Longest time that a field bus may take at the start, stations and clocks included.
+const LONGEST_BEGIN: Duration = Duration::from_secs(30);
+
 /// Statistics and state of the control thread.
 #[derive(Debug, Default)]
 pub struct ThreadHealth {
@@ -57,10 +60,13 @@ impl HostLink {
         self.snapshots.output_buffer_mut()
     }
 
-    /// Time since the newest snapshot was first read; call [`Self::newest`] before.
+    /// Time since the newest snapshot was first read; call [`Self::newest`] before. 0 while a field bus is being set up,
+    /// before the first tick.
     #[must_use]
     pub fn snapshot_age(&self) -> Duration {
-        self.updated.elapsed()
+        let age = self.updated.elapsed();
+        let begins = self.health.ticks.load(Ordering::Relaxed) == 0 && age < LONGEST_BEGIN;
+        if begins { Duration::ZERO } else { age }
     }
 
     /// Ends the control from another thread.

@@ -1,9 +1,11 @@
 //! Modbus TCP stations: one thread each, beside the tick. It reads and writes every period, and hands the newest values
-//! over without a lock. A station that does not answer is connected anew; outputs that the control does not renew go off.
+//! over without a lock. A station that does not answer is connected anew. After that, and when the control does not renew
+//! the outputs, they are off until RESET.
 //! Source: Modbus Messaging on TCP/IP V1.0b; safety stance ("a late tick, a panicking thread end in the safe output image").
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -39,18 +41,23 @@ struct NewestInputs {
 }
 
 /// What the tick hands to the thread.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 struct NewestOutputs {
     outputs: Vec<u8>,
-    /// Counts the ticks that have renewed it.
-    renewed: u64,
+    /// Until when they are good. `None` until the control has sent something: then nothing is written at all.
+    good_until: Option<Instant>,
+    /// Counts RESET.
+    releases: u64,
 }
 
-/// A station on a thread of its own. Dropping it writes the last outputs once more and ends the thread.
+/// A station on a thread of its own. Dropping it switches the outputs off and ends the thread.
 pub struct ModbusLink {
     answers: Output<NewestInputs>,
     demands: Input<NewestOutputs>,
-    renewed: u64,
+    max_age: Duration,
+    /// Until when the last outputs are held without being renewed.
+    held_until: Option<Instant>,
+    releases: u64,
     taken: u64,
     stop: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
@@ -66,13 +73,14 @@ impl ModbusLink {
         let image = DeviceImage { inputs: vec![0; inputs.into()], outputs: vec![0; outputs.into()] };
         let answer = NewestInputs { inputs: image.inputs.clone(), health: StationHealth::default() };
         let (tell, answers) = TripleBuffer::new(&answer).split();
-        let (demands, asked) = TripleBuffer::new(&NewestOutputs { outputs: image.outputs.clone(), renewed: 0 }).split();
+        let nothing = NewestOutputs { outputs: image.outputs.clone(), good_until: None, releases: 0 };
+        let (demands, asked) = TripleBuffer::new(&nothing).split();
         let (stop, stopped) = bounded(0);
-        let mut client = StationClient::new(station, image);
-        let mut outputs = OutputWatch::new(asked, Duration::from_millis(client.station.max_age_ms));
-        let thread =
-            Builder::new().name("kt830-modbus".into()).spawn(move || client.run(&mut outputs, tell, &stopped))?;
-        Ok(Self { answers, demands, renewed: 0, taken: 0, stop: Some(stop), thread: Some(thread) })
+        let max_age = Duration::from_millis(station.max_age_ms);
+        let mut client = StationClient::new(station, image, asked);
+        let thread = Builder::new().name("kt830-modbus".into()).spawn(move || client.run(tell, &stopped))?;
+        let (stop, thread) = (Some(stop), Some(thread));
+        Ok(Self { answers, demands, max_age, held_until: None, releases: 0, taken: 0, stop, thread })
     }
 }
 
@@ -89,12 +97,21 @@ impl StationLink for ModbusLink {
     }
 
     fn send(&mut self, outputs: &[u8]) {
-        self.renewed += 1;
+        let good_until = Instant::now() + self.max_age;
         let demand = self.demands.input_buffer_mut();
         demand.outputs.clear();
         demand.outputs.extend_from_slice(outputs);
-        demand.renewed = self.renewed;
+        demand.good_until = Some(self.held_until.take().map_or(good_until, |held| held.max(good_until)));
+        demand.releases = self.releases;
         self.demands.publish();
+    }
+
+    fn hold(&mut self, time: Micros) {
+        self.held_until = Some(Instant::now() + Duration::from_micros(time.0));
+    }
+
+    fn release(&mut self) {
+        self.releases += 1;
     }
 
     fn health(&self) -> StationHealth {
@@ -111,90 +128,104 @@ impl Drop for ModbusLink {
     }
 }
 
-/// The outputs as the control asks for them; off once the control has not renewed them for too long.
-struct OutputWatch {
-    asked: Output<NewestOutputs>,
-    max_age: Duration,
-    /// The newest demand, and when it came.
-    newest: Option<(u64, Instant)>,
-}
-
-impl OutputWatch {
-    const fn new(asked: Output<NewestOutputs>, max_age: Duration) -> Self {
-        Self { asked, max_age, newest: None }
-    }
-
-    /// Writes the outputs of this moment.
-    fn take(&mut self, now: Instant, outputs: &mut [u8]) {
-        let demand = self.asked.read();
-        if self.newest.is_none_or(|(renewed, _)| renewed != demand.renewed) {
-            self.newest = Some((demand.renewed, now));
-        }
-        let is_fresh = self.newest.is_some_and(|(_, at)| now.duration_since(at) <= self.max_age);
-        if is_fresh && demand.outputs.len() == outputs.len() {
-            outputs.copy_from_slice(&demand.outputs);
-        } else {
-            outputs.fill(0);
-        }
-    }
-}
-
 /// The connection to a station.
 struct StationClient {
     station: StationDescription,
     image: DeviceImage,
+    asked: Output<NewestOutputs>,
     stream: Option<TcpStream>,
     /// Number of the last request: the answer bears it, so that a late one is not taken for another.
     transaction: u16,
     health: StationHealth,
+    /// RESETs that were there when the outputs were locked: a later one releases them.
+    locked_at: u64,
 }
 
 impl StationClient {
-    fn new(station: StationDescription, image: DeviceImage) -> Self {
-        Self { station, image, stream: None, transaction: 0, health: StationHealth::default() }
+    fn new(station: StationDescription, image: DeviceImage, asked: Output<NewestOutputs>) -> Self {
+        let health = StationHealth::default();
+        Self { station, image, asked, stream: None, transaction: 0, health, locked_at: 0 }
     }
 
     /// Exchanges every period until the link is dropped.
-    fn run(&mut self, outputs: &mut OutputWatch, mut tell: Input<NewestInputs>, stopped: &Receiver<()>) {
+    fn run(&mut self, mut tell: Input<NewestInputs>, stopped: &Receiver<()>) {
         let period = Duration::from_millis(self.station.period_ms);
         let mut due = Instant::now();
         loop {
-            outputs.take(Instant::now(), &mut self.image.outputs);
-            self.exchange_once();
-            let away = matches!(self.health.fault, Some(StationFault::Unreachable | StationFault::ConnectionRefused));
-            let pause = if away { period.max(RETRY) } else { period };
+            if catch_unwind(AssertUnwindSafe(|| self.exchange_once())).is_err() {
+                self.fail(StationFault::Garbled);
+            }
             let answer = tell.input_buffer_mut();
             answer.inputs.clone_from(&self.image.inputs);
             answer.health = self.health;
             tell.publish();
+            let away = matches!(self.health.fault, Some(StationFault::Unreachable | StationFault::ConnectionRefused));
             // A late exchange is not made up for.
-            due = (due + pause).max(Instant::now());
+            due = (due + if away { period.max(RETRY) } else { period }).max(Instant::now());
             match stopped.recv_timeout(due.saturating_duration_since(Instant::now())) {
                 Err(RecvTimeoutError::Timeout) => {}
                 Ok(()) | Err(RecvTimeoutError::Disconnected) => break,
             }
         }
-        outputs.take(Instant::now(), &mut self.image.outputs);
-        // The station is told the last outputs, if it listens; its own watchdog is behind that.
-        let _ = self.write_outputs();
+        // The end: off, as the watchdogs of a bus do. A station that does not listen needs a watchdog of its own.
+        if self.asked.read().good_until.is_some() {
+            self.lock(StationFault::NotRenewed);
+            let _ = self.write_outputs();
+        }
     }
 
     /// One exchange and what became of it.
     fn exchange_once(&mut self) {
         let begun = Instant::now();
-        let exchanged = self.connect().and_then(|()| self.read_inputs()).and_then(|()| self.write_outputs());
+        let exchanged = self.connect().and_then(|()| {
+            // First: "off" must arrive also where reading is refused.
+            let written = self.write_outputs();
+            if matches!(written, Ok(()) | Err(StationFault::Exception(_))) {
+                self.read_inputs().and(written)
+            } else {
+                written
+            }
+        });
         self.health.round_trip = Micros(begun.elapsed().as_micros() as u64);
-        self.health.fault = exchanged.err();
+        self.health.fault = None;
         match exchanged {
             Ok(()) => self.health.exchanges += 1,
-            Err(fault) => {
-                self.health.failures += 1;
-                // A refusal is a whole answer; after anything else the next byte may belong to an earlier request.
-                if !matches!(fault, StationFault::Exception(_)) {
-                    self.stream = None;
-                }
-            }
+            Err(fault) => self.fail(fault),
         }
+    }
+
+    fn fail(&mut self, fault: StationFault) {
+        self.health.failures += 1;
+        self.health.fault = Some(fault);
+        // A refusal is a whole answer; after anything else the next byte may belong to an earlier request.
+        if !matches!(fault, StationFault::Exception(_)) {
+            self.stream = None;
+        }
+    }
+
+    /// Keeps the outputs off until the next RESET.
+    fn lock(&mut self, why: StationFault) {
+        self.health.locked = Some(why);
+        self.locked_at = self.asked.read().releases;
+    }
+
+    /// Takes the outputs of this moment. Returns false if the control has not asked for any.
+    fn take_outputs(&mut self) -> bool {
+        let demand = self.asked.read();
+        let Some(good_until) = demand.good_until else { return false };
+        let (renewed, released) = (Instant::now() <= good_until, demand.releases != self.locked_at);
+        if renewed && demand.outputs.len() == self.image.outputs.len() {
+            self.image.outputs.copy_from_slice(&demand.outputs);
+        }
+        if !renewed {
+            self.lock(StationFault::NotRenewed);
+        } else if released {
+            self.health.locked = None;
+        }
+        if self.health.locked.is_some() {
+            self.image.outputs.fill(0);
+        }
+        true
     }
 
     fn connect(&mut self) -> Result<(), StationFault> {
@@ -207,12 +238,13 @@ impl StationClient {
                 ErrorKind::ConnectionRefused => StationFault::ConnectionRefused,
                 _ => StationFault::Unreachable,
             })?;
-        let set = stream
-            .set_nodelay(true)
-            .and_then(|()| stream.set_read_timeout(Some(timeout)))
-            .and_then(|()| stream.set_write_timeout(Some(timeout)));
+        let set = stream.set_nodelay(true).and_then(|()| stream.set_write_timeout(Some(timeout)));
         set.map_err(|_| StationFault::Unreachable)?;
         self.stream = Some(stream);
+        // A connection after the first one: the station may have been without power meanwhile.
+        if self.health.exchanges > 0 {
+            self.lock(StationFault::ConnectedAnew);
+        }
         Ok(())
     }
 
@@ -234,14 +266,18 @@ impl StationClient {
         Ok(())
     }
 
+    /// Writes all blocks, also behind one that is refused; each with the outputs of its moment.
     fn write_outputs(&mut self) -> Result<(), StationFault> {
-        let mut first = 0;
+        let (mut first, mut refused) = (0, Ok(()));
         for at in 0..self.station.outputs.len() {
+            if !self.take_outputs() {
+                return Ok(());
+            }
             let block = self.station.outputs[at];
             let end = first + usize::from(block.bytes());
             let bytes = self.image.outputs[first..end].to_vec();
             first = end;
-            self.transact(WRITE_ANSWER, |request, frame| {
+            let written = self.transact(WRITE_ANSWER, |request, frame| {
                 if block.table.is_bits() {
                     let bits = (0..usize::from(block.count)).map(|bit| bytes[bit / 8] >> (bit % 8) & 1);
                     request.generate_set_coils_bulk(block.from, &bits.collect::<Vec<u8>>(), frame)
@@ -249,9 +285,14 @@ impl StationClient {
                     let registers = bytes.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair));
                     request.generate_set_holdings_bulk(block.from, &registers.collect::<Vec<_>>(), frame)
                 }
-            })?;
+            });
+            match written {
+                Ok(_) => {}
+                Err(fault @ StationFault::Exception(_)) => refused = refused.and(Err(fault)),
+                Err(fault) => return Err(fault),
+            }
         }
-        Ok(())
+        refused
     }
 
     /// Sends a request and returns the whole answer, of this length.
@@ -266,7 +307,8 @@ impl StationClient {
         let mut frame = Vec::with_capacity(MAX_FRAME);
         build(&mut request, &mut frame).map_err(|_| StationFault::Garbled)?;
         stream.write_all(&frame).map_err(|error| from_system(&error))?;
-        let answer = read_frame(stream)?;
+        let end = Instant::now() + Duration::from_millis(self.station.timeout_ms);
+        let answer = read_frame(stream, end)?;
         if answer.len() == REFUSAL && answer[HEADER] == frame[HEADER] | REFUSED && answer[..4] == frame[..4] {
             return Err(StationFault::Exception(answer[HEADER + 1]));
         }
@@ -277,18 +319,34 @@ impl StationClient {
     }
 }
 
-/// Reads a frame whose header says how long it is.
-fn read_frame(stream: &mut TcpStream) -> Result<Vec<u8>, StationFault> {
+/// Reads a frame whose header says how long it is, until a time.
+fn read_frame(stream: &mut TcpStream, end: Instant) -> Result<Vec<u8>, StationFault> {
     let mut frame = vec![0; HEADER];
-    stream.read_exact(&mut frame).map_err(|error| from_system(&error))?;
+    read_until(stream, end, &mut frame)?;
     // The length counts from the unit identifier on, the last byte of the header.
     let length = HEADER - 1 + usize::from(u16::from_be_bytes([frame[4], frame[5]]));
     if !(REFUSAL..=MAX_FRAME).contains(&length) {
         return Err(StationFault::Garbled);
     }
     frame.resize(length, 0);
-    stream.read_exact(&mut frame[HEADER..]).map_err(|error| from_system(&error))?;
+    read_until(stream, end, &mut frame[HEADER..])?;
     Ok(frame)
+}
+
+/// Fills the bytes until a time, also where they come one by one.
+fn read_until(stream: &mut TcpStream, end: Instant, mut bytes: &mut [u8]) -> Result<(), StationFault> {
+    while !bytes.is_empty() {
+        let left = end.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(StationFault::TimedOut);
+        }
+        let read = stream.set_read_timeout(Some(left)).and_then(|()| stream.read(bytes));
+        match read.map_err(|error| from_system(&error))? {
+            0 => return Err(StationFault::Closed),
+            taken => bytes = &mut bytes[taken..],
+        }
+    }
+    Ok(())
 }
 
 fn from_system(error: &std::io::Error) -> StationFault {

@@ -67,8 +67,6 @@ where
     let (own_health, own_end) = (Arc::clone(&health), end.clone());
     let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
         own_health.real_time.store(request_real_time(), Ordering::Release);
-        // Last: locking the memory takes longer than the watchdogs of the devices.
-        host.begin();
         let mut thread = HostThread {
             host,
             from_screen,
@@ -81,6 +79,9 @@ where
             end: own_end,
             touched: false,
         };
+        // Here: locking the memory takes longer than the watchdogs of the devices.
+        thread.guard(|thread| thread.host.begin());
+        thread.started = Instant::now();
         thread.guard(script);
         thread.guard(HostThread::bring_to_rest);
         thread.host.leave_safe();

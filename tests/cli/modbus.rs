@@ -9,10 +9,12 @@ use std::time::{Duration, Instant};
 use kt830::host::modbus::ModbusLink;
 use kt830::io::fieldbus::station::{StationFault, StationLink};
 use kt830::io::fieldbus::station_description::{ModbusBlock, ModbusTable, StationDescription};
+use kt830::units::Micros;
 use rmodbus::ModbusProto;
 use rmodbus::server::ModbusFrame;
 use rmodbus::server::context::ModbusContext;
 use rmodbus::server::storage::ModbusStorage;
+use rustix::net::{AddressFamily, SocketType};
 
 /// How long a test waits for what must come.
 const DEADLINE: Duration = Duration::from_secs(30);
@@ -128,44 +130,129 @@ fn p1_all_four_tables_come_and_go_with_the_lower_byte_first() {
         assert!(!at.get_coil(18).unwrap(), "no bit beyond the count");
     }
     assert_eq!(link.health().fault, None);
-    // The end: the last outputs are written once more.
-    link.send(&[0; 6]);
+    // The end: the outputs go off.
     drop(link);
     let at = tables.lock().unwrap();
     assert_eq!((at.get_holding(4).unwrap(), at.get_coil(8).unwrap()), (0, false));
 }
 
-/// The control hangs: its outputs are not kept alive by the thread.
+fn on(tables: &Mutex<Tables>) -> bool {
+    tables.lock().unwrap().get_holding(4).unwrap() == 0x1234
+}
+
+/// The control hangs: its outputs are not kept alive by the thread, and do not go on again by themselves.
 #[test]
-fn b8_outputs_that_nobody_renews_go_off() {
+fn b8_outputs_that_nobody_renews_go_off_until_reset() {
     let tables: Arc<Mutex<Tables>> = Arc::default();
     let served = Arc::clone(&tables);
     let address = server(Box::new(move |request| Some(serve_tables(&served, request))));
     let mut link = ModbusLink::start(station(address)).unwrap();
-    until(&mut link, &OUTPUTS, |_, _| tables.lock().unwrap().get_holding(4).unwrap() == 0x1234);
+    until(&mut link, &OUTPUTS, |_, _| on(&tables));
     let begun = Instant::now();
+    link.send(&OUTPUTS);
     while tables.lock().unwrap().get_holding(4).unwrap() != 0 {
         assert!(begun.elapsed() < DEADLINE, "still on");
         std::thread::sleep(Duration::from_millis(1));
     }
-    assert!(begun.elapsed() >= Duration::from_millis(200), "they are kept for 300 ms: {:?}", begun.elapsed());
-    until(&mut link, &OUTPUTS, |_, _| tables.lock().unwrap().get_holding(4).unwrap() == 0x1234);
+    assert!(begun.elapsed() >= Duration::from_millis(300), "they are good for 300 ms: {:?}", begun.elapsed());
+    let exchanged = link.health().exchanges;
+    until(&mut link, &OUTPUTS, |link, _| link.health().exchanges > exchanged + 20);
+    assert_eq!(link.health().locked, Some(StationFault::NotRenewed));
+    assert!(!on(&tables), "without RESET they stay off");
+    link.release();
+    until(&mut link, &OUTPUTS, |link, _| on(&tables) && link.health().locked.is_none());
+}
+
+/// A new start of the bus renews nothing for seconds: the outputs are held meanwhile.
+#[test]
+fn b8_outputs_are_held_for_a_time() {
+    let tables: Arc<Mutex<Tables>> = Arc::default();
+    let served = Arc::clone(&tables);
+    let address = server(Box::new(move |request| Some(serve_tables(&served, request))));
+    let mut link = ModbusLink::start(station(address)).unwrap();
+    until(&mut link, &OUTPUTS, |_, _| on(&tables));
+    link.hold(Micros::from_millis(30_000));
+    link.send(&OUTPUTS);
+    // Values come all the time; nothing is sent for longer than the outputs are good for without being held.
+    let (begun, mut inputs) = (Instant::now(), [0; INPUTS]);
+    while begun.elapsed() < Duration::from_millis(400) {
+        link.receive(&mut inputs);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(on(&tables) && link.health().locked.is_none());
+}
+
+/// "Off" arrives also at a station that refuses to be read.
+#[test]
+fn b8_outputs_are_written_where_reading_is_refused() {
+    let (tables, refuses) = (Arc::<Mutex<Tables>>::default(), Arc::new(Mutex::new(false)));
+    let (served, refusing) = (Arc::clone(&tables), Arc::clone(&refuses));
+    let address = server(Box::new(move |request| {
+        let answer = serve_tables(&served, request);
+        let reads = request[7] <= 4;
+        Some(if reads && *refusing.lock().unwrap() { refusal(&answer) } else { answer })
+    }));
+    let mut link = ModbusLink::start(station(address)).unwrap();
+    until(&mut link, &OUTPUTS, |_, _| on(&tables));
+    *refuses.lock().unwrap() = true;
+    until(&mut link, &OUTPUTS, |link, _| link.health().fault == Some(StationFault::Exception(2)));
+    until(&mut link, &[0; 6], |_, _| tables.lock().unwrap().get_holding(4).unwrap() == 0);
+    assert_eq!(link.health().fault, Some(StationFault::Exception(2)));
+}
+
+/// A control that has sent nothing writes nothing: another one may run the machine.
+#[test]
+fn b8_a_control_that_asks_for_nothing_writes_nothing() {
+    let writes = Arc::new(Mutex::new(0));
+    let (tables, counted) = (Arc::<Mutex<Tables>>::default(), Arc::clone(&writes));
+    let address = server(Box::new(move |request| {
+        *counted.lock().unwrap() += usize::from(request[7] > 4);
+        Some(serve_tables(&tables, request))
+    }));
+    let mut link = ModbusLink::start(station(address)).unwrap();
+    let begun = Instant::now();
+    while link.health().exchanges < 20 {
+        link.receive(&mut [0; INPUTS]);
+        assert!(begun.elapsed() < DEADLINE);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    drop(link);
+    assert_eq!(*writes.lock().unwrap(), 0);
+}
+
+/// A connection that is lost for a moment: the station may have been without power, its outputs wait for RESET.
+#[test]
+fn b8_a_station_that_is_connected_anew_keeps_its_outputs_off() {
+    let (tables, breaks) = (Arc::<Mutex<Tables>>::default(), Arc::new(Mutex::new(false)));
+    let (served, breaking) = (Arc::clone(&tables), Arc::clone(&breaks));
+    let address = server(Box::new(move |request| {
+        let breaks = std::mem::take(&mut *breaking.lock().unwrap());
+        (!breaks).then(|| serve_tables(&served, request))
+    }));
+    let mut link = ModbusLink::start(station(address)).unwrap();
+    until(&mut link, &OUTPUTS, |_, _| on(&tables));
+    *breaks.lock().unwrap() = true;
+    until(&mut link, &OUTPUTS, |link, _| link.health().locked == Some(StationFault::ConnectedAnew) && !on(&tables));
+    link.release();
+    until(&mut link, &OUTPUTS, |link, _| on(&tables) && link.health().locked.is_none());
+}
+
+/// The refusal of a request: exception 2.
+fn refusal(answer: &[u8]) -> Vec<u8> {
+    let mut refusal = answer[..9].to_vec();
+    refusal[4..6].copy_from_slice(&[0, 3]);
+    (refusal[7], refusal[8]) = (refusal[7] | 0x80, 2);
+    refusal
 }
 
 /// What a server does wrong, and what is said of it; then it serves, and the station is there again.
 #[test]
 fn b8_a_station_that_misbehaves_is_told_apart_and_comes_back() {
     type Spoil = fn(Vec<u8>) -> Option<Vec<u8>>;
-    let refusal: Spoil = |answer| {
-        let mut refusal = answer[..9].to_vec();
-        refusal[4..6].copy_from_slice(&[0, 3]);
-        (refusal[7], refusal[8]) = (refusal[7] | 0x80, 2);
-        Some(refusal)
-    };
     let faults: [(Spoil, StationFault); 7] = [
         (|_| None, StationFault::Closed),
         (|_| Some(Vec::new()), StationFault::TimedOut),
-        (refusal, StationFault::Exception(2)),
+        (|answer| Some(refusal(&answer)), StationFault::Exception(2)),
         // The answer to an earlier request.
         (
             |mut answer| {
@@ -217,8 +304,10 @@ fn b8_a_station_that_misbehaves_is_told_apart_and_comes_back() {
 
 #[test]
 fn b8_a_station_that_takes_no_connection_is_asked_again() {
-    // The port is free again once the listener is gone.
-    let address = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    // A port that is bound and does not listen: nobody else gets it meanwhile.
+    let bound = rustix::net::socket(AddressFamily::INET, SocketType::STREAM, None).unwrap();
+    rustix::net::bind(&bound, &SocketAddr::from(([127, 0, 0, 1], 0))).unwrap();
+    let address = rustix::net::getsockname(&bound).unwrap().try_into().unwrap();
     let mut link = ModbusLink::start(station(address)).unwrap();
     until(&mut link, &OUTPUTS, |link, _| link.health().fault == Some(StationFault::ConnectionRefused));
     assert!(!link.receive(&mut [0; INPUTS]), "no inputs have come");

@@ -101,7 +101,7 @@ pub struct Devices {
     pub inputs: Cell<u64>,
     outputs: Cell<u32>,
     /// What the next exchanges meet.
-    faults: RefCell<VecDeque<BusFault>>,
+    pub faults: RefCell<VecDeque<BusFault>>,
     /// The device that does not answer.
     missing: Cell<Option<usize>>,
     /// What connecting meets.

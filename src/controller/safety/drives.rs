@@ -113,22 +113,27 @@ impl Plant {
         self.axes.clear_homed();
     }
 
+    /// Whether the bus and the stations beside it serve the control.
+    fn are_devices_whole(&self) -> bool {
+        self.inputs.image.bus_alive && !self.inputs.image.station_silent
+    }
+
     /// RESET acts on the drives and the bus, and goes on until their faults are gone.
     pub fn begin_fault_reset(&mut self) {
         self.outputs.fault_reset = true;
-        let waits = self.has_drive_fault() || !self.inputs.image.bus_alive;
+        let waits = self.has_drive_fault() || !self.are_devices_whole();
         self.outputs.drives.reset_until = waits.then(|| self.now + RESET_LIMIT);
     }
 
     fn continue_reset(&mut self) {
         let Some(until) = self.outputs.drives.reset_until else { return };
-        let is_whole = self.inputs.image.bus_alive && !self.has_drive_fault();
+        let is_whole = self.are_devices_whole() && !self.has_drive_fault();
         if is_whole || self.now > until {
             self.outputs.drives.reset_until = None;
         }
         if is_whole {
             // What came after RESET waits for the next one.
-            self.alarms.reset(|number| !matches!(number, alarm::DRIVE_FAULT | alarm::BUS_LOST));
+            self.alarms.reset(|number| !matches!(number, alarm::DRIVE_FAULT | alarm::BUS_LOST | alarm::STATION_SILENT));
             let stopped = self.machine.is_e_stopped() || self.alarms.has_reaction(Reaction::StopAll);
             self.outputs.drives_on = !stopped;
         }

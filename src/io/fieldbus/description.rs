@@ -9,7 +9,7 @@ use super::process_image::{BitField, MAX_FIELD_BITS};
 use super::station_description::{FIRST_STATION, MAX_STATIONS, StationDescription};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
-use crate::defs::signal::{Output, PORTS};
+use crate::defs::signal::{Input, Output, PORTS};
 use crate::units::{Axis, PerAxis};
 
 /// Most devices of a bus: the stack reserves memory for them.
@@ -18,6 +18,21 @@ pub const MAX_DEVICES: usize = 32;
 const MAX_DEVICE_BYTES: u16 = 256;
 /// Most entries in the inputs or the outputs of a device.
 const MAX_ENTRIES: usize = 64;
+
+/// Inputs that must act in the cycle.
+const IN_THE_CYCLE: [Input; 11] = [
+    Input::EmergencyStop,
+    Input::GuardClosed,
+    Input::DriveX,
+    Input::DriveY,
+    Input::DriveZ,
+    Input::LimitXPlus,
+    Input::LimitXMinus,
+    Input::LimitYPlus,
+    Input::LimitYMinus,
+    Input::LimitZPlus,
+    Input::LimitZMinus,
+];
 
 /// Controlword.
 pub const CONTROLWORD: u16 = 0x6040;
@@ -336,7 +351,7 @@ impl MachineDescription {
     pub fn check_against(&self, params: &Params) -> Result<(), DescriptionError> {
         let in_time = (self.ethercat.reply_time_us as f64) < params.get(param::TICK_TIME);
         require(in_time, "ethercat.reply_time_us", "must be less than the cycle of the control (P58)")?;
-        let in_step = |clocks: ClockDescription| f64::from(clocks.cycle_us) == params.get(param::TICK_TIME);
+        let in_step = |clocks: ClockDescription| clocks.cycle_us == params.get(param::TICK_TIME) as u32;
         let place = "ethercat.distributed_clocks";
         let rule = "cycle_us must be the cycle of the control (P58)";
         require(self.ethercat.distributed_clocks.is_none_or(in_step), place, rule)?;
@@ -354,6 +369,18 @@ impl MachineDescription {
                 let place = format!("{}.brake", axis.letter().to_ascii_lowercase());
                 let taken = format!("{place}: port {} and {} (P{})", brake.port, output.id(), output.port_param());
                 return Err(wrong(taken, "an output port has one writer"));
+            }
+        }
+        self.check_safety_inputs(params)
+    }
+
+    /// Signals that must act in the cycle are on the bus: a station is read beside it, and may be silent.
+    fn check_safety_inputs(&self, params: &Params) -> Result<(), DescriptionError> {
+        for (at, block) in self.inputs.iter().enumerate().filter(|(_, block)| block.device >= FIRST_STATION) {
+            let of_station = |input: &&Input| block.channels().any(|(_, port)| port == params.input_port(**input));
+            if let Some(input) = IN_THE_CYCLE.iter().find(of_station) {
+                let place = format!("inputs[{at}]: {} (P{})", input.id(), input.port_param());
+                return Err(wrong(place, "must act in the cycle, so it is on the bus and not at a station"));
             }
         }
         Ok(())
@@ -495,8 +522,11 @@ impl MachineDescription {
         if let Some(brake) = &servo.brake {
             let place = format!("{place}.brake");
             require((1..=PORTS).contains(&brake.port), &place, "the port must be 1 to 64")?;
-            let is_wired = self.outputs.iter().any(|block| block.channels().any(|(_, port)| port == brake.port));
-            require(is_wired, &place, "its port is not among the outputs")?;
+            let is_its = |block: &&DigitalChannels| block.channels().any(|(_, port)| port == brake.port);
+            let wired = self.outputs.iter().find(is_its);
+            require(wired.is_some(), &place, "its port is not among the outputs")?;
+            let on_bus = wired.is_some_and(|block| block.device < FIRST_STATION);
+            require(on_bus, &place, "a brake is on the bus: a station may be silent when it must engage")?;
             let with_port =
                 |other: &&ServoAxisDescription| other.brake.as_ref().is_some_and(|at| at.port == brake.port);
             let sharing = self.axes().0.into_iter().flatten().filter(with_port).count();

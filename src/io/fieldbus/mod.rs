@@ -111,6 +111,8 @@ pub struct FieldBusMachine<F> {
     reports: [Option<BusFault>; 2],
     /// RESET: the bus is set up again before the next exchange.
     reconnect: bool,
+    /// RESET: a station that is silent is reported again.
+    state_again: bool,
     /// RESET: until then drives in a fault are reset.
     reset_until: Option<Micros>,
 }
@@ -145,6 +147,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
             has_inputs: false,
             reports: [None; 2],
             reconnect: false,
+            state_again: false,
             reset_until: None,
         }
     }
@@ -169,8 +172,16 @@ impl<F: FieldBus> FieldBusMachine<F> {
         }
     }
 
+    /// Whether an exchange with every station has been tried.
+    #[must_use]
+    pub fn are_stations_tried(&mut self) -> bool {
+        let stations = self.stations.iter_mut().zip(self.images.iter_mut().skip(self.description.devices.len()));
+        stations.fold(true, |tried, (station, image)| station.take(Micros::ZERO, image) && tried)
+    }
+
     /// RESET: what is left of a lost bus goes on; only a device that has lost its settings makes all of them start anew.
     fn reconnect(&mut self) {
+        self.stations.iter_mut().for_each(|station| station.hold(RECONNECT_TIME));
         if matches!(self.state, BusState::Lost(_)) {
             match self.bus.recover(&mut self.images[..self.description.devices.len()]) {
                 Ok(()) => return self.state = BusState::Running(0),
@@ -294,13 +305,15 @@ impl<F: FieldBus> FieldBusMachine<F> {
         let places = self.images.iter_mut().skip(self.description.devices.len());
         for ((station, image), number) in self.stations.iter_mut().zip(places).zip(FIRST_STATION..) {
             let was_silent = station.is_silent();
-            if let Some(why) = station.read(now, image) {
-                self.reports[1] = Some(BusFault::StationSilent { station: number, why });
+            let falls_silent = station.read(now, image);
+            if (falls_silent || self.state_again && station.is_silent()) && self.reports[1].is_none() {
+                self.reports[1] = Some(BusFault::StationSilent { station: number, why: station.why() });
             }
             if was_silent {
                 [&mut self.handwheel, &mut self.spindle].into_iter().for_each(|counter| counter.forget(number));
             }
         }
+        self.state_again = false;
         self.inputs.station_silent = self.stations.iter().any(Station::is_silent);
     }
 
@@ -339,6 +352,8 @@ impl<F: FieldBus> FieldBusMachine<F> {
 const SAFE_IMAGE_TIME: Micros = Micros::from_millis(300);
 /// How long RESET resets drives: those behind a bus that is set up again report their faults after it.
 const RESET_TIME: Micros = Micros::from_millis(1_000);
+/// How long a new start of the bus may take, without a tick that renews the outputs of stations.
+const RECONNECT_TIME: Micros = Micros::from_millis(10_000);
 /// Attempts to connect while nothing answers.
 const CONNECT_ATTEMPTS: u32 = 3;
 /// Error code "generic error" (CiA 301).
@@ -415,8 +430,15 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
                 write_analog(channel, volts, image);
             }
         }
-        let places = self.images.iter().skip(self.description.devices.len());
-        self.stations.iter_mut().zip(places).for_each(|(station, image)| station.write(image));
+        // The stations of a machine that another process runs are left alone.
+        if self.state != BusState::Down(BusFault::InUse) {
+            let places = self.images.iter().skip(self.description.devices.len());
+            self.stations.iter_mut().zip(places).for_each(|(station, image)| station.write(image));
+        }
+        if outputs.fault_reset {
+            self.stations.iter_mut().for_each(Station::release);
+            self.state_again = true;
+        }
         self.reconnect |= outputs.fault_reset;
         // Last: all outputs of this tick are in the image.
         self.read_error_code(outputs.drives_on);

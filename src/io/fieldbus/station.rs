@@ -21,6 +21,10 @@ pub enum StationFault {
     Garbled,
     /// It refuses the request with this exception code.
     Exception(u8),
+    /// It has been connected anew: it may have been without power. Its outputs are off until RESET.
+    ConnectedAnew,
+    /// The control had not renewed its outputs for too long: they are off until RESET.
+    NotRenewed,
 }
 
 /// Exception codes with a meaning that helps a fitter; others are shown as numbers.
@@ -44,6 +48,8 @@ impl StationFault {
             Self::TimedOut => phrase!("没有应答", "does not answer"),
             Self::Closed => phrase!("关闭了连接", "has closed the connection"),
             Self::Garbled => phrase!("应答不正确", "answers wrongly"),
+            Self::ConnectedAnew => phrase!("重新连接，输出断开", "is connected anew, its outputs are off"),
+            Self::NotRenewed => phrase!("输出没有刷新，已断开", "had no new outputs, they are off"),
             Self::Exception(code) => match EXCEPTIONS.iter().find(|(known, _)| *known == code) {
                 Some((_, says)) => phrase!("异常 {code} {says}", "exception {code} {says}", code, says),
                 None => phrase!("异常 {code}", "exception {code}", code),
@@ -63,14 +69,21 @@ pub struct StationHealth {
     pub round_trip: Micros,
     /// What was wrong in the last exchange.
     pub fault: Option<StationFault>,
+    /// Why its outputs are off until RESET.
+    pub locked: Option<StationFault>,
 }
 
-/// A driver of a station. Neither duty waits.
+/// A driver of a station. No duty waits. After a lost connection, and when the control has not renewed the outputs for
+/// too long, it keeps them off until they are released.
 pub trait StationLink: Send {
     /// Takes the newest inputs. False if no answer has come since the last call; the inputs then stay as they are.
     fn receive(&mut self, inputs: &mut [u8]) -> bool;
     /// Hands over the outputs for the next exchange.
     fn send(&mut self, outputs: &[u8]);
+    /// The outputs are good for so long without being renewed.
+    fn hold(&mut self, time: Micros);
+    /// RESET: outputs that are kept off may go on.
+    fn release(&mut self);
     /// How it fares.
     fn health(&self) -> StationHealth;
 }
@@ -79,9 +92,10 @@ pub trait StationLink: Send {
 pub struct Station {
     link: Box<dyn StationLink>,
     max_age: Micros,
-    /// When values came; at first when the control looked for the first time.
+    /// When values came; `None` before the first ones.
     heard_at: Option<Micros>,
     age: Micros,
+    was_silent: bool,
     round_trips: Histogram,
 }
 
@@ -89,19 +103,33 @@ impl Station {
     /// A station that has not answered yet.
     #[must_use]
     pub fn new(link: Box<dyn StationLink>, max_age: Micros) -> Self {
-        Self { link, max_age, heard_at: None, age: Micros::ZERO, round_trips: Histogram::default() }
+        Self { link, max_age, heard_at: None, age: Micros::ZERO, was_silent: false, round_trips: Histogram::default() }
     }
 
-    /// Takes what has come; returns the fault at the tick in which the station falls silent.
-    pub fn read(&mut self, now: Micros, image: &mut DeviceImage) -> Option<StationFault> {
-        let was_silent = self.is_silent();
+    /// Takes what has come; returns whether an exchange has been tried at all.
+    pub fn take(&mut self, now: Micros, image: &mut DeviceImage) -> bool {
         if self.link.receive(&mut image.inputs) {
             self.heard_at = Some(now);
             self.round_trips.add(self.link.health().round_trip);
         }
-        self.age = now.since(*self.heard_at.get_or_insert(now));
-        let falls_silent = self.is_silent() && !was_silent;
-        falls_silent.then(|| self.link.health().fault.unwrap_or(StationFault::TimedOut))
+        let health = self.link.health();
+        health.exchanges + health.failures > 0
+    }
+
+    /// Takes what has come; returns whether the station falls silent in this tick.
+    pub fn read(&mut self, now: Micros, image: &mut DeviceImage) -> bool {
+        self.take(now, image);
+        self.age = self.heard_at.map_or(now, |at| now.since(at));
+        let (was_silent, is_silent) = (self.was_silent, self.is_silent());
+        self.was_silent = is_silent;
+        is_silent && !was_silent
+    }
+
+    /// Why it is silent.
+    #[must_use]
+    pub fn why(&self) -> StationFault {
+        let health = self.link.health();
+        health.fault.or(health.locked).unwrap_or(StationFault::TimedOut)
     }
 
     /// Hands over what the station gets next.
@@ -109,10 +137,20 @@ impl Station {
         self.link.send(&image.outputs);
     }
 
-    /// Whether its values are too old to be those of the machine.
+    /// Its outputs are good for so long without being renewed.
+    pub fn hold(&mut self, time: Micros) {
+        self.link.hold(time);
+    }
+
+    /// RESET: outputs that are kept off may go on.
+    pub fn release(&mut self) {
+        self.link.release();
+    }
+
+    /// Whether its values are not those of the machine: there are none, they are too old, or its outputs are kept off.
     #[must_use]
     pub fn is_silent(&self) -> bool {
-        self.age > self.max_age
+        self.heard_at.is_none() || self.age > self.max_age || self.link.health().locked.is_some()
     }
 
     /// Age of its values.

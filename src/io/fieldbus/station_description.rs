@@ -126,6 +126,11 @@ impl StationDescription {
             ((5..=1_000).contains(&self.period_ms), "period_ms", "must be 5 to 1 000 ms"),
             ((5..=5_000).contains(&self.timeout_ms), "timeout_ms", "must be 5 to 5 000 ms"),
             (self.max_age_ms >= 2 * self.period_ms, "max_age_ms", "must be at least twice `period_ms`"),
+            (
+                self.max_age_ms >= self.period_ms + self.timeout_ms,
+                "max_age_ms",
+                "must be at least `period_ms` and `timeout_ms` together",
+            ),
             (self.max_age_ms <= 5_000, "max_age_ms", "must be at most 5 000 ms"),
             (
                 self.inputs.len().max(self.outputs.len()) <= MAX_BLOCKS,
