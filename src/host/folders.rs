@@ -59,6 +59,10 @@ pub struct Folders {
     pub dialect: Dialect,
 }
 
+fn is_same_folder(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
 impl Folders {
     /// The given folders; otherwise `./programs` and `./screens`; otherwise those of the data directory. Empty folders
     /// of the data directory get the shipped files.
@@ -73,7 +77,8 @@ impl Folders {
     ) -> std::io::Result<Self> {
         let choose = |given: Option<PathBuf>, name: &str, own: PathBuf, shipped: &[Shipped]| match given {
             Some(path) => Ok(path),
-            None if Path::new(name).is_dir() => Ok(PathBuf::from(name)),
+            // A start within the data directory: its own folder gets the shipped files.
+            None if Path::new(name).is_dir() && !is_same_folder(Path::new(name), &own) => Ok(PathBuf::from(name)),
             None => install_shipped(shipped, &own).map(|()| own),
         };
         let of_kind = &kind.row().programs;

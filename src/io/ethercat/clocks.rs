@@ -5,7 +5,7 @@ use core::time::Duration;
 
 use ethercrab::error::{DistributedClockError, Error};
 use ethercrab::subdevice_group::{CycleInfo, DcConfiguration, HasDc, NoDc, PreOp, PreOpPdi};
-use ethercrab::{DcSync, MainDevice, RegisterAddress};
+use ethercrab::{DcSync, MainDevice};
 
 use super::link::EtherCatLink;
 use super::{Devices, START_CYCLE, at_start};
@@ -19,6 +19,8 @@ const MAX_SETTLING_FRAMES: u32 = 3_000;
 const FRAMES_PER_LOOK: u32 = 50;
 /// Largest difference of a clock that has settled, ns.
 const MAX_DIFFERENCE_NS: u32 = 1_000;
+/// Register: difference from the time of the reference clock, ns.
+const DIFFERENCE: u16 = 0x092c;
 /// Magnitude of the difference in its register; the bit above is the sign.
 const MAGNITUDE: u32 = 0x7fff_ffff;
 /// From the setting until the first SYNC0: the devices are in safe operation by then.
@@ -49,8 +51,7 @@ pub(super) fn synchronise(
         if frame % FRAMES_PER_LOOK == 0 {
             apart = None;
             for ((device, described), place) in group.iter(main_device).zip(devices).zip(1..) {
-                let register = RegisterAddress::DcSystemTimeDifference;
-                let difference = link.run(device.register_read::<u32>(register)).unwrap_or_default();
+                let difference = link.run(device.register_read::<u32>(DIFFERENCE)).unwrap_or_default();
                 if described.sync0 && difference & MAGNITUDE > MAX_DIFFERENCE_NS {
                     apart = Some(place);
                 }

@@ -8,8 +8,7 @@ use super::bus_fault::DeviceIdentity;
 use super::process_image::{BitField, MAX_FIELD_BITS};
 use super::station_description::{FIRST_STATION, MAX_STATIONS, StationDescription};
 use crate::defs::kind::Kind;
-use crate::defs::param::{self, Params};
-use crate::defs::signal::{Input, Output, PORTS};
+use crate::defs::signal::PORTS;
 use crate::units::{Axis, PerAxis};
 
 /// Most devices of a bus: the stack reserves memory for them.
@@ -18,21 +17,6 @@ pub const MAX_DEVICES: usize = 32;
 const MAX_DEVICE_BYTES: u16 = 256;
 /// Most entries in the inputs or the outputs of a device.
 const MAX_ENTRIES: usize = 64;
-
-/// Inputs that must act in the cycle.
-const IN_THE_CYCLE: [Input; 11] = [
-    Input::EmergencyStop,
-    Input::GuardClosed,
-    Input::DriveX,
-    Input::DriveY,
-    Input::DriveZ,
-    Input::LimitXPlus,
-    Input::LimitXMinus,
-    Input::LimitYPlus,
-    Input::LimitYMinus,
-    Input::LimitZPlus,
-    Input::LimitZMinus,
-];
 
 /// Controlword.
 pub const CONTROLWORD: u16 = 0x6040;
@@ -317,12 +301,12 @@ pub struct CounterChannel {
     pub counts: f64,
 }
 
-fn wrong(place: impl Into<String>, rule: &'static str) -> DescriptionError {
+pub(super) fn wrong(place: impl Into<String>, rule: &'static str) -> DescriptionError {
     DescriptionError::Wrong { place: place.into(), rule }
 }
 
 /// Returns an error unless a condition holds.
-fn require(holds: bool, place: &str, rule: &'static str) -> Result<(), DescriptionError> {
+pub(super) fn require(holds: bool, place: &str, rule: &'static str) -> Result<(), DescriptionError> {
     if holds { Ok(()) } else { Err(wrong(place, rule)) }
 }
 
@@ -342,48 +326,6 @@ impl MachineDescription {
     #[must_use]
     pub fn axes(&self) -> PerAxis<Option<&ServoAxisDescription>> {
         PerAxis([self.x.as_ref(), self.y.as_ref(), self.z.as_ref()])
-    }
-
-    /// Checks what depends on the parameters of the control: the cycle, the fitted axes, the ports of functions.
-    ///
-    /// # Errors
-    /// The first value that does not go with them.
-    pub fn check_against(&self, params: &Params) -> Result<(), DescriptionError> {
-        let in_time = (self.ethercat.reply_time_us as f64) < params.get(param::TICK_TIME);
-        require(in_time, "ethercat.reply_time_us", "must be less than the cycle of the control (P58)")?;
-        let in_step = |clocks: ClockDescription| clocks.cycle_us == params.get(param::TICK_TIME) as u32;
-        let place = "ethercat.distributed_clocks";
-        let rule = "cycle_us must be the cycle of the control (P58)";
-        require(self.ethercat.distributed_clocks.is_none_or(in_step), place, rule)?;
-        let (fitted, described) = (params.fitted().axes(), self.axes());
-        for axis in Axis::ALL {
-            let place = axis.letter().to_ascii_lowercase().to_string();
-            let (fitted, described) = (fitted[axis], described[axis].is_some());
-            require(described || !fitted, &place, "the control has this axis, the description has no drive for it")?;
-            require(fitted || !described, &place, "has a drive, and the control does not have this axis (P6.6)")?;
-        }
-        for (axis, servo) in described.iter() {
-            let Some(brake) = servo.and_then(|servo| servo.brake.as_ref()) else { continue };
-            let mut functions = Output::ALL.iter().filter(|output| output.exists_on(params.fitted()));
-            if let Some(output) = functions.find(|output| params.output_port(**output) == brake.port) {
-                let place = format!("{}.brake", axis.letter().to_ascii_lowercase());
-                let taken = format!("{place}: port {} and {} (P{})", brake.port, output.id(), output.port_param());
-                return Err(wrong(taken, "an output port has one writer"));
-            }
-        }
-        self.check_safety_inputs(params)
-    }
-
-    /// Signals that must act in the cycle are on the bus: a station is read beside it, and may be silent.
-    fn check_safety_inputs(&self, params: &Params) -> Result<(), DescriptionError> {
-        for (at, block) in self.inputs.iter().enumerate().filter(|(_, block)| block.device >= FIRST_STATION) {
-            let of_station = |input: &&Input| block.channels().any(|(_, port)| port == params.input_port(**input));
-            if let Some(input) = IN_THE_CYCLE.iter().find(of_station) {
-                let place = format!("inputs[{at}]: {} (P{})", input.id(), input.port_param());
-                return Err(wrong(place, "must act in the cycle, so it is on the bus and not at a station"));
-            }
-        }
-        Ok(())
     }
 
     /// Place of a device among the images: first those of the bus, then the stations.

@@ -2,12 +2,13 @@
 //! safe image of a bus that is lost. It knows no driver: a [`FieldBus`] exchanges the process data.
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
-//! Files: `description` and `station_description` the machine, `process_image` bit fields, `cia402` the state machine of a
+//! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
 //! drive, `servo_axis` an axis, `station` a station, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod cia402;
 pub mod description;
+mod parameter_check;
 pub mod process_image;
 pub mod servo_axis;
 pub mod station;
