@@ -67,7 +67,7 @@ impl<F: FieldBus> HostedFieldBus<F> {
                 address: described.address.to_string(),
                 is_heard: !station.is_silent(),
                 age: station.age(),
-                fault: health.fault.map(StationFault::text),
+                fault: health.fault.or(health.locked).map(StationFault::text),
                 failures: health.failures,
                 round_trip: station.round_trips().percentiles(),
             }

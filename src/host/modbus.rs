@@ -55,8 +55,8 @@ pub struct ModbusLink {
     answers: Output<NewestInputs>,
     demands: Input<NewestOutputs>,
     max_age: Duration,
-    /// Until when the last outputs are held without being renewed.
-    held_until: Option<Instant>,
+    /// The outputs that were sent last; `None` before the first ones.
+    last: Option<Vec<u8>>,
     releases: u64,
     taken: u64,
     stop: Option<Sender<()>>,
@@ -80,7 +80,19 @@ impl ModbusLink {
         let mut client = StationClient::new(station, image, asked);
         let thread = Builder::new().name("kt830-modbus".into()).spawn(move || client.run(tell, &stopped))?;
         let (stop, thread) = (Some(stop), Some(thread));
-        Ok(Self { answers, demands, max_age, held_until: None, releases: 0, taken: 0, stop, thread })
+        Ok(Self { answers, demands, max_age, last: None, releases: 0, taken: 0, stop, thread })
+    }
+}
+
+impl ModbusLink {
+    /// Hands over the last outputs, good for a time.
+    fn publish(&mut self, good_for: Duration) {
+        let Some(last) = &self.last else { return };
+        let demand = self.demands.input_buffer_mut();
+        demand.outputs.clone_from(last);
+        demand.good_until = Some(Instant::now() + good_for);
+        demand.releases = self.releases;
+        self.demands.publish();
     }
 }
 
@@ -97,17 +109,14 @@ impl StationLink for ModbusLink {
     }
 
     fn send(&mut self, outputs: &[u8]) {
-        let good_until = Instant::now() + self.max_age;
-        let demand = self.demands.input_buffer_mut();
-        demand.outputs.clear();
-        demand.outputs.extend_from_slice(outputs);
-        demand.good_until = Some(self.held_until.take().map_or(good_until, |held| held.max(good_until)));
-        demand.releases = self.releases;
-        self.demands.publish();
+        let last = self.last.get_or_insert_default();
+        last.clear();
+        last.extend_from_slice(outputs);
+        self.publish(self.max_age);
     }
 
     fn hold(&mut self, time: Micros) {
-        self.held_until = Some(Instant::now() + Duration::from_micros(time.0));
+        self.publish(Duration::from_micros(time.0).max(self.max_age));
     }
 
     fn release(&mut self) {

@@ -242,6 +242,8 @@ fn b8_a_station_that_keeps_its_outputs_off_stops_the_machine_until_reset() {
     at.ticks(300, &[0; 4]);
     let text = "405 remote station not responding: station 101 is connected anew, its outputs are off";
     assert_eq!(at.shop.alarms(), [text]);
+    let bus = at.shop.host.snapshot().bus.clone().unwrap();
+    assert!(bus.stations[0].fault.is_some(), "the page says it, too");
     assert!(!at.shop.host.trace_row().outputs.drives_on);
     at.shop.press(Key::Reset);
     at.ticks(300, &[0; 4]);

@@ -80,7 +80,7 @@ pub trait StationLink: Send {
     fn receive(&mut self, inputs: &mut [u8]) -> bool;
     /// Hands over the outputs for the next exchange.
     fn send(&mut self, outputs: &[u8]);
-    /// The outputs are good for so long without being renewed.
+    /// The last outputs are good for so long from now on without being renewed.
     fn hold(&mut self, time: Micros);
     /// RESET: outputs that are kept off may go on.
     fn release(&mut self);
@@ -137,7 +137,7 @@ impl Station {
         self.link.send(&image.outputs);
     }
 
-    /// Its outputs are good for so long without being renewed.
+    /// Its last outputs are good for so long from now on without being renewed.
     pub fn hold(&mut self, time: Micros) {
         self.link.hold(time);
     }
