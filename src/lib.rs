@@ -22,6 +22,7 @@
 //! | [`controller`] | [`controller::Controller::tick`] in a fixed order | the core above |
 //! | [`host`] | clock, threads, disk; [`host::Host`], the one way to run the core: stepped or on a thread | controller, machine, nc, io, store, link |
 //! | [`story`] | what an operator does, as text; its player | host, io, link |
+//! | [`torture`] | random operators, faults and power cuts, and what holds in every tick | story, host, controller |
 //! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link |
 //! | [`cli`] | the command line | all |
 //!
@@ -70,4 +71,5 @@ pub mod motion;
 pub mod nc;
 pub mod store;
 pub mod story;
+pub mod torture;
 pub mod units;

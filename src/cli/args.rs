@@ -114,6 +114,8 @@ pub enum CliCommand {
     PlotPath(PlotPathArgs),
     /// Look at the field bus of a real machine: devices, inputs, drives; nothing is switched on
     Bus(BusArgs),
+    /// Let random operators, faults and power cuts work on a simulated control and check what must always hold
+    Torture(TortureArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
     Codes,
 }
@@ -217,6 +219,23 @@ pub struct ShotArgs {
     pub light: bool,
 }
 
+/// `kt830 torture`
+#[derive(Debug, ClapArgs)]
+pub struct TortureArgs {
+    /// Simulated time of each course, hours
+    #[arg(long, value_name = "H", default_value_t = 1.0, value_parser = hours)]
+    pub hours: f64,
+    /// Number of courses; their seeds are --seed and the numbers after it. Without --kind the kinds take turns
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub courses: u64,
+    /// Play this story, which a torture has written, instead of a random course
+    #[arg(long, value_name = "STORY")]
+    pub replay: Option<PathBuf>,
+    /// Write the story of a broken rule, shortened, to this file
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}
+
 /// `kt830 plot-path`
 #[derive(Debug, ClapArgs)]
 pub struct PlotPathArgs {
@@ -231,6 +250,11 @@ pub struct PlotPathArgs {
     /// Draw only what the blocks of these lines move
     #[arg(long, value_name = "FIRST-LAST", value_parser = lines)]
     pub lines: Option<RangeInclusive<u32>>,
+}
+
+fn hours(words: &str) -> Result<f64, String> {
+    let read = words.parse().ok().filter(|hours: &f64| (0.01..=1_000.0).contains(hours));
+    read.ok_or_else(|| "write the hours as a number from 0.01 to 1000".to_owned())
 }
 
 fn lines(words: &str) -> Result<RangeInclusive<u32>, String> {

@@ -22,6 +22,7 @@ mod setup;
 #[cfg(feature = "hmi")]
 mod shot;
 mod soft_limit_check;
+mod torture;
 mod trace_file;
 #[cfg(feature = "hmi")]
 mod window;
@@ -73,6 +74,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Run(call)) => run::run(&shared, call),
         Some(CliCommand::Check(call)) => check::check(&shared, call),
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
+        Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
         Some(CliCommand::Codes) => Ok(codes::codes(&shared)),
         #[cfg(target_os = "linux")]
         Some(CliCommand::Bus(call)) => bus::bus(&shared, call),

@@ -182,11 +182,7 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
         eprintln!("kt830: settings: {}", fault.en());
     }
     let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
-    let loss = found.loss.map(|loss| (alarm::RETAINED_DATA_DAMAGED, loss.message()));
-    let unkept = found.unkept.map(|why| (alarm::STORE_FAILED, LocalizedText::same(&why)));
-    let dropped = Some(found.dropped.join(", ")).filter(|values| !values.is_empty());
-    let dropped = dropped.map(|values| (alarm::VALUES_DROPPED, LocalizedText::same(&values)));
-    let standing = loss.into_iter().chain(settings).chain(unkept).chain(dropped).collect();
+    let standing = found.standing().into_iter().chain(settings).collect();
     let retained = apply_overrides(shared, found.retained)?;
     Ok(HostParts { retained, store: Some(store), standing, jobs })
 }

@@ -30,6 +30,7 @@ use plant::Plant;
 use program::Program;
 
 pub use crate::nc::WorkOffsets;
+pub use axes::soft_limits;
 pub use panel::files;
 pub use plant::WORK_PER_TICK;
 pub use plant::system_variables::{nc_settings, stored_system_variables};

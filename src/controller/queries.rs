@@ -3,15 +3,16 @@
 use super::Controller;
 use super::panel::run_state;
 use super::plant::ControlPhase;
+use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::signal::{OutputSet, Terminals};
 use crate::defs::text::LocalizedText;
 use crate::io::OutputImage;
 use crate::link::part_result::PartResult;
-use crate::link::snapshot::{RunState, ThreadCut};
+use crate::link::snapshot::{OwnMotion, RunState, ThreadCut};
 use crate::nc::{BlockLocation, WorkOffsets};
-use crate::units::{Axis, MachinePos, Micros};
+use crate::units::{Axis, MachinePos, Micros, PerAxis};
 
 impl Controller {
     /// Work units of the last tick: reading of blocks, look-ahead and feed scaling. Counted, not timed, and not above
@@ -85,6 +86,36 @@ impl Controller {
     #[must_use]
     pub const fn kind(&self) -> Kind {
         self.plant.kind
+    }
+
+    /// The operating mode.
+    #[must_use]
+    pub const fn mode(&self) -> Mode {
+        self.plant.operator.mode
+    }
+
+    /// What moves by itself.
+    #[must_use]
+    pub fn own_motion(&self) -> Option<OwnMotion> {
+        self.program.own_motion(&self.plant)
+    }
+
+    /// Whether an axis or the cylinder oscillates, whoever began it.
+    #[must_use]
+    pub fn is_oscillating(&self) -> bool {
+        self.plant.is_oscillating()
+    }
+
+    /// Whether an axis was homed since power-on.
+    #[must_use]
+    pub fn is_homed(&self, axis: Axis) -> bool {
+        self.plant.axes.is_homed(axis)
+    }
+
+    /// Dressing points, machine coordinates, radius mm; `None` where not set.
+    #[must_use]
+    pub const fn dress_points(&self) -> &PerAxis<Option<f64>> {
+        &self.plant.work.dress_points
     }
 
     /// Tick time.

@@ -90,6 +90,19 @@ impl Folders {
         Ok(Self { programs, screens, by_name: of_kind.by_name, dialect: kind.dialect() })
     }
 
+    /// The folders of a data directory, with the shipped files if they are new.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be created.
+    pub fn of_data(data: &DataDir, kind: Kind) -> std::io::Result<Self> {
+        let of_kind = &kind.row().programs;
+        let programs = data.programs().join(of_kind.folder);
+        let numbered = shipped_in("programs");
+        install_shipped(if of_kind.folder.is_empty() { &numbered } else { of_kind.shipped }, &programs)?;
+        install_shipped(&shipped_in("screens"), &data.screens())?;
+        Ok(Self { programs, screens: data.screens(), by_name: of_kind.by_name, dialect: kind.dialect() })
+    }
+
     /// The program folder, for programs with numbers and with names.
     #[must_use]
     pub fn program_folder(&self) -> ProgramFolder {

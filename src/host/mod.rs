@@ -178,6 +178,33 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.inbox.push(command);
     }
 
+    /// The commands that wait for the next tick.
+    #[must_use]
+    pub fn queued_commands(&self) -> &[Command] {
+        &self.inbox
+    }
+
+    /// The machine.
+    pub const fn machine_side(&mut self) -> &mut P {
+        &mut self.plant
+    }
+
+    /// The machine, to look at.
+    pub const fn machine_side_ref(&self) -> &P {
+        &self.plant
+    }
+
+    /// The storage.
+    pub const fn storage(&mut self) -> &mut S {
+        &mut self.storage
+    }
+
+    /// Number of requests of the control that storage has not taken.
+    #[must_use]
+    pub const fn waiting_requests(&self) -> usize {
+        self.requests.len()
+    }
+
     /// Steps control and machine by one tick.
     pub fn step(&mut self) {
         self.step_with(|controller, now, image, commands| *controller.tick(now, image, commands));
@@ -339,6 +366,16 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.plant.power_on(&self.retained.params);
         self.restart_controller();
         self.deliver_again();
+    }
+
+    /// Restores the power with what the storage has kept, and the alarms of its data that stand.
+    pub fn power_on_with(&mut self, retained: PowerOnState, standing: Vec<(u16, LocalizedText)>) {
+        self.retained = retained;
+        self.delivered = Delivered { standing, ..Delivered::default() };
+        self.requests.clear();
+        self.arrivals.clear();
+        self.power_on();
+        self.take_arrivals();
     }
 
     /// A new control with the retained data so far.

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use super::folders::time_text;
 use super::password_store::PasswordStore;
 use crate::controller::{PowerOnState, StorageRequest};
+use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
@@ -48,6 +49,18 @@ pub struct StoreReport {
     pub dropped: Vec<String>,
 }
 
+impl StoreReport {
+    /// The alarms of the data that stand until a person has decided, with their detail.
+    #[must_use]
+    pub fn standing(&self) -> Vec<(u16, LocalizedText)> {
+        let loss = self.loss.as_ref().map(|loss| (alarm::RETAINED_DATA_DAMAGED, loss.message()));
+        let unkept = self.unkept.as_ref().map(|why| (alarm::STORE_FAILED, LocalizedText::same(why)));
+        let dropped = Some(self.dropped.join(", ")).filter(|values| !values.is_empty());
+        let dropped = dropped.map(|values| (alarm::VALUES_DROPPED, LocalizedText::same(&values)));
+        loss.into_iter().chain(unkept).chain(dropped).collect()
+    }
+}
+
 /// The store of one control.
 pub struct RetainedStore {
     database: RetainedDatabase,
@@ -72,25 +85,25 @@ impl RetainedStore {
     /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
         let mut opened = RetainedDatabase::open_or_replace(folder, |damaged| replacement(folder, damaged))?;
-        let mut loaded = opened.database.load()?;
+        let loaded = opened.data;
         let stored_kind = loaded.texts.get(KIND).and_then(|id| Kind::from_id(id));
         if let Some(stored) = stored_kind.filter(|stored| *stored != kind) {
             return Err(RetainedError::OtherKind(stored.id().to_owned(), kind.id().to_owned()));
         }
         // A database that was put back is older than states that are kept.
-        if let Some(highest) = generations::highest(folder).filter(|highest| *highest > loaded.generation) {
-            opened.database.raise_generation(highest)?;
-        }
-        if stored_kind.is_none() {
-            opened.database.commit(&[text(KIND, Some(kind.id().to_owned()))])?;
-            loaded = opened.database.load()?;
-        }
+        let older = generations::highest(folder).filter(|highest| *highest > loaded.generation);
+        let raised = older.map_or(Ok(()), |highest| opened.database.raise_generation(highest));
+        let unbound = stored_kind.is_none().then(|| text(KIND, Some(kind.id().to_owned())));
+        let unsaved: Vec<RetainedChange> = unbound.into_iter().collect();
         let (retained, dropped) = retained_from_data(kind, &loaded);
         let loss = loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row));
         let passwords = PasswordStore::new(&loaded, loss.is_some(), folder.to_path_buf());
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
-        let mut store = Self { database: opened.database, passwords, unsaved: Vec::new(), folder, kept_at };
-        let unkept = store.keep_generation().err().map(|error| error.to_string());
+        let mut store = Self { database: opened.database, passwords, unsaved, folder, kept_at };
+        let bound = if store.unsaved.is_empty() { Ok(0) } else { store.commit(&[]) };
+        // A disk that takes nothing is an alarm, not a dead panel: the values are whole, and each commit tries again.
+        let unwritable = opened.unwritable.map_or(Ok(()), Err).and(raised).and(bound);
+        let unkept = unwritable.and_then(|_| store.keep_generation()).err().map(|error| error.to_string());
         let report = StoreReport { retained, loss, unkept, dropped };
         Ok((store, report))
     }

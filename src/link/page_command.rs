@@ -27,6 +27,17 @@ impl PasswordScope {
     /// All scopes.
     pub const ALL: [Self; 3] = [Self::Program, Self::User, Self::Builder];
 
+    /// The scope of a word in a story.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        match id {
+            "program" => Some(Self::Program),
+            "user" => Some(Self::User),
+            "builder" => Some(Self::Builder),
+            _ => None,
+        }
+    }
+
     /// The name shown.
     #[must_use]
     pub const fn name(self) -> &'static Text {

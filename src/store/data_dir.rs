@@ -1,10 +1,10 @@
 //! The data directory: the platform's default, or the one given at start.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
+use super::disk;
 use super::io_fault::IoFault;
 
 /// Why there is no usable data directory.
@@ -36,7 +36,7 @@ impl DataDir {
         };
         let found = Self { root };
         for folder in [found.root(), &found.programs(), &found.screens(), &found.backups(), &found.screenshots()] {
-            fs::create_dir_all(folder).map_err(IoFault::at(folder, "create"))?;
+            disk::create_folders(folder).map_err(IoFault::at(folder, "create"))?;
             // Fail now rather than while a part is being ground.
             tempfile::tempfile_in(folder).map_err(IoFault::at(folder, "write in"))?;
         }

@@ -7,6 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::atomic_file::{self, ReadError, is_temporary};
+use super::disk;
 use super::file_class::FileClass;
 use super::io_fault::IoFault;
 use super::listing::{self, FolderEntry, FolderListing};
@@ -196,7 +197,7 @@ impl Folder {
     pub fn rename(&self, class: &FileClass, from: u32, to: u32) -> Result<String, FolderError> {
         self.check_free(class, to)?;
         let (old, new) = (self.existing(class, from)?, self.new_path(class, to)?);
-        fs::rename(&old, &new).map_err(IoFault::at(&old, "rename"))?;
+        disk::rename(&old, &new).map_err(IoFault::at(&old, "rename"))?;
         atomic_file::flush_folder(&self.path)?;
         Ok(file_name(&new))
     }
@@ -219,7 +220,7 @@ impl Folder {
         for entry in fs::read_dir(&self.path).map_err(IoFault::at(&self.path, "list"))? {
             let entry = entry.map_err(IoFault::at(&self.path, "list"))?;
             if is_temporary(&entry.file_name().to_string_lossy()) {
-                fs::remove_file(entry.path()).map_err(IoFault::at(&entry.path(), "delete"))?;
+                disk::remove(&entry.path()).map_err(IoFault::at(&entry.path(), "delete"))?;
                 removed += 1;
             }
         }
@@ -238,7 +239,7 @@ impl Folder {
     }
 
     fn remove(&self, path: &Path) -> Result<(), FolderError> {
-        fs::remove_file(path).map_err(IoFault::at(path, "delete"))?;
+        disk::remove(path).map_err(IoFault::at(path, "delete"))?;
         Ok(atomic_file::flush_folder(&self.path)?)
     }
 

@@ -15,6 +15,7 @@ mod atomic_file;
 mod checksum;
 mod data_dir;
 mod decode;
+pub mod disk;
 mod file_class;
 mod folder;
 mod folder_watch;

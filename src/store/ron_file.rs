@@ -4,7 +4,6 @@
 //! A file edited by hand is accepted with a warning for [`ChecksumPolicy::Person`] and refused for [`ChecksumPolicy::Strict`].
 //! An unreadable file is never replaced silently by defaults: the previous version is read, with a warning.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use ron::ser::PrettyConfig;
@@ -13,6 +12,7 @@ use serde::de::DeserializeOwned;
 
 use super::atomic_file::{self, ReadError};
 use super::checksum;
+use super::disk;
 use super::io_fault::IoFault;
 
 /// Maximum size of a RON file, bytes.
@@ -127,7 +127,7 @@ pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy,
         Err(RonError::Io(fault)) => return Err(RonError::Io(fault)),
         Err(RonError::Text { .. } | RonError::Checksum(..) | RonError::NotReadable(..) | RonError::Value(..)) => {
             let aside = with_suffix(path, "damaged");
-            fs::rename(path, &aside).map_err(IoFault::at(path, "put aside"))?;
+            disk::rename(path, &aside).map_err(IoFault::at(path, "put aside"))?;
         }
     }
     Ok(atomic_file::replace(path, text.as_bytes())?)

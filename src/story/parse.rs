@@ -1,7 +1,9 @@
 //! Parses a story into statements. An unknown word is an error with line and column.
 //! Source: spec tools.md, "Story language".
 
-use super::statement::{Expectation, InputForce, Quantity, Statement, StoryError, StoryLine, WaitCondition};
+use super::statement::{
+    DiskCondition, Expectation, InputForce, Quantity, Statement, StoryError, StoryLine, WaitCondition,
+};
 use crate::defs;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
@@ -9,6 +11,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
+use crate::link::page_command::PasswordScope;
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
@@ -146,15 +149,7 @@ impl LineParser {
             "load" if kind.row().programs.by_name => {
                 Statement::LoadNamed(self.word("the name of a program, such as SHAFT")?)
             }
-            "load" => {
-                let (number, name) = self
-                    .one_of("a program such as O1001", |word| program(word).map(|number| (number, word.to_owned())))?;
-                if defs::program_number::is_named(number) {
-                    Statement::LoadNamed(name)
-                } else {
-                    Statement::Load(number)
-                }
-            }
+            "load" => self.load()?,
             "mode" => Statement::Mode(self.one_of("edit, auto, mdi, home, handwheel, step or jog", Mode::from_id)?),
             "home" => self.one_of("`all`", |word| (word == "all").then_some(Statement::HomeAll))?,
             "key" => Statement::Key(self.key(kind)?),
@@ -167,6 +162,11 @@ impl LineParser {
                 Statement::Mdi(self.text.trim_start_matches("mdi").trim().to_owned())
             }
             "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
+            "write" => Statement::WriteProgram(self.o_number()?, self.quoted()?),
+            "delete" => Statement::DeleteProgram(self.o_number()?),
+            "unlock" => self.unlock()?,
+            "accept" => self.one_of("`data`", |word| (word == "data").then_some(Statement::AcceptData))?,
+            "disk" => Statement::Disk(self.disk()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
             "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
@@ -187,6 +187,39 @@ impl LineParser {
     fn one_of<T>(&mut self, wanted: &str, read: impl Fn(&str) -> Option<T>) -> Result<T, StoryError> {
         let word = self.word(wanted)?;
         read(&word).ok_or_else(|| self.error(format!("'{word}' is not {wanted}")))
+    }
+
+    fn o_number(&mut self) -> Result<u32, StoryError> {
+        self.one_of("a program such as O2001", |word| {
+            program(word).filter(|number| !defs::program_number::is_named(*number))
+        })
+    }
+
+    fn unlock(&mut self) -> Result<Statement, StoryError> {
+        let scope = self.one_of("program, user or builder", PasswordScope::from_id)?;
+        Ok(Statement::Unlock(scope, self.word("a password")?))
+    }
+
+    /// `load O1001` or the name of a program.
+    fn load(&mut self) -> Result<Statement, StoryError> {
+        let (number, name) =
+            self.one_of("a program such as O1001", |word| program(word).map(|number| (number, word.to_owned())))?;
+        Ok(match defs::program_number::is_named(number) {
+            true => Statement::LoadNamed(name),
+            false => Statement::Load(number),
+        })
+    }
+
+    fn disk(&mut self) -> Result<DiskCondition, StoryError> {
+        let condition = self.word("good, slow, hangs, full or flips")?;
+        Ok(match condition.as_str() {
+            "good" => DiskCondition::Good,
+            "full" => DiskCondition::Full,
+            "slow" => DiskCondition::Slow(self.duration()?),
+            "hangs" => DiskCondition::Hangs(self.duration()?),
+            "flips" => DiskCondition::Flips(self.one_of("a number of bits", |word| word.parse().ok())?),
+            word => return Err(self.error(format!("'{word}' is not good, slow, hangs, full or flips"))),
+        })
     }
 
     fn number(&mut self) -> Result<f64, StoryError> {

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::statement::{Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
+use super::statement::{DiskCondition, Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
 use crate::defs::key::{Key, Mode};
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
@@ -16,8 +16,11 @@ use crate::host::storage::{DirectStorage, Storage};
 use crate::host::thread::HostThread;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::command::Command;
+use crate::link::files::{FileRequest, Requester, Ticket};
+use crate::link::page_command::{PageCommand, PasswordScope, Secret};
 use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
+use ropey::Rope;
 
 /// Maximum size of a file named in a story, bytes.
 const FILE_LIMIT: u64 = 16 * 1024 * 1024;
@@ -36,6 +39,9 @@ const PART_TIMEOUT: Micros = Micros::from_millis(2_000);
 /// Maximum duration of homing.
 const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
+/// Why a disk does not behave as a story wants.
+pub const REAL_DISK: &str = "only a tortured control has a simulated disk";
+
 /// Reads the texts of the open page for `expect page … shows`. A build without the screen has none.
 pub type PageReader = Box<dyn Fn(&Snapshot) -> Vec<String>>;
 
@@ -49,6 +55,15 @@ pub trait Stage {
     fn host(&mut self) -> &mut Host<Self::Machine, Self::Storage>;
     /// One tick.
     fn step(&mut self);
+    /// Cuts the power of the control.
+    fn power_cut(&mut self);
+    /// Gives the power back.
+    fn power_on(&mut self);
+    /// Changes how the disk behaves.
+    ///
+    /// # Errors
+    /// The disk is a real one.
+    fn set_disk(&mut self, condition: DiskCondition) -> Result<(), String>;
     /// Whether the story is to end: the operator has touched the screen (demo), or the time is over.
     fn is_interrupted(&self) -> bool;
 }
@@ -63,6 +78,18 @@ impl Stage for HeadlessHost {
 
     fn step(&mut self) {
         Self::step(self);
+    }
+
+    fn power_cut(&mut self) {
+        Self::power_cut(self);
+    }
+
+    fn power_on(&mut self) {
+        Self::power_on(self);
+    }
+
+    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
+        Err(REAL_DISK.to_owned())
     }
 
     fn is_interrupted(&self) -> bool {
@@ -80,6 +107,18 @@ impl<P: HostedMachine, S: Storage> Stage for HostThread<P, S> {
 
     fn step(&mut self) {
         self.turn();
+    }
+
+    fn power_cut(&mut self) {
+        Self::host(self).power_cut();
+    }
+
+    fn power_on(&mut self) {
+        Self::host(self).power_on();
+    }
+
+    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
+        Err(REAL_DISK.to_owned())
     }
 
     fn is_interrupted(&self) -> bool {
@@ -138,7 +177,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::PowerOn => self.power_on(),
             Statement::PowerCut => {
                 self.held_keys.clear();
-                self.host().power_cut();
+                self.stage.power_cut();
                 Ok(())
             }
             Statement::Param(at, value) => self.set(Command::SetParam(*at, *value)),
@@ -161,6 +200,11 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Mdi(text) => self.mdi(text),
             Statement::Page(page) => self.send(Command::OpenPage(*page)),
             Statement::Teach(command) => self.send(Command::Teach(*command)),
+            Statement::WriteProgram(number, text) => self.write_program(*number, text),
+            Statement::DeleteProgram(number) => self.ask(FileRequest::Delete(*number)),
+            Statement::Unlock(scope, password) => self.unlock(*scope, password),
+            Statement::AcceptData => self.send(Command::Page(PageCommand::AcceptData)),
+            Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),
@@ -188,6 +232,21 @@ impl<'a, G: Stage> Player<'a, G> {
         }
     }
 
+    fn write_program(&mut self, number: u32, text: &str) -> Result<(), String> {
+        let text = Rope::from_str(&format!("{}\r\n", text.replace("\\n", "\r\n")));
+        self.ask(FileRequest::New(number))?;
+        self.ask(FileRequest::Save { number, text, base_stamp: 0, overwrite: true })
+    }
+
+    fn unlock(&mut self, scope: PasswordScope, password: &str) -> Result<(), String> {
+        self.send(Command::Page(PageCommand::Unlock(scope, Secret::new(password.to_owned()))))
+    }
+
+    /// Asks for a job of the storage, as a page does.
+    fn ask(&mut self, request: FileRequest) -> Result<(), String> {
+        self.send(Command::Page(PageCommand::File(Ticket::without_reply(Requester::Editor), request)))
+    }
+
     /// The simulated machine: part, faults and inputs of a real one are not ours.
     fn simulated(&mut self) -> Result<&mut SimulatedMachine, String> {
         let missing = || "only the simulated machine has this".to_owned();
@@ -196,7 +255,7 @@ impl<'a, G: Stage> Player<'a, G> {
 
     fn power_on(&mut self) -> Result<(), String> {
         self.held_keys.clear();
-        self.host().power_on();
+        self.stage.power_on();
         self.wait_for_answer()
     }
 

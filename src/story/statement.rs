@@ -7,6 +7,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
 use crate::io::sim::EventKind;
+use crate::link::page_command::PasswordScope;
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
@@ -41,6 +42,21 @@ pub enum InputForce {
     To(bool),
     /// Not forced.
     Released,
+}
+
+/// How the disk of a tortured control behaves from now on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DiskCondition {
+    /// It stores at once.
+    Good,
+    /// It begins with a request up to so many seconds later.
+    Slow(f64),
+    /// It does nothing for so many seconds.
+    Hangs(f64),
+    /// It takes nothing more.
+    Full,
+    /// So many bits of the retained data flip in the next power cut.
+    Flips(u32),
 }
 
 /// The condition of `wait until`.
@@ -162,6 +178,16 @@ pub enum Statement {
     Seed(u64),
     /// `sheet 2` of a grinding page with several sheets; the first is 1
     Sheet(usize),
+    /// `write O2001 "G00 X50"`: makes a program, or replaces its text.
+    WriteProgram(u32, String),
+    /// `delete O2001`
+    DeleteProgram(u32),
+    /// `disk slow 200 ms`, `disk hangs 5 s`, `disk full`, `disk flips 3`, `disk good`: with `kt830 torture` only
+    Disk(DiskCondition),
+    /// `unlock builder 830830`: program, user or builder
+    Unlock(PasswordScope, String),
+    /// `accept data`: what took the place of damaged data is accepted
+    AcceptData,
     /// `teach start|stop|undo|keep`: records jogged moves (L9)
     Teach(TeachCommand),
     /// `part FILE`

@@ -1,15 +1,20 @@
 //! Retained data and settings that are damaged, gone or of another kind: never factory values without an alarm that stands,
 //! never another kind of machine, never an open password. Source: safety stance; spec K1, K4.2, B6.
 
+use std::cell::RefCell;
 use std::fs;
+use std::io;
 use std::path::Path;
+use std::rc::Rc;
 
 use kt830::controller::StorageRequest;
+use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::host::retained_store::{RetainedStore, StoreReport};
 use kt830::link::Command;
 use kt830::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
 use kt830::store::StoredSettings;
+use kt830::store::disk::{self, DiskChange, DiskObserver};
 use tempfile::TempDir;
 
 use crate::command::kt830;
@@ -360,4 +365,50 @@ fn t4_a_check_writes_nothing() {
     let data = folder.path().to_string_lossy().into_owned();
     assert!(kt830(&["check", "programs/O1001.NC", "--data", &data]).status.success());
     assert!(!folder.path().join(DATABASE).exists());
+}
+
+/// A disk that takes no more bytes.
+struct FullDisk;
+
+impl DiskObserver for FullDisk {
+    fn before(&mut self, change: DiskChange<'_>) -> io::Result<()> {
+        match change {
+            DiskChange::Write { .. } | DiskChange::SetLength { .. } => Err(io::ErrorKind::StorageFull.into()),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A start on a full disk ended with a line on the console.
+#[test]
+fn b6_a_start_on_a_full_disk_has_all_values_under_an_alarm_and_stores_again_when_there_is_room() {
+    let folder = session();
+    let full = disk::observe(Rc::new(RefCell::new(FullDisk)));
+    let (mut store, found) = open(folder.path());
+    assert!(has_values(&found) && found.loss.is_none());
+    let standing: Vec<u16> = found.standing().iter().map(|(number, _)| *number).collect();
+    assert_eq!(standing, [alarm::STORE_FAILED]);
+    assert!(matches(&mut store, "4711"));
+    let change = [StorageRequest::Variable(850, Some(1.5))];
+    assert!(store.commit(&change).is_err(), "nothing is acknowledged");
+    drop(full);
+    store.commit(&[]).unwrap();
+    drop(store);
+    let (_, found) = open(folder.path());
+    assert!(has_values(&found) && value(&found, 850) == Some(1.5) && found.standing().is_empty());
+}
+
+/// The first start of all, and one after damage: the file is made once there is room.
+#[test]
+fn b6_a_database_that_cannot_be_made_is_made_by_a_later_commit() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = disk::observe(Rc::new(RefCell::new(FullDisk)));
+    let (mut store, found) = open(folder.path());
+    assert_eq!(found.standing().len(), 1);
+    drop(full);
+    store.commit(&[StorageRequest::Variable(850, Some(2.5))]).unwrap();
+    drop(store);
+    let (_, found) = open(folder.path());
+    assert_eq!((value(&found, 850), found.standing().len()), (Some(2.5), 0));
+    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gc), "bound to its kind");
 }

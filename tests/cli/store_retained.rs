@@ -297,3 +297,31 @@ fn b6_the_history_takes_the_place_of_the_oldest() {
     let long = "长".repeat(2_000);
     assert!(matches!(retained.commit(&[RetainedChange::Alarm(alarm(1, &long))]), Err(RetainedError::BadChange { .. })));
 }
+
+/// A power cut leaves the file of an open database; then a bit of it flips. What was acknowledged is there, or the file
+/// is damaged: the commit before it must not come back without a word.
+#[test]
+fn b3_a_flipped_bit_never_brings_an_earlier_commit_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = open(folder.path()).database;
+    for value in [1.5, 2.5] {
+        store.commit(&[RetainedChange::Variable { number: 789, value: Some(value) }]).unwrap();
+    }
+    let bytes = fs::read(folder.path().join("retained.redb")).unwrap();
+    let (mut damaged, mut kept) = (0, 0);
+    for at in (0..bytes.len()).step_by(1_511) {
+        let mut flipped = bytes.clone();
+        flipped[at] ^= 0x10;
+        let copy = tempfile::tempdir().unwrap();
+        fs::write(copy.path().join("retained.redb"), flipped).unwrap();
+        let opened = open(copy.path());
+        match opened.damaged {
+            Some(_) => damaged += 1,
+            None => {
+                assert_eq!(opened.data.variables.get(&789), Some(&2.5), "bit of byte {at}");
+                kept += 1;
+            }
+        }
+    }
+    assert!(damaged > 0 && kept > 0, "{damaged} damaged, {kept} kept");
+}

@@ -20,8 +20,9 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("controller", &["units", "defs", "link", "nc", "motion", "machine", "io"]),
     ("host", &["units", "defs", "link", "nc", "machine", "io", "store", "controller"]),
     ("story", &["units", "defs", "link", "io", "host"]),
+    ("torture", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story"]),
     ("hmi", &["units", "defs", "link"]),
-    ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "hmi"]),
+    ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "torture", "hmi"]),
 ];
 
 /// Rooms without clock, file, thread or chance: time and hardware are arguments.

@@ -11,3 +11,4 @@ mod machine_table;
 mod motion_limits;
 mod oscillation_hours;
 mod programs;
+mod torture;

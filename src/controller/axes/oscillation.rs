@@ -200,6 +200,12 @@ impl Oscillation {
         }
     }
 
+    /// Whether it brakes to its end.
+    #[must_use]
+    pub const fn is_stopping(&self) -> bool {
+        matches!(self.step, OscillationStep::Stopping)
+    }
+
     /// Reset and e-stop: brakes the axis at once.
     pub fn stop(&mut self) {
         self.step = OscillationStep::Stopping;

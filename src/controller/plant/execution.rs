@@ -108,7 +108,7 @@ impl Plant {
         self.jog.stop_all();
         self.execution.repeats_left = 0;
         if matches!(self.execution.phase, ControlPhase::Aborting)
-            || matches!(self.execution.phase, ControlPhase::Idle) && self.axes.is_at_rest()
+            || matches!(self.execution.phase, ControlPhase::Idle) && self.has_braked()
         {
             return;
         }

@@ -95,6 +95,11 @@ impl Plant {
         }
     }
 
+    /// Whether no set-point moves; an axis that goes on oscillating does not count.
+    pub fn has_braked(&self) -> bool {
+        self.axes.is_at_rest() && !self.oscillation.as_ref().is_some_and(Oscillation::is_stopping)
+    }
+
     /// Refuses manual motion of an oscillating axis. True if refused.
     pub fn refuse_oscillating(&mut self, axis: Axis) -> bool {
         let oscillates = self.oscillating_axis() == Some(axis);

@@ -161,7 +161,7 @@ impl Program {
 
     /// Handles the end of braking and the drive state.
     pub fn finish_braking(&mut self, plant: &mut Plant) {
-        let rest = plant.axes.is_at_rest();
+        let rest = plant.has_braked();
         if rest && matches!(plant.execution.phase, ControlPhase::Holding | ControlPhase::Aborting) {
             if matches!(plant.execution.phase, ControlPhase::Aborting) {
                 self.close_run(plant);
@@ -237,7 +237,9 @@ impl Program {
             Some(OwnMotion::DressReturn)
         } else {
             let running = matches!(plant.execution.phase, ControlPhase::Running);
-            (plant.oscillates_by_key() && !running).then_some(OwnMotion::Oscillation)
+            // M30 and the end of an MDI line do not end what G35 has begun.
+            let unowned = plant.is_oscillating() && !plant.execution.phase.is_run_open();
+            ((plant.oscillates_by_key() || unowned) && !running).then_some(OwnMotion::Oscillation)
         }
     }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::{Generation, RetainedData};
+use crate::store::disk;
 use crate::store::io_fault::IoFault;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 
@@ -36,11 +37,11 @@ pub fn keep(folder: &Path, data: &RetainedData) -> Result<(), RonError> {
         return Ok(());
     }
     let generations = folder.join(FOLDER);
-    fs::create_dir_all(&generations).map_err(IoFault::at(&generations, "create"))?;
+    disk::create_folders(&generations).map_err(IoFault::at(&generations, "create"))?;
     let path = generations.join(format!("{PREFIX}{number:010}{EXTENSION}"));
     ron_file::write(&path, ChecksumPolicy::Strict, data)?;
     for path in superfluous(&list(folder)) {
-        fs::remove_file(path).map_err(IoFault::at(path, "delete"))?;
+        disk::remove(path).map_err(IoFault::at(path, "delete"))?;
     }
     Ok(())
 }

@@ -12,25 +12,25 @@ use crate::store::atomic_file::{self, ReadError};
 /// Maximum size of the database, bytes; a thousand times the expected size.
 const FILE_LIMIT: u64 = 256 * 1024 * 1024;
 
-/// What is wrong with the file; `None` if it is intact. The file itself is only read.
+/// The data of the file, or what is wrong with it. The file itself is only read.
 ///
 /// An interrupted commit is not damage: the database returns to the commit before, the last acknowledged one.
-pub(super) fn find_damage(path: &Path) -> Result<Option<String>, RetainedError> {
+pub(super) fn read_intact(path: &Path) -> Result<Result<Box<RetainedData>, String>, RetainedError> {
     let bytes = match atomic_file::read(path, FILE_LIMIT) {
         Ok(bytes) => bytes,
         Err(ReadError::Io(fault)) => return Err(fault.into()),
         Err(odd @ (ReadError::NotRegular | ReadError::TooLarge { .. } | ReadError::BeingWritten)) => {
-            return Ok(Some(odd.to_string()));
+            return Ok(Err(odd.to_string()));
         }
     };
     if bytes.is_empty() {
-        return Ok(Some("empty: the file was cut off".to_owned()));
+        return Ok(Err("empty: the file was cut off".to_owned()));
     }
     match inspect_apart(&bytes) {
-        Ok(DatabaseState::Intact(_)) => Ok(None),
-        Ok(DatabaseState::Damaged(cause)) => Ok(Some(cause)),
+        Ok(DatabaseState::Intact(data)) => Ok(Ok(data)),
+        Ok(DatabaseState::Damaged(cause)) => Ok(Err(cause)),
         Ok(DatabaseState::Newer(found)) => Err(RetainedError::Newer { path: path.to_path_buf(), found, known: FORMAT }),
-        Err(_) => Ok(Some("the database cannot read its own file".to_owned())),
+        Err(_) => Ok(Err("the database cannot read its own file".to_owned())),
     }
 }
 

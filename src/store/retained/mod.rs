@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use redb::{Database, DatabaseError};
 
 use super::atomic_file;
+use super::disk::{self, DatabaseFile};
 use super::io_fault::IoFault;
 use serde::{Deserialize, Serialize};
 
@@ -162,6 +163,10 @@ pub struct OpenedDatabase {
     pub fresh: bool,
     /// Whether the file is gone that was here at an earlier start.
     pub gone: bool,
+    /// The data.
+    pub data: RetainedData,
+    /// Why the disk takes nothing now. The data are whole, and the next commit tries again.
+    pub unwritable: Option<RetainedError>,
 }
 
 /// Why the retained data cannot be opened, read or written.
@@ -213,6 +218,8 @@ pub struct RetainedDatabase {
     opened: Option<FileIdentity>,
     /// `None` after a failed commit; the next use opens the file again.
     database: Option<Database>,
+    /// What a new file is to hold, until it is made.
+    to_create: Option<Box<RetainedData>>,
     _lock: File,
 }
 
@@ -220,7 +227,8 @@ impl RetainedDatabase {
     /// Opens `retained.redb` in a data directory, or creates it.
     ///
     /// # Errors
-    /// Another process has it open, a newer control wrote it, or a disk error. Damage is not an error: see [`OpenedDatabase`].
+    /// Another process has it open, a newer control wrote it, or the file cannot be read. Damage is no error, nor is a
+    /// disk that takes nothing: see [`OpenedDatabase`].
     pub fn open(folder: &Path) -> Result<OpenedDatabase, RetainedError> {
         Self::open_or_replace(folder, |_| RetainedData::default())
     }
@@ -237,24 +245,43 @@ impl RetainedDatabase {
         let lock = lock(folder)?;
         let path = folder.join(DATABASE_FILE);
         let mut damaged = None;
+        let mut intact = None;
         let present = fs::symlink_metadata(&path).is_ok();
-        if present && let Some(cause) = integrity::find_damage(&path)? {
-            damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause });
+        if present {
+            match integrity::read_intact(&path)? {
+                Ok(data) => intact = Some(*data),
+                Err(cause) => damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause }),
+            }
         }
-        let fresh = !present || damaged.is_some();
-        let gone = !present && has_traces(folder);
-        if fresh {
-            let lost = damaged.is_some() || gone;
-            let content = if lost { replacement(damaged.as_ref()) } else { RetainedData::default() };
-            create_database(folder, &path, &content)?;
+        let (fresh, gone) = (intact.is_none(), !present && has_traces(folder));
+        let replaced = || match damaged.is_some() || gone {
+            true => replacement(damaged.as_ref()),
+            false => RetainedData::default(),
+        };
+        let data = intact.unwrap_or_else(replaced);
+        let to_create = fresh.then(|| Box::new(data.clone()));
+        let mut database = Self { path, opened: None, database: None, to_create, _lock: lock };
+        let unwritable = match database.open_file() {
+            Ok(opened) => {
+                database.database = Some(opened);
+                None
+            }
+            Err(failed @ (RetainedError::Storage(..) | RetainedError::Io(_))) => Some(failed),
+            Err(refused) => return Err(refused),
+        };
+        Ok(OpenedDatabase { database, damaged, fresh, gone, data, unwritable })
+    }
+
+    /// Opens the file; makes it before, if it is new.
+    fn open_file(&mut self) -> Result<Database, RetainedError> {
+        if let Some(content) = &self.to_create {
+            create_database(atomic_file::folder_of(&self.path), &self.path, content)?;
         }
-        let database = open_database(&path)?;
-        if !fresh {
-            tables::upgrade(&database).map_err(|fault| RetainedError::Storage(path.clone(), fault))?;
-        }
-        let opened = identity(&path);
-        let database = Self { path, opened, database: Some(database), _lock: lock };
-        Ok(OpenedDatabase { database, damaged, fresh, gone })
+        self.to_create = None;
+        let database = open_database(&self.path)?;
+        tables::upgrade(&database).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
+        self.opened = self.opened.or_else(|| identity(&self.path));
+        Ok(database)
     }
 
     /// Stores all changes or none, in their order. When it returns, they survive a power cut.
@@ -309,7 +336,7 @@ impl RetainedDatabase {
     }
 
     fn with_database<T>(&mut self, act: impl FnOnce(&Database) -> Result<T, StorageFault>) -> Result<T, RetainedError> {
-        let database = self.database.take().map_or_else(|| open_database(&self.path), Ok)?;
+        let database = self.database.take().map_or_else(|| self.open_file(), Ok)?;
         let done = act(&database).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
         // Only after success: redb must be opened again after a failed write.
         self.database = Some(database);
@@ -354,7 +381,7 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
         if fs::symlink_metadata(&kept).is_ok() {
             continue;
         }
-        fs::rename(path, &kept).map_err(IoFault::at(path, "put aside"))?;
+        disk::rename(path, &kept).map_err(IoFault::at(path, "put aside"))?;
         atomic_file::flush_folder(folder)?;
         return Ok(kept);
     }
@@ -376,24 +403,23 @@ fn create_database(folder: &Path, path: &Path, content: &RetainedData) -> Result
         tables::check_change(change)?;
     }
     let fresh = folder.join(NEW_DATABASE_FILE);
-    match fs::remove_file(&fresh).map_err(IoFault::at(&fresh, "delete")) {
-        Err(fault) if !fault.is_missing() => return Err(fault.into()),
-        Ok(()) | Err(_) => {}
-    }
+    disk::remove(&fresh).map_err(IoFault::at(&fresh, "delete"))?;
     let refused = |fault| RetainedError::Storage(fresh.clone(), fault);
-    let database = builder().create(&fresh).map_err(|wrong| refused(wrong.into()))?;
+    let database = DatabaseFile::open(&fresh, true)
+        .and_then(|file| builder().create_with_backend(file))
+        .map_err(|wrong| refused(wrong.into()))?;
     tables::create_tables(&database).map_err(refused)?;
     tables::restore(&database, &changes, content.generation).map_err(refused)?;
     drop(database);
     // Closing has written the header again.
     let file = File::open(&fresh).map_err(IoFault::at(&fresh, "open"))?;
-    file.sync_all().map_err(IoFault::at(&fresh, "flush"))?;
-    fs::rename(&fresh, path).map_err(IoFault::at(&fresh, "rename"))?;
+    disk::flush_file(&file, &fresh).map_err(IoFault::at(&fresh, "flush"))?;
+    disk::rename(&fresh, path).map_err(IoFault::at(&fresh, "rename"))?;
     Ok(atomic_file::flush_folder(folder)?)
 }
 
 fn open_database(path: &Path) -> Result<Database, RetainedError> {
-    builder().open(path).map_err(|wrong| match wrong {
+    DatabaseFile::open(path, false).and_then(|file| builder().create_with_backend(file)).map_err(|wrong| match wrong {
         DatabaseError::DatabaseAlreadyOpen => RetainedError::AlreadyRunning(path.to_path_buf()),
         other => RetainedError::Storage(path.to_path_buf(), other.into()),
     })

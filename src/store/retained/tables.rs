@@ -95,9 +95,17 @@ fn change_name(change: &RetainedChange) -> String {
     }
 }
 
+/// Begins a commit. In two phases the newest commit is marked valid only when it is whole on the disk: one that cannot be
+/// read later is damage. In one phase it is taken for an interrupted one, and the commit before returns without a word.
+fn begin_commit(database: &Database) -> Result<WriteTransaction, StorageFault> {
+    let mut transaction = database.begin_write()?;
+    transaction.set_two_phase_commit(true);
+    Ok(transaction)
+}
+
 /// Creates the empty tables and writes the format.
 pub(super) fn create_tables(database: &Database) -> Result<(), StorageFault> {
-    let transaction = database.begin_write()?;
+    let transaction = begin_commit(database)?;
     {
         let mut meta = transaction.open_table(META)?;
         for (key, value) in [(META_FORMAT, FORMAT), (META_GENERATION, 0), (META_ROWS, 0)] {
@@ -121,7 +129,7 @@ pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
         return Ok(());
     }
     drop(transaction);
-    let transaction = database.begin_write()?;
+    let transaction = begin_commit(database)?;
     transaction.open_table(ALARMS)?;
     transaction.open_table(META)?.insert(META_FORMAT, FORMAT)?;
     Ok(transaction.commit()?)
@@ -129,7 +137,7 @@ pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
 
 /// Writes all changes in one durable transaction.
 pub(super) fn commit_changes(database: &Database, changes: &[RetainedChange]) -> Result<Generation, StorageFault> {
-    let transaction = database.begin_write()?;
+    let transaction = begin_commit(database)?;
     let moved = apply_rows(&transaction, changes)?;
     let generation = {
         let mut meta = transaction.open_table(META)?;
@@ -150,7 +158,7 @@ pub(super) fn restore(
     changes: &[RetainedChange],
     generation: Generation,
 ) -> Result<(), StorageFault> {
-    let transaction = database.begin_write()?;
+    let transaction = begin_commit(database)?;
     let moved = apply_rows(&transaction, changes)?;
     {
         let mut meta = transaction.open_table(META)?;

@@ -1,0 +1,116 @@
+//! Invariants of motion: no axis moves without a cause, faster than it may, or beyond a soft limit.
+//! Source: spec K2.3, K5.9, B5; safety stance.
+
+use super::Moment;
+use crate::controller::soft_limits;
+use crate::defs::key::{Key, Mode};
+use crate::defs::param;
+use crate::link::command::Command;
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Longest time in which axes brake: 166 mm/s at 800 mm/s² is 0.2 s, and jerk, override and the end of a buffer add to it.
+const BRAKING: Micros = Micros::from_millis(2_000);
+/// Longest move that one press begins: a step, or the way to a dressing point.
+const PRESS_MOVE: Micros = Micros::from_millis(60_000);
+/// Detents of the handwheel are followed at P67.
+const HANDWHEEL_MOVE: Micros = Micros::from_millis(60_000);
+/// A step of a set-point that counts as motion, mm: compensation of the leadscrew rounds.
+const STILL_MM: f64 = 1e-9;
+/// How far a set-point may be from the axis when the drives go on, mm: backlash and its compensation.
+const SWITCH_ON_MM: f64 = 0.05;
+/// How far a set-point may be beyond a soft limit, mm: rounding.
+const LIMIT_TOLERANCE_MM: f64 = 1e-6;
+/// Above the rapid speed: compensation of the leadscrew adds to it.
+const SPEED_TOLERANCE: f64 = 1.05;
+/// Seconds of a minute.
+const MINUTE_S: f64 = 60.0;
+
+/// What motion was allowed by, and where the axes were.
+#[derive(Default)]
+pub struct MotionRules {
+    /// Until when axes may move.
+    allowed_until: Micros,
+    /// What moves by itself was begun by a key or a program.
+    own_motion: bool,
+    before: Option<PerAxis<f64>>,
+    drives_on: bool,
+    homed: PerAxis<bool>,
+    beyond_mm: PerAxis<f64>,
+}
+
+impl MotionRules {
+    pub(super) fn check(&mut self, moment: &Moment<'_>) -> Result<(), String> {
+        if !moment.powered {
+            *self = Self::default();
+            return Ok(());
+        }
+        self.note_causes(moment);
+        let written = moment.machine.written;
+        let set = PerAxis(written.set_point_mm.coordinates());
+        let before = self.before.replace(set).filter(|_| written.drives_on);
+        let was_on = std::mem::replace(&mut self.drives_on, written.drives_on);
+        let Some(before) = before else { return Ok(()) };
+        if !was_on {
+            // The drives go on where the axes stand.
+            let at = PerAxis(moment.machine.read.encoder_mm.coordinates());
+            let jump = moment.controller.axes_present().find(|axis| (set[*axis] - at[*axis]).abs() > SWITCH_ON_MM);
+            return jump.map_or(Ok(()), |axis| Err(format!("{axis} jumps when the drives go on")));
+        }
+        let tick_s = moment.controller.tick_time().as_secs_f64();
+        for axis in moment.controller.axes_present() {
+            let step = set[axis] - before[axis];
+            if step.abs() > STILL_MM && moment.now > self.allowed_until {
+                return Err(format!("{axis} moves by {step:.6} mm without a cause"));
+            }
+            let rapid = moment.controller.params().get_axis(param::RAPID_X, axis) / MINUTE_S;
+            if step.abs() > rapid * tick_s * SPEED_TOLERANCE {
+                return Err(format!(
+                    "{axis} moves at {:.1} mm/s, above its rapid speed {rapid:.1}",
+                    step.abs() / tick_s
+                ));
+            }
+            self.check_soft_limits(moment, axis)?;
+        }
+        Ok(())
+    }
+
+    /// What makes axes move, and what ends it.
+    fn note_causes(&mut self, moment: &Moment<'_>) {
+        let now = moment.now;
+        let keep_alive = moment.controller.params().millis(param::JOG_KEEP_ALIVE);
+        let mut allow = |time: Micros| self.allowed_until = self.allowed_until.max(now + time);
+        let controller = moment.controller;
+        let moves_by_itself = controller.own_motion().is_some() || controller.is_oscillating();
+        if controller.state().is_active() || self.own_motion && moves_by_itself {
+            allow(BRAKING);
+        }
+        for command in moment.commands {
+            match command {
+                Command::Press(key) if key.jog_direction().is_some() && controller.mode() == Mode::Step => {
+                    allow(PRESS_MOVE);
+                }
+                Command::Press(_) | Command::StillHeld(_) => allow(keep_alive + BRAKING),
+                Command::Handwheel(_) => allow(HANDWHEEL_MOVE),
+                _ => {}
+            }
+        }
+        self.own_motion = moves_by_itself && (self.own_motion || now <= self.allowed_until);
+        if moment.pressed(|key| key == Key::Reset) || moment.is_e_stopped() {
+            self.allowed_until = self.allowed_until.min(now + BRAKING);
+        }
+    }
+
+    /// A homed axis never goes farther beyond a soft limit than it was.
+    fn check_soft_limits(&mut self, moment: &Moment<'_>, axis: Axis) -> Result<(), String> {
+        let homed = moment.controller.is_homed(axis);
+        let (low, high) = soft_limits(moment.controller.params(), axis);
+        let at = moment.controller.set_point()[axis] + moment.machine.tampered_mm(axis);
+        let beyond = (low - at).max(at - high).max(0.0);
+        let was = std::mem::replace(&mut self.beyond_mm[axis], beyond);
+        let was_homed = std::mem::replace(&mut self.homed[axis], homed);
+        if homed && was_homed && beyond > was + LIMIT_TOLERANCE_MM {
+            return Err(format!("{axis} goes {beyond:.4} mm beyond its soft limit"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,235 @@
+//! Invariants of the outputs. Source: spec K3, K5, "what stops what".
+
+use super::Moment;
+use crate::defs::equipment::Equipment;
+use crate::defs::key::Key;
+use crate::defs::param;
+use crate::defs::signal::{Input, Output, OutputSet};
+use crate::link::command::Command;
+use crate::link::snapshot::RunState;
+use crate::units::Micros;
+
+/// Off in the tick of the emergency stop.
+const OFF_IN_AN_EMERGENCY: [Output; 14] = [
+    Output::Wheel,
+    Output::SecondSpindle,
+    Output::SecondSpindleCcw,
+    Output::HeadstockHigh,
+    Output::HeadstockLow,
+    Output::DresserRoll,
+    Output::TableRotation,
+    Output::Coolant,
+    Output::OscillationForward,
+    Output::OscillationBackward,
+    Output::SpindleForward,
+    Output::SpindleReverse,
+    Output::TurretForward,
+    Output::TurretReverse,
+];
+
+/// What only the operator or a program starts, and at once; a cylinder and a turret go on by their own sequence.
+const STARTED_BY_HAND: [Output; 8] = [
+    Output::Wheel,
+    Output::SecondSpindle,
+    Output::SecondSpindleCcw,
+    Output::HeadstockHigh,
+    Output::HeadstockLow,
+    Output::DresserRoll,
+    Output::TableRotation,
+    Output::Coolant,
+];
+
+/// Never both.
+const EXCLUSIVE: [(Output, Output); 6] = [
+    (Output::HeadstockHigh, Output::HeadstockLow),
+    (Output::Magnetise, Output::Demagnetise),
+    (Output::SecondSpindle, Output::SecondSpindleCcw),
+    (Output::OscillationForward, Output::OscillationBackward),
+    (Output::SpindleForward, Output::SpindleReverse),
+    (Output::TurretForward, Output::TurretReverse),
+];
+
+/// What clamps or holds: the emergency stop leaves it as it is.
+const CLAMPS: [Output; 3] = [Output::Hydraulic, Output::Magnetise, Output::Tailstock];
+
+/// How long after a key something may start.
+const START_TIME: Micros = Micros::from_millis(200);
+/// Ticks, bus and commands between an input and its effect, beside the input filter.
+const REACTION: Micros = Micros::from_millis(30);
+
+/// Since when the inputs of a rule are as they are.
+#[derive(Default)]
+pub struct OutputRules {
+    before: OutputSet,
+    was_powered: bool,
+    /// A key or line of the operator, and when; a run counts while it lasts.
+    asked: Option<Micros>,
+    /// Commands since power-on.
+    asked_since_power_on: bool,
+    /// The screen's emergency stop is latched.
+    screen_e_stop: bool,
+    was_e_stopped: bool,
+    /// An emergency stop that RESET has not ended.
+    waits_for_reset: bool,
+    hydraulic_since: Option<Micros>,
+    magnet_since: Option<Micros>,
+    /// When the valve of the tailstock has changed since power-on.
+    tailstock_moved: Option<Micros>,
+    pressure_seen: Option<Micros>,
+    guard_seen: Option<Micros>,
+    end_switch_seen: Option<Micros>,
+}
+
+impl OutputRules {
+    pub(super) fn check(&mut self, moment: &Moment<'_>) -> Result<(), String> {
+        if !moment.powered {
+            *self = Self { screen_e_stop: false, ..Self::default() };
+            return hold("an output is on without power", moment.machine.written.terminals.0 == 0);
+        }
+        let on = moment.outputs_on();
+        self.note(moment);
+        let before = std::mem::replace(&mut self.before, on);
+        if self.was_powered {
+            self.check_changes(moment, before, on)?;
+        }
+        self.was_powered = true;
+        self.note_sequences(moment, before, on);
+        Ok(())
+    }
+
+    /// What this tick tells before its outputs are looked at.
+    fn note(&mut self, moment: &Moment<'_>) {
+        for command in moment.commands {
+            match command {
+                Command::EmergencyStop(latched) => self.screen_e_stop = *latched,
+                Command::Press(Key::Reset) if !moment.is_e_stopped() && !self.screen_e_stop => {
+                    self.waits_for_reset = false;
+                }
+                _ => {}
+            }
+            if matches!(command, Command::Press(_) | Command::Mdi(_)) {
+                (self.asked, self.asked_since_power_on) = (Some(moment.now), true);
+            }
+        }
+        if matches!(moment.controller.state(), RunState::Running | RunState::Waiting) {
+            self.asked = Some(moment.now);
+        }
+        self.waits_for_reset |= moment.is_e_stopped() || self.screen_e_stop;
+        for (input, seen) in
+            [(Input::HydraulicPressure, &mut self.pressure_seen), (Input::GuardClosed, &mut self.guard_seen)]
+        {
+            if moment.machine.is_active(input) {
+                *seen = Some(moment.now);
+            }
+        }
+        let end = if self.before.has(Output::Tailstock) { Input::TailstockAdvanced } else { Input::TailstockRetracted };
+        if moment.machine.is_active(end) {
+            self.end_switch_seen = Some(moment.now);
+        }
+    }
+
+    /// Since when pump and magnet are on.
+    fn note_sequences(&mut self, moment: &Moment<'_>, before: OutputSet, on: OutputSet) {
+        for (output, since) in
+            [(Output::Hydraulic, &mut self.hydraulic_since), (Output::Magnetise, &mut self.magnet_since)]
+        {
+            *since = if on.has(output) { since.or(Some(moment.now)) } else { None };
+        }
+        if before.has(Output::Tailstock) != on.has(Output::Tailstock) {
+            (self.tailstock_moved, self.end_switch_seen) = (Some(moment.now), None);
+        }
+    }
+
+    fn check_changes(&mut self, moment: &Moment<'_>, before: OutputSet, on: OutputSet) -> Result<(), String> {
+        let starts = |output: Output| on.has(output) && !before.has(output);
+        let stopped = moment.is_e_stopped() || self.screen_e_stop;
+        let first = stopped && !std::mem::replace(&mut self.was_e_stopped, stopped);
+        for output in OFF_IN_AN_EMERGENCY {
+            hold_output("is on in an emergency stop", output, !(stopped && on.has(output)))?;
+            hold_output("starts before RESET", output, !(starts(output) && self.waits_for_reset))?;
+        }
+        for clamp in CLAMPS.into_iter().filter(|_| first && moment.commands.is_empty()) {
+            hold_output("changes by the emergency stop", clamp, before.has(clamp) == on.has(clamp))?;
+        }
+        for (one, other) in EXCLUSIVE {
+            hold_output("is on together with its opposite", one, !(on.has(one) && on.has(other)))?;
+        }
+        let asked = self.asked.is_some_and(|asked| moment.now.since(asked) <= START_TIME);
+        for output in STARTED_BY_HAND {
+            hold_output("starts by itself", output, asked || !starts(output))?;
+        }
+        if !self.asked_since_power_on {
+            let quiet = STARTED_BY_HAND.into_iter().chain(CLAMPS).all(|output| !starts(output));
+            hold("an output comes on by power-on alone", quiet)?;
+        }
+        if starts(Output::Wheel) {
+            self.check_wheel_start(moment)?;
+        }
+        self.check_running_wheel(moment, before, on)?;
+        self.check_workpiece(moment, before, on)
+    }
+
+    /// K3.1, K3.7, K3.11, K5.13.
+    fn check_wheel_start(&self, moment: &Moment<'_>) -> Result<(), String> {
+        let params = moment.controller.params();
+        let filter = params.millis(param::INPUT_FILTER) + REACTION;
+        let recent = |seen: Option<Micros>| seen.is_some_and(|seen| moment.now.since(seen) <= filter);
+        if !params.bit(param::NO_HYDRAULIC_CHECK) {
+            let delay = params.millis(param::HYDRAULIC_DELAY);
+            let on_for = self.hydraulic_since.map(|since| moment.now.since(since));
+            hold("the wheel starts without hydraulics", on_for.is_some_and(|on_for| on_for >= delay))?;
+            hold("the wheel starts without pressure", delay == Micros::ZERO || recent(self.pressure_seen))?;
+        }
+        let fitted = params.fitted();
+        if fitted.has(Equipment::MagneticChuck) && params.bit(param::WHEEL_NEEDS_MAGNET) {
+            let held_for = self.magnet_since.map(|since| moment.now.since(since));
+            let needed = params.millis(param::MAGNETISE_TIME);
+            hold("the wheel starts unmagnetised", held_for.is_some_and(|held_for| held_for >= needed))?;
+        }
+        let door = params.input_port(Input::GuardClosed) != 0;
+        hold("the wheel starts with the guard open", !door || recent(self.guard_seen))
+    }
+
+    /// K3.5, K3.7, K3.11.
+    fn check_running_wheel(&self, moment: &Moment<'_>, before: OutputSet, on: OutputSet) -> Result<(), String> {
+        let runs = before.has(Output::Wheel) && on.has(Output::Wheel);
+        let changes = |output: Output| before.has(output) != on.has(output);
+        hold("the pump switches while the wheel runs", !(runs && changes(Output::Hydraulic)))?;
+        let releases = on.has(Output::Demagnetise) && changes(Output::Demagnetise)
+            || !on.has(Output::Magnetise) && changes(Output::Magnetise);
+        hold("the part is released while the wheel runs", !(runs && releases))?;
+        let params = moment.controller.params();
+        let supervised = !params.bit(param::NO_HYDRAULIC_CHECK) && params.millis(param::HYDRAULIC_DELAY) > Micros::ZERO;
+        let latest = params.millis(param::INPUT_FILTER) + REACTION;
+        let lost =
+            moment.machine.read.bus_alive && self.pressure_seen.is_none_or(|seen| moment.now.since(seen) > latest);
+        hold("the wheel runs on without pressure", !(supervised && lost && on.has(Output::Wheel)))
+    }
+
+    /// K3.3, K3.4, K3.11.
+    fn check_workpiece(&self, moment: &Moment<'_>, before: OutputSet, on: OutputSet) -> Result<(), String> {
+        let turns = |set: OutputSet| set.has(Output::HeadstockHigh) || set.has(Output::HeadstockLow);
+        let valve = before.has(Output::Tailstock) != on.has(Output::Tailstock);
+        hold("the tailstock moves while the headstock turns", !(valve && turns(before) && turns(on)))?;
+        let params = moment.controller.params();
+        let filter = params.millis(param::INPUT_FILTER) + REACTION;
+        let in_place = self.end_switch_seen.is_some_and(|seen| moment.now.since(seen) <= filter);
+        let starts = turns(on) && !turns(before);
+        // A tailstock that has not come back in time is an alarm of its own, and is out of the part.
+        let returns = |moved: Micros| moment.now.since(moved) < params.millis(param::TAILSTOCK_TIMEOUT);
+        let moving = self.tailstock_moved.is_some_and(|moved| on.has(Output::Tailstock) || returns(moved));
+        let supervised = params.bit(param::TAILSTOCK_ENABLED) && moving;
+        hold("the headstock starts while the tailstock moves", !(starts && supervised && !in_place))?;
+        let table = before.has(Output::TableRotation) && on.has(Output::TableRotation);
+        let released = on.has(Output::Demagnetise) && !before.has(Output::Demagnetise);
+        hold("the part is released while the table turns", !(table && released))
+    }
+}
+
+fn hold(what: &str, holds: bool) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what.to_owned()) }
+}
+
+fn hold_output(what: &str, output: Output, holds: bool) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(format!("{} {what}", output.id())) }
+}

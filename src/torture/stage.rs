@@ -1,0 +1,389 @@
+//! The stage of a tortured control: every tick is checked, and a power cut takes what was not flushed.
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+
+use super::invariants::{Invariants, Moment};
+use super::ledger::{Ledger, first_difference, rows};
+use super::machine::WatchedMachine;
+use super::planted::PlantedBug;
+use super::simulated_disk::{DiskFaults, SimulatedDisk};
+use super::storage::DelayedStorage;
+use super::{TortureError, TraceHash};
+use crate::controller::PowerOnState;
+use crate::defs::alarm;
+use crate::defs::key::Key;
+use crate::defs::kind::Kind;
+use crate::defs::text::LocalizedText;
+use crate::host::Host;
+use crate::host::cycle_time;
+use crate::host::folders::Folders;
+use crate::host::job_runner::JobRunner;
+use crate::host::part::PartRule;
+use crate::host::retained_store::RetainedStore;
+use crate::host::simulated::HostedSimulation;
+use crate::host::storage::{DirectStorage, RetainedWorker};
+use crate::io::random::SplitMix64;
+use crate::io::sim::{MachineFile, SimulatedMachine};
+use crate::link::command::Command;
+use crate::link::page_command::PageCommand;
+use crate::link::snapshot::RunState;
+use crate::nc::CommonVariables;
+use crate::store::disk::{ObservationGuard, observe};
+use crate::store::{DataDir, Folder};
+use crate::story::Stage;
+use crate::story::statement::DiskCondition;
+use crate::units::Micros;
+
+/// How often pages are looked at.
+const LOOK_INTERVAL: Micros = Micros::from_millis(500);
+/// How often values shown, in force and stored are compared.
+const COMPARE_INTERVAL: Micros = Micros::from_millis(60_000);
+/// The control has gathered and stored what was written so long ago.
+const SETTLING: Micros = Micros::from_millis(2_000);
+/// Size of the database page in which a damage begins, bytes.
+const PAGE_BYTES: u64 = 4_096;
+
+/// What was done to a control.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Counts {
+    /// Ticks.
+    pub ticks: u64,
+    /// Commands of the operator.
+    pub commands: u64,
+    /// Power cuts.
+    pub power_cuts: u64,
+    /// Power cuts after which the data were damaged.
+    pub damages: u64,
+    /// Changes of the disk.
+    pub disk_changes: u64,
+}
+
+/// A control, its machine, its disk, and what is watched.
+pub struct TortureStage {
+    kind: Kind,
+    host: Host<WatchedMachine, DelayedStorage>,
+    disk: Rc<RefCell<SimulatedDisk>>,
+    _observed: ObservationGuard,
+    data: DataDir,
+    chance: SplitMix64,
+    bug: Option<PlantedBug>,
+    invariants: Invariants,
+    /// What does not hold, once.
+    violation: Option<String>,
+    trace: TraceHash,
+    counts: Counts,
+    looked_at: Micros,
+    compared_at: Micros,
+    /// Bits that flip in the next power cut.
+    flips: u32,
+    /// The data were damaged at the last start: alarm 300 must stand.
+    damaged: bool,
+    /// A person has been asked to accept the damaged data since.
+    is_accepted: bool,
+    /// When state or values have changed last.
+    busy_at: Micros,
+    held_since: Option<Micros>,
+    stuck_key: Option<Key>,
+}
+
+impl TortureStage {
+    /// A control at its first start, in a data directory that is empty.
+    ///
+    /// # Errors
+    /// The directory cannot be used.
+    pub fn new(folder: &Path, kind: Kind, seed: u64, bug: Option<PlantedBug>) -> Result<Self, TortureError> {
+        let data = DataDir::resolve(Some(folder)).map_err(TortureError::new)?;
+        Folders::of_data(&data, kind).map_err(TortureError::new)?;
+        let faults = DiskFaults {
+            flushes_no_file: bug == Some(PlantedBug::DiskIgnoresFileFlushes),
+            flushes_no_folder: bug == Some(PlantedBug::DiskIgnoresFolderFlushes),
+        };
+        let disk = SimulatedDisk::of_folder(data.root(), faults).map_err(TortureError::new)?;
+        let disk = Rc::new(RefCell::new(disk));
+        let observed = observe(disk.clone());
+        let OpenedStorage { storage, retained, standing } = open_storage(&data, kind)?;
+        let storage = DelayedStorage::new(storage, Ledger::new(retained.clone()), seed, bug);
+        let file = MachineFile::builtin(kind).map_err(TortureError::new)?;
+        let machine = SimulatedMachine::new(file, None, &retained.params, seed);
+        let machine = HostedSimulation::new(machine, Micros::from_millis(10_000));
+        let machine = WatchedMachine::new(machine, retained.params.clone(), seed, bug);
+        let mut host = Host::connect(kind, retained, machine, storage);
+        host.set_part_rule(PartRule::FollowProgram);
+        standing.iter().for_each(|(number, what)| host.report_standing(*number, what));
+        disk.borrow_mut().end_tick();
+        Ok(Self {
+            kind,
+            host,
+            disk,
+            _observed: observed,
+            data,
+            chance: SplitMix64::new(seed),
+            bug,
+            invariants: Invariants::default(),
+            violation: None,
+            trace: TraceHash::default(),
+            counts: Counts::default(),
+            looked_at: Micros::ZERO,
+            compared_at: Micros::ZERO,
+            flips: 0,
+            damaged: false,
+            is_accepted: false,
+            busy_at: Micros::ZERO,
+            held_since: None,
+            stuck_key: None,
+        })
+    }
+
+    /// What does not hold, if something does not.
+    #[must_use]
+    pub fn violation(&self) -> Option<&str> {
+        self.violation.as_deref()
+    }
+
+    /// Fingerprint of every input and output so far.
+    #[must_use]
+    pub const fn trace(&self) -> TraceHash {
+        self.trace
+    }
+
+    /// What was done.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        Counts { disk_changes: self.disk.borrow().changes, ..self.counts }
+    }
+
+    fn fail(&mut self, what: Result<(), String>) {
+        if let (Err(what), None) = (what, &self.violation) {
+            self.violation = Some(what);
+        }
+    }
+
+    /// Commands of a bug that the invariants do not hear.
+    fn hidden_commands(&mut self) -> Vec<Command> {
+        let state = self.host.controller().state();
+        let now = self.host.now();
+        self.held_since = if state == RunState::Held { self.held_since.or(Some(now)) } else { None };
+        let held = self.held_since.is_some_and(|since| now.since(since) > Micros::from_millis(1_000));
+        match self.bug {
+            Some(PlantedBug::HoldEndsByItself) if held => vec![Command::Press(Key::CycleStart)],
+            Some(PlantedBug::ResumesAfterPowerOn)
+                if state == RunState::Idle
+                    && now.0.is_multiple_of(1_000_000)
+                    && self.host.snapshot().interrupted.is_some() =>
+            {
+                vec![Command::ResumeInterrupted, Command::Press(Key::ModeAuto), Command::Press(Key::CycleStart)]
+            }
+            Some(PlantedBug::JogKeySticks) => {
+                for command in self.host.queued_commands() {
+                    match command {
+                        Command::Press(key) if key.jog_direction().is_some() => self.stuck_key = Some(*key),
+                        Command::Press(_) => self.stuck_key = None,
+                        _ => {}
+                    }
+                }
+                self.stuck_key.into_iter().map(Command::StillHeld).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    fn check_tick(&mut self, commands: &[Command]) {
+        if self.violation.is_some() {
+            return;
+        }
+        let (powered, waiting, now) = (self.host.is_powered(), self.host.waiting_requests(), self.host.now());
+        let looks = powered && now.since(self.looked_at) >= LOOK_INTERVAL;
+        let shown = looks.then(|| self.host.snapshot().clone());
+        let moment = Moment {
+            now,
+            commands,
+            machine: self.host.machine_side_ref(),
+            controller: self.host.controller(),
+            powered,
+            waiting_requests: waiting,
+        };
+        let mut holds = self.invariants.check(&moment);
+        if let Some(shown) = &shown {
+            holds = holds.and_then(|()| self.invariants.check_shown(shown, &moment));
+        }
+        if !commands.is_empty() || moment.controller.state() != RunState::Idle {
+            self.busy_at = now;
+        }
+        self.fail(holds);
+        if let Some(shown) = shown {
+            self.looked_at = now;
+            let stands = shown.alarms.iter().any(|alarm| alarm.number == alarm::RETAINED_DATA_DAMAGED);
+            if self.damaged && !self.is_accepted && !stands {
+                self.fail(Err("damaged data were replaced without an alarm".to_owned()));
+            }
+        }
+        if powered && now.since(self.compared_at) >= COMPARE_INTERVAL && now.since(self.busy_at) >= SETTLING {
+            self.compared_at = now;
+            let compared = self.compare_values();
+            self.fail(compared);
+        }
+    }
+
+    /// What is in force is what was handed over, and what is stored once everything is acknowledged.
+    fn compare_values(&mut self) -> Result<(), String> {
+        let kept = rows(self.host.retained());
+        let mut in_force = self.host.retained().clone();
+        let controller = self.host.controller();
+        in_force.params = controller.params().clone();
+        in_force.work_offsets = controller.work_offsets().clone();
+        in_force.dress_points = *controller.dress_points();
+        for number in (0..1_000).filter(|number| CommonVariables::is_retained(*number)) {
+            // Cannot fail: the number is retained, and the control holds only valid values.
+            let _ = in_force.variables.set(number, controller.variable(number));
+        }
+        if let Some(what) = first_difference(&kept, &rows(&in_force)) {
+            return Err(format!("in force is not what was stored: {what}"));
+        }
+        if !self.host.storage().is_quiet() {
+            return Ok(());
+        }
+        let Some(stored) = RetainedStore::read_only(self.data.root(), self.kind) else {
+            return Err("the database is not whole".to_owned());
+        };
+        let what = first_difference(&kept, &rows(&stored));
+        what.map_or(Ok(()), |what| Err(format!("stored is not what is in force: {what}")))
+    }
+
+    /// Flips bits of the database, as a failing disk does. True if there was something to flip.
+    fn flip_bits(&mut self) -> bool {
+        let path = self.data.root().join("retained.redb");
+        let Ok(mut bytes) = std::fs::read(&path) else { return false };
+        for _ in 0..self.flips {
+            let at = (self.chance.next_unit() * bytes.len() as f64) as usize;
+            let bit = (self.chance.next_unit() * 8.0) as u32;
+            // The header is repaired from its copy; later pages are not.
+            let at = at.max(PAGE_BYTES as usize);
+            if let Some(byte) = bytes.get_mut(at) {
+                *byte ^= 1 << bit;
+            }
+        }
+        self.flips = 0;
+        std::fs::write(path, bytes).is_ok()
+    }
+
+    fn restart(&mut self) -> Result<(), String> {
+        self.disk.borrow_mut().power_on(&mut self.chance).map_err(|error| format!("simulated disk: {error}"))?;
+        let flipped = self.flips > 0 && self.flip_bits();
+        let OpenedStorage { storage, retained, standing } = open_storage(&self.data, self.kind)
+            .map_err(|error| format!("the control does not start again: {error}"))?;
+        let was_damaged = self.damaged;
+        self.is_accepted = false;
+        self.damaged = standing.iter().any(|(number, _)| *number == alarm::RETAINED_DATA_DAMAGED);
+        self.counts.damages += u64::from(self.damaged && flipped);
+        // Damage is an alarm, or has hit nothing that is in use.
+        if !self.damaged || !flipped {
+            self.host.storage().ledger.check(&retained)?;
+        }
+        if self.damaged && !flipped && !was_damaged {
+            return Err("a power cut has damaged the data".to_owned());
+        }
+        let silent = self.bug == Some(PlantedBug::DamageIsSilent);
+        let standing = if silent { Vec::new() } else { standing };
+        self.host.storage().power_on(storage, Ledger::new(retained.clone()));
+        self.host.power_on_with(retained, standing);
+        self.disk.borrow_mut().end_tick();
+        self.host.machine_side().set_powered(true);
+        self.busy_at = self.host.now();
+        Ok(())
+    }
+}
+
+/// What a control finds at its start.
+struct OpenedStorage {
+    storage: DirectStorage,
+    retained: PowerOnState,
+    /// Alarms of its data that stand.
+    standing: Vec<(u16, LocalizedText)>,
+}
+
+/// Opens the storage of a data directory as the control does at its start.
+fn open_storage(data: &DataDir, kind: Kind) -> Result<OpenedStorage, TortureError> {
+    for folder in [data.programs(), data.screens()] {
+        Folder::new(folder).remove_temporary().map_err(TortureError::new)?;
+    }
+    let (store, report) = RetainedStore::open(data.root(), kind).map_err(TortureError::new)?;
+    let folders = Folders::of_data(data, kind).map_err(TortureError::new)?;
+    let jobs = JobRunner::new(folders).with_cycle_timer(cycle_time::simulate);
+    let storage = DirectStorage::new(RetainedWorker::new(Some(store)), jobs).map_err(TortureError::new)?;
+    let standing = report.standing();
+    Ok(OpenedStorage { storage, retained: report.retained, standing })
+}
+
+impl Stage for TortureStage {
+    type Machine = WatchedMachine;
+    type Storage = DelayedStorage;
+
+    fn host(&mut self) -> &mut Host<WatchedMachine, DelayedStorage> {
+        &mut self.host
+    }
+
+    fn step(&mut self) {
+        let commands = self.host.queued_commands().to_vec();
+        self.counts.commands += commands.len() as u64;
+        self.counts.ticks += 1;
+        if self.bug.is_some() {
+            for hidden in self.hidden_commands() {
+                self.host.send(hidden);
+            }
+            self.host.machine_side().hear(&commands);
+        }
+        // The person has decided about the damaged data.
+        if commands.iter().any(|command| matches!(command, Command::Page(PageCommand::AcceptData))) {
+            self.is_accepted = true;
+        }
+        self.host.step();
+        self.disk.borrow_mut().end_tick();
+        let machine = self.host.machine_side_ref();
+        self.trace.add(&machine.read, &machine.written);
+        self.check_tick(&commands);
+    }
+
+    fn power_cut(&mut self) {
+        if !self.host.is_powered() {
+            return;
+        }
+        self.counts.power_cuts += 1;
+        self.disk.borrow_mut().power_cut(&mut self.chance);
+        self.host.machine_side().set_powered(false);
+        self.host.power_cut();
+        self.host.storage().power_cut();
+    }
+
+    fn power_on(&mut self) {
+        self.power_cut();
+        let restarted = self.restart();
+        self.fail(restarted);
+    }
+
+    fn set_disk(&mut self, condition: DiskCondition) -> Result<(), String> {
+        let ticks = |seconds: f64| (seconds / self.host.tick_time().as_secs_f64()) as u64;
+        match condition {
+            DiskCondition::Good => {
+                self.disk.borrow_mut().is_full = false;
+                self.host.storage().set_slowness(0);
+            }
+            DiskCondition::Slow(seconds) => {
+                let ticks = ticks(seconds);
+                self.host.storage().set_slowness(ticks);
+            }
+            DiskCondition::Hangs(seconds) => {
+                let ticks = ticks(seconds);
+                self.host.storage().hang(ticks);
+            }
+            DiskCondition::Full => self.disk.borrow_mut().is_full = true,
+            DiskCondition::Flips(bits) => self.flips = bits,
+        }
+        Ok(())
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.violation.is_some()
+    }
+}
