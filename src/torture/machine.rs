@@ -82,11 +82,6 @@ impl WatchedMachine {
                 (Some(PlantedBug::WheelIgnoresHydraulics), Key::WheelStart) if !self.is_on(Output::Hydraulic) => {
                     self.stuck.set(Output::Wheel, true);
                 }
-                (Some(PlantedBug::TailstockIgnoresHeadstock), Key::TailstockAdvance | Key::TailstockRetract)
-                    if self.is_on(Output::HeadstockHigh) || self.is_on(Output::HeadstockLow) =>
-                {
-                    self.stuck.set(Output::Tailstock, !self.is_on(Output::Tailstock));
-                }
                 (Some(PlantedBug::HydraulicsIgnoreWheel), Key::Hydraulic) if self.is_on(Output::Wheel) => {
                     self.stuck.set(Output::Hydraulic, true);
                 }
@@ -150,7 +145,7 @@ impl WatchedMachine {
             _ => {}
         }
         for output in self.stuck.iter() {
-            let inverts = matches!(output, Output::Hydraulic | Output::Tailstock);
+            let inverts = output == Output::Hydraulic;
             let on = !(inverts && image.terminals.is_closed(port(output)));
             image.terminals.set(port(output), on);
         }

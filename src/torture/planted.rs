@@ -23,8 +23,6 @@ pub enum PlantedBug {
     WheelIgnoresHydraulics,
     /// Both speeds of the headstock are on at once.
     BothHeadstockSpeeds,
-    /// The tailstock's valve switches while the headstock turns.
-    TailstockIgnoresHeadstock,
     /// The hydraulic pump switches while the wheel runs.
     HydraulicsIgnoreWheel,
     /// The part is released while the wheel runs.
@@ -39,8 +37,6 @@ pub enum PlantedBug {
     SoftLimitIsLate,
     /// A held program goes on by itself.
     HoldEndsByItself,
-    /// The interrupted program goes on by itself after power-on.
-    ResumesAfterPowerOn,
     /// A jog key that is released acts on.
     JogKeySticks,
     /// The outputs stay on when the power goes.
@@ -65,7 +61,7 @@ pub enum PlantedBug {
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 27] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -76,7 +72,6 @@ impl PlantedBug {
         Self::WheelStartsByItself,
         Self::WheelIgnoresHydraulics,
         Self::BothHeadstockSpeeds,
-        Self::TailstockIgnoresHeadstock,
         Self::HydraulicsIgnoreWheel,
         Self::MagnetIgnoresWheel,
         Self::AxisCreeps,
@@ -84,7 +79,6 @@ impl PlantedBug {
         Self::AxisRunsOn,
         Self::SoftLimitIsLate,
         Self::HoldEndsByItself,
-        Self::ResumesAfterPowerOn,
         Self::JogKeySticks,
         Self::OutputsOutliveThePower,
         Self::StorageAcknowledgesEarly,

@@ -168,13 +168,6 @@ impl TortureStage {
         let held = self.held_since.is_some_and(|since| now.since(since) > Micros::from_millis(1_000));
         match self.bug {
             Some(PlantedBug::HoldEndsByItself) if held => vec![Command::Press(Key::CycleStart)],
-            Some(PlantedBug::ResumesAfterPowerOn)
-                if state == RunState::Idle
-                    && now.0.is_multiple_of(1_000_000)
-                    && self.host.snapshot().interrupted.is_some() =>
-            {
-                vec![Command::ResumeInterrupted, Command::Press(Key::ModeAuto), Command::Press(Key::CycleStart)]
-            }
             Some(PlantedBug::JogKeySticks) => {
                 for command in self.host.queued_commands() {
                     match command {
@@ -183,7 +176,8 @@ impl TortureStage {
                         _ => {}
                     }
                 }
-                self.stuck_key.into_iter().map(Command::StillHeld).collect()
+                let pressed = |key| [Command::Press(key), Command::StillHeld(key)];
+                self.stuck_key.into_iter().flat_map(pressed).collect()
             }
             _ => Vec::new(),
         }

@@ -34,6 +34,7 @@ pub struct MotionRules {
     own_motion: bool,
     before: Option<PerAxis<f64>>,
     drives_on: bool,
+    e_stopped_at: Option<Micros>,
     homed: PerAxis<bool>,
     beyond_mm: PerAxis<f64>,
 }
@@ -45,6 +46,7 @@ impl MotionRules {
             return Ok(());
         }
         self.note_causes(moment);
+        self.check_drives(moment)?;
         let written = moment.machine.written;
         let set = PerAxis(written.set_point_mm.coordinates());
         let before = self.before.replace(set).filter(|_| written.drives_on);
@@ -72,6 +74,16 @@ impl MotionRules {
             self.check_soft_limits(moment, axis)?;
         }
         Ok(())
+    }
+
+    /// Once the axes have braked, an emergency stop switches the drives off.
+    fn check_drives(&mut self, moment: &Moment<'_>) -> Result<(), String> {
+        self.e_stopped_at = moment.is_e_stopped().then(|| self.e_stopped_at.unwrap_or(moment.now));
+        let late = self.e_stopped_at.is_some_and(|since| moment.now.since(since) > BRAKING);
+        match late && moment.machine.written.drives_on {
+            true => Err("the drives stay on in an emergency stop".to_owned()),
+            false => Ok(()),
+        }
     }
 
     /// What makes axes move, and what ends it.
