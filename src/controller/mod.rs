@@ -124,7 +124,7 @@ impl Controller {
     pub fn begin_end(&mut self) {
         let Self { plant, program, .. } = self;
         program.keep_run_position(plant);
-        if plant.execution.phase.is_run_open() || !plant.axes.is_at_rest() {
+        if plant.execution.phase.is_run_open() || plant.is_oscillating() || !plant.axes.is_at_rest() {
             plant.raise(alarm::CONTROL_ENDED, None);
             plant.store_alarm_changes();
         }

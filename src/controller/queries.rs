@@ -148,10 +148,10 @@ impl Controller {
         self.plant.is_in_position()
     }
 
-    /// Whether no set-point moves.
+    /// Whether no set-point moves; an axis that goes on oscillating does not count.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
-        self.plant.axes.is_at_rest()
+        self.plant.has_braked()
     }
 
     /// The axes of the machine.

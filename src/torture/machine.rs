@@ -23,6 +23,9 @@ use crate::units::{Axis, Micros};
 /// How far a planted jump goes, mm.
 const JUMP_MM: f64 = 0.05;
 
+/// In so many ticks the axes are homed.
+const HOMING_TICKS: u64 = 10_000;
+
 /// A simulated machine whose images can be looked at.
 pub struct WatchedMachine {
     machine: HostedSimulation,
@@ -35,6 +38,8 @@ pub struct WatchedMachine {
     pub written: OutputImage,
     /// Outputs that a bug keeps on.
     stuck: OutputSet,
+    /// Set-point of X that the control wants, mm.
+    wanted_mm: f64,
     /// What a bug adds to X, mm.
     offset_mm: f64,
     /// Ticks since the set-points came to rest.
@@ -55,6 +60,7 @@ impl WatchedMachine {
             read: InputImage::default(),
             written: OutputImage::default(),
             stuck: OutputSet::NONE,
+            wanted_mm: 0.0,
             offset_mm: 0.0,
             at_rest: 0,
             ticks: 0,
@@ -154,9 +160,11 @@ impl WatchedMachine {
 
     fn tamper_motion(&mut self, image: &mut OutputImage) {
         let wanted = image.set_point_mm[Axis::X];
-        let last = self.written.set_point_mm[Axis::X] - self.offset_mm;
-        let step = wanted - last;
+        let step = wanted - std::mem::replace(&mut self.wanted_mm, wanted);
         self.at_rest = if step.abs() > 0.0 { 0 } else { self.at_rest.saturating_add(1) };
+        if !image.drives_on {
+            self.offset_mm = 0.0;
+        }
         match self.bug {
             Some(PlantedBug::AxisCreeps) if image.drives_on => self.offset_mm += 1e-5,
             Some(PlantedBug::AxisJumps) if image.drives_on && self.ticks % 30_000 == 29_999 => {
@@ -166,7 +174,10 @@ impl WatchedMachine {
             Some(PlantedBug::AxisRunsOn) if image.drives_on && (1..3_000).contains(&self.at_rest) => {
                 self.offset_mm += 2e-5;
             }
-            Some(PlantedBug::SoftLimitIsLate) => self.offset_mm = 1.0,
+            // On its way in the minus direction it gets ahead by a hundredth, up to 1 mm; homing comes before.
+            Some(PlantedBug::SoftLimitIsLate) if image.drives_on && self.ticks > HOMING_TICKS => {
+                self.offset_mm = (self.offset_mm + 0.01 * step.min(0.0)).max(-1.0);
+            }
             Some(PlantedBug::CourseIsRandom) => {
                 // Keys of the standard library's hashes differ from run to run.
                 self.chance = SplitMix64::new(RandomState::new().hash_one(self.ticks));

@@ -90,3 +90,12 @@ fn k4_3_an_oscillation_that_outlives_its_mdi_line_is_shown() {
     tell(&mut rig, "key reset\nwait 1 s");
     assert_eq!(rig.snapshot().own_motion, None);
 }
+
+/// The set-point of the drive stopped dead at 58 mm/s.
+#[test]
+fn b5_machine_lock_is_refused_while_an_axis_oscillates() {
+    let mut rig = rig_of(Kind::Gs, folders_of(Kind::Gs));
+    tell(&mut rig, "param P239 -20\nhome all\nkey oscillation\nwait 280 ms\nkey machine-lock");
+    assert!(!rig.snapshot().key(Key::MachineLock).lamp && rig.controller().is_oscillating());
+    tell(&mut rig, "expect message \"程序未结束\"");
+}

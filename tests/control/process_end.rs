@@ -106,3 +106,13 @@ fn b5_an_end_in_a_jog_brakes_the_axis() {
     assert_safe(&rig);
     assert!(has_ended_alarm(&rig));
 }
+
+/// Its drive went off in full stroke.
+#[test]
+fn b5_an_end_while_an_axis_oscillates_brakes_it() {
+    let mut rig = ready_with(PROGRAM);
+    tell(&mut rig, "param P239 -20\nkey oscillation\nwait 0.3 s\nexpect lamp oscillation on");
+    assert!(end(&mut rig) > 0);
+    assert_safe(&rig);
+    assert!(has_ended_alarm(&rig));
+}

@@ -13,7 +13,8 @@ pub fn toggle_machine_lock(parts: &mut Parts<'_>) {
     if !parts.plant.drives_follow() {
         return parts.plant.refuse(DRIVES_OFF);
     }
-    let moving = !parts.plant.axes.is_at_rest() || parts.plant.jog.is_active();
+    let plant = &parts.plant;
+    let moving = !plant.axes.is_at_rest() || plant.jog.is_active() || plant.is_oscillating();
     if parts.program.is_open() || moving || parts.program.retract.lamp_on() {
         return parts.plant.refuse(WITH_RUN);
     }
