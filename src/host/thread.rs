@@ -173,10 +173,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
             WakeUp::OnTime => return,
             WakeUp::Late => {}
             WakeUp::TooOftenLate => self.host.controller.report_alarm(alarm::LATE_TICKS, None),
-            WakeUp::Stalled if self.host.controller.state().is_active() => {
-                self.host.controller.report_alarm(alarm::CONTROL_STALLED, None);
-            }
-            WakeUp::Stalled => {}
+            WakeUp::Stalled => self.host.report_stall(),
         }
         self.health.late.fetch_add(1, Ordering::Relaxed);
     }

@@ -11,6 +11,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
+use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::PasswordScope;
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
@@ -164,6 +165,9 @@ impl LineParser {
             "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
             "write" => Statement::WriteProgram(self.o_number()?, self.quoted()?),
             "delete" => Statement::DeleteProgram(self.o_number()?),
+            "export" => Statement::Transfer(Direction::Export, self.transfer_set()?),
+            "import" => Statement::Transfer(Direction::Import, self.transfer_set()?),
+            "stall" => Statement::Stall,
             "unlock" => self.unlock()?,
             "accept" => self.one_of("`data`", |word| (word == "data").then_some(Statement::AcceptData))?,
             "disk" => Statement::Disk(self.disk()?),
@@ -207,6 +211,13 @@ impl LineParser {
         Ok(match defs::program_number::is_named(number) {
             true => Statement::LoadNamed(name),
             false => Statement::Load(number),
+        })
+    }
+
+    fn transfer_set(&mut self) -> Result<TransferSet, StoryError> {
+        self.one_of("programs, screens, params, variables or backup", |word| {
+            let sets = TransferSet::ALL.into_iter().filter(|set| *set != TransferSet::Serial);
+            sets.into_iter().find(|set| set.id().strip_prefix("set-") == Some(word))
         })
     }
 

@@ -17,6 +17,7 @@ use crate::host::thread::HostThread;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::link::files::{FileRequest, Requester, Ticket};
+use crate::link::media::{Direction, TransferRequest, TransferSet};
 use crate::link::page_command::{PageCommand, PasswordScope, Secret};
 use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
@@ -202,20 +203,16 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Teach(command) => self.send(Command::Teach(*command)),
             Statement::WriteProgram(number, text) => self.write_program(*number, text),
             Statement::DeleteProgram(number) => self.ask(FileRequest::Delete(*number)),
+            Statement::Transfer(direction, set) => self.transfer(*direction, *set),
+            Statement::Stall => self.stall(),
             Statement::Unlock(scope, password) => self.unlock(*scope, password),
             Statement::AcceptData => self.send(Command::Page(PageCommand::AcceptData)),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),
-            Statement::Fault(text) => {
-                self.simulated()?.inject_fault(text).map_err(|error| error.to_string())?;
-                self.wait_for_answer()
-            }
-            Statement::FaultOff(text) => {
-                self.simulated()?.clear_fault(text).map_err(|error| error.to_string())?;
-                self.wait_for_answer()
-            }
+            Statement::Fault(text) => self.inject_fault(text),
+            Statement::FaultOff(text) => self.clear_fault(text),
             Statement::FaultList => Ok(()),
             Statement::Wait(seconds) => {
                 self.wait(Micros::from_secs_f64(*seconds));
@@ -234,12 +231,18 @@ impl<'a, G: Stage> Player<'a, G> {
 
     fn write_program(&mut self, number: u32, text: &str) -> Result<(), String> {
         let text = Rope::from_str(&format!("{}\r\n", text.replace("\\n", "\r\n")));
-        self.ask(FileRequest::New(number))?;
         self.ask(FileRequest::Save { number, text, base_stamp: 0, overwrite: true })
     }
 
     fn unlock(&mut self, scope: PasswordScope, password: &str) -> Result<(), String> {
         self.send(Command::Page(PageCommand::Unlock(scope, Secret::new(password.to_owned()))))
+    }
+
+    /// Copies a whole set; what exists already is overwritten.
+    fn transfer(&mut self, direction: Direction, set: TransferSet) -> Result<(), String> {
+        let yes = Some(true);
+        let ask = TransferRequest { set, direction, names: Vec::new(), overwrite: yes, convert: yes, split: yes };
+        self.ask(FileRequest::Transfer(ask))
     }
 
     /// Asks for a job of the storage, as a page does.
@@ -251,6 +254,21 @@ impl<'a, G: Stage> Player<'a, G> {
     fn simulated(&mut self) -> Result<&mut SimulatedMachine, String> {
         let missing = || "only the simulated machine has this".to_owned();
         self.host().simulation().ok_or_else(missing)
+    }
+
+    fn inject_fault(&mut self, text: &str) -> Result<(), String> {
+        self.simulated()?.inject_fault(text).map_err(|error| error.to_string())?;
+        self.wait_for_answer()
+    }
+
+    fn clear_fault(&mut self, text: &str) -> Result<(), String> {
+        self.simulated()?.clear_fault(text).map_err(|error| error.to_string())?;
+        self.wait_for_answer()
+    }
+
+    fn stall(&mut self) -> Result<(), String> {
+        self.host().report_stall();
+        self.wait_for_answer()
     }
 
     fn power_on(&mut self) -> Result<(), String> {

@@ -7,6 +7,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
 use crate::io::sim::EventKind;
+use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::PasswordScope;
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
@@ -184,6 +185,10 @@ pub enum Statement {
     DeleteProgram(u32),
     /// `disk slow 200 ms`, `disk hangs 5 s`, `disk full`, `disk flips 3`, `disk good`: with `kt830 torture` only
     Disk(DiskCondition),
+    /// `export backup`, `import backup`: programs, screens, params, variables or backup, to or from the USB stick
+    Transfer(Direction, TransferSet),
+    /// `stall`: the computer has held the control up for more than a second
+    Stall,
     /// `unlock builder 830830`: program, user or builder
     Unlock(PasswordScope, String),
     /// `accept data`: what took the place of damaged data is accepted

@@ -38,10 +38,14 @@ pub struct WatchedMachine {
     pub written: OutputImage,
     /// Outputs that a bug keeps on.
     stuck: OutputSet,
+    /// A bug keeps the tailstock's valve off.
+    released: bool,
     /// Set-point of X that the control wants, mm.
     wanted_mm: f64,
     /// What a bug adds to X, mm.
     offset_mm: f64,
+    /// Its last step, mm.
+    step_mm: f64,
     /// Ticks since the set-points came to rest.
     at_rest: u32,
     ticks: u64,
@@ -60,8 +64,10 @@ impl WatchedMachine {
             read: InputImage::default(),
             written: OutputImage::default(),
             stuck: OutputSet::NONE,
+            released: false,
             wanted_mm: 0.0,
             offset_mm: 0.0,
+            step_mm: 0.0,
             at_rest: 0,
             ticks: 0,
             powered: true,
@@ -77,7 +83,7 @@ impl WatchedMachine {
     /// The power goes or comes.
     pub fn set_powered(&mut self, powered: bool) {
         self.powered = powered;
-        (self.stuck, self.offset_mm) = (OutputSet::NONE, 0.0);
+        (self.stuck, self.released, self.offset_mm) = (OutputSet::NONE, false, 0.0);
     }
 
     /// What the operator asks for in this tick; some bugs act on it.
@@ -91,6 +97,7 @@ impl WatchedMachine {
                 (Some(PlantedBug::HydraulicsIgnoreWheel), Key::Hydraulic) if self.is_on(Output::Wheel) => {
                     self.stuck.set(Output::Hydraulic, true);
                 }
+                (Some(PlantedBug::TailstockIgnoresHeadstock), Key::TailstockRetract) => self.released = true,
                 (Some(PlantedBug::MagnetIgnoresWheel), Key::Demagnetise) if self.is_on(Output::Wheel) => {
                     self.stuck.set(Output::Demagnetise, true);
                 }
@@ -144,6 +151,9 @@ impl WatchedMachine {
             Some(PlantedBug::WheelStartsByItself) if self.ticks % 60_000 == 59_999 => {
                 image.terminals.set(port(Output::Wheel), true);
             }
+            Some(PlantedBug::TailstockIgnoresHeadstock) if self.released => {
+                image.terminals.set(port(Output::Tailstock), false);
+            }
             Some(PlantedBug::BothHeadstockSpeeds) if image.terminals.is_closed(port(Output::HeadstockHigh)) => {
                 image.terminals.set(port(Output::HeadstockLow), true);
             }
@@ -161,6 +171,7 @@ impl WatchedMachine {
     fn tamper_motion(&mut self, image: &mut OutputImage) {
         let wanted = image.set_point_mm[Axis::X];
         let step = wanted - std::mem::replace(&mut self.wanted_mm, wanted);
+        let slows = step.abs() < std::mem::replace(&mut self.step_mm, step).abs();
         self.at_rest = if step.abs() > 0.0 { 0 } else { self.at_rest.saturating_add(1) };
         if !image.drives_on {
             self.offset_mm = 0.0;
@@ -169,6 +180,10 @@ impl WatchedMachine {
             Some(PlantedBug::AxisCreeps) if image.drives_on => self.offset_mm += 1e-5,
             Some(PlantedBug::AxisJumps) if image.drives_on && self.ticks % 30_000 == 29_999 => {
                 self.offset_mm += JUMP_MM
+            }
+            // What is left of the way to a stop is left out: below 10 mm/s.
+            Some(PlantedBug::AxisStopsDead) if image.drives_on && slows && step.abs() < 0.01 => {
+                self.offset_mm -= step;
             }
             // Three seconds at 0.02 mm/s.
             Some(PlantedBug::AxisRunsOn) if image.drives_on && (1..3_000).contains(&self.at_rest) => {

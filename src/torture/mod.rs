@@ -24,7 +24,7 @@ use crate::units::Micros;
 use operator::RandomOperator;
 pub use planted::PlantedBug;
 pub use stage::Counts;
-use stage::TortureStage;
+use stage::{TortureHost, TortureStage};
 
 /// Most work to shorten a story, in courses of its length.
 const SHORTENING_COURSES: u64 = 20;
@@ -95,9 +95,9 @@ pub struct TortureCourse {
 pub fn torture(case: TortureCase) -> Result<TortureCourse, TortureError> {
     let mut operator = RandomOperator::new(case.kind, case.seed);
     let mut waiting = Vec::new();
-    play(case, |now| {
-        if waiting.is_empty() && now < case.span {
-            waiting = operator.next_lines();
+    play(case, |host| {
+        if waiting.is_empty() && host.now() < case.span {
+            waiting = operator.next_lines(host.snapshot());
             waiting.reverse();
         }
         waiting.pop()
@@ -133,9 +133,13 @@ fn subject_of(violation: &str) -> String {
 }
 
 /// Plays lines until there are no more, or an invariant is broken. A refused statement is none of the operator's errors.
-fn play(case: TortureCase, next: impl FnMut(Micros) -> Option<String>) -> Result<TortureCourse, TortureError> {
+fn play(
+    case: TortureCase,
+    next: impl FnMut(&mut TortureHost) -> Option<String>,
+) -> Result<TortureCourse, TortureError> {
     let folder = tempfile::tempdir().map_err(TortureError::new)?;
-    let mut stage = TortureStage::new(folder.path(), case.kind, case.seed, case.bug)?;
+    let data = folder.path().join("data");
+    let mut stage = TortureStage::new(&data, case.kind, case.seed, case.bug)?;
     let (mut lines, mut refused) = (Vec::new(), None);
     let played = catch_unwind(AssertUnwindSafe(|| {
         refused = play_lines(&mut stage, case.kind, folder.path(), &mut lines, next).err();
@@ -155,10 +159,10 @@ fn play_lines(
     kind: Kind,
     folder: &Path,
     lines: &mut Vec<String>,
-    mut next: impl FnMut(Micros) -> Option<String>,
+    mut next: impl FnMut(&mut TortureHost) -> Option<String>,
 ) -> Result<(), TortureError> {
     let mut player = Player::new(stage, None, folder, false);
-    while let Some(line) = next(player.host().now()) {
+    while let Some(line) = next(player.host()) {
         let wrong = |error| TortureError::new(format!("{line}: {error}"));
         let (_, statements) = parse::parse(&line, kind).map_err(wrong)?;
         lines.push(line);

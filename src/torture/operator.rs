@@ -1,15 +1,16 @@
 //! The operator: a random course of work and of everything that goes wrong, as lines of a story.
 
+use crate::defs::alarm;
 use crate::defs::key::Key;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::Params;
+use crate::defs::program_number;
 use crate::defs::signal::Input;
 use crate::defs::sim_fault::{FAULTS, FaultArgument};
 use crate::io::random::SplitMix64;
+use crate::link::snapshot::{DirectoryRow, Snapshot};
 
-/// Programs that are shipped for a kind: numbers of O1001 and later.
-const SHIPPED_PROGRAMS: u32 = 14;
 /// Programs of its own that the operator writes.
 const OWN_PROGRAMS: [u32; 4] = [2_001, 2_002, 2_003, 2_004];
 
@@ -28,9 +29,25 @@ const PARAMS: &[(&str, &[f64])] = &[
     ("P4.4", &[0.0, 1.0]),
 ];
 
+/// Inputs that something at the machine, or a hand at a terminal, can change.
+const FORCED_INPUTS: [Input; 9] = [
+    Input::HydraulicPressure,
+    Input::GuardClosed,
+    Input::TailstockAdvanced,
+    Input::TailstockRetracted,
+    Input::ExternalStart,
+    Input::ExternalHold,
+    Input::User1,
+    Input::Gauge1,
+    Input::Gauge4,
+];
+
 /// A random operator of a kind of machine.
 pub struct RandomOperator {
+    kind: Kind,
     keys: Vec<Key>,
+    /// The control has values for its programs.
+    has_begun: bool,
     chance: SplitMix64,
     lines: Vec<String>,
 }
@@ -41,29 +58,53 @@ impl RandomOperator {
     pub fn new(kind: Kind, seed: u64) -> Self {
         let fitted = Params::factory(kind).fitted();
         let keys = Key::ALL.iter().copied().filter(|key| key.exists_on(fitted)).collect();
-        Self { keys, chance: SplitMix64::new(seed ^ 0x5eed), lines: Vec::new() }
+        Self { kind, keys, has_begun: false, chance: SplitMix64::new(seed ^ 0x5eed), lines: Vec::new() }
     }
 
-    /// The next lines: one thing that an operator does, or that happens to him.
-    pub fn next_lines(&mut self) -> Vec<String> {
+    /// The next lines: one thing that an operator does, or that happens to him, at what he sees.
+    pub fn next_lines(&mut self, seen: &Snapshot) -> Vec<String> {
+        if !self.has_begun && !seen.directory.is_empty() {
+            self.has_begun = true;
+            self.begin(seen);
+            return std::mem::take(&mut self.lines);
+        }
         match self.below(100) {
-            0..=14 => self.press_some_key(),
-            15..=24 => self.prepare(),
-            25..=39 => self.run_program(),
+            0..=11 => self.press_some_key(),
+            12..=19 => self.switch_on_and_off(),
+            20..=39 => self.run_program(seen),
             40..=47 => self.mdi(),
             48..=57 => self.move_by_hand(),
             58..=65 => self.edit_values(),
             66..=69 => self.stop(),
             70..=77 => self.fault(),
             78..=81 => self.force_input(),
-            82..=87 => self.power_cut(),
-            88..=90 => self.disk(),
-            91..=93 => self.edit_programs(),
-            94..=95 => self.dressing_point(),
-            96..=97 => self.open_page(),
+            82..=85 => self.power_cut(),
+            86..=87 => self.disk(),
+            88 => self.usb_stick(),
+            89..=92 => self.edit_programs(),
+            93..=94 => self.dressing_point(),
+            95..=96 => self.open_page(),
             _ => self.say("wait 20 s"),
         }
         std::mem::take(&mut self.lines)
+    }
+
+    /// Loads every program once, so that it has the values of its part, and keeps these.
+    fn begin(&mut self, seen: &Snapshot) {
+        for program in self.main_programs(seen) {
+            self.say(format!("load {program}"));
+            self.say("wait 200 ms");
+        }
+        self.say("export variables");
+        self.say("wait 1 s");
+    }
+
+    /// Names of the programs of this kind of machine that are no subprograms.
+    fn main_programs(&self, seen: &Snapshot) -> Vec<String> {
+        let is_main = |row: &&DirectoryRow| {
+            row.is_for(self.kind) && !program_number::is_protected_subprogram(row.number) && !row.name.starts_with('L')
+        };
+        seen.directory.iter().filter(is_main).map(|row| row.name.clone()).collect()
     }
 
     fn below(&mut self, count: usize) -> usize {
@@ -100,16 +141,47 @@ impl RandomOperator {
         self.wait(2.0);
     }
 
-    /// From any state to a machine that can work: what is on already goes off now and then.
-    fn prepare(&mut self) {
+    /// From any state to a machine that can work.
+    fn prepare(&mut self, seen: &Snapshot) {
         for fault in FAULTS.iter().filter(|fault| fault.argument == FaultArgument::None) {
-            if self.below(4) == 0 {
-                self.say(format!("fault {} off", fault.name));
+            self.say(format!("fault {} off", fault.name));
+        }
+        for input in FORCED_INPUTS {
+            self.say(format!("input {} free", input.id()));
+        }
+        self.say("disk good");
+        for latched in [Key::EmergencyStop, Key::MachineLock, Key::Oscillation] {
+            if self.keys.contains(&latched) && seen.key(latched).lamp {
+                self.press(latched);
+            }
+        }
+        if seen.alarms.iter().any(|alarm| alarm.number == alarm::HARD_LIMIT) {
+            // One direction is refused, the other leads away.
+            self.say("key reset");
+            self.say("mode jog");
+            let way = self.pick(&["X+", "X-", "Z+", "Z-"]);
+            self.say(format!("hold {way} 5 s"));
+        }
+        self.say("key reset");
+        for key in [Key::Hydraulic, Key::Magnetise, Key::TailstockAdvance, Key::WheelStart] {
+            if self.keys.contains(&key) && !seen.key(key).lamp {
+                self.press(key);
+                self.say("wait 3 s");
             }
         }
         self.say("key reset");
-        let on = [Key::Hydraulic, Key::Magnetise, Key::TailstockAdvance];
-        for key in on {
+        if self.below(2) == 0 {
+            // Values with which the programs run: those of the first minute.
+            self.say("import variables");
+            self.say("wait 1 s");
+        }
+        self.say("home all");
+    }
+
+    /// Switches what a machine needs, on or off.
+    fn switch_on_and_off(&mut self) {
+        self.say("key reset");
+        for key in [Key::Hydraulic, Key::Magnetise, Key::TailstockAdvance] {
             if self.below(2) == 0 {
                 self.press(key);
                 self.wait(4.0);
@@ -120,18 +192,28 @@ impl RandomOperator {
         }
     }
 
-    fn run_program(&mut self) {
+    fn run_program(&mut self, seen: &Snapshot) {
+        if self.below(3) > 0 {
+            self.prepare(seen);
+        }
         let program = match self.below(3) {
-            0 => self.pick(&OWN_PROGRAMS),
-            _ => 1_001 + self.below(SHIPPED_PROGRAMS as usize) as u32,
+            0 => format!("O{}", self.pick(&OWN_PROGRAMS)),
+            _ => {
+                let programs = self.main_programs(seen);
+                let at = self.below(programs.len());
+                programs.get(at).cloned().unwrap_or_default()
+            }
         };
-        if self.below(2) == 0 {
-            self.say(format!("load O{program}"));
+        if self.below(5) > 0 {
+            self.say(format!("load {program}"));
         }
         self.say("mode auto");
         self.say("key cycle-start");
         for _ in 0..self.below(6) {
             self.wait(20.0);
+            if self.below(20) == 0 {
+                self.say("stall");
+            }
             let key = self.pick(&[
                 Key::FeedHold,
                 Key::CycleStart,
@@ -148,7 +230,13 @@ impl RandomOperator {
             ]);
             self.press(key);
         }
-        self.wait(60.0);
+        match self.below(2) {
+            0 => self.wait(60.0),
+            _ => {
+                let seconds = self.below(90);
+                self.say(format!("wait {seconds} s"));
+            }
+        }
     }
 
     fn mdi(&mut self) {
@@ -216,7 +304,9 @@ impl RandomOperator {
                 }
                 1 => format!("set #{} = {}", 200 + self.below(234), value),
                 2 => format!("type #{} {}", 500 + self.below(70), value),
-                _ => format!("set #{} = {}", 580 + self.below(400), value / 3.0),
+                3 if self.below(10) == 0 => format!("set #{} = {}", 580 + self.below(400), value / 3.0),
+                // Programs do not use these.
+                _ => format!("set #{} = {}", 950 + self.below(50), value / 3.0),
             };
             self.say(line);
         }
@@ -265,17 +355,7 @@ impl RandomOperator {
     }
 
     fn force_input(&mut self) {
-        let input = self.pick(&[
-            Input::HydraulicPressure,
-            Input::GuardClosed,
-            Input::TailstockAdvanced,
-            Input::TailstockRetracted,
-            Input::ExternalStart,
-            Input::ExternalHold,
-            Input::User1,
-            Input::Gauge1,
-            Input::Gauge4,
-        ]);
+        let input = self.pick(&FORCED_INPUTS);
         let level = self.pick(&["on", "off"]);
         self.say(format!("input {} {level}", input.id()));
         self.wait(5.0);
@@ -301,9 +381,6 @@ impl RandomOperator {
             self.say("wait 50 ms");
             self.say("accept data");
         }
-        if self.below(2) == 0 {
-            self.prepare();
-        }
     }
 
     fn disk(&mut self) {
@@ -323,6 +400,11 @@ impl RandomOperator {
 
     fn edit_programs(&mut self) {
         let program = self.pick(&OWN_PROGRAMS);
+        if self.below(5) > 0 {
+            self.say("unlock program 187350");
+            self.say("mode edit");
+            self.say("wait 50 ms");
+        }
         if self.below(5) == 0 {
             return self.say(format!("delete O{program}"));
         }
@@ -344,6 +426,19 @@ impl RandomOperator {
         }
         text.push(self.pick_text(&["M30", "M02", "M99"]));
         self.say(format!("write O{program} \"{}\"", text.join("\\n")));
+    }
+
+    fn usb_stick(&mut self) {
+        if self.below(3) == 0 {
+            self.say("unlock builder 830830");
+            self.say("wait 50 ms");
+        }
+        for _ in 0..=self.below(2) {
+            let direction = self.pick(&["export", "import"]);
+            let set = self.pick(&["programs", "screens", "params", "backup", "backup"]);
+            self.say(format!("{direction} {set}"));
+            self.wait(2.0);
+        }
     }
 
     fn dressing_point(&mut self) {

@@ -37,6 +37,12 @@ pub enum PlantedBug {
     SoftLimitIsLate,
     /// A held program goes on by itself.
     HoldEndsByItself,
+    /// After a power cut the program starts by itself.
+    ResumesAfterPowerOn,
+    /// The tailstock lets the part go while the headstock turns.
+    TailstockIgnoresHeadstock,
+    /// An axis stops dead.
+    AxisStopsDead,
     /// A jog key that is released acts on.
     JogKeySticks,
     /// The outputs stay on when the power goes.
@@ -61,7 +67,7 @@ pub enum PlantedBug {
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 30] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -79,6 +85,9 @@ impl PlantedBug {
         Self::AxisRunsOn,
         Self::SoftLimitIsLate,
         Self::HoldEndsByItself,
+        Self::ResumesAfterPowerOn,
+        Self::TailstockIgnoresHeadstock,
+        Self::AxisStopsDead,
         Self::JogKeySticks,
         Self::OutputsOutliveThePower,
         Self::StorageAcknowledgesEarly,

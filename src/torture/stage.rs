@@ -1,7 +1,7 @@
 //! The stage of a tortured control: every tick is checked, and a power cut takes what was not flushed.
 
 use std::cell::RefCell;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::invariants::{Invariants, Moment};
@@ -52,6 +52,10 @@ pub struct Counts {
     pub ticks: u64,
     /// Commands of the operator.
     pub commands: u64,
+    /// Runs that have begun: programs and lines of the operator.
+    pub runs: u64,
+    /// Ticks in which something moved along a path.
+    pub running_ticks: u64,
     /// Power cuts.
     pub power_cuts: u64,
     /// Power cuts after which the data were damaged.
@@ -60,10 +64,13 @@ pub struct Counts {
     pub disk_changes: u64,
 }
 
+/// A tortured control with its machine and its storage.
+pub type TortureHost = Host<WatchedMachine, DelayedStorage>;
+
 /// A control, its machine, its disk, and what is watched.
 pub struct TortureStage {
     kind: Kind,
-    host: Host<WatchedMachine, DelayedStorage>,
+    host: TortureHost,
     disk: Rc<RefCell<SimulatedDisk>>,
     _observed: ObservationGuard,
     data: DataDir,
@@ -84,6 +91,7 @@ pub struct TortureStage {
     is_accepted: bool,
     /// When state or values have changed last.
     busy_at: Micros,
+    was_running: bool,
     held_since: Option<Micros>,
     stuck_key: Option<Key>,
 }
@@ -131,6 +139,7 @@ impl TortureStage {
             damaged: false,
             is_accepted: false,
             busy_at: Micros::ZERO,
+            was_running: false,
             held_since: None,
             stuck_key: None,
         })
@@ -154,6 +163,13 @@ impl TortureStage {
         Counts { disk_changes: self.disk.borrow().changes, ..self.counts }
     }
 
+    fn count_runs(&mut self) {
+        let runs = self.host.controller().state() == RunState::Running;
+        self.counts.running_ticks += u64::from(runs);
+        self.counts.runs += u64::from(runs && !std::mem::replace(&mut self.was_running, runs));
+        self.was_running = runs;
+    }
+
     fn fail(&mut self, what: Result<(), String>) {
         if let (Err(what), None) = (what, &self.violation) {
             self.violation = Some(what);
@@ -168,6 +184,9 @@ impl TortureStage {
         let held = self.held_since.is_some_and(|since| now.since(since) > Micros::from_millis(1_000));
         match self.bug {
             Some(PlantedBug::HoldEndsByItself) if held => vec![Command::Press(Key::CycleStart)],
+            Some(PlantedBug::ResumesAfterPowerOn) if self.counts.power_cuts > 0 && state == RunState::Idle => {
+                vec![Command::Press(Key::CycleStart)]
+            }
             Some(PlantedBug::JogKeySticks) => {
                 for command in self.host.queued_commands() {
                     match command {
@@ -297,6 +316,11 @@ struct OpenedStorage {
     standing: Vec<(u16, LocalizedText)>,
 }
 
+/// Folder that stands for the USB stick, beside the data: it is no part of the simulated disk.
+fn usb_drive(data: &DataDir) -> PathBuf {
+    data.root().with_file_name("usb")
+}
+
 /// Opens the storage of a data directory as the control does at its start.
 fn open_storage(data: &DataDir, kind: Kind) -> Result<OpenedStorage, TortureError> {
     for folder in [data.programs(), data.screens()] {
@@ -304,7 +328,9 @@ fn open_storage(data: &DataDir, kind: Kind) -> Result<OpenedStorage, TortureErro
     }
     let (store, report) = RetainedStore::open(data.root(), kind).map_err(TortureError::new)?;
     let folders = Folders::of_data(data, kind).map_err(TortureError::new)?;
-    let jobs = JobRunner::new(folders).with_cycle_timer(cycle_time::simulate);
+    let usb = usb_drive(data);
+    std::fs::create_dir_all(&usb).map_err(TortureError::new)?;
+    let jobs = JobRunner::new(folders).with_drives(None, Some(usb)).with_cycle_timer(cycle_time::simulate);
     let storage = DirectStorage::new(RetainedWorker::new(Some(store)), jobs).map_err(TortureError::new)?;
     let standing = report.standing();
     Ok(OpenedStorage { storage, retained: report.retained, standing })
@@ -314,7 +340,7 @@ impl Stage for TortureStage {
     type Machine = WatchedMachine;
     type Storage = DelayedStorage;
 
-    fn host(&mut self) -> &mut Host<WatchedMachine, DelayedStorage> {
+    fn host(&mut self) -> &mut TortureHost {
         &mut self.host
     }
 
@@ -334,6 +360,7 @@ impl Stage for TortureStage {
         }
         self.host.step();
         self.disk.borrow_mut().end_tick();
+        self.count_runs();
         let machine = self.host.machine_side_ref();
         self.trace.add(&machine.read, &machine.written);
         self.check_tick(&commands);

@@ -6,6 +6,7 @@ use kt830::defs::page::Page;
 use kt830::defs::param::ParamAddress;
 use kt830::defs::signal::Output;
 use kt830::io::sim::EventKind;
+use kt830::link::media::{Direction, TransferSet};
 use kt830::link::snapshot::RunState;
 use kt830::story::parse::{DEFAULT_TOLERANCE_MM, parse};
 use kt830::story::statement::{Expectation, InputForce, Quantity, Statement, WaitCondition};
@@ -43,6 +44,10 @@ fn t5_every_statement_of_the_specification_is_read() {
     assert_eq!(one("fault list"), Statement::FaultList);
     assert_eq!(one("fault stuck-on home-x off"), Statement::FaultOff("stuck-on home-x".into()));
     assert_eq!(one("fault bus-silent off"), Statement::FaultOff("bus-silent".into()));
+    assert_eq!(one("write O2001 \"M30\""), Statement::WriteProgram(2001, "M30".into()));
+    assert_eq!(one("export backup"), Statement::Transfer(Direction::Export, TransferSet::Backup));
+    assert_eq!(one("import variables"), Statement::Transfer(Direction::Import, TransferSet::Variables));
+    assert_eq!(one("stall"), Statement::Stall);
     assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
     assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(WaitCondition::Axis(Axis::X, true, 10.5), 5.0));
     assert_eq!(one("wait until idle"), Statement::WaitUntil(WaitCondition::State(RunState::Idle), 60.0));

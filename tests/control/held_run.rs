@@ -200,3 +200,14 @@ fn k4_3_the_cylinder_begun_by_the_key_in_a_hold_is_alarm_182_the_programs_own_is
     tell(&mut rig, "param P17.1 1\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s");
     tell(&mut rig, "expect lamp oscillation on\nkey cycle-start\nexpect no alarm\nexpect state running");
 }
+
+#[test]
+fn b5_after_a_stall_of_the_computer_a_run_waits_for_the_operator() {
+    let mut rig = ready_with(INCREMENTAL);
+    tell(&mut rig, "stall\nwait 0.1 s\nexpect no alarm");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nexpect state running\nstall\nwait 2 s\nexpect alarm 404");
+    let held = rig.controller().set_point();
+    tell(&mut rig, "wait 5 s\nexpect alarm 404");
+    assert_eq!(rig.controller().set_point(), held);
+    tell(&mut rig, "key reset\nwait 1 s\nexpect no alarm\nwait 5 s\nexpect state idle");
+}

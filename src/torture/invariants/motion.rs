@@ -22,6 +22,8 @@ const SWITCH_ON_MM: f64 = 0.05;
 const LIMIT_TOLERANCE_MM: f64 = 1e-6;
 /// Above the rapid speed: compensation of the leadscrew adds to it.
 const SPEED_TOLERANCE: f64 = 1.05;
+/// Above the acceleration: compensation of leadscrew and backlash adds to it.
+const ACCELERATION_TOLERANCE: f64 = 1.05;
 /// Seconds of a minute.
 const MINUTE_S: f64 = 60.0;
 
@@ -33,6 +35,8 @@ pub struct MotionRules {
     /// What moves by itself was begun by a key or a program.
     own_motion: bool,
     before: Option<PerAxis<f64>>,
+    /// Steps of the last tick, mm; `None` while the drives are off, and in the tick in which they go on.
+    steps_before: Option<PerAxis<f64>>,
     drives_on: bool,
     e_stopped_at: Option<Micros>,
     homed: PerAxis<bool>,
@@ -51,16 +55,21 @@ impl MotionRules {
         let set = PerAxis(written.set_point_mm.coordinates());
         let before = self.before.replace(set).filter(|_| written.drives_on);
         let was_on = std::mem::replace(&mut self.drives_on, written.drives_on);
-        let Some(before) = before else { return Ok(()) };
+        let Some(before) = before else {
+            self.steps_before = None;
+            return Ok(());
+        };
         if !was_on {
             // The drives go on where the axes stand.
             let at = PerAxis(moment.machine.read.encoder_mm.coordinates());
             let jump = moment.controller.axes_present().find(|axis| (set[*axis] - at[*axis]).abs() > SWITCH_ON_MM);
             return jump.map_or(Ok(()), |axis| Err(format!("{axis} jumps when the drives go on")));
         }
+        let steps = PerAxis::from_fn(|axis| set[axis] - before[axis]);
+        let steps_before = self.steps_before.replace(steps);
         let tick_s = moment.controller.tick_time().as_secs_f64();
         for axis in moment.controller.axes_present() {
-            let step = set[axis] - before[axis];
+            let step = steps[axis];
             if step.abs() > STILL_MM && moment.now > self.allowed_until {
                 return Err(format!("{axis} moves by {step:.6} mm without a cause"));
             }
@@ -70,6 +79,13 @@ impl MotionRules {
                     "{axis} moves at {:.1} mm/s, above its rapid speed {rapid:.1}",
                     step.abs() / tick_s
                 ));
+            }
+            if let Some(steps_before) = steps_before {
+                let acceleration = (step - steps_before[axis]).abs() / (tick_s * tick_s);
+                let most = moment.controller.params().get_axis(param::ACCELERATION_X, axis);
+                if acceleration > most * ACCELERATION_TOLERANCE {
+                    return Err(format!("{axis} accelerates by {acceleration:.0} mm/s², more than {most:.0}"));
+                }
             }
             self.check_soft_limits(moment, axis)?;
         }
