@@ -89,28 +89,23 @@ impl LeadscrewCompensation {
     /// # Errors
     /// The error of the first invalid point.
     pub fn from_points(points: &[LeadscrewPoint]) -> Result<Self, LocalizedText> {
-        let table = Self { points: points.into() };
-        match Self::parse(&table.to_text()) {
-            Ok(_) => Ok(table),
-            Err(fault) => Err(LocalizedText::new(
+        let text = Self { points: points.into() }.to_text();
+        Self::parse(&text).map_err(|fault| {
+            LocalizedText::new(
                 format!("第 {} 点：{}", fault.line, fault.message.zh()),
                 format!("point {}: {}", fault.line, fault.message.en()),
-            )),
-        }
+            )
+        })
     }
 
     /// The text of the table.
     #[must_use]
     pub fn to_text(&self) -> String {
-        // A nanometre is far below the measuring accuracy; a hundred points stay below the size limit of the store.
-        let nanometres = |mm: f64| (mm * 1e6).round() / 1e6;
-        let values =
-            |point: &LeadscrewPoint| [point.position_mm, point.backlash_mm, point.pitch_error_mm].map(nanometres);
-        let row = |point: &LeadscrewPoint| {
-            let [at, backlash, pitch] = values(point);
-            format!("{at},{backlash},{pitch}\n")
+        let row = |LeadscrewPoint { position_mm, backlash_mm, pitch_error_mm }: &LeadscrewPoint| {
+            [*position_mm, *backlash_mm, *pitch_error_mm].map(to_nanometres)
         };
-        self.points.iter().map(row).collect()
+        let line = |[at, backlash, pitch]: [f64; 3]| format!("{at},{backlash},{pitch}\n");
+        self.points.iter().map(row).map(line).collect()
     }
 
     /// The points, by position.
@@ -145,6 +140,13 @@ impl LeadscrewCompensation {
     }
 }
 
+/// Values are kept in whole nanometres, far below the measuring accuracy: so the table in force is the stored one, and a
+/// hundred points stay below the size limit of the store.
+fn to_nanometres(mm: f64) -> f64 {
+    // No minus zero: its text is read as zero.
+    (mm * 1e6).round() / 1e6 + 0.0
+}
+
 fn point(row: &str) -> Result<LeadscrewPoint, (String, String)> {
     let columns: Vec<&str> = row.split([',', ';', '\t']).map(str::trim).collect();
     if !(2..=3).contains(&columns.len()) {
@@ -152,7 +154,7 @@ fn point(row: &str) -> Result<LeadscrewPoint, (String, String)> {
         return Err((zh, "write a line as: position, backlash[, pitch error]".to_owned()));
     }
     let number = |text: &str, low: f64, high: f64| match text.parse::<f64>() {
-        Ok(value) if (low..=high).contains(&value) => Ok(value),
+        Ok(value) if (low..=high).contains(&value) => Ok(to_nanometres(value)),
         Ok(value) => {
             Err((format!("{value} 超出范围 {low}…{high} mm"), format!("{value} is out of range {low}…{high} mm")))
         }

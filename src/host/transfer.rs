@@ -352,7 +352,7 @@ impl UsbTransfer<'_> {
         }
         let bytes = read_regular_file(&self.usb_drive.root().join(name), ARCHIVE_LIMIT)?;
         let shelf = self.folders.program_folder();
-        let (values, contents) = unpack_archive(name, &bytes, &shelf)?;
+        let (values, contents) = read_archive(name, &bytes, &shelf)?;
         let restored = self.check_values(&values)?;
         let all = contents.len().max(1);
         for (index, (set, name, bytes)) in contents.iter().enumerate() {
@@ -474,10 +474,14 @@ fn append_file(into: (&mut tar::Builder<Vec<u8>>, &mut String), name: &str, byte
     archive.append_data(&mut header, name, bytes).map_err(error_refusal)
 }
 
-type ArchiveContents = Vec<(TransferSet, String, Vec<u8>)>;
+/// The files of an archive: set, name within its folder, bytes.
+pub type ArchiveContents = Vec<(TransferSet, String, Vec<u8>)>;
 
-/// Unpacks an archive. One invalid name, file type or checksum refuses the whole archive.
-fn unpack_archive(name: &str, bytes: &[u8], shelf: &ProgramFolder) -> Result<(Values, ArchiveContents), Refusal> {
+/// Reads an archive in memory.
+///
+/// # Errors
+/// One invalid name, file type or checksum refuses the whole archive.
+pub fn read_archive(name: &str, bytes: &[u8], shelf: &ProgramFolder) -> Result<(Values, ArchiveContents), Refusal> {
     use std::io::Read as _;
     let damaged = |what: &str| {
         refusal(

@@ -151,7 +151,19 @@ fn to_text<T: Serialize + DeserializeOwned>(path: &Path, value: &T) -> Result<St
 /// Reads one file, without its previous version.
 fn read_one<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<LoadedFile<T>, RonError> {
     let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
-    let text = std::str::from_utf8(&bytes).map_err(|wrong| utf8_error(path, &bytes, wrong.valid_up_to()))?;
+    from_bytes(path, care, &bytes)
+}
+
+/// Reads the bytes of a file; `path` is for the errors.
+///
+/// # Errors
+/// Bytes that are no text, a checksum that does not fit, or text that is no such value.
+pub fn from_bytes<T: DeserializeOwned>(
+    path: &Path,
+    care: ChecksumPolicy,
+    bytes: &[u8],
+) -> Result<LoadedFile<T>, RonError> {
+    let text = std::str::from_utf8(bytes).map_err(|wrong| utf8_error(path, bytes, wrong.valid_up_to()))?;
     let warnings = check_checksum(path, care, text)?;
     // The Windows editor writes a byte order mark.
     let text = text.trim_start_matches('\u{FEFF}');

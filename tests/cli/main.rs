@@ -13,6 +13,7 @@ mod data_loss;
 mod defs;
 mod docs;
 mod foreign;
+mod fuzz_corpus;
 mod host;
 mod modbus;
 mod pace;

@@ -86,6 +86,10 @@ fn l9_a_name_that_leads_out_of_the_folder_is_none() {
 #[test]
 fn l9_noise_parity_and_length_are_told_with_their_line() {
     assert_eq!(take(b"%\nO1\nG0\x00X1\n%\n", 99).unwrap_err(), SerialError::Noise(3), "a broken frame reads as NUL");
+    assert!(
+        matches!(back(b"%O1 \xFF\xFF\nG0\nM30\n%\n", None, false), Err(SerialError::Noise(1))),
+        "garbage in the header"
+    );
     assert_eq!(take(b"%\nO1\nG0\x05", 99).unwrap_err(), SerialError::Noise(3));
     assert!(matches!(back(b"%\nO1\nG0\xFF\xFF\nM30\n%\n", None, false), Err(SerialError::Noise(_))));
     // 7 bits, even parity: `%` is 0xA5, LF 0x0A.

@@ -10,6 +10,7 @@ use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
 use kt830::link::simulation::SimCommand;
 use kt830::link::snapshot::RunState;
+use kt830::units::Axis;
 
 /// Adds a program.
 fn add(rig: &mut HeadlessHost, number: u32, text: &str) {
@@ -490,6 +491,40 @@ fn k5_13_the_guard_opened_in_a_run_holds_it_and_stops_the_headstock() {
     // The workpiece stands: going on would grind a flat.
     tell(&mut rig, "key cycle-start\nexpect state held\nexpect message \"头架\"\nkey headstock-high\nkey cycle-start");
     tell(&mut rig, "expect state running");
+}
+
+#[test]
+fn k5_13_the_guard_opened_in_a_run_stops_an_axis_that_oscillates_until_the_run_goes_on() {
+    let mut rig = ready_with("G35 Z-170 Q200\nG98 G01 U-4 F4\nG36\nM30");
+    tell(
+        &mut rig,
+        "param P332 60\ninput guard-closed on\nmode auto\nkey cycle-start\nwait 2.2 s\nexpect state running",
+    );
+    let place = |rig: &HeadlessHost| rig.controller().set_point();
+    let moving = place(&rig);
+    tell(&mut rig, "input guard-closed off\nwait 1 s\nexpect state held\nexpect alarm 191");
+    let at = place(&rig);
+    assert!((at[Axis::Z] - moving[Axis::Z]).abs() > 1e-3, "Z moved before");
+    // Neither time nor the closed door lets it move.
+    tell(&mut rig, "wait 3 s\ninput guard-closed on\nwait 3 s\nexpect no alarm");
+    assert_eq!(place(&rig), at);
+    tell(&mut rig, "key cycle-start\nwait 1 s\nexpect state running\nexpect lamp oscillation on");
+    assert!((place(&rig)[Axis::Z] - at[Axis::Z]).abs() > 1e-3);
+    // RESET at rest ends it, too.
+    tell(
+        &mut rig,
+        "input guard-closed off\nwait 1 s\ninput guard-closed on\nkey reset\nwait 1 s\nexpect lamp oscillation off",
+    );
+}
+
+#[test]
+fn k3_3_a_part_that_may_be_loose_stops_an_axis_that_oscillates() {
+    let mut rig = ready_with("G35 Z-170 Q200\nG98 G01 U-4 F4\nG36\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 2.2 s\nexpect state running\nexpect lamp oscillation on");
+    tell(&mut rig, "input tailstock-advanced off\nwait 1 s\nexpect alarm 201\nexpect lamp oscillation off");
+    let at = rig.controller().set_point();
+    tell(&mut rig, "wait 2 s");
+    assert_eq!(rig.controller().set_point(), at);
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod allocation;
 mod compensation;
 mod core_alone;
 mod dense_program;
+mod fault_table;
 mod field_bus;
 mod file_requests;
 mod gathered_writes;

@@ -59,6 +59,8 @@ pub struct Oscillation {
     step: OscillationStep,
     /// G36: it ends at the next arrival at its start point.
     ending: bool,
+    /// It rests until the run goes on.
+    paused: bool,
     /// #438: in position forward; #439: backward.
     pub in_position: (bool, bool),
     begun_at: Option<Micros>,
@@ -108,6 +110,7 @@ impl Oscillation {
             mover: AxisMover::new(bounds, from, tick_s),
             step: OscillationStep::Moving { forward: true },
             ending: false,
+            paused: false,
             in_position: (false, false),
             begun_at: None,
             last_forward_at: None,
@@ -144,6 +147,7 @@ impl Oscillation {
         match self.step {
             OscillationStep::Stopping if rest => return OscillationStatus::Finished,
             OscillationStep::Stopping => {}
+            OscillationStep::Moving { .. } | OscillationStep::Dwelling { .. } if self.paused => self.mover.stop(),
             OscillationStep::Moving { forward } => {
                 let end = if forward { self.to } else { self.from };
                 let there = rest && (self.mover.position() - end).abs() < MIN_STROKE_MM && in_position;
@@ -194,10 +198,15 @@ impl Oscillation {
         if self.ending {
             return;
         }
-        self.ending = true;
+        (self.ending, self.paused) = (true, false);
         if let OscillationStep::Moving { forward: true } = self.step {
             self.step = OscillationStep::Moving { forward: false };
         }
+    }
+
+    /// Brakes and rests, or goes on with its stroke.
+    pub const fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
     }
 
     /// Whether it brakes to its end.

@@ -8,6 +8,7 @@ use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::defs::text::Text;
+use crate::machine::phase::RunPhase;
 use crate::units::Axis;
 
 const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis is oscillating: stop the oscillation first");
@@ -54,6 +55,12 @@ impl Plant {
             self.alarms.clear(alarm::OSCILLATING_AT_START);
         }
         let Some(mut oscillation) = self.oscillation.take() else { return };
+        // K5.13: all axes stop, and none moves by the closing of the door alone.
+        match (self.alarms.has(alarm::GUARD_OPEN), &self.execution.phase) {
+            (true, phase) if phase.is_run_open() => oscillation.set_paused(true),
+            (_, RunPhase::Running) => oscillation.set_paused(false),
+            _ => {}
+        }
         let axis = oscillation.axis;
         let in_position = self.axes.is_axis_in_position(axis, &self.params);
         match oscillation.tick(self.now, in_position, &self.params) {

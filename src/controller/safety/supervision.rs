@@ -117,6 +117,9 @@ impl Plant {
         } else if !stopped {
             return;
         }
+        if number == alarm::TAILSTOCK_SIGNAL_LOST {
+            self.stop_oscillation(); // the part may be loose
+        }
         match Consequence::of(number, stopped) {
             Consequence::Nothing => {}
             Consequence::Hold => self.hold_run(),

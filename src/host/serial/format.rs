@@ -353,7 +353,7 @@ impl SerialReader {
 /// Splits the text between two `%` into programs, each with its own name if it has one.
 fn split_programs(raw: &RawProgram, named: bool, out: &mut Vec<(Option<String>, Vec<u8>)>) -> Result<(), SerialError> {
     let decoded = decode(&raw.text).map_err(|error| SerialError::Noise(error.line as u32))?;
-    let head = String::from_utf8_lossy(&raw.header).trim().to_ascii_uppercase();
+    let head = decode(&raw.header).map_err(|_| SerialError::Noise(1))?.text.trim().to_ascii_uppercase();
     let own = head.strip_prefix(SINUMERIK).and_then(|rest| {
         let (stem, extension) = rest.rsplit_once('_')?;
         Some(if named { format!("{stem}.NC") } else { format!("{stem}.{extension}") })

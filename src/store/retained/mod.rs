@@ -25,7 +25,7 @@ pub use integrity::silence_database_check;
 pub use tables::StorageFault;
 
 /// The database's file name.
-const DATABASE_FILE: &str = "retained.redb";
+pub const DATABASE_FILE: &str = "retained.redb";
 /// Temporary name of a new database, until it is complete.
 const NEW_DATABASE_FILE: &str = "retained.fresh.redb";
 /// The passwords once more, beside the database: they outlive it.

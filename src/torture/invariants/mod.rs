@@ -49,8 +49,9 @@ impl Moment<'_> {
 
     fn outputs_on(&self) -> OutputSet {
         let params = self.controller.params();
-        let mut on = OutputSet::NONE;
-        for output in Output::ALL {
+        let (fitted, mut on) = (params.fitted(), OutputSet::NONE);
+        // A terminal may belong to an output of another kind of machine, too.
+        for output in Output::ALL.iter().filter(|output| fitted.meets(output.needs())) {
             on.set(*output, self.machine.written.terminals.is_closed(params.output_port(*output)));
         }
         on

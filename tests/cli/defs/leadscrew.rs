@@ -26,10 +26,17 @@ fn b7_the_text_of_the_longest_table_stays_below_what_the_store_takes() {
     assert_eq!(table.points().len(), MAX_POINTS);
     assert!(table.to_text().len() <= 4096, "{}", table.to_text().len());
     let kept = LeadscrewCompensation::parse(&table.to_text()).unwrap();
-    let apart = |a: &LeadscrewPoint, b: &LeadscrewPoint| {
-        (a.position_mm - b.position_mm).abs().max((a.pitch_error_mm - b.pitch_error_mm).abs())
-    };
-    assert!(kept.points().iter().zip(table.points()).all(|(a, b)| apart(a, b) < 1e-6));
+    assert_eq!(kept, table);
+}
+
+#[test]
+fn b7_points_that_are_stored_as_one_are_refused_when_they_are_entered() {
+    // A nanometre is stored. A table with two points in the same nanometre could not be read at the next start.
+    let error = LeadscrewCompensation::parse("1.0000001,0.01\n1.0000002,0.01").unwrap_err();
+    assert_eq!(error.line, 2);
+    let point = |position_mm| LeadscrewPoint { position_mm, backlash_mm: 0.01, pitch_error_mm: 0.0 };
+    assert!(LeadscrewCompensation::from_points(&[point(1.000_000_1), point(1.000_000_2)]).is_err());
+    assert!(LeadscrewCompensation::from_points(&[point(1.000_001), point(1.000_002)]).is_ok());
 }
 
 #[test]

@@ -1,0 +1,235 @@
+//! What is fuzzed: every reader of bytes that come from outside. Each target reads any bytes and checks what must hold of
+//! every answer; a panic or a broken rule is a finding. `cargo fuzz run NAME` looks for them, and the test
+//! `cli fuzz_corpus` gives every target the inputs in `fuzz/seeds` and `fuzz/findings` again.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kt830::defs::dialect::Dialect;
+use kt830::defs::kind::Kind;
+use kt830::defs::leadscrew::LeadscrewCompensation;
+use kt830::defs::page_text;
+use kt830::host::folders::{PICTURE_SIZE, parse_picture};
+use kt830::host::serial::SERIAL_LIMIT;
+use kt830::host::serial::format::{ReadProgress, SerialReader};
+use kt830::host::transfer::{convert_picture, read_archive};
+use kt830::host::value_set::check_values;
+use kt830::io::fieldbus::description::MachineDescription;
+use kt830::io::sim::{MachineFile, PartFile};
+use kt830::nc::{
+    CommonVariables, EmptyLibrary, NcSettings, OfflineMachine, ProgramCheck, ProgramFault, SharedLibrary, Source,
+    check_syntax,
+};
+use kt830::store::ron_file::{ChecksumPolicy, from_bytes};
+use kt830::store::{DATABASE_FILE, ProgramFolder, RetainedDatabase, StoredSettings, Values, decode, stamp};
+use kt830::story;
+
+/// A reader of any bytes.
+pub type Target = fn(&[u8]);
+
+/// Every target by the name of its folder.
+pub const TARGETS: [(&str, Target); 15] = [
+    ("archive", archive),
+    ("encoding", encoding),
+    ("leadscrew", leadscrew),
+    ("machine_description", machine_description),
+    ("machine_file", machine_file),
+    ("page", page),
+    ("part_file", part_file),
+    ("picture", picture),
+    ("picture_conversion", picture_conversion),
+    ("program_check", program_check),
+    ("program_lines", program_lines),
+    ("retained_database", retained_database),
+    ("serial", serial),
+    ("settings", settings),
+    ("story", story_text),
+];
+
+/// A folder of grinder programs; its files are not read.
+fn shelf() -> ProgramFolder {
+    ProgramFolder::new(Path::new("programs"), false)
+}
+
+/// A backup on a USB stick: what it names stays inside its folder, and its values are checked. The bytes are read as they
+/// are, and as the files of an archive whose checksums are right.
+pub fn archive(bytes: &[u8]) {
+    read_and_check(bytes);
+    if let Some(sealed) = sealed_archive(bytes) {
+        read_and_check(&sealed);
+    }
+}
+
+/// An archive of files that are divided by NUL, each a name, LF and its content.
+fn sealed_archive(bytes: &[u8]) -> Option<Vec<u8>> {
+    let (mut archive, mut sums) = (tar::Builder::new(Vec::new()), String::new());
+    let mut append = |name: &str, content: &[u8]| {
+        let mut header = tar::Header::new_gnu();
+        header.set_size(content.len() as u64);
+        header.set_cksum();
+        archive.append_data(&mut header, name, content)
+    };
+    for file in bytes.split(|byte| *byte == 0).take(50) {
+        let end = file.iter().position(|byte| *byte == b'\n')?;
+        let name = std::str::from_utf8(&file[..end]).ok()?;
+        let content = &file[end + 1..];
+        sums.push_str(&format!("{:016x} {name}\n", stamp(content)));
+        append(name, content).ok()?;
+    }
+    append("checksums.txt", sums.as_bytes()).ok()?;
+    archive.into_inner().ok()
+}
+
+fn read_and_check(bytes: &[u8]) {
+    let Ok((values, files)) = read_archive("KT830.TAR", bytes, &shelf()) else { return };
+    for (_, name, _) in &files {
+        assert!(!name.contains(['/', '\\']) && name != "..", "{name} leaves its folder");
+    }
+    drop(check_values(&values, Kind::Gc));
+}
+
+/// Text in GBK or UTF-8.
+pub fn encoding(bytes: &[u8]) {
+    if let Err(fault) = decode(bytes) {
+        assert!(fault.line >= 1 && fault.column >= 1, "a fault without a place");
+    }
+}
+
+/// A leadscrew table: what is read is read again from its own text.
+pub fn leadscrew(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(table) = LeadscrewCompensation::parse(text) else { return };
+    let again = LeadscrewCompensation::parse(&table.to_text()).ok();
+    assert!(again.as_ref() == Some(&table), "another table: {again:?}");
+}
+
+/// `machine.ron`.
+pub fn machine_description(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    if let Ok(description) = MachineDescription::parse(text) {
+        assert!(description.process_data_bytes().count() <= text.len());
+    }
+}
+
+/// The file of a simulated machine.
+pub fn machine_file(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    drop(MachineFile::parse(text));
+}
+
+/// A page text C0001.TXT: a fault has its place in the text.
+pub fn page(bytes: &[u8]) {
+    let Ok(decoded) = decode(bytes) else { return };
+    let lines = decoded.text.lines().count() as u32 + 1;
+    match page_text::parse(&decoded.text) {
+        Ok(page) => assert!(page.rows().count() <= decoded.text.len()),
+        Err(fault) => assert!((1..=lines).contains(&fault.line) && fault.column >= 1, "line {}", fault.line),
+    }
+}
+
+/// A part file.
+pub fn part_file(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    drop(PartFile::parse(text));
+}
+
+/// A page picture: what is accepted has the size of the page.
+pub fn picture(bytes: &[u8]) {
+    if let Ok(picture) = parse_picture("B0001.BMP", bytes) {
+        // PNG: the size stands in bytes 16 to 23.
+        let size: Vec<u8> = [PICTURE_SIZE.0.to_be_bytes(), PICTURE_SIZE.1.to_be_bytes()].concat();
+        assert_eq!(picture.0.get(16..24), Some(&size[..]));
+    }
+}
+
+/// A picture of another format: what is converted is a page picture.
+pub fn picture_conversion(bytes: &[u8]) {
+    if let Ok(converted) = convert_picture(bytes) {
+        assert!(parse_picture("B0001.BMP", &converted).is_ok(), "the converted picture is refused");
+    }
+}
+
+/// The dialects; the length of a program selects one.
+const DIALECTS: [Dialect; 4] = [Dialect::LatheA, Dialect::Mill, Dialect::Sinumerik, Dialect::SuperMan];
+
+fn program(bytes: &[u8]) -> (Arc<Source>, NcSettings) {
+    let dialect = DIALECTS[bytes.len() % DIALECTS.len()];
+    (Arc::new(Source::new(1001, "O1001.NC", bytes, dialect)), NcSettings::for_dialect(dialect))
+}
+
+fn have_places(faults: &[ProgramFault], source: &Source) {
+    for fault in faults {
+        let line = fault.location.line;
+        assert!(fault.column >= 1 && (1..=source.line_count().max(1)).contains(&(line as usize)), "line {line}");
+        assert!(!fault.text(kt830::defs::text::Lang::Zh).is_empty());
+    }
+}
+
+/// The lines of a program, as the editor checks them.
+pub fn program_lines(bytes: &[u8]) {
+    let (source, settings) = program(bytes);
+    have_places(&check_syntax(&source, &settings), &source);
+}
+
+/// A whole program, followed for some thousand blocks.
+pub fn program_check(bytes: &[u8]) {
+    let (source, settings) = program(bytes);
+    let library: SharedLibrary = Arc::new(EmptyLibrary);
+    let mut world = OfflineMachine::new(&settings);
+    let check = ProgramCheck::new(&source, &library, &settings, CommonVariables::default());
+    let mut blocks = 0;
+    let report = check.with_standstill_limit(200).run_until(&mut world, &mut |_| {
+        blocks += 1;
+        blocks < 2_000
+    });
+    have_places(&report.faults, &source);
+    assert!(report.seconds >= 0.0 && report.length_mm >= 0.0, "{} s, {} mm", report.seconds, report.length_mm);
+    assert!(report.lines == source.line_count());
+}
+
+/// The database of retained values: whole, or refused.
+pub fn retained_database(bytes: &[u8]) {
+    kt830::store::silence_database_check();
+    let Ok(folder) = tempfile::tempdir_in(if Path::new("/dev/shm").is_dir() { "/dev/shm" } else { "." }) else {
+        return;
+    };
+    if std::fs::write(folder.path().join(DATABASE_FILE), bytes).is_ok() {
+        drop(RetainedDatabase::peek(folder.path()));
+    }
+}
+
+/// A transmission over RS232: no program is longer than what was sent, and names stay inside the folder.
+pub fn serial(bytes: &[u8]) {
+    let mut reader = SerialReader::new(SERIAL_LIMIT);
+    for byte in bytes {
+        match reader.push(*byte) {
+            Ok(ReadProgress::More) => {}
+            Ok(ReadProgress::Done) => break,
+            Err(_) => return,
+        }
+    }
+    drop(reader.timeout_error());
+    for program in reader.into_programs(None, &shelf(), false).unwrap_or_default() {
+        assert!(program.text.len() <= bytes.len() * 2 && shelf().is_program_name(&program.name), "{}", program.name);
+    }
+}
+
+/// `settings.ron`, and the values of a stick.
+pub fn settings(bytes: &[u8]) {
+    let path = Path::new("settings.ron");
+    for care in [ChecksumPolicy::Lenient, ChecksumPolicy::Strict] {
+        drop(from_bytes::<StoredSettings>(path, care, bytes));
+        if let Ok(read) = from_bytes::<Values>(path, care, bytes) {
+            drop(check_values(&read.value, Kind::Gc));
+        }
+    }
+}
+
+/// A story for the kind that its length selects: its lines are in order.
+pub fn story_text(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let kind = Kind::ALL[bytes.len() % Kind::ALL.len()];
+    if let Ok((_, lines)) = story::parse(text, kind) {
+        assert!(lines.is_sorted_by_key(|line| line.number));
+    }
+}
