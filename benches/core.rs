@@ -6,11 +6,12 @@
 use std::path::Path;
 use std::time::Instant;
 
-use kt830::controller::{Controller, PowerOnState};
+use kt830::controller::{Controller, PowerOnState, StorageRequest};
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::{Dialect, Kind};
 use kt830::host::folders::Folders;
 use kt830::host::headless::{HeadlessHost, HostSetup};
+use kt830::host::retained_store::RetainedStore;
 use kt830::io::Backend;
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::link::Command;
@@ -75,10 +76,26 @@ fn idle_tick_nanos() -> Vec<u64> {
     taken
 }
 
+/// Sorted durations from the request of the control to the acknowledged commit, ns; `values` change at once.
+fn commit_nanos(values: u32) -> Vec<u64> {
+    let folder = tempfile::tempdir_in(env!("CARGO_MANIFEST_DIR")).unwrap();
+    let (mut store, _) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
+    let commit = |count: u32| {
+        let change = |number| StorageRequest::Variable(number, Some(f64::from(count)));
+        let requests: Vec<StorageRequest> = (500..500 + values).map(change).collect();
+        let begun = Instant::now();
+        store.commit(&requests).unwrap();
+        begun.elapsed().as_nanos() as u64
+    };
+    let mut taken: Vec<u64> = (0..500).map(commit).collect();
+    taken.sort_unstable();
+    taken
+}
+
 fn print_percentiles(name: &str, sorted: &[u64]) {
     let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize] as f64 / 1_000.0;
     println!(
-        "tick {name}: p50 {:.2} µs  p99 {:.2} µs  p99.9 {:.2} µs  max {:.0} µs  ({} ticks)",
+        "{name}: p50 {:.2} µs  p99 {:.2} µs  p99.9 {:.2} µs  max {:.0} µs  ({} times)",
         at(0.5),
         at(0.99),
         at(0.999),
@@ -88,9 +105,12 @@ fn print_percentiles(name: &str, sorted: &[u64]) {
 }
 
 fn main() {
-    print_percentiles("idle", &idle_tick_nanos());
+    for values in [1, 100] {
+        print_percentiles(&format!("{values} values stored"), &commit_nanos(values));
+    }
+    print_percentiles("tick idle", &idle_tick_nanos());
     for program in [1_001, 1_002] {
-        print_percentiles(&format!("O{program}"), &program_tick_nanos(program));
+        print_percentiles(&format!("tick O{program}"), &program_tick_nanos(program));
     }
     for program in [1_001, 1_002] {
         let mut rig = rig(program);

@@ -198,7 +198,7 @@ pub fn retained_database(bytes: &[u8]) {
     }
 }
 
-/// A transmission over RS232: no program is longer than what was sent, and names stay inside the folder.
+/// A transmission over RS232: a program is no longer than what was sent in UTF-8, and names stay inside the folder.
 pub fn serial(bytes: &[u8]) {
     let mut reader = SerialReader::new(SERIAL_LIMIT);
     for byte in bytes {
@@ -210,7 +210,7 @@ pub fn serial(bytes: &[u8]) {
     }
     drop(reader.timeout_error());
     for program in reader.into_programs(None, &shelf(), false).unwrap_or_default() {
-        assert!(program.text.len() <= bytes.len() * 2 && shelf().is_program_name(&program.name), "{}", program.name);
+        assert!(program.text.len() <= bytes.len() * 3 && shelf().is_program_name(&program.name), "{}", program.name);
     }
 }
 

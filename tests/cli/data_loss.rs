@@ -108,6 +108,21 @@ fn b6_one_bad_bit_anywhere_in_the_file_loses_no_value() {
 }
 
 #[test]
+fn b6_a_disk_that_damages_one_file_after_the_other_does_not_keep_the_control_from_starting() {
+    let folder = session();
+    for number in 1..=99 {
+        fs::write(folder.path().join(format!("retained.damaged-{number}.redb")), b"put aside").unwrap();
+    }
+    for _ in 0..2 {
+        fs::write(folder.path().join(DATABASE), b"damaged").unwrap();
+        let (_, found) = open(folder.path());
+        assert!(found.loss.is_some() && has_values(&found), "{:?}", found.loss);
+    }
+    let first = fs::read(folder.path().join("retained.damaged-1.redb")).unwrap();
+    assert_eq!(first, b"put aside", "the first ones stay");
+}
+
+#[test]
 fn b6_without_a_whole_generation_factory_values_stand_under_an_alarm_and_passwords_survive() {
     let folder = session();
     fs::remove_file(folder.path().join(DATABASE)).unwrap();

@@ -32,7 +32,7 @@ const NEW_DATABASE_FILE: &str = "retained.fresh.redb";
 pub const PASSWORD_FILE: &str = "passwords.ron";
 /// Locked while a control uses the data.
 const LOCK_FILE: &str = "retained.lock";
-/// Maximum number of damaged files kept; then a person must delete them.
+/// Maximum number of damaged files kept; then the newest replaces the one before.
 const MAX_DAMAGED_FILES: u32 = 99;
 /// Page cache, bytes; the whole database has some hundred kilobytes.
 const CACHE_BYTES: usize = 8 * 1024 * 1024;
@@ -185,9 +185,6 @@ pub enum RetainedError {
         /// The newest supported format.
         known: u64,
     },
-    /// Too many damaged files in the data directory.
-    #[error("{}: {MAX_DAMAGED_FILES} damaged files are kept here; the disk is failing, replace it and clear them away", .0.display())]
-    TooManyDamaged(PathBuf),
     /// An invalid change and what is wrong with it: a bug of the caller. No change of the commit was stored.
     #[error("{0} cannot be kept: {1}")]
     BadChange(String, &'static str),
@@ -374,18 +371,15 @@ fn lock(folder: &Path) -> Result<File, RetainedError> {
     }
 }
 
-/// Renames a damaged file to the first free `retained.damaged-N.redb`.
+/// Renames a damaged file to the first free `retained.damaged-N.redb`, or to the last.
 fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> {
-    for number in 1..=MAX_DAMAGED_FILES {
-        let kept = folder.join(format!("retained.damaged-{number}.redb"));
-        if fs::symlink_metadata(&kept).is_ok() {
-            continue;
-        }
-        disk::rename(path, &kept).map_err(IoFault::at(path, "put aside"))?;
-        atomic_file::flush_folder(folder)?;
-        return Ok(kept);
-    }
-    Err(RetainedError::TooManyDamaged(folder.to_path_buf()))
+    let name = |number| folder.join(format!("retained.damaged-{number}.redb"));
+    let is_free = |kept: &PathBuf| fs::symlink_metadata(kept).is_err();
+    // The last one gives way: a disk that damages file after file must not keep the control from starting.
+    let kept = (1..=MAX_DAMAGED_FILES).map(name).find(is_free).unwrap_or_else(|| name(MAX_DAMAGED_FILES));
+    disk::rename(path, &kept).map_err(IoFault::at(path, "put aside"))?;
+    atomic_file::flush_folder(folder)?;
+    Ok(kept)
 }
 
 /// Whether a control has stored data in this directory before.
