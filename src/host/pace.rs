@@ -32,6 +32,8 @@ pub enum Pace {
     /// Simulated machine: one wake-up for 16 ticks, which saves a laptop's battery. Late ticks are counted and made up
     /// for; more than 50 ticks are dropped.
     Simulated,
+    /// Simulated machine without a wait: simulated time goes as fast as the ticks are computed.
+    Unpaced,
     /// Real machine: one wake-up for each tick. A late tick is computed once and the time base starts again from it: the
     /// drives never get the set-points of several ticks in a row. 10 late ticks in a row raise an alarm.
     Real,
@@ -41,14 +43,14 @@ impl Pace {
     const fn ticks_per_wake_up(self) -> u32 {
         match self {
             Self::Simulated => TICKS_PER_WAKE_UP,
-            Self::Real => 1,
+            Self::Unpaced | Self::Real => 1,
         }
     }
 
     /// Ticks that are made up for; a thread that is further behind drops its time base.
     const fn max_catch_up(self) -> u32 {
         match self {
-            Self::Simulated => MAX_CATCH_UP_TICKS,
+            Self::Simulated | Self::Unpaced => MAX_CATCH_UP_TICKS,
             Self::Real => 1,
         }
     }
@@ -125,6 +127,9 @@ impl TickSchedule {
 
     /// The time at which to wake up before the next tick of this length; `None` if the tick is computed at once.
     pub fn next_due(&mut self, tick: Duration) -> Option<Duration> {
+        if self.pace == Pace::Unpaced {
+            return None;
+        }
         if self.ticks_left > 0 {
             self.ticks_left -= 1;
             return None;
@@ -160,7 +165,7 @@ impl TickSchedule {
         }
         match self.pace {
             Pace::Real if self.late_in_a_row >= MAX_LATE_IN_A_ROW => WakeUp::TooOftenLate,
-            Pace::Real | Pace::Simulated => WakeUp::Late,
+            Pace::Real | Pace::Simulated | Pace::Unpaced => WakeUp::Late,
         }
     }
 }

@@ -34,6 +34,7 @@ pub struct HostedSimulation {
     view: Arc<SimView>,
     viewed_at: Option<Micros>,
     view_interval: Micros,
+    pace: Pace,
 }
 
 impl HostedSimulation {
@@ -41,7 +42,23 @@ impl HostedSimulation {
     #[must_use]
     pub fn new(machine: SimulatedMachine, view_interval: Micros) -> Self {
         let (forced, faults, finished_sizes, view) = (Vec::new(), Vec::new(), Vec::new(), Arc::default());
-        Self { machine, part: None, forced, faults, finished_sizes, view, viewed_at: None, view_interval }
+        Self {
+            machine,
+            part: None,
+            forced,
+            faults,
+            finished_sizes,
+            view,
+            viewed_at: None,
+            view_interval,
+            pace: Pace::Simulated,
+        }
+    }
+
+    /// The same machine, on a thread as fast as its ticks are computed.
+    #[must_use]
+    pub fn unpaced(self) -> Self {
+        Self { pace: Pace::Unpaced, ..self }
     }
 
     /// The machine.
@@ -119,7 +136,7 @@ impl Backend for HostedSimulation {
 
 impl HostedMachine for HostedSimulation {
     fn pace(&self) -> Pace {
-        Pace::Simulated
+        self.pace
     }
 
     fn begin(&mut self) {}

@@ -39,6 +39,7 @@ mod screw;
 mod service;
 mod shift;
 mod simulator;
+mod soak;
 mod soft_keys;
 mod text_editor;
 mod transfer;
