@@ -59,20 +59,36 @@ pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     Ok(bytes)
 }
 
+/// Permissions as for any user file; the umask still applies.
+const SHARED: u32 = 0o666;
+
 /// Replaces or creates a file atomically: after a power cut it is the old or the new file.
 ///
 /// # Errors
 /// A disk error; an old file stays, and no temporary file is left.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
+    replace_with_mode(path, bytes, SHARED)
+}
+
+/// As [`replace`]; only the user of the control may read or write the file.
+///
+/// # Errors
+/// As [`replace`].
+pub fn replace_private(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
+    replace_with_mode(path, bytes, disk::PRIVATE)
+}
+
+fn replace_with_mode(path: &Path, bytes: &[u8], mode: u32) -> Result<(), IoFault> {
     let folder = folder_of(path);
     let mut temporary = tempfile::Builder::new();
     temporary.prefix(TEMPORARY_NAME.0).suffix(TEMPORARY_NAME.1);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // Permissions as for any user file; the umask still applies.
-        temporary.permissions(fs::Permissions::from_mode(0o666));
+        temporary.permissions(fs::Permissions::from_mode(mode));
     }
+    #[cfg(not(unix))]
+    let _ = mode; // folders of a user are private there
     let mut file = temporary.tempfile_in(folder).map_err(IoFault::at(path, "create"))?;
     let named = file.path().to_path_buf();
     disk::created(&named).map_err(IoFault::at(path, "create"))?;

@@ -14,6 +14,9 @@ use std::rc::Rc;
 use redb::backends::FileBackend;
 use redb::{BackendError, DatabaseError, StorageBackend};
 
+/// Permissions of a file that nobody but the user of the control reads or writes.
+pub(super) const PRIVATE: u32 = 0o600;
+
 /// A change, before it is made.
 #[derive(Clone, Copy, Debug)]
 pub enum DiskChange<'a> {
@@ -148,13 +151,23 @@ pub(super) struct DatabaseFile {
     file: FileBackend,
 }
 
+/// A file that is created so is for the user of the control alone.
+pub(super) fn private(options: &mut OpenOptions) -> &mut OpenOptions {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.mode(PRIVATE);
+    }
+    options
+}
+
 impl DatabaseFile {
     /// Opens a file; `is_new`: creates it.
     pub(super) fn open(path: &Path, is_new: bool) -> Result<Self, DatabaseError> {
         if is_new {
             created(path)?;
         }
-        let file = OpenOptions::new().read(true).write(true).create_new(is_new).open(path)?;
+        let file = private(OpenOptions::new().read(true).write(true).create_new(is_new)).open(path)?;
         Ok(Self { path: path.to_path_buf(), file: FileBackend::new(file)? })
     }
 }

@@ -116,12 +116,32 @@ pub fn read<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<Lo
 /// # Errors
 /// A disk error; the old file stays. [`RonError::Value`] if the value could not be read back.
 pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy, value: &T) -> Result<(), RonError> {
+    write_by(path, care, value, atomic_file::replace_private)
+}
+
+/// As [`write`], a file that others may read, too: on a USB stick.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_shared<T>(path: &Path, care: ChecksumPolicy, value: &T) -> Result<(), RonError>
+where
+    T: Serialize + DeserializeOwned,
+{
+    write_by(path, care, value, atomic_file::replace)
+}
+
+type Replace = fn(&Path, &[u8]) -> Result<(), IoFault>;
+
+fn write_by<T>(path: &Path, care: ChecksumPolicy, value: &T, replace: Replace) -> Result<(), RonError>
+where
+    T: Serialize + DeserializeOwned,
+{
     let text = to_text(path, value)?;
     match read_one::<T>(path, care) {
         // A copy, because USB drives have no links and the file must stay.
         Ok(_) => {
             let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
-            atomic_file::replace(&with_suffix(path, "bak"), &bytes)?;
+            replace(&with_suffix(path, "bak"), &bytes)?;
         }
         Err(RonError::Missing(_)) => {}
         Err(RonError::Io(fault)) => return Err(RonError::Io(fault)),
@@ -130,7 +150,7 @@ pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy,
             disk::rename(path, &aside).map_err(IoFault::at(path, "put aside"))?;
         }
     }
-    Ok(atomic_file::replace(path, text.as_bytes())?)
+    Ok(replace(path, text.as_bytes())?)
 }
 
 /// The text of a value with its checksum line.

@@ -43,7 +43,7 @@ impl Values {
     /// # Errors
     /// A disk error; an old file stays.
     pub fn write(&self, path: &Path) -> Result<(), RonError> {
-        ron_file::write(path, ChecksumPolicy::Lenient, self)
+        ron_file::write_shared(path, ChecksumPolicy::Lenient, self)
     }
 
     /// The RON text for an archive.

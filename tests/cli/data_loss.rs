@@ -122,6 +122,20 @@ fn b6_a_disk_that_damages_one_file_after_the_other_does_not_keep_the_control_fro
     assert_eq!(first, b"put aside", "the first ones stay");
 }
 
+#[cfg(unix)]
+#[test]
+fn b6_data_and_passwords_are_for_the_user_of_the_control_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = session();
+    StoredSettings { kind: Some(Kind::Gc), ..StoredSettings::default() }.write(folder.path()).unwrap();
+    let generations = fs::read_dir(folder.path().join("generations")).unwrap().map(|entry| entry.unwrap().path());
+    let own = [DATABASE, "retained.lock", "passwords.ron", "settings.ron"].map(|name| folder.path().join(name));
+    for file in own.into_iter().chain(generations) {
+        let mode = fs::metadata(&file).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600, "{}", file.display());
+    }
+}
+
 #[test]
 fn b6_without_a_whole_generation_factory_values_stand_under_an_alarm_and_passwords_survive() {
     let folder = session();

@@ -362,7 +362,7 @@ fn identity(path: &Path) -> Option<FileIdentity> {
 /// Locks the data directory for this process.
 fn lock(folder: &Path) -> Result<File, RetainedError> {
     let path = folder.join(LOCK_FILE);
-    let file = File::options().create(true).truncate(false).write(true).open(&path);
+    let file = disk::private(File::options().create(true).truncate(false).write(true)).open(&path);
     let file = file.map_err(IoFault::at(&path, "open"))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
