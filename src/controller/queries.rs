@@ -106,6 +106,12 @@ impl Controller {
         self.plant.is_oscillating()
     }
 
+    /// Whether a thread is cut: Z follows the spindle.
+    #[must_use]
+    pub fn is_threading(&self) -> bool {
+        self.plant.axes.thread().is_some()
+    }
+
     /// Whether an axis was homed since power-on.
     #[must_use]
     pub fn is_homed(&self, axis: Axis) -> bool {

@@ -102,7 +102,7 @@ impl Hydraulic {
     }
 
     /// K3.7, each tick. Supervised from P270 after power-on and after each switching-on; pressure that goes because a
-    /// running pump was switched off is no alarm. A run that does not need the wheel stops when its pump loses the
+    /// running pump was switched off is no alarm, unless the wheel runs. A run that does not need the wheel stops when its pump loses the
     /// pressure or does not get it, not because of an alarm that was there before.
     pub fn supervise(
         &mut self,
@@ -115,7 +115,7 @@ impl Hydraulic {
         let delay = params.millis(param::HYDRAULIC_DELAY);
         let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
         let due = self.is_due(now, delay);
-        let missing = looked_at && due && !self.commanded_off && !inputs.has(Input::HydraulicPressure);
+        let missing = looked_at && due && (wheel_on || !self.commanded_off) && !inputs.has(Input::HydraulicPressure);
         self.missing_before_run = missing && (!run_open || self.missing_before_run);
         let stops = missing && (wheel_on || run_open && self.on && !self.missing_before_run);
         let pressure_ok = !looked_at || inputs.has(Input::HydraulicPressure);

@@ -378,7 +378,11 @@ impl Stage for TortureStage {
     }
 
     fn power_on(&mut self) {
-        self.power_cut();
+        if self.host.is_powered() {
+            self.power_cut();
+            // The invariants see that the power is gone.
+            self.step();
+        }
         let restarted = self.restart();
         self.fail(restarted);
     }

@@ -45,6 +45,14 @@ fn k3_7_pressure_that_goes_with_a_commanded_off_is_no_alarm_and_the_wheel_still_
 }
 
 #[test]
+fn k3_7_a_wheel_that_runs_unsupervised_without_a_pump_stops_once_the_pressure_is_supervised() {
+    // P17.0=1: no supervision. The pump was switched off by its key, so its missing pressure alone is no alarm.
+    let mut rig = story("param P17.0 1\nkey hydraulic\nwait 4 s\nkey hydraulic\nwait 2 s\nexpect no alarm");
+    tell(&mut rig, "key wheel-start\nwait 9.5 s\nexpect output wheel on\nexpect no alarm");
+    tell(&mut rig, "param P17.0 0\nwait 0.1 s\nexpect output wheel off\nexpect alarm 180");
+}
+
+#[test]
 fn k3_7_after_a_deliberate_m15_the_next_m14_is_supervised_from_p270_on() {
     let mut rig = story(HYDRAULICS);
     tell(&mut rig, "mdi M15\nwait 4 s\nexpect no alarm\ninput hydraulic-pressure off\nmdi M14");

@@ -2,7 +2,7 @@
 //! Source: spec K2.3, K5.9, B5; safety stance.
 
 use super::Moment;
-use crate::controller::soft_limits;
+use crate::controller::{Controller, soft_limits};
 use crate::defs::key::{Key, Mode};
 use crate::defs::param;
 use crate::link::command::Command;
@@ -82,7 +82,7 @@ impl MotionRules {
             }
             if let Some(steps_before) = steps_before {
                 let acceleration = (step - steps_before[axis]).abs() / (tick_s * tick_s);
-                let most = moment.controller.params().get_axis(param::ACCELERATION_X, axis);
+                let most = highest_acceleration(moment.controller, axis);
                 if acceleration > most * ACCELERATION_TOLERANCE {
                     return Err(format!("{axis} accelerates by {acceleration:.0} mm/s², more than {most:.0}"));
                 }
@@ -141,4 +141,17 @@ impl MotionRules {
         }
         Ok(())
     }
+}
+
+/// The highest acceleration of a set-point, mm/s². In a thread the lag T of the drives is compensated ahead, by
+/// T·v + T²/4·a: the axis keeps its limits, its set-point is beyond them by T·jerk and by a step of the jerk.
+fn highest_acceleration(controller: &Controller, axis: Axis) -> f64 {
+    let params = controller.params();
+    let most = params.get_axis(param::ACCELERATION_X, axis);
+    if !controller.is_threading() {
+        return most;
+    }
+    let (jerk, lag_s) = (params.get_axis(param::JERK_X, axis), params.millis(param::SERVO_LAG).as_secs_f64());
+    // At the top of a short run-up the jerk changes its sign, by twice itself.
+    most + lag_s * jerk + lag_s * lag_s / 4.0 * 2.0 * jerk / controller.tick_time().as_secs_f64()
 }
