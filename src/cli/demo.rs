@@ -128,8 +128,10 @@ mod live {
             if player.stage().is_interrupted() {
                 break;
             }
-            // A demo continues when an expectation fails.
-            drop(player.play(line));
+            // A demo goes on: what fails is told to whoever wrote the story.
+            if let Err(why) = player.play(line) {
+                eprintln!("FAIL  line {}, {}: {why}", line.number, line.text);
+            }
         }
         drop(player);
         let quiet = if thread.is_touched() { IDLE } else { PAUSE };

@@ -182,7 +182,11 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
         eprintln!("kt830: settings: {}", fault.en());
     }
     let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
-    let standing = found.standing().into_iter().chain(settings).collect();
+    let mut standing = found.standing();
+    // A store that takes nothing has said so itself.
+    let unwritable = data.fault().filter(|_| found.unkept.is_none());
+    standing.extend(unwritable.map(|what| (alarm::STORE_FAILED, what.clone())));
+    standing.extend(settings);
     let retained = apply_overrides(shared, found.retained)?;
     Ok(HostParts { retained, store: Some(store), standing, jobs })
 }

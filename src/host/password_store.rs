@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
-use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use crate::link::page_command::{PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer};
 use crate::store::ron_file::{self, ChecksumPolicy, RonError, RonWarning};
 use crate::store::{PASSWORD_FILE, RetainedChange, RetainedData, RetainedDatabase, StoredSettings, password};
 
@@ -69,7 +69,7 @@ impl PasswordStore {
     ) -> Result<StorageAnswer, LocalizedText> {
         match request {
             SettingsRequest::CheckPassword(guard, secret) => {
-                return Ok(StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret)));
+                return Ok(StorageAnswer::PasswordChecked(*guard, self.check(*guard, secret)));
             }
             SettingsRequest::ChangePassword { scope, old, new } => {
                 let allowed = self.matches(*scope, old);
@@ -89,6 +89,14 @@ impl PasswordStore {
             SettingsRequest::SaveLang(lang) => self.update_settings(|settings| settings.lang = Some(*lang))?,
         }
         Ok(StorageAnswer::LangSaved)
+    }
+
+    fn check(&self, guard: PasswordScope, secret: &Secret) -> PasswordCheck {
+        match self.matches(guard, secret) {
+            true if self.hashes.contains_key(&guard) => PasswordCheck::Right,
+            true => PasswordCheck::Initial,
+            false => PasswordCheck::Wrong,
+        }
     }
 
     fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {

@@ -171,11 +171,22 @@ pub enum SettingsRequest {
     SaveSerialPort(String),
 }
 
+/// What a typed password is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PasswordCheck {
+    /// Not the password.
+    Wrong,
+    /// The password that holds.
+    Right,
+    /// The password that holds, and the one as delivered, which the manual prints.
+    Initial,
+}
+
 /// An answer of the disk thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StorageAnswer {
     /// Whether a password matches.
-    PasswordChecked(PasswordScope, bool),
+    PasswordChecked(PasswordScope, PasswordCheck),
     /// Whether a password was replaced; false if the old one did not match.
     PasswordChanged(PasswordScope, bool),
     /// The data are accepted.

@@ -6,6 +6,8 @@ use directories::ProjectDirs;
 
 use super::disk;
 use super::io_fault::IoFault;
+use super::retained::DATABASE_FILE;
+use crate::defs::text::LocalizedText;
 
 /// Why there is no usable data directory.
 #[derive(Debug, thiserror::Error)]
@@ -18,29 +20,47 @@ pub enum DataDirError {
     Unusable(#[from] IoFault),
 }
 
-/// The data directory and the folders in it, all existing and writable.
+/// The data directory and the folders in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataDir {
     root: PathBuf,
+    /// It has data, and a folder is missing or cannot be written: which, and why.
+    fault: Option<LocalizedText>,
 }
 
 impl DataDir {
-    /// The given directory, or the platform's for "kt830"; created with its folders if it is missing.
+    /// The given directory, or the platform's for "kt830"; created with its folders if it is missing. A directory with
+    /// data that cannot be written is no error: a control starts with its data and says that it stores nothing.
     ///
     /// # Errors
-    /// The platform has no default, or the directory cannot be created or written.
+    /// The platform has no default, or the new directory cannot be created or written.
     pub fn resolve(given: Option<&Path>) -> Result<Self, DataDirError> {
         let root = match given {
             Some(path) => path.to_path_buf(),
             None => ProjectDirs::from("", "", "kt830").ok_or(DataDirError::NoPlace)?.data_dir().to_path_buf(),
         };
-        let found = Self { root };
-        for folder in [found.root(), &found.programs(), &found.screens(), &found.backups(), &found.screenshots()] {
-            disk::create_folders(folder).map_err(IoFault::at(folder, "create"))?;
-            // Fail now rather than while a part is being ground.
-            tempfile::tempfile_in(folder).map_err(IoFault::at(folder, "write in"))?;
+        let mut found = Self { root, fault: None };
+        let has_data = found.root.join(DATABASE_FILE).exists();
+        for folder in [found.root.clone(), found.programs(), found.screens(), found.backups(), found.screenshots()] {
+            match Self::make_writable(&folder) {
+                Err(fault) if has_data => found.fault = Some(LocalizedText::new(fault.zh(), fault.en())),
+                made => made?,
+            }
         }
         Ok(found)
+    }
+
+    fn make_writable(folder: &Path) -> Result<(), IoFault> {
+        disk::create_folders(folder).map_err(IoFault::at(folder, "create"))?;
+        // Fail now rather than while a part is being ground.
+        tempfile::tempfile_in(folder).map_err(IoFault::at(folder, "write in"))?;
+        Ok(())
+    }
+
+    /// A folder cannot be written, although the directory has data: an alarm.
+    #[must_use]
+    pub fn fault(&self) -> Option<&LocalizedText> {
+        self.fault.as_ref()
     }
 
     /// The directory itself; it contains `retained.redb` and the settings.

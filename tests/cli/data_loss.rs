@@ -12,7 +12,7 @@ use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::host::retained_store::{RetainedStore, StoreReport};
 use kt830::link::Command;
-use kt830::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use kt830::link::page_command::{PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer};
 use kt830::store::StoredSettings;
 use kt830::store::disk::{self, DiskChange, DiskObserver};
 use tempfile::TempDir;
@@ -51,7 +51,7 @@ fn answer(store: &mut RetainedStore, request: &SettingsRequest) -> StorageAnswer
 
 fn matches(store: &mut RetainedStore, password: &str) -> bool {
     let request = SettingsRequest::CheckPassword(PasswordScope::Builder, Secret::new(password.into()));
-    answer(store, &request) == StorageAnswer::PasswordChecked(PasswordScope::Builder, true)
+    answer(store, &request) != StorageAnswer::PasswordChecked(PasswordScope::Builder, PasswordCheck::Wrong)
 }
 
 fn value(found: &StoreReport, number: u32) -> Option<f64> {
@@ -287,6 +287,22 @@ fn t4_devices_and_pipes_are_refused_by_every_command() {
             assert_eq!(out.status.code(), Some(2), "{words:?}: {told}");
         }
     }
+}
+
+/// A folder that cannot be written, or a disk that is mounted read-only after a fault, is no dead panel.
+#[test]
+fn b6_data_whose_folder_cannot_be_written_start_under_alarm_301() {
+    let folder = session();
+    let data = folder.path().to_string_lossy().into_owned();
+    fs::write(folder.path().join("backups"), "no folder").unwrap();
+    let story = tempfile::NamedTempFile::new().unwrap();
+    fs::write(story.path(), "wait 1 s\nexpect alarm 301\nexpect alarm \"backups\"\nexpect #860 107.5\n").unwrap();
+    let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
+    assert!(out.status.success(), "{}{}", String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr));
+    // A first start there is refused: nothing is lost, and the place is wrong.
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
+    assert_eq!(out.status.code(), Some(2));
 }
 
 /// A start that was cut after the lock is a first start; whatever else a control leaves behind is not.

@@ -13,7 +13,7 @@ use kt830::host::storage::{Arrival, DirectStorage, RetainedWorker, Storage};
 use kt830::link::Command;
 use kt830::link::files::{FileRequest, Requester, Ticket};
 use kt830::link::media::{Direction, TransferRequest, TransferSet};
-use kt830::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use kt830::link::page_command::{PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer};
 use tempfile::TempDir;
 
 /// Storage in memory with empty folders and a USB drive, and what it has told so far taken.
@@ -77,7 +77,10 @@ fn without_a_store_passwords_are_checked_and_nothing_is_acknowledged() {
     let [Arrival::Command(Command::Page(PageCommand::StorageAnswered(answer)))] = told.as_slice() else {
         panic!("{} answers", told.len());
     };
-    assert!(matches!(answer, StorageAnswer::PasswordChecked(PasswordScope::User, true)), "{answer:?}");
+    assert!(
+        matches!(answer, StorageAnswer::PasswordChecked(PasswordScope::User, PasswordCheck::Initial)),
+        "{answer:?}"
+    );
 }
 
 /// As one number, program and line of a named program or of one with eight digits lost the last digits of the line.

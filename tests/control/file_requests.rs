@@ -9,7 +9,7 @@ use kt830::defs::text::{LocalizedText, Text};
 use kt830::link::Command;
 use kt830::link::files::{FileAnswer, FileRequest, Refusal, Requester, RestoredValues, Ticket};
 use kt830::link::media::{Direction, MediaView, TransferRequest, TransferSet};
-use kt830::link::page_command::{PageCommand, PasswordScope, Secret, StorageAnswer};
+use kt830::link::page_command::{PageCommand, PasswordCheck, PasswordScope, Secret, StorageAnswer};
 use kt830::link::snapshot::RunState;
 
 use crate::core_alone::Core;
@@ -40,7 +40,7 @@ fn running() -> Core {
 
 fn unlock(core: &mut Core, scope: PasswordScope) {
     core.send(Command::Page(PageCommand::Unlock(scope, Secret::new("1234".into()))));
-    core.storage_answers(StorageAnswer::PasswordChecked(scope, true));
+    core.storage_answers(StorageAnswer::PasswordChecked(scope, PasswordCheck::Right));
 }
 
 fn transfer(set: TransferSet, direction: Direction, names: &[&str]) -> FileRequest {

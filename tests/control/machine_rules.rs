@@ -8,6 +8,7 @@ use kt830::defs::signal::{Input, Output};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::link::simulation::SimCommand;
 use kt830::link::snapshot::RunState;
 use kt830::units::Axis;
@@ -20,6 +21,20 @@ fn add(rig: &mut HeadlessHost, number: u32, text: &str) {
 
 /// Hydraulics on, pressure there, its delay gone by, nothing homed.
 const HYDRAULICS: &str = "key hydraulic\nwait 4 s\nexpect no alarm\n";
+
+#[test]
+fn b6_an_unlock_by_the_initial_password_asks_to_change_it_until_it_is_changed() {
+    let mut rig = story("unlock builder 830830\nexpect message \"仍是出厂密码\"");
+    let change = PageCommand::ChangePassword {
+        scope: PasswordScope::Builder,
+        old: Secret::new("830830".into()),
+        new: Secret::new("471100".into()),
+    };
+    rig.send(Command::Page(change));
+    tell(&mut rig, "wait 0.1 s\nunlock builder 471100\nexpect message \"关机前有效\"");
+    // The password of programs is the customer's own.
+    tell(&mut rig, "unlock program 187350\nexpect message \"关机前有效\"");
+}
 
 #[test]
 fn k3_7_missing_pressure_after_power_on_is_alarm_180_from_p270_on() {

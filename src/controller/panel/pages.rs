@@ -16,7 +16,7 @@ use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::internal_signal::{InternalSignal, InternalSignalSet};
 use crate::link::page_command::{
-    BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordScope, SettingsRequest, StorageAnswer,
+    BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordCheck, PasswordScope, SettingsRequest, StorageAnswer,
 };
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::machine::panel_key::NOT_IN_RUN;
@@ -115,11 +115,18 @@ impl Panel {
 
     fn handle_page_answer(&mut self, parts: &mut Parts<'_>, answer: &StorageAnswer) {
         match answer {
-            StorageAnswer::PasswordChecked(guard, true) => {
+            StorageAnswer::PasswordChecked(guard, check @ (PasswordCheck::Right | PasswordCheck::Initial)) => {
                 self.store_wrong_passwords(parts, 0);
                 self.access.unlock(*guard);
                 let name = guard.name();
-                parts.plant.show_note(phrase!("{name}已打开，关机前有效", "{name}: unlocked until power-off", name));
+                parts.plant.show_note(match check {
+                    PasswordCheck::Initial if *guard != PasswordScope::Program => phrase!(
+                        "{name}已打开；仍是出厂密码，请在“设置”页修改",
+                        "{name}: unlocked; the password is still the initial one: change it on the page SETTINGS",
+                        name
+                    ),
+                    _ => phrase!("{name}已打开，关机前有效", "{name}: unlocked until power-off", name),
+                });
             }
             StorageAnswer::PasswordChanged(guard, true) => {
                 self.store_wrong_passwords(parts, 0);
@@ -127,7 +134,7 @@ impl Panel {
                 let name = guard.name();
                 parts.plant.show_note(phrase!("{name}密码已修改", "{name}: password changed", name));
             }
-            StorageAnswer::PasswordChecked(_, false) | StorageAnswer::PasswordChanged(_, false) => {
+            StorageAnswer::PasswordChecked(_, PasswordCheck::Wrong) | StorageAnswer::PasswordChanged(_, false) => {
                 let wrong = self.access.reject(parts.plant.now);
                 self.store_wrong_passwords(parts, self.access.wrong_passwords());
                 parts.plant.refuse(wrong);

@@ -11,6 +11,7 @@ mod tables;
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use redb::{Database, DatabaseError};
 
@@ -30,6 +31,9 @@ pub const DATABASE_FILE: &str = "retained.redb";
 const NEW_DATABASE_FILE: &str = "retained.fresh.redb";
 /// The passwords once more, beside the database: they outlive it.
 pub const PASSWORD_FILE: &str = "passwords.ron";
+/// How often the lock is tried, and the pause between: half a second in all.
+const LOCK_TRIES: u32 = 10;
+const LOCK_PAUSE: Duration = Duration::from_millis(50);
 /// Locked while a control uses the data.
 const LOCK_FILE: &str = "retained.lock";
 /// Maximum number of damaged files kept; then the newest replaces the one before.
@@ -363,12 +367,18 @@ fn identity(path: &Path) -> Option<FileIdentity> {
 fn lock(folder: &Path) -> Result<File, RetainedError> {
     let path = folder.join(LOCK_FILE);
     let file = disk::private(File::options().create(true).truncate(false).write(true)).open(&path);
-    let file = file.map_err(IoFault::at(&path, "open"))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(RetainedError::AlreadyRunning(folder.to_path_buf())),
-        Err(TryLockError::Error(cause)) => Err(IoFault::at(&path, "lock")(cause).into()),
+    // A file system that is mounted read-only after a fault of the disk still locks.
+    let file = file.or_else(|failed| File::open(&path).map_err(|_| failed)).map_err(IoFault::at(&path, "open"))?;
+    for tries_left in (0..LOCK_TRIES).rev() {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            // A control that is ending, or a program that it has just started, has the lock for some milliseconds.
+            Err(TryLockError::WouldBlock) if tries_left > 0 => std::thread::sleep(LOCK_PAUSE),
+            Err(TryLockError::WouldBlock) => break,
+            Err(TryLockError::Error(cause)) => return Err(IoFault::at(&path, "lock")(cause).into()),
+        }
     }
+    Err(RetainedError::AlreadyRunning(folder.to_path_buf()))
 }
 
 /// Renames a damaged file to the first free `retained.damaged-N.redb`, or to the last.

@@ -7,8 +7,8 @@ mod outputs;
 use super::machine::WatchedMachine;
 use crate::controller::{Controller, WORK_PER_TICK};
 use crate::defs::key::{Key, Lamp};
-use crate::defs::kind::Kind;
 use crate::defs::signal::{Input, Output, OutputSet};
+use crate::defs::soft_key::f1_continues;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::units::Micros;
@@ -101,7 +101,7 @@ impl Invariants {
     /// A run starts, and goes on after a hold or a stop, by the operator alone.
     fn check_start_of_run(&mut self, moment: &Moment<'_>) -> Result<(), String> {
         let external = moment.machine.is_active(Input::ExternalStart);
-        let continues_by_soft_key = moment.controller.kind() == Kind::Lathe;
+        let continues_by_soft_key = f1_continues(moment.controller.kind());
         let asks = |command: &Command| match command {
             Command::Press(Key::CycleStart | Key::WheelRetract) => true,
             // L7: the soft key that goes on.
