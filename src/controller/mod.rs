@@ -84,6 +84,7 @@ impl Controller {
         }
         let Parts { plant, program, manual } = parts;
         plant.supervise_axes();
+        program.supervise_supply(plant);
         plant.supervise_screen();
         plant.supervise_storage();
         program.step_restart(plant);

@@ -131,6 +131,9 @@ alarms! {
     IN_POSITION_TIMEOUT = 106, StopProgram, Reset, "到位超时", "in-position time-out",
         "运动结束后轴没有进入到位宽度", "an axis did not settle in position after its move",
         "检查驱动增益和机械", "check drive gain and mechanics";
+    POWER_FAIL = 107, StopAll, Reset, "供电中断", "supply fails",
+        "供电监视 P369 报告电源中断", "the supply monitor at P369 reports that the power goes",
+        "电源恢复后按复位；断点已保存，需要时重新回零", "RESET once the power is back; the place of the program is kept, home again if needed";
     HYDRAULIC_PRESSURE = 180, BlockWheel, SelfClearingUnlessStopped, "砂轮启动时液压异常", "hydraulic pressure missing",
         "液压未打开，或延时 P270 后没有压力信号 P269", "hydraulics off, or no pressure signal P269 after the delay P270",
         "打开液压，检查油泵、油位和压力开关；停机后压力恢复按复位", "switch hydraulics on, check pump, oil, pressure switch; RESET once pressure is back";

@@ -113,6 +113,7 @@ signals! {
         Station2 = "station-2", 366, ToolTurret, "2 号刀位", "tool post station 2";
         Station3 = "station-3", 367, ToolTurret, "3 号刀位", "tool post station 3";
         Station4 = "station-4", 368, ToolTurret, "4 号刀位", "tool post station 4";
+        PowerFail = "power-fail", 369, ANY, "供电中断", "supply fails";
     }
 }
 

@@ -82,6 +82,7 @@ impl<F: FieldBus> HostedFieldBus<F> {
             lost: counted.lost,
             round_trip: machine.round_trips().percentiles(),
             wake_up: times.wake_ups.percentiles(),
+            rights: times.rights,
             clock: description.ethercat.distributed_clocks.map(|_| BusClock {
                 distance: machine.clock_errors().percentiles(),
                 drift_ppm: times.bus_clock.drift_ppm(),
@@ -107,6 +108,10 @@ impl<F: FieldBus> Backend for HostedFieldBus<F> {
 impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
     fn pace(&self) -> Pace {
         Pace::Real
+    }
+
+    fn core(&self) -> Option<u16> {
+        self.machine.description().core
     }
 
     fn begin(&mut self) {

@@ -18,6 +18,10 @@ use crate::units::Micros;
 pub trait HostedMachine: Backend {
     /// How strictly its ticks are kept.
     fn pace(&self) -> Pace;
+    /// The core of the computer on which its ticks run; `None`: any.
+    fn core(&self) -> Option<u16> {
+        None
+    }
     /// The ticks begin: a field bus goes into operation.
     fn begin(&mut self);
     /// The control gets its power back; the parameters are those it starts with.

@@ -23,8 +23,6 @@ pub struct ThreadHealth {
     pub ticks: AtomicU64,
     /// Number of wake-ups that came more than the duration of their ticks late.
     pub late: AtomicU64,
-    /// The thread runs with real-time priority.
-    pub real_time: AtomicBool,
     /// The thread has panicked; the outputs are in the safe state.
     pub failed: AtomicBool,
 }

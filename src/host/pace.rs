@@ -4,6 +4,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::link::bus::ThreadRights;
 use crate::units::Histogram;
 use thread_priority::{ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id};
 
@@ -72,6 +73,8 @@ pub struct TickSchedule {
 pub struct ThreadTimes {
     /// How late it wakes up.
     pub wake_ups: Histogram,
+    /// What the computer has given to it.
+    pub rights: ThreadRights,
     /// The clock of the bus beside that of this computer.
     pub bus_clock: DriftMeter,
 }
@@ -204,21 +207,58 @@ fn memory_lock_flags() -> rustix::mm::MlockAllFlags {
     all
 }
 
-/// Requests real-time priority and locked memory; returns false where the system does not permit it.
-pub(super) fn request_real_time() -> bool {
+/// Stack that is touched before the first tick, so that none of its pages is missing in one: more than a tick uses.
+const STACK_BYTES: usize = 256 * 1024;
+/// Size of a page of memory.
+const PAGE_BYTES: usize = 4_096;
+
+/// Uses the stack once.
+#[inline(never)]
+fn touch_stack() {
+    let mut stack = [0_u8; STACK_BYTES];
+    for page in stack.chunks_mut(PAGE_BYTES) {
+        page[0] = 1;
+    }
+    std::hint::black_box(&mut stack);
+}
+
+/// Binds this thread to a core of the computer; returns whether the system has done it.
+fn bind_to_core(core: u16) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::thread::{CpuSet, sched_setaffinity};
+        let mut cores = CpuSet::new();
+        cores.set(usize::from(core));
+        sched_setaffinity(None, &cores).is_ok()
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = core;
+        false
+    }
+}
+
+/// Requests real-time priority, locked memory with a stack that is there, and a core; returns what the system permits.
+pub(super) fn request_real_time(core: Option<u16>) -> ThreadRights {
+    let core = core.map(|core| (core, bind_to_core(core)));
     #[cfg(unix)]
     {
         use rustix::mm::mlockall;
         use thread_priority::{RealtimeThreadSchedulePolicy, ThreadPriorityValue};
-        let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else { return false };
+        let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else {
+            return ThreadRights { core, ..ThreadRights::default() };
+        };
         let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-        let given =
+        let has_priority =
             set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy).is_ok();
-        let locked = given && mlockall(memory_lock_flags()).is_ok();
-        given && locked
+        let has_locked_memory = has_priority && mlockall(memory_lock_flags()).is_ok();
+        if has_locked_memory {
+            touch_stack();
+        }
+        ThreadRights { has_priority, has_locked_memory, core }
     }
     #[cfg(not(unix))]
     {
-        false
+        ThreadRights { core, ..ThreadRights::default() }
     }
 }

@@ -66,7 +66,8 @@ where
     let (health, end) = (Arc::new(ThreadHealth::default()), ControlEnd::default());
     let (own_health, own_end) = (Arc::clone(&health), end.clone());
     let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
-        own_health.real_time.store(request_real_time(), Ordering::Release);
+        let mut host = host;
+        host.times.rights = request_real_time(host.plant.core());
         let mut thread = HostThread {
             host,
             from_screen,

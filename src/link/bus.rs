@@ -61,6 +61,17 @@ pub struct BusClock {
     pub drift_ppm: f64,
 }
 
+/// What the computer has given to the thread of the control.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ThreadRights {
+    /// It goes before all other threads (`SCHED_FIFO`).
+    pub has_priority: bool,
+    /// Its memory is never swapped out, and its stack is there.
+    pub has_locked_memory: bool,
+    /// The core that the description asks for, and whether the thread runs there.
+    pub core: Option<(u16, bool)>,
+}
+
 /// The bus.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BusView {
@@ -80,6 +91,8 @@ pub struct BusView {
     pub round_trip: Percentiles,
     /// How late the thread of the control wakes up.
     pub wake_up: Percentiles,
+    /// Rights of the thread of the control.
+    pub rights: ThreadRights,
     /// The distributed clocks, if they are used.
     pub clock: Option<BusClock>,
 }

@@ -21,7 +21,7 @@ use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::station::StationFault;
 use kt830::link::Snapshot;
-use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView};
+use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, ThreadRights};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
@@ -321,6 +321,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         lost: 1_234,
         round_trip: times(70, 110, 1_850),
         wake_up: times(20, 90, 12_340),
+        rights: ThreadRights { has_priority: true, has_locked_memory: !broken, core: Some((3, true)) },
         clock: Some(BusClock { distance: times(10, 80, 410), drift_ppm: -12.4 }),
     }
 }

@@ -607,17 +607,24 @@ fn p1_a_description_that_differs_from_the_parameters_is_refused() {
     for (kind, name) in [(Kind::Gc, "gc"), (Kind::Gs, "gs"), (Kind::Ga, "ga"), (Kind::Lathe, "lathe")] {
         assert_eq!(refused(&example(name), &Params::factory(kind)), Ok(()), "{name}");
     }
-    let params = Params::factory(Kind::Gc);
+    let (params, gs) = (Params::factory(Kind::Gc), Params::factory(Kind::Gs));
     let mut with_y = params.clone();
     with_y.write(ParamAddress::parse("P6.6").unwrap(), 1.0).unwrap();
     let port = params.output_port(Output::Coolant);
+    // P30 as delivered: 6 000 mm/min are 100 mm/s.
+    let at_most = |mm_s: &str| {
+        let with_speed = format!("counts_per_mm: 26214.4, highest_mm_s: {mm_s})");
+        example("gc").replacen("counts_per_mm: 26214.4, highest_mm_s: 250.0)", &with_speed, 1)
+    };
+    assert_eq!(refused(&at_most("100.0"), &params), Ok(()));
     let brake = format!("counts_per_mm: 26214.4, brake: (port: {port}, release_s: 0.1, engage_s: 0.1))");
     for (text, params, said) in [
         // The cycle is 1 ms: a frame of 1 ms would be late in every one.
         (example("gc").replace("reply_time_us: 500", "reply_time_us: 1000"), &params, "(P58)"),
         (example("gc"), &with_y, "y: the control has this axis"),
         (example("gs"), &params, "y: has a drive"),
-        (example("gc").replacen("counts_per_mm: 26214.4)", &brake, 1), &params, "x.brake: port 2 and coolant (P"),
+        (at_most("99.9"), &params, "x.highest_mm_s: the rapid traverse of the control (P30–P32)"),
+        (example("gs").replacen("counts_per_mm: 26214.4)", &brake, 1), &gs, "x.brake: port 2 and coolant (P"),
     ] {
         let told = refused(&text, params).unwrap_err();
         assert!(told.contains(said), "{said}: {told}");

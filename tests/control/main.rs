@@ -32,6 +32,7 @@ mod motion_profile;
 mod motion_thread;
 mod oscillation;
 mod panel_keys;
+mod power_fail;
 mod process_end;
 mod restart;
 mod retract;

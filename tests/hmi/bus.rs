@@ -8,7 +8,7 @@ use kt830::hmi::page_text;
 fn p1_the_bus_page_shows_devices_drives_and_times() {
     let texts = page_text(&crate::sample::busy(Page::Bus), Lang::En).join("\n");
     for said in [
-        "enp2s0  in operation",
+        "enp2s0  in operation  real time  CPU 3",
         "drive X",
         "X  enabled  -37.5 %",
         "OP",

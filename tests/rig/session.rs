@@ -116,11 +116,11 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
     }
     let health = link.health();
     let (ticks, late) = (health.ticks.load(Ordering::Relaxed), health.late.load(Ordering::Relaxed));
-    let real_time = if health.real_time.load(Ordering::Relaxed) { "with" } else { "without" };
-    println!("  {ticks} ticks, {late} late, {real_time} real-time priority");
+    println!("  {ticks} ticks, {late} late");
     if let Some(bus) = link.newest().bus.as_deref().filter(|bus| bus.cycles > 0) {
         let us = |times: Percentiles| format!("{}/{}/{}", times.median.0, times.p99.0, times.max.0);
         let (trip, wake) = (us(bus.round_trip), us(bus.wake_up));
+        println!("  rights of the thread: {:?}", bus.rights);
         println!(
             "  median/99 %/max: round trip {trip} µs, wake-up {wake} µs; {} of {} frames lost",
             bus.lost, bus.cycles

@@ -12,6 +12,7 @@ pub mod library;
 pub mod lookahead_state;
 mod mdi;
 pub mod move_refusal;
+mod power_fail;
 mod preflight;
 pub mod queue;
 pub mod restart;
@@ -50,6 +51,8 @@ pub struct Program {
     pub restart: Option<restart::Restart>,
     /// Position of the run for a power failure.
     pub power_cut: restart::PowerCutPosition,
+    /// What the wheel does when the supply fails.
+    power_fail: power_fail::PowerFailRetract,
     /// Modal state kept from one MDI line to the next.
     mdi_modals: Option<ModalState>,
     /// The MDI line.
@@ -67,6 +70,7 @@ impl Program {
             retract_calls: retract::retract_calls(kind.row().dialect),
             restart: None,
             power_cut: restart::PowerCutPosition::new(interrupted),
+            power_fail: power_fail::PowerFailRetract::default(),
             mdi_modals: None,
             mdi: mdi::MdiLine::new(kind.row().dialect),
         }
@@ -164,6 +168,9 @@ impl Program {
         let rest = plant.has_braked();
         if rest && matches!(plant.execution.phase, ControlPhase::Holding | ControlPhase::Aborting) {
             if matches!(plant.execution.phase, ControlPhase::Aborting) {
+                if self.withdraws_at_power_fail(plant) {
+                    return;
+                }
                 self.close_run(plant);
                 self.abandon_retract(plant);
             }

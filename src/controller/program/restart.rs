@@ -220,7 +220,7 @@ pub struct PowerCutPosition {
     pub interrupted: Option<(u32, u32)>,
     /// Line of the present run last stored on disk, and when.
     stored: Option<(u32, Micros)>,
-    /// The control ends: the record stays.
+    /// The control or its supply ends the open run: the record stays.
     is_kept: bool,
 }
 
@@ -453,16 +453,18 @@ impl Program {
         }
     }
 
-    /// The control ends: stores the position of the open run and keeps it.
+    /// The control ends, or its supply fails: stores the position of the open run and keeps it.
     pub fn keep_run_position(&mut self, plant: &mut Plant) {
         self.store_position_after(Micros::ZERO, plant);
-        self.power_cut.is_kept = true;
+        self.power_cut.is_kept = self.power_cut.stored.is_some();
     }
 
     /// The run is over: clears the recorded position.
     pub fn clear_run_position(&mut self, plant: &mut Plant) {
-        self.power_cut.interrupted = None;
-        if self.power_cut.stored.take().is_some() && !self.power_cut.is_kept {
+        let stored = self.power_cut.stored.take().map(|(line, _)| (plant.execution.current_program, line));
+        let is_kept = std::mem::take(&mut self.power_cut.is_kept);
+        self.power_cut.interrupted = stored.filter(|_| is_kept);
+        if stored.is_some() && !is_kept {
             plant.outbox.requests.push(StorageRequest::RunningAt(None));
         }
     }

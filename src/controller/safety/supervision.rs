@@ -88,16 +88,18 @@ impl Plant {
         let bus = self.inputs.image.bus_alive;
         let silent = self.inputs.image.station_silent;
         let limits = self.inputs.limit_switches;
+        let supply = self.inputs.filtered.has(Input::PowerFail);
         let drives = self.has_drive_fault();
         self.alarms.reset(|number| match number {
             alarm::EMERGENCY_STOP => e_stop,
+            alarm::POWER_FAIL => supply,
             alarm::BUS_LOST => !bus,
             alarm::STATION_SILENT => silent,
             alarm::DRIVE_FAULT => drives,
             alarm::HARD_LIMIT => limits != 0,
             _ => false,
         });
-        self.outputs.drives_on = !e_stop && bus && !silent && !drives;
+        self.outputs.drives_on = !e_stop && bus && !silent && !drives && !supply;
     }
 
     /// Raises an alarm and executes its reaction.

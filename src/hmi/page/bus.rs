@@ -6,7 +6,7 @@ use egui::{Rect, vec2};
 use super::{PageContext, PageUi, empty};
 use crate::defs::device_state::DeviceState;
 use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
-use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView};
+use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView, ThreadRights};
 use crate::units::{Micros, Percentiles};
 
 /// Height of a row.
@@ -62,7 +62,7 @@ fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
     let (lamp, title) = inside.band(0.0, LINE_HEIGHT).split_left_right_at_x(inside.min.x + LAMP_WIDTH);
     widget::lamp(view, lamp, bus.fault.is_none());
     let state = match &bus.fault {
-        None => format!("{}  {}", bus.interface, view.text("运行", "in operation")),
+        None => format!("{}  {}  {}", bus.interface, view.text("运行", "in operation"), rights_text(view, bus.rights)),
         Some(fault) => format!("{}  {}", bus.interface, fault.get(view.lang)),
     };
     let colour = if bus.fault.is_none() { view.theme.text } else { view.theme.alarm_text };
@@ -93,6 +93,20 @@ fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
             view.fit_left(left, name, theme::LABEL, view.theme.muted);
             view.fit_left(right, value, theme::LABEL, view.theme.text);
         }
+    }
+}
+
+/// What the computer has given to the thread of the control.
+fn rights_text(view: &View<'_>, rights: ThreadRights) -> String {
+    let time = match rights {
+        ThreadRights { has_priority: true, has_locked_memory: true, .. } => view.text("实时", "real time"),
+        ThreadRights { has_priority: true, .. } => view.text("内存未锁定", "memory not locked"),
+        ThreadRights { .. } => view.text("没有实时权限", "no real-time rights"),
+    };
+    match rights.core {
+        None => time.to_owned(),
+        Some((core, true)) => format!("{time}  CPU {core}"),
+        Some((core, false)) => format!("{time}  {} {core}", view.text("没有 CPU", "there is no CPU")),
     }
 }
 

@@ -13,6 +13,8 @@ use crate::units::{Axis, PerAxis};
 
 /// Most devices of a bus: the stack reserves memory for them.
 pub const MAX_DEVICES: usize = 32;
+/// Most cores of a computer that the system can name.
+const MAX_CORES: u16 = 1_024;
 /// Most bytes of inputs, and of outputs, of a device.
 const MAX_DEVICE_BYTES: u16 = 256;
 /// Most entries in the inputs or the outputs of a device.
@@ -57,6 +59,10 @@ pub struct MachineDescription {
     pub kind: Kind,
     /// The EtherCAT network.
     pub ethercat: EtherCatDescription,
+    /// Core of the computer on which the control runs, from 0; any without it. Best one that serves nothing else
+    /// (`isolcpus`).
+    #[serde(default)]
+    pub core: Option<u16>,
     /// The devices in the order of the cable.
     pub devices: Vec<DeviceDescription>,
     /// Stations on Modbus TCP: devices 101, 102 …
@@ -233,6 +239,9 @@ pub struct ServoAxisDescription {
     /// The counts rise where the axis moves in its minus direction.
     #[serde(default)]
     pub reversed: bool,
+    /// Highest speed of motor and screw, mm/s of the slide; the rapid traverse of the control may not exceed it.
+    #[serde(default)]
+    pub highest_mm_s: Option<f64>,
     /// Its holding brake, if the drive does not switch it itself.
     #[serde(default)]
     pub brake: Option<BrakeDescription>,
@@ -373,6 +382,8 @@ impl MachineDescription {
         let EtherCatDescription { interface, reply_time_us, bridged_frames, distributed_clocks } = &self.ethercat;
         require(!interface.is_empty(), "ethercat.interface", "the network interface must have a name")?;
         require((50..=50_000).contains(reply_time_us), "ethercat.reply_time_us", "must be 50 to 50 000 µs")?;
+        let is_core = self.core.is_none_or(|core| core < MAX_CORES);
+        require(is_core, "core", "must be the number of a core of the computer, from 0")?;
         require(*bridged_frames <= 20, "ethercat.bridged_frames", "must be 0 to 20")?;
         let has_sync0 = self.devices.iter().any(|device| device.sync0);
         let rule = "SYNC0 needs both: `distributed_clocks`, and `sync0: true` at the devices that work at it";
@@ -446,6 +457,9 @@ impl MachineDescription {
         let device = self.device(servo.device, &format!("{place}.device"))?;
         let rule = "must be greater than 0; `reversed: true` turns the direction";
         require(servo.counts_per_mm.is_normal() && servo.counts_per_mm > 0.0, &format!("{place}.counts_per_mm"), rule)?;
+        let rule = "must be greater than 0 and finite";
+        let is_speed = servo.highest_mm_s.is_none_or(|speed| speed.is_normal() && speed > 0.0);
+        require(is_speed, &format!("{place}.highest_mm_s"), rule)?;
         for (object, entries, bits) in [
             (CONTROLWORD, &device.outputs, 16),
             (TARGET_POSITION, &device.outputs, 32),

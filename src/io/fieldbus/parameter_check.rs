@@ -22,6 +22,9 @@ const IN_THE_CYCLE: [Input; 11] = [
     Input::LimitZMinus,
 ];
 
+/// Seconds of a minute.
+const MINUTE_S: f64 = 60.0;
+
 impl MachineDescription {
     /// Checks what depends on the parameters of the control: the cycle, the fitted axes, the ports of functions.
     ///
@@ -40,6 +43,12 @@ impl MachineDescription {
             let (fitted, described) = (fitted[axis], described[axis].is_some());
             require(described || !fitted, &place, "the control has this axis, the description has no drive for it")?;
             require(fitted || !described, &place, "has a drive, and the control does not have this axis (P6.6)")?;
+        }
+        for (axis, highest) in described.iter().filter_map(|(axis, servo)| Some((axis, servo.as_ref()?.highest_mm_s?)))
+        {
+            let rapid = params.get_axis(param::RAPID_X, axis) / MINUTE_S;
+            let place = format!("{}.highest_mm_s", axis.letter().to_ascii_lowercase());
+            require(rapid <= highest, &place, "the rapid traverse of the control (P30–P32) is faster")?;
         }
         for (axis, servo) in described.iter() {
             let Some(brake) = servo.and_then(|servo| servo.brake.as_ref()) else { continue };
