@@ -117,6 +117,11 @@ signals! {
     }
 }
 
+impl Input {
+    /// The signals of the gauges, P1 to P6.
+    pub const GAUGES: [Self; 6] = [Self::Gauge1, Self::Gauge2, Self::Gauge3, Self::Gauge4, Self::Gauge5, Self::Gauge6];
+}
+
 signals! {
     /// A contactor, valve or lamp that the control switches.
     Output {

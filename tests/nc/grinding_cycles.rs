@@ -52,6 +52,11 @@ impl ExternalState for Gauge {
     }
 
     fn system_variable(&mut self, number: u32) -> LiveValue {
+        // #5821 on: the signals are on from their place towards minus.
+        if (5_821..=5_826).contains(&number) {
+            let is_on = self.signal.is_some_and(|(axis, at)| self.machine.work_position()[axis] <= at);
+            return LiveValue::Value(Some(f64::from(u8::from(is_on))));
+        }
         self.machine.system_variable(number)
     }
 
@@ -216,6 +221,20 @@ fn b2_g72_ends_at_the_size_signal() {
     // It does not come at all: alarm 3076 instead of a part that is too large.
     let found = steps("G72 P1 A-0.1 W-60. I600. K300. H1", Dialect::LatheA, None).unwrap();
     assert_eq!(found.last().map(String::as_str), Some("alarm 3076"));
+}
+
+/// The signal is there before the wheel has touched the part: nothing is ground, and nothing counts as finished.
+#[test]
+fn p7_a_signal_that_is_there_before_is_an_alarm_in_every_cycle_with_direct_sizing() {
+    let (gc, gs) = (Some((Axis::X, 20.3)), Some((Axis::Y, 50.1)));
+    for (text, dialect, signal) in [
+        ("G72 P1 A-0.1 W-60. I600. K300. H9", Dialect::LatheA, gc),
+        ("G74 P4 A-0.1 W-60. K300. H9", Dialect::LatheA, gc),
+        ("G176 X40. A0.1 F0.6 E0.2 P4", Dialect::LatheA, gc),
+        ("G77 P4 I-0.02 K-0.05 X80. R100. F9000.", Dialect::Mill, gs),
+    ] {
+        assert_eq!(steps(text, dialect, signal).unwrap(), ["alarm 3089"], "{text}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use super::{Plant, key_stroke};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::program_number;
+use crate::defs::signal::Input;
 use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
@@ -111,6 +112,9 @@ impl Plant {
         if let Some(index) = of(system_variable::OUTPUTS) {
             // Switching by the previous block counts at once, one tick before it reaches the terminals.
             return Some(switched(self.outputs_now().1.is_closed(index as u8 + 1)));
+        }
+        if let Some(index) = of(system_variable::GAUGE_SIGNALS) {
+            return Some(switched(self.inputs.raw.has(Input::GAUGES[index])));
         }
         if let Some(index) = of(system_variable::GAUGE_POSITIONS) {
             return Some(self.work.gauge_positions[index]);

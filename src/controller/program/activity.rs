@@ -5,10 +5,6 @@ use crate::defs::signal::Input;
 use crate::nc::GaugeMove;
 use crate::units::{Axis, MachinePos, Micros};
 
-/// The gauge inputs, P1 to P6.
-pub const GAUGE_INPUTS: [Input; 6] =
-    [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
-
 /// Status of a queued action after one tick.
 pub enum ActionStatus {
     /// Finished.

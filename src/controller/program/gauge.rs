@@ -3,13 +3,14 @@
 //! The encoder position is latched in the tick of the unfiltered edge, so that input filter, servo lag and braking do
 //! not matter. Source: spec K4.5.
 
-use super::activity::{ActionStatus, Activity, GAUGE_INPUTS, GaugeCycle, GaugeStage};
+use super::activity::{ActionStatus, Activity, GaugeCycle, GaugeStage};
 use super::queue::check_soft_limits;
 use super::run::ProgramRun;
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::Plant;
 use crate::defs::alarm;
 use crate::defs::mcode::{Gauge, Request};
+use crate::defs::signal::Input;
 use crate::defs::text::phrase;
 use crate::motion::{CornerMode, MotionSpeed, MoveShape};
 use crate::nc::GaugeMove;
@@ -147,7 +148,7 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
         gauging.latched = Some(displayed_work(plant, asked.axis));
         plant.axes.planner.abort();
     }
-    let first_on = plant.inputs.filtered.has(GAUGE_INPUTS[gauge_index(asked.first_input)]);
+    let first_on = plant.inputs.filtered.has(Input::GAUGES[gauge_index(asked.first_input)]);
     if fine && multi && gauging.latched.is_none() && !first_on {
         return fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, asked.first_input);
     }
@@ -189,7 +190,7 @@ fn fail_gauge(plant: &mut Plant, number: u16, signal: u8) -> ActionStatus {
 
 /// Whether a gauge signal (1 to 6) is on, before the input filter.
 pub fn gauge_signal(plant: &Plant, number: u8) -> bool {
-    plant.inputs.raw.has(GAUGE_INPUTS[gauge_index(number)])
+    plant.inputs.raw.has(Input::GAUGES[gauge_index(number)])
 }
 
 /// The work coordinate of an axis from its encoder, as displayed.

@@ -4,6 +4,7 @@
 mod batch;
 mod dressing;
 mod feeds;
+mod gauge;
 mod pages;
 mod refusals;
 mod retract;
