@@ -114,6 +114,7 @@ signals! {
         Station3 = "station-3", 367, ToolTurret, "3 号刀位", "tool post station 3";
         Station4 = "station-4", 368, ToolTurret, "4 号刀位", "tool post station 4";
         PowerFail = "power-fail", 369, ANY, "供电中断", "supply fails";
+        WheelContact = "wheel-contact", 358, Wheel, "砂轮接触 (声发射或功率)", "wheel contact (acoustic emission or power)";
     }
 }
 

@@ -89,6 +89,7 @@ ranges! {
     X_SCALE = 5_807, 1, Read, "X 每毫米的数值：2 直径编程，1 半径编程 (P6.0)", "X values of a millimetre: 2 diameters, 1 radii (P6.0)";
     DRESSING_POINT = 5_811, 3, Read, "修整点 X Y Z (机床坐标)，没有设置为空", "dressing point X, Y, Z, machine position; null where none is set";
     GAUGE_SIGNALS = 5_821, 6, Read, "量仪信号 1-6 (P323–P328)，有效为 1", "gauge signals 1 to 6 (P323 to P328), 1 = active";
+    CONTACT_SEEN = 5_827, 1, ReadWrite, "砂轮接触 (P358)：写 0 以后碰到过为 1；没有输入口为空", "wheel contact (P358): 1 if it has touched since 0 was written; null without a port";
     EXTRA_ORIGINS = 7_001, 943, ReadWrite, "附加工件原点 G54.1 P1–P48：#7001 #7021 … #7941 起各轴", "work offsets G54.1 P1 to P48: the axes from #7001, #7021 … #7941";
 }
 

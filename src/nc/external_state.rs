@@ -401,6 +401,8 @@ impl ExternalState for OfflineMachine {
         match number {
             // No dressing point is set.
             _ if system_variable::DRESSING_POINT.index(number).is_some() => none,
+            // No contact monitor is fitted.
+            _ if number == system_variable::CONTACT_SEEN.first => none,
             _ if number == system_variable::X_SCALE.first => {
                 LiveValue::Value(Some(if self.diameter { 2.0 } else { 1.0 }))
             }

@@ -345,8 +345,8 @@ fn p8_every_switch_can_stick_and_chatter_on_every_kind() {
         let free: Vec<Input> =
             Input::ALL.iter().copied().filter(|input| Params::factory(kind).input_port(*input) == 0).collect();
         let wire = |params: &mut Params| {
-            // Ports 40 to 64 are free by factory.
-            free.iter().zip(40..).for_each(|(input, port)| connect(params, *input, port));
+            // Ports 41 to 64 are free by factory.
+            free.iter().zip(41..).for_each(|(input, port)| connect(params, *input, port));
         };
         let mut rig = ready_wired(program_of(kind), wire, |_, _| ());
         for input in Input::ALL {

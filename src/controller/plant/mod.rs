@@ -134,6 +134,7 @@ impl Plant {
         self.date = timestamp;
         self.alarms.set_time(now, timestamp);
         self.inputs.read(image);
+        self.work.contact_seen |= self.inputs.raw.has(Input::WheelContact);
         self.axes.read(image);
         self.spindles.encoder.read(image.spindle_turns, now);
         self.measure_thread();

@@ -116,6 +116,10 @@ impl Plant {
         if let Some(index) = of(system_variable::GAUGE_SIGNALS) {
             return Some(switched(self.inputs.raw.has(Input::GAUGES[index])));
         }
+        if of(system_variable::CONTACT_SEEN).is_some() {
+            let has_monitor = self.params.input_port(Input::WheelContact) != 0;
+            return Some(if has_monitor { switched(self.work.contact_seen) } else { None });
+        }
         if let Some(index) = of(system_variable::GAUGE_POSITIONS) {
             return Some(self.work.gauge_positions[index]);
         }

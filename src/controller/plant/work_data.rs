@@ -41,6 +41,8 @@ pub struct WorkData {
     pub program_controls: ProgramControls,
     /// Position latched by the last G31, work coordinates, radius mm.
     pub skip_position: WorkPos,
+    /// The wheel has touched something since a program has reset this (#5827).
+    pub contact_seen: bool,
     /// Results of the last G78.
     pub gauge_positions: GaugePositions,
     /// The tool-change point: tip position at the start of the last program, machine coordinates (L3).

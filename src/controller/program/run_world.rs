@@ -88,6 +88,7 @@ impl ProgramRun {
             // The interpreter has checked their values.
             Some(&system_variable::SINGLE_BLOCK_CONTROL) => plant.work.program_controls.single_block = value as u8,
             Some(&system_variable::HOLD_CONTROL) => plant.work.program_controls.hold = value as u8,
+            Some(&system_variable::CONTACT_SEEN) => plant.work.contact_seen = value.abs() >= SWITCH_THRESHOLD,
             Some(&system_variable::PARTS_DONE) => {
                 plant.work.part_count = value.max(0.0) as u32;
                 plant.store(StorageRequest::PartCount(plant.work.part_count));

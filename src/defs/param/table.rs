@@ -278,6 +278,7 @@ pub(super) const fn factory_input_port(input: Input) -> u8 {
         320..=328 => (number - 320) as u8 + 4,
         329..=331 => (number - 329) as u8 + 23,
         341..=349 => (number - 341) as u8 + 31,
+        358 => 40,
         365..=368 => (number - 365) as u8 + 26,
         _ => 0,
     }

@@ -69,6 +69,8 @@ pub(super) struct Grinding {
     previous_stroke_mm: f64,
     /// Load of the wheel motor, percent.
     pub(super) load_percent: f64,
+    /// The wheel has removed something in this tick: of the part, or it was dressed.
+    pub(super) removes: bool,
     /// Width and radius of the dressing roll, mm; zero for a diamond. Copied from the machine file: read from there, the
     /// compiler calculates with the bytes of a roll that is not there, which may be denormal and slow.
     roll_width_mm: f64,
@@ -103,6 +105,7 @@ impl Grinding {
             part_lost: false,
             previous_stroke_mm: f64::INFINITY,
             load_percent: 0.0,
+            removes: false,
         }
     }
 
@@ -186,6 +189,7 @@ impl Grinding {
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
         self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.wheel.idle_load_percent } else { 0.0 };
+        self.removes = false;
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
@@ -210,6 +214,7 @@ impl Grinding {
                 crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name, scene));
             }
         }
+        self.removes |= volume > 0.0;
         if volume > 0.0 {
             // J/mm³ · mm³/s = W.
             let watts = self.machine.cutting.energy_j_mm3 * volume / scene.dt_s;
@@ -288,6 +293,7 @@ impl Grinding {
             return log.push(self.event(EventKind::Crash, place, scene));
         }
         if !standing {
+            self.removes = true;
             for slice in slices {
                 let depth = reach - wheel.rim_wear_mm[slice];
                 // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.

@@ -63,6 +63,7 @@ impl SimulatedMachine {
         set.set(Input::CoolantFlow, h.coolant_flows() && !self.active_faults.coolant_missing);
         set.set(Input::LubricationLevel, !self.active_faults.lubrication_missing);
         set.set(Input::GuardClosed, true);
+        set.set(Input::WheelContact, self.grinding.removes);
         Input::GEARS.into_iter().enumerate().for_each(|(gear, input)| set.set(input, h.gear_in(gear)));
         if let Some(turning) = &self.lathe {
             for (station, input) in Input::STATIONS.into_iter().enumerate() {

@@ -150,3 +150,45 @@ fn k5_17_the_factory_range_of_dressing_programs_is_that_of_the_kind() {
         assert_eq!(PartFile::builtin(program).unwrap().unwrap().kind, kind);
     }
 }
+
+/// The dressing point is wrong by more than the depth: the diamond or roll is not touched.
+fn misses(program: u32, point: u16, off: f64) -> Shop {
+    let mut shop = shop(program);
+    let right = shop.value(usize::from(point)).unwrap();
+    shop.set(point, right + off);
+    shop
+}
+
+/// `run O1011 --set '#760=-319.95'` booked 0.05 mm that nobody had cut; four parts of O1002 came out −49, −98 and −99 µm.
+#[test]
+fn p6_a_dressing_that_touches_nothing_is_an_alarm_and_books_nothing() {
+    for (program, point, total, off) in [(1011, 760, 772, 0.11), (1013, 802, 806, 0.5), (1014, 821, 828, 0.2)] {
+        let mut shop = misses(program, point, off);
+        let (before, dressed) = (shop.rig.controller().system_variable(5_801), shop.value(total));
+        let end = shop.run();
+        assert!(matches!(&end, End::Alarm(3_025, _)), "O{program}: {end:?}");
+        assert_eq!(shop.rig.controller().system_variable(5_801), before, "O{program}");
+        assert_eq!((shop.value(total), shop.rig.controller().system_variable(5_805)), (dressed, Some(0.0)));
+        assert!(shop.rig.machine().rim_wear_mm().iter().all(|mm| *mm < 1e-12), "O{program} has cut");
+    }
+    // A program that dresses before its part grinds none.
+    let mut shop = misses(1002, 760, 0.2);
+    shop.set(531, 1.0).grind();
+    shop.next_part();
+    let end = shop.run();
+    assert!(matches!(&end, End::Alarm(3_025, _)), "{end:?}");
+    assert_eq!(shop.rig.retained().part_count, 1);
+}
+
+/// A monitor that is dead says the same; without one (P358=0) the program books what it has fed in.
+#[test]
+fn p6_a_dead_contact_monitor_books_nothing_and_without_a_monitor_the_infeed_counts() {
+    let mut dead = shop(1011);
+    crate::stories::tell(&mut dead.rig, "input wheel-contact off");
+    assert!(matches!(dead.run(), End::Alarm(3_025, _)));
+    let mut without = misses(1011, 760, 0.11);
+    crate::stories::tell(&mut without.rig, "param P358 0");
+    assert_eq!(without.run(), End::Finished);
+    assert_eq!(without.rig.controller().system_variable(5_827), None);
+    assert!((without.rig.controller().system_variable(5_801).unwrap() - 599.95).abs() < 1e-9);
+}

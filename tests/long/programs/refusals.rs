@@ -115,3 +115,19 @@ fn k4_5_no_reference_face_is_alarm_183() {
     assert!(matches!(shop.run(), End::Alarm(183, _)));
     assert_eq!(shop.events(), []);
 }
+
+/// Empty #531 and #631 meant a dressing before every part, empty #530 an alarm behind the part.
+#[test]
+fn k7_5_an_empty_interval_or_compensation_is_zero() {
+    for (program, variable) in [(1002, 530), (1002, 531), (1004, 631)] {
+        let run = |value: Option<f64>| {
+            let mut shop = shop(program);
+            shop.rig.send(kt830::link::Command::SetVariable(variable, value));
+            shop.rig.step();
+            (shop.run(), shop.rig.now(), shop.rig.machine().measure())
+        };
+        let empty = run(None);
+        assert_eq!(empty.0, End::Finished, "O{program} #{variable}");
+        assert_eq!(empty, run(Some(0.0)), "O{program} #{variable}");
+    }
+}
