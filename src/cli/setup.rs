@@ -77,9 +77,8 @@ pub fn resolve_settings(mut shared: SharedArgs, opens_control: bool) -> Result<S
 /// The settings of a data directory, and what is wrong with them: the control starts with what is whole and says so.
 fn read_settings(folder: &Path, data_kind: Option<Kind>) -> (StoredSettings, Option<LocalizedText>) {
     let (stored, warning) = match StoredSettings::read_with_warnings(folder) {
-        Ok((stored, warnings)) => {
-            (stored, warnings.first().filter(|warning| warning.is_damage()).map(ToString::to_string))
-        }
+        // A file that was edited by hand cannot be told from one with a flipped bit.
+        Ok((stored, warnings)) => (stored, warnings.first().map(ToString::to_string)),
         Err(error) => (StoredSettings::default(), Some(error.to_string())),
     };
     let other = stored.kind.zip(data_kind).filter(|(set, data)| set != data);

@@ -232,9 +232,9 @@ alarms! {
     SETTINGS_INVALID = 304, BlockStart, SelfClearing, "设置文件损坏或机型不符", "settings damaged or of another kind",
         "settings.ron 不能读出，或机型与保存数据不同；机型按保存数据", "settings.ron cannot be read, or its kind is not that of the retained data; the kind is that of the data",
         "在设置页用机床厂密码重新选择机床类型", "choose the kind of machine again on the settings page (builder's password)";
-    VALUES_DROPPED = 305, Show, Reset, "有保存数据不再有效", "stored values are no longer allowed",
+    VALUES_DROPPED = 305, BlockStart, SelfClearing, "有保存数据不再有效", "stored values are no longer allowed",
         "参数或变量的保存值超出范围，已用出厂值", "stored values of parameters or variables are out of range: factory values are used",
-        "核对所列的参数和变量", "check the parameters and variables that are named";
+        "核对所列的值，再在报警页用机床厂密码接受", "check the named values, then ACCEPT on the alarm page (builder)";
     STORE_SLOW = 306, Show, SelfClearing, "数据还没有保存", "values are not stored yet",
         "磁盘超过 1 秒没有保存完改动的数据；现在断电会丢失", "the disk has not stored changed values for more than a second: a power cut would lose them",
         "不要关机；经常出现时更换磁盘", "do not switch off; replace the disk if it happens often";

@@ -168,7 +168,9 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             Command::ScreensLoaded(screens) => self.delivered.screens = Some(Arc::clone(screens)),
             Command::WallClock(date) => self.delivered.wall_clock = Some((*date, self.now)),
             Command::Page(PageCommand::StorageAnswered(StorageAnswer::DataAccepted)) => {
-                self.delivered.standing.retain(|(number, _)| *number != alarm::RETAINED_DATA_DAMAGED);
+                self.delivered
+                    .standing
+                    .retain(|(number, _)| !matches!(*number, alarm::RETAINED_DATA_DAMAGED | alarm::VALUES_DROPPED));
             }
             Command::Page(PageCommand::StorageAnswered(StorageAnswer::KindSaved(_))) => {
                 self.delivered.standing.retain(|(number, _)| *number != alarm::SETTINGS_INVALID);

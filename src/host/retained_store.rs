@@ -17,8 +17,9 @@ use crate::link::command::Command;
 use crate::link::page_command::{PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::store::ron_file::{self, ChecksumPolicy};
 use crate::store::{
-    DamageReport, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations,
+    DamageReport, KIND_FILE, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -67,13 +68,15 @@ pub struct RetainedStore {
     passwords: PasswordStore,
     /// Changes that the disk has refused; they are written before the next changes.
     unsaved: Vec<RetainedChange>,
+    /// Removes the rows of values that are no longer allowed, once a person has accepted the data.
+    refused: Vec<RetainedChange>,
     folder: PathBuf,
     /// When a generation was kept last.
     kept_at: Instant,
 }
 
-/// Time after which the next commit keeps a generation.
-const GENERATION_INTERVAL: Duration = Duration::from_secs(3_600);
+/// Time after which the next commit keeps a generation: what a damaged database may cost.
+const GENERATION_INTERVAL: Duration = Duration::from_secs(300);
 
 /// Maximum number of unsaved changes; the oldest are dropped first.
 const MAX_UNSAVED: usize = 100_000;
@@ -96,11 +99,14 @@ impl RetainedStore {
         let unbound = stored_kind.is_none().then(|| text(KIND, Some(kind.id().to_owned())));
         let unsaved: Vec<RetainedChange> = unbound.into_iter().collect();
         let (retained, dropped) = retained_from_data(kind, &loaded);
+        let (dropped, refused): (Vec<_>, Vec<_>) = dropped.into_iter().unzip();
+        let refused = refused.into_iter().flatten().collect();
         let loss = loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row));
         let passwords = PasswordStore::new(&loaded, loss.is_some(), folder.to_path_buf());
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
-        let mut store = Self { database: opened.database, passwords, unsaved, folder, kept_at };
+        let mut store = Self { database: opened.database, passwords, unsaved, refused, folder, kept_at };
         let bound = if store.unsaved.is_empty() { Ok(0) } else { store.commit(&[]) };
+        let bound = bound.and_then(|_| store.write_kind(kind));
         // A disk that takes nothing is an alarm, not a dead panel: the values are whole, and each commit tries again.
         let unwritable = opened.unwritable.map_or(Ok(()), Err).and(raised).and(bound);
         let unkept = unwritable.and_then(|_| store.keep_generation()).err().map(|error| error.to_string());
@@ -109,10 +115,20 @@ impl RetainedStore {
     }
 
     /// The kind of machine that the data of a directory belong to; of the newest whole generation if they are damaged
-    /// or gone. Nothing is written.
+    /// or gone, otherwise of the copy beside them. Nothing is written.
     #[must_use]
     pub fn kind_of(folder: &Path) -> Option<Kind> {
-        peek(folder)?.texts.get(KIND).and_then(|id| Kind::from_id(id))
+        let of_data = peek(folder).and_then(|data| data.texts.get(KIND).and_then(|id| Kind::from_id(id)));
+        of_data.or_else(|| kind_beside(folder))
+    }
+
+    /// Writes the kind beside the database, unless it is there.
+    fn write_kind(&self, kind: Kind) -> Result<(), RetainedError> {
+        if kind_beside(&self.folder) == Some(kind) {
+            return Ok(());
+        }
+        let written = ron_file::write(&self.folder.join(KIND_FILE), ChecksumPolicy::Strict, &kind);
+        written.map_err(|error| RetainedError::Generation(error.to_string()))
     }
 
     /// The data of a directory for a check: nothing is written, and a running control is not disturbed. `None` without
@@ -139,15 +155,21 @@ impl RetainedStore {
     /// Answers a request of a page.
     pub fn answer(&mut self, request: &SettingsRequest) -> Command {
         let accepts = *request == SettingsRequest::AcceptData;
-        let binds = match request {
-            SettingsRequest::AcceptData => Some(text(LOSS, None)),
+        let changes = match request {
+            SettingsRequest::AcceptData => self.refused.iter().cloned().chain([text(LOSS, None)]).collect(),
             // The data go with the kind.
-            SettingsRequest::SaveKind(kind) => Some(text(KIND, Some(kind.id().to_owned()))),
-            _ => None,
+            SettingsRequest::SaveKind(kind) => vec![text(KIND, Some(kind.id().to_owned()))],
+            _ => Vec::new(),
         };
-        let stored = binds.map_or(Ok(()), |change| self.database.commit(&[change]).map(drop));
+        let mut stored = if changes.is_empty() { Ok(()) } else { self.database.commit(&changes).map(drop) };
+        if let SettingsRequest::SaveKind(kind) = request {
+            stored = stored.and_then(|()| self.write_kind(*kind));
+        }
         let answer = match stored {
-            Ok(()) if accepts => StorageAnswer::DataAccepted,
+            Ok(()) if accepts => {
+                self.refused.clear();
+                StorageAnswer::DataAccepted
+            }
             Ok(()) => return self.passwords.answer(request, Some(&mut self.database)),
             Err(error) => StorageAnswer::Failed(LocalizedText::same(&error)),
         };
@@ -179,6 +201,11 @@ impl RetainedStore {
         }
         done.map(|generation| generation.0)
     }
+}
+
+/// The kind of machine beside the data, if its file is whole.
+fn kind_beside(folder: &Path) -> Option<Kind> {
+    ron_file::read::<Kind>(&folder.join(KIND_FILE), ChecksumPolicy::Strict).ok().map(|found| found.value)
 }
 
 /// The data of a directory, or its newest whole generation.
@@ -321,18 +348,23 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
     }
 }
 
-fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<String>) {
+/// A stored value that is no longer allowed: what it is, and the change that removes its row.
+type DroppedValue = (String, Option<RetainedChange>);
+
+fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<DroppedValue>) {
     let mut retained = PowerOnState::factory(kind);
     let mut dropped = Vec::new();
     for (number, value) in &loaded.variables {
         if retained.variables.set(u32::from(*number), Some(*value)).is_err() {
-            dropped.push(format!("#{number} = {value}"));
+            let remove = RetainedChange::Variable { number: *number, value: None };
+            dropped.push((format!("#{number} = {value}"), Some(remove)));
         }
     }
     for (key, value) in &loaded.params {
         let written = ParamAddress::parse(key).map(|at| retained.params.write(at, *value));
         if !matches!(written, Some(Ok(()))) {
-            dropped.push(format!("{key} = {value}"));
+            let remove = RetainedChange::Param { key: key.clone(), value: None };
+            dropped.push((format!("{key} = {value}"), Some(remove)));
         }
     }
     for (number, offset) in &loaded.offsets {
@@ -343,23 +375,27 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<S
         let [radius, tip] =
             [system_variable::CUTTER_RADIUS, system_variable::CUTTER_TIP].map(|range| range.first + number - 1);
         for (prefix, variable) in [(CUTTER_RADIUS, radius), (CUTTER_TIP, tip)] {
-            let Some(value) = loaded.numbers.get(&format!("{prefix}{number}")) else { continue };
+            let key = format!("{prefix}{number}");
+            let Some(value) = loaded.numbers.get(&key) else { continue };
             if !matches!(retained.work_offsets.set_cutter_variable(variable, *value), Some(Ok(_))) {
-                dropped.push(format!("#{variable} = {value}"));
+                dropped.push((format!("#{variable} = {value}"), Some(RetainedChange::Number { key, value: None })));
             }
         }
     }
     for (index, origin) in &loaded.work_offsets {
         match OriginPlace::of_stored_index(usize::from(*index)) {
             Some(place) => apply_request(&mut retained, &StorageRequest::WorkOffset(place, *origin)),
-            None => dropped.push(format!("work offset {index}")),
+            None => dropped.push((format!("work offset {index}"), None)),
         }
     }
     for axis in Axis::ALL {
-        let Some(text) = loaded.texts.get(SCREWS[axis as usize]) else { continue };
-        match LeadscrewCompensation::parse(text) {
+        let Some(stored) = loaded.texts.get(SCREWS[axis as usize]) else { continue };
+        match LeadscrewCompensation::parse(stored) {
             Ok(table) => retained.leadscrew_tables[axis] = table,
-            Err(fault) => dropped.push(format!("{}: {fault}", SCREWS[axis as usize])),
+            Err(fault) => {
+                let key = SCREWS[axis as usize];
+                dropped.push((format!("{key}: {fault}"), Some(text(key, None))));
+            }
         }
     }
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);

@@ -45,7 +45,7 @@ pub use listing::{FolderEntry, FolderListing, IgnoredFile, LISTING_LIMIT};
 pub use named_program::{NamedProgram, list_named_programs, program_stem};
 pub use program_folder::{ProgramFolder, STEM_LIMIT};
 pub use retained::{
-    DATABASE_FILE, DamageReport, Generation, OpenedDatabase, PASSWORD_FILE, RetainedChange, RetainedData,
+    DATABASE_FILE, DamageReport, Generation, KIND_FILE, OpenedDatabase, PASSWORD_FILE, RetainedChange, RetainedData,
     RetainedDatabase, RetainedError, StorageFault, ToolOffset, generations, silence_database_check,
 };
 pub use settings::StoredSettings;

@@ -1,7 +1,7 @@
 //! RON files that people read, edit and copy: settings, backups of parameters and variables, part files.
 //!
 //! The last line is a comment with the checksum of the text before it. The previous version is kept as `NAME.bak`.
-//! A file edited by hand is accepted with a warning for [`ChecksumPolicy::Person`] and refused for [`ChecksumPolicy::Strict`].
+//! A file edited by hand is accepted with a warning for [`ChecksumPolicy::Lenient`] and refused for [`ChecksumPolicy::Strict`].
 //! An unreadable file is never replaced silently by defaults: the previous version is read, with a warning.
 
 use std::path::{Path, PathBuf};
@@ -33,10 +33,10 @@ pub enum ChecksumPolicy {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RonWarning {
     /// Edited or written by hand.
-    #[error("{}: no checksum; the file was edited by hand", .0.display())]
+    #[error("{}: no checksum; the file is damaged, or was edited by hand", .0.display())]
     NoChecksum(PathBuf),
     /// Edited by hand after the control wrote it.
-    #[error("{}: the checksum does not fit; the file was edited by hand", .0.display())]
+    #[error("{}: the checksum does not fit; the file is damaged, or was edited by hand", .0.display())]
     StaleChecksum(PathBuf),
     /// The previous version was read instead.
     #[error("{cause}; the previous generation {} was used instead", .backup.display())]

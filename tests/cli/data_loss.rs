@@ -195,6 +195,101 @@ fn b6_cycle_start_is_refused_until_the_data_are_accepted() {
     assert!(run().status.success());
 }
 
+/// The database and its generations are gone, or nothing of them is whole: the kind of the machine is known all the same.
+#[test]
+fn k1_data_that_are_lost_with_their_generations_keep_the_kind_and_are_a_loss() {
+    for damaged in [false, true] {
+        let folder = tempfile::tempdir().unwrap();
+        drop(RetainedStore::open(folder.path(), Kind::Gs).unwrap());
+        fs::remove_dir_all(folder.path().join("generations")).unwrap();
+        if damaged {
+            fs::write(folder.path().join(DATABASE), [7; 20_000]).unwrap();
+        } else {
+            fs::remove_file(folder.path().join(DATABASE)).unwrap();
+        }
+        assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gs), "damaged: {damaged}");
+        let (_, found) = RetainedStore::open(folder.path(), Kind::Gs).unwrap();
+        assert!(found.loss.is_some(), "damaged: {damaged}");
+    }
+}
+
+/// The lock is no file, but a pipe, a folder or a link into nothing.
+#[test]
+fn b6_whatever_is_in_the_place_of_the_lock_refuses_no_start() {
+    for what in ["pipe", "folder", "link"] {
+        let folder = session();
+        let lock = folder.path().join("retained.lock");
+        fs::remove_file(&lock).unwrap();
+        match what {
+            "pipe" => assert!(std::process::Command::new("mkfifo").arg(&lock).status().unwrap().success()),
+            "folder" => fs::create_dir(&lock).unwrap(),
+            _ => std::os::unix::fs::symlink("/nowhere/lock", &lock).unwrap(),
+        }
+        assert!(has_values(&open(folder.path()).1), "{what}");
+    }
+}
+
+#[test]
+fn b6_a_file_with_the_name_of_an_impossible_generation_is_none() {
+    let folder = session();
+    fs::write(folder.path().join("generations/retained-18446744073709551615.ron"), "").unwrap();
+    let (mut store, _) = open(folder.path());
+    let generation = store.commit(&[StorageRequest::Variable(504, Some(9.5))]).unwrap();
+    assert!(generation < 1_000_000, "{generation}");
+    drop(store);
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    let found = open(folder.path()).1;
+    assert_eq!(found.retained.variables.get(504).unwrap(), Some(9.5));
+}
+
+/// Values that are no longer allowed are factory values under alarm 305 until a person has accepted them, also at the next
+/// starts; RESET does not.
+#[test]
+fn b6_values_that_are_dropped_stand_as_an_alarm_until_they_are_accepted() {
+    let folder = session();
+    let mut database = kt830::store::RetainedDatabase::open(folder.path()).unwrap().database;
+    let bad = kt830::store::RetainedChange::Param { key: "P42".into(), value: Some(1e9) };
+    database.commit(&[bad]).unwrap();
+    drop(database);
+    let data = folder.path().to_string_lossy().into_owned();
+    let play = |text: &str| {
+        let story = tempfile::NamedTempFile::new().unwrap();
+        fs::write(story.path(), text).unwrap();
+        let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
+        assert!(out.status.success(), "{text}: {}", String::from_utf8_lossy(&out.stdout));
+    };
+    play("wait 1 s\nexpect alarm 305\nexpect alarm \"P42 = 1000000000\"\nkey reset\nwait 1 s\nexpect alarm 305");
+    play("key reset\nwait 1 s\nexpect alarm 305\nunlock builder 4711\naccept data\nwait 1 s\nexpect no alarm");
+    play("wait 1 s\nexpect no alarm");
+}
+
+/// Whatever bit of the settings flips: the value is as before, or the control says that the file is not as it was written.
+#[test]
+fn b6_no_bit_of_the_settings_flips_without_a_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = StoredSettings {
+        kind: Some(Kind::Gc),
+        brightness: Some(70),
+        serial: Some("/dev/ttyS0".into()),
+        ..StoredSettings::default()
+    };
+    settings.write(folder.path()).unwrap();
+    let file = folder.path().join("settings.ron");
+    let whole = fs::read(&file).unwrap();
+    let mut told = 0;
+    for bit in 0..whole.len() * 8 {
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&file, &bytes).unwrap();
+        let _ = fs::remove_file(folder.path().join("settings.ron.bak"));
+        match StoredSettings::read_with_warnings(folder.path()) {
+            Ok((read, warnings)) if warnings.is_empty() => assert_eq!(read, settings, "bit {bit}"),
+            Ok(_) | Err(_) => told += 1,
+        }
+    }
+    assert!(told > whole.len() * 4, "{told} of {}", whole.len() * 8);
+}
+
 #[test]
 fn k1_a_flipped_bit_in_the_settings_changes_no_kind_of_machine() {
     let folder = session();

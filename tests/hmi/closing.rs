@@ -3,6 +3,7 @@
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
 use kt830::defs::param::{self, AccessLevel};
+use kt830::defs::text::Text;
 use kt830::link::Command;
 
 use crate::live_screen::Bench;
@@ -67,6 +68,17 @@ fn h8_a_held_program_keeps_its_place_says_the_question() {
     bench.turn();
     ask(&mut bench);
     assert!(is_asked(&bench) && bench.shows("断点已保存"));
+}
+
+/// It does not promise what the disk has not done.
+#[test]
+fn b6_the_question_says_that_values_are_not_stored() {
+    let mut bench = bench("M30");
+    bench.rig.send(Command::DiskFailed(Text::new("磁盘满", "disk full").into()));
+    tell(&mut bench.rig, "wait 0.1 s\nexpect alarm 301");
+    bench.turn();
+    ask(&mut bench);
+    assert!(bench.shows("还没有保存") && !bench.shows("数据全部保存"), "{:?}", bench.painted());
 }
 
 #[test]

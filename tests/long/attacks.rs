@@ -14,6 +14,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::text::Lang;
 use kt830::host::retained_store::{RetainedStore, StoreReport};
 use kt830::io::random::SplitMix64;
+use kt830::link::page_command::{PasswordScope, Secret, SettingsRequest};
 use kt830::store::{StoredSettings, silence_database_check};
 use tempfile::TempDir;
 
@@ -221,14 +222,29 @@ fn k1_damaged_settings_change_no_kind_and_refuse_no_start() {
 #[test]
 fn b6_whatever_is_deleted_is_told_or_made_again_and_no_value_is_lost() {
     let _alone = alone();
-    for gone in ["retained.redb", "retained.lock", "settings.ron", "passwords.ron", "generations", "programs"] {
+    for gone in [
+        "retained.redb",
+        "retained.lock",
+        "settings.ron",
+        "passwords.ron",
+        "generations",
+        "machine-kind.ron",
+        "programs",
+    ] {
         let folder = session();
         StoredSettings { kind: Some(Kind::Gc), ..StoredSettings::default() }.write(folder.path()).unwrap();
+        let (mut store, _) = open(folder.path());
+        let (old, new) = (Secret::new("830830".into()), Secret::new("471100".into()));
+        store.answer(&SettingsRequest::ChangePassword { scope: PasswordScope::Builder, old, new });
+        drop(store);
         let path = folder.path().join(gone);
+        if gone == "programs" {
+            fs::create_dir(&path).unwrap();
+        }
         if path.is_dir() {
-            fs::remove_dir_all(&path).unwrap();
+            fs::remove_dir_all(&path).unwrap()
         } else {
-            let _ = fs::remove_file(&path);
+            fs::remove_file(&path).unwrap()
         }
         let (started, words) = start(folder.path());
         assert!(started, "{gone}: {words}");

@@ -141,6 +141,7 @@ impl Panel {
             }
             StorageAnswer::DataAccepted => {
                 parts.plant.alarms.clear(alarm::RETAINED_DATA_DAMAGED);
+                parts.plant.alarms.clear(alarm::VALUES_DROPPED);
                 parts.plant.show_note(phrase!("保存数据已接受", "the retained data are accepted"));
             }
             StorageAnswer::KindSaved(kind) => {

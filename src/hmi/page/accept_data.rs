@@ -1,4 +1,4 @@
-//! Accepting retained data after damage or loss (alarm 300): a key on the alarm page, a question with the consequence, the
+//! Accepting retained data after damage or loss (alarms 300 and 305): a key on the alarm page, a question with the consequence, the
 //! builder's password. Source: safety stance; spec B6.
 
 use egui::Rect;
@@ -19,7 +19,8 @@ pub struct AcceptData {
 impl AcceptData {
     /// Whether there is something to accept.
     pub fn is_due(view: &View<'_>) -> bool {
-        view.snapshot.alarms.iter().any(|alarm| alarm.number == alarm::RETAINED_DATA_DAMAGED)
+        let asks = [alarm::RETAINED_DATA_DAMAGED, alarm::VALUES_DROPPED];
+        view.snapshot.alarms.iter().any(|alarm| asks.contains(&alarm.number))
     }
 
     /// Whether the question is open and takes the input.

@@ -62,6 +62,9 @@ pub fn newest_whole(folder: &Path) -> Option<(PathBuf, RetainedData)> {
     list(folder).into_iter().find_map(whole)
 }
 
+/// Numbers of commits are below: a thousand a second for thirty years. A file with another one is none of ours.
+const MAX_NUMBER: u64 = 1_000_000_000_000;
+
 /// The kept states, the newest first.
 fn list(folder: &Path) -> Vec<GenerationFile> {
     let entries = fs::read_dir(folder.join(FOLDER)).into_iter().flatten().flatten();
@@ -69,6 +72,9 @@ fn list(folder: &Path) -> Vec<GenerationFile> {
         .filter_map(|entry| {
             let name = entry.file_name().into_string().ok()?;
             let number = name.strip_prefix(PREFIX)?.strip_suffix(EXTENSION)?.parse().ok()?;
+            if number > MAX_NUMBER {
+                return None;
+            }
             let modified = entry.metadata().ok()?.modified().unwrap_or(SystemTime::UNIX_EPOCH);
             let day = modified.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs() / SECONDS_PER_DAY;
             Some(GenerationFile { number, path: entry.path(), day })

@@ -2,7 +2,7 @@
 //!
 //! One [`RetainedDatabase::commit`] is one durable transaction: when it returns, all changes are on the disk; after an earlier
 //! power cut none of them is. A damaged or foreign file is detected before it is opened, renamed and reported; the
-//! caller raises an alarm and starts with factory data. Source: spec K4.2 (points kept over power-off), B3, B6.
+//! caller raises an alarm and starts with an earlier state. Source: spec K4.2 (points kept over power-off), B3, B6.
 
 pub mod generations;
 mod integrity;
@@ -34,6 +34,8 @@ pub const PASSWORD_FILE: &str = "passwords.ron";
 /// How often the lock is tried, and the pause between: half a second in all.
 const LOCK_TRIES: u32 = 10;
 const LOCK_PAUSE: Duration = Duration::from_millis(50);
+/// The kind of machine of the data, once more beside the database: it outlives it.
+pub const KIND_FILE: &str = "machine-kind.ron";
 /// Locked while a control uses the data.
 const LOCK_FILE: &str = "retained.lock";
 /// Maximum number of damaged files kept; then the newest replaces the one before.
@@ -161,9 +163,9 @@ pub struct DamageReport {
 pub struct OpenedDatabase {
     /// The store, ready for use.
     pub database: RetainedDatabase,
-    /// Set when the old data were unusable: the store is empty; raise an alarm and start with factory data.
+    /// Set when the old data were unusable: what the caller gave in their place is stored; an alarm.
     pub damaged: Option<DamageReport>,
-    /// Whether the store is new and empty: first start, file deleted, or damaged.
+    /// Whether the file is new: first start, file deleted, or damaged.
     pub fresh: bool,
     /// Whether the file is gone that was here at an earlier start.
     pub gone: bool,
@@ -366,6 +368,11 @@ fn identity(path: &Path) -> Option<FileIdentity> {
 /// Locks the data directory for this process.
 fn lock(folder: &Path) -> Result<File, RetainedError> {
     let path = folder.join(LOCK_FILE);
+    // A pipe would make the start wait for ever, a folder or a broken link refuse it.
+    if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
+        let aside = folder.join(format!("{LOCK_FILE}.damaged"));
+        disk::rename(&path, &aside).map_err(IoFault::at(&path, "put aside"))?;
+    }
     let file = disk::private(File::options().create(true).truncate(false).write(true)).open(&path);
     // A file system that is mounted read-only after a fault of the disk still locks.
     let file = file.or_else(|failed| File::open(&path).map_err(|_| failed)).map_err(IoFault::at(&path, "open"))?;
@@ -397,7 +404,7 @@ fn has_traces(folder: &Path) -> bool {
     let mut names =
         fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
     generations::highest(folder).is_some()
-        || names.any(|name| name.starts_with("retained.damaged-") || name == PASSWORD_FILE)
+        || names.any(|name| name.starts_with("retained.damaged-") || name == PASSWORD_FILE || name == KIND_FILE)
 }
 
 /// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
