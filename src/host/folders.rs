@@ -283,16 +283,34 @@ fn shipped_in(folder: &str) -> Vec<Shipped> {
     SHIPPED.iter().filter_map(|(path, bytes)| Some((name(path)?, *bytes))).collect()
 }
 
-/// Creates a folder and fills it if it is empty.
+/// Stands in a folder that is being filled: a start that finds it goes on.
+const INSTALLING: &str = ".installing";
+
+/// Creates a folder and fills it if it is empty. What a full disk or a power cut has interrupted goes on at the next start;
+/// files that are there stay as they are.
 fn install_shipped(shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(own)?;
-    if std::fs::read_dir(own)?.next().is_some() {
+    let marker = own.join(INSTALLING);
+    if std::fs::read_dir(own)?.next().is_some() && !marker.exists() {
         return Ok(());
     }
-    for (file, bytes) in shipped {
-        std::fs::write(own.join(file), bytes)?;
+    install_file(&marker, b"")?;
+    for (file, bytes) in shipped.iter().filter(|(file, _)| !own.join(file).exists()) {
+        install_file(&own.join(file), bytes)?;
     }
-    Ok(())
+    std::fs::remove_file(marker)
+}
+
+/// Writes a file beside its place and moves it there once it is on the disk: it is there whole, or not at all.
+fn install_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let part = path.with_added_extension("part");
+    let written = std::fs::write(&part, bytes)
+        .and_then(|()| std::fs::File::open(&part)?.sync_all())
+        .and_then(|()| std::fs::rename(&part, path));
+    written.map_err(|error| {
+        let text = format!("{}: cannot install: {error}; free disk space, then start again", path.display());
+        std::io::Error::new(error.kind(), text)
+    })
 }
 
 fn file_fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault {

@@ -1,5 +1,6 @@
 //! Storage in the step: what it answers to jobs and requests.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use kt830::controller::files::BackgroundJob;
@@ -14,6 +15,7 @@ use kt830::link::Command;
 use kt830::link::files::{FileRequest, Requester, Ticket};
 use kt830::link::media::{Direction, TransferRequest, TransferSet};
 use kt830::link::page_command::{PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use kt830::store::DataDir;
 use tempfile::TempDir;
 
 /// Storage in memory with empty folders and a USB drive, and what it has told so far taken.
@@ -99,4 +101,31 @@ fn b5_the_place_of_a_run_is_kept_exactly_whatever_its_program_is_called() {
         let (_, found) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
         assert_eq!(found.retained.interrupted, None);
     }
+}
+
+/// A first start on a disk that was full, or one that was cut off, left half of the pages away for ever.
+#[test]
+fn b6_an_installation_that_was_cut_off_goes_on_at_the_next_start() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = DataDir::resolve(Some(folder.path())).unwrap();
+    let names = || {
+        let entries = std::fs::read_dir(data.screens()).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect::<BTreeSet<_>>()
+    };
+    Folders::of_data(&data, Kind::Gc).unwrap();
+    let whole = names();
+    assert!(whole.len() > 40 && !whole.contains(".installing"), "{whole:?}");
+    // Cut off behind some of them; one was edited since.
+    let gone: Vec<&String> = whole.iter().skip(5).collect();
+    gone.iter().for_each(|name| std::fs::remove_file(data.screens().join(name)).unwrap());
+    std::fs::write(data.screens().join(".installing"), "").unwrap();
+    let edited = data.screens().join(whole.first().unwrap());
+    std::fs::write(&edited, "edited").unwrap();
+    Folders::of_data(&data, Kind::Gc).unwrap();
+    assert_eq!(names(), whole);
+    assert_eq!(std::fs::read_to_string(edited).unwrap(), "edited");
+    // What a person has deleted stays deleted.
+    std::fs::remove_file(data.screens().join(gone[0])).unwrap();
+    Folders::of_data(&data, Kind::Gc).unwrap();
+    assert_eq!(names().len(), whole.len() - 1);
 }

@@ -113,9 +113,9 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
         Bug::AxisStopsDead => ("X accelerates by", Kind::Gc, "mode jog\nhold X- 500 ms\nwait 4 s"),
         Bug::JogKeySticks => ("without a cause", Kind::Gc, "mode jog\nhold X- 500 ms\nwait 4 s"),
         Bug::OutputsOutliveThePower => ("on without power", Kind::Gc, "key coolant\nwait 1 s\npower cut\nwait 1 s"),
-        Bug::StorageDropsARequest | Bug::StorageSwapsBatches | Bug::StorageRoundsValues => {
-            in_courses("stored is not what is in force")
-        }
+        Bug::StorageDropsARequest | Bug::StorageRoundsValues => in_courses("stored is not what is in force"),
+        // What is looked at first, a minute after a change or at a power cut, is chance.
+        Bug::StorageSwapsBatches => in_courses("stored is not what is in force | after the power cut"),
         Bug::StorageAcknowledgesEarly | Bug::DiskIgnoresFileFlushes | Bug::DiskIgnoresFolderFlushes => {
             in_courses("after the power cut")
         }
@@ -160,7 +160,7 @@ fn missed_in_courses(bug: PlantedBug, rule: &str) -> Result<(), String> {
         println!("{bug:?}, course {seed}: {found}");
         match found.as_str() {
             "" => continue,
-            found if found.contains(rule) => return Ok(()),
+            found if rule.split(" | ").any(|rule| found.contains(rule)) => return Ok(()),
             found => return Err(format!("{bug:?}, course {seed}: {found}")),
         }
     }

@@ -131,3 +131,33 @@ fn k7_5_an_empty_interval_or_compensation_is_zero() {
         assert_eq!(empty, run(Some(0.0)), "O{program} #{variable}");
     }
 }
+
+/// Positions on a grinding page: an axis without a coordinate does not move.
+const POSITIONS: [(u32, &[u16]); 10] = [
+    (1001, &[500, 501, 502, 503, 504, 514]),
+    (1002, &[523]),
+    (1003, &[603, 604]),
+    (1004, &[623]),
+    (1005, &[650, 651, 652]),
+    (1006, &[662, 663]),
+    (1007, &[683, 684, 685, 686]),
+    (1008, &[703, 704]),
+    (1009, &[723, 724]),
+    (1010, &[743, 744]),
+];
+
+/// Without #502 the wheel of O1001 ran into the part, without #523 O1002 ground where it stood.
+#[test]
+fn k7_5_an_empty_position_is_refused_before_anything_moves() {
+    for (program, variables) in POSITIONS {
+        for variable in variables {
+            let mut shop = shop(program);
+            shop.rig.send(kt830::link::Command::SetVariable(*variable, None));
+            shop.rig.step();
+            let before = shop.rig.machine().slide_mm();
+            let End::Alarm(alarm, text) = shop.run() else { panic!("O{program} without #{variable} was not refused") };
+            assert!(alarm == 3_009 && text.contains(&format!("#{variable}")), "O{program} #{variable}: {alarm} {text}");
+            assert_eq!(shop.rig.machine().slide_mm(), before, "O{program} without #{variable} moved something");
+        }
+    }
+}
