@@ -403,10 +403,9 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         }
     }
 
-    /// The computer has held the control up for so long that nothing that moves must simply go on (alarm 404).
+    /// The computer has held the control up for so long that a program must not simply go on (alarm 404).
     pub fn report_stall(&mut self) {
-        let moves = !self.controller.is_at_rest() || self.controller.is_oscillating();
-        if self.controller.state().is_active() || moves {
+        if self.controller.state().is_active() {
             self.controller.report_alarm(alarm::CONTROL_STALLED, None);
         }
     }
