@@ -186,7 +186,7 @@ fn b8_the_alarm_page_leads_to_the_entry() {
     bench.press(egui::Key::Enter);
     assert_eq!((bench.rig.snapshot().page, cursor(&bench)), (Page::Grinding, "#527".to_owned()));
     // A value that the page does not have is entered in the list of variables.
-    tell(&mut bench.rig, "key reset\nwait 0.1 s\nset #527 = 0.3\nset #531 = 1\nload O1002");
+    tell(&mut bench.rig, "key reset\nwait 0.1 s\nset #523 = 40\nset #527 = 0.3\nset #531 = 1\nload O1002");
     tell(&mut bench.rig, "param P96 5\nkey cycle-start\nwait 1 s\nexpect alarm 3032\npage alarm");
     bench.turn();
     bench.touch("修改 #763 alarm-entry-3032");
