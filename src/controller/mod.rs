@@ -114,6 +114,14 @@ impl Controller {
         self.plant.raise(number, detail);
     }
 
+    /// The computer has held the control up: what moves stops, and a program is held.
+    pub fn report_stall(&mut self) {
+        if self.state().is_active() || self.plant.is_moved_by_hand() {
+            self.plant.raise(alarm::CONTROL_STALLED, None);
+            self.plant.stop_manual_motion();
+        }
+    }
+
     /// The bus is lost, or differs from its description: what is wrong is the detail of the alarm, the newest counts.
     pub fn report_bus_fault(&mut self, number: u16, detail: LocalizedText) {
         self.plant.alarms.complete(number, detail.clone());

@@ -106,6 +106,18 @@ impl Controller {
         self.plant.is_oscillating()
     }
 
+    /// Whether the key has begun an oscillation that goes on.
+    #[must_use]
+    pub fn oscillates_by_key(&self) -> bool {
+        self.plant.oscillates_by_key()
+    }
+
+    /// When the last program has reached its M30 with a finished part; none from the next cycle start on.
+    #[must_use]
+    pub fn part_finished_at(&self) -> Option<Micros> {
+        self.plant.execution.finished_cycle.map(|cycle| cycle.ended_at)
+    }
+
     /// Whether a thread is cut: Z follows the spindle.
     #[must_use]
     pub fn is_threading(&self) -> bool {

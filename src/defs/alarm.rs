@@ -278,7 +278,7 @@ alarms! {
         "关机、断开显示或系统结束时程序或轴在运动", "a program ran or an axis moved when the control was ended, by a signal or a lost display",
         "检查工件和砂轮位置，回零；断点在程序页", "check part and wheel, home the axes; the program page has the place";
     CONTROL_STALLED = 404, HoldProgram, Reset, "控制停顿", "control stood still",
-        "系统停顿超过 1 秒：休眠、调试或计算机过载", "the system stood still for more than a second: sleep, a debugger, or an overloaded computer",
+        "程序或轴运动中系统停顿超过 1 秒：休眠、调试或计算机过载", "the system stood still for more than a second while a program ran or an axis moved: sleep, a debugger, an overloaded computer",
         "检查机床位置和计算机，复位后循环启动继续", "check machine and computer, RESET, then cycle start goes on";
     STATION_SILENT = 405, StopAll, Reset, "远程站没有应答", "remote station not responding",
         "Modbus TCP 站没有应答、拒绝请求或断开", "a Modbus TCP station does not answer, refuses requests, or is cut off",
@@ -287,6 +287,18 @@ alarms! {
 
 /// The alarms of the RS232 line.
 pub const SERIAL_ALARMS: std::ops::RangeInclusive<u16> = SERIAL_PORT_NOT_OPEN..=SERIAL_NOT_SENDABLE;
+
+/// The alarms of lost or changed data.
+pub const DATA_ALARMS: std::ops::RangeInclusive<u16> = RETAINED_DATA_DAMAGED..=VALUES_DROPPED;
+
+/// The one of several active alarms, oldest first, that is shown where there is room for one: what has stopped everything,
+/// then lost data, then what came first.
+#[must_use]
+pub fn leading(numbers: &[u16]) -> Option<usize> {
+    let stops_all = numbers.iter().position(|number| reaction(*number) == Reaction::StopAll);
+    let data = || numbers.iter().position(|number| DATA_ALARMS.contains(number));
+    stops_all.or_else(data).or((!numbers.is_empty()).then_some(0))
+}
 
 /// First number of the alarms that a program raises with `#3000`.
 pub const USER_ALARM_FIRST: u16 = 3_000;

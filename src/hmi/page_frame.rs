@@ -4,11 +4,12 @@
 use egui::{Color32, Rect, pos2, vec2};
 
 use super::{Area, View, format_feed, format_whole, keycap, theme, widget};
+use crate::defs::alarm;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, SoftKey, SoftKeyAction};
 use crate::defs::text::Lang;
 use crate::link::Snapshot;
-use crate::link::snapshot::{RunState, Tone};
+use crate::link::snapshot::{AlarmView, RunState, Tone};
 use crate::units::Micros;
 
 /// How long a message stays in the message line.
@@ -95,7 +96,7 @@ fn state_colours(view: &View<'_>) -> (Color32, Color32) {
 /// edge and whether it was touched; the touch area has the full height of the header.
 fn alarm_chip(view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
     let left = right - 92.0;
-    let Some(first) = view.snapshot.alarms.first() else { return (left, false) };
+    let Some(first) = leading_alarm(view.snapshot) else { return (left, false) };
     let word = match view.snapshot.alarms.len() {
         1 => format!("⚠ {:03}", first.number),
         count => format!("⚠ {:03} ×{count}", first.number),
@@ -103,6 +104,12 @@ fn alarm_chip(view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
     view.chip(right, row, &word, view.theme.alarm, view.theme.on_accent);
     let place = Rect::from_min_max(pos2(left + 4.0, row.min.y - 8.0), pos2(right, row.max.y + 8.0));
     (left, view.touch(place, "alarm-chip", "报警 alarm-chip").clicked())
+}
+
+/// The alarm that chip and message line show.
+fn leading_alarm(snapshot: &Snapshot) -> Option<&AlarmView> {
+    let numbers: Vec<u16> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
+    alarm::leading(&numbers).map(|at| &snapshot.alarms[at])
 }
 
 /// Whether the message is still shown.
@@ -124,7 +131,7 @@ fn message(view: &View<'_>, hint: Option<&str>, of_page: Option<&str>) -> Option
     if fresh && message.tone != Tone::Info && raised.is_none() {
         return Some((message.text.get(lang).into_owned(), view.theme.hold));
     }
-    if let Some(alarm) = raised.or(alarms.first()) {
+    if let Some(alarm) = raised.or_else(|| leading_alarm(view.snapshot)) {
         let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
         let arrow = if remedy.is_empty() { "" } else { " → " };
         return Some((format!("{:03} {text}{arrow}{remedy}", alarm.number), view.theme.alarm_text));

@@ -403,11 +403,9 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         }
     }
 
-    /// The computer has held the control up for so long that a program must not simply go on (alarm 404).
+    /// The computer has held the control up for so long that nothing must simply go on (alarm 404).
     pub fn report_stall(&mut self) {
-        if self.controller.state().is_active() {
-            self.controller.report_alarm(alarm::CONTROL_STALLED, None);
-        }
+        self.controller.report_stall();
     }
 
     /// Raises an alarm of data or settings, now and at every power-on until a person has decided.

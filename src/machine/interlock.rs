@@ -35,7 +35,7 @@ pub struct InterlockInputs {
     pub tailstock_enabled: bool,
     /// The tailstock is moving.
     pub tailstock_moving: bool,
-    /// The end-switch signal went or did not come while the valve is on.
+    /// The end-switch signal went or did not come: nobody knows where the quill stands.
     pub tailstock_lost: bool,
     /// P6.5: the headstock needs the tailstock.
     pub tailstock_needed: bool,

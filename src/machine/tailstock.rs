@@ -44,9 +44,9 @@ impl Tailstock {
         matches!(self, Self::Clamped)
     }
 
-    /// The switch signal went or did not come while the valve is on: the part may be loose.
+    /// The switch signal went or did not come: the part may be loose, or the quill stands somewhere on its way.
     pub const fn is_lost(self) -> bool {
-        matches!(self, Self::Lost { valve: true })
+        matches!(self, Self::Lost { .. })
     }
 
     /// The valve output.

@@ -101,6 +101,14 @@ impl WatchedMachine {
                 (Some(PlantedBug::MagnetIgnoresWheel), Key::Demagnetise) if self.is_on(Output::Wheel) => {
                     self.stuck.set(Output::Demagnetise, true);
                 }
+                (Some(PlantedBug::HeadstockIgnoresGuard), Key::HeadstockHigh)
+                    if !self.is_active(Input::GuardClosed) =>
+                {
+                    self.stuck.set(Output::HeadstockHigh, true);
+                }
+                (Some(PlantedBug::TableIgnoresMagnet), Key::TableRotation) if !self.is_on(Output::Magnetise) => {
+                    self.stuck.set(Output::TableRotation, true);
+                }
                 (_, Key::WheelStop | Key::Reset) => self.stuck = OutputSet::NONE,
                 _ => {}
             }
@@ -157,6 +165,9 @@ impl WatchedMachine {
             Some(PlantedBug::BothHeadstockSpeeds) if image.terminals.is_closed(port(Output::HeadstockHigh)) => {
                 image.terminals.set(port(Output::HeadstockLow), true);
             }
+            Some(PlantedBug::HeadstockOutlivesReset) => keep(&mut image.terminals, Output::HeadstockHigh),
+            Some(PlantedBug::CoolantOutlivesTheProgram) => keep(&mut image.terminals, Output::Coolant),
+            Some(PlantedBug::OutputsOutliveTheBus) if !self.read.bus_alive => keep(&mut image.terminals, Output::Wheel),
             Some(PlantedBug::OutputsOutliveThePower) if !self.powered => image.terminals = before,
             _ => {}
         }

@@ -61,13 +61,23 @@ pub enum PlantedBug {
     DiskIgnoresFolderFlushes,
     /// Damaged data are replaced by factory values without a word.
     DamageIsSilent,
+    /// RESET does not stop the headstock.
+    HeadstockOutlivesReset,
+    /// The end of a program does not switch the coolant off.
+    CoolantOutlivesTheProgram,
+    /// The headstock starts with the guard open.
+    HeadstockIgnoresGuard,
+    /// The table starts with a part that is not magnetised.
+    TableIgnoresMagnet,
+    /// The outputs stay on when the bus is lost.
+    OutputsOutliveTheBus,
     /// The same story gives another course.
     CourseIsRandom,
 }
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 30] = [
+    pub const ALL: [Self; 35] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -97,6 +107,11 @@ impl PlantedBug {
         Self::DiskIgnoresFileFlushes,
         Self::DiskIgnoresFolderFlushes,
         Self::DamageIsSilent,
+        Self::HeadstockOutlivesReset,
+        Self::CoolantOutlivesTheProgram,
+        Self::HeadstockIgnoresGuard,
+        Self::TableIgnoresMagnet,
+        Self::OutputsOutliveTheBus,
         Self::CourseIsRandom,
     ];
 }

@@ -71,9 +71,9 @@ const FAULTS: [Fault; 14] = [
     fault(Text::new("总线迟到 2 个周期", "bus late for 2 ticks"), ["fault bus-late 2", ""], (402, 3)),
     fault(Text::new("总线 200 个周期无应答", "bus silent for 200 ticks"), ["fault bus-silent 200", ""], (402, 3)),
     Fault {
-        quiet: &["standing", "jog", "held"],
-        // The axis searches its switch; K4.3: a hold does not end an oscillation.
-        moves_on: &["homing", "oscillation"],
+        quiet: &["standing", "held"],
+        // K4.3: a hold does not end an oscillation of the program.
+        moves_on: &["oscillation"],
         ..fault(Text::new("计算机停顿超过 1 秒", "computer held up for more than 1 s"), ["stall", ""], (404, 1))
     },
     Fault {

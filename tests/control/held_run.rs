@@ -211,3 +211,20 @@ fn b5_after_a_stall_of_the_computer_a_run_waits_for_the_operator() {
     assert_eq!(rig.controller().set_point(), held);
     tell(&mut rig, "key reset\nwait 1 s\nexpect no alarm\nwait 5 s\nexpect state idle");
 }
+
+#[test]
+fn b5_after_a_stall_of_the_computer_nothing_moves_on_by_hand() {
+    for (what, begin) in [
+        ("jog", "mode jog\npress z-minus\nwait 0.5 s"),
+        ("homing", "mode home\nkey x-plus\nwait 0.3 s"),
+        ("oscillation", "mode jog\nkey oscillation\nwait 1.3 s"),
+    ] {
+        let mut rig = ready_with("M30");
+        tell(&mut rig, &format!("{begin}\nexpect no alarm\nstall\nwait 2 s\nexpect alarm 404"));
+        let stopped = rig.controller().set_point();
+        tell(&mut rig, "wait 3 s\nexpect alarm 404");
+        assert_eq!(rig.controller().set_point(), stopped, "{what} has stopped");
+        tell(&mut rig, "key reset\nwait 1 s\nexpect no alarm");
+        assert_eq!(rig.controller().set_point(), stopped, "{what}: RESET alone moves nothing");
+    }
+}

@@ -472,6 +472,16 @@ fn k3_4_a_tailstock_that_timed_out_is_not_advanced() {
 }
 
 #[test]
+fn k3_4_the_headstock_waits_while_nobody_knows_where_the_quill_stands() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "key tailstock-advance\nwait 2 s\nexpect no alarm\ninput tailstock-retracted off");
+    tell(&mut rig, "key tailstock-retract\nwait 4 s\nexpect alarm 185\nkey reset\nexpect no alarm");
+    tell(&mut rig, "key headstock-high\nwait 0.1 s\nexpect output headstock-high off\nexpect alarm 184\nkey reset");
+    tell(&mut rig, "input tailstock-retracted free\nkey tailstock-retract\nwait 2 s\nkey headstock-high\nwait 0.1 s");
+    tell(&mut rig, "expect no alarm\nexpect output headstock-high on");
+}
+
+#[test]
 fn k3_4_m63_s_drives_the_second_analog_output_until_the_drive_changes() {
     let mut rig = ready_with("M63 S250\nM00\nM64\nM00\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 5 s");

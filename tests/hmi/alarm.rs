@@ -9,6 +9,7 @@ use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
 use kt830::defs::text::LocalizedText;
 use kt830::link::Snapshot;
+use kt830::link::snapshot::AlarmView;
 
 fn row(number: u16) -> &'static Alarm {
     ALARMS.iter().find(|row| row.number == number).unwrap()
@@ -160,4 +161,23 @@ fn b6_lost_data_are_accepted_on_the_alarm_page_with_the_password_of_the_builder(
     assert!(!is_offered(&bench) && !bench.shows("保存数据损坏或丢失"));
     crate::stories::tell(&mut bench.rig, "power cut\npower on\nwait 0.1 s");
     assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != alarm::RETAINED_DATA_DAMAGED));
+}
+
+#[test]
+fn b8_lost_data_are_told_before_a_missing_pressure_and_after_what_stops_everything() {
+    let mut snapshot = Snapshot::new(kt830::defs::kind::Kind::Gc);
+    for number in [180, 300] {
+        let row = row(number);
+        let (text, cause, remedy) = (row.text.into(), row.cause.into(), row.remedy.into());
+        let since = kt830::units::Micros::ZERO;
+        snapshot.alarms.push(AlarmView { number, text, cause, remedy, variable: None, since, place: None });
+    }
+    let bench = still(snapshot);
+    assert!(bench.shows("⚠ 300 ×2"), "the chip");
+    assert!(bench.painted().iter().any(|text| text.starts_with("300 ") && text.contains(" → ")), "the message line");
+    let shown = |numbers: &[u16]| alarm::leading(numbers).map(|at| numbers[at]);
+    assert_eq!(shown(&[]), None);
+    assert_eq!(shown(&[180, 300]), Some(300));
+    assert_eq!(shown(&[180, 300, 102]), Some(102));
+    assert_eq!(shown(&[180, 192]), Some(180));
 }

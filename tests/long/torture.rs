@@ -124,6 +124,30 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
             Kind::Gc,
             "set #500 = 1\nwait 1 s\ndisk flips 4000\npower cut\nwait 1 s\npower on\nwait 2 s",
         ),
+        Bug::HeadstockOutlivesReset => (
+            "headstock-high is on after RESET",
+            Kind::Gc,
+            "param P332 0\nkey headstock-high\nwait 1 s\nkey reset\nwait 1 s",
+        ),
+        Bug::CoolantOutlivesTheProgram => (
+            "coolant stays on after M30",
+            Kind::Gc,
+            "unlock program 187350\nmode edit\nwait 1 s\nwrite O2001 \"M08\\nG04 X2\\nM30\"\nwait 1 s\nload O2001\n\
+             home all\nmode auto\nkey cycle-start\nwait 4 s",
+        ),
+        Bug::HeadstockIgnoresGuard => (
+            "headstock-high starts with the guard open",
+            Kind::Gc,
+            "param P332 60\ninput guard-closed off\nwait 1 s\nkey headstock-high\nwait 1 s",
+        ),
+        Bug::TableIgnoresMagnet => {
+            ("the table starts unmagnetised", Kind::Ga, "wait 1 s\nkey table-rotation\nwait 1 s")
+        }
+        Bug::OutputsOutliveTheBus => (
+            "wheel is on without the bus",
+            Kind::Gc,
+            "key hydraulic\nwait 4 s\nkey wheel-start\nwait 1 s\nfault bus-silent 200\nwait 1 s",
+        ),
         Bug::CourseIsRandom => in_courses("another course"),
     }
 }

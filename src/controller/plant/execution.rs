@@ -4,6 +4,7 @@
 use super::Plant;
 use crate::controller::axes::homing::AxisHoming;
 use crate::controller::storage_request::StorageRequest;
+use crate::defs::mcode::Request;
 use crate::defs::signal::Output;
 use crate::defs::text::LocalizedText;
 use crate::machine::phase;
@@ -114,6 +115,28 @@ impl Plant {
         }
         self.axes.brake();
         self.transition(ControlEvent::Abort);
+    }
+
+    /// Whether jog, handwheel, homing or an oscillation that is not of an open run moves an axis.
+    pub fn is_moved_by_hand(&self) -> bool {
+        self.jog.is_active() || self.execution.phase.is_homing() || self.oscillates_outside_run()
+    }
+
+    fn oscillates_outside_run(&self) -> bool {
+        self.is_oscillating() && (self.oscillates_by_key() || !self.execution.phase.is_run_open())
+    }
+
+    /// Brakes what moves by hand. An open run stays.
+    pub fn stop_manual_motion(&mut self) {
+        if self.oscillates_outside_run() {
+            self.stop_oscillation();
+            self.request(Request::CylinderOff);
+        }
+        if self.execution.phase.is_run_open() {
+            self.jog.stop_all();
+        } else {
+            self.abort_run();
+        }
     }
 
     /// Feed hold: holds a running program; nothing else is affected.

@@ -1,6 +1,7 @@
 //! What holds in every tick of every course, written out once more and apart from the code that keeps it.
 //! Source: spec K2, K3, K5, "what stops what"; safety stance.
 
+mod course;
 mod motion;
 mod outputs;
 
@@ -12,6 +13,7 @@ use crate::defs::soft_key::f1_continues;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::units::Micros;
+use course::CourseRules;
 use motion::MotionRules;
 use outputs::OutputRules;
 
@@ -43,7 +45,7 @@ impl Moment<'_> {
         self.commands.iter().any(|command| matches!(command, Command::Press(key) if wanted(*key)))
     }
 
-    /// The emergency stop at the machine, or the one on the screen.
+    /// The emergency stop at the machine.
     fn is_e_stopped(&self) -> bool {
         self.machine.read.bus_alive && self.machine.is_active(Input::EmergencyStop)
     }
@@ -64,6 +66,7 @@ impl Moment<'_> {
 pub struct Invariants {
     outputs: OutputRules,
     motion: MotionRules,
+    course: CourseRules,
     /// State of the last tick.
     state: RunState,
     /// The last command that may start a run, and when.
@@ -71,6 +74,8 @@ pub struct Invariants {
     external_start: bool,
 }
 
+/// Ticks, bus and commands between an input and its effect, beside the input filter.
+const REACTION: Micros = Micros::from_millis(30);
 /// How long after a command a run may start.
 const START_TIME: Micros = Micros::from_millis(400);
 
@@ -82,6 +87,7 @@ impl Invariants {
     pub fn check(&mut self, moment: &Moment<'_>) -> Result<(), String> {
         self.outputs.check(moment)?;
         self.motion.check(moment)?;
+        self.course.check(moment)?;
         if !moment.powered {
             self.state = RunState::Idle;
             self.asked_to_start = None;
@@ -152,4 +158,12 @@ impl Invariants {
         }
         Ok(())
     }
+}
+
+fn hold(what: &str, holds: bool) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what.to_owned()) }
+}
+
+fn hold_output(what: &str, output: Output, holds: bool) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(format!("{} {what}", output.id())) }
 }

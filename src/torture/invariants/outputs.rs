@@ -1,6 +1,6 @@
 //! Invariants of the outputs. Source: spec K3, K5, "what stops what".
 
-use super::Moment;
+use super::{Moment, REACTION, hold, hold_output};
 use crate::defs::equipment::Equipment;
 use crate::defs::key::Key;
 use crate::defs::param;
@@ -54,8 +54,6 @@ const CLAMPS: [Output; 3] = [Output::Hydraulic, Output::Magnetise, Output::Tails
 
 /// How long after a key something may start.
 const START_TIME: Micros = Micros::from_millis(200);
-/// Ticks, bus and commands between an input and its effect, beside the input filter.
-const REACTION: Micros = Micros::from_millis(30);
 
 /// Since when the inputs of a rule are as they are.
 #[derive(Default)]
@@ -73,8 +71,8 @@ pub struct OutputRules {
     waits_for_reset: bool,
     hydraulic_since: Option<Micros>,
     magnet_since: Option<Micros>,
-    /// When the valve of the tailstock has changed since power-on.
-    tailstock_moved: Option<Micros>,
+    /// The valve of the tailstock has changed since power-on.
+    tailstock_moved: bool,
     pressure_seen: Option<Micros>,
     guard_seen: Option<Micros>,
     end_switch_seen: Option<Micros>,
@@ -136,7 +134,7 @@ impl OutputRules {
             *since = if on.has(output) { since.or(Some(moment.now)) } else { None };
         }
         if before.has(Output::Tailstock) != on.has(Output::Tailstock) {
-            (self.tailstock_moved, self.end_switch_seen) = (Some(moment.now), None);
+            (self.tailstock_moved, self.end_switch_seen) = (true, None);
         }
     }
 
@@ -215,21 +213,15 @@ impl OutputRules {
         let filter = params.millis(param::INPUT_FILTER) + REACTION;
         let in_place = self.end_switch_seen.is_some_and(|seen| moment.now.since(seen) <= filter);
         let starts = turns(on) && !turns(before);
-        // A tailstock that has not come back in time is an alarm of its own, and is out of the part.
-        let returns = |moved: Micros| moment.now.since(moved) < params.millis(param::TAILSTOCK_TIMEOUT);
-        let moving = self.tailstock_moved.is_some_and(|moved| on.has(Output::Tailstock) || returns(moved));
-        let supervised = params.bit(param::TAILSTOCK_ENABLED) && moving;
+        let supervised = params.bit(param::TAILSTOCK_ENABLED) && self.tailstock_moved;
         hold("the headstock starts while the tailstock moves", !(starts && supervised && !in_place))?;
+        let table_starts = on.has(Output::TableRotation) && !before.has(Output::TableRotation);
+        let held_for = self.magnet_since.map(|since| moment.now.since(since));
+        let magnetised = held_for.is_some_and(|held_for| held_for >= params.millis(param::MAGNETISE_TIME));
+        let needs_magnet = params.fitted().has(Equipment::MagneticChuck);
+        hold("the table starts unmagnetised", !(table_starts && needs_magnet && !magnetised))?;
         let table = before.has(Output::TableRotation) && on.has(Output::TableRotation);
         let released = on.has(Output::Demagnetise) && !before.has(Output::Demagnetise);
         hold("the part is released while the table turns", !(table && released))
     }
-}
-
-fn hold(what: &str, holds: bool) -> Result<(), String> {
-    if holds { Ok(()) } else { Err(what.to_owned()) }
-}
-
-fn hold_output(what: &str, output: Output, holds: bool) -> Result<(), String> {
-    if holds { Ok(()) } else { Err(format!("{} {what}", output.id())) }
 }
