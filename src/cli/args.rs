@@ -25,9 +25,6 @@ pub struct Args {
     /// Open the control in a window.
     #[arg(long)]
     pub windowed: bool,
-    /// Description of a real machine [default: machine.ron in the data directory, else the simulated machine]
-    #[arg(long, value_name = "FILE")]
-    pub machine: Option<PathBuf>,
 }
 
 /// Options of every command.
@@ -78,6 +75,10 @@ pub struct SharedArgs {
     /// Part file of the simulated machine
     #[arg(long, global = true, value_name = "FILE")]
     pub part: Option<PathBuf>,
+    /// The machine: the description of a real one, for the control itself alone, or a simulated one: a machine file, or
+    /// a variation of the machine of the kind [default: machine.ron in the data directory, else the simulated machine]
+    #[arg(long, global = true, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
     /// Seed of the random numbers of the simulated machine
     #[arg(long, global = true, value_name = "N", default_value_t = 1)]
     pub seed: u64,
@@ -114,6 +115,8 @@ pub enum CliCommand {
     PlotPath(PlotPathArgs),
     /// Look at the field bus of a real machine: devices, inputs, drives; nothing is switched on
     Bus(BusArgs),
+    /// Grind parts with every program on many different machines, and tell which are good
+    Qualify(QualifyArgs),
     /// Let random operators, faults and power cuts work on a simulated control and check what must always hold
     Torture(TortureArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
@@ -124,7 +127,8 @@ pub enum CliCommand {
 #[derive(Debug, ClapArgs)]
 pub struct BusArgs {
     /// Description of the machine
-    pub machine: PathBuf,
+    #[arg(value_name = "MACHINE")]
+    pub description: PathBuf,
     /// How long to watch, seconds
     #[arg(long = "for", value_name = "SECONDS", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=86_400))]
     pub seconds: u32,
@@ -217,6 +221,22 @@ pub struct ShotArgs {
     /// Paint in the light theme [default: as set on the machine, else dark]
     #[arg(long)]
     pub light: bool,
+}
+
+/// `kt830 qualify`
+#[derive(Debug, ClapArgs)]
+pub struct QualifyArgs {
+    /// The programs: O1002 O1003 … [default: all that have a drawing; --programs all says the same]
+    pub names: Vec<String>,
+    /// Folder of machine files and variations [default: those that come with the control]
+    #[arg(long, value_name = "DIR")]
+    pub machines: Option<PathBuf>,
+    /// Parts in a batch, one after the other
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub parts: u32,
+    /// Batches of each program on each machine, each with its seed, from --seed on
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1_000))]
+    pub seeds: u64,
 }
 
 /// `kt830 torture`

@@ -43,7 +43,7 @@ struct SeenStation {
 /// # Errors
 /// The description is wrong.
 pub fn bus(shared: &SharedArgs, call: &BusArgs) -> Result<u8, CallError> {
-    let description = setup::read_description(&call.machine)?;
+    let description = setup::read_description(&call.description)?;
     let tick = Micros(Params::factory(description.kind).get(param::TICK_TIME) as u64);
     let mut machine = setup::open_bus(description)?;
     machine.connect();

@@ -17,6 +17,7 @@ mod plot_path;
 #[cfg(feature = "hmi")]
 mod process_end;
 mod program_places;
+mod qualify;
 mod run;
 mod setup;
 #[cfg(feature = "hmi")]
@@ -62,18 +63,12 @@ pub fn main() -> ExitCode {
 
 /// Executes the command; returns the exit status.
 fn execute(args: Args) -> Result<u8, CallError> {
-    let machine = args.machine.as_deref();
-    if let (Some(file), Some(_)) = (machine, &args.verb) {
-        return Err(CallError::new(format!(
-            "--machine {}: only the control itself runs a real machine; `kt830 bus FILE` looks at it",
-            file.display()
-        )));
-    }
     let shared = setup::resolve_settings(args.shared, args.verb.is_none())?;
     match &args.verb {
         Some(CliCommand::Run(call)) => run::run(&shared, call),
         Some(CliCommand::Check(call)) => check::check(&shared, call),
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
+        Some(CliCommand::Qualify(call)) => qualify::qualify(&shared, call),
         Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
         Some(CliCommand::Codes) => Ok(codes::codes(&shared)),
         #[cfg(target_os = "linux")]
@@ -87,7 +82,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         #[cfg(feature = "hmi")]
         Some(CliCommand::PlotPath(call)) => plot_path::plot_path(&shared, call),
         #[cfg(feature = "hmi")]
-        None => window::open(&shared, machine, !args.windowed),
+        None => window::open(&shared, !args.windowed),
         #[cfg(not(feature = "hmi"))]
         Some(CliCommand::Shot(_) | CliCommand::PlotPath(_)) | None => Err(CallError::new(
             "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",

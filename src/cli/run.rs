@@ -12,7 +12,8 @@ use crate::defs::text::{Lang, LocalizedText};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
-use crate::io::sim::PartReport;
+use crate::io::sim::{EventKind, PartReport};
+use crate::link::part_result::PartVerdict;
 use crate::link::snapshot::{AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
 use crate::units::{MachinePos, Micros};
 
@@ -37,16 +38,20 @@ pub struct RunResult {
     pub message: Option<LocalizedText>,
     /// The program has set its own error number (R62).
     pub has_own_error: bool,
+    /// A part is burnt, crashed or out of its limits.
+    pub has_bad_part: bool,
 }
 
-/// Runs the program and prints the report. A run that ends in an alarm, a hold, a wait or an endless loop fails.
+/// Runs the program and prints the report. A run that ends in an alarm, a hold, a wait or an endless loop fails, and
+/// one with a part that is burnt, crashed or out of its limits.
 ///
 /// # Errors
 /// The call or a file is wrong.
 pub fn run(shared: &SharedArgs, call: &RunArgs) -> Result<u8, CallError> {
     let ran = run_program(shared, call, ProgramToRun::Word(&call.program))?;
     print_line(ran.report);
-    Ok(if matches!(ran.end, RunEnd::Finished | RunEnd::Pause) && !ran.has_own_error { SUCCESS } else { FAILED })
+    let has_ended = matches!(ran.end, RunEnd::Finished | RunEnd::Pause);
+    Ok(if has_ended && !ran.has_own_error && !ran.has_bad_part { SUCCESS } else { FAILED })
 }
 
 /// Runs a program; `call` tells how, and which one if `program` is its word.
@@ -70,7 +75,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
         });
         let seconds = host.now().since(started).as_secs_f64();
         (0..SETTLE_TICKS).for_each(|_| host.step());
-        batch.push(host.machine().measure());
+        batch.push(PartOfBatch::of(&mut host, end));
         if end != RunEnd::Finished || batch.len() >= call.parts as usize {
             break (end, seconds);
         }
@@ -96,12 +101,22 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
     let end = if end == RunEnd::Finished && !alarms.is_empty() { RunEnd::Alarm } else { end };
     let blocks = host.controller().block_count();
     let printed = host.take_printed();
+    let has_bad_part = batch.iter().any(PartOfBatch::is_bad);
     let report = RunReport { end, stop_reason: why, seconds, blocks, variables_before, batch, printed };
     let report = match shared.format {
         OutputFormat::Json => report.json(&mut host, shared.lang).to_string(),
         OutputFormat::Text => report.text(&mut host, shared.lang),
     };
-    Ok(RunResult { end, program: number, seconds, report, alarms, message: told, has_own_error: refused_itself })
+    Ok(RunResult {
+        end,
+        program: number,
+        seconds,
+        report,
+        alarms,
+        message: told,
+        has_own_error: refused_itself,
+        has_bad_part,
+    })
 }
 
 /// Why a run stopped; at M00 the text of its MSG.
@@ -136,6 +151,38 @@ pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText
     }
 }
 
+/// A part of a batch.
+struct PartOfBatch {
+    measured: PartReport,
+    /// Its size by which it is judged, mm.
+    size_mm: Option<f64>,
+    /// What the control says of it; none if its cycle has not finished it.
+    verdict: Option<PartVerdict>,
+    /// What has spoilt it, also if its cycle has not finished it.
+    defects: Vec<EventKind>,
+}
+
+impl PartOfBatch {
+    fn of(host: &mut HeadlessHost, end: RunEnd) -> Self {
+        let (measured, defects) = (host.machine().measure(), host.machine().part_defects());
+        let snapshot = host.snapshot();
+        let part = snapshot.cycle.part.filter(|_| end == RunEnd::Finished);
+        let simulated = snapshot.simulated.as_deref();
+        let size_mm = part.and_then(|part| part.judged_size(simulated).map(|size| size.mm()));
+        Self { measured, size_mm, verdict: part.map(|part| part.verdict(simulated)), defects }
+    }
+
+    fn is_bad(&self) -> bool {
+        !self.defects.is_empty() || self.verdict.is_some_and(PartVerdict::is_bad)
+    }
+
+    /// `ok`, `burn`, `out-of-tolerance`, …
+    fn word(&self) -> &'static str {
+        let spoilt = self.defects.first().map(|defect| defect.id());
+        spoilt.unwrap_or_else(|| self.verdict.map_or("unfinished", PartVerdict::id))
+    }
+}
+
 /// The report at the end.
 struct RunReport {
     end: RunEnd,
@@ -144,8 +191,8 @@ struct RunReport {
     seconds: f64,
     blocks: u64,
     variables_before: Box<[Option<f64>; VARIABLE_COUNT]>,
-    /// Measurements of every part, including the last one.
-    batch: Vec<PartReport>,
+    /// Every part, including the last one.
+    batch: Vec<PartOfBatch>,
     /// The lines that the program has printed (DPRNT).
     printed: Vec<String>,
 }
@@ -173,6 +220,7 @@ impl RunReport {
             "variables": variables,
             "printed": self.printed,
             "part": host.machine().measure(),
+            "verdict": self.batch.last().map(PartOfBatch::word),
             "threads": host.controller().threads().iter().map(thread).collect::<Vec<_>>(),
             "events": host.machine().events(),
         });
@@ -183,7 +231,9 @@ impl RunReport {
             told["wheel"] = json!({"diameter": host.machine().wheel().diameter_mm});
         }
         if self.batch.len() > 1 {
-            told["batch"] = json!(self.batch);
+            told["batch"] = json!(self.batch.iter().map(|part| &part.measured).collect::<Vec<_>>());
+            let verdict = |part: &PartOfBatch| json!({"verdict": part.word(), "size": part.size_mm});
+            told["verdicts"] = json!(self.batch.iter().map(verdict).collect::<Vec<_>>());
         }
         told
     }
@@ -217,6 +267,8 @@ impl RunReport {
         lines.extend(self.printed.iter().map(|line| format!("print {line}")));
         if self.batch.len() > 1 {
             lines.extend(self.batch.iter().enumerate().map(|(at, part)| part_line(at + 1, part)));
+        } else if let Some(part) = self.batch.first().filter(|part| part.is_bad() || part.size_mm.is_some()) {
+            lines.push(format!("part {}{}", part.word(), size_word(part)));
         }
         let part = host.machine().measure();
         lines.extend(size_lines(&part));
@@ -255,7 +307,8 @@ fn program_json(host: &HeadlessHost, number: u32) -> Value {
 }
 
 /// One line for a part of a batch: the range of each measurement.
-fn part_line(number: usize, part: &PartReport) -> String {
+fn part_line(number: usize, of_batch: &PartOfBatch) -> String {
+    let part = &of_batch.measured;
     let range = |(name, values): (&str, Vec<f64>)| {
         let least = values.iter().copied().min_by(f64::total_cmp)?;
         let greatest = values.iter().copied().max_by(f64::total_cmp)?;
@@ -265,7 +318,12 @@ fn part_line(number: usize, part: &PartReport) -> String {
     let faces = ("face", part.faces.iter().map(|at| at.z).collect());
     let heights = ("height", part.heights.iter().map(|at| at.y).collect());
     let told = [diameters, faces, heights].into_iter().filter_map(range).collect::<String>();
-    format!("part {number}{told}")
+    format!("part {number}{told}  {}{}", of_batch.word(), size_word(of_batch))
+}
+
+/// The size by which a part is judged.
+fn size_word(part: &PartOfBatch) -> String {
+    part.size_mm.map_or_else(String::new, |mm| format!(" {mm:.4}"))
 }
 
 fn positions_json(snapshot: &Snapshot, of: impl Fn(&AxisView) -> f64) -> Value {

@@ -199,14 +199,16 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
 #[cfg(feature = "hmi")]
 const MACHINE_FILE: &str = "machine.ron";
 
-/// The file that describes the real machine: that of the call, otherwise the one in the data directory.
+/// The file that describes the real machine: that of the call, otherwise the one in the data directory; none if the call
+/// names a simulated machine.
 ///
 /// # Errors
-/// The data directory cannot be read.
+/// The file or the data directory cannot be read.
 #[cfg(feature = "hmi")]
-pub fn machine_file(shared: &SharedArgs, named: Option<&Path>) -> Result<Option<PathBuf>, CallError> {
-    if let Some(file) = named {
-        return Ok(Some(file.to_path_buf()));
+pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
+    if let Some(file) = &shared.machine {
+        let text = read_text("machine", file)?;
+        return Ok(MachineFile::of_text(&text, shared.kind).is_err().then(|| file.clone()));
     }
     let installed = data_dir(shared)?.root().join(MACHINE_FILE);
     // A file that is there and cannot be read is an error, not a simulated machine.
@@ -240,9 +242,27 @@ pub fn open_bus(description: MachineDescription) -> Result<FieldBusMachine<Ether
     Ok(FieldBusMachine::new(description, bus, links))
 }
 
+/// The simulated machine of the call: that of `--machine`, else the one of the kind.
+fn simulated_machine(shared: &SharedArgs) -> Result<MachineFile, CallError> {
+    let Some(file) = &shared.machine else { return MachineFile::builtin(shared.kind).map_err(CallError::new) };
+    let text = read_text("machine", file)?;
+    MachineFile::of_text(&text, shared.kind).map_err(|error| match describes_real_machine(&text) {
+        true => CallError::new(format!(
+            "--machine {}: only the control itself runs a real machine; `kt830 bus FILE` looks at it",
+            file.display()
+        )),
+        false => CallError::new(format!("--machine {}: {error}", file.display())),
+    })
+}
+
+/// Whether a file is the description of a real machine.
+fn describes_real_machine(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with("ethercat:"))
+}
+
 /// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.
 fn simulated(shared: &SharedArgs, params: &Params, view_interval: Micros) -> Result<HostedSimulation, CallError> {
-    let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
+    let file = simulated_machine(shared)?;
     Ok(HostedSimulation::new(SimulatedMachine::new(file, None, params, shared.seed), view_interval))
 }
 

@@ -22,8 +22,8 @@ use crate::link::{Command, Snapshot};
 ///
 /// # Errors
 /// There is no display, data and folders cannot be opened, or the description of the machine is wrong.
-pub fn open(shared: &SharedArgs, machine: Option<&Path>, fullscreen: bool) -> Result<u8, CallError> {
-    let Some(file) = setup::machine_file(shared, machine)? else {
+pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
+    let Some(file) = setup::real_machine(shared)? else {
         return open_with(setup::simulated_for_display, shared, fullscreen);
     };
     open_real(shared, &file, fullscreen)

@@ -116,7 +116,7 @@ g_codes! {
     30 "other-reference" NonModal Yes Yes "回第 2–4 参考点" "return to reference point 2, 3 or 4"
         "G30 P2–P4 X_ Z_：经过中间点回第 2–4 参考点（P161–P169）。" "G30 P2 to P4 X_ Z_: through the given point to reference point 2, 3 or 4 (P161 to P169).";
     31 "skip" NonModal Yes Yes "跳转插补" "skip: feed until a signal"
-        "G31 Z_ P_ F_：按 F 走到信号 P（1–6）为止，位置存入 #5061…；没有信号时停在终点。" "G31 Z_ P_ F_: at feed F until signal P (1 to 6); the position is stored in #5061 …; without a signal it stops at the end point.";
+        "G31 Z_ P_ F_：按 F 走到信号 P（量仪 1–6，砂轮接触 9）为止，位置存入 #5061…；没有信号时停在终点。" "G31 Z_ P_ F_: at feed F until signal P (gauge 1 to 6, wheel contact 9); the position is stored in #5061 …; without a signal it stops at the end point.";
     32 "thread" Motion NotYet No "螺纹切削" "thread"
         "螺纹切削，本版本不提供：程序在该段前停止并说明。" "Thread cutting, not in this version: the program stops before the block with a message.";
     33 "tapping" Motion NotYet No "攻丝" "tapping with Z"

@@ -12,10 +12,10 @@ use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 use crate::io::fieldbus::ClockReading;
 use crate::io::fieldbus::bus_fault::BusFault;
-use crate::io::sim::{PartFile, PartReport, SimulatedMachine};
+use crate::io::sim::{EventKind, PartFile, PartReport, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::bus::BusView;
-use crate::link::simulation::{PartSize, SimCommand, SimView};
+use crate::link::simulation::{PartDefect, PartSize, SimCommand, SimView};
 use crate::units::Micros;
 
 /// Maximum number of events shown.
@@ -30,6 +30,8 @@ pub struct HostedSimulation {
     faults: Vec<&'static str>,
     /// Sizes of the part at the end of the last cycle.
     finished_sizes: Vec<PartSize>,
+    /// What has spoilt that part.
+    finished_defects: Vec<PartDefect>,
     /// The view as last built, and when.
     view: Arc<SimView>,
     viewed_at: Option<Micros>,
@@ -41,14 +43,14 @@ impl HostedSimulation {
     /// A machine without a part. The view of the simulator page is built anew at most every `view_interval`.
     #[must_use]
     pub fn new(machine: SimulatedMachine, view_interval: Micros) -> Self {
-        let (forced, faults, finished_sizes, view) = (Vec::new(), Vec::new(), Vec::new(), Arc::default());
         Self {
             machine,
             part: None,
-            forced,
-            faults,
-            finished_sizes,
-            view,
+            forced: Vec::new(),
+            faults: Vec::new(),
+            finished_sizes: Vec::new(),
+            finished_defects: Vec::new(),
+            view: Arc::default(),
             viewed_at: None,
             view_interval,
             pace: Pace::Simulated,
@@ -114,9 +116,20 @@ impl HostedSimulation {
             wheel_load_percent: wheel.load_percent,
             sizes: self.part_sizes(),
             finished_sizes: self.finished_sizes.clone(),
+            finished_defects: self.finished_defects.clone(),
             events: events.collect(),
             lathe_workspace: machine.lathe_workspace(),
         }
+    }
+}
+
+/// What an event does to the part.
+const fn part_defect(event: EventKind) -> Option<PartDefect> {
+    match event {
+        EventKind::Burn => Some(PartDefect::Burn),
+        EventKind::Crash => Some(PartDefect::Crash),
+        EventKind::Flat => Some(PartDefect::Flat),
+        EventKind::Overspeed => None,
     }
 }
 
@@ -153,6 +166,7 @@ impl HostedMachine for HostedSimulation {
 
     fn measure_finished_part(&mut self) {
         self.finished_sizes = self.part_sizes();
+        self.finished_defects = self.machine.part_defects().into_iter().filter_map(part_defect).collect();
         self.viewed_at = None;
     }
 

@@ -1,10 +1,11 @@
 //! The part that the last cycle has finished: its nominal size, its limits and its measured size.
 //! Source: spec K4.5, K7.2, H8.
 
-use super::simulation::PartSize;
+use super::simulation::{PartDefect, PartSize, SimView};
 use crate::defs::page_meaning::{PageMeaning, SizeKind};
 use crate::defs::page_text::PageText;
 use crate::defs::param::{self, NumberParam, Params};
+use crate::defs::text::Text;
 use crate::units::Micros;
 
 /// The nominal size of a part.
@@ -132,4 +133,101 @@ pub struct ComparedSize<'a> {
     pub worst: &'a PartSize,
     /// Some place of the surface is within the limits.
     pub keeps_elsewhere: bool,
+}
+
+/// The size by which a part is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JudgedSize<'a> {
+    /// The program has measured it, mm.
+    Measured(f64),
+    /// The simulated machine knows it.
+    Simulated(ComparedSize<'a>),
+}
+
+impl JudgedSize<'_> {
+    /// The size, mm.
+    #[must_use]
+    pub const fn mm(self) -> f64 {
+        match self {
+            Self::Measured(mm) => mm,
+            Self::Simulated(compared) => compared.worst.mm,
+        }
+    }
+}
+
+/// Whether a part is good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PartVerdict {
+    /// Scrap, whatever its size.
+    Spoilt(PartDefect),
+    /// Within its limits.
+    Good,
+    /// Beyond a limit.
+    Out {
+        /// Other places of the same surface are within the limits.
+        partly: bool,
+    },
+    /// It has a size and no limits.
+    NoTolerance,
+    /// Nobody knows its size.
+    NotMeasured,
+}
+
+impl PartVerdict {
+    /// Whether the part must not be delivered.
+    #[must_use]
+    pub const fn is_bad(self) -> bool {
+        matches!(self, Self::Spoilt(_) | Self::Out { .. })
+    }
+
+    /// The verdict on the screen.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Spoilt(defect) => defect.name(),
+            Self::Good => Text::new("合格", "OK"),
+            Self::Out { partly: true } => Text::new("局部超差", "PARTLY OUT"),
+            Self::Out { partly: false } => Text::new("超差", "NOT OK"),
+            Self::NoTolerance => Text::new("无公差", "no tolerance"),
+            Self::NotMeasured => Text::new("未测量", "not measured"),
+        }
+    }
+
+    /// The verdict in reports.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Spoilt(defect) => defect.id(),
+            Self::Good => "ok",
+            Self::Out { .. } => "out-of-tolerance",
+            Self::NoTolerance => "no-tolerance",
+            Self::NotMeasured => "not-measured",
+        }
+    }
+}
+
+impl PartResult {
+    /// The size by which the part is judged: the measured one, else that of the simulated part at the end of its cycle.
+    #[must_use]
+    pub fn judged_size<'a>(&self, simulated: Option<&'a SimView>) -> Option<JudgedSize<'a>> {
+        let known = || self.nominal?.compare(&simulated?.finished_sizes);
+        self.measured.map(JudgedSize::Measured).or_else(|| known().map(JudgedSize::Simulated))
+    }
+
+    /// Whether the part is good.
+    #[must_use]
+    pub fn verdict(&self, simulated: Option<&SimView>) -> PartVerdict {
+        if let Some(defect) = simulated.and_then(|view| view.finished_defects.first()) {
+            return PartVerdict::Spoilt(*defect);
+        }
+        let Some(size) = self.judged_size(simulated) else { return PartVerdict::NotMeasured };
+        match self.nominal.and_then(|nominal| nominal.keeps(size.mm())) {
+            Some(true) => PartVerdict::Good,
+            Some(false) => {
+                let partly = matches!(size, JudgedSize::Simulated(compared) if compared.keeps_elsewhere);
+                PartVerdict::Out { partly }
+            }
+            None => PartVerdict::NoTolerance,
+        }
+    }
 }

@@ -59,7 +59,7 @@ pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Interpreter, NextStatus};
 pub use message_texts::{AlarmHelp, TextRowFault};
 pub use modal::{ModalState, MotionMode};
-pub use op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
+pub use op::{AxisSet, CONTACT_SKIP_SIGNAL, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
 pub use op_effect::{
     ArcMove, CoordinateChange, MCodeWords, MotionSegment, OpEffect, OpMotion, OscillationChange, ProgramMessage,
 };

@@ -121,6 +121,9 @@ pub struct GaugeMove {
     pub retract_mm: f64,
 }
 
+/// The skip signal (G31 P) of the wheel's contact monitor (P358).
+pub const CONTACT_SKIP_SIGNAL: u8 = 9;
+
 /// Number of reference points: the machine zero (G28) and three more (G30 P2 to P4).
 pub const REFERENCE_POINTS: usize = 4;
 

@@ -140,8 +140,8 @@ fn t2_the_demo_grinds_a_part_without_a_display() {
 #[test]
 fn t4_what_comes_along_has_no_mistake() {
     let gc = [
-        "1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012", "9071",
-        "9073", "9076",
+        "1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012", "9013",
+        "9071", "9073", "9076",
     ];
     let kinds: [(&str, &[&str]); 3] = [
         ("gc", &gc),
@@ -503,4 +503,46 @@ fn b8_the_check_names_text_rows_that_do_not_fit() {
     let told = errors(&out);
     assert!(told.contains(":3:1: warning: the program has no #3000=1"), "{told}");
     assert!(told.contains(":4:1: warning: text row not understood"), "{told}");
+}
+
+/// A burnt part is scrap: the report says so, and the status is not that of success.
+#[test]
+fn t3_a_bad_part_is_told_and_is_no_success() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    // The plunge of O1002 removes 0.8 mm³/(mm·s); a rating of 0.1 is beyond any wheel.
+    let burns = write("burns.ron", "(burn_mm2_s: Some(0.1))");
+    let good = kt830(&["run", "O1002", "--format", "json"]);
+    let burnt = kt830(&["run", "O1002", "--machine", &burns, "--format", "json"]);
+    let told = |out: &std::process::Output| -> serde_json::Value { serde_json::from_slice(&out.stdout).unwrap() };
+    assert_eq!((status(&good), &told(&good)["verdict"]), (0, &"ok".into()));
+    assert_eq!((status(&burnt), &told(&burnt)["verdict"]), (1, &"burn".into()));
+    // Out of the limits of its page.
+    let out = kt830(&["run", "O1002", "--set", "#532=-0.005", "--format", "json"]);
+    assert_eq!((status(&out), &told(&out)["verdict"]), (1, &"out-of-tolerance".into()));
+    // A wrong machine file names its place; a real machine is not for runs.
+    let wrong = kt830(&["run", "O1002", "--machine", &write("wrong.ron", "(contact_s: Some(-1.0))")]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("sharp_s is -1"), "{}", errors(&wrong));
+    let real = format!("{}/assets/machines/gc_ethercat.ron", env!("CARGO_MANIFEST_DIR"));
+    let real = kt830(&["run", "O1002", "--machine", &real]);
+    assert!(status(&real) == 2 && errors(&real).contains("kt830 bus FILE"), "{}", errors(&real));
+}
+
+#[test]
+fn t3_programs_are_qualified_on_other_machines() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("burns.ron"), "(burn_mm2_s: Some(0.1))").unwrap();
+    let machines = folder.path().to_string_lossy().into_owned();
+    let words = ["qualify", "--programs", "O1002", "--machines", &machines, "--parts", "2", "--format", "json"];
+    let out = kt830(&words);
+    let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let row = |at: usize, what: &str| told["rows"][at][what].clone();
+    assert_eq!((row(0, "machine"), row(0, "good"), row(0, "spoilt")), ("standard".into(), 2.into(), 0.into()));
+    assert_eq!((row(1, "machine"), row(1, "good"), row(1, "spoilt")), ("burns".into(), 0.into(), 2.into()));
+    assert_eq!((status(&out), &told["bad_parts_unnoticed"]), (1, &2.into()));
+    assert_eq!(status(&kt830(&["qualify", "O1011"])), 2, "it makes no part");
 }

@@ -237,6 +237,7 @@ pub fn busy(page: Page) -> Snapshot {
         wheel_load_percent: 63.0,
         sizes: (0..12).map(size).collect(),
         finished_sizes: vec![size(3)],
+        finished_defects: Vec::new(),
         events: vec![said("12.3 s burn", "12.3 s burn")],
         lathe_workspace: None,
     }));

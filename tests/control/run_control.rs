@@ -575,3 +575,16 @@ fn b2_a_helix_of_a_surface_grinder_ends_in_all_three_axes() {
         assert!((rig.snapshot().axes.0[axis].machine - start.0[axis].machine - way).abs() < 0.002);
     }
 }
+
+#[test]
+fn b2_g31_p9_stops_at_the_contact_of_the_wheel_and_refuses_without_a_monitor() {
+    let program = "G98 G31 W-20 F60 P9\n#100=#5062\nM30";
+    let mut rig = ready_with(program);
+    tell(&mut rig, "input wheel-contact off\nmode auto\nkey cycle-start\nwait 2 s\nexpect state running");
+    tell(&mut rig, "input wheel-contact on\nwait until idle max 2 s");
+    // 1 mm/s for two seconds.
+    let z = rig.snapshot().variables[100].unwrap();
+    assert!((-153.0..-151.5).contains(&z), "{z}");
+    let mut rig = ready_with(program);
+    tell(&mut rig, "param P358 0\nmode auto\nkey cycle-start\nwait 1 s\nexpect alarm 202");
+}

@@ -12,6 +12,8 @@ use kt830::defs::param::{self, NumberParam};
 use kt830::link::Command;
 use kt830::link::files::FileRequest;
 use kt830::link::page_command::PageCommand;
+use kt830::link::part_result::PartResult;
+use kt830::link::simulation::{PartDefect, SimView};
 use kt830::units::{Axis, Micros};
 
 /// A machine that measures into #540, nominal #541 = 40, +0.010 −0.005.
@@ -30,10 +32,27 @@ fn set(machine: &mut kt830::link::Snapshot, at: NumberParam, value: f64) {
 }
 
 fn finish(screen: &mut Screen, size: f64) {
+    screen.state_mut().snapshot.variables[540] = Some(size);
+    end_cycle(screen);
+}
+
+/// A cycle ends, with the values as they are.
+fn end_cycle(screen: &mut Screen) {
     let machine = &mut screen.state_mut().snapshot;
-    machine.variables[540] = Some(size);
     machine.parts_counted += 1;
     machine.now = Micros(machine.now.0 + 1_000_000);
+    let (nominal, measured) = {
+        let values = machine.size_values();
+        (values.nominal(), values.measured())
+    };
+    machine.cycle.part = Some(PartResult {
+        number: machine.parts_counted,
+        program: machine.program.number,
+        ended_at: machine.now,
+        cycle_seconds: machine.cycle.seconds,
+        nominal,
+        measured,
+    });
     screen.step();
 }
 
@@ -67,23 +86,23 @@ fn process_sizes_are_shown_between_their_limits() {
     let mut screen = measuring();
     assert!(shows(&screen, "P375"), "what to do is said while nothing was measured");
     finish(&mut screen, 40.004);
-    assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "超差"));
+    assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "不合格"));
     // On its limit it is in, a micrometre beyond out.
     finish(&mut screen, 40.010);
     finish(&mut screen, 39.995);
-    assert!(!shows(&screen, "超差"));
+    assert!(!shows(&screen, "不合格"));
     finish(&mut screen, 40.011);
     finish(&mut screen, 39.994);
-    assert!(shows(&screen, "超差 2"));
+    assert!(shows(&screen, "不合格 2"));
     // Limits of another part do not touch those that were made.
     screen.state_mut().snapshot.variables[541] = Some(50.0);
     finish(&mut screen, 50.001);
-    assert!(shows(&screen, "50.001 / 50.000 +0.010 -0.005 · 超差 2"));
+    assert!(shows(&screen, "50.001 / 50.000 +0.010 -0.005 · 不合格 2"));
     let table = table(&mut screen);
     let rows: Vec<&str> = table.split("\r\n").skip_while(|line| !line.starts_with("part,")).collect();
-    assert_eq!(rows[0], "part,cycle_seconds,size,nominal,lower,upper,within");
-    assert!(rows[1].ends_with(",40.0040,40.0000,39.9950,40.0100,1"), "{}", rows[1]);
-    assert!(rows[4].ends_with(",40.0110,40.0000,39.9950,40.0100,0"), "{}", rows[4]);
+    assert_eq!(rows[0], "part,cycle_seconds,size,nominal,lower,upper,verdict");
+    assert!(rows[1].ends_with(",40.0040,40.0000,39.9950,40.0100,ok"), "{}", rows[1]);
+    assert!(rows[4].ends_with(",40.0110,40.0000,39.9950,40.0100,out-of-tolerance"), "{}", rows[4]);
 }
 
 #[test]
@@ -92,12 +111,24 @@ fn process_without_limits_nothing_is_out() {
     let machine = &mut screen.state_mut().snapshot;
     set(machine, param::TREND_NOMINAL_VARIABLE, 0.0);
     finish(&mut screen, 12.0);
-    assert!(shows(&screen, "12.000") && !shows(&screen, "超差") && !shows(&screen, "12.000 /"));
+    assert!(shows(&screen, "12.000") && !shows(&screen, "不合格") && !shows(&screen, "12.000 /"));
     // A variable without a value is no size.
     let mut screen = measuring();
-    screen.state_mut().snapshot.parts_counted += 1;
-    screen.step();
+    end_cycle(&mut screen);
     assert!(shows(&screen, "P375"));
+}
+
+#[test]
+fn process_a_burnt_part_is_bad_whatever_its_size() {
+    let mut screen = measuring();
+    finish(&mut screen, 40.001);
+    assert!(!shows(&screen, "不合格"));
+    let burnt = SimView { finished_defects: vec![PartDefect::Burn], ..SimView::default() };
+    screen.state_mut().snapshot.simulated = Some(Arc::new(burnt));
+    finish(&mut screen, 40.001);
+    assert!(shows(&screen, "不合格 1"), "{:?}", painted(&screen));
+    let table = table(&mut screen);
+    assert!(table.trim_end().ends_with(",40.0010,40.0000,39.9950,40.0100,burn"), "{table}");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::activity::{ActionStatus, Activity};
-use super::gauge::gauge_signal;
+use super::gauge::skip_signal;
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
 use crate::controller::plant::{ControlEvent, Plant};
@@ -19,7 +19,7 @@ use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::RequestResult;
 use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
-use crate::nc::CoordinateChange;
+use crate::nc::{CONTACT_SKIP_SIGNAL, CoordinateChange};
 use crate::units::{MachinePos, Micros};
 
 const CONTINUE: &Template = &Template::new("{text}：按循环启动继续", "{text}: cycle start continues", &["text"]);
@@ -209,6 +209,10 @@ impl ProgramRun {
     /// G31: the position is latched in the tick of the signal edge, then the axes brake.
     fn step_skip(&mut self, plant: &mut Plant, planned: &PlannedMove, signal: u8) -> ActionStatus {
         let Activity::Skip { tag, latched } = self.activity else {
+            if signal == CONTACT_SKIP_SIGNAL && plant.params.input_port(Input::WheelContact) == 0 {
+                plant.raise(alarm::INPUT_NOT_ASSIGNED, Some(Input::WheelContact.name().into()));
+                return ActionStatus::Wait;
+            }
             let most = plant.params.get(param::SKIP_SPEED_MAX);
             let Some(rate) = planned.speed.rate(plant.workpiece_rpm(), most) else {
                 return raise_no_workpiece_drive(plant);
@@ -221,7 +225,7 @@ impl ProgramRun {
         if latched && plant.axes.is_at_rest() {
             self.lookahead.machine_position = plant.axes.program_set_point();
             return ActionStatus::Done;
-        } else if !latched && gauge_signal(plant, signal) {
+        } else if !latched && skip_signal(plant, signal) {
             plant.work.skip_position = plant.work_position();
             plant.axes.planner.abort();
             self.activity = Activity::Skip { tag, latched: true };

@@ -13,7 +13,7 @@ use crate::defs::mcode::{Gauge, Request};
 use crate::defs::signal::Input;
 use crate::defs::text::phrase;
 use crate::motion::{CornerMode, MotionSpeed, MoveShape};
-use crate::nc::GaugeMove;
+use crate::nc::{CONTACT_SKIP_SIGNAL, GaugeMove};
 use crate::units::{Axis, MachinePos};
 
 /// From this share of J on the axis counts as running at J.
@@ -191,6 +191,14 @@ fn fail_gauge(plant: &mut Plant, number: u16, signal: u8) -> ActionStatus {
 /// Whether a gauge signal (1 to 6) is on, before the input filter.
 pub fn gauge_signal(plant: &Plant, number: u8) -> bool {
     plant.inputs.raw.has(Input::GAUGES[gauge_index(number)])
+}
+
+/// Whether a skip signal of G31 is on, before the input filter.
+pub fn skip_signal(plant: &Plant, number: u8) -> bool {
+    match number {
+        CONTACT_SKIP_SIGNAL => plant.inputs.raw.has(Input::WheelContact),
+        gauge => gauge_signal(plant, gauge),
+    }
 }
 
 /// The work coordinate of an axis from its encoder, as displayed.

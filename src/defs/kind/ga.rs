@@ -35,6 +35,7 @@ pub(super) static ROW: KindRow = KindRow {
         ..KindFactory::TABLE
     },
     machine_file: include_str!("../../../assets/machines/ga.ron"),
+    dressing_program: Some(1_014),
     demo_story: Some(include_str!("../../../assets/stories/first_part_ga.story")),
     ui: KindUi {
         key_labels: PLANE_GAUGES,

@@ -30,6 +30,7 @@ pub(super) static ROW: KindRow = KindRow {
     page_files: &[],
     factory: KindFactory::TABLE,
     machine_file: include_str!("../../../assets/machines/gc.ron"),
+    dressing_program: Some(1_011),
     demo_story: Some(include_str!("../../../assets/stories/first_part.story")),
     ui: KindUi {
         // Seen from above: Z along the part, X to the wheel; X− moves the wheel to the part, towards the operator.

@@ -40,6 +40,7 @@ pub(super) static ROW: KindRow = KindRow {
         ..KindFactory::TABLE
     },
     machine_file: include_str!("../../../assets/machines/gs.ron"),
+    dressing_program: Some(1_013),
     demo_story: Some(include_str!("../../../assets/stories/first_part_gs.story")),
     ui: KindUi {
         key_labels: PLANE_GAUGES,

@@ -51,6 +51,7 @@ pub(super) static ROW: KindRow = KindRow {
         ..KindFactory::TABLE
     },
     machine_file: include_str!("../../../assets/machines/lathe.ron"),
+    dressing_program: None,
     demo_story: Some(include_str!("../../../assets/stories/shaft.story")),
     ui: KindUi {
         spindle_name: Text::new("主轴", "spindle"),

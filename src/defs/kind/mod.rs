@@ -83,6 +83,8 @@ pub struct KindRow {
     pub factory: KindFactory,
     /// The file of the simulated machine.
     pub machine_file: &'static str,
+    /// The shipped program that dresses its wheel.
+    pub dressing_program: Option<u32>,
     /// The story that `kt830 demo` plays; it names the kind. `None`: that of the default kind.
     pub demo_story: Option<&'static str>,
     /// Labels, drawings and the operator panel.

@@ -52,6 +52,7 @@ pub(super) static ROW: KindRow = KindRow {
         ..KindFactory::TABLE
     },
     machine_file: include_str!("../../../assets/machines/vertical.ron"),
+    dressing_program: None,
     demo_story: Some(include_str!("../../../assets/stories/vertical.story")),
     ui: KindUi {
         // S3: the grinding page shows the R parameters.

@@ -182,7 +182,7 @@ page_rows! {
     Diagnosis => diagnosis::DiagnosisPage, shows Inputs Diagnosis;
     Graphic => graphic::GraphicPage, shows Simulated Stock;
     Transfer => transfer::TransferPage;
-    Process => process::ProcessPage, shows Inputs Simulated;
+    Process => process::ProcessPage, shows Inputs Simulated PartResult;
     Alarm => alarm::AlarmPage;
     Settings => settings::SettingsPage;
     Bus => bus::BusPage, shows Bus;

@@ -68,6 +68,8 @@ pub(super) struct SimAxis {
     limit_minus: BouncingContact,
     /// Random deviation of the slide.
     pub(super) scatter: Option<SlideScatter>,
+    /// How far heat has moved the slide towards minus, mm.
+    pub(super) thermal_mm: f64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -111,6 +113,7 @@ impl SimAxis {
             limit_plus: BouncingContact::default(),
             limit_minus: BouncingContact::default(),
             scatter: None,
+            thermal_mm: 0.0,
         };
         axis.reset_at(start);
         axis
@@ -200,7 +203,8 @@ impl SimAxis {
         let play = interpolate(&self.file.backlash_mm, self.motor_mm) + self.worn_play_mm();
         self.nominal_slide_mm = self.nominal_slide_mm.max(self.motor_mm).min(self.motor_mm + play);
         let off_mm = self.scatter.as_mut().map_or(0.0, |scatter| scatter.deviation_mm(self.nominal_slide_mm));
-        self.slide_mm = self.nominal_slide_mm + interpolate(&self.file.pitch_error_mm, self.nominal_slide_mm) + off_mm;
+        let pitch_mm = interpolate(&self.file.pitch_error_mm, self.nominal_slide_mm);
+        self.slide_mm = self.nominal_slide_mm + pitch_mm + off_mm - self.thermal_mm;
         let plus = self.slide_mm > self.file.stop_plus_mm;
         if !plus && self.slide_mm >= self.file.stop_minus_mm {
             return None;

@@ -7,6 +7,7 @@ use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
 };
+use super::thermal::ThermalFile;
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
@@ -52,6 +53,8 @@ pub struct MachineFile {
     pub dresser: Option<DresserFile>,
     /// Seeded variation of the machine. Without it only contacts, gauges and parts depend on the seed.
     pub scatter: Option<ScatterFile>,
+    /// Thermal growth of the wheel head; none on a machine that is always warm.
+    pub thermal: Option<ThermalFile>,
 }
 
 impl MachineFile {
@@ -79,7 +82,8 @@ impl MachineFile {
         PerAxis([Some(&self.x), self.y.as_ref().or(fitted), Some(&self.z)])
     }
 
-    fn check(&self) -> Result<(), SimFileError> {
+    pub(super) fn check(&self) -> Result<(), SimFileError> {
+        self.thermal.map_or(Ok(()), |thermal| thermal.check())?;
         for (axis, file) in self.axes(true).iter() {
             file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
         }

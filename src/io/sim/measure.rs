@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::SimulatedMachine;
 use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
-use super::report::{PartReport, SimEvent};
+use super::report::{EventKind, PartReport, SimEvent};
 use super::spindle::rpm_of;
 use super::surface::Surface;
 use crate::defs::lathe_workspace::LatheWorkspace;
@@ -172,6 +172,12 @@ impl SimulatedMachine {
     #[must_use]
     pub fn height_at(&self, x: f64, z: f64) -> Option<f64> {
         self.grinding.surfaces().iter().find_map(|surface| surface.height_at(x, z))
+    }
+
+    /// What has spoilt the part since it was mounted: it is scrap, whatever its size.
+    #[must_use]
+    pub fn part_defects(&self) -> Vec<EventKind> {
+        self.log.part_defects().collect()
     }
 
     /// The events so far, oldest first; at most 256.

@@ -10,6 +10,7 @@ mod axis;
 mod cell_row;
 mod contact;
 mod contact_law;
+mod drawing;
 mod fault;
 mod file_error;
 mod gauge;
@@ -20,6 +21,7 @@ mod interference_check;
 mod lathe;
 mod machine_file;
 mod machine_sections;
+mod machine_variation;
 mod magnet;
 mod measure;
 mod obstacle;
@@ -30,6 +32,7 @@ mod report;
 mod scatter;
 mod spindle;
 mod surface;
+mod thermal;
 mod wheel;
 mod wiring;
 
@@ -50,6 +53,7 @@ use crate::defs::param::{self, Params};
 use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, MachinePos, Micros, PerAxis};
 
+pub use self::drawing::{Deviation, DrawingFeature, DrawingSize};
 pub use self::fault::FaultError;
 pub use self::file_error::SimFileError;
 pub use self::interference_check::InterferenceCheck;
@@ -59,12 +63,14 @@ pub use self::machine_sections::{
     PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, TablePoint, ToolFile, ToolTurretFile,
     WheelFile,
 };
+pub use self::machine_variation::{MachineVariation, VARIATIONS};
 pub use self::measure::WheelState;
 pub use self::part_file::{
     BarFile, BlockFile, BodyFile, BodyKind, FaceDirection, FinishedSizeFile, GaugeSetupFile, OffsetPreset, PartFile,
     SlidePosition, SurfaceFile, TailstockFile,
 };
 pub use self::report::{DiameterAt, EventKind, FaceAt, HeightAt, PartReport, SimEvent};
+pub use self::thermal::ThermalFile;
 
 /// Longest step of the physics, µs; a longer tick is divided into several steps.
 const STEP_LIMIT_US: u64 = 4_000;
@@ -220,6 +226,9 @@ impl SimulatedMachine {
     }
 
     fn step(&mut self, dt_s: f64) {
+        if let (Some(thermal), Some(infeed)) = (self.file.thermal, &mut self.axes[self.file.layout.infeed]) {
+            infeed.thermal_mm = thermal.step_mm(infeed.thermal_mm, dt_s);
+        }
         self.log.set_slides(self.slide_mm());
         let mut crashed = self.move_axes(dt_s);
         let on = self.active_outputs;

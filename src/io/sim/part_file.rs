@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::drawing::DrawingSize;
 use super::file_error::{SimFileError, refuse_value, require_positive, require_positive_fields};
 use crate::defs::kind::{GrindingForm, Kind};
 use crate::defs::program_number;
@@ -76,6 +77,9 @@ pub struct PartFile {
     pub head_deg: f64,
     /// The finished size, if variables of the program define it.
     pub finished: Option<FinishedSizeFile>,
+    /// The sizes that the part has once its program has ground it with the values of this file.
+    #[serde(default)]
+    pub drawing: Vec<DrawingSize>,
 }
 
 /// The finished diameter, defined by variables of the program. X programs the wheel's centre: the rim is at

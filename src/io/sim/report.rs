@@ -27,6 +27,15 @@ impl EventKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Crash, Self::Burn, Self::Flat, Self::Overspeed];
 
+    /// Whether a part to which it happens is scrap, whatever its size.
+    #[must_use]
+    pub const fn spoils_part(self) -> bool {
+        match self {
+            Self::Crash | Self::Burn | Self::Flat => true,
+            Self::Overspeed => false,
+        }
+    }
+
     /// The kind with an id.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
@@ -75,6 +84,8 @@ pub(super) struct EventLog {
     slide_mm: MachinePos,
     /// Crashes whose contact has not ended.
     active_crashes: Vec<ActiveCrash>,
+    /// What has happened to the present part.
+    part_defects: [bool; EventKind::ALL.len()],
 }
 
 /// A crash still in contact.
@@ -90,7 +101,12 @@ struct ActiveCrash {
 impl EventLog {
     /// An empty log with its memory allocated.
     pub(super) fn new() -> Self {
-        Self { events: Vec::with_capacity(EVENT_LIMIT), slide_mm: MachinePos::default(), active_crashes: Vec::new() }
+        Self {
+            events: Vec::with_capacity(EVENT_LIMIT),
+            slide_mm: MachinePos::default(),
+            active_crashes: Vec::new(),
+            part_defects: [false; EventKind::ALL.len()],
+        }
     }
 
     /// Takes over the slide positions and ends the crashes that the slides have left.
@@ -103,9 +119,16 @@ impl EventLog {
         });
     }
 
-    /// Ends all crashes for a new part.
+    /// Ends all crashes for a new part, which has no defect.
     pub(super) fn begin_part(&mut self) {
         self.active_crashes.clear();
+        self.part_defects = [false; EventKind::ALL.len()];
+    }
+
+    /// What has spoilt the present part.
+    pub(super) fn part_defects(&self) -> impl Iterator<Item = EventKind> {
+        let happened = self.part_defects;
+        EventKind::ALL.into_iter().filter(move |kind| kind.spoils_part() && happened[*kind as usize])
     }
 
     /// Logs an event; beyond the limit it is not kept. False if it is the same crash, already logged.
@@ -118,6 +141,7 @@ impl EventLog {
             }
             self.active_crashes.push(ActiveCrash { place: event.place, slide_mm, touched: true });
         }
+        self.part_defects[event.kind as usize] = true;
         if self.events.len() < EVENT_LIMIT {
             self.events.push(event);
         }

@@ -192,3 +192,20 @@ fn p6_a_dead_contact_monitor_books_nothing_and_without_a_monitor_the_infeed_coun
     assert_eq!(without.rig.controller().system_variable(5_827), None);
     assert!((without.rig.controller().system_variable(5_801).unwrap() - 599.95).abs() < 1e-9);
 }
+
+/// Before it dresses a worn wheel, O1011 measures it at the diamond; a monitor that is dead by then measures nothing.
+#[test]
+fn p6_a_wheel_that_cannot_be_measured_is_an_alarm_and_books_nothing() {
+    let mut shop = shop(1011);
+    assert_eq!(shop.run(), End::Finished);
+    shop.load(1002);
+    let part = super::shop::part_of(1002);
+    shop.rig.mount_part(&part);
+    assert_eq!(shop.run(), End::Finished);
+    let (diameter, wear) = (shop.rig.controller().system_variable(5_801), shop.value(774));
+    shop.load(1011);
+    crate::stories::tell(&mut shop.rig, "input wheel-contact off");
+    let end = shop.run();
+    assert!(matches!(&end, End::Alarm(3_024, _)), "{end:?}");
+    assert_eq!((shop.rig.controller().system_variable(5_801), shop.value(774)), (diameter, wear));
+}

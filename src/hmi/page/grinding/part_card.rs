@@ -8,7 +8,7 @@ use egui::{Color32, Rect, vec2};
 
 use crate::hmi::{Area, View, format_cycle_time, keycap, theme};
 use crate::link::Snapshot;
-use crate::link::part_result::{ComparedSize, PartResult};
+use crate::link::part_result::{JudgedSize, PartResult, PartVerdict};
 use crate::units::Micros;
 
 /// Height of the card, points.
@@ -18,25 +18,6 @@ pub const HEIGHT: f32 = 118.0;
 #[derive(Debug, Default)]
 pub struct PartCard {
     dismissed: Option<Micros>,
-}
-
-/// The size that is shown, and where it comes from.
-#[derive(Clone, Copy, Debug)]
-enum ShownSize<'a> {
-    /// The program has measured it, mm.
-    Gauge(f64),
-    /// The simulated machine knows it.
-    Simulated(ComparedSize<'a>),
-}
-
-impl ShownSize<'_> {
-    /// The size, mm.
-    const fn mm(self) -> f64 {
-        match self {
-            Self::Gauge(mm) => mm,
-            Self::Simulated(compared) => compared.worst.mm,
-        }
-    }
 }
 
 impl PartCard {
@@ -59,8 +40,8 @@ impl PartCard {
     /// Draws the card; a touch dismisses it.
     pub fn ui(&mut self, rect: Rect, view: &View<'_>) {
         let Some(part) = self.shown(view.snapshot) else { return };
-        let size = size_of(view.snapshot, part);
-        let (verdict, ink) = verdict(view, part, size);
+        let size = part.judged_size(view.snapshot.simulated.as_deref());
+        let (verdict, ink) = verdict(view, part);
         let response = keycap::plain(view, rect, "part-result", format!("{verdict} part-result"));
         view.edge_bar(rect, ink);
         let inside = rect.shrink2(vec2(10.0, 5.0));
@@ -81,8 +62,8 @@ impl PartCard {
         view.fit_left(inside.band(64.0, 20.0), &tolerance(view, part), theme::LABEL, view.theme.muted);
         let foot = inside.band(86.0, 20.0);
         let source = match size {
-            Some(ShownSize::Gauge(_)) => Cow::Borrowed(view.text("实测", "measured")),
-            Some(ShownSize::Simulated(compared)) => {
+            Some(JudgedSize::Measured(_)) => Cow::Borrowed(view.text("实测", "measured")),
+            Some(JudgedSize::Simulated(compared)) => {
                 format!("{} {}", view.text("仿真", "simulated"), compared.worst.name.get(view.lang)).into()
             }
             None => Cow::Borrowed(""),
@@ -94,22 +75,15 @@ impl PartCard {
     }
 }
 
-/// The measured size, else that of the simulated part.
-fn size_of<'a>(snapshot: &'a Snapshot, part: &PartResult) -> Option<ShownSize<'a>> {
-    let simulated = || part.nominal?.compare(&snapshot.simulated.as_ref()?.finished_sizes);
-    part.measured.map(ShownSize::Gauge).or_else(|| simulated().map(ShownSize::Simulated))
-}
-
-fn verdict(view: &View<'_>, part: &PartResult, size: Option<ShownSize<'_>>) -> (String, Color32) {
-    let Some(size) = size else { return (view.text("未测量", "not measured").to_owned(), view.theme.muted) };
-    let is_part_of_surface = matches!(size, ShownSize::Simulated(compared) if compared.keeps_elsewhere);
-    let (words, ink) = match part.nominal.and_then(|nominal| nominal.keeps(size.mm())) {
-        Some(true) => (view.text("合格", "OK"), view.theme.run),
-        Some(false) if is_part_of_surface => (view.text("局部超差", "PARTLY OUT"), view.theme.alarm_text),
-        Some(false) => (view.text("超差", "NOT OK"), view.theme.alarm_text),
-        None => (view.text("无公差", "no tolerance"), view.theme.muted),
+/// The verdict and its colour.
+fn verdict(view: &View<'_>, part: &PartResult) -> (String, Color32) {
+    let verdict = part.verdict(view.snapshot.simulated.as_deref());
+    let ink = match verdict {
+        PartVerdict::Good => view.theme.run,
+        PartVerdict::Spoilt(_) | PartVerdict::Out { .. } => view.theme.alarm_text,
+        PartVerdict::NoTolerance | PartVerdict::NotMeasured => view.theme.muted,
     };
-    (words.to_owned(), ink)
+    (verdict.name().get(view.lang).to_owned(), ink)
 }
 
 /// `40.000 +0.005 -0.015`

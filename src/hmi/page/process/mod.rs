@@ -58,7 +58,8 @@ struct ProcessCurve {
 pub struct ProcessPage {
     samples: VecDeque<Sample>,
     parts: VecDeque<FinishedPart>,
-    last_part_count: Option<u32>,
+    /// When the last recorded part was finished.
+    last_part: Option<Micros>,
     /// Dressing count and wheel diameter, mm, as last seen; what the last dressing took off the diameter, mm.
     last_dressing: Option<(f64, f64)>,
     dressing_removed_mm: Option<f64>,
@@ -72,13 +73,14 @@ pub struct ProcessPage {
 
 impl PageUi for ProcessPage {
     fn record(&mut self, snapshot: &Snapshot) {
-        if self.last_part_count.is_some_and(|counted| snapshot.parts_counted > counted) {
-            self.parts.push_back(FinishedPart::of(snapshot));
+        let finished = snapshot.cycle.part.as_ref().filter(|part| self.last_part != Some(part.ended_at));
+        if let Some(part) = finished {
+            self.last_part = Some(part.ended_at);
+            self.parts.push_back(FinishedPart::of(part, snapshot));
             if self.parts.len() > MAX_PARTS {
                 self.parts.pop_front();
             }
         }
-        self.last_part_count = Some(snapshot.parts_counted);
         self.track_dressing(snapshot);
         if self.samples.back().is_some_and(|last| snapshot.now < last.at) {
             self.samples.clear();
@@ -320,13 +322,13 @@ impl ProcessPage {
             // Writing to a string does not fail.
             let _ = write!(text, "{seconds:.3},{places}{feed:.1},{load},{gauges:06b}\r\n");
         }
-        text.push_str("\r\npart,cycle_seconds,size,nominal,lower,upper,within\r\n");
+        text.push_str("\r\npart,cycle_seconds,size,nominal,lower,upper,verdict\r\n");
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
         for part in &self.parts {
             let [nominal, low, high] = [0, 1, 2].map(|at| number(part.limits.map(|limits| limits[at])));
-            let within = part.within_limits().map_or("", |keeps| if keeps { "1" } else { "0" });
+            let verdict = part.verdict.id();
             let (count, seconds, size) = (part.number, part.cycle_seconds, number(part.size));
-            let _ = write!(text, "{count},{seconds:.1},{size},{nominal},{low},{high},{within}\r\n");
+            let _ = write!(text, "{count},{seconds:.1},{size},{nominal},{low},{high},{verdict}\r\n");
         }
         text
     }

@@ -7,6 +7,7 @@ use super::{MAX_PARTS, ProcessPage};
 use crate::defs::param;
 use crate::hmi::{Area, View, theme};
 use crate::link::Snapshot;
+use crate::link::part_result::{PartResult, PartVerdict};
 
 /// A finished part.
 #[derive(Clone, Copy, Debug)]
@@ -19,34 +20,29 @@ pub struct FinishedPart {
     pub size: Option<f64>,
     /// Nominal, least and greatest size, mm, as in force when the part was finished.
     pub limits: Option<[f64; 3]>,
+    /// Whether it is good.
+    pub verdict: PartVerdict,
 }
 
 impl FinishedPart {
-    /// The part that was just counted.
-    pub fn of(snapshot: &Snapshot) -> Self {
-        let values = snapshot.size_values();
-        let nominal = values.nominal();
-        let limits = nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high]));
-        let simulated = || {
-            let sizes = &snapshot.simulated.as_ref()?.sizes;
-            let Some(nominal) = nominal else { return sizes.first().map(|size| size.mm) };
-            nominal.compare(sizes).map(|compared| compared.worst.mm)
-        };
-        // Without a size variable: the worst simulated size of the surface.
-        let size = if values.is_measured() { values.measured() } else { simulated() };
-        Self { number: snapshot.parts_counted, cycle_seconds: snapshot.cycle.seconds, size, limits }
-    }
-
-    /// Whether the size is within its limits; none: nothing to compare.
-    pub fn within_limits(&self) -> Option<bool> {
-        let ([_, low, high], size) = (self.limits?, self.size?);
-        // Rounding errors up to 1e-6 mm are tolerated.
-        Some(size >= low - 1e-6 && size <= high + 1e-6)
+    /// The part of the last cycle.
+    pub fn of(part: &PartResult, snapshot: &Snapshot) -> Self {
+        let simulated = snapshot.simulated.as_deref();
+        let size = part.judged_size(simulated).map(|size| size.mm());
+        // Without a nominal size: any size of the part shows how it changes.
+        let any = || simulated?.finished_sizes.first().map(|size| size.mm);
+        Self {
+            number: part.number,
+            cycle_seconds: part.cycle_seconds,
+            size: size.or_else(|| part.nominal.is_none().then(any).flatten()),
+            limits: part.nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high])),
+            verdict: part.verdict(simulated),
+        }
     }
 }
 
 impl ProcessPage {
-    /// Sizes of the last parts as points between their limits; a size out of tolerance is a square.
+    /// Sizes of the last parts as points between their limits; a part that is not good is a square.
     pub(super) fn trend(&self, rect: Rect, view: &View<'_>) {
         view.card(rect);
         let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
@@ -60,14 +56,14 @@ impl ProcessPage {
             view.paragraph(plot, words, theme::SMALL, view.theme.muted);
             return;
         };
-        let out = sized.iter().filter(|part| part.within_limits() == Some(false)).count();
-        let ink = if last.within_limits() == Some(false) { view.theme.alarm_text } else { view.theme.text };
+        let out = sized.iter().filter(|part| part.verdict.is_bad()).count();
+        let ink = if last.verdict.is_bad() { view.theme.alarm_text } else { view.theme.text };
         let mut words = view.length(last.size.unwrap_or(f64::NAN));
         if let Some([nominal, low, high]) = last.limits {
             words = format!("{words} / {nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
         }
         if out > 0 {
-            words = format!("{words} · {} {out}", view.text("超差", "out"));
+            words = format!("{words} · {} {out}", view.text("不合格", "not good"));
         }
         view.fit_right(head.with_min_x(taken.max.x + theme::GAP), &words, theme::LABEL, ink);
         paint_sizes(view, plot, &sized);
@@ -148,7 +144,7 @@ fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&FinishedPart]) {
         }
         let Some(size) = part.size else { continue };
         let at = pos2(x(index), y(size));
-        if part.within_limits() == Some(false) {
+        if part.verdict.is_bad() {
             view.painter.rect_filled(Rect::from_center_size(at, vec2(9.0, 9.0)), 0.0, view.theme.alarm_text);
         } else {
             view.painter.circle_filled(at, 3.0, view.theme.run);

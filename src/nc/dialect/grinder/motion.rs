@@ -10,7 +10,7 @@ use crate::nc::dialect::rules::BlockContext;
 use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{Op, REFERENCE_POINTS};
+use crate::nc::op::{CONTACT_SKIP_SIGNAL, Op, REFERENCE_POINTS};
 use crate::nc::words::{Code, ValueKind};
 use crate::units::{Axis, PerAxis};
 
@@ -84,13 +84,16 @@ fn return_to_reference(running: &mut BlockContext<'_, '_>, code: Code) -> ReadRe
     Ok(())
 }
 
-/// G31: feeds until skip signal P is active (1–6, default 1).
+/// G31: feeds until skip signal P is active: gauge signal 1–6, default 1, or 9, the wheel's contact monitor.
 fn skip(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
     if words.is_empty() {
         return fail2(code.at as usize, E::MissingWord, "G31", "X / Z");
     }
-    let signal = running.words.take(b'P').map_or(Ok(1), |word| integer(word, 1, SKIP_SIGNALS))? as u8;
+    let signal = match running.words.take(b'P') {
+        Some(word) if word.value.to_bits() == f64::from(CONTACT_SKIP_SIGNAL).to_bits() => CONTACT_SKIP_SIGNAL,
+        word => word.map_or(Ok(1), |word| integer(word, 1, SKIP_SIGNALS))? as u8,
+    };
     let feed = modal_feed(running)?;
     running.ops.push(Op::Skip { to, feed, signal, words, incremental });
     Ok(())
