@@ -1,6 +1,6 @@
 //! `kt830 qualify`: grinds batches with every program on machines that it was not made on, and tells which parts are good.
-//! A part is judged by the drawing in its part file. Before a batch the wheel is dressed
-//! and, where no gauge measures, a first part is measured and the offsets are corrected, as an operator does it. Source: P4–P8, T3.
+//! A part is judged by the drawing in its part file. Before a batch the wheel is dressed and, where no gauge measures, a first
+//! part is measured and the offsets are corrected, as an operator does it. Source: P4–P8, T3.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -83,6 +83,11 @@ type GroundBatch = Result<Vec<GroundPart>, CallError>;
 /// # Errors
 /// A program, a machine file or a folder cannot be used.
 pub fn qualify(shared: &SharedArgs, call: &QualifyArgs) -> Result<u8, CallError> {
+    if shared.machine.is_some() {
+        return Err(CallError::new(
+            "--machine: give a folder of machines, --machines DIR, or run one program: `kt830 run`",
+        ));
+    }
     let mut shared = shared.clone();
     // `--programs` is the folder of every command; here it may name the programs, too.
     let mut names = call.names.clone();
@@ -104,12 +109,12 @@ pub fn qualify(shared: &SharedArgs, call: &QualifyArgs) -> Result<u8, CallError>
     let rows: Vec<QualificationRow> = of_row
         .map(|(batches, parts)| QualificationRow::of(batches[0].subject, &batches[0].machine.name, &parts.concat()))
         .collect();
-    let silent = rows.iter().map(|row| row.silent + row.spoilt).sum::<usize>();
+    let unnoticed = rows.iter().map(|row| row.silent + row.spoilt).sum::<usize>();
     print_line(match shared.format {
-        OutputFormat::Json => json!({"rows": rows, "bad_parts_unnoticed": silent}).to_string(),
+        OutputFormat::Json => json!({"rows": rows, "bad_parts_unnoticed": unnoticed}).to_string(),
         OutputFormat::Text => table(&rows),
     });
-    Ok(if silent == 0 { SUCCESS } else { FAILED })
+    Ok(if unnoticed == 0 { SUCCESS } else { FAILED })
 }
 
 /// The programs that have a drawing, of those named.
@@ -181,7 +186,9 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     let mut host = setup::headless_host(&shared)?;
     host.swap_machine(machine_of(machine, kind)?, seed);
     setup::prepare_run(&mut host, &shared, ProgramToRun::Word(&format!("O{}", subject.number)))?;
-    set_up(&mut host, subject)?;
+    if let Some(stopped) = set_up(&mut host, subject)? {
+        return Ok(vec![stopped]);
+    }
     let mut ground: Vec<GroundPart> = Vec::new();
     while ground.len() < parts as usize {
         host.machine_mut().set_part(Some(&subject.part));
@@ -197,8 +204,8 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
 }
 
 /// What an operator does before a batch: the wheel is dressed; where no gauge measures, the first part is measured, and the
-/// offsets are corrected. That part belongs to no batch.
-fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<(), CallError> {
+/// offsets are corrected. That part belongs to no batch. Returns what has stopped it, if something has.
+fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPart>, CallError> {
     host.machine_mut().set_part(Some(&subject.part));
     if let Some(dressing) = subject.part.kind.row().dressing_program {
         let values = PartFile::builtin(dressing).map_err(CallError::new)?.unwrap_or_default().variables;
@@ -207,12 +214,19 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<(), CallError> {
         commands.into_iter().for_each(|command| host.send(command));
         host.send(Command::LoadProgram(dressing));
         host.step();
-        host.run_program(&LIMITS, &mut |_| true);
+        let dressed = grind_part(host, subject);
+        if !host.snapshot().alarms.is_empty() {
+            let why = dressed.why.map(|why| format!("O{dressing}: {why}"));
+            return Ok(Some(GroundPart { end: PartEnd::Stopped, why, ..dressed }));
+        }
         host.send(Command::LoadProgram(subject.number));
         host.step();
     }
     if subject.part.drawing.iter().any(|size| size.offset.is_some()) {
-        grind_part(host, subject);
+        let first = grind_part(host, subject);
+        if first.end == PartEnd::Stopped {
+            return Ok(Some(first));
+        }
         host.send(Command::OpenPage(Page::Offset));
         for (number, axis, increment) in host.machine().measure().corrections(&subject.part.drawing) {
             host.send(Command::AddWear { number: usize::from(number), axis, increment });
@@ -222,7 +236,7 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<(), CallError> {
             return Err(CallError::new(format!("O{}: the offset: {}", subject.number, refusal.en())));
         }
     }
-    Ok(())
+    Ok(None)
 }
 
 fn machine_of(machine: &MachineCandidate, kind: Kind) -> Result<MachineFile, CallError> {
@@ -283,6 +297,7 @@ impl QualificationRow {
         let mut why: Vec<String> = parts.iter().filter_map(|part| part.why.clone()).collect();
         why.sort();
         why.dedup();
+        // The sizes of a drawing have one tolerance.
         let limit_um = subject.part.drawing.first().map(|size| size.tolerance * 1_000.0);
         Self {
             program: subject.number,

@@ -12,7 +12,7 @@ use crate::defs::text::{Lang, LocalizedText};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
-use crate::io::sim::{EventKind, PartReport};
+use crate::io::sim::PartReport;
 use crate::link::part_result::PartVerdict;
 use crate::link::snapshot::{AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
 use crate::units::{MachinePos, Micros};
@@ -156,30 +156,29 @@ struct PartOfBatch {
     measured: PartReport,
     /// Its size by which it is judged, mm.
     size_mm: Option<f64>,
-    /// What the control says of it; none if its cycle has not finished it.
+    /// None if its cycle has neither finished nor spoilt it.
     verdict: Option<PartVerdict>,
-    /// What has spoilt it, also if its cycle has not finished it.
-    defects: Vec<EventKind>,
 }
 
 impl PartOfBatch {
     fn of(host: &mut HeadlessHost, end: RunEnd) -> Self {
-        let (measured, defects) = (host.machine().measure(), host.machine().part_defects());
+        let measured = host.machine().measure();
+        // Also of a part that its cycle has not finished.
+        let spoilt = host.machine().part_defects().first().map(|defect| PartVerdict::Spoilt(*defect));
         let snapshot = host.snapshot();
         let part = snapshot.cycle.part.filter(|_| end == RunEnd::Finished);
         let simulated = snapshot.simulated.as_deref();
         let size_mm = part.and_then(|part| part.judged_size(simulated).map(|size| size.mm()));
-        Self { measured, size_mm, verdict: part.map(|part| part.verdict(simulated)), defects }
+        Self { measured, size_mm, verdict: spoilt.or_else(|| part.map(|part| part.verdict(simulated))) }
     }
 
     fn is_bad(&self) -> bool {
-        !self.defects.is_empty() || self.verdict.is_some_and(PartVerdict::is_bad)
+        self.verdict.is_some_and(PartVerdict::is_bad)
     }
 
     /// `ok`, `burn`, `out-of-tolerance`, …
     fn word(&self) -> &'static str {
-        let spoilt = self.defects.first().map(|defect| defect.id());
-        spoilt.unwrap_or_else(|| self.verdict.map_or("unfinished", PartVerdict::id))
+        self.verdict.map_or("unfinished", PartVerdict::id)
     }
 }
 

@@ -17,6 +17,16 @@ use crate::units::Micros;
 /// # Errors
 /// The call or a file is wrong, or the folder for temporary data cannot be used.
 pub fn torture(shared: &SharedArgs, call: &TortureArgs) -> Result<u8, CallError> {
+    let given = [
+        ("--machine", shared.machine.is_some()),
+        ("--data", shared.data.is_some()),
+        ("--part", shared.part.is_some()),
+        ("--param", !shared.params.is_empty()),
+        ("--set", !shared.sets.is_empty()),
+    ];
+    if let Some((word, _)) = given.into_iter().find(|(_, given)| *given) {
+        return Err(CallError::new(format!("{word}: a torture begins with factory data on the machine of its kind")));
+    }
     let span = Micros::from_secs_f64(call.hours * 3_600.0);
     for number in 0..call.courses {
         let in_turn = Kind::ALL[(number % Kind::ALL.len() as u64) as usize];

@@ -294,10 +294,10 @@ pub const DATA_ALARMS: std::ops::RangeInclusive<u16> = RETAINED_DATA_DAMAGED..=V
 /// The one of several active alarms, oldest first, that is shown where there is room for one: what has stopped everything,
 /// then lost data, then what came first.
 #[must_use]
-pub fn leading(numbers: &[u16]) -> Option<usize> {
-    let stops_all = numbers.iter().position(|number| reaction(*number) == Reaction::StopAll);
-    let data = || numbers.iter().position(|number| DATA_ALARMS.contains(number));
-    stops_all.or_else(data).or((!numbers.is_empty()).then_some(0))
+pub fn leading<T>(active: &[T], number: impl Fn(&T) -> u16) -> Option<&T> {
+    let first = |wanted: fn(u16) -> bool| active.iter().find(|alarm| wanted(number(alarm)));
+    let stops_all = first(|number| reaction(number) == Reaction::StopAll);
+    stops_all.or_else(|| first(|number| DATA_ALARMS.contains(&number))).or(active.first())
 }
 
 /// First number of the alarms that a program raises with `#3000`.

@@ -22,6 +22,7 @@ pub mod page_meaning;
 pub mod page_text;
 pub mod param;
 pub mod param_row;
+pub mod part_defect;
 pub mod port_conflict;
 pub mod program_error;
 pub mod program_kind;

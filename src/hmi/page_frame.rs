@@ -108,8 +108,7 @@ fn alarm_chip(view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
 
 /// The alarm that chip and message line show.
 fn leading_alarm(snapshot: &Snapshot) -> Option<&AlarmView> {
-    let numbers: Vec<u16> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
-    alarm::leading(&numbers).map(|at| &snapshot.alarms[at])
+    alarm::leading(&snapshot.alarms, |alarm| alarm.number)
 }
 
 /// Whether the message is still shown.

@@ -8,14 +8,15 @@ use super::pace::{Pace, ThreadTimes};
 use crate::defs::kind::GrindingForm;
 use crate::defs::page_meaning::SizeKind;
 use crate::defs::param::Params;
+use crate::defs::part_defect::PartDefect;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 use crate::io::fieldbus::ClockReading;
 use crate::io::fieldbus::bus_fault::BusFault;
-use crate::io::sim::{EventKind, PartFile, PartReport, SimulatedMachine};
+use crate::io::sim::{PartFile, PartReport, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::bus::BusView;
-use crate::link::simulation::{PartDefect, PartSize, SimCommand, SimView};
+use crate::link::simulation::{PartSize, SimCommand, SimView};
 use crate::units::Micros;
 
 /// Maximum number of events shown.
@@ -123,16 +124,6 @@ impl HostedSimulation {
     }
 }
 
-/// What an event does to the part.
-const fn part_defect(event: EventKind) -> Option<PartDefect> {
-    match event {
-        EventKind::Burn => Some(PartDefect::Burn),
-        EventKind::Crash => Some(PartDefect::Crash),
-        EventKind::Flat => Some(PartDefect::Flat),
-        EventKind::Overspeed => None,
-    }
-}
-
 impl Backend for HostedSimulation {
     fn read(&mut self, now: Micros) -> InputImage {
         self.machine.read(now)
@@ -166,7 +157,7 @@ impl HostedMachine for HostedSimulation {
 
     fn measure_finished_part(&mut self) {
         self.finished_sizes = self.part_sizes();
-        self.finished_defects = self.machine.part_defects().into_iter().filter_map(part_defect).collect();
+        self.finished_defects = self.machine.part_defects();
         self.viewed_at = None;
     }
 

@@ -1,10 +1,11 @@
 //! The part that the last cycle has finished: its nominal size, its limits and its measured size.
 //! Source: spec K4.5, K7.2, H8.
 
-use super::simulation::{PartDefect, PartSize, SimView};
+use super::simulation::{PartSize, SimView};
 use crate::defs::page_meaning::{PageMeaning, SizeKind};
 use crate::defs::page_text::PageText;
 use crate::defs::param::{self, NumberParam, Params};
+use crate::defs::part_defect::PartDefect;
 use crate::defs::text::Text;
 use crate::units::Micros;
 

@@ -3,8 +3,9 @@
 
 use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::defs::page_meaning::SizeKind;
+use crate::defs::part_defect::PartDefect;
 use crate::defs::signal::Input;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::LocalizedText;
 
 /// One request to the simulated machine; the core never handles it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,39 +18,6 @@ pub enum SimCommand {
     NewPart,
     /// Restores the freshly dressed wheel.
     SharpenWheel,
-}
-
-/// What has spoilt a part: it is scrap, whatever its size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PartDefect {
-    /// The wheel has burnt it.
-    Burn,
-    /// Something has run into it.
-    Crash,
-    /// The wheel has ground a flat into it while it stood.
-    Flat,
-}
-
-impl PartDefect {
-    /// Its name on the screen.
-    #[must_use]
-    pub const fn name(self) -> Text {
-        match self {
-            Self::Burn => Text::new("烧伤", "BURNT"),
-            Self::Crash => Text::new("碰撞", "CRASHED"),
-            Self::Flat => Text::new("磨平", "FLAT"),
-        }
-    }
-
-    /// Its id in reports.
-    #[must_use]
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Burn => "burn",
-            Self::Crash => "crash",
-            Self::Flat => "flat",
-        }
-    }
 }
 
 /// A size of the workpiece in the simulated machine.

@@ -514,7 +514,7 @@ fn t3_a_bad_part_is_told_and_is_no_success() {
         std::fs::write(&path, text).unwrap();
         path.to_string_lossy().into_owned()
     };
-    // The plunge of O1002 removes 0.8 mm³/(mm·s); a rating of 0.1 is beyond any wheel.
+    // O1002 roughs at 0.6 mm/min of radius on diameter 40: π·40·0.01 = 1.26 mm³/(mm·s), more than 0.1.
     let burns = write("burns.ron", "(burn_mm2_s: Some(0.1))");
     let good = kt830(&["run", "O1002", "--format", "json"]);
     let burnt = kt830(&["run", "O1002", "--machine", &burns, "--format", "json"]);
@@ -545,4 +545,10 @@ fn t3_programs_are_qualified_on_other_machines() {
     assert_eq!((row(1, "machine"), row(1, "good"), row(1, "spoilt")), ("burns".into(), 0.into(), 2.into()));
     assert_eq!((status(&out), &told["bad_parts_unnoticed"]), (1, &2.into()));
     assert_eq!(status(&kt830(&["qualify", "O1011"])), 2, "it makes no part");
+    // What would be left out without a word is refused.
+    let burns = format!("{machines}/burns.ron");
+    for words in [&["qualify", "O1002", "--machine", &burns][..], &["torture", "--param", "P59=10"]] {
+        let refused = kt830(words);
+        assert!(status(&refused) == 2 && errors(&refused).contains(words[words.len() - 2]), "{}", errors(&refused));
+    }
 }

@@ -175,7 +175,7 @@ fn b8_lost_data_are_told_before_a_missing_pressure_and_after_what_stops_everythi
     let bench = still(snapshot);
     assert!(bench.shows("⚠ 300 ×2"), "the chip");
     assert!(bench.painted().iter().any(|text| text.starts_with("300 ") && text.contains(" → ")), "the message line");
-    let shown = |numbers: &[u16]| alarm::leading(numbers).map(|at| numbers[at]);
+    let shown = |numbers: &[u16]| alarm::leading(numbers, |number| *number).copied();
     assert_eq!(shown(&[]), None);
     assert_eq!(shown(&[180, 300]), Some(300));
     assert_eq!(shown(&[180, 300, 102]), Some(102));

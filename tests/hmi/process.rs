@@ -9,11 +9,12 @@ use egui::{Event, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
 use kt830::defs::param::{self, NumberParam};
+use kt830::defs::part_defect::PartDefect;
 use kt830::link::Command;
 use kt830::link::files::FileRequest;
 use kt830::link::page_command::PageCommand;
 use kt830::link::part_result::PartResult;
-use kt830::link::simulation::{PartDefect, SimView};
+use kt830::link::simulation::SimView;
 use kt830::units::{Axis, Micros};
 
 /// A machine that measures into #540, nominal #541 = 40, +0.010 −0.005.
@@ -86,18 +87,18 @@ fn process_sizes_are_shown_between_their_limits() {
     let mut screen = measuring();
     assert!(shows(&screen, "P375"), "what to do is said while nothing was measured");
     finish(&mut screen, 40.004);
-    assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "不合格"));
+    assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "不良"));
     // On its limit it is in, a micrometre beyond out.
     finish(&mut screen, 40.010);
     finish(&mut screen, 39.995);
-    assert!(!shows(&screen, "不合格"));
+    assert!(!shows(&screen, "不良"));
     finish(&mut screen, 40.011);
     finish(&mut screen, 39.994);
-    assert!(shows(&screen, "不合格 2"));
+    assert!(shows(&screen, "不良 2"));
     // Limits of another part do not touch those that were made.
     screen.state_mut().snapshot.variables[541] = Some(50.0);
     finish(&mut screen, 50.001);
-    assert!(shows(&screen, "50.001 / 50.000 +0.010 -0.005 · 不合格 2"));
+    assert!(shows(&screen, "50.001 / 50.000 +0.010 -0.005 · 不良 2"));
     let table = table(&mut screen);
     let rows: Vec<&str> = table.split("\r\n").skip_while(|line| !line.starts_with("part,")).collect();
     assert_eq!(rows[0], "part,cycle_seconds,size,nominal,lower,upper,verdict");
@@ -111,7 +112,7 @@ fn process_without_limits_nothing_is_out() {
     let machine = &mut screen.state_mut().snapshot;
     set(machine, param::TREND_NOMINAL_VARIABLE, 0.0);
     finish(&mut screen, 12.0);
-    assert!(shows(&screen, "12.000") && !shows(&screen, "不合格") && !shows(&screen, "12.000 /"));
+    assert!(shows(&screen, "12.000") && !shows(&screen, "不良") && !shows(&screen, "12.000 /"));
     // A variable without a value is no size.
     let mut screen = measuring();
     end_cycle(&mut screen);
@@ -122,11 +123,11 @@ fn process_without_limits_nothing_is_out() {
 fn process_a_burnt_part_is_bad_whatever_its_size() {
     let mut screen = measuring();
     finish(&mut screen, 40.001);
-    assert!(!shows(&screen, "不合格"));
+    assert!(!shows(&screen, "不良"));
     let burnt = SimView { finished_defects: vec![PartDefect::Burn], ..SimView::default() };
     screen.state_mut().snapshot.simulated = Some(Arc::new(burnt));
     finish(&mut screen, 40.001);
-    assert!(shows(&screen, "不合格 1"), "{:?}", painted(&screen));
+    assert!(shows(&screen, "不良 1"), "{:?}", painted(&screen));
     let table = table(&mut screen);
     assert!(table.trim_end().ends_with(",40.0010,40.0000,39.9950,40.0100,burn"), "{table}");
 }

@@ -130,7 +130,9 @@ impl Plant {
     pub fn stop_manual_motion(&mut self) {
         if self.oscillates_outside_run() {
             self.stop_oscillation();
-            self.request(Request::CylinderOff);
+            if self.machine.cylinder_is_on() {
+                self.request(Request::CylinderOff);
+            }
         }
         if self.execution.phase.is_run_open() {
             self.jog.stop_all();

@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 use super::SimulatedMachine;
 use super::magnet::SimMagnet;
 use super::part_file::FaceDirection;
-use super::report::{EventKind, PartReport, SimEvent};
+use super::report::{PartReport, SimEvent};
 use super::spindle::rpm_of;
 use super::surface::Surface;
 use crate::defs::lathe_workspace::LatheWorkspace;
+use crate::defs::part_defect::PartDefect;
 use crate::units::{MachinePos, PerAxis};
 
 /// Present state of the wheel.
@@ -176,8 +177,8 @@ impl SimulatedMachine {
 
     /// What has spoilt the part since it was mounted: it is scrap, whatever its size.
     #[must_use]
-    pub fn part_defects(&self) -> Vec<EventKind> {
-        self.log.part_defects().collect()
+    pub fn part_defects(&self) -> Vec<PartDefect> {
+        self.log.part_defects()
     }
 
     /// The events so far, oldest first; at most 256.

@@ -4,7 +4,8 @@
 //! Files: `axis` drives and switches, `spindle`, `hydraulics`, `magnet`, `gauge`, `wheel` shape and wear, `surface` the
 //! contact law, `cell_row`, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
 //! variation, `wiring` terminals, `lathe` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
-//! faults, `measure` and `report` queries and results. The machine file alone defines which axes and spindles exist.
+//! faults, `measure` and `report` queries and results, `drawing` the judgement of a part, `thermal` growth, `machine_variation` other
+//! machines of a kind. The machine file alone defines which axes and spindles exist.
 
 mod axis;
 mod cell_row;

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::defs::part_defect::PartDefect;
 use crate::units::{Axis, MachinePos};
 
 /// Greatest number of stored events; further ones are only counted.
@@ -27,12 +28,14 @@ impl EventKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::Crash, Self::Burn, Self::Flat, Self::Overspeed];
 
-    /// Whether a part to which it happens is scrap, whatever its size.
+    /// What it does to the part.
     #[must_use]
-    pub const fn spoils_part(self) -> bool {
+    pub const fn part_defect(self) -> Option<PartDefect> {
         match self {
-            Self::Crash | Self::Burn | Self::Flat => true,
-            Self::Overspeed => false,
+            Self::Crash => Some(PartDefect::Crash),
+            Self::Burn => Some(PartDefect::Burn),
+            Self::Flat => Some(PartDefect::Flat),
+            Self::Overspeed => None,
         }
     }
 
@@ -85,7 +88,7 @@ pub(super) struct EventLog {
     /// Crashes whose contact has not ended.
     active_crashes: Vec<ActiveCrash>,
     /// What has happened to the present part.
-    part_defects: [bool; EventKind::ALL.len()],
+    happened_to_part: [bool; EventKind::ALL.len()],
 }
 
 /// A crash still in contact.
@@ -105,7 +108,7 @@ impl EventLog {
             events: Vec::with_capacity(EVENT_LIMIT),
             slide_mm: MachinePos::default(),
             active_crashes: Vec::new(),
-            part_defects: [false; EventKind::ALL.len()],
+            happened_to_part: [false; EventKind::ALL.len()],
         }
     }
 
@@ -122,13 +125,13 @@ impl EventLog {
     /// Ends all crashes for a new part, which has no defect.
     pub(super) fn begin_part(&mut self) {
         self.active_crashes.clear();
-        self.part_defects = [false; EventKind::ALL.len()];
+        self.happened_to_part = [false; EventKind::ALL.len()];
     }
 
     /// What has spoilt the present part.
-    pub(super) fn part_defects(&self) -> impl Iterator<Item = EventKind> {
-        let happened = self.part_defects;
-        EventKind::ALL.into_iter().filter(move |kind| kind.spoils_part() && happened[*kind as usize])
+    pub(super) fn part_defects(&self) -> Vec<PartDefect> {
+        let happened = EventKind::ALL.into_iter().filter(|kind| self.happened_to_part[*kind as usize]);
+        happened.filter_map(EventKind::part_defect).collect()
     }
 
     /// Logs an event; beyond the limit it is not kept. False if it is the same crash, already logged.
@@ -141,7 +144,7 @@ impl EventLog {
             }
             self.active_crashes.push(ActiveCrash { place: event.place, slide_mm, touched: true });
         }
-        self.part_defects[event.kind as usize] = true;
+        self.happened_to_part[event.kind as usize] = true;
         if self.events.len() < EVENT_LIMIT {
             self.events.push(event);
         }

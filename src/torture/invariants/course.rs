@@ -1,7 +1,7 @@
-//! Invariants of a course: what a run leaves to the operator, and what RESET, the guard, a lost bus and the end of a
-//! program stop. Source: spec K2.2, K3.14, K5.8, K5.13, "what stops what".
+//! Invariants of a course: what a run leaves to the operator, and what RESET, a lost bus and the end of a program
+//! stop. Source: spec K2.2, K3.14, K5.8, "what stops what".
 
-use super::{Moment, REACTION, hold, hold_output};
+use super::{BRAKING, Moment, REACTION, STARTED_BY_HAND, WORK_DRIVES, hold, hold_output};
 use crate::defs::key::{Key, Mode};
 use crate::defs::param;
 use crate::defs::signal::{Input, Output, OutputSet};
@@ -9,32 +9,14 @@ use crate::link::command::Command;
 use crate::link::snapshot::RunState;
 use crate::units::Micros;
 
-/// What turns the part or the dresser: off by RESET, by the opened guard, at the end of a program.
-const WORK_DRIVES: [Output; 4] =
-    [Output::HeadstockHigh, Output::HeadstockLow, Output::DresserRoll, Output::TableRotation];
 /// RESET leaves them as they are.
 const LEFT_BY_RESET: [Output; 4] = [Output::Hydraulic, Output::Magnetise, Output::Tailstock, Output::Coolant];
-/// Off without the bus.
-const OFF_WITHOUT_BUS: [Output; 8] = [
-    Output::Wheel,
-    Output::SecondSpindle,
-    Output::SecondSpindleCcw,
-    Output::HeadstockHigh,
-    Output::HeadstockLow,
-    Output::DresserRoll,
-    Output::TableRotation,
-    Output::Coolant,
-];
-/// A run that RESET has ended is over: its axes have braked.
-const BRAKING: Micros = Micros::from_millis(2_000);
-
 /// What these rules know of earlier ticks.
 #[derive(Default)]
 pub struct CourseRules {
     before: Option<(RunState, Mode, OutputSet)>,
     oscillated: bool,
     bus_seen: Micros,
-    guard_seen: Option<Micros>,
     reset_at: Option<Micros>,
 }
 
@@ -50,16 +32,12 @@ impl CourseRules {
         if moment.machine.read.bus_alive {
             self.bus_seen = moment.now;
         }
-        if moment.machine.is_active(Input::GuardClosed) {
-            self.guard_seen = Some(moment.now);
-        }
         let Some(before) = self.before.replace(now) else { return Ok(()) };
         let late = moment.now.since(self.bus_seen) > REACTION;
-        for output in OFF_WITHOUT_BUS {
+        for output in STARTED_BY_HAND {
             hold_output("is on without the bus", output, !(late && now.2.has(output)))?;
         }
         self.check_run(moment, before, oscillated)?;
-        self.check_guard(moment, before.2)?;
         self.check_reset(moment, before.2)?;
         let ended = controller.part_finished_at() == Some(moment.now) && !now.0.is_active();
         for output in WORK_DRIVES.into_iter().chain([Output::Coolant]) {
@@ -82,20 +60,6 @@ impl CourseRules {
         let starts =
             !before.0.is_active() && state == RunState::Running && moment.pressed(|key| key == Key::CycleStart);
         hold("a run starts while an axis oscillates by the key", !(starts && oscillated))
-    }
-
-    /// K5.13.
-    fn check_guard(&self, moment: &Moment<'_>, before: OutputSet) -> Result<(), String> {
-        let (params, on) = (moment.controller.params(), moment.outputs_on());
-        let latest = params.millis(param::INPUT_FILTER) + REACTION;
-        let open = params.input_port(Input::GuardClosed) != 0
-            && self.guard_seen.is_none_or(|seen| moment.now.since(seen) > latest);
-        let runs = matches!(moment.controller.state(), RunState::Running | RunState::Waiting);
-        for output in WORK_DRIVES {
-            hold_output("starts with the guard open", output, !(open && on.has(output) && !before.has(output)))?;
-            hold_output("turns in a run with the guard open", output, !(open && runs && on.has(output)))?;
-        }
-        Ok(())
     }
 
     /// "What stops what", row of RESET.

@@ -76,6 +76,24 @@ pub struct Invariants {
 
 /// Ticks, bus and commands between an input and its effect, beside the input filter.
 const REACTION: Micros = Micros::from_millis(30);
+/// What only the operator or a program starts, and at once; a cylinder and a turret go on by their own sequence.
+const STARTED_BY_HAND: [Output; 8] = [
+    Output::Wheel,
+    Output::SecondSpindle,
+    Output::SecondSpindleCcw,
+    Output::HeadstockHigh,
+    Output::HeadstockLow,
+    Output::DresserRoll,
+    Output::TableRotation,
+    Output::Coolant,
+];
+
+/// What turns the part or the dresser: off by RESET, by the opened guard, at the end of a program.
+const WORK_DRIVES: [Output; 4] =
+    [Output::HeadstockHigh, Output::HeadstockLow, Output::DresserRoll, Output::TableRotation];
+
+/// Longest time in which axes brake: 166 mm/s at 800 mm/s² is 0.2 s, and jerk, override and the end of a buffer add to it.
+const BRAKING: Micros = Micros::from_millis(2_000);
 /// How long after a command a run may start.
 const START_TIME: Micros = Micros::from_millis(400);
 

@@ -1,15 +1,13 @@
 //! Invariants of motion: no axis moves without a cause, faster than it may, or beyond a soft limit.
 //! Source: spec K2.3, K5.9, B5; safety stance.
 
-use super::Moment;
+use super::{BRAKING, Moment};
 use crate::controller::{Controller, soft_limits};
 use crate::defs::key::{Key, Mode};
 use crate::defs::param;
 use crate::link::command::Command;
 use crate::units::{Axis, Micros, PerAxis};
 
-/// Longest time in which axes brake: 166 mm/s at 800 mm/s² is 0.2 s, and jerk, override and the end of a buffer add to it.
-const BRAKING: Micros = Micros::from_millis(2_000);
 /// Longest move that one press begins: a step, or the way to a dressing point.
 const PRESS_MOVE: Micros = Micros::from_millis(60_000);
 /// Detents of the handwheel are followed at P67.

@@ -1,6 +1,6 @@
 //! Invariants of the outputs. Source: spec K3, K5, "what stops what".
 
-use super::{Moment, REACTION, hold, hold_output};
+use super::{Moment, REACTION, STARTED_BY_HAND, WORK_DRIVES, hold, hold_output};
 use crate::defs::equipment::Equipment;
 use crate::defs::key::Key;
 use crate::defs::param;
@@ -25,18 +25,6 @@ const OFF_IN_AN_EMERGENCY: [Output; 14] = [
     Output::SpindleReverse,
     Output::TurretForward,
     Output::TurretReverse,
-];
-
-/// What only the operator or a program starts, and at once; a cylinder and a turret go on by their own sequence.
-const STARTED_BY_HAND: [Output; 8] = [
-    Output::Wheel,
-    Output::SecondSpindle,
-    Output::SecondSpindleCcw,
-    Output::HeadstockHigh,
-    Output::HeadstockLow,
-    Output::DresserRoll,
-    Output::TableRotation,
-    Output::Coolant,
 ];
 
 /// Never both.
@@ -164,6 +152,7 @@ impl OutputRules {
             self.check_wheel_start(moment)?;
         }
         self.check_running_wheel(moment, before, on)?;
+        self.check_guard(moment, before, on)?;
         self.check_workpiece(moment, before, on)
     }
 
@@ -202,6 +191,20 @@ impl OutputRules {
         let lost =
             moment.machine.read.bus_alive && self.pressure_seen.is_none_or(|seen| moment.now.since(seen) > latest);
         hold("the wheel runs on without pressure", !(supervised && lost && on.has(Output::Wheel)))
+    }
+
+    /// K5.13: what turns the part neither starts nor goes on in a run.
+    fn check_guard(&self, moment: &Moment<'_>, before: OutputSet, on: OutputSet) -> Result<(), String> {
+        let params = moment.controller.params();
+        let latest = params.millis(param::INPUT_FILTER) + REACTION;
+        let open = params.input_port(Input::GuardClosed) != 0
+            && self.guard_seen.is_none_or(|seen| moment.now.since(seen) > latest);
+        let runs = matches!(moment.controller.state(), RunState::Running | RunState::Waiting);
+        for output in WORK_DRIVES {
+            hold_output("starts with the guard open", output, !(open && on.has(output) && !before.has(output)))?;
+            hold_output("turns in a run with the guard open", output, !(open && runs && on.has(output)))?;
+        }
+        Ok(())
     }
 
     /// K3.3, K3.4, K3.11.

@@ -46,7 +46,7 @@ impl ProcessPage {
     pub(super) fn trend(&self, rect: Rect, view: &View<'_>) {
         view.card(rect);
         let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
-        let taken = view.line_left(head, view.text("工件尺寸 mm", "part sizes mm"), theme::SMALL, view.theme.muted);
+        let taken = view.line_left(head, view.text("尺寸 mm", "sizes mm"), theme::SMALL, view.theme.muted);
         let sized: Vec<&FinishedPart> = self.parts.iter().filter(|part| part.size.is_some()).collect();
         let Some(last) = sized.last() else {
             let words = view.text(
@@ -63,7 +63,7 @@ impl ProcessPage {
             words = format!("{words} / {nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
         }
         if out > 0 {
-            words = format!("{words} · {} {out}", view.text("不合格", "not good"));
+            words = format!("{words} · {} {out}", view.text("不良", "NOK"));
         }
         view.fit_right(head.with_min_x(taken.max.x + theme::GAP), &words, theme::LABEL, ink);
         paint_sizes(view, plot, &sized);
