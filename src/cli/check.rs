@@ -93,6 +93,9 @@ impl CheckError {
 /// # Errors
 /// A file cannot be read.
 pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
+    if shared.machine.is_some() && !call.simulate {
+        return Err(CallError::new("--machine: a check runs on a machine only with --simulate"));
+    }
     let mut status = SUCCESS;
     for path in &call.files {
         let bytes = setup::read_bounded(path, PROGRAM_LIMIT).map_err(|error| {

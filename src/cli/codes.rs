@@ -4,7 +4,7 @@
 use serde_json::json;
 
 use super::args::{OutputFormat, SharedArgs};
-use super::{SUCCESS, print_line};
+use super::{CallError, SUCCESS, print_line};
 use crate::defs::availability::m_codes;
 use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
 use crate::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
@@ -35,8 +35,13 @@ impl CodeState {
 type CodeRow = (&'static str, String, CodeState, Text);
 
 /// Prints the table of the kind that the call names.
-#[must_use]
-pub fn codes(shared: &SharedArgs) -> u8 {
+///
+/// # Errors
+/// The call names a machine: the kind of machine decides.
+pub fn codes(shared: &SharedArgs) -> Result<u8, CallError> {
+    if shared.machine.is_some() {
+        return Err(CallError::new("--machine: the table is that of a kind of machine, --kind"));
+    }
     for (class, word, state, text) in rows(shared) {
         match shared.format {
             OutputFormat::Text => {
@@ -48,7 +53,7 @@ pub fn codes(shared: &SharedArgs) -> u8 {
             }
         }
     }
-    SUCCESS
+    Ok(SUCCESS)
 }
 
 fn rows(shared: &SharedArgs) -> Vec<CodeRow> {

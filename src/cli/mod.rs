@@ -70,7 +70,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
         Some(CliCommand::Qualify(call)) => qualify::qualify(&shared, call),
         Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
-        Some(CliCommand::Codes) => Ok(codes::codes(&shared)),
+        Some(CliCommand::Codes) => codes::codes(&shared),
         #[cfg(target_os = "linux")]
         Some(CliCommand::Bus(call)) => bus::bus(&shared, call),
         #[cfg(not(target_os = "linux"))]

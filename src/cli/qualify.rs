@@ -12,9 +12,8 @@ use serde_json::json;
 use super::args::{OutputFormat, QualifyArgs, SharedArgs};
 use super::setup::ProgramToRun;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
-use crate::defs::kind::Kind;
 use crate::defs::page::Page;
-use crate::defs::param;
+use crate::defs::{param, program_number};
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::io::sim::{MachineFile, PartFile, VARIATIONS};
@@ -31,20 +30,27 @@ const SIGMAS: f64 = 3.0;
 
 /// A program and the part it grinds.
 struct Subject {
+    name: &'static str,
     number: u32,
     part: PartFile,
 }
 
-/// A machine of every kind: its name and its file.
+/// A machine: its name and its file.
 struct MachineCandidate {
     name: String,
     text: String,
 }
 
+/// The batches of a program on a machine, one for each seed.
+struct QualifiedRow<'a> {
+    subject: &'a Subject,
+    name: &'a str,
+    machine: MachineFile,
+}
+
 /// A batch on a machine.
 struct QualifiedBatch<'a> {
-    subject: &'a Subject,
-    machine: &'a MachineCandidate,
+    row: &'a QualifiedRow<'a>,
     seed: u64,
 }
 
@@ -58,7 +64,7 @@ enum PartEnd {
     Rejected,
     /// Not within its drawing, and the control does not know it.
     Silent,
-    /// Burnt, crashed or with a flat.
+    /// Burnt, crashed or with a flat, whether an alarm has followed or not.
     Spoilt,
     /// An alarm or a hold has ended the cycle: no part.
     Stopped,
@@ -70,6 +76,8 @@ struct GroundPart {
     end: PartEnd,
     /// Greatest deviation from the drawing, µm.
     worst_um: Option<f64>,
+    /// Greatest deviation of each size of the drawing, µm; none where nothing of it was measured.
+    sizes_um: Vec<Option<f64>>,
     seconds: f64,
     /// What has stopped or spoilt it.
     why: Option<String>,
@@ -78,60 +86,77 @@ struct GroundPart {
 /// The parts of a batch, or why it cannot be ground.
 type GroundBatch = Result<Vec<GroundPart>, CallError>;
 
-/// Grinds all batches, prints the table, and fails if a part is bad without a word.
+/// Grinds all batches, prints the table, and fails if a part is bad without a word, or spoilt.
 ///
 /// # Errors
-/// A program, a machine file or a folder cannot be used.
+/// A word of the call, a program, a machine file or a folder cannot be used.
 pub fn qualify(shared: &SharedArgs, call: &QualifyArgs) -> Result<u8, CallError> {
+    refuse_words(shared)?;
+    let mut shared = shared.clone();
+    // `--programs` is the folder of every command; here it may name the programs, too.
+    let mut names = call.names.clone();
+    if let Some(word) = shared.programs.take_if(|folder| !folder.is_dir()) {
+        names.extend(word.to_string_lossy().split(',').map(str::to_owned));
+    }
+    let (subjects, machines) = (subjects(&names)?, candidates(call.machines.as_deref())?);
+    let last = shared.seed.checked_add(call.seeds);
+    let last =
+        last.ok_or_else(|| CallError::new(format!("--seed {}: too great for {} seeds", shared.seed, call.seeds)))?;
+    let planned = plan(&subjects, &machines)?;
+    for subject in &subjects {
+        // Missing folders and files are installed once, before many batches want them.
+        setup::folders(&SharedArgs { kind: subject.part.kind, ..shared.clone() })?;
+    }
+    let seeds = shared.seed..last;
+    let batches: Vec<QualifiedBatch<'_>> =
+        planned.iter().flat_map(|row| seeds.clone().map(move |seed| QualifiedBatch { row, seed })).collect();
+    let ground = grind_all(&shared, &batches, call.parts)?;
+    // The batches of a program on a machine follow each other.
+    let of_row = planned.iter().zip(ground.chunks(call.seeds as usize));
+    let rows: Vec<QualificationRow> = of_row.map(|(row, batches)| QualificationRow::of(row, batches)).collect();
+    let failed = rows.iter().map(|row| row.silent + row.spoilt).sum::<usize>();
+    print_line(match shared.format {
+        OutputFormat::Json => json!({"rows": rows, "silent_or_spoilt": failed}).to_string(),
+        OutputFormat::Text => table(&rows),
+    });
+    Ok(if failed == 0 { SUCCESS } else { FAILED })
+}
+
+/// What a qualification decides itself.
+fn refuse_words(shared: &SharedArgs) -> Result<(), CallError> {
     if shared.machine.is_some() {
         return Err(CallError::new(
             "--machine: give a folder of machines, --machines DIR, or run one program: `kt830 run`",
         ));
     }
-    let mut shared = shared.clone();
-    // `--programs` is the folder of every command; here it may name the programs, too.
-    let mut names = call.names.clone();
-    if let Some(word) = shared.programs.take_if(|folder| !folder.is_dir()) {
-        let word = word.to_string_lossy();
-        names.extend(word.split(',').filter(|name| *name != "all").map(str::to_owned));
-    }
-    let (subjects, machines) = (subjects(&names)?, candidates(call.machines.as_deref())?);
-    let seeds = shared.seed..shared.seed + call.seeds;
-    let of_seed = |subject, machine| move |seed| QualifiedBatch { subject, machine, seed };
-    let of_machine = |subject| {
-        let seeds = seeds.clone();
-        machines.iter().flat_map(move |machine| seeds.clone().map(of_seed(subject, machine)))
-    };
-    let batches: Vec<QualifiedBatch<'_>> = subjects.iter().flat_map(of_machine).collect();
-    let ground = grind_all(&shared, &batches, call.parts)?;
-    // The batches of a program on a machine follow each other.
-    let of_row = batches.chunks(call.seeds as usize).zip(ground.chunks(call.seeds as usize));
-    let rows: Vec<QualificationRow> = of_row
-        .map(|(batches, parts)| QualificationRow::of(batches[0].subject, &batches[0].machine.name, &parts.concat()))
-        .collect();
-    let unnoticed = rows.iter().map(|row| row.silent + row.spoilt).sum::<usize>();
-    print_line(match shared.format {
-        OutputFormat::Json => json!({"rows": rows, "bad_parts_unnoticed": unnoticed}).to_string(),
-        OutputFormat::Text => table(&rows),
-    });
-    Ok(if unnoticed == 0 { SUCCESS } else { FAILED })
+    let given = [
+        ("--data", shared.data.is_some()),
+        ("--part", shared.part.is_some()),
+        ("--kind", shared.requested_kind.is_some()),
+    ];
+    let Some((word, _)) = given.into_iter().find(|(_, given)| *given) else { return Ok(()) };
+    Err(CallError::new(format!("{word}: a qualification begins with factory data, kind and part of each program")))
 }
 
 /// The programs that have a drawing, of those named.
 fn subjects(names: &[String]) -> Result<Vec<Subject>, CallError> {
-    let subject = |number: u32| {
+    let subject = |name: &'static str| {
+        let number = program_number::from_name(name);
         let part = PartFile::builtin(number).map_err(CallError::new)?;
-        Ok(part.filter(|part| !part.drawing.is_empty()).map(|part| Subject { number, part }))
+        Ok(part.filter(|part| !part.drawing.is_empty()).map(|part| Subject { name, number, part }))
     };
-    if names.is_empty() {
-        return (1_001..=1_020).filter_map(|number| subject(number).transpose()).collect();
+    let all: Vec<Subject> =
+        PartFile::builtin_names().filter_map(|name| subject(name).transpose()).collect::<Result<_, CallError>>()?;
+    let wanted: Vec<&String> = names.iter().filter(|name| !name.eq_ignore_ascii_case("all")).collect();
+    let number = |name: &str| parse::program(name).unwrap_or_else(|| program_number::from_name(name));
+    let missing = |name: &&&String| all.iter().all(|subject| subject.number != number(name));
+    if let Some(name) = wanted.iter().find(missing) {
+        return Err(CallError::new(format!("{name}: no part with a drawing belongs to this program")));
     }
-    let named = |name: &String| {
-        let number = parse::program(name).ok_or_else(|| CallError::new(format!("{name}: no program number")))?;
-        let missing = || CallError::new(format!("{name}: no part with a drawing belongs to this program"));
-        subject(number)?.ok_or_else(missing)
-    };
-    names.iter().map(named).collect()
+    Ok(match wanted.len() == names.len() && !names.is_empty() {
+        true => all.into_iter().filter(|subject| wanted.iter().any(|name| subject.number == number(name))).collect(),
+        false => all,
+    })
 }
 
 /// The machines of a folder, else those that come with the control; each beside the machine of the kind itself.
@@ -152,6 +177,22 @@ fn candidates(folder: Option<&Path>) -> Result<Vec<MachineCandidate>, CallError>
         found.push(MachineCandidate { name, text: setup::read_text("machine", &file)? });
     }
     Ok(found)
+}
+
+/// Every program on every machine of its kind; a whole machine of another kind is left out.
+fn plan<'a>(subjects: &'a [Subject], machines: &'a [MachineCandidate]) -> Result<Vec<QualifiedRow<'a>>, CallError> {
+    let mut rows = Vec::new();
+    for subject in subjects {
+        let kind = subject.part.kind;
+        for MachineCandidate { name, text } in machines {
+            if MachineFile::parse(text).is_ok_and(|machine| machine.kind != kind) {
+                continue;
+            }
+            let machine = MachineFile::of_text(text, kind).map_err(CallError::at(name))?;
+            rows.push(QualifiedRow { subject, name, machine });
+        }
+    }
+    Ok(rows)
 }
 
 /// Grinds the batches, as many at once as there are processors.
@@ -178,16 +219,16 @@ fn grind_all(
 
 /// Grinds a batch; it ends with the first part that is not finished.
 fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<Vec<GroundPart>, CallError> {
-    let QualifiedBatch { subject, machine, seed } = *batch;
+    let QualifiedBatch { row: QualifiedRow { subject, machine, .. }, seed } = *batch;
     let kind = subject.part.kind;
-    let mut shared = SharedArgs { kind, seed, machine: None, part: None, ..shared.clone() };
+    let mut shared = SharedArgs { kind, seed, ..shared.clone() };
     // The operator may correct offsets.
     shared.params.push((param::EDIT_OFFSETS.address(), 1.0));
     let mut host = setup::headless_host(&shared)?;
-    host.swap_machine(machine_of(machine, kind)?, seed);
-    setup::prepare_run(&mut host, &shared, ProgramToRun::Word(&format!("O{}", subject.number)))?;
-    if let Some(stopped) = set_up(&mut host, subject)? {
-        return Ok(vec![stopped]);
+    host.swap_machine(machine.clone(), seed);
+    setup::prepare_run(&mut host, &shared, ProgramToRun::Word(subject.name))?;
+    if let Some(failed) = set_up(&mut host, subject)? {
+        return Ok(vec![failed]);
     }
     let mut ground: Vec<GroundPart> = Vec::new();
     while ground.len() < parts as usize {
@@ -195,7 +236,7 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
         let part = grind_part(&mut host, subject);
         let ends = part.end == PartEnd::Stopped;
         ground.push(part);
-        if ends {
+        if ends || !host.snapshot().alarms.is_empty() {
             break;
         }
     }
@@ -204,7 +245,7 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
 }
 
 /// What an operator does before a batch: the wheel is dressed; where no gauge measures, the first part is measured, and the
-/// offsets are corrected. That part belongs to no batch. Returns what has stopped it, if something has.
+/// offsets are corrected. That part belongs to no batch. Returns what has stopped or spoilt it, if something has.
 fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPart>, CallError> {
     host.machine_mut().set_part(Some(&subject.part));
     if let Some(dressing) = subject.part.kind.row().dressing_program {
@@ -215,16 +256,16 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPar
         host.send(Command::LoadProgram(dressing));
         host.step();
         let dressed = grind_part(host, subject);
-        if !host.snapshot().alarms.is_empty() {
-            let why = dressed.why.map(|why| format!("O{dressing}: {why}"));
-            return Ok(Some(GroundPart { end: PartEnd::Stopped, why, ..dressed }));
+        if matches!(dressed.end, PartEnd::Stopped | PartEnd::Spoilt) {
+            let why = dressed.why.unwrap_or_else(|| "it did not end".to_owned());
+            return Ok(Some(GroundPart { why: Some(format!("O{dressing}: {why}")), ..dressed }));
         }
         host.send(Command::LoadProgram(subject.number));
         host.step();
     }
     if subject.part.drawing.iter().any(|size| size.offset.is_some()) {
         let first = grind_part(host, subject);
-        if first.end == PartEnd::Stopped {
+        if matches!(first.end, PartEnd::Stopped | PartEnd::Spoilt) {
             return Ok(Some(first));
         }
         host.send(Command::OpenPage(Page::Offset));
@@ -233,14 +274,10 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPar
         }
         host.step();
         if let Some(refusal) = host.controller().refusal() {
-            return Err(CallError::new(format!("O{}: the offset: {}", subject.number, refusal.en())));
+            return Err(CallError::new(format!("{}: the offset: {}", subject.name, refusal.en())));
         }
     }
     Ok(None)
-}
-
-fn machine_of(machine: &MachineCandidate, kind: Kind) -> Result<MachineFile, CallError> {
-    MachineFile::of_text(&machine.text, kind).map_err(CallError::at(&machine.name))
 }
 
 /// Grinds a part and judges it.
@@ -265,13 +302,14 @@ fn grind_part(host: &mut HeadlessHost, subject: &Subject) -> GroundPart {
         _ => PartEnd::Stopped,
     };
     let why = defects.first().map(|defect| defect.id().to_owned()).or(alarm);
-    GroundPart { end, worst_um: deviation.map(|deviation| deviation.worst_um), seconds, why }
+    let sizes_um = host.machine().measure().size_deviations_um(&subject.part.drawing);
+    GroundPart { end, worst_um: deviation.map(|deviation| deviation.worst_um), sizes_um, seconds, why }
 }
 
 /// What a program does on a machine.
 #[derive(Debug, Serialize)]
 struct QualificationRow {
-    program: u32,
+    program: &'static str,
     machine: String,
     parts: usize,
     good: usize,
@@ -281,7 +319,7 @@ struct QualificationRow {
     stopped: usize,
     /// Greatest deviation of a finished part, µm.
     worst_um: f64,
-    /// Cpk of the finished parts; none for fewer than two.
+    /// Least Cpk of the sizes of the drawing in the batches; none for fewer than two parts.
     cpk: Option<f64>,
     first_s: f64,
     last_s: f64,
@@ -290,18 +328,24 @@ struct QualificationRow {
 }
 
 impl QualificationRow {
-    fn of(subject: &Subject, machine: &str, parts: &[GroundPart]) -> Self {
+    fn of(row: &QualifiedRow<'_>, batches: &[Vec<GroundPart>]) -> Self {
+        let parts = batches.concat();
         let count = |end: PartEnd| parts.iter().filter(|part| part.end == end).count();
         let finished: Vec<&GroundPart> = parts.iter().filter(|part| part.end != PartEnd::Stopped).collect();
         let deviations: Vec<f64> = finished.iter().filter_map(|part| part.worst_um).collect();
         let mut why: Vec<String> = parts.iter().filter_map(|part| part.why.clone()).collect();
         why.sort();
         why.dedup();
-        // The sizes of a drawing have one tolerance.
-        let limit_um = subject.part.drawing.first().map(|size| size.tolerance * 1_000.0);
+        let drawing = &row.subject.part.drawing;
+        let of_size = |batch: &[GroundPart], index: usize| {
+            let found: Vec<f64> = batch.iter().filter_map(|part| *part.sizes_um.get(index)?).collect();
+            capability(&found, drawing[index].tolerance * 1_000.0)
+        };
+        let capabilities =
+            batches.iter().flat_map(|batch| (0..drawing.len()).filter_map(|index| of_size(batch, index)));
         Self {
-            program: subject.number,
-            machine: machine.to_owned(),
+            program: row.subject.name,
+            machine: row.name.to_owned(),
             parts: parts.len(),
             good: count(PartEnd::Good),
             rejected: count(PartEnd::Rejected),
@@ -309,7 +353,7 @@ impl QualificationRow {
             spoilt: count(PartEnd::Spoilt),
             stopped: count(PartEnd::Stopped),
             worst_um: deviations.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN),
-            cpk: limit_um.and_then(|limit_um| capability(&deviations, limit_um)),
+            cpk: capabilities.min_by(f64::total_cmp),
             first_s: finished.first().map_or(f64::NAN, |part| part.seconds),
             last_s: finished.last().map_or(f64::NAN, |part| part.seconds),
             why,
@@ -317,7 +361,7 @@ impl QualificationRow {
     }
 }
 
-/// Cpk of deviations within ± a limit.
+/// Cpk of deviations within ± a limit; none for fewer than two, or if all are equal.
 fn capability(deviations: &[f64], limit: f64) -> Option<f64> {
     let count = deviations.len() as f64;
     if count < 2.0 {
@@ -325,7 +369,7 @@ fn capability(deviations: &[f64], limit: f64) -> Option<f64> {
     }
     let mean = deviations.iter().sum::<f64>() / count;
     let variance = deviations.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    Some((limit - mean.abs()) / (SIGMAS * variance.sqrt()))
+    Some((limit - mean.abs()) / (SIGMAS * variance.sqrt())).filter(|cpk| cpk.is_finite())
 }
 
 fn table(rows: &[QualificationRow]) -> String {
@@ -349,7 +393,7 @@ fn table(rows: &[QualificationRow]) -> String {
         let why = row.why.join("; ");
         lines.push(
             format!(
-                "O{:<6} {:<11}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10.2}{:>7}{:>9.1}{:>9.1}  {why}",
+                "{:<7} {:<11}{:>6}{:>6}{:>9}{:>8}{:>8}{:>9}{:>10.2}{:>7}{:>9.1}{:>9.1}  {why}",
                 row.program,
                 row.machine,
                 row.parts,
@@ -389,6 +433,6 @@ mod tests {
         // Mean 0.5, standard deviation 1: (2 − 0.5)/3.
         let cpk = capability(&[-0.5, 0.5, 1.5], 2.0).unwrap();
         assert!((cpk - 0.5).abs() < 1e-12, "{cpk}");
-        assert_eq!(capability(&[0.0], 2.0), None);
+        assert_eq!((capability(&[0.0], 2.0), capability(&[0.5, 0.5], 2.0)), (None, None));
     }
 }

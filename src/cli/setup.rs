@@ -208,7 +208,10 @@ const MACHINE_FILE: &str = "machine.ron";
 pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
     if let Some(file) = &shared.machine {
         let text = read_text("machine", file)?;
-        return Ok(MachineFile::of_text(&text, shared.kind).is_err().then(|| file.clone()));
+        if describes_real_machine(&text) {
+            return Ok(Some(file.clone()));
+        }
+        return simulated_machine(shared).map(|_| None);
     }
     let installed = data_dir(shared)?.root().join(MACHINE_FILE);
     // A file that is there and cannot be read is an error, not a simulated machine.
@@ -257,7 +260,7 @@ fn simulated_machine(shared: &SharedArgs) -> Result<MachineFile, CallError> {
 
 /// Whether a file is the description of a real machine.
 fn describes_real_machine(text: &str) -> bool {
-    text.lines().any(|line| line.trim_start().starts_with("ethercat:"))
+    text.lines().any(|line| line.trim_start_matches(['(', ' ', '\t']).starts_with("ethercat:"))
 }
 
 /// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.

@@ -116,7 +116,7 @@ impl Controller {
 
     /// The computer has held the control up: what moves stops, and a program is held.
     pub fn report_stall(&mut self) {
-        if self.state().is_active() || self.plant.is_moved_by_hand() {
+        if self.state().is_active() || self.plant.is_moved_by_hand() || self.plant.is_oscillating() {
             self.plant.raise(alarm::CONTROL_STALLED, None);
             self.plant.stop_manual_motion();
         }

@@ -112,7 +112,8 @@ impl Controller {
         self.plant.oscillates_by_key()
     }
 
-    /// When the last program has reached its M30 with a finished part; none from the next cycle start on.
+    /// When the last program has reached its M30 with a finished part; none from the next cycle start by the
+    /// operator on.
     #[must_use]
     pub fn part_finished_at(&self) -> Option<Micros> {
         self.plant.execution.finished_cycle.map(|cycle| cycle.ended_at)

@@ -279,7 +279,7 @@ alarms! {
         "检查工件和砂轮位置，回零；断点在程序页", "check part and wheel, home the axes; the program page has the place";
     CONTROL_STALLED = 404, HoldProgram, Reset, "控制停顿", "control stood still",
         "程序或轴运动中系统停顿超过 1 秒：休眠、调试或计算机过载", "the system stood still for more than a second while a program ran or an axis moved: sleep, a debugger, an overloaded computer",
-        "检查机床位置和计算机，复位后循环启动继续", "check machine and computer, RESET, then cycle start goes on";
+        "检查机床位置和计算机，复位；程序再循环启动继续，回零重新做", "check machine and computer, RESET; cycle start goes on with a program, homing begins anew";
     STATION_SILENT = 405, StopAll, Reset, "远程站没有应答", "remote station not responding",
         "Modbus TCP 站没有应答、拒绝请求或断开", "a Modbus TCP station does not answer, refuses requests, or is cut off",
         "检查该站的电源、网线、地址和寄存器", "check its supply, network cable, address and registers";

@@ -218,7 +218,7 @@ pub struct Message {
 pub struct CycleView {
     /// Its duration, s.
     pub seconds: f64,
-    /// The part that it has finished; none from the next cycle start on.
+    /// The part that it, or the pass before it (P390), has finished; none from the next cycle start by the operator on.
     pub part: Option<PartResult>,
 }
 

@@ -40,6 +40,8 @@ pub struct WatchedMachine {
     stuck: OutputSet,
     /// A bug keeps the tailstock's valve off.
     released: bool,
+    /// RESET is among the commands of this tick.
+    was_reset: bool,
     /// Set-point of X that the control wants, mm.
     wanted_mm: f64,
     /// What a bug adds to X, mm.
@@ -65,6 +67,7 @@ impl WatchedMachine {
             written: OutputImage::default(),
             stuck: OutputSet::NONE,
             released: false,
+            was_reset: false,
             wanted_mm: 0.0,
             offset_mm: 0.0,
             step_mm: 0.0,
@@ -88,6 +91,7 @@ impl WatchedMachine {
 
     /// What the operator asks for in this tick; some bugs act on it.
     pub fn hear(&mut self, commands: &[Command]) {
+        self.was_reset = commands.iter().any(|command| matches!(command, Command::Press(Key::Reset)));
         for command in commands {
             let Command::Press(key) = command else { continue };
             match (self.bug, key) {
@@ -167,6 +171,8 @@ impl WatchedMachine {
             }
             Some(PlantedBug::HeadstockOutlivesReset) => keep(&mut image.terminals, Output::HeadstockHigh),
             Some(PlantedBug::CoolantOutlivesTheProgram) => keep(&mut image.terminals, Output::Coolant),
+            Some(PlantedBug::WheelOutlivesTheProgram) => keep(&mut image.terminals, Output::Wheel),
+            Some(PlantedBug::ResetStopsCoolant) if self.was_reset => image.terminals.set(port(Output::Coolant), false),
             Some(PlantedBug::OutputsOutliveTheBus) if !self.read.bus_alive => keep(&mut image.terminals, Output::Wheel),
             Some(PlantedBug::OutputsOutliveThePower) if !self.powered => image.terminals = before,
             _ => {}

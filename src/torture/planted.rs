@@ -65,6 +65,10 @@ pub enum PlantedBug {
     HeadstockOutlivesReset,
     /// The end of a program does not switch the coolant off.
     CoolantOutlivesTheProgram,
+    /// The end of a program does not switch the wheel off.
+    WheelOutlivesTheProgram,
+    /// RESET switches the coolant off.
+    ResetStopsCoolant,
     /// The headstock starts with the guard open.
     HeadstockIgnoresGuard,
     /// The table starts with a part that is not magnetised.
@@ -77,7 +81,7 @@ pub enum PlantedBug {
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 35] = [
+    pub const ALL: [Self; 37] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -109,6 +113,8 @@ impl PlantedBug {
         Self::DamageIsSilent,
         Self::HeadstockOutlivesReset,
         Self::CoolantOutlivesTheProgram,
+        Self::WheelOutlivesTheProgram,
+        Self::ResetStopsCoolant,
         Self::HeadstockIgnoresGuard,
         Self::TableIgnoresMagnet,
         Self::OutputsOutliveTheBus,

@@ -542,12 +542,33 @@ fn t3_programs_are_qualified_on_other_machines() {
     let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
     let row = |at: usize, what: &str| told["rows"][at][what].clone();
     assert_eq!((row(0, "machine"), row(0, "good"), row(0, "spoilt")), ("standard".into(), 2.into(), 0.into()));
-    assert_eq!((row(1, "machine"), row(1, "good"), row(1, "spoilt")), ("burns".into(), 0.into(), 2.into()));
-    assert_eq!((status(&out), &told["bad_parts_unnoticed"]), (1, &2.into()));
+    assert_eq!((row(1, "machine"), row(1, "good"), row(1, "spoilt")), ("burns".into(), 0.into(), 1.into()));
+    // The part of the set-up is burnt, and no batch follows.
+    assert_eq!((status(&out), &told["silent_or_spoilt"]), (1, &1.into()));
+    let out = kt830(&["qualify", "VGRIND", "--machines", &machines, "--parts", "1", "--format", "json"]);
+    let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((&told["rows"][0]["program"], &told["rows"][0]["good"]), (&"VGRIND".into(), &1.into()), "{told}");
     assert_eq!(status(&kt830(&["qualify", "O1011"])), 2, "it makes no part");
+    let wrap = kt830(&["qualify", "O1002", "--seed", "18446744073709551615"]);
+    assert!(status(&wrap) == 2 && errors(&wrap).contains("--seed"), "{}", errors(&wrap));
+    // A wrong machine is told before anything is ground, a whole machine of another kind is left out.
+    std::fs::write(folder.path().join("ga.ron"), include_str!("../../assets/machines/ga.ron")).unwrap();
+    let out = kt830(&["qualify", "O1002", "--machines", &machines, "--parts", "1", "--format", "json"]);
+    let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(told["rows"].as_array().map(Vec::len), Some(2), "{told}");
+    std::fs::write(folder.path().join("wrong.ron"), "(burn: Some(1.0))").unwrap();
+    let wrong = kt830(&["qualify", "O1002", "--machines", &machines]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("wrong: "), "{}", errors(&wrong));
     // What would be left out without a word is refused.
     let burns = format!("{machines}/burns.ron");
-    for words in [&["qualify", "O1002", "--machine", &burns][..], &["torture", "--param", "P59=10"]] {
+    for words in [
+        &["qualify", "O1002", "--machine", &burns][..],
+        &["qualify", "O1002", "--data", &machines],
+        &["qualify", "O1002", "--kind", "gs"],
+        &["torture", "--param", "P59=10"],
+        &["codes", "--machine", &burns],
+        &["check", "O1002", "--machine", &burns],
+    ] {
         let refused = kt830(words);
         assert!(status(&refused) == 2 && errors(&refused).contains(words[words.len() - 2]), "{}", errors(&refused));
     }

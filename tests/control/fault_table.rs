@@ -72,8 +72,6 @@ const FAULTS: [Fault; 14] = [
     fault(Text::new("总线 200 个周期无应答", "bus silent for 200 ticks"), ["fault bus-silent 200", ""], (402, 3)),
     Fault {
         quiet: &["standing", "held"],
-        // K4.3: a hold does not end an oscillation of the program.
-        moves_on: &["oscillation"],
         ..fault(Text::new("计算机停顿超过 1 秒", "computer held up for more than 1 s"), ["stall", ""], (404, 1))
     },
     Fault {

@@ -212,6 +212,20 @@ fn b5_after_a_stall_of_the_computer_a_run_waits_for_the_operator() {
     tell(&mut rig, "key reset\nwait 1 s\nexpect no alarm\nwait 5 s\nexpect state idle");
 }
 
+/// A hold alone does not end the oscillation of a program (K4.3); after a standstill of the computer nobody has watched it.
+#[test]
+fn b5_after_a_stall_of_the_computer_a_held_run_does_not_oscillate_on() {
+    for hold in ["", "key feed-hold\nwait 0.5 s\nexpect state held\nexpect no alarm\n"] {
+        let mut rig = ready_with("G35 Z-170 Q2000\nG98 G01 U-4 F4\nG36\nM30");
+        tell(&mut rig, &format!("mode auto\nkey cycle-start\nwait 2 s\n{hold}stall\nwait 2 s\nexpect alarm 404"));
+        let stopped = rig.controller().set_point();
+        tell(&mut rig, "wait 3 s\nexpect alarm 404");
+        assert_eq!(rig.controller().set_point(), stopped, "{hold}");
+        tell(&mut rig, "key reset\nwait 3 s\nexpect no alarm\nexpect state idle");
+        assert_eq!(rig.controller().set_point(), stopped, "RESET alone moves nothing");
+    }
+}
+
 #[test]
 fn b5_after_a_stall_of_the_computer_nothing_moves_on_by_hand() {
     for (what, begin) in [

@@ -565,6 +565,13 @@ fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
     tell(&mut rig, "key cycle-start\nwait 3 s\nexpect state running\nwait until idle max 30 s\nexpect X 0 ±0.001");
     // Three blocks, three times.
     assert_eq!(rig.controller().block_count() - before, 9);
+    // The part of a pass stays in sight while the next one runs; a cycle start by the operator clears it.
+    let part = |rig: &mut HeadlessHost| rig.snapshot().cycle.part.map(|part| part.ended_at);
+    tell(&mut rig, "wait 1 s\nkey cycle-start\nwait 0.1 s\nexpect state running");
+    assert_eq!(part(&mut rig), None);
+    tell(&mut rig, "wait 3 s\nexpect state running");
+    assert!(part(&mut rig).is_some());
+    tell(&mut rig, "wait until idle max 30 s");
     // RESET ends it for good.
     tell(&mut rig, "key cycle-start\nwait 1 s\nkey reset\nwait 3 s\nexpect state idle");
 }

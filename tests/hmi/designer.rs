@@ -321,7 +321,7 @@ fn k7_4_what_a_called_program_reads_may_stand_on_another_page() {
     // The key tells how many are missing: none.
     bench.touch("变量 page-variables");
     assert!(!bench.shows("页面上没有"));
-    scroll(&mut bench, -800.0);
+    scroll(&mut bench, -1_200.0);
     assert!(bench.shows("在页面 C0011.TXT"));
 }
 

@@ -135,6 +135,13 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
             "unlock program 187350\nmode edit\nwait 1 s\nwrite O2001 \"M08\\nG04 X2\\nM30\"\nwait 1 s\nload O2001\n\
              home all\nmode auto\nkey cycle-start\nwait 4 s",
         ),
+        Bug::WheelOutlivesTheProgram => (
+            "wheel stays on after M30",
+            Kind::Gc,
+            "unlock program 187350\nmode edit\nwait 1 s\nwrite O2001 \"M03\\nG04 X2\\nM30\"\nwait 1 s\nload O2001\n\
+             key hydraulic\nwait 4 s\nhome all\nmode auto\nkey cycle-start\nwait 12 s",
+        ),
+        Bug::ResetStopsCoolant => ("coolant changes by RESET", Kind::Gc, "key coolant\nwait 1 s\nkey reset\nwait 1 s"),
         Bug::HeadstockIgnoresGuard => (
             "headstock-high starts with the guard open",
             Kind::Gc,

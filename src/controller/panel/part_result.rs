@@ -6,7 +6,7 @@ use crate::controller::plant::{FinishedCycle, Plant};
 use crate::link::part_result::{PartResult, SizeValues};
 
 impl Panel {
-    /// Takes the result at the end of a cycle; the start of a program clears it.
+    /// Takes the result at the end of a cycle; a cycle start by the operator clears it.
     pub fn follow_cycle(&mut self, plant: &Plant) {
         let cycle = plant.execution.finished_cycle;
         let known = self.part_result.map(|part| part.ended_at);

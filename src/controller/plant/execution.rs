@@ -55,7 +55,7 @@ pub struct Execution {
     pub cycle_time: Micros,
     /// M30 has ended the open program: its part is finished.
     pub part_finished: bool,
-    /// The cycle that has finished a part; none from the next cycle start on.
+    /// The cycle that has finished a part; none from the next cycle start by the operator on.
     pub finished_cycle: Option<FinishedCycle>,
     /// Running when the run was paused: wheel, and workpiece drive (headstock, table, roll) or main spindle.
     pub spindles_before_pause: [bool; 2],

@@ -55,8 +55,9 @@ impl Plant {
             self.alarms.clear(alarm::OSCILLATING_AT_START);
         }
         let Some(mut oscillation) = self.oscillation.take() else { return };
-        // K5.13: all axes stop, and none moves by the closing of the door alone.
-        match (self.alarms.has(alarm::GUARD_OPEN), &self.execution.phase) {
+        // K5.13: all axes stop, and none moves by the closing of the door alone; the same after a standstill of the computer.
+        let paused = self.alarms.has(alarm::GUARD_OPEN) || self.alarms.has(alarm::CONTROL_STALLED);
+        match (paused, &self.execution.phase) {
             (true, phase) if phase.is_run_open() => oscillation.set_paused(true),
             (_, RunPhase::Running) => oscillation.set_paused(false),
             _ => {}

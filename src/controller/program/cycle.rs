@@ -71,7 +71,10 @@ impl Program {
         if plant.execution.repeats_left > 0 && matches!(plant.execution.phase, ControlPhase::Idle) {
             plant.execution.repeats_left -= 1;
             if plant.is_granted(Request::CycleStart) {
+                // The part of the pass before stays in sight until the next one is finished.
+                let finished = plant.execution.finished_cycle;
                 self.start_program(plant);
+                plant.execution.finished_cycle = finished;
             }
         }
     }

@@ -57,13 +57,24 @@ impl DrawingSize {
 }
 
 impl PartReport {
-    /// How far the part is from its drawing; `None` if nothing of it was measured.
+    /// How far the part is from its drawing; `None` if nothing of it was measured. A size that is not there is not kept.
     #[must_use]
     pub fn deviation(&self, drawing: &[DrawingSize]) -> Option<Deviation> {
         let used = |(off, tolerance): &(f64, f64)| off.abs() / tolerance;
         let measured = self.deviations(drawing).map(|(size, off)| (off, size.tolerance));
         let worst = measured.max_by(|a, b| used(a).total_cmp(&used(b)))?;
-        Some(Deviation { worst_um: worst.0 * 1_000.0, keeps: used(&worst) <= 1.0 })
+        let all = self.size_deviations_um(drawing).iter().all(Option::is_some);
+        Some(Deviation { worst_um: worst.0 * 1_000.0, keeps: all && used(&worst) <= 1.0 })
+    }
+
+    /// Greatest deviation of each size of a drawing, µm, with its sign; none where nothing of it was measured.
+    #[must_use]
+    pub fn size_deviations_um(&self, drawing: &[DrawingSize]) -> Vec<Option<f64>> {
+        let of_size = |size: &DrawingSize| {
+            let found = self.deviations(drawing).filter(|(of, _)| std::ptr::eq(*of, size));
+            found.map(|(_, off)| off * 1_000.0).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        };
+        drawing.iter().map(of_size).collect()
     }
 
     /// What an operator adds to the offsets after measuring the first part: number, axis and mm as displayed.
@@ -130,5 +141,12 @@ mod tests {
         let tight = DrawingSize { tolerance: 0.001, ..CONE };
         assert!(!report.deviation(&[tight, face]).unwrap().keeps);
         assert_eq!(report.deviation(&[]), None);
+        let missing = DrawingSize { from: 80.0, to: 85.0, ..CONE };
+        assert!(!report.deviation(&[CONE, missing, face]).unwrap().keeps, "a size that is not there");
+        let sizes = report.size_deviations_um(&[CONE, missing, face]);
+        assert!(
+            matches!(sizes[..], [Some(a), None, Some(b)] if (a + 2.0).abs() < 1e-6 && (b - 10.0).abs() < 1e-6),
+            "{sizes:?}"
+        );
     }
 }

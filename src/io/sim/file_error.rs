@@ -39,6 +39,14 @@ pub(super) fn require_positive(field: &str, value: f64) -> Result<(), SimFileErr
     refuse_value(field, value, "must be above zero")
 }
 
+/// Refuses a value that is negative or not finite.
+pub(super) fn require_not_negative(field: &str, value: f64) -> Result<(), SimFileError> {
+    if value.is_finite() && value >= 0.0 {
+        return Ok(());
+    }
+    refuse_value(field, value, "must not be below zero")
+}
+
 /// Refuses the first of some fields of a section that is not positive and finite.
 macro_rules! require_positive_fields {
     ($name:expr, $section:expr; $($field:ident)+) => {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::SimFileError;
+use super::file_error::{SimFileError, require_not_negative, require_positive};
 use super::machine_file::MachineFile;
 use super::machine_sections::{AxisFile, ScatterFile, TablePoint};
 use super::thermal::ThermalFile;
@@ -65,6 +65,18 @@ impl MachineVariation {
     /// # Errors
     /// A value is not possible.
     pub fn of_kind(&self, kind: Kind) -> Result<MachineFile, SimFileError> {
+        let sizes = [
+            ("backlash_um", self.backlash_um),
+            ("gauge_noise_um", self.gauge_noise_um),
+            ("gauge_delay_s", self.gauge_delay_s),
+            ("pitch_error_um", self.pitch_error_um.map(f64::abs)),
+        ];
+        for (field, value) in sizes.into_iter().filter_map(|(field, value)| Some((field, value?))) {
+            require_not_negative(field, value)?;
+        }
+        for (field, value) in [("dulling", self.dulling), ("burn_mm2_s", self.burn_mm2_s)] {
+            value.map_or(Ok(()), |value| require_positive(field, value))?;
+        }
         let mut machine = MachineFile::builtin(kind)?;
         self.vary(&mut machine);
         machine.check()?;
@@ -164,6 +176,11 @@ mod tests {
         assert!(of("(contact: Some(1.6))").contains("contact"), "{}", of("(contact: Some(1.6))"));
         assert!(of("(contact_s: Some(-1.0))").contains("sharp_s"));
         assert!(of("(thermal: Some((growth_um: 5, time_constant_s: 0)))").contains("time_constant_s"));
+        assert!(of("(thermal: Some((growth_um: inf, time_constant_s: 9)))").contains("growth_um"));
+        assert!(of("(backlash_um: Some(-10))").contains("backlash_um"));
+        assert!(of("(gauge_noise_um: Some(NaN))").contains("gauge_noise_um"));
+        assert!(of("(pitch_error_um: Some(inf))").contains("pitch_error_um"));
+        assert!(of("(burn_mm2_s: Some(0))").contains("burn_mm2_s"));
         assert!(of(Kind::Gs.row().machine_file).contains("gs"));
         assert!(of("(kind: Gc, layouts: 1)").contains("layouts"), "a whole machine is told as one");
     }

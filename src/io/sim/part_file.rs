@@ -386,6 +386,11 @@ impl PartFile {
         found.map(|(_, text)| Self::parse(text)).transpose()
     }
 
+    /// The names of the programs that have a built-in part.
+    pub fn builtin_names() -> impl Iterator<Item = &'static str> {
+        BUILTIN.iter().map(|(name, _)| *name)
+    }
+
     /// The built-in part of a program name (without extension, upper or lower case).
     ///
     /// # Errors

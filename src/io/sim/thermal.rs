@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive_fields as positive};
+use super::file_error::{SimFileError, require_not_negative, require_positive_fields as positive};
 
 /// Thermal growth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,6 +17,7 @@ pub struct ThermalFile {
 
 impl ThermalFile {
     pub(super) fn check(&self) -> Result<(), SimFileError> {
+        require_not_negative("thermal.growth_um", self.growth_um.abs())?;
         positive!("thermal", self; time_constant_s)
     }
 

@@ -10,3 +10,4 @@ mod refusals;
 mod retract;
 mod shop;
 mod sizes;
+mod wheel_wear;

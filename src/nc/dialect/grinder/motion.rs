@@ -11,7 +11,7 @@ use crate::nc::expression::{CoordinateFrame, Scope};
 use crate::nc::fault::{E, ReadResult, fail, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{CONTACT_SKIP_SIGNAL, Op, REFERENCE_POINTS};
-use crate::nc::words::{Code, ValueKind};
+use crate::nc::words::{Code, ValueKind, Word};
 use crate::units::{Axis, PerAxis};
 
 /// Number of skip signals of G31.
@@ -84,16 +84,27 @@ fn return_to_reference(running: &mut BlockContext<'_, '_>, code: Code) -> ReadRe
     Ok(())
 }
 
+/// The skip signal that a word P names.
+fn skip_signal(word: Word) -> ReadResult<u8> {
+    let contact = u32::from(CONTACT_SKIP_SIGNAL);
+    match integer(word, 1, contact) {
+        Ok(signal) if signal <= SKIP_SIGNALS || signal == contact => Ok(signal as u8),
+        _ => fail2(
+            word.at as usize,
+            E::OutOfRange,
+            format_args!("P{}", word.value),
+            format_args!("1–{SKIP_SIGNALS}, {contact}"),
+        ),
+    }
+}
+
 /// G31: feeds until skip signal P is active: gauge signal 1–6, default 1, or 9, the wheel's contact monitor.
 fn skip(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
     if words.is_empty() {
         return fail2(code.at as usize, E::MissingWord, "G31", "X / Z");
     }
-    let signal = match running.words.take(b'P') {
-        Some(word) if word.value.to_bits() == f64::from(CONTACT_SKIP_SIGNAL).to_bits() => CONTACT_SKIP_SIGNAL,
-        word => word.map_or(Ok(1), |word| integer(word, 1, SKIP_SIGNALS))? as u8,
-    };
+    let signal = running.words.take(b'P').map_or(Ok(1), skip_signal)?;
     let feed = modal_feed(running)?;
     running.ops.push(Op::Skip { to, feed, signal, words, incremental });
     Ok(())
