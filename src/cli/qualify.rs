@@ -145,8 +145,10 @@ fn subjects(names: &[String]) -> Result<Vec<Subject>, CallError> {
         let part = PartFile::builtin(number).map_err(CallError::new)?;
         Ok(part.filter(|part| !part.drawing.is_empty()).map(|part| Subject { name, number, part }))
     };
-    let all: Vec<Subject> =
+    let mut all: Vec<Subject> =
         PartFile::builtin_names().filter_map(|name| subject(name).transpose()).collect::<Result<_, CallError>>()?;
+    // PRINTED is VGRIND as it is printed.
+    all.dedup_by(|later, first| later.part == first.part);
     let wanted: Vec<&String> = names.iter().filter(|name| !name.eq_ignore_ascii_case("all")).collect();
     let number = |name: &str| parse::program(name).unwrap_or_else(|| program_number::from_name(name));
     let missing = |name: &&&String| all.iter().all(|subject| subject.number != number(name));
@@ -208,6 +210,9 @@ fn grind_all(
             scope.spawn(|| {
                 while let Some(at) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < batches.len()) {
                     let ground = grind(shared, &batches[at], parts);
+                    if ground.is_err() {
+                        next.store(batches.len(), Ordering::Relaxed);
+                    }
                     *done[at].lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(ground);
                 }
             });
