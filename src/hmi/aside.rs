@@ -5,7 +5,7 @@ use egui::{Rect, vec2};
 
 use super::page::position::{self, PositionGroup};
 use super::page::program::listing;
-use super::{Area, View, theme};
+use super::{Area, View, scene, theme};
 use crate::defs::page::Page;
 
 /// Size of the page from which there is room for the strip, and size of the strip; points.
@@ -18,6 +18,9 @@ const LINE: f32 = 26.0;
 const NUMBER: f32 = 42.0;
 /// Height of the positions in the strip beside the page: two groups of three axes, and seven process values.
 const POSITIONS: f32 = 520.0;
+
+/// Height of the live scene above the running blocks, as a share.
+const SCENE_SHARE: f32 = 0.5;
 
 /// Divides the room of the screen into the page and the strip. Pages that use all room themselves have none.
 #[must_use]
@@ -38,7 +41,13 @@ pub fn split(content: Rect, page: Page) -> (Rect, Option<Rect>) {
 pub fn ui(view: &View<'_>, rect: Rect) {
     let page = view.snapshot.page;
     if matches!(page, Page::Grinding | Page::Dressing) {
-        return running_lines(rect, view);
+        let shows_scene = view.snapshot.kind.ui().wheel_pose.is_some() && rect.height() > rect.width();
+        let (above, lines) = rect.split_top(if shows_scene { SCENE_SHARE * rect.height() } else { 0.0 });
+        if shows_scene {
+            view.card(above);
+            scene::paint_follow(above.shrink(theme::FRAME), view);
+        }
+        return running_lines(if shows_scene { lines.trim_top(theme::GAP) } else { lines }, view);
     }
     let has_lines = matches!(page, Page::Program | Page::Mdi);
     let (positions, lines) = match rect.height() > rect.width() {

@@ -28,6 +28,7 @@ mod question;
 pub mod rasterizer;
 pub mod repaint;
 mod requests;
+pub mod scene;
 mod search_field;
 pub mod theme;
 pub mod variable_entry;

@@ -9,12 +9,14 @@ use std::sync::Arc;
 use super::app::Hmi;
 use super::page::{FieldGroup, shown_fields};
 use super::page_frame::message_is_fresh;
+use super::scene;
 use super::{
     blink_phase, clock_time, format_cycle_time, format_feed, format_length, format_strokes, format_volts, format_whole,
 };
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::link::program_view::ProgramView;
+use crate::link::simulation::SimView;
 use crate::link::snapshot::{AxisView, CycleView};
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
@@ -73,7 +75,7 @@ compared_fields! {
         shown(old) != shown(new) || shown_fields(page).contains(&FieldGroup::PartResult) && old.part != new.part
     };
     inputs: on(FieldGroup::Inputs, differ);
-    outputs: on(FieldGroup::Diagnosis, differ);
+    outputs: on_either(FieldGroup::Diagnosis, FieldGroup::Scene);
     keys: differ;
     // Compared bit by bit: a value that is not a number is equal to itself.
     variables: |old, new, page| {
@@ -95,12 +97,15 @@ compared_fields! {
     params: replaced;
     // Without a simulated machine and a bus every page has one row of soft keys less.
     simulated: |old, new, page| {
-        old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Simulated) && old != new
+        let scene = |sim: &Option<Arc<SimView>>| sim.as_ref().map(|sim| sim.grinding_workspace.clone());
+        old.is_some() != new.is_some()
+            || shown_fields(page).contains(&FieldGroup::Simulated) && old != new
+            || shown_fields(page).contains(&FieldGroup::Scene) && scene(old) != scene(new)
     };
     bus: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
     };
-    stock: on(FieldGroup::Stock, differ);
+    stock: on_either(FieldGroup::Stock, FieldGroup::Scene);
     files: replaced;
     access: differ;
     next_kind: differ;
@@ -135,6 +140,11 @@ fn on<T>(group: FieldGroup, rule: impl Fn(&T, &T, Page) -> bool) -> impl Fn(&T, 
     move |painted, newest, page| shown_fields(page).contains(&group) && rule(painted, newest, page)
 }
 
+/// Another value on the pages that show one of two groups.
+fn on_either<T: PartialEq>(a: FieldGroup, b: FieldGroup) -> impl Fn(&T, &T, Page) -> bool {
+    move |painted, newest, page| shown_fields(page).iter().any(|group| *group == a || *group == b) && painted != newest
+}
+
 fn axes_differ(painted: &PerAxis<AxisView>, newest: &PerAxis<AxisView>) -> bool {
     let shown = |axis: &AxisView| {
         let AxisView { present, work, machine, relative, to_go, homed, moving, decimals } = *axis;
@@ -164,10 +174,12 @@ fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
         || !same_subprogram
 }
 
-/// Whether time alone changes the picture: the clock, the blink of a lamp, the end of a message.
+/// Whether time alone changes the picture: the clock, what turns in a scene, the blink of a lamp, the end of a message.
 fn time_step_passed(painted: &Snapshot, newest: &Snapshot) -> bool {
     let blinks = newest.key(Key::EmergencyStop).lamp || newest.keys.iter().any(|key| key.pending);
+    let turns = shown_fields(newest.page).contains(&FieldGroup::Scene) && scene::is_turning(newest);
     clock_time(painted) != clock_time(newest)
+        || turns && scene::frame_at(painted.now) != scene::frame_at(newest.now)
         || blinks && blink_phase(painted.now) != blink_phase(newest.now)
         || message_is_fresh(painted) != message_is_fresh(newest)
 }

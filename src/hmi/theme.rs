@@ -101,6 +101,14 @@ pub struct Theme {
     pub paper_muted: Color32,
     /// Dimension numbers of the page pictures.
     pub paper_accent: Color32,
+    /// Metal of parts, holders and spindles in a live scene: lit and in the shade.
+    pub metal: (Color32, Color32),
+    /// The wheel in a live scene: rim and body.
+    pub abrasive: (Color32, Color32),
+    /// Coolant.
+    pub coolant: Color32,
+    /// Sparks.
+    pub spark: Color32,
 }
 
 const fn rgb(hex: u32) -> Color32 {
@@ -130,6 +138,10 @@ pub const DARK: Theme = Theme {
     paper_ink: rgb(0xE9EEF2),
     paper_muted: rgb(0x6F7F8D),
     paper_accent: rgb(0x53C3F3),
+    metal: (rgb(0xAEB9C3), rgb(0x4A555F)),
+    abrasive: (rgb(0xC9A37A), rgb(0x5B4A3A)),
+    coolant: rgb(0x63B7E6),
+    spark: rgb(0xFFC45C),
 };
 
 /// The light theme of H4, for bright halls.
@@ -149,6 +161,10 @@ pub const LIGHT: Theme = Theme {
     info: rgb(0x00567A),
     macros: rgb(0x6233A0),
     on_accent: rgb(0xFFFFFF),
+    metal: (rgb(0xDCE3E9), rgb(0x8996A2)),
+    abrasive: (rgb(0xB98D5E), rgb(0xD9C3A6)),
+    coolant: rgb(0x2D86BD),
+    spark: rgb(0xD96A00),
     // The emergency stop looks the same in both themes. The page pictures are drawn dark; see `for_light_theme`.
     ..DARK
 };

@@ -119,6 +119,7 @@ impl HostedSimulation {
             finished_sizes: self.finished_sizes.clone(),
             finished_defects: self.finished_defects.clone(),
             events: events.collect(),
+            grinding_workspace: machine.grinding_workspace(),
             lathe_workspace: machine.lathe_workspace(),
         }
     }

@@ -1,6 +1,7 @@
 //! Requests and data of the simulator page. On a real machine there is no simulated machine.
 //! Source: spec P1–P8; tools.md (faults).
 
+use crate::defs::grinding_workspace::GrindingWorkspace;
 use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::defs::page_meaning::SizeKind;
 use crate::defs::part_defect::PartDefect;
@@ -54,6 +55,8 @@ pub struct SimView {
     pub finished_defects: Vec<PartDefect>,
     /// Events of the workpiece, newest last.
     pub events: Vec<LocalizedText>,
+    /// The working area of a grinding machine.
+    pub grinding_workspace: Option<GrindingWorkspace>,
     /// The working area of a lathe (L10).
     pub lathe_workspace: Option<LatheWorkspace>,
 }

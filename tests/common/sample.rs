@@ -239,6 +239,7 @@ pub fn busy(page: Page) -> Snapshot {
         finished_sizes: vec![size(3)],
         finished_defects: Vec::new(),
         events: vec![said("12.3 s burn", "12.3 s burn")],
+        grinding_workspace: None,
         lathe_workspace: None,
     }));
     snapshot.bus = Some(Arc::new(bus(None)));

@@ -13,6 +13,7 @@ use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::Lang;
+use crate::hmi::scene::{self, MachineScene, Magnifier};
 use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
     Area, EditKey, FieldEditor, KeycapState, PageKey, ValueField, View, keycap, page_frame as lines, pictogram, theme,
@@ -25,6 +26,8 @@ use crate::units::Micros;
 
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
+/// Least height of the view of the contact below the picture.
+const LEAST_CONTACT_VIEW: f32 = 90.0;
 /// Width of a value with its unit beside its label.
 const VALUE_WIDTH: f32 = 164.0;
 /// Width of the longest value.
@@ -140,7 +143,8 @@ fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
     }
     position_column(places.left, view);
     show_picture(places.picture, view, shown, files, picture);
-    if design_key(places.picture, view, part) {
+    let shows_contact = part.shown(view.snapshot).is_none() && contact_view(places.picture, view);
+    if !shows_contact && design_key(places.picture, view, part) {
         out.push(Command::OpenPage(Page::Designer));
     }
     match files.map(|files| &files.text) {
@@ -187,6 +191,22 @@ fn design_key(column: Rect, view: &View<'_>, part: &mut part_card::PartCard) -> 
         part.ui(Rect::from_min_max(pos2(column.min.x, top), pos2(column.max.x, bottom)), view);
     }
     room && widget::button(view, key, PageKey::new("design-page", view.text("页面设计", "PAGE DESIGN")))
+}
+
+/// Below the picture while a run is open: the contact of the wheel, magnified, or the machine where the wheel is away; as
+/// large as there is room. Returns whether something is shown.
+fn contact_view(column: Rect, view: &View<'_>) -> bool {
+    let room = column.with_min_y(column.min.y + theme::PICTURE.y + theme::GAP);
+    let shown = view.snapshot.program.is_open && room.height() >= LEAST_CONTACT_VIEW;
+    let Some(scene) = MachineScene::of(view.snapshot).filter(|_| shown) else { return false };
+    match Magnifier::of(&scene, view.snapshot) {
+        Some(magnifier) => magnifier.paint(room, view),
+        None => {
+            view.card(room);
+            scene::paint_follow(room.shrink(theme::FRAME), view);
+        }
+    }
+    true
 }
 
 /// The left and the right column of fields.

@@ -136,6 +136,8 @@ pub enum FieldGroup {
     Simulated,
     /// The stock of the drawing.
     Stock,
+    /// The live scene of the machine.
+    Scene,
     /// Tool offsets and work offsets.
     Offsets,
     /// The dressing point.
@@ -165,10 +167,10 @@ macro_rules! page_rows {
 
 // One row per page; a page without a row does not compile.
 page_rows! {
-    Position => position::PositionPage;
-    Panel => position::PositionPage;
-    Grinding => grinding::GrindingPage, shows Variables PartResult DressingPoint;
-    Dressing => dressing::DressingPage, shows Offsets DressingPoint;
+    Position => position::PositionPage, shows Scene;
+    Panel => position::PositionPage, shows Scene;
+    Grinding => grinding::GrindingPage, shows Variables PartResult DressingPoint Scene;
+    Dressing => dressing::DressingPage, shows Offsets DressingPoint Scene;
     Program => program::ProgramPage, shows Restart;
     Designer => designer::DesignerPage, shows Variables;
     Mdi => mdi::MdiPage, shows Mdi;
@@ -180,7 +182,7 @@ page_rows! {
     Wheel => wheel::WheelPage;
     Params => params::ParamPage, shows Leadscrews;
     Diagnosis => diagnosis::DiagnosisPage, shows Inputs Diagnosis;
-    Graphic => graphic::GraphicPage, shows Simulated Stock;
+    Graphic => graphic::GraphicPage, shows Simulated Stock Scene;
     Transfer => transfer::TransferPage;
     Process => process::ProcessPage, shows Inputs Simulated PartResult;
     Alarm => alarm::AlarmPage;

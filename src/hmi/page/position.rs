@@ -7,6 +7,7 @@ use super::program::listing;
 use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
+use crate::hmi::scene::{self, MachineScene, Magnifier};
 use crate::hmi::{
     Area, EditKey, View, format_cycle_time, format_feed, format_strokes, format_whole, keycap, page_frame as lines,
     pictogram, theme,
@@ -59,7 +60,26 @@ fn coordinates(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     view.card(right);
     let inside = right.shrink2(vec2(theme::PAD, 10.0));
     lines::paint_program_label(view, inside.band(0.0, 30.0), theme::TITLE);
-    process_values(inside.trim_top(38.0), view);
+    let below = process_values(inside.trim_top(38.0), view);
+    live_scene(inside.with_min_y(below.min.y + theme::GAP), view);
+}
+
+/// Least height of a scene, and of the magnifier below it.
+const LEAST_SCENE: f32 = 110.0;
+const MAGNIFIER_HEIGHT: f32 = 116.0;
+
+/// The machine at work, and the contact of the wheel magnified.
+fn live_scene(rect: Rect, view: &View<'_>) {
+    let Some(scene) = MachineScene::of(view.snapshot).filter(|_| rect.height() >= LEAST_SCENE) else { return };
+    let magnifier = Magnifier::of(&scene, view.snapshot);
+    let room = rect.height() >= LEAST_SCENE + MAGNIFIER_HEIGHT;
+    let (above, below) = rect.split_bottom(if room { MAGNIFIER_HEIGHT } else { 0.0 });
+    if let Some(magnifier) = magnifier.filter(|_| room) {
+        magnifier.paint(below, view);
+        scene::paint_follow(above.trim_bottom(theme::GAP), view);
+    } else {
+        scene::paint_follow(rect, view);
+    }
 }
 
 /// One axis: letter, homed mark, large value, and smaller values below. The decimal points are aligned.
@@ -190,8 +210,8 @@ fn clear_key(rect: Rect, view: &View<'_>, axis: Axis, out: &mut Vec<Command>) {
     }
 }
 
-/// Process values, one below the other; as many as fit.
-pub fn process_values(rect: Rect, view: &View<'_>) {
+/// Process values, one below the other; as many as fit. Returns what is free below them.
+pub fn process_values(rect: Rect, view: &View<'_>) -> Rect {
     let snapshot = view.snapshot;
     let (rapid, of) = match snapshot.rapid_override {
         0 => ("F0".to_owned(), ""),
@@ -221,10 +241,11 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
     } else {
         34.0
     };
+    let below = rect.with_min_y((rect.min.y + rows.len() as f32 * height).min(rect.max.y));
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
         let place = Rect::from_min_size(rect.min + vec2(0.0, index as f32 * height), vec2(rect.width(), height));
         if place.max.y > rect.max.y + 0.5 {
-            return;
+            return below;
         }
         if stacked {
             let (label, figure) = place.split_top_bottom_at_fraction(0.46);
@@ -248,4 +269,5 @@ pub fn process_values(rect: Rect, view: &View<'_>) {
             view.line_left(tail.with_min_x(tail.min.x + 8.0), unit, theme::SMALL, view.theme.muted);
         }
     }
+    below
 }

@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+/// Greatest number of cells of a row that a drawing shows.
+const SAMPLES: usize = 128;
+
 /// Cells along one direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellRow {
@@ -20,6 +23,15 @@ impl CellRow {
     /// Centre of a cell, mm.
     pub(super) fn middle(self, cell: usize) -> f64 {
         self.from_mm + (cell as f64 + 0.5) * self.cell_mm
+    }
+
+    /// A drawing's samples of the row: both ends and the middles of the cells, no more than `SAMPLES`.
+    pub(super) fn samples(self, sample: impl Fn(f64, usize) -> [f64; 3]) -> Vec<[f64; 3]> {
+        let step = self.count.div_ceil(SAMPLES);
+        let ends = [(self.from_mm, 0), (self.from_mm + self.length_mm(), self.count - 1)];
+        let middles = (0..self.count).step_by(step).map(|cell| (self.middle(cell), cell));
+        let places = std::iter::once(ends[0]).chain(middles).chain(std::iter::once(ends[1]));
+        places.map(|(place, cell)| sample(place, cell)).collect()
     }
 
     /// Length of the row, mm.

@@ -16,7 +16,8 @@ use super::report::{EventKind, EventLog, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
 use super::surface::{ContactFlags, Surface};
-use super::wheel::GrindingWheel;
+use super::wheel::{GrindingWheel, Side};
+use crate::defs::grinding_workspace::{DresserShape, GrindingWorkspace};
 use crate::io::random::SplitMix64;
 use crate::units::{Axis, MachinePos, PerAxis, Position, WorkPos};
 
@@ -140,6 +141,36 @@ impl Grinding {
         if self.part_lost { &[] } else { &self.surfaces }
     }
 
+    /// The working area for the drawing.
+    pub(super) fn workspace(&self, scene: &MachineState, wheel: &GrindingWheel) -> GrindingWorkspace {
+        let layout = self.machine.layout;
+        let at = layout.wheel_at(self.work_pos(scene));
+        let sections = self.surfaces().iter().flat_map(|surface| surface.sections(layout, &at, wheel));
+        let holders = self.obstacles.iter().map(|obstacle| obstacle.holder(layout, scene.tailstock_retracted_mm));
+        let dresser = self.machine.dresser.as_ref().map(|dresser| {
+            let mut at_mm = PerAxis::from_fn(|axis| -self.work_zero_mm[axis]);
+            at_mm[layout.infeed] += dresser.infeed_mm + if dresser.behind { 2.0 * wheel.radius_mm } else { 0.0 };
+            at_mm[layout.across] += dresser.across_mm;
+            if let Some(stroke) = layout.stroke {
+                at_mm[stroke] += dresser.stroke_mm;
+            }
+            let roll_mm = dresser.roll.as_ref().map(|roll| (roll.diameter_mm, roll.width_mm));
+            DresserShape { at_mm, behind: dresser.behind, roll_mm }
+        });
+        GrindingWorkspace {
+            zero_mm: self.work_zero_mm,
+            part: sections.collect(),
+            holders: holders.collect(),
+            wheel_radius_mm: wheel.radius_mm,
+            wheel_width_mm: wheel.width_mm,
+            rim_wear_mm: wheel.rim_wear_mm.to_vec(),
+            side_wear_mm: [Side::Left, Side::Right].map(|side| wheel.side_wear_mm(side)),
+            swivel_tan: self.swivel_tan,
+            dresser,
+            removes: self.removes,
+        }
+    }
+
     /// Size of the part above the set size of the gauge, µm; `None` if there is nothing to measure.
     pub(super) fn oversize_um(&self) -> Option<f64> {
         let gauge = self.gauge?;
@@ -211,7 +242,7 @@ impl Grinding {
         self.part_lost |= lost;
         for index in 0..self.obstacles.len() {
             if self.obstacles[index].newly_touched(&pass, wheel, scene.tailstock_retracted_mm) {
-                crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name, scene));
+                crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name(), scene));
             }
         }
         self.removes |= volume > 0.0;

@@ -8,6 +8,7 @@ use super::part_file::FaceDirection;
 use super::report::{PartReport, SimEvent};
 use super::spindle::rpm_of;
 use super::surface::Surface;
+use crate::defs::grinding_workspace::GrindingWorkspace;
 use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::defs::part_defect::PartDefect;
 use crate::units::{MachinePos, PerAxis};
@@ -148,6 +149,13 @@ impl SimulatedMachine {
     pub fn diameter_at(&self, z: f64) -> Option<f64> {
         let turned = || self.lathe.as_ref().and_then(|turning| turning.diameter_at(z));
         self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z)).or_else(turned)
+    }
+
+    /// The working area of a grinding machine for the drawing; `None` on a lathe.
+    #[must_use]
+    pub fn grinding_workspace(&self) -> Option<GrindingWorkspace> {
+        let turns = self.lathe.is_some();
+        (!turns).then(|| self.grinding.workspace(&self.machine_state(0.0), &self.wheel))
     }
 
     /// Bar, chuck and tool of a lathe for the drawing; `None` without a bar.

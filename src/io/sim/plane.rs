@@ -11,9 +11,11 @@ use std::ops::Range;
 
 use super::cell_row::CellRow;
 use super::contact_law::{Cut, WheelMotion, removed_share};
+use super::machine_sections::LayoutFile;
 use super::part_file::SurfaceFile;
 use super::report::{HeightAt, PartReport};
 use super::wheel::GrindingWheel;
+use crate::defs::grinding_workspace::PartSection;
 use crate::io::random::SplitMix64;
 
 /// Wavelengths of the waviness along X and along Z, mm.
@@ -159,6 +161,25 @@ impl PlaneSurface {
             self.height_mm[column + za] * (1.0 - zs) + self.height_mm[column + zb] * zs
         };
         Some(across(xa) * (1.0 - xs) + across(xb) * xs)
+    }
+
+    /// The sections along Z at the wheel, along X under the middle of the wheel, and from above, for the drawing. A wheel
+    /// beside the plane shows the section at its nearest edge.
+    pub(super) fn sections(&self, layout: LayoutFile, stroke_mm: f64, left_mm: f64) -> Vec<PartSection> {
+        let Some(stroke) = layout.stroke else { return Vec::new() };
+        let cell = |row: CellRow, place: f64| {
+            let at = (place - row.from_mm) / row.cell_mm;
+            (at.max(0.0) as usize).min(row.count - 1)
+        };
+        let (x, z) = (cell(self.x, stroke_mm), cell(self.z, left_mm));
+        let height = |x: usize, z: usize| self.height_mm[x * self.z.count + z];
+        let section = |along, height, samples| PartSection { along, height, mirrored: None, samples };
+        let (from, to) = (self.z.from_mm, self.z.from_mm + self.z.length_mm());
+        vec![
+            section(layout.across, layout.infeed, self.z.samples(|place, z| [place, 0.0, height(x, z)])),
+            section(stroke, layout.infeed, self.x.samples(|place, x| [place, 0.0, height(x, z)])),
+            section(stroke, layout.across, self.x.samples(|place, _| [place, from, to])),
+        ]
     }
 
     /// Adds the heights of this plane to the report: five positions along X by three along Z.

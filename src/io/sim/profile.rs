@@ -8,9 +8,11 @@ use std::f64::consts::PI;
 
 use super::cell_row::CellRow;
 use super::contact_law::{Cut, WheelMotion, removed_share};
+use super::machine_sections::LayoutFile;
 use super::part_file::{FaceDirection, SurfaceFile};
 use super::report::{DiameterAt, FaceAt, PartReport};
 use super::wheel::{GrindingWheel, Side};
+use crate::defs::grinding_workspace::PartSection;
 use crate::io::random::SplitMix64;
 
 /// Wavelength of the waviness, mm.
@@ -377,6 +379,27 @@ impl ProfileSurface {
     fn interpolate(&self, place_mm: f64, value: impl Fn(&Self, usize) -> f64) -> Option<f64> {
         let (a, b, share) = self.row.neighbours(place_mm)?;
         Some(value(self, a) * (1.0 - share) + value(self, b) * share)
+    }
+
+    /// The section of the material, as it is now, for the drawing.
+    pub(super) fn section(&self, layout: LayoutFile) -> PartSection {
+        let (across, infeed) = (layout.across, layout.infeed);
+        let (along, height, mirrored) = match self.shape {
+            ProfileShape::Diameter | ProfileShape::Bore { .. } => (across, infeed, Some(infeed)),
+            ProfileShape::Face { turns, .. } => (infeed, across, turns.then_some(infeed)),
+            ProfileShape::Disc => (across, infeed, Some(across)),
+        };
+        let sample = |place: f64, cell: usize| {
+            let mean = self.mean(cell);
+            let (low, high) = match self.shape {
+                ProfileShape::Diameter | ProfileShape::Disc => (0.0, mean),
+                ProfileShape::Bore { thickness_mm } => (-mean, self.outside_mm(thickness_mm)),
+                ProfileShape::Face { side: Side::Left, thickness_mm, .. } => (mean - thickness_mm, mean),
+                ProfileShape::Face { side: Side::Right, thickness_mm, .. } => (-mean, thickness_mm - mean),
+            };
+            [place, low, high]
+        };
+        PartSection { along, height, mirrored, samples: self.row.samples(sample) }
     }
 
     /// Adds the diameters or heights of the first and the last cell to the report.

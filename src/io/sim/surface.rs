@@ -2,11 +2,13 @@
 //! two-dimensional ones. `contact_law` says what a tick removes.
 
 use super::contact_law::{Cut, WheelMotion};
+use super::machine_sections::LayoutFile;
 use super::part_file::{FaceDirection, SurfaceFile};
 use super::plane::PlaneSurface;
 use super::profile::ProfileSurface;
 use super::report::PartReport;
 use super::wheel::GrindingWheel;
+use crate::defs::grinding_workspace::PartSection;
 use crate::io::random::SplitMix64;
 
 /// Events already logged for the present contact.
@@ -101,6 +103,14 @@ impl Surface {
         match &self.cells {
             Cells::Profile(line) => line.height_at(x),
             Cells::Plane(field) => field.height_at(x, z),
+        }
+    }
+
+    /// Sections for the drawing, the wheel being at `at`.
+    pub(super) fn sections(&self, layout: LayoutFile, at: &WheelMotion, wheel: &GrindingWheel) -> Vec<PartSection> {
+        match &self.cells {
+            Cells::Profile(line) => vec![line.section(layout)],
+            Cells::Plane(field) => field.sections(layout, at.stroke_mm, at.left_mm + wheel.width_mm / 2.0),
         }
     }
 

@@ -71,7 +71,9 @@ impl CourseRules {
             for output in WORK_DRIVES {
                 hold_output("is on after RESET", output, !on.has(output))?;
             }
-            let undisturbed = !moment.is_e_stopped() && moment.machine.read.bus_alive;
+            // An alarm of the same tick stops more than RESET does.
+            let undisturbed =
+                !moment.is_e_stopped() && moment.machine.read.bus_alive && moment.controller.state() != RunState::Alarm;
             for output in LEFT_BY_RESET.into_iter().filter(|_| undisturbed) {
                 hold_output("changes by RESET", output, before.has(output) == on.has(output))?;
             }

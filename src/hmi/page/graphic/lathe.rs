@@ -4,8 +4,9 @@
 use egui::epaint::Mesh;
 use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
-use super::camera::{Camera, GraphicScene, add_quad};
+use super::paint::GraphicScene;
 use crate::defs::lathe_workspace::LatheWorkspace;
+use crate::hmi::scene::{Camera, add_quad};
 use crate::hmi::{View, theme};
 use crate::link::toolpath::BoundingBox;
 use crate::units::Axis;

@@ -2,7 +2,6 @@
 //! time are shown before the first cycle start.
 //! Source: spec B6 (图形), H8, H9.
 
-mod camera;
 mod lathe;
 mod paint;
 
@@ -12,6 +11,7 @@ use egui::{Id, Rect, Sense, Vec2, pos2, vec2};
 
 use super::{PageContext, PageUi, empty};
 use crate::defs::text::Text;
+use crate::hmi::scene::{Camera, MachineScene, Magnifier, ViewPlane};
 use crate::hmi::{
     Area, EditKey, KeyboardFocus, KeyboardInput, PageKey, PendingRequests, View, file_command, page_frame as lines,
     theme, widget,
@@ -21,11 +21,12 @@ use crate::link::snapshot::RunState;
 use crate::link::toolpath::{CycleTime, Toolpath};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
-use camera::{Camera, GraphicScene};
-use paint::Canvas;
+use paint::{Canvas, GraphicScene};
 
 /// Width of the figures beside the drawing.
 const FIGURES_WIDTH: f32 = 196.0;
+/// Height of the magnifier below the figures.
+const MAGNIFIER_HEIGHT: f32 = 190.0;
 /// Maximum number of points of the actual path; when full, every second point is removed.
 const MAX_PATH_POINTS: usize = 8_000;
 /// Time between two points of the actual path.
@@ -36,9 +37,6 @@ const RETRY_SECONDS: f64 = 1.0;
 const ZOOM_STEP: f32 = 1.5;
 /// Pan distance of a key press, as a share of the canvas.
 const PAN_STEP: f32 = 0.15;
-
-/// View plane: the axis to the right and the axis upwards.
-pub type ViewPlane = (Axis, Axis);
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -112,6 +110,11 @@ impl PageUi for GraphicPage {
         let words = format!("{} · {}{}", view.snapshot.title(program.number), plane.0.letter(), plane.1.letter());
         lines::title(view, title, &words);
         self.canvas(canvas, view, drawing, plane, typed);
+        let magnifier = MachineScene::of(view.snapshot).and_then(|scene| Magnifier::of(&scene, view.snapshot));
+        let (figures, contact) = figures.split_bottom(if magnifier.is_some() { MAGNIFIER_HEIGHT } else { 0.0 });
+        if let Some(magnifier) = magnifier {
+            magnifier.paint(contact.trim_top(theme::GAP), view);
+        }
         path_figures(figures, view, drawing, fresh);
         self.keys(keys, view, &typed.edits, out);
         if let Some((what, share)) = view.snapshot.files.busy {
@@ -136,7 +139,7 @@ impl GraphicPage {
     ) {
         view.card(rect);
         let inside = rect.shrink(2.0);
-        let whole = paint::scene_bounds(view, drawing, &self.actual_path);
+        let whole = paint::scene_bounds(view, drawing, &self.actual_path, plane);
         let camera = *self.camera.get_or_insert_with(|| Camera::fit(whole, plane, inside));
         let mut camera = if camera.fitted { Camera::fit(whole, plane, inside) } else { camera };
         let response =

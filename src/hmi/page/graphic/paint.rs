@@ -7,10 +7,8 @@ use std::sync::Arc;
 use egui::epaint::Mesh;
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::camera::{Camera, GraphicScene, add_quad};
-use super::{ViewPlane, index, lathe, machine_position};
-use crate::defs::kind::WheelPose;
-use crate::defs::param;
+use super::{index, lathe, machine_position};
+use crate::hmi::scene::{Camera, MachineScene, SceneCanvas, ViewPlane, add_quad};
 use crate::hmi::{View, theme};
 use crate::link::toolpath::{BoundingBox, CHUNK_POINTS, MoveKind, Toolpath};
 use crate::units::Axis;
@@ -22,6 +20,23 @@ const MAX_ERROR_PX: f32 = 0.6;
 /// Minimum distance of two grid lines, pixels.
 const MIN_GRID_PX: f32 = 70.0;
 
+/// What is painted.
+pub struct GraphicScene<'a> {
+    pub drawing: Option<&'a Arc<Toolpath>>,
+    pub plane: ViewPlane,
+    pub camera: Camera,
+    pub actual_path: &'a [[f32; 3]],
+    /// Touched Z positions to measure, mm (L10).
+    pub measured_at: &'a [f32],
+}
+
+impl GraphicScene<'_> {
+    /// Canvas position of a point X Y Z, mm.
+    pub fn place(&self, rect: Rect, at: [f32; 3]) -> Pos2 {
+        self.camera.to_canvas(rect, at[index(self.plane.0)], at[index(self.plane.1)])
+    }
+}
+
 /// Mesh of the tool path as last painted.
 #[derive(Debug, Default)]
 pub struct Canvas {
@@ -30,7 +45,12 @@ pub struct Canvas {
 }
 
 /// Bounding box of tool path, part and bar; without a drawing also of the actual path.
-pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[f32; 3]]) -> BoundingBox {
+pub fn scene_bounds(
+    view: &View<'_>,
+    drawing: Option<&Arc<Toolpath>>,
+    trail: &[[f32; 3]],
+    plane: ViewPlane,
+) -> BoundingBox {
     let mut all: Option<BoundingBox> = drawing.and_then(|drawing| drawing.bounding_box());
     let mut take = |low: [f32; 3], high: [f32; 3]| {
         let around = all.get_or_insert(BoundingBox { low, high });
@@ -41,6 +61,10 @@ pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[
     };
     for stock in view.snapshot.stock.iter().filter(|stock| stock.is_workpiece) {
         take(stock.low.coordinates().map(|at| at as f32), stock.high.coordinates().map(|at| at as f32));
+    }
+    if let Some(scene) = MachineScene::of(view.snapshot) {
+        let around = scene.bounds(plane);
+        take(around.low, around.high);
     }
     if let Some(bar) = lathe::bar_bounds(view) {
         take(bar.low, bar.high);
@@ -57,8 +81,13 @@ impl Canvas {
     /// Paints everything into a clipped painter.
     pub fn paint(&mut self, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
         grid_lines(rect, view, scene.camera);
-        let paint_part = if lathe::work_area(view).is_some() { lathe::paint } else { paint_stock };
-        paint_part(rect, view, scene);
+        match MachineScene::of(view.snapshot) {
+            Some(machine) => {
+                let GraphicScene { plane, camera, .. } = *scene;
+                SceneCanvas { scene: &machine, view, rect, plane, camera }.paint();
+            }
+            None => lathe::paint(rect, view, scene),
+        }
         if let Some(drawing) = scene.drawing {
             let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
             let same = self.of.as_ref().is_some_and(|(drawn, plane, camera, place)| {
@@ -71,7 +100,9 @@ impl Canvas {
             view.painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
         }
         paint_actual_path(rect, view, scene);
-        paint_wheel(rect, view, scene);
+        if view.snapshot.kind.is_lathe() {
+            paint_turning_tool(rect, view, scene);
+        }
         grid_labels(rect, view, scene);
         paint_collisions(rect, view, scene);
         lathe::paint_measurements(rect, view, scene.camera, scene.measured_at);
@@ -138,21 +169,6 @@ fn grid_labels(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
             let diameter = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
             view.line_left(place, &format!("{:.*}", digits, line.value * diameter), theme::SMALL, view.theme.muted);
         }
-    }
-}
-
-fn paint_stock(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
-    let (right, up) = scene.plane;
-    for stock in view.snapshot.stock.iter() {
-        let at = |corner: &crate::units::WorkPos| scene.camera.to_canvas(rect, corner[right] as f32, corner[up] as f32);
-        let place = Rect::from_two_pos(at(&stock.low), at(&stock.high));
-        let (fill, line) = if stock.is_workpiece {
-            (view.theme.muted.gamma_multiply(0.30), view.theme.muted)
-        } else {
-            (view.theme.line.gamma_multiply(0.5), view.theme.line)
-        };
-        view.painter.rect_filled(place, 0.0, fill);
-        view.painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIRLINE, line), egui::StrokeKind::Inside);
     }
 }
 
@@ -256,52 +272,12 @@ fn paint_collisions(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     }
 }
 
-/// Paints the wheel at its present position. Its reference point is the lowest or foremost point on the minus side.
-fn paint_wheel(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+/// Paints what moves in front of the path: the tool of a lathe. Without a bar it is its tip.
+fn paint_turning_tool(rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let at = machine_position(view.snapshot);
-    let (right, up) = scene.plane;
-    let params = &view.snapshot.params;
-    let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
-    let here = scene.place(rect, at);
-    // `body`: axis towards which the wheel's body lies; `spindle`: axis along its spindle.
-    let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.ui().wheel_pose else {
-        // Without a bar a turning tool is shown as its tip.
-        match lathe::work_area(view) {
-            Some(_) => lathe::paint_tool(rect, view, scene.camera, at),
-            None => drop(view.painter.circle_filled(here, 3.5, view.theme.hold)),
-        }
-        return;
-    };
-    let stroke = Stroke::new(theme::FRAME, view.theme.hold);
-    let fill = view.theme.hold.gamma_multiply(0.18);
-    if right != spindle && up != spindle {
-        // Seen along the spindle: a circle above its lowest point.
-        let radius = diameter / 2.0 * scene.camera.scale;
-        if radius < 4_000.0 {
-            let centre = if up == body { here - vec2(0.0, radius) } else { here + vec2(radius, 0.0) };
-            view.painter.circle(centre, radius, fill, stroke);
-        }
-    } else {
-        let mut near = at;
-        if by_centre {
-            near[index(body)] -= diameter / 2.0;
-        }
-        let mut far = near;
-        far[index(spindle)] += width;
-        if body == right || body == up {
-            far[index(body)] += diameter;
-        } else {
-            // Seen along the `body` axis: half the diameter is drawn across the spindle.
-            let across = if spindle == right { up } else { right };
-            far[index(across)] += diameter / 2.0;
-        }
-        let place = Rect::from_two_pos(scene.place(rect, near), scene.place(rect, far)).intersect(rect.expand(8.0));
-        if place.is_positive() {
-            view.painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
-        }
-    }
-    if rect.contains(here) {
-        view.painter.circle_filled(here, 3.5, view.theme.hold);
+    match lathe::work_area(view) {
+        Some(_) => lathe::paint_tool(rect, view, scene.camera, at),
+        None => drop(view.painter.circle_filled(scene.place(rect, at), 3.5, view.theme.hold)),
     }
 }
 

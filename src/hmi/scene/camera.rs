@@ -1,13 +1,14 @@
-//! The section of the plane that the drawing shows, and the scene that is painted through it.
+//! The section of the plane that a drawing shows.
 //! Source: spec B6, H9.
-
-use std::sync::Arc;
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Color32, Pos2, Rect, Vec2, pos2};
 
-use super::{ViewPlane, index};
-use crate::link::toolpath::{BoundingBox, Toolpath};
+use crate::link::toolpath::BoundingBox;
+use crate::units::Axis;
+
+/// View plane: the axis to the right and the axis upwards.
+pub type ViewPlane = (Axis, Axis);
 
 /// Limits of the scale, pixels per mm.
 const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
@@ -24,8 +25,8 @@ pub struct Camera {
 
 impl Camera {
     /// A camera that shows everything.
-    pub fn fit(whole: BoundingBox, (right, up): ViewPlane, rect: Rect) -> Self {
-        let (right, up) = (index(right), index(up));
+    pub fn fit(whole: BoundingBox, plane: ViewPlane, rect: Rect) -> Self {
+        let (right, up) = (plane.0 as usize, plane.1 as usize);
         let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
         let scale = (rect.width() * 0.88 / size(right)).min(rect.height() * 0.88 / size(up));
         let scale = scale.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
@@ -71,28 +72,17 @@ impl Camera {
     }
 }
 
-/// What is painted.
-pub struct GraphicScene<'a> {
-    pub drawing: Option<&'a Arc<Toolpath>>,
-    pub plane: ViewPlane,
-    pub camera: Camera,
-    pub actual_path: &'a [[f32; 3]],
-    /// Touched Z positions to measure, mm (L10).
-    pub measured_at: &'a [f32],
-}
-
-impl GraphicScene<'_> {
-    /// Canvas position of a point X Y Z, mm.
-    pub fn place(&self, rect: Rect, at: [f32; 3]) -> Pos2 {
-        self.camera.to_canvas(rect, at[index(self.plane.0)], at[index(self.plane.1)])
-    }
-}
-
 /// Adds a quadrilateral to a mesh, as two triangles; corners in order. Inlined: a drawing has a million.
 #[inline]
 pub fn add_quad(mesh: &mut Mesh, corners: [Pos2; 4], color: Color32) {
+    add_shaded_quad(mesh, corners.map(|pos| (pos, color)));
+}
+
+/// The same with a colour for each corner.
+#[inline]
+pub fn add_shaded_quad(mesh: &mut Mesh, corners: [(Pos2, Color32); 4]) {
     let first = mesh.vertices.len() as u32;
-    for pos in corners {
+    for (pos, color) in corners {
         mesh.vertices.push(Vertex { pos, uv: WHITE_UV, color });
     }
     mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
@@ -103,7 +93,6 @@ mod tests {
     use egui::vec2;
 
     use super::*;
-    use crate::units::Axis;
 
     #[test]
     fn h9_zoom_keeps_the_place_under_the_finger() {

@@ -1,0 +1,258 @@
+//! The live scene: part, holders, dresser and wheel of a grinding machine, to scale, as the newest snapshot has them. The
+//! simulated machine gives the part as it is ground; on a real one the stock and the size of the wheel are drawn.
+//!
+//! `camera` is the section of the plane that is shown, `part` and `wheel` paint, `magnifier` shows the contact in micrometres.
+//! Coordinates are those of the part: mm, X as radius; where the wheel has its new size they are the work coordinates.
+//! Source: spec B6, H8, P2, P5; tools.md (live scene).
+
+mod camera;
+mod magnifier;
+mod part;
+mod wheel;
+
+use std::borrow::Cow;
+
+use egui::{Pos2, Rect};
+
+pub use camera::{Camera, ViewPlane, add_quad, add_shaded_quad};
+pub use magnifier::Magnifier;
+
+use super::View;
+use crate::defs::grinding_workspace::{GrindingWorkspace, Holder, HolderKind, PartSection};
+use crate::defs::kind::WheelPose;
+use crate::defs::param;
+use crate::defs::signal::Output;
+use crate::link::Snapshot;
+use crate::link::toolpath::BoundingBox;
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Time between two pictures of a wheel that only turns.
+const FRAME_TIME: Micros = Micros::from_millis(40);
+/// How much of the wheel is in view beyond its front, as a share of the height of the part.
+const WHEEL_SHARE: f64 = 0.7;
+/// How far beside the part its holders are in view, as a share of its length.
+const HOLDERS_SHARE: f64 = 0.9;
+/// The scene keeps at least so much of the machine in view, mm.
+const LEAST_EXTENT_MM: f64 = 8.0;
+
+/// What turns the part.
+const PART_DRIVES: [Output; 3] = [Output::HeadstockHigh, Output::HeadstockLow, Output::TableRotation];
+
+/// Whether something in the scene turns: it is painted again as time goes on.
+#[must_use]
+pub fn is_turning(snapshot: &Snapshot) -> bool {
+    snapshot.outputs.has(Output::Wheel) || PART_DRIVES.iter().any(|output| snapshot.outputs.has(*output))
+}
+
+/// The number of the picture at a time.
+#[must_use]
+pub const fn frame_at(now: Micros) -> u64 {
+    now.0 / FRAME_TIME.0
+}
+
+/// The scene of a snapshot.
+pub struct MachineScene<'a> {
+    workspace: Cow<'a, GrindingWorkspace>,
+    infeed: Axis,
+    across: Axis,
+    /// The foremost point of a new wheel on its minus side; along the stroke its centre.
+    wheel_mm: PerAxis<f64>,
+}
+
+impl<'a> MachineScene<'a> {
+    /// The scene; none on a lathe, whose bar the drawing page shows.
+    #[must_use]
+    pub fn of(snapshot: &'a Snapshot) -> Option<Self> {
+        let WheelPose { body: infeed, spindle: across, position_is_centre } = snapshot.kind.ui().wheel_pose?;
+        let slide = |axis: Axis, displayed: f64| match axis {
+            Axis::X if snapshot.x_as_diameter => displayed / 2.0,
+            Axis::X | Axis::Y | Axis::Z => displayed,
+        };
+        let simulated = snapshot.simulated.as_deref().and_then(|simulated| simulated.grinding_workspace.as_ref());
+        if let Some(workspace) = simulated {
+            let wheel_mm = PerAxis::from_fn(|axis| slide(axis, snapshot.axes[axis].machine) - workspace.zero_mm[axis]);
+            return Some(Self { workspace: Cow::Borrowed(workspace), infeed, across, wheel_mm });
+        }
+        let workspace = workspace_of_stock(snapshot, infeed, across);
+        let mut wheel_mm = PerAxis::from_fn(|axis| slide(axis, snapshot.axes[axis].work));
+        if position_is_centre {
+            wheel_mm[infeed] -= workspace.wheel_radius_mm;
+        }
+        Some(Self { workspace: Cow::Owned(workspace), infeed, across, wheel_mm })
+    }
+
+    /// The axis that strokes the part under the wheel, where one does.
+    fn stroke(&self) -> Option<Axis> {
+        let others = |axis: &Axis| *axis != self.infeed && *axis != self.across;
+        let stroked = |axis: &Axis| self.workspace.part.iter().any(|part| part.along == *axis || part.height == *axis);
+        Axis::ALL.into_iter().filter(others).find(stroked)
+    }
+
+    /// Least wear of the rim: its foremost point is so far behind that of a new wheel, mm.
+    fn least_wear_mm(&self) -> f64 {
+        self.workspace.rim_wear_mm.iter().copied().reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// The foremost point of the wheel along the infeed, mm.
+    fn front_mm(&self) -> f64 {
+        self.wheel_mm[self.infeed] + self.least_wear_mm()
+    }
+
+    /// The wheel from side to side, mm.
+    fn sides_mm(&self) -> (f64, f64) {
+        let left = self.wheel_mm[self.across];
+        (left, left + self.workspace.wheel_width_mm)
+    }
+
+    /// What must be in view in a plane: the part, and the wheel as far as it is near it.
+    #[must_use]
+    pub fn bounds(&self, (right, up): ViewPlane) -> BoundingBox {
+        let mut bounds: PerAxis<Option<(f64, f64)>> = PerAxis([None; 3]);
+        let mut take = |axis: Axis, low: f64, high: f64| {
+            let (least, most) = bounds[axis].unwrap_or((low, high));
+            bounds[axis] = Some((least.min(low).min(high), most.max(high).max(low)));
+        };
+        for part in self.workspace.part.iter().filter(|part| part.lies_in(right, up)) {
+            for [place, low, high] in part.ends() {
+                take(part.along, place, place);
+                take(part.height, low, high);
+                match part.mirrored {
+                    Some(axis) if axis == part.along => take(axis, -place, -place),
+                    Some(axis) => take(axis, -low, -high),
+                    None => {}
+                }
+            }
+        }
+        // Chuck and tailstock, if they are not far from what is ground.
+        if let Some((least, most)) = bounds[self.across] {
+            let near = HOLDERS_SHARE * (most - least).max(LEAST_EXTENT_MM);
+            for range in self.workspace.holders.iter().filter_map(|holder| holder.extent[self.across]) {
+                let clear = (least - range.1).max(range.0 - most);
+                let seen = (range.0.max(least - near), range.1.min(most + near));
+                if clear < near && seen.0 < seen.1 {
+                    let known = bounds[self.across].unwrap_or(seen);
+                    bounds[self.across] = Some((known.0.min(seen.0), known.1.max(seen.1)));
+                }
+            }
+        }
+        let height = |range: Option<(f64, f64)>| range.map_or(LEAST_EXTENT_MM, |(low, high)| high - low);
+        let tall = height(bounds[self.infeed]).max(LEAST_EXTENT_MM);
+        let mut take = |axis: Axis, low: f64, high: f64| {
+            let (least, most) = bounds[axis].unwrap_or((low, high));
+            bounds[axis] = Some((least.min(low), most.max(high)));
+        };
+        let (front, (left, to)) = (self.front_mm(), self.sides_mm());
+        take(self.infeed, front, front + WHEEL_SHARE * tall);
+        take(self.across, left, to);
+        if let Some(stroke) = self.stroke() {
+            take(stroke, self.wheel_mm[stroke] - tall / 2.0, self.wheel_mm[stroke] + tall / 2.0);
+        }
+        let end = |pick: fn((f64, f64)) -> f64| Axis::ALL.map(|axis| bounds[axis].map_or(0.0, pick) as f32);
+        BoundingBox { low: end(|range| range.0), high: end(|range| range.1) }
+    }
+}
+
+impl PartSection {
+    /// Whether the section lies in a plane.
+    fn lies_in(&self, right: Axis, up: Axis) -> bool {
+        (self.along, self.height) == (right, up) || (self.along, self.height) == (up, right)
+    }
+
+    /// First, last and highest sample.
+    fn ends(&self) -> impl Iterator<Item = [f64; 3]> {
+        let highest = self.samples.iter().max_by(|a, b| a[2].total_cmp(&b[2]));
+        [self.samples.first(), highest, self.samples.last()].into_iter().flatten().copied()
+    }
+}
+
+/// What is known without a simulated machine: the boxes of the stock, and the wheel as it is booked.
+fn workspace_of_stock(snapshot: &Snapshot, infeed: Axis, across: Axis) -> GrindingWorkspace {
+    let present = |axis: &Axis| snapshot.axes[*axis].present && *axis != infeed && *axis != across;
+    let stroke = Axis::ALL.into_iter().find(present);
+    let boxes = || snapshot.stock.iter();
+    let section = |along: Axis, height: Axis| {
+        let boxes = boxes().filter(|stock| stock.is_workpiece);
+        boxes.map(move |stock| {
+            let sample = |place: f64| [place, stock.low[height], stock.high[height]];
+            let samples = vec![sample(stock.low[along]), sample(stock.high[along])];
+            PartSection { along, height, mirrored: None, samples }
+        })
+    };
+    let mut part: Vec<PartSection> = section(across, infeed).collect();
+    if let Some(stroke) = stroke {
+        part.extend(section(stroke, infeed).chain(section(stroke, across)));
+    }
+    let holder = |stock: &crate::link::toolpath::StockBox| Holder {
+        kind: HolderKind::Fixture,
+        extent: PerAxis::from_fn(|axis| Some((stock.low[axis], stock.high[axis]))),
+    };
+    let holders = boxes().filter(|stock| !stock.is_workpiece).map(holder).collect();
+    GrindingWorkspace {
+        part,
+        holders,
+        wheel_radius_mm: snapshot.params.get(param::WHEEL_DIAMETER) / 2.0,
+        wheel_width_mm: snapshot.params.get(param::WHEEL_WIDTH),
+        ..GrindingWorkspace::default()
+    }
+}
+
+/// A scene on its canvas.
+pub struct SceneCanvas<'a> {
+    /// What is painted.
+    pub scene: &'a MachineScene<'a>,
+    /// The view, clipped to the canvas.
+    pub view: &'a View<'a>,
+    /// The canvas.
+    pub rect: Rect,
+    /// The plane.
+    pub plane: ViewPlane,
+    /// What of the plane.
+    pub camera: Camera,
+}
+
+impl SceneCanvas<'_> {
+    /// Paints everything.
+    pub fn paint(&self) {
+        self.paint_holders();
+        self.paint_part();
+        self.paint_soft_limits();
+        self.paint_dresser();
+        self.paint_wheel();
+        self.paint_coolant();
+        self.paint_sparks();
+    }
+
+    /// The point on the canvas that has these coordinates along two axes.
+    fn at(&self, a: (Axis, f64), b: (Axis, f64)) -> Pos2 {
+        let along = |axis: Axis| if a.0 == axis { a.1 } else { b.1 };
+        self.camera.to_canvas(self.rect, along(self.plane.0) as f32, along(self.plane.1) as f32)
+    }
+
+    /// Whether the plane shows an axis.
+    fn shows(&self, axis: Axis) -> bool {
+        self.plane.0 == axis || self.plane.1 == axis
+    }
+
+    /// The plane shows the wheel from its side, as a disc.
+    fn shows_disc(&self) -> bool {
+        !self.shows(self.scene.across) && self.shows(self.scene.infeed)
+    }
+
+    fn is_on(&self, output: Output) -> bool {
+        self.view.snapshot.outputs.has(output)
+    }
+
+    /// Turns of something that turns slowly enough to be seen, from zero to one.
+    fn turns(&self, per_second: f64) -> f64 {
+        (frame_at(self.view.snapshot.now) as f64 * FRAME_TIME.as_secs_f64() * per_second).fract()
+    }
+}
+
+/// Paints the scene small, with all of part and wheel front in view; nothing on a lathe.
+pub fn paint_follow(rect: Rect, view: &View<'_>) {
+    let Some(scene) = MachineScene::of(view.snapshot) else { return };
+    let Some(plane) = view.snapshot.kind.ui().drawing_planes.first().copied() else { return };
+    let camera = Camera::fit(scene.bounds(plane), plane, rect);
+    let view = &view.clipped(rect);
+    SceneCanvas { scene: &scene, view, rect, plane, camera }.paint();
+}
