@@ -4,7 +4,7 @@
 use egui::epaint::Mesh;
 use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 
-use super::paint::GraphicScene;
+use super::scene::GraphicScene;
 use crate::defs::lathe_workspace::LatheWorkspace;
 use crate::hmi::scene::{Camera, add_quad};
 use crate::hmi::{View, theme};

@@ -4,6 +4,7 @@
 
 mod lathe;
 mod paint;
+mod scene;
 
 use std::sync::Arc;
 
@@ -21,7 +22,8 @@ use crate::link::snapshot::RunState;
 use crate::link::toolpath::{CycleTime, Toolpath};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
-use paint::{Canvas, GraphicScene};
+use paint::Canvas;
+use scene::GraphicScene;
 
 /// Width of the figures beside the drawing.
 const FIGURES_WIDTH: f32 = 196.0;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use egui::epaint::Mesh;
 use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
+use super::scene::GraphicScene;
 use super::{index, lathe, machine_position};
 use crate::hmi::scene::{Camera, MachineScene, SceneCanvas, ViewPlane, add_quad};
 use crate::hmi::{View, theme};
@@ -19,23 +20,6 @@ const MAX_LINES: usize = 24_000;
 const MAX_ERROR_PX: f32 = 0.6;
 /// Minimum distance of two grid lines, pixels.
 const MIN_GRID_PX: f32 = 70.0;
-
-/// What is painted.
-pub struct GraphicScene<'a> {
-    pub drawing: Option<&'a Arc<Toolpath>>,
-    pub plane: ViewPlane,
-    pub camera: Camera,
-    pub actual_path: &'a [[f32; 3]],
-    /// Touched Z positions to measure, mm (L10).
-    pub measured_at: &'a [f32],
-}
-
-impl GraphicScene<'_> {
-    /// Canvas position of a point X Y Z, mm.
-    pub fn place(&self, rect: Rect, at: [f32; 3]) -> Pos2 {
-        self.camera.to_canvas(rect, at[index(self.plane.0)], at[index(self.plane.1)])
-    }
-}
 
 /// Mesh of the tool path as last painted.
 #[derive(Debug, Default)]
