@@ -13,6 +13,7 @@ use super::scene;
 use super::{
     blink_phase, clock_time, format_cycle_time, format_feed, format_length, format_strokes, format_volts, format_whole,
 };
+use crate::defs::grinding_workspace::GrindingWorkspace;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::link::program_view::ProgramView;
@@ -97,10 +98,9 @@ compared_fields! {
     params: replaced;
     // Without a simulated machine and a bus every page has one row of soft keys less.
     simulated: |old, new, page| {
-        let scene = |sim: &Option<Arc<SimView>>| sim.as_ref().map(|sim| sim.grinding_workspace.clone());
         old.is_some() != new.is_some()
             || shown_fields(page).contains(&FieldGroup::Simulated) && old != new
-            || shown_fields(page).contains(&FieldGroup::Scene) && scene(old) != scene(new)
+            || shown_fields(page).contains(&FieldGroup::Scene) && workspace(old) != workspace(new)
     };
     bus: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
@@ -138,6 +138,11 @@ fn replaced<T>(painted: &Arc<T>, newest: &Arc<T>, _page: Page) -> bool {
 /// A rule for the pages that show a group of fields.
 fn on<T>(group: FieldGroup, rule: impl Fn(&T, &T, Page) -> bool) -> impl Fn(&T, &T, Page) -> bool {
     move |painted, newest, page| shown_fields(page).contains(&group) && rule(painted, newest, page)
+}
+
+/// What the scene draws of a simulated machine.
+fn workspace(simulated: &Option<Arc<SimView>>) -> Option<&GrindingWorkspace> {
+    simulated.as_ref()?.grinding_workspace.as_ref()
 }
 
 /// Another value on the pages that show one of two groups.

@@ -34,6 +34,7 @@ mod process;
 mod program_list;
 mod reach;
 mod repaint;
+mod scene;
 mod screen;
 mod screw;
 mod service;

@@ -7,10 +7,9 @@ use super::program::listing;
 use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
-use crate::hmi::scene::{self, MachineScene, Magnifier};
 use crate::hmi::{
     Area, EditKey, View, format_cycle_time, format_feed, format_strokes, format_whole, keycap, page_frame as lines,
-    pictogram, theme,
+    pictogram, scene, theme,
 };
 use crate::link::Command;
 use crate::link::snapshot::AxisView;
@@ -61,26 +60,14 @@ fn coordinates(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let inside = right.shrink2(vec2(theme::PAD, 10.0));
     lines::paint_program_label(view, inside.band(0.0, 30.0), theme::TITLE);
     let below = process_values(inside.trim_top(38.0), view);
-    live_scene(inside.with_min_y(below.min.y + theme::GAP), view);
-}
-
-/// Least height of a scene, and of the magnifier below it.
-const LEAST_SCENE: f32 = 110.0;
-const MAGNIFIER_HEIGHT: f32 = 116.0;
-
-/// The machine at work, and the contact of the wheel magnified.
-fn live_scene(rect: Rect, view: &View<'_>) {
-    let Some(scene) = MachineScene::of(view.snapshot).filter(|_| rect.height() >= LEAST_SCENE) else { return };
-    let magnifier = Magnifier::of(&scene, view.snapshot);
-    let room = rect.height() >= LEAST_SCENE + MAGNIFIER_HEIGHT;
-    let (above, below) = rect.split_bottom(if room { MAGNIFIER_HEIGHT } else { 0.0 });
-    if let Some(magnifier) = magnifier.filter(|_| room) {
-        magnifier.paint(below, view);
-        scene::paint_follow(above.trim_bottom(theme::GAP), view);
-    } else {
-        scene::paint_follow(rect, view);
+    let live = inside.with_min_y(below.min.y + theme::GAP);
+    if live.height() >= scene::LEAST_HEIGHT {
+        scene::paint_with_contact(live, view, MAGNIFIER_HEIGHT);
     }
 }
+
+/// Height of the magnifier below the scene.
+const MAGNIFIER_HEIGHT: f32 = 122.0;
 
 /// One axis: letter, homed mark, large value, and smaller values below. The decimal points are aligned.
 fn axis_card(rect: Rect, view: &View<'_>, axis: Axis, shown: CoordinateView, out: &mut Vec<Command>) {

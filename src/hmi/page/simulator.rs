@@ -9,8 +9,7 @@ use super::{PageContext, PageUi, empty};
 use crate::defs::signal::Input;
 use crate::defs::sim_fault;
 use crate::defs::text::Text;
-use crate::hmi::scene::{self, MachineScene, Magnifier};
-use crate::hmi::{Area, KeyboardFocus, PageKey, View, format_whole, pictogram, round_to_lines, theme, widget};
+use crate::hmi::{Area, KeyboardFocus, PageKey, View, format_whole, pictogram, round_to_lines, scene, theme, widget};
 use crate::link::Command;
 use crate::link::simulation::{SimCommand, SimView};
 
@@ -20,6 +19,8 @@ const ROW_HEIGHT: f32 = 48.0;
 const MAX_SIZES: usize = 12;
 /// Width of the live scene beside the figures of the part, as a share.
 const SCENE_SHARE: f32 = 0.46;
+/// Height of the contact in it, as a share.
+const CONTACT_SHARE: f32 = 0.42;
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -140,10 +141,11 @@ impl SimulatorPage {
         let count = if wheel { 2 } else { 1 };
         let touched = self.walk.keys(view, keys.band(0.0, ROW_HEIGHT), &keys_shown[..count]);
         let done = touched.map(|index| if index == 0 { SimCommand::NewPart } else { SimCommand::SharpenWheel });
-        let scene = MachineScene::of(view.snapshot);
-        let (body, live) = body.split_right(if scene.is_some() { body.width() * SCENE_SHARE } else { 0.0 });
-        if let Some(scene) = scene {
-            live_scene(live.trim_left(theme::GAP), view, &scene);
+        let (body, live) = body.split_right(if wheel { body.width() * SCENE_SHARE } else { 0.0 });
+        if wheel {
+            let live = live.trim_left(theme::GAP);
+            view.card(live);
+            scene::paint_with_contact(live.shrink(theme::FRAME), view, live.height() * CONTACT_SHARE);
         }
         view.card(body);
         let inside = body.shrink2(vec2(theme::PAD, 6.0));
@@ -171,16 +173,5 @@ impl SimulatorPage {
             view.line_right(right, value, theme::LABEL, view.theme.text);
         }
         done
-    }
-}
-
-/// The machine at work and the contact below it.
-fn live_scene(rect: Rect, view: &View<'_>, scene: &MachineScene<'_>) {
-    view.card(rect);
-    let magnifier = Magnifier::of(scene, view.snapshot);
-    let (above, below) = rect.split_bottom(if magnifier.is_some() { rect.height() * 0.42 } else { 0.0 });
-    scene::paint_follow(above.shrink(theme::FRAME), view);
-    if let Some(magnifier) = magnifier {
-        magnifier.paint(below, view);
     }
 }

@@ -107,6 +107,12 @@ impl Magnifier {
         top_mm.is_finite().then_some(Self { surface, wheel, gap_mm, top_mm, finished: None })
     }
 
+    /// From the highest point of the part under the wheel to the wheel, µm; below zero: what the wheel has still to take.
+    #[must_use]
+    pub fn gap_um(&self) -> f64 {
+        self.gap_mm * 1_000.0
+    }
+
     /// Half the range that is shown, µm.
     fn half_range_um(&self) -> f64 {
         let stock = self.stock_um().unwrap_or(0.0).clamp(0.0, STOCK_IN_VIEW_UM);
@@ -134,7 +140,7 @@ impl Magnifier {
 
     /// Gap and stock in figures.
     fn figures(&self, rect: Rect, view: &View<'_>) {
-        let gap_um = self.gap_mm * 1_000.0;
+        let gap_um = self.gap_um();
         let (name, value, ink) = match gap_um < 0.0 {
             true => (view.text("切入", "engaged"), -gap_um, view.theme.hold),
             false => (view.text("间隙", "gap"), gap_um, view.theme.info),

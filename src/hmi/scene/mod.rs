@@ -3,7 +3,7 @@
 //!
 //! `camera` is the section of the plane that is shown, `part` and `wheel` paint, `magnifier` shows the contact in micrometres.
 //! Coordinates are those of the part: mm, X as radius; where the wheel has its new size they are the work coordinates.
-//! Source: spec B6, H8, P2, P5; tools.md (live scene).
+//! Source: spec B6, H8, P2, P5.
 
 mod camera;
 mod magnifier;
@@ -17,7 +17,7 @@ use egui::{Pos2, Rect};
 pub use camera::{Camera, ViewPlane, add_quad, add_shaded_quad};
 pub use magnifier::Magnifier;
 
-use super::View;
+use super::{Area, View, theme};
 use crate::defs::grinding_workspace::{GrindingWorkspace, Holder, HolderKind, PartSection};
 use crate::defs::kind::WheelPose;
 use crate::defs::param;
@@ -34,6 +34,9 @@ const WHEEL_SHARE: f64 = 0.7;
 const HOLDERS_SHARE: f64 = 0.9;
 /// The scene keeps at least so much of the machine in view, mm.
 const LEAST_EXTENT_MM: f64 = 8.0;
+
+/// Least height of a scene, points.
+pub const LEAST_HEIGHT: f32 = 110.0;
 
 /// What turns the part.
 const PART_DRIVES: [Output; 3] = [Output::HeadstockHigh, Output::HeadstockLow, Output::TableRotation];
@@ -245,6 +248,17 @@ impl SceneCanvas<'_> {
     /// Turns of something that turns slowly enough to be seen, from zero to one.
     fn turns(&self, per_second: f64) -> f64 {
         (frame_at(self.view.snapshot.now) as f64 * FRAME_TIME.as_secs_f64() * per_second).fract()
+    }
+}
+
+/// Paints the scene, and below it the contact where the wheel is near the part; nothing on a lathe.
+pub fn paint_with_contact(rect: Rect, view: &View<'_>, contact_height: f32) {
+    let contact = MachineScene::of(view.snapshot).and_then(|scene| Magnifier::of(&scene, view.snapshot));
+    let contact = contact.filter(|_| rect.height() >= contact_height + LEAST_HEIGHT);
+    let (above, below) = rect.split_bottom(if contact.is_some() { contact_height } else { 0.0 });
+    paint_follow(above, view);
+    if let Some(contact) = contact {
+        contact.paint(below.trim_top(theme::GAP), view);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The wheel with its worn outline, the dresser, coolant and sparks.
 
 use egui::epaint::Mesh;
-use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2};
+use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 
 use super::camera::add_shaded_quad;
 use super::{SceneCanvas, frame_at};
@@ -233,7 +233,7 @@ impl SceneCanvas<'_> {
             let ink = self.view.theme.spark.gamma_multiply(1.0 - 0.6 * c);
             self.view.painter.line_segment([from, to], Stroke::new(1.0 + 0.8 * (1.0 - c), ink));
         }
-        self.view.painter.circle_filled(pos2(contact.x, contact.y), 2.5, self.view.theme.spark);
+        self.view.painter.circle_filled(contact, 2.5, self.view.theme.spark);
     }
 }
 
