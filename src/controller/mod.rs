@@ -89,6 +89,7 @@ impl Controller {
         plant.supervise_storage();
         program.step_restart(plant);
         program.step_run(plant);
+        program.step_start_check(plant);
         program.store_run_position(plant);
         manual::step_jog(plant);
         plant.step_oscillation();
@@ -105,6 +106,7 @@ impl Controller {
     /// Replaces the programs after the folder changed.
     pub fn set_programs(&mut self, programs: Arc<Programs>, directory: Arc<Vec<DirectoryRow>>) {
         self.program.abandon_restart();
+        self.program.forget_start_check();
         self.plant.work.programs = programs;
         self.panel.directory = directory;
     }

@@ -31,6 +31,7 @@ pub mod program_number;
 pub mod signal;
 pub mod sim_fault;
 pub mod soft_key;
+pub mod start_step;
 pub mod system_variable;
 pub mod text;
 pub mod turning_tool;

@@ -119,6 +119,21 @@ pub fn paint_body(view: &View<'_>, rect: Rect, face: KeycapState) {
     }
 }
 
+/// Marks the key that comes next in the start guide; cycle start, which ends it, steadily.
+pub fn mark_next(view: &View<'_>, rect: Rect, key: Key) {
+    let (colour, lit) = match key {
+        Key::CycleStart => (view.theme.run, true),
+        _ => (view.theme.hold, view.blink),
+    };
+    let width = if lit { 3.0 } else { theme::HAIRLINE };
+    view.painter.rect_stroke(
+        rect.shrink(1.0),
+        CornerRadius::same(theme::RADIUS as u8),
+        Stroke::new(width, colour),
+        StrokeKind::Inside,
+    );
+}
+
 /// Draws the body of a key without a lamp and takes its touches.
 pub fn plain(view: &View<'_>, rect: Rect, id: impl Hash + Debug, name: impl ToString) -> Response {
     let response = view.touch(rect, id, name);

@@ -183,7 +183,7 @@ pub fn status_line(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
         snapshot.mode.name().get(view.lang).to_owned(),
         blocks.to_owned(),
         snapshot.state_name().get(view.lang).to_owned(),
-        format!("F {} %", snapshot.feed_override),
+        format!("F {} %", snapshot.overrides.feed),
         format!("{} mm/min", format_feed(snapshot.feed_mm_min)),
         format!("S {}", format_whole(snapshot.wheel_rpm)),
         if snapshot.is_storing {

@@ -72,6 +72,8 @@ pub const LOCK: &[PictogramShape] =
 /// House: the axis is homed (H5).
 pub const HOUSE: &[PictogramShape] =
     &[Line(&[(2.0, 12.0), (12.0, 3.0), (22.0, 12.0)]), Line(&[(5.0, 11.0), (5.0, 21.0), (19.0, 21.0), (19.0, 11.0)])];
+/// Check mark: a condition is met.
+pub const CHECK: &[PictogramShape] = &[Line(&[(5.0, 12.5), (10.0, 18.0), (19.0, 6.5)])];
 /// Missing picture.
 pub const NO_PICTURE: &[PictogramShape] = &[
     Box(3.0, 4.0, 18.0, 16.0),

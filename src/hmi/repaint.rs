@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::app::Hmi;
-use super::page::{FieldGroup, shown_fields};
+use super::page::{FieldGroup, shown_fields, start_strip};
 use super::page_frame::message_is_fresh;
 use super::scene;
 use super::{
@@ -58,9 +58,7 @@ compared_fields! {
     program: |old, new, _| program_differs(old, new);
     single_block: differ;
     handwheel: differ;
-    feed_override: differ;
-    rapid_override: differ;
-    spindle_override: differ;
+    overrides: differ;
     feed_mm_min: |old, new, _| format_feed(*old) != format_feed(*new);
     // The wheel page also shows the speed of the rim.
     wheel_rpm: |old, new, page| {
@@ -78,6 +76,7 @@ compared_fields! {
     inputs: on(FieldGroup::Inputs, differ);
     outputs: on_either(FieldGroup::Diagnosis, FieldGroup::Scene);
     keys: differ;
+    start_guide: on(FieldGroup::StartGuide, differ);
     // Compared bit by bit: a value that is not a number is equal to itself.
     variables: |old, new, page| {
         let mut pairs = old.iter().zip(&**new);
@@ -181,7 +180,8 @@ fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
 
 /// Whether time alone changes the picture: the clock, what turns in a scene, the blink of a lamp, the end of a message.
 fn time_step_passed(painted: &Snapshot, newest: &Snapshot) -> bool {
-    let blinks = newest.key(Key::EmergencyStop).lamp || newest.keys.iter().any(|key| key.pending);
+    let blinks =
+        newest.key(Key::EmergencyStop).lamp || newest.keys.iter().any(|key| key.pending) || start_strip::blinks(newest);
     let turns = shown_fields(newest.page).contains(&FieldGroup::Scene) && scene::is_turning(newest);
     clock_time(painted) != clock_time(newest)
         || turns && scene::frame_at(painted.now) != scene::frame_at(newest.now)

@@ -18,7 +18,7 @@ use crate::defs::text::LocalizedText;
 use crate::defs::{page_text, program_kind, program_number};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
-use crate::nc::program_uses::WheelUse;
+use crate::nc::program_uses::UnitUse;
 use crate::nc::{ProgramPart, Source, program_parts};
 use crate::store::{
     DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
@@ -247,9 +247,9 @@ pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dial
     };
     let stamp = stamp(&bytes);
     let source = Arc::new(Source::new(number, name, bytes, dialect));
-    let wheel_use = WheelUse::of(&source);
+    let unit_use = UnitUse::of(&source);
     let kinds = kinds_of_program(&text);
-    StoredProgram { number, source, text, stamp, wheel_use, kinds, has_invalid_bytes, part: None }
+    StoredProgram { number, source, text, stamp, unit_use, kinds, has_invalid_bytes, part: None }
 }
 
 /// The English title that a program gives (H9).

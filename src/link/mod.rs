@@ -14,6 +14,7 @@ pub mod part_result;
 pub mod program_view;
 pub mod simulation;
 pub mod snapshot;
+pub mod start_guide;
 pub mod teach;
 pub mod toolpath;
 

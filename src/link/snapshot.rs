@@ -11,6 +11,7 @@ use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::part_result::{PartResult, SizeValues};
 use super::program_view::ProgramView;
 use super::simulation::SimView;
+use super::start_guide::StartGuide;
 use super::teach::TeachView;
 use super::toolpath::StockBox;
 use crate::defs::alarm_history::AlarmHistory;
@@ -231,6 +232,23 @@ pub struct HandwheelView {
     pub step_mm: f64,
 }
 
+/// Overrides, percent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrides {
+    /// Feed.
+    pub feed: u16,
+    /// Rapid; 0 is P for F0.
+    pub rapid: u16,
+    /// Wheel speed.
+    pub spindle: u16,
+}
+
+impl Default for Overrides {
+    fn default() -> Self {
+        Self { feed: 100, rapid: 100, spindle: 100 }
+    }
+}
+
 /// Everything that a page can show.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
@@ -260,12 +278,8 @@ pub struct Snapshot {
     pub single_block: bool,
     /// The handwheel.
     pub handwheel: HandwheelView,
-    /// Feed override, percent.
-    pub feed_override: u16,
-    /// Rapid override, percent (0 is F0).
-    pub rapid_override: u16,
-    /// Spindle override, percent.
-    pub spindle_override: u16,
+    /// The overrides.
+    pub overrides: Overrides,
     /// Speed along the path, mm/min.
     pub feed_mm_min: f64,
     /// Wheel speed commanded, rpm; on a lathe the actual speed of the main spindle.
@@ -288,6 +302,8 @@ pub struct Snapshot {
     pub outputs: OutputSet,
     /// State of every key, by `Key as usize`.
     pub keys: [KeyView; Key::COUNT],
+    /// What is still missing for the next cycle start.
+    pub start_guide: StartGuide,
     /// Macro variables at the current state of execution.
     pub variables: Box<[Option<f64>; VARIABLE_COUNT]>,
     /// The block at which cycle start would restart the program, with its modal state (B5).
@@ -466,9 +482,7 @@ impl Snapshot {
             program: ProgramView::default(),
             single_block: false,
             handwheel: HandwheelView { axis: Axis::X, step_mm: 0.001 },
-            feed_override: 100,
-            rapid_override: 100,
-            spindle_override: 100,
+            overrides: Overrides::default(),
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
             tool_station: None,
@@ -480,6 +494,7 @@ impl Snapshot {
             inputs: InputSet::NONE,
             outputs: OutputSet::NONE,
             keys: [KeyView::default(); Key::COUNT],
+            start_guide: StartGuide::default(),
             variables: Box::new([None; VARIABLE_COUNT]),
             restart: None,
             interrupted: None,

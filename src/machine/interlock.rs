@@ -6,6 +6,7 @@
 
 use super::ControlState;
 use crate::defs::mcode::Request;
+use crate::defs::start_step::StartStep;
 use crate::defs::text::Text;
 
 /// The inputs of the rules: the state of the machine and of the control.
@@ -95,6 +96,8 @@ pub enum RuleOutcome {
 pub struct Rule {
     /// Row of the specification that requires it.
     pub row: &'static str,
+    /// The condition of a cycle start that it checks, if any.
+    pub step: Option<StartStep>,
     /// The requests it forbids.
     pub forbids: fn(Request) -> bool,
     /// When it applies.

@@ -303,6 +303,23 @@ impl Machine {
         inputs: InputSet,
         params: &Params,
     ) -> Option<&'static Rule> {
+        let inputs = self.inputs_of_request(request, now, inputs, params);
+        interlock::first_blocking_rule(self.rules, request, &inputs)
+    }
+
+    /// The rules that forbid a request now and check a condition of a cycle start, from the top of the table.
+    pub fn unmet_start_rules(
+        &self,
+        request: Request,
+        now: Micros,
+        inputs: InputSet,
+        params: &Params,
+    ) -> impl Iterator<Item = &'static Rule> {
+        let inputs = self.inputs_of_request(request, now, inputs, params);
+        self.rules.iter().filter(move |rule| rule.step.is_some() && (rule.forbids)(request) && (rule.applies)(&inputs))
+    }
+
+    fn inputs_of_request(&self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> InterlockInputs {
         let mut inputs = self.interlock_inputs(now, inputs, params);
         let output = self.output_of(request);
         inputs.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
@@ -310,7 +327,7 @@ impl Machine {
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
             inputs.port_owned = matches!(ports::port_owner(port, params), PortOwner::Interlocked(_));
         }
-        interlock::first_blocking_rule(self.rules, request, &inputs)
+        inputs
     }
 
     /// The reason of a rule; for requests by port number with the port and the function that owns it.

@@ -9,6 +9,7 @@ use super::dialect;
 use super::message_texts::TextRowFault;
 use super::settings::Dialect;
 use super::source::Source;
+use crate::defs::mcode::SwitchedUnit;
 use crate::defs::page_text::{VariableUse, is_allowed_on_page};
 use crate::defs::variable_name;
 
@@ -24,16 +25,18 @@ pub struct ProgramUses {
     pub calls: Vec<u32>,
 }
 
-/// What a program does with the wheel (K3.7). Computed codes are not found.
+/// The units that a program starts (K3.4, K3.7). Computed codes are not found.
 #[derive(Clone, Debug, Default)]
-pub struct WheelUse {
-    /// It has an M03.
+pub struct UnitUse {
+    /// It has an M code that starts the wheel.
     pub starts_wheel: bool,
+    /// It has an M code that starts headstock, roll or table.
+    pub starts_work_drive: bool,
     /// The numbers of the called programs.
     pub calls: Vec<u32>,
 }
 
-impl WheelUse {
+impl UnitUse {
     /// Scans a program.
     #[must_use]
     pub fn of(source: &Source) -> Self {
@@ -44,7 +47,13 @@ impl WheelUse {
             let has = |letter: u8| bytes.iter().any(|byte| byte.eq_ignore_ascii_case(&letter));
             if has(b'M') || has(b'G') && bytes.windows(2).any(is_macro_code) {
                 let (code, _) = split_comment(&source.line(line).unwrap_or_default(), dialect);
-                found.starts_wheel |= code.split('M').skip(1).any(is_wheel_start);
+                for unit in code.split('M').skip(1).filter_map(|behind| switched_unit(behind, dialect)) {
+                    match unit {
+                        (SwitchedUnit::Wheel, on) => found.starts_wheel |= on,
+                        (SwitchedUnit::WorkDrive, on) => found.starts_work_drive |= on,
+                        (SwitchedUnit::Coolant, _) => {}
+                    }
+                }
                 found.calls.extend((dialect::rules(dialect).call_in_text)(&code));
             }
         }
@@ -59,11 +68,11 @@ fn is_macro_code(digits: &[u8]) -> bool {
     matches!(digits, b"65" | b"66")
 }
 
-/// Whether an M word continues as M03.
-fn is_wheel_start(behind: &str) -> bool {
+/// What the M word switches whose text behind the letter this is.
+fn switched_unit(behind: &str, dialect: Dialect) -> Option<(SwitchedUnit, bool)> {
     let digits = behind.trim_start();
     let digits = &digits[..digits.bytes().take_while(u8::is_ascii_digit).count()];
-    digits.trim_start_matches('0') == "3"
+    dialect.m_code(digits.parse().ok()?)?.action.switched_unit()
 }
 
 /// Scans a program.

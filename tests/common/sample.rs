@@ -16,6 +16,7 @@ use kt830::defs::page_meaning::SizeKind;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::Input;
+use kt830::defs::start_step::StartStep;
 use kt830::defs::text::{Lang, LocalizedText, SharedWords, Text};
 use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
@@ -31,6 +32,7 @@ use kt830::link::part_result::{NominalSize, PartResult};
 use kt830::link::program_view::ProgramView;
 use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
+use kt830::link::start_guide::{StartGuide, StepAction, StepState, StepView};
 use kt830::link::toolpath::{CycleTime, MoveKind, PathPoint, StockBox, Toolpath};
 use kt830::units::{Axis, DisplayPos, Micros, PerAxis, Percentiles, WorkPos};
 
@@ -87,6 +89,25 @@ pub fn page_file() -> PageFile {
     }
 }
 
+/// What is missing for the next cycle start: homing, a value, AUTO.
+fn start_guide() -> StartGuide {
+    use StartStep::{Homing, Hydraulics, Machine, Mode, Program, Tailstock, Values, Wheel};
+    let mut guide = StartGuide::default();
+    for step in [Machine, Hydraulics, Wheel, Program] {
+        guide.steps[step as usize].state = StepState::Met;
+    }
+    guide.steps[Tailstock as usize].state = StepState::NotNeeded;
+    for (step, key) in [(Homing, Key::ModeHome), (Mode, Key::ModeAuto)] {
+        let reason = Text::new("先回零再循环启动", "home the axes before cycle start").into();
+        guide.steps[step as usize] =
+            StepView { state: StepState::Missing, reason, action: Some(StepAction::Press(key)) };
+    }
+    let reason = Text::new("成品直径 #521 不小于毛坯直径 #520", "the finished diameter is not below the blank").into();
+    guide.steps[Values as usize] =
+        StepView { state: StepState::Missing, reason, action: Some(StepAction::Open(Page::Grinding, Some(503))) };
+    guide
+}
+
 /// A running machine on a page.
 pub fn snapshot(page: Page) -> Snapshot {
     let mut snapshot = Snapshot::new(Kind::Gc);
@@ -116,6 +137,7 @@ pub fn snapshot(page: Page) -> Snapshot {
         block: Some(40),
         ..ProgramView::default()
     };
+    snapshot.start_guide = start_guide();
     snapshot.wheel_rpm = 1_260.0;
     snapshot.feed_mm_min = 0.0;
     snapshot.parts_counted = 12;
@@ -134,7 +156,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     for key in [Key::HandwheelX, Key::Step001] {
         snapshot.keys[key as usize].lamp = true;
     }
-    snapshot.rapid_override = 50;
+    snapshot.overrides.rapid = 50;
     snapshot.handwheel.step_mm = 0.01;
     snapshot.keys[Key::Lubrication as usize].pending = true;
     let wheel_on = Text::new("砂轮旋转时液压键无效", "no effect while the wheel turns");
@@ -406,7 +428,7 @@ pub fn long(page: Page) -> Snapshot {
         PerAxis::from_fn(|axis| if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() });
     (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts_counted) = (24_000.0, 99_999.0, 999_999);
     (snapshot.cycle.seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
-    (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override) = (150, 100, 120);
+    (snapshot.overrides.feed, snapshot.overrides.rapid, snapshot.overrides.spindle) = (150, 100, 120);
     snapshot.single_block = true;
     for value in snapshot.variables.iter_mut() {
         *value = Some(-99_999.999);

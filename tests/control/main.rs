@@ -38,6 +38,7 @@ mod restart;
 mod retract;
 mod run_control;
 mod run_phase;
+mod start_guide;
 mod start_latency;
 mod stations;
 mod teach_in;

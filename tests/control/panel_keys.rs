@@ -94,7 +94,7 @@ fn rig_at(kind: Kind, folders: &Folders, place: &Place) -> HeadlessHost {
 fn seen(snapshot: &Snapshot) -> String {
     let lamps: Vec<(bool, bool)> = snapshot.keys.iter().map(|key| (key.lamp, key.pending)).collect();
     let alarms: Vec<u16> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
-    let overrides = (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override);
+    let overrides = (snapshot.overrides.feed, snapshot.overrides.rapid, snapshot.overrides.spindle);
     let rows = (snapshot.coordinates, snapshot.soft_key_row);
     let switches = (snapshot.single_block, snapshot.handwheel.axis, snapshot.handwheel.step_mm.to_bits());
     format!(

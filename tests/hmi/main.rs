@@ -42,6 +42,7 @@ mod shift;
 mod simulator;
 mod soak;
 mod soft_keys;
+mod start_guide;
 mod text_editor;
 mod transfer;
 mod values;

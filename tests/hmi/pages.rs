@@ -17,6 +17,7 @@ use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Screens};
 use kt830::link::program_view::ProgramView;
 use kt830::link::snapshot::AxisView;
+use kt830::link::start_guide::StartGuide;
 use kt830::units::Axis;
 
 const SIZES: [(u32, u32); 5] = [(800, 600), (1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
@@ -327,6 +328,7 @@ fn k1_the_gauge_keys_are_named_by_the_kind() {
     let mut machine = snapshot(Page::Position);
     assert!(says(&machine, "径向") && !says(&machine, "厚度"));
     machine.kind = Kind::Gs;
+    machine.start_guide = StartGuide::default();
     assert!(says(&machine, "厚度") && says(&machine, "平面") && says(&machine, "充磁") && !says(&machine, "尾座"));
 }
 

@@ -15,6 +15,7 @@ use kt830::defs::param::AccessLevel;
 use kt830::defs::param::Params;
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::soft_key::CoordinateView;
+use kt830::defs::start_step::StartStep;
 use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::Hmi;
 use kt830::hmi::offscreen::OffscreenHmi;
@@ -24,6 +25,7 @@ use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::PageCommand;
 use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{OwnMotion, RestartView, RunState};
+use kt830::link::start_guide::StepState;
 use kt830::link::{Command, Snapshot};
 use kt830::units::{Axis, Micros, PerAxis};
 
@@ -45,9 +47,7 @@ const CHANGES: &[Change] = &[
     ("program", Page::Program, |machine| machine.program.line += 1),
     ("single_block", Page::Mdi, |machine| machine.single_block = true),
     ("handwheel", Page::Teach, |machine| machine.handwheel.step_mm = 0.1),
-    ("feed_override", Page::Mdi, |machine| machine.feed_override += 10),
-    ("rapid_override", Page::Position, |machine| machine.rapid_override = 25),
-    ("spindle_override", Page::Mdi, |machine| machine.spindle_override += 10),
+    ("overrides", Page::Mdi, |machine| machine.overrides.feed += 10),
     ("feed_mm_min", Page::Mdi, |machine| machine.feed_mm_min += 1.0),
     ("wheel_rpm", Page::Mdi, |machine| machine.wheel_rpm += 1.0),
     ("tool_station", Page::Position, |machine| machine.tool_station = Some(2)),
@@ -59,6 +59,9 @@ const CHANGES: &[Change] = &[
     ("inputs", Page::Diagnosis, |machine| machine.inputs.set(Input::Gauge1, true)),
     ("outputs", Page::Diagnosis, |machine| machine.outputs.set(Output::Coolant, true)),
     ("keys", Page::Mdi, |machine| machine.keys[Key::Coolant as usize].lamp ^= true),
+    ("start_guide", Page::Grinding, |machine| {
+        machine.start_guide.steps[StartStep::Homing as usize].state = StepState::Met;
+    }),
     ("variables", Page::Macro, |machine| machine.variables[100] = Some(7.0)),
     ("restart", Page::Program, |machine| machine.restart = Some(Box::new(restart()))),
     ("interrupted", Page::Position, |machine| machine.interrupted = Some((1_001, 13))),

@@ -14,6 +14,7 @@ mod page_files;
 mod pages;
 mod part_result;
 mod snapshot;
+mod start_guide;
 mod switches;
 mod wheel_change;
 

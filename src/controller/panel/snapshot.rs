@@ -1,7 +1,7 @@
 //! Fills the snapshot: positions, state, values. Read-only; called whenever a snapshot is needed.
 //! Source: spec H5, H7, K2.4.
 
-use super::{Panel, PartsView};
+use super::{Panel, PartsView, start_guide};
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::{ControlPhase, OperatorState};
 use crate::defs::alarm::Reaction;
@@ -63,6 +63,7 @@ impl Panel {
         if out.waiting_for.as_ref() != told {
             out.waiting_for = told.cloned();
         }
+        start_guide::fill(parts, &mut out.start_guide);
         self.page_view(parts, out);
         self.edit_view(parts, out);
         if !Arc::ptr_eq(&out.screens, &self.screens) {
@@ -138,7 +139,5 @@ fn operator_view(operator: &OperatorState, out: &mut Snapshot) {
     out.single_block = operator.switches.single_block;
     out.handwheel.axis = operator.handwheel_axis;
     out.handwheel.step_mm = operator.step_mm;
-    out.feed_override = operator.overrides.feed;
-    out.rapid_override = operator.overrides.rapid;
-    out.spindle_override = operator.overrides.spindle;
+    out.overrides = operator.overrides;
 }

@@ -235,6 +235,15 @@ impl Plant {
         self.work.programs.get(number).map_or(Arg::Program(number), |program| program.source.title_arg())
     }
 
+    /// The text of an alarm of `#3000`, and the variable whose value its program calls wrong (B8).
+    pub fn program_alarm_words(&self, number: u16, text: &LocalizedText, program: u32) -> (LocalizedText, Option<u16>) {
+        let help = self.work.programs.get(program).and_then(|program| program.source.alarm_help(u32::from(number)));
+        let own = Some(text).filter(|text| !text.is_blank());
+        let value = |variable: u16| self.work.variables.get(u32::from(variable)).ok().flatten();
+        let words = own.or(help.map(|help| &help.text)).cloned().unwrap_or_default();
+        (words, help.and_then(|help| help.variable(value)))
+    }
+
     /// Sends a request to the machine logic and shows a refusal.
     pub fn request(&mut self, request: Request) -> RequestResult {
         self.machine.set_control_state(self.control_state());
@@ -279,7 +288,7 @@ impl Plant {
             dry_run: self.operator.switches.dry_run,
             machine_lock: self.axes.is_locked(),
             dressing_program: dressing.contains(&f64::from(self.execution.current_program)),
-            starts_wheel: self.work.programs.starts_wheel(self.execution.current_program),
+            starts_wheel: self.work.programs.started_units(self.execution.current_program).wheel,
             wheel_rpm: self.commanded_wheel_rpm(),
         }
     }

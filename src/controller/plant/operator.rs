@@ -6,6 +6,7 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::text::Text;
+use crate::link::snapshot::Overrides;
 use crate::machine::panel_key;
 use crate::motion::Override;
 use crate::units::{Axis, Micros};
@@ -23,17 +24,6 @@ pub struct PanelSwitches {
     pub aux_function_lock: bool,
     /// Feed moves run at P89.
     pub dry_run: bool,
-}
-
-/// Overrides in percent.
-#[derive(Clone, Copy, Debug)]
-pub struct Overrides {
-    /// Feed.
-    pub feed: u16,
-    /// Rapid; 0 is P for F0.
-    pub rapid: u16,
-    /// Wheel speed.
-    pub spindle: u16,
 }
 
 /// Selections of the panel.
@@ -65,7 +55,7 @@ impl Default for OperatorState {
             mode: Mode::Manual,
             page: Page::Position,
             switches: PanelSwitches::default(),
-            overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
+            overrides: Overrides::default(),
             rapid_jog: false,
             handwheel_axis: Axis::X,
             step_mm: 0.01,

@@ -255,12 +255,10 @@ impl ProgramRun {
 
 /// Raises an alarm of `#3000` with what its program says of it: cause, remedy, and the variable whose value is wrong (B8).
 fn raise_program_alarm(plant: &mut Plant, number: u16, text: &LocalizedText, program: u32) {
+    let (text, variable) = plant.program_alarm_words(number, text, program);
+    plant.raise(number, Some(text));
     let programs = Arc::clone(&plant.work.programs);
-    let help = programs.get(program).and_then(|program| program.source.alarm_help(u32::from(number)));
-    let own = Some(text).filter(|text| !text.is_blank());
-    plant.raise(number, Some(own.or(help.map(|help| &help.text)).cloned().unwrap_or_default()));
-    if let Some(help) = help {
-        let variable = help.variable(|variable| plant.work.variables.get(u32::from(variable)).ok().flatten());
+    if let Some(help) = programs.get(program).and_then(|program| program.source.alarm_help(u32::from(number))) {
         plant.alarms.explain(number, help, variable);
     }
 }

@@ -6,7 +6,7 @@ use ropey::Rope;
 
 use crate::defs::kind::Kind;
 use crate::defs::program_kind;
-use crate::nc::program_uses::WheelUse;
+use crate::nc::program_uses::UnitUse;
 use crate::nc::{Library, Source};
 
 /// Most programs that are followed from a program to those that it calls.
@@ -58,8 +58,8 @@ pub struct StoredProgram {
     pub text: Rope,
     /// Checksum of the file.
     pub stamp: u64,
-    /// Whether it starts the wheel, and what it calls.
-    pub wheel_use: WheelUse,
+    /// The units that it starts, and what it calls.
+    pub unit_use: UnitUse,
     /// The kinds of machine that it names; none: it is for every kind.
     pub kinds: Vec<Kind>,
     /// Some bytes are not valid characters: the program can be shown but not edited.
@@ -136,27 +136,38 @@ impl Programs {
         self.rows.binary_search_by_key(&number, |row| row.number).ok().and_then(|index| self.rows.get(index))
     }
 
-    /// Whether a program or one that it calls starts the wheel (K3.7). With more than [`MAX_CALLED`] programs it counts
-    /// as such. What a program computes (M#1, P#2) is not found: the interlock stops it at its M03.
+    /// The units that a program or one that it calls starts (K3.4, K3.7). With more than [`MAX_CALLED`] programs they
+    /// count as started. What a program computes (M#1, P#2) is not found: the interlock stops it at its M code.
     #[must_use]
-    pub fn starts_wheel(&self, number: u32) -> bool {
+    pub fn started_units(&self, number: u32) -> StartedUnits {
         let (mut seen, mut count, mut next) = ([number; MAX_CALLED], 1, 0);
+        let mut found = StartedUnits::default();
         while next < count {
             if let Some(program) = self.get(seen[next]) {
-                if program.wheel_use.starts_wheel {
-                    return true;
-                }
-                for called in &program.wheel_use.calls {
+                found.wheel |= program.unit_use.starts_wheel;
+                found.work_drive |= program.unit_use.starts_work_drive;
+                for called in &program.unit_use.calls {
                     if !seen[..count].contains(called) {
-                        let Some(free) = seen.get_mut(count) else { return true };
+                        let Some(free) = seen.get_mut(count) else {
+                            return StartedUnits { wheel: true, work_drive: true };
+                        };
                         (*free, count) = (*called, count + 1);
                     }
                 }
             }
             next += 1;
         }
-        false
+        found
     }
+}
+
+/// The units that a program starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StartedUnits {
+    /// The wheel.
+    pub wheel: bool,
+    /// Headstock, roll or table.
+    pub work_drive: bool,
 }
 
 impl Library for Programs {

@@ -19,6 +19,7 @@ pub mod restart;
 pub mod retract;
 pub mod run;
 mod run_world;
+pub mod start_check;
 
 use std::sync::Arc;
 
@@ -26,6 +27,7 @@ use activity::Activity;
 use lookahead_state::LookaheadState;
 use preflight::preflight_world;
 use run::{Origin, PreflightStart, ProgramRun, RunPool, RunStart};
+use start_check::StartVerdict;
 
 use super::plant::system_variables::nc_settings;
 use super::plant::{ControlEvent, ControlPhase, Plant, ProgramControls};
@@ -57,6 +59,8 @@ pub struct Program {
     mdi_modals: Option<ModalState>,
     /// The MDI line.
     pub mdi: mdi::MdiLine,
+    /// Whether the chosen program accepts its values.
+    start_check: start_check::StartCheck,
 }
 
 impl Program {
@@ -73,6 +77,7 @@ impl Program {
             power_fail: power_fail::PowerFailRetract::default(),
             mdi_modals: None,
             mdi: mdi::MdiLine::new(kind.row().dialect),
+            start_check: start_check::StartCheck::default(),
         }
     }
 
@@ -95,8 +100,30 @@ impl Program {
         self.run.is_some()
     }
 
+    /// What the chosen program says of its values (B8).
+    #[must_use]
+    pub fn start_verdict(&self, plant: &Plant) -> &StartVerdict {
+        self.start_check.verdict_of(plant.execution.current_program)
+    }
+
+    /// One tick of the check of the chosen program; while something runs there is none.
+    pub fn step_start_check(&mut self, plant: &mut Plant) {
+        match plant.execution.phase {
+            ControlPhase::Idle if self.run.is_none() && self.restart.is_none() => {
+                self.start_check.step(&mut self.pool, plant);
+            }
+            _ => self.start_check.abandon(&mut self.pool),
+        }
+    }
+
+    /// The programs are replaced: the check begins anew.
+    pub fn forget_start_check(&mut self) {
+        self.start_check.abandon(&mut self.pool);
+    }
+
     /// Opens a run of the text and starts it.
     pub fn open_run(&mut self, plant: &mut Plant, source: Arc<Source>, origin: Origin) {
+        self.start_check.abandon(&mut self.pool);
         let settings = nc_settings(plant.kind, &plant.params);
         let numbered = settings.needs_block_numbers && origin != Origin::Mdi;
         let settings = nc::NcSettings { axes: plant.axes.fitted(), needs_block_numbers: numbered, ..settings };

@@ -231,7 +231,8 @@ impl Program {
     }
 
     /// Why the retract forbids cycle start, if it does.
-    pub fn retract_blocks_start(&mut self, plant: &mut Plant) -> Option<LocalizedText> {
+    #[must_use]
+    pub fn retract_start_block(&self, plant: &Plant) -> Option<LocalizedText> {
         match self.retract.stage {
             RetractStage::AtWork | RetractStage::Retracting(_) | RetractStage::Returning(_) => None,
             RetractStage::Requested => Some(phrase!("一键回退正在执行", "the retract is in progress")),
@@ -239,14 +240,19 @@ impl Program {
                 "砂轮已回退，再按一键回退使其返回",
                 "the wheel is retracted: press RETRACT again to bring it back"
             )),
-            RetractStage::OffPosition(from) if position_deviation(plant, from).is_some() => {
-                Some(off_position_text(plant, from))
-            }
-            RetractStage::OffPosition(_) => {
-                self.retract.stage = RetractStage::AtWork;
-                None
+            RetractStage::OffPosition(from) => {
+                position_deviation(plant, from).is_some().then(|| off_position_text(plant, from))
             }
         }
+    }
+
+    /// The same at a start; a wheel that is back at its place is no longer off it.
+    pub fn retract_blocks_start(&mut self, plant: &Plant) -> Option<LocalizedText> {
+        let block = self.retract_start_block(plant);
+        if block.is_none() && matches!(self.retract.stage, RetractStage::OffPosition(_)) {
+            self.retract.stage = RetractStage::AtWork;
+        }
+        block
     }
 
     /// RESET or an alarm that ends the run: drops the suspended run.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use egui::{Rect, TextureId, pos2, vec2};
 
 use super::position::{self, PositionGroup};
+use super::start_strip::{self, StartStrip};
 use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
@@ -28,6 +29,10 @@ use crate::units::Micros;
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
 /// Least height of the view of the contact below the picture.
 const LEAST_CONTACT_VIEW: f32 = 90.0;
+/// Lines for which the fields have room at least: few fields are not larger than many.
+const LEAST_LINES: usize = 8;
+/// Gap between two fields.
+const LINE_GAP: f32 = 4.0;
 /// Width of a value with its unit beside its label.
 const VALUE_WIDTH: f32 = 164.0;
 /// Width of the longest value.
@@ -46,6 +51,7 @@ pub struct GrindingPage {
     pub entry: VariableEntry,
     /// The part of the last cycle.
     part: part_card::PartCard,
+    start: StartStrip,
     /// Program and its page; another one drops the typed value.
     shown: (u32, Option<u32>),
     /// The alarm to whose value the cursor went last: number and time.
@@ -109,7 +115,12 @@ impl PageUi for GrindingPage {
 
     fn ui(&mut self, ctx: PageContext<'_>) {
         let shown = ctx.view.snapshot.grinding_page_number();
-        let Some(shown) = shown else { return no_page(ctx.rect, ctx.view, ctx.out) };
+        let Some(shown) = shown else {
+            let mut ctx = ctx;
+            let (rect, strip) = ctx.rect.shrink(theme::GAP).split_bottom(start_strip::HEIGHT);
+            self.start.ui(strip, &mut ctx);
+            return no_page(rect, ctx.view, ctx.out);
+        };
         if self.entry.editor.text.is_empty()
             && !self.entry.editor.pad_open
             && ctx.typed.edits.contains(&EditKey::Cancel)
@@ -132,11 +143,14 @@ fn field_of(snapshot: &Snapshot, variable: u16) -> Option<usize> {
 }
 
 /// Draws the page with a number.
-fn page(shown: u32, state: &mut GrindingPage, ctx: PageContext<'_>) {
-    let GrindingPage { entry, part, .. } = state;
-    let PageContext { rect, view, typed, picture, out, .. } = ctx;
-    let several = view.snapshot.grinding_sheet.1 > 1;
-    let places = GrindingLayout::new(rect, several);
+fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
+    let GrindingPage { entry, part, start, .. } = state;
+    let several = ctx.view.snapshot.grinding_sheet.1 > 1;
+    let places = GrindingLayout::new(ctx.rect, several);
+    if let Some(field) = start.ui(places.start, &mut ctx).and_then(|variable| field_of(ctx.view.snapshot, variable)) {
+        entry.select(field);
+    }
+    let PageContext { view, typed, picture, out, .. } = ctx;
     let files = view.snapshot.page_files();
     if several && next_sheet_key(places.title, view) {
         out.push(Command::ShowGrindingSheet(view.snapshot.grinding_sheet.0 + 1));
@@ -218,18 +232,21 @@ struct GrindingLayout {
     title: Rect,
     body: Rect,
     picture: Rect,
+    /// The start guide.
+    start: Rect,
     input: Rect,
 }
 
 impl GrindingLayout {
     fn new(rect: Rect, several: bool) -> Self {
         let (main, input) = rect.split_bottom(theme::INPUT);
-        let main = main.shrink(theme::GAP);
+        let (main, start) = main.shrink(theme::GAP).split_bottom(start_strip::HEIGHT);
+        let main = main.trim_bottom(theme::GAP);
         let (left, rest) = main.split_left(if main.width() > 900.0 { 190.0 } else { 172.0 });
         let (middle, picture) = rest.split_right(theme::PICTURE.x + 2.0);
         let (title, body) =
             middle.trim_sides(theme::GAP).split_top(if several { theme::TOUCH_TARGET + 4.0 } else { 34.0 });
-        Self { left, title, body, picture, input }
+        Self { left, title, body, picture, start, input }
     }
 }
 
@@ -251,10 +268,13 @@ fn position_column(rect: Rect, view: &View<'_>) {
 /// Rectangle of each field of the two columns, in reading order.
 fn field_places(body: Rect, columns: Columns<'_>) -> impl Iterator<Item = (Rect, &PageTextRow)> {
     let width = (body.width() - theme::GAP) / 2.0;
-    let height = ((body.height() - 9.0 * 4.0) / COLUMN_ROWS as f32).min(58.0);
+    let used =
+        columns.iter().filter_map(|rows| rows.iter().rposition(Option::is_some)).max().map_or(0, |last| last + 1);
+    let lines = used.max(LEAST_LINES) as f32;
+    let height = ((body.height() - (lines - 1.0) * LINE_GAP) / lines).min(58.0);
     columns.into_iter().enumerate().flat_map(move |(column, rows)| {
         rows.iter().enumerate().filter_map(move |(line, row)| {
-            let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + 4.0));
+            let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + LINE_GAP));
             Some((Rect::from_min_size(corner, vec2(width, height)), row.as_ref()?))
         })
     })
@@ -270,7 +290,9 @@ fn fields(body: Rect, view: &View<'_>, columns: Columns<'_>, entry: &mut Variabl
         }
         keycap::field(view, place, &response);
         field(place, view, row, layout, (entry.cursor == index).then_some(&entry.editor));
-        if view.snapshot.alarms.iter().any(|alarm| alarm.variable == Some(row.variable)) {
+        let refused = view.snapshot.start_guide.refused_variable();
+        let wrong = view.snapshot.alarms.iter().map(|alarm| alarm.variable).chain([refused]);
+        if wrong.flatten().any(|variable| variable == row.variable) {
             view.edge_bar(place, view.theme.alarm);
         }
     }

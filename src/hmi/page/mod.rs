@@ -23,6 +23,7 @@ pub mod scroll;
 pub mod serial;
 pub mod settings;
 pub mod simulator;
+pub mod start_strip;
 pub mod teach;
 pub mod tools;
 pub mod transfer;
@@ -150,6 +151,8 @@ pub enum FieldGroup {
     Mdi,
     /// Teach-in.
     Teach,
+    /// The conditions of the next cycle start.
+    StartGuide,
 }
 
 macro_rules! page_rows {
@@ -167,9 +170,9 @@ macro_rules! page_rows {
 
 // One row per page; a page without a row does not compile.
 page_rows! {
-    Position => position::PositionPage, shows Scene;
-    Panel => position::PositionPage, shows Scene;
-    Grinding => grinding::GrindingPage, shows Variables PartResult DressingPoint Scene;
+    Position => position::PositionPage, shows Scene StartGuide;
+    Panel => position::PositionPage, shows Scene StartGuide;
+    Grinding => grinding::GrindingPage, shows Variables PartResult DressingPoint Scene StartGuide;
     Dressing => dressing::DressingPage, shows Offsets DressingPoint Scene;
     Program => program::ProgramPage, shows Restart;
     Designer => designer::DesignerPage, shows Variables;

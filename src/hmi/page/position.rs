@@ -4,6 +4,7 @@
 use egui::{Rect, pos2, vec2};
 
 use super::program::listing;
+use super::start_strip::{self, StartStrip};
 use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
@@ -15,14 +16,18 @@ use crate::link::Command;
 use crate::link::snapshot::AxisView;
 use crate::units::Axis;
 
-/// The page has no state; also the page 面板, because the panel is always shown beside the page.
+/// The state of the page; also of the page 面板, because the panel is always shown beside the page.
 #[derive(Debug, Default)]
-pub struct PositionPage;
+pub struct PositionPage {
+    start: StartStrip,
+}
 
 impl PageUi for PositionPage {
-    fn ui(&mut self, ctx: PageContext<'_>) {
+    fn ui(&mut self, mut ctx: PageContext<'_>) {
         ctx.out.extend(panel_key_commands(&ctx.typed.edits));
-        coordinates(ctx.rect, ctx.view, ctx.out);
+        let (rect, strip) = ctx.rect.split_bottom(start_strip::HEIGHT + theme::GAP);
+        coordinates(rect, ctx.view, ctx.out);
+        self.start.ui(strip.trim_sides(theme::PAD).trim_bottom(theme::GAP), &mut ctx);
     }
 }
 
@@ -46,7 +51,7 @@ fn coordinates(rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let present: Vec<Axis> = view.axes().collect();
     let keys = shown == CoordinateView::Relative;
     let room = axes.height() - if keys { 60.0 } else { 0.0 };
-    let height = ((room - theme::GAP * 2.0) / present.len().max(2) as f32 - theme::GAP).clamp(90.0, 190.0);
+    let height = ((room - theme::GAP * 2.0) / present.len().max(2) as f32 - theme::GAP).clamp(90.0, 160.0);
     let used = present.len() as f32 * (height + theme::GAP);
     for (index, axis) in present.into_iter().enumerate() {
         axis_card(axes.band(index as f32 * (height + theme::GAP), height), view, axis, shown, out);
@@ -200,7 +205,7 @@ fn clear_key(rect: Rect, view: &View<'_>, axis: Axis, out: &mut Vec<Command>) {
 /// Process values, one below the other; as many as fit. Returns what is free below them.
 pub fn process_values(rect: Rect, view: &View<'_>) -> Rect {
     let snapshot = view.snapshot;
-    let (rapid, of) = match snapshot.rapid_override {
+    let (rapid, of) = match snapshot.overrides.rapid {
         0 => ("F0".to_owned(), ""),
         percent => (percent.to_string(), "%"),
     };
@@ -212,7 +217,7 @@ pub fn process_values(rect: Rect, view: &View<'_>) -> Rect {
     };
     let rows = [
         (view.text("进给", "feed"), format_feed(snapshot.feed_mm_min), "mm/min"),
-        (view.text("进给倍率", "feed ovr"), format!("{}", snapshot.feed_override), "%"),
+        (view.text("进给倍率", "feed ovr"), format!("{}", snapshot.overrides.feed), "%"),
         (view.text("快速倍率", "rapid ovr"), rapid, of),
         (face.spindle_name.get(view.lang), format_whole(snapshot.wheel_rpm), "r/min"),
         (view.text("循环时间", "cycle"), format_cycle_time(snapshot.cycle.seconds), ""),

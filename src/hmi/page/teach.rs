@@ -148,7 +148,7 @@ fn tool_status(rect: Rect, view: &View<'_>) {
         (view.text("主轴 r/min", "spindle rpm"), format_whole(snapshot.wheel_rpm)),
         (view.text("刀位", "station"), station),
         (view.text("单步 mm", "step mm"), step.to_string()),
-        (view.text("进给倍率 %", "feed ovr %"), snapshot.feed_override.to_string()),
+        (view.text("进给倍率 %", "feed ovr %"), snapshot.overrides.feed.to_string()),
     ];
     top += 8.0;
     for (name, value) in rows {

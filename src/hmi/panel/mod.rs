@@ -11,6 +11,7 @@ use crate::defs::key::Key;
 use crate::defs::text::Text;
 use crate::hmi::key_press::KeyPresses;
 use crate::hmi::keycap::{self, Keycap};
+use crate::hmi::page::start_strip;
 use crate::hmi::pictogram::{self, PictogramShape};
 use crate::hmi::{Area, KeycapState, View, theme, widget};
 use crate::link::Command;
@@ -47,8 +48,8 @@ impl OperatorPanel {
                 );
             }
         }
-        override_value(view, layout.feed_value, view.text("进给", "FEED"), view.snapshot.feed_override);
-        override_value(view, layout.spindle_value, view.text("主轴", "SPIN"), view.snapshot.spindle_override);
+        override_value(view, layout.feed_value, view.text("进给", "FEED"), view.snapshot.overrides.feed);
+        override_value(view, layout.spindle_value, view.text("主轴", "SPIN"), view.snapshot.overrides.spindle);
         let mut reason = None;
         for (key, rect) in &layout.keys {
             let Some(rect) = visible_rect(layout, view, *key, *rect) else { continue };
@@ -166,6 +167,9 @@ pub fn key_ui(view: &View<'_>, key: Key, rect: Rect, presses: &mut KeyPresses, o
     let pressed = presses.track_touch(view.ui, &response, rect, key, out) || presses.is_down(key);
     let face = KeycapState { on: state.lamp, pending: state.pending, blocked: state.blocked.is_some(), pressed };
     keycap::paint(view, rect, Keycap { key, state: face, shapes: key_shapes(view, key) });
+    if start_strip::marked_key(view.snapshot) == Some(key) {
+        keycap::mark_next(view, rect, key);
+    }
     let asked = out[before..].iter().any(|command| matches!(command, Command::Press(_)));
     state.blocked.filter(|_| asked)
 }
