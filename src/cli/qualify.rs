@@ -147,14 +147,16 @@ fn subjects(names: &[String]) -> Result<Vec<Subject>, CallError> {
     };
     let mut all: Vec<Subject> =
         PartFile::builtin_names().filter_map(|name| subject(name).transpose()).collect::<Result<_, CallError>>()?;
-    // PRINTED is VGRIND as it is printed.
-    all.dedup_by(|later, first| later.part == first.part);
     let takes_all = names.is_empty() || names.iter().any(|name| name.eq_ignore_ascii_case("all"));
     let wanted: Vec<&String> = names.iter().filter(|name| !name.eq_ignore_ascii_case("all")).collect();
     let number = |name: &str| parse::program(name).unwrap_or_else(|| program_number::from_name(name));
     let missing = |name: &&&String| all.iter().all(|subject| subject.number != number(name));
     if let Some(name) = wanted.iter().find(missing) {
         return Err(CallError::new(format!("{name}: no part with a drawing belongs to this program")));
+    }
+    if takes_all {
+        // PRINTED is VGRIND as it is printed.
+        all.dedup_by(|later, first| later.part == first.part);
     }
     all.retain(|subject| takes_all || wanted.iter().any(|name| subject.number == number(name)));
     Ok(all)

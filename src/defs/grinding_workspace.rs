@@ -70,6 +70,6 @@ pub struct GrindingWorkspace {
     pub swivel_tan: f64,
     /// The dresser, where one is fitted.
     pub dresser: Option<DresserShape>,
-    /// The wheel removes something: of the part, or it is dressed.
-    pub removes: bool,
+    /// The wheel removes something of the part.
+    pub grinds: bool,
 }

@@ -104,7 +104,7 @@ compared_fields! {
     bus: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
     };
-    stock: on_either(FieldGroup::Stock, FieldGroup::Scene);
+    stock: on(FieldGroup::Stock, differ);
     files: replaced;
     access: differ;
     next_kind: differ;
@@ -178,12 +178,15 @@ fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
         || !same_subprogram
 }
 
-/// Whether time alone changes the picture: the clock, what turns in a scene, the blink of a lamp, the end of a message.
+/// Whether time alone changes the picture (the clock, what turns in a scene, the blink of a lamp, the end of a message),
+/// or the finished size that the magnifier of a scene shows.
 fn time_step_passed(painted: &Snapshot, newest: &Snapshot) -> bool {
     let blinks =
         newest.key(Key::EmergencyStop).lamp || newest.keys.iter().any(|key| key.pending) || start_strip::blinks(newest);
-    let turns = shown_fields(newest.page).contains(&FieldGroup::Scene) && scene::is_turning(newest);
+    let shows_scene = shown_fields(newest.page).contains(&FieldGroup::Scene);
+    let turns = shows_scene && scene::is_turning(newest);
     clock_time(painted) != clock_time(newest)
+        || shows_scene && painted.size_values().nominal() != newest.size_values().nominal()
         || turns && scene::frame_at(painted.now) != scene::frame_at(newest.now)
         || blinks && blink_phase(painted.now) != blink_phase(newest.now)
         || message_is_fresh(painted) != message_is_fresh(newest)

@@ -325,8 +325,12 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.inbox.extend(part::part_setup_commands(part, present));
     }
 
-    /// Mounts a part in a machine that has been set up for it: the control gets its outline only.
+    /// Mounts a part in a machine that has been set up for it: the control gets its outline only. What lies in a real
+    /// machine nobody knows: it gets none.
     pub fn place_part(&mut self, part: &PartFile) {
+        if self.plant.pace() == Pace::Real {
+            return;
+        }
         self.plant.mount_part(part);
         self.part.mounted = Some(part.clone());
         self.inbox.push(part::stock_command(part));

@@ -556,6 +556,10 @@ fn p5_a_program_mounts_its_part_in_a_simulated_machine_alone() {
         assert_eq!(host.retained().current_program, 1_002);
         assert_eq!((host.part_changes(), host.awaits_part()), (mounted, false), "{pace:?}");
         assert_eq!(notes.lock().unwrap().parts.len(), mounted as usize, "{pace:?}");
+        // A part that is laid in at the start has an outline for the drawing; what lies in a real machine is not known.
+        host.place_part(&PartFile::builtin(1_002).unwrap().unwrap());
+        host.step();
+        assert_eq!(host.snapshot().stock.is_empty(), mounted == 0, "{pace:?}");
         // Work offset and geometry are the part's now: the operator is told.
         (0..4).for_each(|_| host.step());
         let message = host.snapshot().message.text.zh().into_owned();

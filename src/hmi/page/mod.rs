@@ -191,7 +191,7 @@ page_rows! {
     Alarm => alarm::AlarmPage;
     Settings => settings::SettingsPage;
     Bus => bus::BusPage, shows Bus;
-    Simulator => simulator::SimulatorPage, shows Inputs Simulated;
+    Simulator => simulator::SimulatorPage, shows Inputs Simulated Scene;
     Help => help::Help;
 }
 

@@ -36,25 +36,46 @@ pub struct Magnifier {
     gap_mm: f64,
     /// Highest point of the part under the wheel.
     top_mm: f64,
-    /// The finished size as a height, if the page names it, and whether it is a diameter.
+    /// The finished size as a height, if the page names one for this surface, and whether it is a diameter.
     finished: Option<(f64, bool)>,
+    /// Where the part comes nearest to the wheel: across and infeed.
+    point: (f64, f64),
 }
 
 impl Magnifier {
     /// The contact that is nearest; none if the wheel is away from the part.
     #[must_use]
     pub fn of(scene: &MachineScene<'_>, snapshot: &Snapshot) -> Option<Self> {
-        let sections = scene.workspace.part.iter();
-        let contacts =
-            sections.filter_map(|section| Self::at_rim(scene, section).or_else(|| Self::at_side(scene, section)));
-        let near = contacts.filter(|contact| contact.gap_mm.abs() <= NEAR_MM);
-        let mut nearest = near.min_by(|a, b| a.gap_mm.abs().total_cmp(&b.gap_mm.abs()))?;
-        nearest.finished = snapshot.size_values().nominal().and_then(|nominal| match nominal.kind {
-            Some(SizeKind::Diameter) => Some((nominal.mm / 2.0, true)),
-            Some(SizeKind::Height) => Some((nominal.mm, false)),
-            Some(SizeKind::Length) | None => None,
+        let (mut nearest, of) = Self::nearest(scene)?;
+        // The size of the page is that of an outside or a bore, or of a plane; a face has none here.
+        let nominal =
+            snapshot.size_values().nominal().filter(|_| (of.along, of.height) == (scene.across, scene.infeed));
+        let finished = nominal.and_then(|nominal| match nominal.kind {
+            Some(SizeKind::Diameter) if is_bore(of) => Some((-nominal.mm / 2.0, true)),
+            Some(SizeKind::Diameter) if of.mirrored.is_some() => Some((nominal.mm / 2.0, true)),
+            Some(SizeKind::Height) if of.mirrored != Some(of.height) => Some((nominal.mm, false)),
+            Some(SizeKind::Diameter | SizeKind::Height | SizeKind::Length) | None => None,
         });
+        // A size far from this surface is that of another one.
+        nearest.finished = finished.filter(|(height, _)| (nearest.top_mm - height).abs() <= NEAR_MM);
         Some(nearest)
+    }
+
+    /// The contact that is nearest, and the section that it is on; none if the wheel is away from the part, or nobody
+    /// knows where it is.
+    fn nearest<'a>(scene: &'a MachineScene<'_>) -> Option<(Self, &'a PartSection)> {
+        let sections = scene.workspace.part.iter().filter(|_| scene.wheel_is_known);
+        let contacts = sections.filter_map(|section| {
+            let contact = Self::at_rim(scene, section).or_else(|| Self::at_side(scene, section))?;
+            Some((contact, section))
+        });
+        let near = contacts.filter(|(contact, _)| contact.gap_mm.abs() <= NEAR_MM);
+        near.min_by(|(a, _), (b, _)| a.gap_mm.abs().total_cmp(&b.gap_mm.abs()))
+    }
+
+    /// Where the part comes nearest to the wheel: across and infeed, mm.
+    pub(super) fn contact_point(scene: &MachineScene<'_>) -> Option<(f64, f64)> {
+        Self::nearest(scene).map(|(contact, _)| contact.point)
     }
 
     /// The rim over an outside, a plane or a disc, or in a bore.
@@ -64,21 +85,27 @@ impl Magnifier {
         }
         let space = &scene.workspace;
         let (left, right) = scene.sides_mm();
-        let is_bore = section.samples.iter().all(|sample| sample[1] > 0.0);
+        let is_bore = is_bore(section);
         let front = scene.wheel_mm[scene.infeed];
         // In a bore the rim on the far side of the wheel touches.
         let rim = if is_bore { -(front + space.wheel_radius_mm).abs() - space.wheel_radius_mm } else { front };
         let slice = (right - left) / space.rim_wear_mm.len().max(1) as f64;
         let slope = if is_bore { space.swivel_tan } else { -space.swivel_tan };
+        let lift = scene.overrun_lift_mm()?;
         let new = [0.0];
         let wears = if space.rim_wear_mm.is_empty() { &new[..] } else { &space.rim_wear_mm };
         let slices = wears.iter().enumerate().map(|(index, wear)| {
             let from = left + index as f64 * slice;
-            (from, from + slice.max(f64::EPSILON), rim + wear + slope * (from - left))
+            (from, from + slice.max(f64::EPSILON), rim + lift + wear + slope * (from - left))
         });
         let height = |sample: &[f64; 3]| if is_bore { -sample[1] } else { sample[2] };
         let surface = section.samples.iter().map(|sample| (sample[0], height(sample))).collect();
-        Self::between(surface, slices.collect())
+        let mut contact = Self::between(surface, slices.collect())?;
+        if is_bore {
+            // The bore is touched on the side on which the axis of the wheel is.
+            contact.point.1 *= -(front + space.wheel_radius_mm).signum();
+        }
+        Some(contact)
     }
 
     /// A side of the wheel beside a face.
@@ -93,18 +120,20 @@ impl Magnifier {
         let side = if faces_plus { left + at_left } else { at_right - right };
         let height = |sample: &[f64; 3]| if faces_plus { sample[2] } else { -sample[1] };
         let surface = section.samples.iter().map(|sample| (sample[0], height(sample))).collect();
-        let front = scene.front_mm();
-        Self::between(surface, vec![(front, front + scene.workspace.wheel_radius_mm, side)])
+        let front = scene.front_mm() + scene.overrun_lift_mm()?;
+        let mut contact = Self::between(surface, vec![(front, front + scene.workspace.wheel_radius_mm, side)])?;
+        let (infeed, height) = contact.point;
+        contact.point = (if faces_plus { height } else { -height }, infeed);
+        Some(contact)
     }
 
     /// The contact of a surface with a wheel; none if they do not face each other.
     fn between(surface: Vec<(f64, f64)>, wheel: Vec<(f64, f64, f64)>) -> Option<Self> {
         let under = |place: f64| wheel.iter().find(|(from, to, _)| (*from..=*to).contains(&place));
-        let met = surface.iter().filter_map(|(place, height)| Some((*height, under(*place)?.2 - height)));
-        let (top_mm, gap_mm) = met.fold((f64::NEG_INFINITY, f64::INFINITY), |(top, gap), (height, between)| {
-            (top.max(height), gap.min(between))
-        });
-        top_mm.is_finite().then_some(Self { surface, wheel, gap_mm, top_mm, finished: None })
+        let met = || surface.iter().filter_map(|(place, height)| Some((*place, *height, under(*place)?.2 - height)));
+        let (place, height, gap_mm) = met().min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let top_mm = met().map(|(_, height, _)| height).fold(f64::NEG_INFINITY, f64::max);
+        Some(Self { surface, wheel, gap_mm, top_mm, finished: None, point: (place, height) })
     }
 
     /// From the highest point of the part under the wheel to the wheel, µm; below zero: what the wheel has still to take.
@@ -229,9 +258,17 @@ impl Magnifier {
     }
 }
 
+/// Whether a section is the wall of a bore: it is round, and nothing of it is near the axis.
+fn is_bore(section: &PartSection) -> bool {
+    section.mirrored == Some(section.height) && section.samples.iter().all(|sample| sample[1] > 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::defs::grinding_workspace::GrindingWorkspace;
+    use crate::units::{Axis, PerAxis};
+    use std::borrow::Cow;
 
     const SURFACE: [(f64, f64); 3] = [(0.0, 20.0), (10.0, 20.1), (20.0, 20.05)];
 
@@ -244,6 +281,70 @@ mod tests {
         let engaged = Magnifier::between(SURFACE.to_vec(), vec![(5.0, 15.0, 20.09)]).unwrap();
         assert!((engaged.gap_mm + 0.01).abs() < 1e-12);
         assert_eq!(Magnifier::between(SURFACE.to_vec(), vec![(30.0, 40.0, 20.0)]), None, "beside the part");
+    }
+
+    fn scene(part: Vec<PartSection>, wheel_mm: [f64; 3]) -> MachineScene<'static> {
+        let workspace = GrindingWorkspace {
+            part,
+            wheel_radius_mm: 100.0,
+            wheel_width_mm: 20.0,
+            rim_wear_mm: vec![0.0; 4],
+            ..GrindingWorkspace::default()
+        };
+        let (workspace, wheel_mm) = (Cow::Owned(workspace), PerAxis(wheel_mm));
+        MachineScene { workspace, infeed: Axis::X, across: Axis::Z, wheel_mm, wheel_is_known: true }
+    }
+
+    fn section(along: Axis, height: Axis, mirrored: Option<Axis>, samples: &[[f64; 3]]) -> PartSection {
+        PartSection { along, height, mirrored, samples: samples.to_vec() }
+    }
+
+    #[test]
+    fn h8_the_contact_is_where_wheel_and_part_are_nearest() {
+        // An outside of radius 20 from Z 0 to 30, its front 10 µm away; the part has a hill at Z 25.
+        let outside =
+            section(Axis::Z, Axis::X, Some(Axis::X), &[[0.0, 0.0, 20.0], [25.0, 0.0, 20.005], [30.0, 0.0, 20.0]]);
+        let near = scene(vec![outside], [20.015, 0.0, 10.0]);
+        assert!((Magnifier::nearest(&near).unwrap().0.gap_mm - 0.01).abs() < 1e-9);
+        assert_eq!(Magnifier::contact_point(&near), Some((25.0, 20.005)));
+        // A bore of radius 150: the axis of the wheel is 49.99 above that of the bore, its far rim 10 µm from the wall.
+        let bore = section(Axis::Z, Axis::X, Some(Axis::X), &[[0.0, 150.0, 170.0], [20.0, 150.0, 170.0]]);
+        let inside = scene(vec![bore], [-50.01, 0.0, 0.0]);
+        let (contact, _) = Magnifier::nearest(&inside).unwrap();
+        assert!((contact.gap_mm - 0.01).abs() < 1e-9, "{}", contact.gap_mm);
+        assert_eq!(Magnifier::contact_point(&inside), Some((0.0, 150.0)));
+        // A face at Z 5, the left side of the wheel 20 µm beside it, from X 10 on.
+        let face = section(Axis::X, Axis::Z, None, &[[10.0, 0.0, 5.0], [60.0, 0.0, 5.0]]);
+        let beside = scene(vec![face], [40.0, 0.0, 5.02]);
+        assert!((Magnifier::nearest(&beside).unwrap().0.gap_mm - 0.02).abs() < 1e-9);
+        assert_eq!(Magnifier::contact_point(&beside).unwrap().0, 5.0);
+    }
+
+    #[test]
+    fn b5_before_homing_there_is_no_contact() {
+        let outside = section(Axis::Z, Axis::X, Some(Axis::X), &[[0.0, 0.0, 20.0], [30.0, 0.0, 20.0]]);
+        let mut unknown = scene(vec![outside], [20.015, 0.0, 10.0]);
+        unknown.wheel_is_known = false;
+        assert!(Magnifier::nearest(&unknown).is_none());
+    }
+
+    #[test]
+    fn h8_beyond_the_end_of_the_stroke_the_rim_is_off_the_part() {
+        // A plane at height 15, 200 long (Y), 20 wide; the wheel is fed in by 10 µm 30 mm beyond its end.
+        let plane = || {
+            vec![
+                section(Axis::Z, Axis::X, None, &[[0.0, 0.0, 15.0], [20.0, 0.0, 15.0]]),
+                section(Axis::Y, Axis::X, None, &[[0.0, 0.0, 15.0], [200.0, 0.0, 15.0]]),
+            ]
+        };
+        let over = scene(plane(), [14.99, 100.0, 0.0]);
+        assert!((Magnifier::nearest(&over).unwrap().0.gap_mm + 0.01).abs() < 1e-9);
+        // 3 mm beyond: 100 - sqrt(100² - 3²) = 0.045 mm of lift.
+        let edge = scene(plane(), [14.99, -3.0, 0.0]);
+        let lift = 100.0 - (100.0_f64 * 100.0 - 9.0).sqrt();
+        assert!((Magnifier::nearest(&edge).unwrap().0.gap_mm - (lift - 0.01)).abs() < 1e-9);
+        assert!(Magnifier::nearest(&scene(plane(), [14.99, -30.0, 0.0])).is_none(), "4.6 mm of lift");
+        assert!(Magnifier::nearest(&scene(plane(), [14.99, -120.0, 0.0])).is_none(), "clear of the part");
     }
 
     #[test]

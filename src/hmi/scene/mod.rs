@@ -1,5 +1,5 @@
 //! The live scene: part, holders, dresser and wheel of a grinding machine, to scale, as the newest snapshot has them. The
-//! simulated machine gives the part as it is ground; on a real one the stock and the size of the wheel are drawn.
+//! simulated machine gives the part as it is ground; on a real one the wheel of P77 and P78 is drawn alone: its part is not known.
 //!
 //! `camera` is the section of the plane that is shown, `part` and `wheel` paint, `magnifier` shows the contact in micrometres.
 //! Coordinates are those of the part: mm, X as radius; where the wheel has its new size they are the work coordinates.
@@ -18,9 +18,9 @@ pub use camera::{Camera, ViewPlane, add_quad, add_shaded_quad};
 pub use magnifier::Magnifier;
 
 use super::{Area, View, theme};
-use crate::defs::grinding_workspace::{GrindingWorkspace, Holder, HolderKind, PartSection};
+use crate::defs::grinding_workspace::{GrindingWorkspace, PartSection};
 use crate::defs::kind::WheelPose;
-use crate::defs::param;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::link::Snapshot;
 use crate::link::toolpath::BoundingBox;
@@ -35,6 +35,8 @@ const HOLDERS_SHARE: f64 = 0.9;
 /// The scene keeps at least so much of the machine in view, mm.
 const LEAST_EXTENT_MM: f64 = 8.0;
 
+/// Height of the note below a scene without a wheel, points.
+const NOTE_HEIGHT: f32 = 20.0;
 /// Least height of a scene, points.
 pub const LEAST_HEIGHT: f32 = 110.0;
 
@@ -60,6 +62,8 @@ pub struct MachineScene<'a> {
     across: Axis,
     /// The foremost point of a new wheel on its minus side; along the stroke its centre.
     wheel_mm: PerAxis<f64>,
+    /// Every axis is homed. Before that nobody knows where the wheel is.
+    wheel_is_known: bool,
 }
 
 impl<'a> MachineScene<'a> {
@@ -71,17 +75,18 @@ impl<'a> MachineScene<'a> {
             Axis::X if snapshot.x_as_diameter => displayed / 2.0,
             Axis::X | Axis::Y | Axis::Z => displayed,
         };
+        let wheel_is_known = snapshot.axes.iter().all(|(_, axis)| axis.homed || !axis.present);
         let simulated = snapshot.simulated.as_deref().and_then(|simulated| simulated.grinding_workspace.as_ref());
         if let Some(workspace) = simulated {
             let wheel_mm = PerAxis::from_fn(|axis| slide(axis, snapshot.axes[axis].machine) - workspace.zero_mm[axis]);
-            return Some(Self { workspace: Cow::Borrowed(workspace), infeed, across, wheel_mm });
+            return Some(Self { workspace: Cow::Borrowed(workspace), infeed, across, wheel_mm, wheel_is_known });
         }
-        let workspace = workspace_of_stock(snapshot, infeed, across);
+        let workspace = workspace_of_params(&snapshot.params);
         let mut wheel_mm = PerAxis::from_fn(|axis| slide(axis, snapshot.axes[axis].work));
         if position_is_centre {
             wheel_mm[infeed] -= workspace.wheel_radius_mm;
         }
-        Some(Self { workspace: Cow::Owned(workspace), infeed, across, wheel_mm })
+        Some(Self { workspace: Cow::Owned(workspace), infeed, across, wheel_mm, wheel_is_known })
     }
 
     /// The axis that strokes the part under the wheel, where one does.
@@ -99,6 +104,18 @@ impl<'a> MachineScene<'a> {
     /// The foremost point of the wheel along the infeed, mm.
     fn front_mm(&self) -> f64 {
         self.wheel_mm[self.infeed] + self.least_wear_mm()
+    }
+
+    /// By how much the rim over the edge of the part is higher than its lowest point, while the wheel is beyond the end of
+    /// the stroke, mm; none if it is clear of the part.
+    fn overrun_lift_mm(&self) -> Option<f64> {
+        let Some(stroke) = self.stroke() else { return Some(0.0) };
+        let along = self.workspace.part.iter().filter(|part| part.along == stroke);
+        let places = along.flat_map(|part| part.samples.iter().map(|sample| sample[0]));
+        let (least, most) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), at| (a.min(at), b.max(at)));
+        let beyond = (least - self.wheel_mm[stroke]).max(self.wheel_mm[stroke] - most).max(0.0);
+        let radius = self.workspace.wheel_radius_mm;
+        (beyond < radius).then(|| radius - (radius * radius - beyond * beyond).sqrt())
     }
 
     /// The wheel from side to side, mm.
@@ -144,11 +161,13 @@ impl<'a> MachineScene<'a> {
             let (least, most) = bounds[axis].unwrap_or((low, high));
             bounds[axis] = Some((least.min(low), most.max(high)));
         };
-        let (front, (left, to)) = (self.front_mm(), self.sides_mm());
-        take(self.infeed, front, front + WHEEL_SHARE * tall);
-        take(self.across, left, to);
-        if let Some(stroke) = self.stroke() {
-            take(stroke, self.wheel_mm[stroke] - tall / 2.0, self.wheel_mm[stroke] + tall / 2.0);
+        if self.wheel_is_known || self.workspace.part.is_empty() {
+            let (front, (left, to)) = (self.front_mm(), self.sides_mm());
+            take(self.infeed, front, front + WHEEL_SHARE * tall);
+            take(self.across, left, to);
+            if let Some(stroke) = self.stroke() {
+                take(stroke, self.wheel_mm[stroke] - tall / 2.0, self.wheel_mm[stroke] + tall / 2.0);
+            }
         }
         let end = |pick: fn((f64, f64)) -> f64| Axis::ALL.map(|axis| bounds[axis].map_or(0.0, pick) as f32);
         BoundingBox { low: end(|range| range.0), high: end(|range| range.1) }
@@ -168,33 +187,11 @@ impl PartSection {
     }
 }
 
-/// What is known without a simulated machine: the boxes of the stock, and the wheel as it is booked.
-fn workspace_of_stock(snapshot: &Snapshot, infeed: Axis, across: Axis) -> GrindingWorkspace {
-    let present = |axis: &Axis| snapshot.axes[*axis].present && *axis != infeed && *axis != across;
-    let stroke = Axis::ALL.into_iter().find(present);
-    let boxes = || snapshot.stock.iter();
-    let section = |along: Axis, height: Axis| {
-        let boxes = boxes().filter(|stock| stock.is_workpiece);
-        boxes.map(move |stock| {
-            let sample = |place: f64| [place, stock.low[height], stock.high[height]];
-            let samples = vec![sample(stock.low[along]), sample(stock.high[along])];
-            PartSection { along, height, mirrored: None, samples }
-        })
-    };
-    let mut part: Vec<PartSection> = section(across, infeed).collect();
-    if let Some(stroke) = stroke {
-        part.extend(section(stroke, infeed).chain(section(stroke, across)));
-    }
-    let holder = |stock: &crate::link::toolpath::StockBox| Holder {
-        kind: HolderKind::Fixture,
-        extent: PerAxis::from_fn(|axis| Some((stock.low[axis], stock.high[axis]))),
-    };
-    let holders = boxes().filter(|stock| !stock.is_workpiece).map(holder).collect();
+/// What is known without a simulated machine: the size of the wheel as it is booked.
+fn workspace_of_params(params: &Params) -> GrindingWorkspace {
     GrindingWorkspace {
-        part,
-        holders,
-        wheel_radius_mm: snapshot.params.get(param::WHEEL_DIAMETER) / 2.0,
-        wheel_width_mm: snapshot.params.get(param::WHEEL_WIDTH),
+        wheel_radius_mm: params.get(param::WHEEL_DIAMETER) / 2.0,
+        wheel_width_mm: params.get(param::WHEEL_WIDTH),
         ..GrindingWorkspace::default()
     }
 }
@@ -220,9 +217,11 @@ impl SceneCanvas<'_> {
         self.paint_part();
         self.paint_soft_limits();
         self.paint_dresser();
-        self.paint_wheel();
-        self.paint_coolant();
-        self.paint_sparks();
+        if self.scene.wheel_is_known {
+            self.paint_wheel();
+            self.paint_coolant();
+            self.paint_sparks();
+        }
     }
 
     /// The point on the canvas that has these coordinates along two axes.
@@ -262,10 +261,16 @@ pub fn paint_with_contact(rect: Rect, view: &View<'_>, contact_height: f32) {
     }
 }
 
-/// Paints the scene small, with all of part and wheel front in view; nothing on a lathe.
+/// Paints the scene small, with all of part and wheel front in view; nothing on a lathe, and without a part.
 pub fn paint_follow(rect: Rect, view: &View<'_>) {
-    let Some(scene) = MachineScene::of(view.snapshot) else { return };
+    let scene = MachineScene::of(view.snapshot).filter(|scene| !scene.workspace.part.is_empty());
+    let Some(scene) = scene else { return };
     let Some(plane) = view.snapshot.kind.ui().drawing_planes.first().copied() else { return };
+    let (rect, note) = rect.split_bottom(if scene.wheel_is_known { 0.0 } else { NOTE_HEIGHT });
+    if !scene.wheel_is_known {
+        let words = view.text("回零后显示砂轮", "the wheel is shown after homing");
+        view.fit_centre(note, words, theme::SMALL, view.theme.muted);
+    }
     let camera = Camera::fit(scene.bounds(plane), plane, rect);
     let view = &view.clipped(rect);
     SceneCanvas { scene: &scene, view, rect, plane, camera }.paint();

@@ -9,6 +9,7 @@ use crate::defs::grinding_workspace::{Holder, HolderKind, PartSection};
 use crate::defs::param;
 use crate::defs::signal::Output;
 use crate::hmi::theme;
+use crate::link::Snapshot;
 use crate::units::{Axis, PerAxis};
 
 /// Lines on a part that turns; they move at so many turns a second.
@@ -72,7 +73,8 @@ impl SceneCanvas<'_> {
         }
         let stroke = Stroke::new(theme::HAIRLINE, self.view.theme.metal.1);
         for line in 0..PART_LINES {
-            let turn = self.turns(PART_TURNS_PER_S) + f64::from(line) / f64::from(PART_LINES);
+            // Wheel and part turn the same way round: at the contact they run against each other.
+            let turn = 1.0 - self.turns(PART_TURNS_PER_S) + f64::from(line) / f64::from(PART_LINES);
             let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
             if sin > 0.0 {
                 let at = |sample: &[f64; 3]| self.at((section.along, sample[0]), (section.height, sample[2] * cos));
@@ -204,11 +206,9 @@ impl SceneCanvas<'_> {
             return;
         }
         let stroke = Stroke::new(theme::HAIRLINE, self.view.theme.alarm_text);
-        for (axis, limits) in SOFT_LIMITS {
-            for limit in limits.into_iter().filter(|_| self.shows(axis)) {
-                let displayed = self.view.snapshot.params.get(limit);
-                let halved = if axis == Axis::X && self.view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
-                let at = self.at((axis, displayed / halved - self.scene.workspace.zero_mm[axis]), (axis, 0.0));
+        for axis in Axis::ALL.into_iter().filter(|axis| self.shows(*axis)) {
+            for limit in soft_limits_mm(self.view.snapshot, axis) {
+                let at = self.at((axis, limit - self.scene.workspace.zero_mm[axis]), (axis, 0.0));
                 let ends = match self.plane.0 == axis {
                     true => [Pos2::new(at.x, self.rect.min.y), Pos2::new(at.x, self.rect.max.y)],
                     false => [Pos2::new(self.rect.min.x, at.y), Pos2::new(self.rect.max.x, at.y)],
@@ -221,9 +221,30 @@ impl SceneCanvas<'_> {
     }
 }
 
-/// The parameters of the soft limits.
-const SOFT_LIMITS: [(Axis, [param::NumberParam; 2]); 3] = [
-    (Axis::X, [param::SOFT_MINUS_X, param::SOFT_PLUS_X]),
-    (Axis::Y, [param::SOFT_MINUS_Y, param::SOFT_PLUS_Y]),
-    (Axis::Z, [param::SOFT_MINUS_Z, param::SOFT_PLUS_Z]),
-];
+/// The soft limits of an axis, machine coordinates of the slide (X as radius); none before it is homed.
+fn soft_limits_mm(snapshot: &Snapshot, axis: Axis) -> impl Iterator<Item = f64> {
+    let limits = match axis {
+        Axis::X => [param::SOFT_MINUS_X, param::SOFT_PLUS_X],
+        Axis::Y => [param::SOFT_MINUS_Y, param::SOFT_PLUS_Y],
+        Axis::Z => [param::SOFT_MINUS_Z, param::SOFT_PLUS_Z],
+    };
+    limits.into_iter().filter(move |_| snapshot.axes[axis].homed).map(|limit| snapshot.params.get(limit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+
+    #[test]
+    fn b5_soft_limits_are_slide_travel_and_act_on_homed_axes() {
+        let mut machine = Snapshot::new(Kind::Gc);
+        machine.x_as_diameter = true;
+        assert_eq!(soft_limits_mm(&machine, Axis::X).count(), 0);
+        machine.axes[Axis::X].homed = true;
+        // P42 and P39 of the factory: -300 and 2 mm of slide, shown as diameters of -600 and 4.
+        let found: Vec<f64> = soft_limits_mm(&machine, Axis::X).collect();
+        assert_eq!(found, [machine.params.get(param::SOFT_MINUS_X), machine.params.get(param::SOFT_PLUS_X)]);
+        assert!((found[0] + 300.0).abs() < 1e-9, "{found:?}");
+    }
+}

@@ -4,7 +4,7 @@ use egui::epaint::Mesh;
 use egui::{Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, vec2};
 
 use super::camera::add_shaded_quad;
-use super::{SceneCanvas, frame_at};
+use super::{Magnifier, SceneCanvas, frame_at};
 use crate::defs::signal::Output;
 use crate::hmi::theme;
 
@@ -67,7 +67,8 @@ impl SceneCanvas<'_> {
         let wears = if wears.is_empty() { &[0.0][..] } else { wears };
         let slice = (right - left) / wears.len() as f64;
         let (mut mesh, mut outline): (Mesh, Vec<Pos2>) = (Mesh::default(), Vec::new());
-        let far = scene.wheel_mm[infeed] + 2.0 * scene.workspace.wheel_radius_mm;
+        // Worn or dressed, the axis of the wheel stays: both rims come nearer to it.
+        let far = scene.wheel_mm[infeed] + 2.0 * scene.workspace.wheel_radius_mm - scene.least_wear_mm();
         let at = |place: f64, height: f64| self.at((across, place), (infeed, height));
         outline.push(at(left, far));
         for (index, wear) in wears.iter().enumerate() {
@@ -209,26 +210,26 @@ impl SceneCanvas<'_> {
         self.view.painter.line_segment(pipe, Stroke::new(5.0, self.view.theme.metal.0));
     }
 
-    /// Sparks fly from the contact while the wheel removes something.
+    /// Sparks fly from the contact while the wheel grinds.
     pub(super) fn paint_sparks(&self) {
-        if !self.scene.workspace.removes || !self.shows(self.scene.infeed) {
+        if !self.scene.workspace.grinds || !self.shows(self.scene.infeed) {
             return;
         }
-        let (contact, away) = (self.contact(), self.away());
-        let along = away.rot90();
-        let half = match self.shows_disc() {
-            true => 0.0,
-            false => (self.scene.workspace.wheel_width_mm / 2.0) as f32 * self.camera.scale * 0.9,
+        let Some((across, infeed)) = Magnifier::contact_point(self.scene) else { return };
+        let (contact, away) = match self.shows_disc() {
+            true => (self.contact(), self.away()),
+            false => (self.at((self.scene.across, across), (self.scene.infeed, infeed)), self.away()),
         };
+        let along = away.rot90();
         let frame = frame_at(self.view.snapshot.now);
         for spark in 0..SPARKS {
             let [a, b, c] = [0, 1, 2].map(|what| unit(frame, spark * 3 + what));
             // From the side they fly on with the rim, from above to both sides.
             let direction = match self.shows_disc() {
-                true => along * -1.0 + away * (0.5 * b - 0.15),
+                true => along + away * (0.5 * b - 0.15),
                 false => along * (2.0 * b - 1.0) * 1.2 + away * (0.9 * a - 0.25),
             };
-            let from = contact + along * half * (2.0 * a - 1.0) + direction * SPARK_LENGTH * 0.4 * c;
+            let from = contact + direction * SPARK_LENGTH * 0.4 * c;
             let to = from + direction * SPARK_LENGTH * 0.35 * (0.3 + c);
             let ink = self.view.theme.spark.gamma_multiply(1.0 - 0.6 * c);
             self.view.painter.line_segment([from, to], Stroke::new(1.0 + 0.8 * (1.0 - c), ink));

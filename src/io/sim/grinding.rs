@@ -72,6 +72,8 @@ pub(super) struct Grinding {
     pub(super) load_percent: f64,
     /// The wheel has removed something in this tick: of the part, or it was dressed.
     pub(super) removes: bool,
+    /// It has removed something of the part.
+    grinds: bool,
     /// Width and radius of the dressing roll, mm; zero for a diamond. Copied from the machine file: read from there, the
     /// compiler calculates with the bytes of a roll that is not there, which may be denormal and slow.
     roll_width_mm: f64,
@@ -107,6 +109,7 @@ impl Grinding {
             previous_stroke_mm: f64::INFINITY,
             load_percent: 0.0,
             removes: false,
+            grinds: false,
         }
     }
 
@@ -167,7 +170,7 @@ impl Grinding {
             side_wear_mm: [Side::Left, Side::Right].map(|side| wheel.side_wear_mm(side)),
             swivel_tan: self.swivel_tan,
             dresser,
-            removes: self.removes,
+            grinds: self.grinds,
         }
     }
 
@@ -220,7 +223,7 @@ impl Grinding {
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
         self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.wheel.idle_load_percent } else { 0.0 };
-        self.removes = false;
+        (self.removes, self.grinds) = (false, false);
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
@@ -245,7 +248,8 @@ impl Grinding {
                 crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name(), scene));
             }
         }
-        self.removes |= volume > 0.0;
+        self.grinds = volume > 0.0;
+        self.removes |= self.grinds;
         if volume > 0.0 {
             // J/mm³ · mm³/s = W.
             let watts = self.machine.cutting.energy_j_mm3 * volume / scene.dt_s;

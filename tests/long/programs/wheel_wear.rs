@@ -85,6 +85,25 @@ fn p6_another_stock_is_another_wear() {
     assert!((0.2..0.5).contains(&ratio), "{ratio}");
 }
 
+/// Dressed before every part or every second one, the wear is never learnt: the operator's correction stays, and nothing is
+/// divided by parts that were not ground.
+#[test]
+fn p6_a_dressing_before_every_part_leaves_the_correction_as_it_is() {
+    for interval in [1.0, 2.0] {
+        let mut shop = dressed(10.0);
+        shop.set(531, interval).set(530, 0.003);
+        for part in 0..5 {
+            shop.next_part();
+            assert_eq!(shop.run(), End::Finished, "interval {interval}, part {part}");
+            // After one part the wheel is measured, and its wear averaged with what was entered.
+            let kept = shop.value(530).unwrap();
+            let averaged = f64::midpoint(0.003, SOFT_WEAR_MM);
+            let least = if interval < 2.0 { 0.003 } else { averaged.min(0.003) - 0.001 };
+            assert!(kept >= least, "interval {interval}, part {part}: {kept}");
+        }
+    }
+}
+
 /// A seat that is narrower than the wheel wears it beside the middle.
 #[test]
 fn p6_the_wheel_is_measured_where_the_part_wears_it() {
@@ -116,12 +135,12 @@ fn p8_the_way_to_the_diamond_keeps_clear_of_a_part_that_is_larger() {
     let mut shop = dressed_for(40.0, |part| land(part, 160.3, 30.0, 48.0));
     shop.set(520, 160.3).set(521, 160.0).set(522, 180.0).set(531, 3.0);
     // Measured before part 2 and before the dressing after three.
-    for _ in 0..4 {
+    for part in 0..4 {
         shop.next_part();
         assert_eq!(shop.run(), End::Finished);
         assert!(!shop.events().contains(&EventKind::Crash), "{:?}", shop.rig.machine().events());
+        assert_eq!(shop.value(157), Some(f64::from(u8::from(part == 1))), "measured before part 2 of {part}");
     }
-    assert_eq!(shop.value(157), Some(1.0), "measured");
 }
 
 /// The dressing point is off by 0.1 mm after the wheel was dressed: that was a part of −100 µm without a word.
