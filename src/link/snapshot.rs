@@ -221,6 +221,8 @@ pub struct CycleView {
     pub seconds: f64,
     /// The part that it, or the pass before it (P390), has finished; none from the next cycle start by the operator on.
     pub part: Option<PartResult>,
+    /// Duration of the last finished cycle of the same program since power-on, s.
+    pub seconds_before: Option<f64>,
 }
 
 /// What the handwheel moves.

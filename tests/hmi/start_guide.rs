@@ -78,6 +78,34 @@ fn b5_from_power_on_to_a_ground_part_by_what_the_screen_says() {
 }
 
 #[test]
+fn k7_2_a_run_shows_how_far_it_is_by_the_part_before() {
+    let mut operator = cold(Kind::Gc, 1_002);
+    follow(&mut operator, 1_002);
+    operator.key(Key::CycleStart);
+    operator.wait(10.0);
+    assert!(operator.paints_part("第一件"));
+    operator.until("the part", 120.0, |snapshot| snapshot.state == RunState::Idle);
+    let took = operator.snapshot().cycle.part.expect("a part").cycle_seconds;
+    operator.rig.mount_part(&PartFile::builtin(1_002).unwrap().unwrap());
+    operator.wait(0.5);
+    operator.key(Key::CycleStart);
+    operator.wait(10.0);
+    assert_eq!(operator.snapshot().cycle.seconds_before, Some(took));
+    let left = took - operator.snapshot().cycle.seconds;
+    let words = format!("还有约 {:02}:{:02}", left as u32 / 60, left as u32 % 60);
+    assert!(operator.paints(&words), "{words}");
+    // Held, the bar stays; another program has no part before.
+    operator.key(Key::FeedHold);
+    operator.wait(1.0);
+    assert!(operator.paints_part("还有约"));
+    operator.key(Key::Reset);
+    operator.wait(1.0);
+    assert!(!operator.paints_part("还有约"));
+    operator.load(1_001);
+    assert_eq!(operator.snapshot().cycle.seconds_before, None);
+}
+
+#[test]
 fn b5_a_touch_of_the_strip_moves_no_axis_and_starts_nothing() {
     let mut operator = cold(Kind::Gc, 1_002);
     tell(&mut operator.rig, "load O1002");

@@ -83,6 +83,8 @@ pub struct Panel {
     relative_zero: MachinePos,
     /// The part that the last cycle has finished; cleared by the next cycle.
     pub part_result: Option<PartResult>,
+    /// Program and duration of the last finished cycle, s.
+    cycle_before: Option<(u32, f64)>,
 }
 
 impl Panel {

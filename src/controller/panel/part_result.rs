@@ -1,9 +1,10 @@
 //! The part that a cycle has finished: taken at the end of the program with the values as they are then.
 //! Source: spec K4.5, K7.2.
 
-use super::Panel;
+use super::{Panel, PartsView};
 use crate::controller::plant::{FinishedCycle, Plant};
 use crate::link::part_result::{PartResult, SizeValues};
+use crate::link::snapshot::CycleView;
 
 impl Panel {
     /// Takes the result at the end of a cycle; a cycle start by the operator clears it.
@@ -12,7 +13,18 @@ impl Panel {
         let known = self.part_result.map(|part| part.ended_at);
         if cycle.map(|cycle| cycle.ended_at) != known {
             self.part_result = cycle.map(|cycle| self.result_of(plant, cycle));
+            let finished = self.part_result.map(|part| (part.program, part.cycle_seconds));
+            self.cycle_before = finished.or(self.cycle_before);
         }
+    }
+
+    /// The running or last cycle.
+    pub fn cycle_view(&self, parts: PartsView<'_>) -> CycleView {
+        let started = parts.program.started_at();
+        let cycle = started.map_or(parts.plant.execution.cycle_time, |at| parts.plant.now.since(at));
+        let before = self.cycle_before.filter(|(program, _)| *program == parts.plant.execution.current_program);
+        let seconds_before = before.map(|(_, seconds)| seconds);
+        CycleView { seconds: cycle.as_secs_f64(), part: self.part_result, seconds_before }
     }
 
     fn result_of(&self, plant: &Plant, cycle: FinishedCycle) -> PartResult {

@@ -8,7 +8,7 @@ use crate::defs::alarm::Reaction;
 use crate::defs::key::Key;
 use crate::defs::signal::Output;
 use crate::link::program_view::ProgramView;
-use crate::link::snapshot::{AxisView, CycleView, RunState, Snapshot, VARIABLE_COUNT};
+use crate::link::snapshot::{AxisView, RunState, Snapshot, VARIABLE_COUNT};
 use crate::units::{Axis, PerAxis};
 use std::sync::Arc;
 
@@ -38,9 +38,7 @@ impl Panel {
         out.parts_counted = parts.plant.work.part_count;
         out.restart = parts.program.restart_view(parts.plant).map(Box::new);
         out.interrupted = parts.program.power_cut.interrupted;
-        let started = parts.program.started_at();
-        let cycle = started.map_or(parts.plant.execution.cycle_time, |at| parts.plant.now.since(at));
-        out.cycle = CycleView { seconds: cycle.as_secs_f64(), part: self.part_result };
+        out.cycle = self.cycle_view(parts);
         out.inputs = parts.plant.inputs.filtered;
         out.outputs = parts.plant.outputs.on;
         for key in Key::ALL {

@@ -19,6 +19,7 @@ pub mod params;
 pub mod position;
 pub mod process;
 pub mod program;
+pub mod run_bar;
 pub mod scroll;
 pub mod serial;
 pub mod settings;
