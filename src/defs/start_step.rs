@@ -18,9 +18,9 @@ pub enum StartStep {
     Tailstock,
     /// The magnet holds the part.
     Magnet,
-    /// The wheel may turn: it is dressed and not too fast.
+    /// A changed wheel is dressed.
     Wheel,
-    /// A program is chosen and has no mistake up to its first motion.
+    /// A program is chosen, and has no mistake up to its first action. A lathe program is not read.
     Program,
     /// The program accepts its values.
     Values,

@@ -121,9 +121,9 @@ rules! {
         => Deny, "机床锁中不能回零", "machine lock: no homing";
     row: "K4.3", |request| matches!(request, Request::HomeAxes), |inputs| inputs.control_state.oscillating
         => Deny, "振荡中不能回零", "an axis is oscillating: no homing";
-    row: "K6.1" (Machine), switches_on, |inputs| inputs.port_conflict
+    row: "K6.1", switches_on, |inputs| inputs.port_conflict
         => Deny, "两个功能用了同一个输出口，见诊断页", "two functions share one output port: see diagnosis";
-    row: "K2.4" (Machine), needs_its_port, |inputs| inputs.port_missing
+    row: "K2.4", needs_its_port, |inputs| inputs.port_missing
         => Deny, "该功能没有分配输出口", "the function has no output port";
     row: "K2.4", switches_on, |inputs| inputs.port_missing
         => NoEffect, "该功能没有分配输出口，无效", "the function has no output port: no effect";

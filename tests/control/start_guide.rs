@@ -178,6 +178,28 @@ fn k3_7_hydraulics_are_needed_by_a_program_that_starts_the_wheel_alone() {
 }
 
 #[test]
+fn b5_a_local_zero_and_the_mst_lock_count_as_at_the_start() {
+    // G52 of an MDI line does not reach the program: X-90 is within the soft limits.
+    let mut rig = ready_with("M03\nG00 X-90\nM30");
+    tell(&mut rig, "mode mdi\nmdi G52 X-590\nkey cycle-start\nwait 1 s\nmode auto\nwait 0.5 s");
+    assert_eq!(state(&mut rig, StartStep::Program), StepState::Met, "{}", reason(&mut rig, StartStep::Program));
+    // With M, S, T locked no wheel starts.
+    tell(&mut rig, "key hydraulic\nkey mst-lock\nwait 0.5 s");
+    assert_eq!(state(&mut rig, StartStep::Hydraulics), StepState::NotNeeded);
+}
+
+#[test]
+fn b5_while_a_start_from_a_block_is_prepared_the_guide_is_silent() {
+    let mut rig = ready_with("M03\nG00 X-90\nX-95\nM30");
+    tell(&mut rig, "mode auto\nwait 0.5 s");
+    assert!(rig.snapshot().start_guide.is_ready());
+    rig.send(Command::RestartAt(3));
+    wait(&mut rig, 0.5);
+    let guide = &rig.snapshot().start_guide;
+    assert!(!guide.is_ready() && guide.present().count() == 0);
+}
+
+#[test]
 fn k3_4_the_tailstock_is_needed_where_p6_5_says_so_and_the_headstock_turns() {
     let clamped = |text: &str, p6_5: &str| {
         let mut rig = ready_with(text);

@@ -83,7 +83,7 @@ fn k7_2_a_run_shows_how_far_it_is_by_the_part_before() {
     follow(&mut operator, 1_002);
     operator.key(Key::CycleStart);
     operator.wait(10.0);
-    assert!(operator.paints_part("第一件"));
+    assert!(operator.paints_part("还没有可比的循环时间"));
     operator.until("the part", 120.0, |snapshot| snapshot.state == RunState::Idle);
     let took = operator.snapshot().cycle.part.expect("a part").cycle_seconds;
     operator.rig.mount_part(&PartFile::builtin(1_002).unwrap().unwrap());

@@ -22,7 +22,9 @@ impl Panel {
     pub fn cycle_view(&self, parts: PartsView<'_>) -> CycleView {
         let started = parts.program.started_at();
         let cycle = started.map_or(parts.plant.execution.cycle_time, |at| parts.plant.now.since(at));
+        let of_program = started.is_none() || parts.program.runs_program();
         let before = self.cycle_before.filter(|(program, _)| *program == parts.plant.execution.current_program);
+        let before = before.filter(|_| of_program);
         let seconds_before = before.map(|(_, seconds)| seconds);
         CycleView { seconds: cycle.as_secs_f64(), part: self.part_result, seconds_before }
     }

@@ -18,9 +18,10 @@ use crate::units::Axis;
 
 const COUNT: usize = StartStep::ALL.len();
 
-/// Fills the guide; all conditions are absent while a run is open.
+/// Fills the guide; all conditions are absent while a run is open, and while a start from a block is prepared, which
+/// has conditions of its own.
 pub fn fill(parts: PartsView<'_>, guide: &mut StartGuide) {
-    let open = parts.program.is_open() || parts.plant.execution.phase.is_run_open();
+    let open = parts.program.is_open() || parts.plant.execution.phase.is_run_open() || parts.program.restart.is_some();
     let conditions = (!open).then(|| Conditions::new(parts));
     for (step, place) in StartStep::ALL.into_iter().zip(&mut guide.steps) {
         let view = conditions.as_ref().map(|conditions| conditions.view(step)).unwrap_or_default();
@@ -43,11 +44,13 @@ impl<'a> Conditions<'a> {
         let plant = parts.plant;
         let (machine, now, inputs, params) = (&plant.machine, plant.now, plant.inputs.filtered, &plant.params);
         let starts = plant.work.programs.started_units(plant.execution.current_program);
-        let dry = plant.operator.switches.dry_run;
+        let switches = &plant.operator.switches;
+        // With M, S and T locked a program starts nothing, in a dry run not the wheel.
+        let (wheel, drive) = (starts.wheel && !switches.dry_run, starts.work_drive);
         let requests = [
             Some(Request::CycleStart),
-            Some(Request::WheelStart).filter(|_| starts.wheel && !dry),
-            Some(Request::WorkDriveHigh).filter(|_| starts.work_drive),
+            Some(Request::WheelStart).filter(|_| wheel && !switches.aux_function_lock),
+            Some(Request::WorkDriveHigh).filter(|_| drive && !switches.aux_function_lock),
         ];
         let mut refused = [const { None }; COUNT];
         for request in requests.into_iter().flatten() {
@@ -77,7 +80,10 @@ impl<'a> Conditions<'a> {
         match step {
             StartStep::Machine | StartStep::Program | StartStep::Mode => Some(true),
             StartStep::Guard => (plant.params.input_port(Input::GuardClosed) != 0).then_some(!inputs.guard_open),
-            StartStep::Hydraulics => inputs.hydraulic_needed.then_some(inputs.hydraulic_on && inputs.hydraulic_settled),
+            StartStep::Hydraulics => {
+                let pressure = inputs.pressure || !inputs.hydraulic_checked;
+                inputs.hydraulic_needed.then_some(inputs.hydraulic_on && inputs.hydraulic_settled && pressure)
+            }
             StartStep::Homing => (!plant.kind.row().may_start_unhomed()).then(|| plant.axes.all_homed()),
             StartStep::Tailstock => inputs.tailstock_enabled.then_some(inputs.tailstock_advanced),
             StartStep::Magnet => (inputs.magnet_on_kind && inputs.magnet_enabled).then_some(inputs.magnetised),
@@ -101,6 +107,9 @@ impl<'a> Conditions<'a> {
             },
             StartStep::Values => match self.parts.program.start_verdict(plant) {
                 StartVerdict::RefusesValue(text, _) => Some(text.clone()),
+                StartVerdict::Unknown if plant.work.programs.get(number).is_some() => {
+                    Some(phrase!("正在读程序开头", "the head of the program is being read"))
+                }
                 StartVerdict::Unknown | StartVerdict::Accepted | StartVerdict::Faulty(_) => None,
             },
             StartStep::Mode if plant.operator.mode != Mode::Auto => {
@@ -120,7 +129,8 @@ impl<'a> Conditions<'a> {
             StartStep::Homing => matches!(plant.execution.phase, ControlPhase::Homing(_)),
             StartStep::Tailstock => self.inputs.tailstock_moving,
             StartStep::Magnet => plant.machine.awaits_feedback(Output::Magnetise),
-            StartStep::Guard | StartStep::Wheel | StartStep::Program | StartStep::Values | StartStep::Mode => false,
+            StartStep::Values => *self.parts.program.start_verdict(plant) == StartVerdict::Unknown,
+            StartStep::Guard | StartStep::Wheel | StartStep::Program | StartStep::Mode => false,
         }
     }
 

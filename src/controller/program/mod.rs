@@ -118,7 +118,13 @@ impl Program {
 
     /// The programs are replaced: the check begins anew.
     pub fn forget_start_check(&mut self) {
-        self.start_check.abandon(&mut self.pool);
+        self.start_check.forget(&mut self.pool);
+    }
+
+    /// Whether the open run is that of the current program, not an MDI line or a retract.
+    #[must_use]
+    pub fn runs_program(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| run.origin == Origin::Program)
     }
 
     /// Opens a run of the text and starts it.

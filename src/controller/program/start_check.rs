@@ -12,13 +12,15 @@ use super::run_world::RunWorld;
 use crate::controller::plant::Plant;
 use crate::controller::plant::system_variables::nc_settings;
 use crate::defs::text::LocalizedText;
+use crate::nc::interpreter::BLOCK_WORK;
 use crate::nc::{self, ModalState, NextStatus, Op, OpEffect, ProgramMessage};
-use crate::units::Micros;
+use crate::units::{Micros, PerAxis};
 
 /// Time between two checks: a value that is typed is checked before the operator looks up.
 const INTERVAL: Micros = Micros::from_millis(200);
-/// Most blocks that are read; more is not a check of values.
-const MAX_BLOCKS: u32 = 2_000;
+/// Work of a tick, and of a whole check: so many blocks. More is not a check of values.
+const WORK_PER_TICK: usize = 10 * BLOCK_WORK;
+const MAX_WORK: usize = 2_000 * BLOCK_WORK;
 
 /// What the program says of its values.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,7 +40,8 @@ pub enum StartVerdict {
 #[derive(Default)]
 pub struct StartCheck {
     run: Option<Box<ProgramRun>>,
-    blocks: u32,
+    /// Work of the check in progress.
+    spent: usize,
     next_at: Micros,
     /// The program that the verdict is about.
     program: u32,
@@ -52,7 +55,13 @@ impl StartCheck {
         if self.program == program { &self.verdict } else { &StartVerdict::Unknown }
     }
 
-    /// Ends the check in progress: a run begins, or the programs are replaced.
+    /// The programs are replaced: the verdict on the old text is void.
+    pub fn forget(&mut self, pool: &mut RunPool) {
+        self.abandon(pool);
+        (self.verdict, self.next_at) = (StartVerdict::Unknown, Micros::ZERO);
+    }
+
+    /// Ends the check in progress: a run begins.
     pub fn abandon(&mut self, pool: &mut RunPool) {
         if let Some(run) = self.run.take() {
             pool.close(run);
@@ -70,7 +79,7 @@ impl StartCheck {
             return;
         }
         let Some(run) = &mut self.run else { return };
-        let mut budget = plant.reading_budget();
+        let mut budget = plant.reading_budget().share(WORK_PER_TICK);
         let mut found = None;
         while found.is_none() && !budget.is_spent() {
             let mut world = RunWorld::new(plant, &run.lookahead, true);
@@ -80,12 +89,12 @@ impl StartCheck {
                 Ok(NextStatus::Drain | NextStatus::Waiting | NextStatus::End) => Some(StartVerdict::Accepted),
                 Err(fault) => Some(StartVerdict::Faulty(fault.phrase())),
             };
-            self.blocks += 1;
-            if self.blocks > MAX_BLOCKS {
-                found = found.or(Some(StartVerdict::Accepted));
-            }
         }
         plant.charge_reading(budget);
+        self.spent += budget.spent();
+        if self.spent > MAX_WORK {
+            found = found.or(Some(StartVerdict::Accepted));
+        }
         if let Some(verdict) = found {
             if verdict != self.verdict {
                 self.verdict = verdict;
@@ -108,6 +117,8 @@ impl StartCheck {
         let modals = ModalState::new(&settings);
         let mut offsets = plant.work.offsets.clone();
         offsets.activate(modals.work_offset);
+        // As at a start: without a local zero (G52).
+        offsets.local = PerAxis::default();
         let mut lookahead =
             LookaheadState::new(offsets, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
         lookahead.soft_limits_active = plant.axes.all_homed();
@@ -117,7 +128,7 @@ impl StartCheck {
         let program: (_, nc::SharedLibrary) = (Arc::clone(&program.source), Arc::clone(&plant.work.programs) as _);
         let memory = &plant.work.variables;
         let start = RunStart { program, settings, modals, memory, lookahead, preflight: None };
-        (self.run, self.blocks) = (Some(pool.open(start, plant.now)), 0);
+        (self.run, self.spent) = (Some(pool.open(start, plant.now)), 0);
         true
     }
 }

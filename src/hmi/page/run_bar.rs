@@ -21,7 +21,7 @@ pub fn ui(rect: Rect, view: &View<'_>) {
     let spent = snapshot.cycle.seconds;
     view.fit_left(time, &format_cycle_time(spent), theme::FIGURE, view.theme.text);
     let Some(seconds) = snapshot.cycle.seconds_before.filter(|seconds| *seconds > 0.0) else {
-        let words = view.text("第一件：还没有可比的循环时间", "first part: no cycle time to compare with yet");
+        let words = view.text("还没有可比的循环时间", "no cycle time to compare with yet");
         view.fit_left(rest, words, theme::LABEL, view.theme.muted);
         return;
     };
