@@ -180,8 +180,8 @@ fn k3_7_hydraulics_are_needed_by_a_program_that_starts_the_wheel_alone() {
 #[test]
 fn b5_a_local_zero_and_the_mst_lock_count_as_at_the_start() {
     // G52 of an MDI line does not reach the program: X-90 is within the soft limits.
-    let mut rig = ready_with("M03\nG00 X-90\nM30");
-    tell(&mut rig, "mode mdi\nmdi G52 X-590\nkey cycle-start\nwait 1 s\nmode auto\nwait 0.5 s");
+    let mut rig = ready_with("G00 X-90\nM03\nM30");
+    tell(&mut rig, "mdi G52 X-590\nmode auto\nwait 0.5 s");
     assert_eq!(state(&mut rig, StartStep::Program), StepState::Met, "{}", reason(&mut rig, StartStep::Program));
     // With M, S, T locked no wheel starts.
     tell(&mut rig, "key hydraulic\nkey mst-lock\nwait 0.5 s");

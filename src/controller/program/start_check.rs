@@ -96,9 +96,7 @@ impl StartCheck {
             found = found.or(Some(StartVerdict::Accepted));
         }
         if let Some(verdict) = found {
-            if verdict != self.verdict {
-                self.verdict = verdict;
-            }
+            self.verdict = verdict;
             self.next_at = plant.now + INTERVAL;
             self.abandon(pool);
         }

@@ -10,7 +10,7 @@ use egui::{Rect, TextureId, pos2, vec2};
 
 use super::position::{self, PositionGroup};
 use super::start_strip::{self, StartStrip};
-use super::{PageContext, PageUi, empty, input_line, run_bar};
+use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::Lang;
@@ -118,7 +118,6 @@ impl PageUi for GrindingPage {
         let Some(shown) = shown else {
             let mut ctx = ctx;
             let (rect, strip) = ctx.rect.shrink(theme::GAP).split_bottom(start_strip::HEIGHT);
-            run_bar::ui(strip, ctx.view);
             self.start.ui(strip, &mut ctx);
             return no_page(rect, ctx.view, ctx.out);
         };
@@ -148,7 +147,6 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
     let GrindingPage { entry, part, start, .. } = state;
     let several = ctx.view.snapshot.grinding_sheet.1 > 1;
     let places = GrindingLayout::new(ctx.rect, several);
-    run_bar::ui(places.start, ctx.view);
     if let Some(field) = start.ui(places.start, &mut ctx).and_then(|variable| field_of(ctx.view.snapshot, variable)) {
         entry.select(field);
     }
@@ -234,7 +232,7 @@ struct GrindingLayout {
     title: Rect,
     body: Rect,
     picture: Rect,
-    /// The start guide.
+    /// The start guide, in a run the run bar.
     start: Rect,
     input: Rect,
 }

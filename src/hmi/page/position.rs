@@ -5,7 +5,7 @@ use egui::{Rect, pos2, vec2};
 
 use super::program::listing;
 use super::start_strip::{self, StartStrip};
-use super::{PageContext, PageUi, run_bar};
+use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
 use crate::hmi::{
@@ -27,9 +27,7 @@ impl PageUi for PositionPage {
         ctx.out.extend(panel_key_commands(&ctx.typed.edits));
         let (rect, strip) = ctx.rect.split_bottom(start_strip::HEIGHT + theme::GAP);
         coordinates(rect, ctx.view, ctx.out);
-        let strip = strip.trim_sides(theme::PAD).trim_bottom(theme::GAP);
-        run_bar::ui(strip, ctx.view);
-        self.start.ui(strip, &mut ctx);
+        self.start.ui(strip.trim_sides(theme::PAD).trim_bottom(theme::GAP), &mut ctx);
     }
 }
 

@@ -4,7 +4,7 @@
 
 use egui::{Color32, Rect, Stroke, pos2, vec2};
 
-use super::PageContext;
+use super::{FieldGroup, PageContext, run_bar, shown_fields};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::start_step::StartStep;
@@ -30,10 +30,8 @@ pub struct StartStrip {
     asked: Option<(StartStep, StepState, Micros)>,
 }
 
-/// Whether a page shows the strip; the key that comes next is marked on the panel there.
-#[must_use]
-pub const fn is_shown_on(page: Page) -> bool {
-    matches!(page, Page::Grinding | Page::Position | Page::Panel)
+fn is_shown_on(page: Page) -> bool {
+    shown_fields(page).contains(&FieldGroup::StartGuide)
 }
 
 /// Whether something of the guide blinks: a condition on its way, or the key that comes next.
@@ -42,20 +40,21 @@ pub fn blinks(snapshot: &Snapshot) -> bool {
     is_shown_on(snapshot.page) && snapshot.start_guide.next().is_some()
 }
 
-/// The key that the panel marks as the next one.
+/// The key that the panel marks as the next one, on pages with the strip.
 #[must_use]
 pub fn marked_key(snapshot: &Snapshot) -> Option<Key> {
     is_shown_on(snapshot.page).then(|| snapshot.start_guide.next_key()).flatten()
 }
 
 impl StartStrip {
-    /// Draws the strip and handles its touches. Returns the variable of this page that is to be changed, if its
+    /// Draws the strip, in a run the run bar, and handles its touches. Returns the variable of this page that is to be changed, if its
     /// condition was touched.
     pub fn ui(&mut self, rect: Rect, ctx: &mut PageContext<'_>) -> Option<u16> {
         let view = ctx.view;
         let guide = &view.snapshot.start_guide;
         let count = guide.present().count();
         if count == 0 {
+            run_bar::ui(rect, view);
             return None;
         }
         let mut wanted = None;
