@@ -12,6 +12,7 @@ pub mod dialect_word;
 pub mod equipment;
 pub mod fitted;
 pub mod gcode;
+pub mod grinding_phase;
 pub mod grinding_workspace;
 pub mod key;
 pub mod kind;

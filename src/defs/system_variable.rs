@@ -1,5 +1,5 @@
 //! The table of system variables that a program can read or write.
-//! Numbers follow FANUC; #434–#439 are defined by the customer, #5801–#5813 by this control.
+//! Numbers follow FANUC; #434–#439 are defined by the customer, #5801–#5828 by this control.
 //! Source: spec B3, K4.3, K4.5; docs/decisions.md "Grinding functions".
 
 use super::text::Text;
@@ -90,6 +90,7 @@ ranges! {
     DRESSING_POINT = 5_811, 3, Read, "修整点 X Y Z (机床坐标)，没有设置为空", "dressing point X, Y, Z, machine position; null where none is set";
     GAUGE_SIGNALS = 5_821, 6, Read, "量仪信号 1-6 (P323–P328)，有效为 1", "gauge signals 1 to 6 (P323 to P328), 1 = active";
     CONTACT_SEEN = 5_827, 1, ReadWrite, "砂轮接触 (P358)：写 0 以后碰到过为 1；没有输入口为空", "wheel contact (P358): 1 if it has touched since 0 was written; null without a port";
+    PHASE = 5_828, 1, Write, "磨削阶段，只显示和计时：0 无 1 修整 2 测量 3 快进 4 空磨 5 粗磨 6 精磨 7 光磨 8 退刀", "phase of the cycle, shown and timed only: 0 none, 1 dressing, 2 measuring, 3 approach, 4 air, 5 roughing, 6 finishing, 7 spark-out, 8 retract";
     EXTRA_ORIGINS = 7_001, 943, ReadWrite, "附加工件原点 G54.1 P1–P48：#7001 #7021 … #7941 起各轴", "work offsets G54.1 P1 to P48: the axes from #7001, #7021 … #7941";
 }
 
@@ -102,6 +103,12 @@ pub fn is_position(number: u32) -> bool {
     [GAUGE_POSITIONS, BLOCK_END, MACHINE_POSITION, WORK_POSITION, SKIP_POSITION, DRESSING_POINT]
         .iter()
         .any(|range| range.index(number).is_some())
+}
+
+/// Whether writing a variable only changes the display: moves and reading ahead go on.
+#[must_use]
+pub fn is_display_only(number: u32) -> bool {
+    number == PHASE.first
 }
 
 /// The range of a variable number.

@@ -16,9 +16,10 @@ use super::{
 use crate::defs::grinding_workspace::GrindingWorkspace;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
+use crate::link::cycle::CycleView;
 use crate::link::program_view::ProgramView;
 use crate::link::simulation::SimView;
-use crate::link::snapshot::{AxisView, CycleView};
+use crate::link::snapshot::AxisView;
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 
@@ -70,8 +71,10 @@ compared_fields! {
     is_storing: differ;
     parts_counted: differ;
     cycle: |old, new, page| {
-        let shown = |cycle: &CycleView| format_cycle_time(cycle.seconds);
-        shown(old) != shown(new) || shown_fields(page).contains(&FieldGroup::PartResult) && old.part != new.part
+        let shown = |cycle: &CycleView| format_cycle_time(cycle.times.seconds);
+        shown(old) != shown(new)
+            || old.phase != new.phase
+            || shown_fields(page).contains(&FieldGroup::PartResult) && old.part != new.part
     };
     inputs: on(FieldGroup::Inputs, differ);
     outputs: on_either(FieldGroup::Diagnosis, FieldGroup::Scene);

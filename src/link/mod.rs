@@ -3,6 +3,8 @@
 
 pub mod bus;
 pub mod command;
+pub mod cycle;
+pub mod cycle_times;
 pub mod edit;
 pub mod files;
 pub mod internal_signal;

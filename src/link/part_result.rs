@@ -1,6 +1,7 @@
 //! The part that the last cycle has finished: its nominal size, its limits and its measured size.
 //! Source: spec K4.5, K7.2, H8.
 
+use super::cycle_times::CycleTimes;
 use super::simulation::{PartSize, SimView};
 use crate::defs::page_meaning::{PageMeaning, SizeKind};
 use crate::defs::page_text::PageText;
@@ -29,8 +30,8 @@ pub struct PartResult {
     pub program: u32,
     /// When the cycle ended.
     pub ended_at: Micros,
-    /// Cycle time, s.
-    pub cycle_seconds: f64,
+    /// How long the cycle and its phases took.
+    pub times: CycleTimes,
     /// Nominal size and limits, as in force at the end.
     pub nominal: Option<NominalSize>,
     /// The size that the program has measured, mm.

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use super::bus::BusView;
 use super::command::{Command, ScreenFiles, Screens};
+use super::cycle::CycleView;
 use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
-use super::part_result::{PartResult, SizeValues};
+use super::part_result::SizeValues;
 use super::program_view::ProgramView;
 use super::simulation::SimView;
 use super::start_guide::StartGuide;
@@ -212,17 +213,6 @@ pub struct Message {
     pub tone: Tone,
     /// When it was raised.
     pub since: Micros,
-}
-
-/// The running or last cycle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CycleView {
-    /// Its duration, s.
-    pub seconds: f64,
-    /// The part that it, or the pass before it (P390), has finished; none from the next cycle start by the operator on.
-    pub part: Option<PartResult>,
-    /// Duration of the last finished cycle of the same program since power-on, s.
-    pub seconds_before: Option<f64>,
 }
 
 /// What the handwheel moves.

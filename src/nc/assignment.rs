@@ -10,6 +10,7 @@ use super::fault::{E, ErrorAt, ReadResult, fail, fail1, fail2};
 use super::functions::whole_number;
 use super::interpreter::Interpreter;
 use super::op::Op;
+use crate::defs::grinding_phase::GrindingPhase;
 use crate::defs::system_variable::{self, VariableAccess};
 use crate::defs::text::arg::Arg;
 
@@ -43,6 +44,10 @@ impl Interpreter {
                     notes.push(ErrorAt { at, error: E::HoldNotInhibited, details: Default::default() });
                 }
                 block.ops.push(Op::SetSystemVariable { number: variable, value: Some(f64::from(whole)) });
+            }
+            _ if variable == system_variable::PHASE.first => {
+                let phase = whole_up_to(GrindingPhase::ALL.len() as u32, variable, value, at)?;
+                block.ops.push(Op::SetSystemVariable { number: variable, value: Some(f64::from(phase)) });
             }
             _ if CommonVariables::contains(variable) => match self.change_common(variable, value) {
                 Ok(()) => block.ops.push(Op::SetVariable { variable, value }),

@@ -2,6 +2,7 @@
 //! Lengths are radius millimetres in active work coordinates. Feeds are true slide travel. Source: spec T4, K1.
 
 use crate::defs::mcode::{self, MCodeAction};
+use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
 use crate::units::{Axis, PerAxis, Plane, WorkPos};
 
@@ -240,7 +241,8 @@ impl Op {
     #[must_use]
     pub fn stops_look_ahead(&self) -> bool {
         match self {
-            Self::Skip { .. } | Self::ReturnToReference { .. } | Self::SetSystemVariable { .. } => true,
+            Self::SetSystemVariable { number, .. } => !system_variable::is_display_only(*number),
+            Self::Skip { .. } | Self::ReturnToReference { .. } => true,
             Self::Gauge(_) | Self::OscillationOn { .. } | Self::OscillationOff => true,
             Self::Alarm { .. } | Self::StopWithMessage { .. } => true,
             Self::M { code, .. } => mcode::find(u16::from(*code)).is_some_and(|row| match row.action {

@@ -6,6 +6,7 @@ use super::op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedM
 use super::work_offsets::WorkOffsets;
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::SwitchedUnit;
+use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
 use crate::units::{Axis, MachinePos, PerAxis, Plane, WorkPos};
 
@@ -244,7 +245,8 @@ impl Op {
             OpEffect::PathMode(_) | OpEffect::Dwell(_) | OpEffect::Speed(..) | OpEffect::SpeedLimit(_) => true,
             OpEffect::MCode(_) => !self.stops_look_ahead(),
             OpEffect::Variable(..) | OpEffect::Message(ProgramMessage::Show(_) | ProgramMessage::Print(_)) => true,
-            OpEffect::Message(_) | OpEffect::SystemVariable(..) | OpEffect::Oscillation(_) => false,
+            OpEffect::SystemVariable(number, _) => system_variable::is_display_only(number),
+            OpEffect::Message(_) | OpEffect::Oscillation(_) => false,
             OpEffect::Motion(_) | OpEffect::Coordinates(_) | OpEffect::IndexTurret { .. } => false,
         }
     }

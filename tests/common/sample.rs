@@ -24,6 +24,7 @@ use kt830::io::fieldbus::station::StationFault;
 use kt830::link::Snapshot;
 use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, ThreadRights};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
@@ -141,7 +142,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     snapshot.wheel_rpm = 1_260.0;
     snapshot.feed_mm_min = 0.0;
     snapshot.parts_counted = 12;
-    snapshot.cycle.seconds = 187.0;
+    snapshot.cycle.times.seconds = 187.0;
     for (number, value) in
         [(500, 40.2), (501, -12.5), (503, 120.0), (504, 85.0), (505, 0.03), (506, 0.25), (507, 0.0), (508, 1.0)]
     {
@@ -243,7 +244,14 @@ fn size(row: u32) -> PartSize {
 pub fn part_result() -> PartResult {
     let nominal = NominalSize { kind: Some(SizeKind::Diameter), mm: 40.0, limits: Some((39.985, 40.005)) };
     let (nominal, ended_at) = (Some(nominal), Micros::from_millis(90_000));
-    PartResult { number: 12, program: 1_001, ended_at, cycle_seconds: 84.3, nominal, measured: None }
+    PartResult {
+        number: 12,
+        program: 1_001,
+        ended_at,
+        times: CycleTimes { seconds: 84.3, ..CycleTimes::default() },
+        nominal,
+        measured: None,
+    }
 }
 
 /// A simulated machine, a medium with files, a path: what the pages of work beside the tick show.
@@ -427,7 +435,7 @@ pub fn long(page: Page) -> Snapshot {
     snapshot.axes =
         PerAxis::from_fn(|axis| if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() });
     (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts_counted) = (24_000.0, 99_999.0, 999_999);
-    (snapshot.cycle.seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
+    (snapshot.cycle.times.seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
     (snapshot.overrides.feed, snapshot.overrides.rapid, snapshot.overrides.spindle) = (150, 100, 120);
     snapshot.single_block = true;
     for value in snapshot.variables.iter_mut() {

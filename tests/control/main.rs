@@ -17,6 +17,7 @@ mod field_bus;
 mod file_requests;
 mod gathered_writes;
 mod grinding_functions;
+mod grinding_phase;
 mod held_run;
 mod homing;
 mod interlock;

@@ -50,7 +50,7 @@ fn end_cycle(screen: &mut Screen) {
         number: machine.parts_counted,
         program: machine.program.number,
         ended_at: machine.now,
-        cycle_seconds: machine.cycle.seconds,
+        times: machine.cycle.times,
         nominal,
         measured,
     });

@@ -170,7 +170,8 @@ fn h8_a_machine_at_rest_asks_for_no_frame() {
         load(&mut machine, 63.0);
         // Less than a digit that is shown.
         machine.axes[Axis::X].work += 0.000_01;
-        (machine.feed_mm_min, machine.cycle.seconds) = (before.feed_mm_min + 0.000_01, before.cycle.seconds + 0.4);
+        (machine.feed_mm_min, machine.cycle.times.seconds) =
+            (before.feed_mm_min + 0.000_01, before.cycle.times.seconds + 0.4);
         if *page != Page::Wheel {
             machine.wheel_rpm += 0.1;
         }

@@ -85,13 +85,13 @@ fn k7_2_a_run_shows_how_far_it_is_by_the_part_before() {
     operator.wait(10.0);
     assert!(operator.paints_part("还没有可比的循环时间"));
     operator.until("the part", 120.0, |snapshot| snapshot.state == RunState::Idle);
-    let took = operator.snapshot().cycle.part.expect("a part").cycle_seconds;
+    let took = operator.snapshot().cycle.part.expect("a part").times.seconds;
     operator.rig.mount_part(&PartFile::builtin(1_002).unwrap().unwrap());
     operator.wait(0.5);
     operator.key(Key::CycleStart);
     operator.wait(10.0);
-    assert_eq!(operator.snapshot().cycle.seconds_before, Some(took));
-    let left = took - operator.snapshot().cycle.seconds;
+    assert_eq!(operator.snapshot().cycle.before.map(|before| before.seconds), Some(took));
+    let left = took - operator.snapshot().cycle.times.seconds;
     let words = format!("还有约 {:02}:{:02}", left as u32 / 60, left as u32 % 60);
     assert!(operator.paints(&words), "{words}");
     // Held, the bar stays; another program has no part before.
@@ -102,7 +102,7 @@ fn k7_2_a_run_shows_how_far_it_is_by_the_part_before() {
     operator.wait(1.0);
     assert!(!operator.paints_part("还有约"));
     operator.load(1_001);
-    assert_eq!(operator.snapshot().cycle.seconds_before, None);
+    assert_eq!(operator.snapshot().cycle.before, None);
 }
 
 #[test]

@@ -30,6 +30,7 @@ use super::program::Program;
 use crate::defs::kind::Kind;
 use crate::defs::text::LocalizedText;
 use crate::link::command::Screens;
+use crate::link::cycle_times::CycleTimes;
 use crate::link::edit::EditAnswer;
 use crate::link::part_result::PartResult;
 use crate::link::snapshot::DirectoryRow;
@@ -83,8 +84,8 @@ pub struct Panel {
     relative_zero: MachinePos,
     /// The part that the last cycle has finished; cleared by the next cycle.
     pub part_result: Option<PartResult>,
-    /// Program and duration of the last finished cycle, s.
-    cycle_before: Option<(u32, f64)>,
+    /// Program and durations of the last finished cycle.
+    cycle_before: Option<(u32, CycleTimes)>,
 }
 
 impl Panel {

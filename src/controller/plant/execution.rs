@@ -2,11 +2,13 @@
 //! Source: spec B5, table "what stops what".
 
 use super::Plant;
+use super::phase_clock::PhaseClock;
 use crate::controller::axes::homing::AxisHoming;
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::mcode::Request;
 use crate::defs::signal::Output;
 use crate::defs::text::LocalizedText;
+use crate::link::cycle_times::CycleTimes;
 use crate::machine::phase;
 use crate::nc::BlockLocation;
 use crate::units::{Micros, PerAxis};
@@ -34,8 +36,8 @@ pub struct FinishedCycle {
     pub program: u32,
     /// When it ended.
     pub ended_at: Micros,
-    /// How long it took.
-    pub duration: Micros,
+    /// How long it and its phases took.
+    pub times: CycleTimes,
 }
 
 /// What is executed: phase, program, block.
@@ -51,8 +53,10 @@ pub struct Execution {
     pub block_count: u64,
     /// Remaining automatic repetitions of the program (P390).
     pub repeats_left: u32,
-    /// Duration of the last run.
-    pub cycle_time: Micros,
+    /// Durations of the last run.
+    pub last_times: CycleTimes,
+    /// The grinding phase of the open run.
+    pub phases: PhaseClock,
     /// M30 has ended the open program: its part is finished.
     pub part_finished: bool,
     /// The cycle that has finished a part; none from the next cycle start by the operator on.
@@ -70,9 +74,11 @@ pub struct Execution {
 impl Execution {
     /// A run is over. If M30 has ended a program its part is finished.
     pub fn end_cycle(&mut self, ended_at: Micros, duration: Micros, number: u32) {
-        self.cycle_time = duration;
+        let times = self.phases.times(duration, ended_at);
+        self.last_times = times;
+        self.phases.restart();
         if std::mem::take(&mut self.part_finished) {
-            self.finished_cycle = Some(FinishedCycle { number, program: self.current_program, ended_at, duration });
+            self.finished_cycle = Some(FinishedCycle { number, program: self.current_program, ended_at, times });
         }
     }
 }

@@ -9,6 +9,7 @@ mod homing;
 mod operator;
 mod oscillation;
 mod outbox;
+mod phase_clock;
 mod spindles;
 pub mod system_variables;
 pub mod wheel_size;

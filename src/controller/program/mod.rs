@@ -36,7 +36,7 @@ use crate::defs::kind::Kind;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::link::snapshot::OwnMotion;
-use crate::nc::{self, ModalState, Source, VariableError, WorkOffsets};
+use crate::nc::{self, BlockLocation, ModalState, Source, VariableError, WorkOffsets};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// The program part.
@@ -165,6 +165,10 @@ impl Program {
         run.origin = origin;
         if origin == Origin::Program {
             (plant.execution.part_finished, plant.execution.finished_cycle) = (false, None);
+        }
+        if origin != Origin::Retract {
+            plant.execution.phases.restart();
+            plant.execution.current_block = BlockLocation::default();
         }
         // The planner keeps the tag of the last finished move across runs.
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);

@@ -7,6 +7,7 @@ use crate::controller::axes::{SECONDS_PER_MINUTE, soft_limits};
 use crate::defs::kind::Dialect;
 use crate::defs::mcode::{MCode, MCodeAction, Request};
 use crate::defs::param::Params;
+use crate::defs::system_variable;
 use crate::defs::text::LocalizedText;
 use crate::defs::text::arg::Arg;
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
@@ -175,12 +176,13 @@ pub enum QueuedAction {
 impl QueuedAction {
     /// Whether the moves behind it wait until it is executed.
     #[must_use]
-    pub const fn waits_for_motion(&self) -> bool {
+    pub fn waits_for_motion(&self) -> bool {
         match self {
             Self::SetVariable(..) | Self::Note(_) | Self::Print(_) | Self::ChangeTool(..) => false,
             Self::WheelSpeed(..) | Self::WheelSpeedLimit(_) => false,
             Self::ChangeCoordinates(change) => matches!(change, CoordinateChange::Set(_)),
-            Self::SetSystemVariable(..) | Self::MCode(..) | Self::Gauge(_) | Self::Oscillate(_) => true,
+            Self::SetSystemVariable(number, _) => !system_variable::is_display_only(*number),
+            Self::MCode(..) | Self::Gauge(_) | Self::Oscillate(_) => true,
             Self::Cylinder(_) | Self::Thread(_) | Self::Home(_) | Self::IndexTurret(_) | Self::Dwell(_) => true,
             Self::Skip(..) | Self::Alarm(..) | Self::Message(_) | Self::EndOfText => true,
         }

@@ -7,6 +7,7 @@ use crate::controller::plant::system_variables::{GEOMETRY, WEAR, offset_and_axis
 use crate::controller::plant::{Plant, offset_in_range};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
+use crate::defs::grinding_phase::GrindingPhase;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::system_variable;
@@ -89,6 +90,9 @@ impl ProgramRun {
             Some(&system_variable::SINGLE_BLOCK_CONTROL) => plant.work.program_controls.single_block = value as u8,
             Some(&system_variable::HOLD_CONTROL) => plant.work.program_controls.hold = value as u8,
             Some(&system_variable::CONTACT_SEEN) => plant.work.contact_seen = value.abs() >= SWITCH_THRESHOLD,
+            Some(&system_variable::PHASE) => {
+                plant.execution.phases.enter(GrindingPhase::of_number(value as u32), plant.now);
+            }
             Some(&system_variable::PARTS_DONE) => {
                 plant.work.part_count = value.max(0.0) as u32;
                 plant.store(StorageRequest::PartCount(plant.work.part_count));

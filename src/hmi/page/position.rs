@@ -220,7 +220,7 @@ pub fn process_values(rect: Rect, view: &View<'_>) -> Rect {
         (view.text("进给倍率", "feed ovr"), format!("{}", snapshot.overrides.feed), "%"),
         (view.text("快速倍率", "rapid ovr"), rapid, of),
         (face.spindle_name.get(view.lang), format_whole(snapshot.wheel_rpm), "r/min"),
-        (view.text("循环时间", "cycle"), format_cycle_time(snapshot.cycle.seconds), ""),
+        (view.text("循环时间", "cycle"), format_cycle_time(snapshot.cycle.times.seconds), ""),
         (view.text("件数", "parts"), snapshot.parts_counted.to_string(), ""),
         (face.last_process_item.get(view.lang), last, of_last),
     ];

@@ -2,7 +2,7 @@
 //! takes effect. Every wait has a timeout.
 //! Source: spec L9.
 
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind, Write};
 use std::time::{Duration, Instant};
 
 use serialport::{ClearBuffer, DataBits, FlowControl, Parity, SerialPort, StopBits};
@@ -12,8 +12,10 @@ use super::{SERIAL_LIMIT, SerialError};
 use crate::defs::param::{self, Params};
 use crate::defs::text::LocalizedText;
 
-/// Timeout of one read or write; then 取消 is checked.
+/// Timeout of one read; then 取消 is checked.
 const POLL_TIMEOUT: Duration = Duration::from_millis(100);
+/// Pause while the system takes no more bytes.
+const FULL_PAUSE: Duration = Duration::from_millis(10);
 /// Chunk size for writing, bytes.
 const CHUNK: usize = 512;
 
@@ -49,16 +51,23 @@ impl SerialLine {
         }
     }
 
-    fn open(&self) -> Result<Box<dyn SerialPort>, SerialError> {
+    fn open(&self) -> Result<OpenLine, SerialError> {
+        let refused = |error: &dyn std::fmt::Display| {
+            SerialError::Port(LocalizedText::same(&format!("{} {} bit/s: {error}", self.port, self.baud)))
+        };
         let port = serialport::new(&self.port, self.baud)
             .data_bits(DataBits::Eight)
             .parity(Parity::None)
             .stop_bits(StopBits::One)
             .flow_control(FlowControl::Software)
             .timeout(POLL_TIMEOUT);
-        port.open().map_err(|error| {
-            SerialError::Port(LocalizedText::same(&format!("{} {} bit/s: {error}", self.port, self.baud)))
-        })
+        // Before the port is opened for this process alone.
+        #[cfg(unix)]
+        let out = open_unblocked(&self.port).map_err(|error| refused(&error))?;
+        let port = port.open().map_err(|error| refused(&error))?;
+        #[cfg(not(unix))]
+        let out: Box<dyn Write> = port.try_clone().map_err(|error| refused(&error))?;
+        Ok(OpenLine { port, out })
     }
 
     /// Sends bytes; `tell` receives the number of bytes sent.
@@ -69,7 +78,7 @@ impl SerialLine {
         if bytes.len() > self.limit {
             return Err(SerialError::TooLong(self.limit));
         }
-        let mut port = self.open()?;
+        let OpenLine { mut port, mut out } = self.open()?;
         let (mut sent, mut moved) = (0, Instant::now());
         while sent < bytes.len() {
             if stopped() {
@@ -77,13 +86,16 @@ impl SerialLine {
                 return Err(SerialError::Cancelled);
             }
             let piece = &bytes[sent..bytes.len().min(sent + CHUNK)];
-            match port.write(piece) {
+            match out.write(piece) {
                 Ok(0) => {}
                 Ok(written) => {
                     (sent, moved) = (sent + written, Instant::now());
                     tell(sent as u64);
                 }
-                Err(error) => ignore_timeout(&error)?,
+                Err(error) => {
+                    ignore_timeout(&error)?;
+                    std::thread::sleep(FULL_PAUSE);
+                }
             }
             if moved.elapsed() > self.silence_timeout {
                 drop(port.clear(ClearBuffer::Output));
@@ -109,7 +121,7 @@ impl SerialLine {
                 drop(port.clear(ClearBuffer::Output));
                 return Err(trouble);
             }
-            std::thread::sleep(POLL_TIMEOUT / 10);
+            std::thread::sleep(FULL_PAUSE);
         }
     }
 
@@ -118,13 +130,13 @@ impl SerialLine {
     /// # Errors
     /// A fault of the port, the line or the data; or the operator has cancelled.
     pub fn receive(&self, stopped: &dyn Fn() -> bool, tell: &mut dyn FnMut(u64)) -> Result<SerialReader, SerialError> {
-        let mut port = self.open()?;
+        let OpenLine { mut port, mut out } = self.open()?;
         drop(port.clear(ClearBuffer::Input));
-        send_byte(port.as_mut(), XON)?;
+        send_byte(out.as_mut(), XON)?;
         let mut reader = SerialReader::new(self.limit);
         let read = self.read(port.as_mut(), &mut reader, stopped, tell);
         // The read error has priority over an error of XOFF.
-        let told = send_byte(port.as_mut(), XOFF);
+        let told = send_byte(out.as_mut(), XOFF);
         read.and(told).map(|()| reader)
     }
 
@@ -164,9 +176,24 @@ impl SerialLine {
     }
 }
 
+/// An open line.
+struct OpenLine {
+    port: Box<dyn SerialPort>,
+    /// Takes the bytes to send. It never waits: while the other side holds by XOFF a write could wait for ever.
+    out: Box<dyn Write>,
+}
+
+/// Opens a port a second time for writing without waiting. `serialport` waits in its writes.
+#[cfg(unix)]
+fn open_unblocked(port: &str) -> io::Result<Box<dyn Write>> {
+    use rustix::fs::{Mode, OFlags};
+    let flags = OFlags::WRONLY | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    Ok(Box::new(std::fs::File::from(rustix::fs::open(port, flags, Mode::empty())?)))
+}
+
 /// Sends one byte; a timeout is ignored.
-fn send_byte(port: &mut dyn SerialPort, byte: u8) -> Result<(), SerialError> {
-    port.write_all(&[byte]).or_else(|error| ignore_timeout(&error))
+fn send_byte(out: &mut dyn Write, byte: u8) -> Result<(), SerialError> {
+    out.write_all(&[byte]).or_else(|error| ignore_timeout(&error))
 }
 
 /// Ignores timeouts; any other error means that the port has disappeared.

@@ -48,7 +48,7 @@ impl PartCard {
         let head = inside.band(0.0, 22.0);
         let title = format!("{} {}", view.text("工件", "part"), part.number);
         view.fit_left(head.trim_right(80.0), &title, theme::LABEL, view.theme.muted);
-        let time = format_cycle_time(part.cycle_seconds);
+        let time = format_cycle_time(part.times.seconds);
         view.line_right(head, "×", theme::TITLE, view.theme.muted);
         view.line_right(head.trim_right(24.0), &time, theme::LABEL, view.theme.text);
         let figure = inside.band(24.0, 36.0);

@@ -33,7 +33,7 @@ impl FinishedPart {
         let any = || simulated?.finished_sizes.first().map(|size| size.mm);
         Self {
             number: part.number,
-            cycle_seconds: part.cycle_seconds,
+            cycle_seconds: part.times.seconds,
             size: size.or_else(|| part.nominal.is_none().then(any).flatten()),
             limits: part.nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high])),
             verdict: part.verdict(simulated),
