@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
+use super::part_result::PartCommand;
 use super::simulation::SimCommand;
 use super::teach::TeachCommand;
 use super::toolpath::StockBox;
@@ -61,6 +62,8 @@ pub enum Command {
         /// mm as displayed.
         increment: f64,
     },
+    /// The part of the last cycle: its measured size, or the correction that follows from it.
+    Part(PartCommand),
     /// The wheel was changed (K5.17): new size and rated speed. The wheel must be dressed before a cycle start.
     ChangeWheel {
         /// Diameter, mm.

@@ -8,7 +8,7 @@ use crate::defs::page_text::PageText;
 use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::part_defect::PartDefect;
 use crate::defs::text::Text;
-use crate::units::Micros;
+use crate::units::{Axis, Micros};
 
 /// The nominal size of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +36,65 @@ pub struct PartResult {
     pub nominal: Option<NominalSize>,
     /// The size that the program has measured, mm.
     pub measured: Option<f64>,
+    /// The size that the operator has measured and typed, mm.
+    pub typed: Option<f64>,
+    /// A gauge has ended an infeed of the cycle by its signal: the size is that of its setting.
+    pub gauged: bool,
+    /// The tool offset in force at the end of the cycle.
+    pub offset: Option<OffsetInForce>,
+    /// What the operator has added to the wear of that offset because of this part, mm as displayed.
+    pub corrected: Option<f64>,
+}
+
+/// The tool offset that decides the size of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OffsetInForce {
+    /// 1 to 16.
+    pub number: usize,
+    /// The axis that feeds the wheel into the part.
+    pub axis: Axis,
+    /// Displayed value of a millimetre of that axis: 2 for diameters.
+    pub displayed_per_mm: f64,
+}
+
+/// What the operator does with the part of the last cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PartCommand {
+    /// Types the size that was measured, mm.
+    TypeSize(f64),
+    /// Takes over a correction.
+    Correct {
+        /// The end of the cycle of the part that the correction is for.
+        ended_at: Micros,
+        /// mm as displayed, added to the wear of the offset in force.
+        increment: f64,
+    },
+}
+
+/// Greatest distance of a typed size from the nominal size, mm: a missing digit is noticed.
+pub const TYPED_SIZE_RANGE: f64 = 1.0;
+/// Greatest correction of the wear by a part, mm as displayed: what is farther off has another cause.
+pub const MAX_CORRECTION: f64 = 0.2;
+/// A size this close to the middle of its limits needs no correction; part of the tolerance.
+const DEAD_BAND: f64 = 0.1;
+/// Resolution of a correction, mm as displayed: what the screen shows is what is added.
+const RESOLUTION: f64 = 0.001;
+
+/// What the size of a part says of the wheel's offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CorrectionAdvice {
+    /// Nothing: no size, no nominal size, a length, a part that no offset mends, or no offset in force.
+    Unknown,
+    /// The size is near the middle of its limits.
+    Centred,
+    /// A gauge or the program has measured it: its setting decides the size, and the program corrects the offset.
+    ByGauge,
+    /// Farther off than an offset explains, mm as displayed.
+    TooFar(f64),
+    /// To add to the wear of the offset in force, mm as displayed.
+    Add(OffsetInForce, f64),
+    /// Has been added, mm as displayed.
+    Done(f64),
 }
 
 /// The values that sizes are taken from.
@@ -140,6 +199,8 @@ pub struct ComparedSize<'a> {
 /// The size by which a part is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum JudgedSize<'a> {
+    /// The operator has measured it, mm.
+    Typed(f64),
     /// The program has measured it, mm.
     Measured(f64),
     /// The simulated machine knows it.
@@ -151,7 +212,7 @@ impl JudgedSize<'_> {
     #[must_use]
     pub const fn mm(self) -> f64 {
         match self {
-            Self::Measured(mm) => mm,
+            Self::Typed(mm) | Self::Measured(mm) => mm,
             Self::Simulated(compared) => compared.worst.mm,
         }
     }
@@ -209,11 +270,43 @@ impl PartVerdict {
 }
 
 impl PartResult {
-    /// The size by which the part is judged: the measured one, else that of the simulated part at the end of its cycle.
+    /// What its size says of the offset: the size is brought to the middle of its limits.
+    #[must_use]
+    pub fn advice(&self, simulated: Option<&SimView>) -> CorrectionAdvice {
+        if let Some(done) = self.corrected {
+            return CorrectionAdvice::Done(done);
+        }
+        // No offset mends a part that is spoilt, or out of its limits in some places only.
+        let is_spoilt = matches!(self.verdict(simulated), PartVerdict::Spoilt(_) | PartVerdict::Out { partly: true });
+        let Some((nominal, size)) = self.nominal.zip(self.judged_size(simulated)).filter(|_| !is_spoilt) else {
+            return CorrectionAdvice::Unknown;
+        };
+        let is_length = nominal.kind == Some(SizeKind::Length);
+        let Some(offset) = self.offset.filter(|_| !is_length) else { return CorrectionAdvice::Unknown };
+        if self.gauged || self.measured.is_some() {
+            return CorrectionAdvice::ByGauge;
+        }
+        let target = nominal.limits.map_or(nominal.mm, |(low, high)| f64::midpoint(low, high));
+        // A diameter changes by twice the way of the wheel.
+        let sides = if nominal.kind == Some(SizeKind::Diameter) || offset.axis == Axis::X { 2.0 } else { 1.0 };
+        let increment = (target - size.mm()) / sides * offset.displayed_per_mm;
+        let increment = (increment / RESOLUTION).round() * RESOLUTION;
+        // To follow every micrometre of scatter makes it larger.
+        let span = nominal.limits.map_or(0.0, |(low, high)| high - low);
+        let least = (span * DEAD_BAND / sides * offset.displayed_per_mm).max(RESOLUTION);
+        match increment.abs() {
+            off if off < least - 1e-9 => CorrectionAdvice::Centred,
+            off if off > MAX_CORRECTION + 1e-9 => CorrectionAdvice::TooFar(increment),
+            _ => CorrectionAdvice::Add(offset, increment),
+        }
+    }
+
+    /// The size by which the part is judged: the one that the operator has typed, the measured one, else that of the simulated part at the end of its cycle.
     #[must_use]
     pub fn judged_size<'a>(&self, simulated: Option<&'a SimView>) -> Option<JudgedSize<'a>> {
         let known = || self.nominal?.compare(&simulated?.finished_sizes);
-        self.measured.map(JudgedSize::Measured).or_else(|| known().map(JudgedSize::Simulated))
+        let measured = self.typed.map(JudgedSize::Typed).or(self.measured.map(JudgedSize::Measured));
+        measured.or_else(|| known().map(JudgedSize::Simulated))
     }
 
     /// Whether the part is good.

@@ -29,7 +29,7 @@ use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
-use kt830::link::part_result::{NominalSize, PartResult};
+use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
 use kt830::link::program_view::ProgramView;
 use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
@@ -251,6 +251,10 @@ pub fn part_result() -> PartResult {
         times: CycleTimes { seconds: 84.3, ..CycleTimes::default() },
         nominal,
         measured: None,
+        typed: None,
+        gauged: false,
+        offset: Some(OffsetInForce { number: 1, axis: Axis::X, displayed_per_mm: 2.0 }),
+        corrected: None,
     }
 }
 

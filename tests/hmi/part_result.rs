@@ -8,8 +8,9 @@ use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::page_text;
 use kt830::host::folders::program_from_bytes;
 use kt830::link::Command;
-use kt830::link::part_result::NominalSize;
+use kt830::link::part_result::{CorrectionAdvice, NominalSize, OffsetInForce, PartCommand, PartResult};
 use kt830::link::simulation::{PartSize, SimCommand};
+use kt830::units::{Axis, Micros};
 
 use crate::live_screen::Bench;
 use crate::sample::{part_result, snapshot};
@@ -209,4 +210,117 @@ fn k5_17_the_interval_of_the_page_counts_down_on_the_process_page() {
     tell(&mut bench.rig, "set #531 = 0\nparam P95 0");
     bench.turn();
     assert_eq!(left(&bench), "—");
+}
+
+/// The wear of offset 1, X as displayed.
+fn wear(bench: &mut Bench) -> f64 {
+    bench.rig.snapshot().offsets.tools[0].wear[Axis::X]
+}
+
+#[test]
+fn k4_1_a_touch_takes_the_proposed_correction_once() {
+    let mut bench = bench("T0101\nG04 P100");
+    let before = wear(&mut bench);
+    // The part is 40.300. The middle of 40.28 +0.010 -0.010 is 0.02 below it.
+    tell(&mut bench.rig, "set #521 = 40.28");
+    run(&mut bench);
+    assert!(bench.shows("建议修正刀补 1"), "{:?}", bench.painted());
+    // The blank is wavy by some micrometres; its worst place counts.
+    let label = bench.painted().into_iter().find(|text| text.starts_with("采用 X ")).expect("a correction");
+    let shown: f64 = label.trim_start_matches("采用 X ").parse().unwrap();
+    assert!((shown + 0.02).abs() < 0.01, "{label}");
+    bench.touch(&format!("{label} take-correction"));
+    assert!((wear(&mut bench) - before - shown).abs() < 1e-9, "{} {label}", wear(&mut bench));
+    assert!(bench.shows(&format!("已修正 {shown:+.3}")) && !bench.shows("采用"));
+    // The same command again, and one for another part, change nothing.
+    let part = bench.rig.snapshot().cycle.part.expect("a part");
+    let after = wear(&mut bench);
+    for ended_at in [part.ended_at, Micros(1)] {
+        bench.rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.02 }));
+        bench.turn();
+    }
+    assert_eq!(wear(&mut bench).to_bits(), after.to_bits());
+}
+
+#[test]
+fn k4_1_a_size_that_the_operator_types_is_judged_and_corrects() {
+    let mut bench = bench("T0101\nG04 P100");
+    tell(&mut bench.rig, "set #521 = 40.3\nset #532 = 0.02\nset #533 = 0");
+    run(&mut bench);
+    let before = wear(&mut bench);
+    bench.touch("输入实测尺寸 type-size");
+    assert!(bench.screen.query_by_label("pad-0").is_some());
+    // A size that cannot be that of the part is refused and stays.
+    bench.write("4.03");
+    bench.press(egui::Key::Enter);
+    assert!(bench.shows("相差 1 mm 以上"), "{:?}", bench.painted());
+    bench.write("40.325");
+    bench.press(egui::Key::Enter);
+    assert!(bench.shows("操作者实测") && bench.shows("40.325") && bench.shows("超差"), "{:?}", bench.painted());
+    assert!(bench.screen.query_by_label("pad-0").is_none());
+    // To the middle, 40.310, it is 0.015 too large.
+    bench.touch("采用 X -0.015 take-correction");
+    assert!((wear(&mut bench) - before + 0.015).abs() < 1e-9);
+    // The trend of the process page has the size.
+    bench.rig.send(Command::OpenPage(Page::Process));
+    bench.turn();
+    assert!(bench.shows("40.325"), "{:?}", bench.painted());
+}
+
+#[test]
+fn k4_1_no_correction_is_proposed_where_the_offset_does_not_decide_the_size() {
+    let part = || PartResult { typed: Some(40.02), ..part_result() };
+    let advice = |part: PartResult| part.advice(None);
+    let offset = part().offset.unwrap();
+    // 39.985 to 40.005: the middle is 39.995. In diameters 40.02 is 0.025 above it; in radii half of that.
+    let by = |advice| match advice {
+        CorrectionAdvice::Add(_, by) => by,
+        other => panic!("{other:?}"),
+    };
+    assert!((by(advice(part())) + 0.025).abs() < 1e-9);
+    let radii = Some(OffsetInForce { displayed_per_mm: 1.0, ..offset });
+    let odd = PartResult { offset: radii, typed: Some(40.021), ..part() };
+    assert!((by(advice(odd)) + 0.013).abs() < 1e-9);
+    // A height is one side.
+    let nominal = part().nominal.map(|nominal| NominalSize { kind: Some(SizeKind::Height), ..nominal });
+    let vertical = Some(OffsetInForce { axis: Axis::Y, displayed_per_mm: 1.0, ..offset });
+    assert!((by(advice(PartResult { nominal, offset: vertical, ..part() })) + 0.025).abs() < 1e-9);
+    let length = part().nominal.map(|nominal| NominalSize { kind: Some(SizeKind::Length), ..nominal });
+    for (part, expected) in [
+        (PartResult { gauged: true, ..part() }, CorrectionAdvice::ByGauge),
+        (PartResult { measured: Some(40.02), ..part() }, CorrectionAdvice::ByGauge),
+        (PartResult { offset: None, ..part() }, CorrectionAdvice::Unknown),
+        (PartResult { nominal: None, ..part() }, CorrectionAdvice::Unknown),
+        (PartResult { nominal: length, ..part() }, CorrectionAdvice::Unknown),
+        (PartResult { typed: None, ..part() }, CorrectionAdvice::Unknown),
+        // A tenth of the tolerance of 0.02 is 0.002.
+        (PartResult { typed: Some(39.995_4), ..part() }, CorrectionAdvice::Centred),
+        (PartResult { typed: Some(39.996_4), ..part() }, CorrectionAdvice::Centred),
+        (PartResult { typed: Some(39.998), ..part() }, CorrectionAdvice::Add(offset, -0.003)),
+        (PartResult { corrected: Some(-0.025), ..part() }, CorrectionAdvice::Done(-0.025)),
+    ] {
+        assert_eq!(advice(part), expected, "{part:?}");
+    }
+    assert!(matches!(advice(PartResult { typed: Some(40.3), ..part() }), CorrectionAdvice::TooFar(_)));
+}
+
+#[test]
+fn k4_1_the_corrected_wheel_grinds_the_next_part_into_the_middle() {
+    let mut rig = ready();
+    tell(&mut rig, "load O1002\npart assets/parts/O1002.ron\nset #530 = 0");
+    // The offset is 0.05 off: the operator touched off badly.
+    rig.send(Command::OpenPage(Page::Dressing));
+    rig.send(Command::AddWear { number: 1, axis: Axis::X, increment: 0.05 });
+    let mut bench = Bench::new(rig, Page::Grinding);
+    tell(&mut bench.rig, "mode auto\nkey cycle-start\nwait until idle max 200 s\nexpect no alarm");
+    bench.turn();
+    assert!(bench.shows("超差"), "{:?}", bench.painted());
+    let label = bench.painted().into_iter().find(|text| text.starts_with("采用 X -0.0")).expect("a correction");
+    bench.touch(&format!("{label} take-correction"));
+    tell(&mut bench.rig, "part assets/parts/O1002.ron\nkey cycle-start\nwait until idle max 200 s\nexpect no alarm");
+    bench.turn();
+    let snapshot = bench.rig.snapshot();
+    let part = snapshot.cycle.part.expect("a part");
+    let size = part.judged_size(snapshot.simulated.as_deref()).expect("a size").mm();
+    assert!((size - 40.0).abs() < 0.003 && bench.shows("合格"), "{size}");
 }

@@ -47,6 +47,10 @@ fn end_cycle(screen: &mut Screen) {
         (values.nominal(), values.measured())
     };
     machine.cycle.part = Some(PartResult {
+        typed: None,
+        gauged: false,
+        offset: None,
+        corrected: None,
         number: machine.parts_counted,
         program: machine.program.number,
         ended_at: machine.now,

@@ -13,6 +13,7 @@ use crate::defs::text::{Text, phrase};
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::files::{Requester, Ticket};
+use crate::link::part_result::PartCommand;
 use crate::link::snapshot::Tone;
 use crate::link::teach::TeachCommand;
 use crate::machine::panel_key::NOT_IN_RUN;
@@ -48,7 +49,7 @@ impl Panel {
             Command::RestartAt(line) => parts.program.restart_at(parts.plant, *line),
             Command::ResumeInterrupted => self.resume_interrupted(parts),
             Command::Mdi(line) => parts.program.run_mdi(parts.plant, line),
-            Command::EnterVariable(..) | Command::Offset(_) | Command::AddWear { .. } => {
+            Command::EnterVariable(..) | Command::Offset(_) | Command::AddWear { .. } | Command::Part(_) => {
                 self.handle_edit(parts, command)
             }
             Command::ChangeWheel { .. } | Command::PrepareMdi(_) => self.handle_edit(parts, command),
@@ -207,6 +208,7 @@ const fn invalidates_restart(command: &Command) -> bool {
         Command::EnterVariable(..)
             | Command::Offset(_)
             | Command::AddWear { .. }
+            | Command::Part(PartCommand::Correct { .. })
             | Command::ChangeWheel { .. }
             | Command::SetVariable(..)
             | Command::SetParam(..)

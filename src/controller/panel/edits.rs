@@ -23,6 +23,7 @@ impl Panel {
             &Command::AddWear { number, axis, increment } => {
                 offsets::edit_wear_increment(parts, number, axis, increment)
             }
+            &Command::Part(command) => self.handle_part_command(parts, command),
             &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
                 change_wheel(parts, &self.screens, [diameter_mm, width_mm, rated_m_s])
             }

@@ -57,6 +57,8 @@ pub struct Execution {
     pub last_times: CycleTimes,
     /// The grinding phase of the open run.
     pub phases: PhaseClock,
+    /// A gauge has ended an infeed of the run by its signal.
+    pub gauged: bool,
     /// M30 has ended the open program: its part is finished.
     pub part_finished: bool,
     /// The cycle that has finished a part; none from the next cycle start by the operator on.

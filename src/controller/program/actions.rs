@@ -227,6 +227,7 @@ impl ProgramRun {
             return ActionStatus::Done;
         } else if !latched && skip_signal(plant, signal) {
             plant.work.skip_position = plant.work_position();
+            plant.execution.gauged |= signal != CONTACT_SKIP_SIGNAL;
             plant.axes.planner.abort();
             self.activity = Activity::Skip { tag, latched: true };
         } else if !latched && plant.axes.planner.finished_tag() >= Some(tag) {

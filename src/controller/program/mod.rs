@@ -168,6 +168,7 @@ impl Program {
         }
         if origin != Origin::Retract {
             plant.execution.phases.restart();
+            plant.execution.gauged = false;
             plant.execution.current_block = BlockLocation::default();
         }
         // The planner keeps the tag of the last finished move across runs.

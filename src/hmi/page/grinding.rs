@@ -83,6 +83,7 @@ impl PageUi for GrindingPage {
             self.entry.editor.pad_open = false;
         }
         (self.runs, self.has_part) = (runs, has_part);
+        self.part.record(snapshot);
         self.entry.editor.follow_lock(snapshot);
         let alarm = wrong_value(snapshot);
         let pointed_at = alarm.map(|alarm| (alarm.number, alarm.since));
@@ -97,11 +98,12 @@ impl PageUi for GrindingPage {
     }
 
     fn typing(&self) -> Option<&FieldEditor> {
-        Some(&self.entry.editor)
+        Some(if self.part.types_size { &self.part.editor } else { &self.entry.editor })
     }
 
     fn wants_pad(&self, view: &View<'_>) -> bool {
-        self.entry.editor.pad_open && view.snapshot.page_files().is_some_and(|files| files.text.is_ok())
+        self.part.types_size && self.part.editor.pad_open
+            || self.entry.editor.pad_open && view.snapshot.page_files().is_some_and(|files| files.text.is_ok())
     }
 
     /// Over the picture: no value is beneath it.
@@ -123,6 +125,7 @@ impl PageUi for GrindingPage {
         };
         if self.entry.editor.text.is_empty()
             && !self.entry.editor.pad_open
+            && !self.part.types_size
             && ctx.typed.edits.contains(&EditKey::Cancel)
         {
             self.part.dismiss(ctx.view.snapshot);
@@ -157,8 +160,9 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
     }
     position_column(places.left, view);
     show_picture(places.picture, view, shown, files, picture);
+    part.poll_answer(view);
     let shows_contact = part.shown(view.snapshot).is_none() && contact_view(places.picture, view);
-    if !shows_contact && design_key(places.picture, view, part) {
+    if !shows_contact && design_key(places.picture, view, part, out) {
         out.push(Command::OpenPage(Page::Designer));
     }
     match files.map(|files| &files.text) {
@@ -170,15 +174,26 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
             lines::title(view, title, &heading(view, text));
             let columns = (variables(&text.left), variables(&text.right));
             entry.poll_answer(&view.snapshot.edit_answer);
-            for edit in &typed.edits {
-                out.extend(entry.handle_key(*edit, (&columns.0, &columns.1)));
+            if part.types_size {
+                part.handle_keys(&typed.edits, out);
+            } else {
+                for edit in &typed.edits {
+                    out.extend(entry.handle_key(*edit, (&columns.0, &columns.1)));
+                }
             }
             let (line, body) = places.body.split_top(dressing_line::height(text).unwrap_or(0.0));
             if line.height() > 0.0 {
                 dressing_line::paint(line, view, text);
             }
             fields(body, view, [&text.left, &text.right], entry);
-            draw_input_line(places.input, view, entry, text);
+            match part.shown(view.snapshot).filter(|_| part.types_size) {
+                Some(result) => {
+                    let (label, range) = part_card::prompt(view, result);
+                    let told = input_line::InputPrompt { label: &label, name: "", range: &range };
+                    input_line::ui(view, places.input, &part.editor, &told);
+                }
+                None => draw_input_line(places.input, view, entry, text),
+            }
         }
         Some(Err(fault)) => text_fault(&places, view, fault),
         None => {
@@ -194,15 +209,17 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
 
 /// Below the picture: the part of the last cycle, and the key of the page designer where there is room; true if the key
 /// is touched.
-fn design_key(column: Rect, view: &View<'_>, part: &mut part_card::PartCard) -> bool {
+fn design_key(column: Rect, view: &View<'_>, part: &mut part_card::PartCard, out: &mut Vec<Command>) -> bool {
     let key = column.with_min_y(column.max.y - 48.0);
     let below = column.min.y + theme::PICTURE.y + theme::GAP;
     let mut room = key.min.y > below;
     if part.shown(view.snapshot).is_some() {
         room &= key.min.y - theme::GAP - part_card::HEIGHT > below;
         let bottom = if room { key.min.y - theme::GAP } else { column.max.y };
+        // Where there is no room below the picture the card stands in its place.
         let top = (bottom - part_card::HEIGHT).max(column.min.y);
-        part.ui(Rect::from_min_max(pos2(column.min.x, top), pos2(column.max.x, bottom)), view);
+        let top = if top < below { column.min.y } else { top };
+        part.ui(Rect::from_min_max(pos2(column.min.x, top), pos2(column.max.x, bottom)), view, out);
     }
     room && widget::button(view, key, PageKey::new("design-page", view.text("页面设计", "PAGE DESIGN")))
 }

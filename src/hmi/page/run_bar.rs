@@ -54,7 +54,7 @@ fn say_left(left: Rect, before: Rect, view: &View<'_>) {
     let cycle = &view.snapshot.cycle;
     let Some((seconds, last)) = cycle.seconds_left().zip(cycle.before) else {
         let words = view.text("还没有可比的循环时间", "no cycle time to compare with yet");
-        view.fit_left(left, words, theme::LABEL, view.theme.muted);
+        view.text_rows(left.union(before), words, theme::SMALL, view.theme.muted, 2);
         return;
     };
     let late = cycle.times.seconds - last.seconds;

@@ -73,8 +73,13 @@ pub struct ProcessPage {
 
 impl PageUi for ProcessPage {
     fn record(&mut self, snapshot: &Snapshot) {
-        let finished = snapshot.cycle.part.as_ref().filter(|part| self.last_part != Some(part.ended_at));
-        if let Some(part) = finished {
+        let (last, finished) = (self.last_part, snapshot.cycle.part.as_ref());
+        // The operator has measured the last part meanwhile.
+        let typed = finished.filter(|part| last == Some(part.ended_at) && part.typed.is_some());
+        if let Some((part, shown)) = typed.zip(self.parts.back_mut()) {
+            *shown = FinishedPart::of(part, snapshot);
+        }
+        if let Some(part) = finished.filter(|part| last != Some(part.ended_at)) {
             self.last_part = Some(part.ended_at);
             self.parts.push_back(FinishedPart::of(part, snapshot));
             if self.parts.len() > MAX_PARTS {
