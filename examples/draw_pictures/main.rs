@@ -1,4 +1,4 @@
-//! Draws the page pictures B0001.BMP to B0014.BMP, B0100.BMP and B0801.BMP to B0803.BMP: wheel, part or diamond, with
+//! Draws the page pictures, and writes where each names its variables (D0001.RON …): B0001.BMP to B0014.BMP, B0100.BMP and B0801.BMP to B0803.BMP: wheel, part or diamond, with
 //! each macro variable of the page text. 200 × 400, 24 bit, uncompressed: 240 054 bytes (K5.12). Drawing style: H10.
 //!
 //! `cargo run --example draw_pictures [FOLDER]`, by default `screens`.
@@ -10,6 +10,7 @@ mod sheet;
 mod table;
 mod vertical;
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -18,7 +19,7 @@ use image::RgbaImage;
 use kt830::hmi::rasterizer::Rasterizer;
 use kt830::hmi::theme::{self, DARK};
 
-use sheet::Sheet;
+use sheet::{NamedPlace, Sheet};
 
 const SIZE: (u32, u32) = (200, 400);
 const BYTES: usize = 240_054;
@@ -59,24 +60,41 @@ fn main() -> ExitCode {
 
 /// Draws a picture and writes it to a file.
 fn save(path: &Path, drawing: Drawing) -> std::io::Result<()> {
-    let bytes = bitmap(&draw(drawing));
+    let (picture, labels) = draw(drawing);
+    let bytes = bitmap(&picture);
     assert_eq!(bytes.len(), BYTES, "a page picture has {BYTES} bytes");
-    std::fs::write(path, bytes)
+    std::fs::write(path, bytes)?;
+    // The picture of the dressing page belongs to no program.
+    let name = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_prefix('B'));
+    let Some(number) = name.and_then(|name| name.strip_suffix(".BMP")).filter(|_| !labels.is_empty()) else {
+        return Ok(());
+    };
+    let lines: String = labels.iter().map(line).collect();
+    std::fs::write(path.with_file_name(format!("D{number}.RON")), format!("[\n{lines}]\n"))
 }
 
-fn draw(drawing: Drawing) -> RgbaImage {
+fn line((name, area): &NamedPlace) -> String {
+    format!("    (variable: {name:?}, area: {area:?}),\n")
+}
+
+fn draw(drawing: Drawing) -> (RgbaImage, Vec<NamedPlace>) {
     let ctx = Context::default();
     theme::install(&ctx, &DARK);
     let area = Rect::from_min_size(Pos2::ZERO, vec2(SIZE.0 as f32, SIZE.1 as f32));
     let input = RawInput { screen_rect: Some(area), ..RawInput::default() };
-    let mut output = ctx.run_ui(input, |ui| drawing(&Sheet { painter: ui.painter().clone(), theme: DARK }));
+    let mut labels = Vec::new();
+    let mut output = ctx.run_ui(input, |ui| {
+        let sheet = Sheet { painter: ui.painter().clone(), theme: DARK, labels: RefCell::default() };
+        drawing(&sheet);
+        labels = sheet.labels.into_inner();
+    });
     let mut raster = Rasterizer::default();
     let mut delta = std::mem::take(&mut output.textures_delta);
     raster.update(&delta);
     delta.clear();
     let shapes = std::mem::take(&mut output.shapes);
     output.drop_without_applying_deltas();
-    raster.paint(&ctx.tessellate(shapes, 1.0), 1.0, SIZE, DARK.paper)
+    (raster.paint(&ctx.tessellate(shapes, 1.0), 1.0, SIZE, DARK.paper), labels)
 }
 
 /// The only BMP format that the control reads: BITMAPINFOHEADER, 24 bit, no compression, bottom row first.

@@ -1,13 +1,20 @@
 //! Drawing style of all page pictures (H10): outlines, hatched sections, centre lines, dimensions and variable numbers.
 
+use std::cell::RefCell;
+
 use egui::epaint::PathShape;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use kt830::defs::variable_name;
 use kt830::hmi::theme::{self, Theme};
 
-/// A picture: its painter and colours.
+/// The name of a variable, and its place: left, top, right, bottom.
+pub type NamedPlace = (String, (u16, u16, u16, u16));
+
+/// A picture: its painter and colours, and where it names variables.
 pub struct Sheet {
     pub painter: Painter,
     pub theme: Theme,
+    pub labels: RefCell<Vec<NamedPlace>>,
 }
 
 impl Sheet {
@@ -66,6 +73,24 @@ impl Sheet {
         let place = align.anchor_size(pos2(at.0, at.1), galley.size());
         self.painter.rect_filled(place.shrink2(vec2(-1.0, 3.0)), 0.0, self.theme.paper);
         self.painter.galley(place.min, galley, self.theme.paper_accent);
+        self.note(place, words);
+    }
+
+    /// Notes the variables that a label names: `#520`, `R28 R22`. Digits and letters are taken for equally wide.
+    fn note(&self, place: Rect, words: &str) {
+        let width = place.width() / words.chars().count().max(1) as f32;
+        let mut at = 0;
+        for word in words.split(' ') {
+            let from = at as f32;
+            at += word.chars().count() + 1;
+            if variable_name::parse(word).is_none() {
+                continue;
+            }
+            let x = |chars: f32| (place.min.x + chars * width).round().clamp(0.0, 200.0) as u16;
+            let y = |y: f32| y.round().clamp(0.0, 400.0) as u16;
+            let area = (x(from), y(place.min.y), x((at - 1) as f32), y(place.max.y));
+            self.labels.borrow_mut().push((word.to_owned(), area));
+        }
     }
 
     /// An axis letter on a blank background.

@@ -22,7 +22,9 @@ use crate::defs::program_error::ProgramError;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
-use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, programs_from_file};
+use crate::host::folders::{
+    named_programs_beside, parse_page_text, parse_picture, parse_picture_labels, programs_from_file,
+};
 use crate::host::headless_run::RunEnd;
 use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
@@ -47,6 +49,7 @@ enum CheckedFileKind {
     Program,
     PageText,
     Picture,
+    PictureLabels,
 }
 
 /// An error of a file.
@@ -108,13 +111,14 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
                 print_file(shared, path, parse_page_text(&name, &bytes).err(), &english_warnings(path, &name, &bytes))
             }
             CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err(), &[]),
+            CheckedFileKind::PictureLabels => print_file(shared, path, parse_picture_labels(&name, &bytes).err(), &[]),
         };
         status = status.max(found);
     }
     Ok(status)
 }
 
-/// `C0001.TXT`, `C0001.NC` are page texts, `.BMP` pictures, everything else programs.
+/// `C0001.TXT`, `C0001.NC` are page texts, `.BMP` pictures, `.RON` their variables, everything else programs.
 fn file_kind(name: &str) -> CheckedFileKind {
     let upper = name.to_ascii_uppercase();
     let page = upper
@@ -122,6 +126,7 @@ fn file_kind(name: &str) -> CheckedFileKind {
         .is_some_and(|rest| rest.len() > 4 && rest.as_bytes()[..4].iter().all(u8::is_ascii_digit));
     match upper.rsplit_once('.').map(|(_, extension)| extension) {
         Some("BMP") => CheckedFileKind::Picture,
+        Some("RON") => CheckedFileKind::PictureLabels,
         Some("TXT") => CheckedFileKind::PageText,
         _ if page => CheckedFileKind::PageText,
         _ => CheckedFileKind::Program,

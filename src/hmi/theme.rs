@@ -75,6 +75,8 @@ pub struct Theme {
     pub disabled: Color32,
     /// Frame of the selected field.
     pub focus: Color32,
+    /// Fill of the chosen place of a picture; the picture shines through.
+    pub glow: Color32,
     /// Running; lamp on.
     pub run: Color32,
     /// Feed hold; refusal.
@@ -125,6 +127,8 @@ pub const DARK: Theme = Theme {
     muted: rgb(0x9AA8B4),
     disabled: rgb(0x7E8994),
     focus: rgb(0x3B8EEA),
+    // Focus at 28 %.
+    glow: Color32::from_rgba_premultiplied(16, 40, 66, 71),
     run: rgb(0x2EBD74),
     hold: rgb(0xF2B134),
     alarm: rgb(0xE5484D),
@@ -154,6 +158,8 @@ pub const LIGHT: Theme = Theme {
     muted: rgb(0x44515C),
     disabled: rgb(0x56626D),
     focus: rgb(0x0B5CC0),
+    // Focus at 22 %.
+    glow: Color32::from_rgba_premultiplied(2, 20, 42, 56),
     run: rgb(0x0A6237),
     hold: rgb(0x7A4700),
     alarm: rgb(0xB3261E),

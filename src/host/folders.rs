@@ -12,17 +12,20 @@ use image::{ImageError, ImageFormat, ImageReader};
 use ropey::Rope;
 
 use super::shipped::{SHIPPED, Shipped};
+use serde::Deserialize;
+
 use crate::controller::{FilePart, Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
+use crate::defs::variable_name;
 use crate::defs::{page_text, program_kind, program_number};
-use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use crate::link::command::{FileFault, Picture, PictureLabel, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::program_uses::UnitUse;
 use crate::nc::{ProgramPart, Source, program_parts};
 use crate::store::{
     DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
-    PROGRAM, ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
+    PICTURE_LABELS, PROGRAM, ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
 };
 
 /// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
@@ -342,7 +345,12 @@ fn screen_files(folder: &Folder, number: u32) -> ScreenFiles {
             Err(fault) => english_fault = Some(fault),
         }
     }
-    ScreenFiles { text: text.map(Arc::new), english_fault, picture: picture(folder, number) }
+    let (labels, labels_fault) = match picture_labels(folder, number) {
+        Ok(labels) => (labels, None),
+        Err(fault) => (Vec::new(), Some(fault)),
+    };
+    let (text, picture) = (text.map(Arc::new), picture(folder, number));
+    ScreenFiles { text, english_fault, picture, labels, labels_fault }
 }
 
 /// Parses a page text in UTF-8 or GBK.
@@ -362,6 +370,58 @@ pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<page_text::PageText, 
 fn picture(folder: &Folder, number: u32) -> Result<Arc<Picture>, FileFault> {
     let found = read_page_file(folder, &PICTURE, number)?;
     parse_picture(&found.name, &found.bytes).map(Arc::new)
+}
+
+/// The places of the variables in a picture; none without the file.
+fn picture_labels(folder: &Folder, number: u32) -> Result<Vec<PictureLabel>, FileFault> {
+    if folder.find(&PICTURE_LABELS, number).is_err() {
+        return Ok(Vec::new());
+    }
+    let found = read_page_file(folder, &PICTURE_LABELS, number)?;
+    parse_picture_labels(&found.name, &found.bytes)
+}
+
+/// A row of D00nn.RON.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LabelRow {
+    /// `#520`, `R18`.
+    variable: String,
+    /// Left, top, right, bottom, pixels.
+    area: (u16, u16, u16, u16),
+}
+
+/// Parses the places of the variables in a picture: `[(variable: "#520", area: (left, top, right, bottom)), …]`, pixels.
+///
+/// # Errors
+/// The place in the file and what is wrong: no RON, no variable, an area without extent or outside the picture.
+pub fn parse_picture_labels(name: &str, bytes: &[u8]) -> Result<Vec<PictureLabel>, FileFault> {
+    let fault = |position: Option<(u32, u32)>, zh: String, en: String| FileFault {
+        file: name.to_owned(),
+        position,
+        message: LocalizedText::new(zh, en),
+    };
+    let rows: Vec<LabelRow> = ron::de::from_bytes(bytes).map_err(|wrong| {
+        let at = wrong.span.start;
+        let (zh, en) = (format!("格式错误：{}", wrong.code), format!("wrong format: {}", wrong.code));
+        fault(Some((at.line as u32, at.col as u32)), zh, en)
+    })?;
+    let (width, height) = PICTURE_SIZE;
+    let label = |LabelRow { variable: name, area }| {
+        let (left, top, right, bottom) = area;
+        if left >= right || top >= bottom || u32::from(right) > width || u32::from(bottom) > height {
+            let zh = format!("{name} 的区域应为 (左, 上, 右, 下)，在 {width}×{height} 点之内");
+            let en = format!("the area of {name} must be (left, top, right, bottom) within {width}×{height} pixels");
+            return Err(fault(None, zh, en));
+        }
+        let no_variable = || {
+            let (zh, en) =
+                (format!("{name} 不是变量，应如 #520、R18"), format!("{name} is no variable like #520 or R18"));
+            fault(None, zh, en)
+        };
+        variable_name::parse(&name).map(|variable| PictureLabel { variable, area }).ok_or_else(no_variable)
+    };
+    rows.into_iter().map(label).collect()
 }
 
 /// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed: 240 054 bytes, and padding behind

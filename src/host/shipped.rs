@@ -13,6 +13,7 @@ macro_rules! shipped {
                 (concat!("screens/C0", $page, ".TXT"), include_bytes!(concat!("../../screens/C0", $page, ".TXT"))),
                 (concat!("screens/C0", $page, ".EN.TXT"), include_bytes!(concat!("../../screens/C0", $page, ".EN.TXT"))),
                 (concat!("screens/B0", $page, ".BMP"), include_bytes!(concat!("../../screens/B0", $page, ".BMP"))),
+                (concat!("screens/D0", $page, ".RON"), include_bytes!(concat!("../../screens/D0", $page, ".RON"))),
             )*
             $((concat!("programs/O", $sub, ".NC"), include_bytes!(concat!("../../programs/O", $sub, ".NC"))),)*
             $(
@@ -22,6 +23,7 @@ macro_rules! shipped {
                     include_bytes!(concat!("../../screens/C0", $sheet, ".EN.TXT")),
                 ),
                 (concat!("screens/B0", $sheet, ".BMP"), include_bytes!(concat!("../../screens/B0", $sheet, ".BMP"))),
+                (concat!("screens/D0", $sheet, ".RON"), include_bytes!(concat!("../../screens/D0", $sheet, ".RON"))),
             )*
             ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
         ];

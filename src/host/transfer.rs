@@ -51,7 +51,7 @@ const PICTURE_MEMORY_LIMIT: u64 = 256 * 1024 * 1024;
 
 /// The class and number of a page file.
 fn parse_page_file(name: &str) -> Option<(&'static FileClass, u32)> {
-    static CLASSES: [FileClass; 3] = PAGE_FILES;
+    static CLASSES: [FileClass; 4] = PAGE_FILES;
     CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
 }
 

@@ -138,6 +138,19 @@ pub struct ScreenFiles {
     pub english_fault: Option<FileFault>,
     /// The picture, or its fault.
     pub picture: Result<Arc<Picture>, FileFault>,
+    /// Where the picture shows variables; empty without D00nn.RON.
+    pub labels: Vec<PictureLabel>,
+    /// The fault of D00nn.RON, if it has one; the picture then answers no touch.
+    pub labels_fault: Option<FileFault>,
+}
+
+/// Where a picture shows the number of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureLabel {
+    /// The variable.
+    pub variable: u16,
+    /// Left, top, right, bottom, pixels of the picture.
+    pub area: (u16, u16, u16, u16),
 }
 
 /// A page picture, 200 × 400 px, 24 bit, as PNG bytes. The pictures of all programs stay in memory; one is painted.

@@ -44,8 +44,17 @@ pub const PICTURE: FileClass = FileClass {
     comment_source: CommentSource::None,
 };
 
+/// Places of the variables in a picture, `D0001.RON`.
+pub const PICTURE_LABELS: FileClass = FileClass {
+    letter: 'D',
+    max_digits: DIGITS,
+    extensions: &["RON"],
+    limit: PAGE_TEXT_LIMIT,
+    comment_source: CommentSource::None,
+};
+
 /// The files of the pages.
-pub const PAGE_FILES: [FileClass; 3] = [PAGE_TEXT, PAGE_TEXT_EN, PICTURE];
+pub const PAGE_FILES: [FileClass; 4] = [PAGE_TEXT, PAGE_TEXT_EN, PICTURE, PICTURE_LABELS];
 
 /// A type of file: its names and its maximum size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

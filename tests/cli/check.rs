@@ -436,3 +436,15 @@ fn b2_the_table_of_codes_is_what_a_check_says() {
         assert!(text.contains("G0") && text.contains(word), "{text}");
     }
 }
+
+#[test]
+fn k7_3_the_numbers_of_a_picture_are_checked() {
+    let out = kt830(&["check", "screens/D0002.RON"]);
+    assert!(out.status.success(), "{out:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("D0002.RON");
+    std::fs::write(&path, "[\n    (variable: \"#520\", area: (0, 0, 400, 20)),\n]").unwrap();
+    let out = kt830(&["check", path.to_str().unwrap()]);
+    let told = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
+    assert!(!out.status.success() && told.contains("200×400"), "{told}");
+}

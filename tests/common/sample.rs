@@ -167,7 +167,13 @@ pub fn snapshot(page: Page) -> Snapshot {
         position: Some((fault.line, fault.column)),
         message: fault.message,
     });
-    let files = ScreenFiles { text, english_fault: None, picture: Ok(picture("B0001.BMP")) };
+    let files = ScreenFiles {
+        text,
+        english_fault: None,
+        picture: Ok(picture("B0001.BMP")),
+        labels: Vec::new(),
+        labels_fault: None,
+    };
     snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
     snapshot.directory = Arc::new(directory());
     for (index, row) in snapshot.offsets.tools.iter_mut().enumerate() {

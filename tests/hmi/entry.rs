@@ -39,7 +39,13 @@ fn open_page(text: &str) -> Screen {
     let mut machine = snapshot(Page::Grinding);
     let text = page_text::parse(text).map(Arc::new).expect("the sample is right");
     let picture = crate::sample::picture("B0001.BMP");
-    let files = ScreenFiles { text: Ok(text), english_fault: None, picture: Ok(picture) };
+    let files = ScreenFiles {
+        text: Ok(text),
+        english_fault: None,
+        picture: Ok(picture),
+        labels: Vec::new(),
+        labels_fault: None,
+    };
     machine.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: None });
     open(machine)
 }

@@ -30,6 +30,7 @@ mod panel;
 mod params;
 mod part_result;
 mod path_plot;
+mod picture_labels;
 mod process;
 mod program_list;
 mod reach;

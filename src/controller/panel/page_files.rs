@@ -135,6 +135,7 @@ impl Panel {
         let detail = match self.screens.find(shown) {
             Some(files) => [files.text.as_ref().err(), files.english_fault.as_ref(), files.picture.as_ref().err()]
                 .into_iter()
+                .chain([files.labels_fault.as_ref()])
                 .flatten()
                 .map(FileFault::full_message)
                 .reduce(|first, next| LocalizedText::phrase_of(BOTH_FILES, [], [first, next])),

@@ -30,14 +30,24 @@ pub fn note(view: &View<'_>, rect: Rect, words: &str) {
     view.fit_centre(line, words, theme::SECONDARY, view.theme.muted);
 }
 
+/// The frame of a picture in its column.
+fn picture_frame(rect: Rect) -> Rect {
+    let scale = (rect.width() / theme::PICTURE.x).min(1.0);
+    Rect::from_min_size(rect.min, theme::PICTURE * scale + vec2(2.0, 2.0))
+}
+
+/// Where [`picture`] paints the picture itself.
+pub fn picture_place(rect: Rect) -> Rect {
+    picture_frame(rect).shrink(1.0)
+}
+
 /// The picture of a page in its frame, as large as it fits; otherwise its file name and the fault.
 pub fn picture(rect: Rect, view: &View<'_>, texture: Option<TextureId>, file: &str, fault: Option<&FileFault>) {
-    let scale = (rect.width() / theme::PICTURE.x).min(1.0);
-    let place = Rect::from_min_size(rect.min, theme::PICTURE * scale + vec2(2.0, 2.0));
+    let place = picture_frame(rect);
     view.card(place);
     if let Some(texture) = texture {
         let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        view.painter.image(texture, place.shrink(1.0), full, theme::UNTINTED);
+        view.painter.image(texture, picture_place(rect), full, theme::UNTINTED);
         return;
     }
     let words = match fault {

@@ -3,6 +3,8 @@
 
 mod dressing_line;
 mod part_card;
+mod picture_column;
+mod picture_labels;
 
 use std::sync::Arc;
 
@@ -14,21 +16,18 @@ use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::Lang;
-use crate::hmi::scene::{self, MachineScene, Magnifier};
 use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::{
-    Area, EditKey, FieldEditor, KeycapState, PageKey, ValueField, View, keycap, page_frame as lines, pictogram, theme,
-    widget,
+    Area, EditKey, FieldEditor, KeycapState, ValueField, View, keycap, page_frame as lines, pictogram, theme, widget,
 };
 use crate::link::command::{FileFault, Picture, ScreenFiles};
 use crate::link::snapshot::AlarmView;
 use crate::link::{Command, Snapshot};
 use crate::units::Micros;
+use picture_column::PictureColumn;
 
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
-/// Least height of the view of the contact below the picture.
-const LEAST_CONTACT_VIEW: f32 = 90.0;
 /// Lines for which the fields have room at least: few fields are not larger than many.
 const LEAST_LINES: usize = 8;
 /// Gap between two fields.
@@ -159,12 +158,8 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
         out.push(Command::ShowGrindingSheet(view.snapshot.grinding_sheet.0 + 1));
     }
     position_column(places.left, view);
-    show_picture(places.picture, view, shown, files, picture);
-    part.poll_answer(view);
-    let shows_contact = part.shown(view.snapshot).is_none() && contact_view(places.picture, view);
-    if !shows_contact && design_key(places.picture, view, part, out) {
-        out.push(Command::OpenPage(Page::Designer));
-    }
+    let column = PictureColumn { rect: places.picture, view, number: shown, files, texture: picture };
+    column.ui(entry, part, out);
     match files.map(|files| &files.text) {
         Some(Ok(text)) => {
             let title = places.title.trim_right(if several { 104.0 } else { 0.0 });
@@ -205,39 +200,6 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
             empty::show(view, places.body, pictogram::NO_PAGE, &what, remedy);
         }
     }
-}
-
-/// Below the picture: the part of the last cycle, and the key of the page designer where there is room; true if the key
-/// is touched.
-fn design_key(column: Rect, view: &View<'_>, part: &mut part_card::PartCard, out: &mut Vec<Command>) -> bool {
-    let key = column.with_min_y(column.max.y - 48.0);
-    let below = column.min.y + theme::PICTURE.y + theme::GAP;
-    let mut room = key.min.y > below;
-    if part.shown(view.snapshot).is_some() {
-        room &= key.min.y - theme::GAP - part_card::HEIGHT > below;
-        let bottom = if room { key.min.y - theme::GAP } else { column.max.y };
-        // Where there is no room below the picture the card stands in its place.
-        let top = (bottom - part_card::HEIGHT).max(column.min.y);
-        let top = if top < below { column.min.y } else { top };
-        part.ui(Rect::from_min_max(pos2(column.min.x, top), pos2(column.max.x, bottom)), view, out);
-    }
-    room && widget::button(view, key, PageKey::new("design-page", view.text("页面设计", "PAGE DESIGN")))
-}
-
-/// Below the picture while a run is open: the contact of the wheel, magnified, or the machine where the wheel is away; as
-/// large as there is room. Returns whether something is shown.
-fn contact_view(column: Rect, view: &View<'_>) -> bool {
-    let room = column.with_min_y(column.min.y + theme::PICTURE.y + theme::GAP);
-    let shown = view.snapshot.program.is_open && room.height() >= LEAST_CONTACT_VIEW;
-    let Some(scene) = MachineScene::of(view.snapshot).filter(|_| shown) else { return false };
-    match Magnifier::of(&scene, view.snapshot) {
-        Some(magnifier) => magnifier.paint(room, view),
-        None => {
-            view.card(room);
-            scene::paint_follow(room.shrink(theme::FRAME), view);
-        }
-    }
-    true
 }
 
 /// The left and the right column of fields.
