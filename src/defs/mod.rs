@@ -36,4 +36,5 @@ pub mod start_step;
 pub mod system_variable;
 pub mod text;
 pub mod turning_tool;
+pub mod value_bound;
 pub mod variable_name;

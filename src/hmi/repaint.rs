@@ -168,8 +168,19 @@ fn volts_differ(painted: &[f64; 2], newest: &[f64; 2]) -> bool {
 
 /// The text is compared by its memory and its stamp: a million lines are not read 30 times a second.
 fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
-    let ProgramView { number, text, stamp, has_invalid_bytes, block_program, subprogram_text, line, block, is_open } =
-        newest;
+    // The bounds are part of the text.
+    let ProgramView {
+        number,
+        text,
+        bounds: _,
+        stamp,
+        has_invalid_bytes,
+        block_program,
+        subprogram_text,
+        line,
+        block,
+        is_open,
+    } = newest;
     let same_subprogram = match (subprogram_text, &painted.subprogram_text) {
         (Some(newest), Some(painted)) => newest.is_instance(painted),
         (newest, painted) => newest.is_none() && painted.is_none(),

@@ -40,7 +40,7 @@ pub struct PartResult {
     pub typed: Option<f64>,
     /// A gauge has ended an infeed of the cycle by its signal: the size is that of its setting.
     pub gauged: bool,
-    /// The tool offset in force at the end of the cycle.
+    /// The tool offset in force at the end of the cycle; none once it has been changed otherwise.
     pub offset: Option<OffsetInForce>,
     /// What the operator has added to the wear of that offset because of this part, mm as displayed.
     pub corrected: Option<f64>,
@@ -55,6 +55,8 @@ pub struct OffsetInForce {
     pub axis: Axis,
     /// Displayed value of a millimetre of that axis: 2 for diameters.
     pub displayed_per_mm: f64,
+    /// Geometry and wear of that axis, mm: a correction is for this offset alone.
+    pub offset_mm: f64,
 }
 
 /// What the operator does with the part of the last cycle.

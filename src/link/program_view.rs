@@ -1,6 +1,10 @@
 //! The current program and its running block, as pages show them. Source: spec B6, K7.2.
 
+use std::sync::Arc;
+
 use ropey::Rope;
+
+use crate::defs::value_bound::{ValueBound, ValueRange};
 
 /// The current program.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,6 +13,8 @@ pub struct ProgramView {
     pub number: u32,
     /// Its text as displayed. Copies share memory.
     pub text: Rope,
+    /// The bounds that it names for the values of its page. Copies share memory.
+    pub bounds: Arc<[ValueBound]>,
     /// Checksum of the file; it changes with the text.
     pub stamp: u64,
     /// The file has bytes that are neither UTF-8 nor GBK.
@@ -26,6 +32,12 @@ pub struct ProgramView {
 }
 
 impl ProgramView {
+    /// The range of a variable by the bounds of the program.
+    #[must_use]
+    pub fn range_of(&self, variable: u16, variables: &[Option<f64>]) -> ValueRange {
+        ValueRange::of(variable, &self.bounds, |other| variables.get(usize::from(other)).copied().flatten())
+    }
+
     /// Whether a subprogram is being executed.
     #[must_use]
     pub const fn in_subprogram(&self) -> bool {

@@ -23,6 +23,7 @@ use crate::defs::alarm::USER_ALARM_FIRST;
 use crate::defs::page_text::is_allowed_on_page;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, SharedWords, Words};
+use crate::defs::value_bound::{BoundLimit, BoundSide, ValueBound};
 
 /// What the rows of a program belong to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,14 +62,7 @@ const ROW_WORDS: [(&str, RowKind); 5] = [
 struct VariableRule {
     variable: u16,
     /// The comparison and what it compares with; none: the variable is named without a rule.
-    must: Option<(Comparison, Limit)>,
-}
-
-/// What a variable is compared with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Limit {
-    Number(f64),
-    Variable(u16),
+    must: Option<(Comparison, BoundLimit)>,
 }
 
 /// What a program says of an alarm that it raises with `#3000`.
@@ -98,10 +92,38 @@ impl VariableRule {
         let Some((comparison, limit)) = self.must else { return true };
         let value_of = |variable| value_of(variable).unwrap_or(0.0);
         let limit = match limit {
-            Limit::Number(number) => number,
-            Limit::Variable(variable) => value_of(variable),
+            BoundLimit::Number(number) => number,
+            BoundLimit::Variable(variable) => value_of(variable),
         };
         comparison.holds(value_of(self.variable), limit)
+    }
+
+    /// The bounds that the rule is, of its variable and of a variable that this is compared with; none for = and ≠.
+    fn bounds(&self) -> impl Iterator<Item = ValueBound> + use<> {
+        let bound = self.bound();
+        let mirrored = bound.and_then(|bound| match bound.limit {
+            BoundLimit::Number(_) => None,
+            BoundLimit::Variable(variable) => {
+                let side = match bound.side {
+                    BoundSide::Least => BoundSide::Most,
+                    BoundSide::Most => BoundSide::Least,
+                };
+                Some(ValueBound { variable, side, limit: BoundLimit::Variable(bound.variable), ..bound })
+            }
+        });
+        bound.into_iter().chain(mirrored)
+    }
+
+    fn bound(&self) -> Option<ValueBound> {
+        let (comparison, limit) = self.must?;
+        let (side, is_strict) = match comparison {
+            Comparison::Ge => (BoundSide::Least, false),
+            Comparison::Gt => (BoundSide::Least, true),
+            Comparison::Le => (BoundSide::Most, false),
+            Comparison::Lt => (BoundSide::Most, true),
+            Comparison::Eq | Comparison::Ne => return None,
+        };
+        Some(ValueBound { variable: self.variable, side, is_strict, limit })
     }
 }
 
@@ -140,6 +162,8 @@ pub(crate) struct MessageTexts {
     entries: Vec<MessageEntry>,
     /// Lines, from 1, of rows that are not understood.
     bad_rows: Vec<u32>,
+    /// The bounds of values that its alarms name.
+    bounds: Arc<[ValueBound]>,
 }
 
 impl MessageTexts {
@@ -158,6 +182,8 @@ impl MessageTexts {
             (entry.help.cause, entry.help.remedy) =
                 (SharedWords::either(cause_zh, cause_en), SharedWords::either(remedy_zh, remedy_en));
         }
+        let rules = texts.entries.iter().flat_map(|entry| &entry.help.rules);
+        texts.bounds = rules.flat_map(VariableRule::bounds).collect();
         texts
     }
 
@@ -191,6 +217,11 @@ impl MessageTexts {
     /// The English title.
     pub(super) fn english_title(&self) -> Option<&str> {
         self.find(&MessageKey::Title).map(|entry| entry.english.as_str()).filter(|title| !title.is_empty())
+    }
+
+    /// The bounds of values that the alarms of the program name.
+    pub(super) const fn bounds(&self) -> &Arc<[ValueBound]> {
+        &self.bounds
     }
 
     /// What the program says of an alarm, 3000 to 3999.
@@ -353,8 +384,8 @@ fn variable_rules(head: &str) -> Option<(Vec<VariableRule>, &str)> {
             Some(comparison) => {
                 words.next();
                 let limit = words.next()?;
-                let number = || limit.parse().ok().filter(|number: &f64| number.is_finite()).map(Limit::Number);
-                Some((comparison, self::variable(limit).map(Limit::Variable).or_else(number)?))
+                let number = || limit.parse().ok().filter(|number: &f64| number.is_finite()).map(BoundLimit::Number);
+                Some((comparison, self::variable(limit).map(BoundLimit::Variable).or_else(number)?))
             }
         };
         rules.push(VariableRule { variable, must });

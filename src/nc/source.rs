@@ -12,6 +12,7 @@ use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_
 use crate::defs::kind::Dialect;
 use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
+use crate::defs::value_bound::ValueBound;
 
 /// The UTF-8 byte order mark that some editors write.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
@@ -117,6 +118,12 @@ impl Source {
     #[must_use]
     pub fn english_title(&self) -> Option<&str> {
         self.texts.english_title()
+    }
+
+    /// The bounds of values that its alarms name.
+    #[must_use]
+    pub const fn value_bounds(&self) -> &Arc<[ValueBound]> {
+        self.texts.bounds()
     }
 
     /// What the program says of an alarm that it raises, 3000 to 3999.

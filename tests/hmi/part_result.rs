@@ -324,3 +324,67 @@ fn k4_1_the_corrected_wheel_grinds_the_next_part_into_the_middle() {
     let size = part.judged_size(snapshot.simulated.as_deref()).expect("a size").mm();
     assert!((size - 40.0).abs() < 0.003 && bench.shows("合格"), "{size}");
 }
+
+#[test]
+fn k4_1_an_offset_that_was_changed_since_is_not_corrected_by_the_part() {
+    let mut bench = bench("T0101\nG04 P100");
+    tell(&mut bench.rig, "set #521 = 40.28");
+    run(&mut bench);
+    assert!(bench.shows("采用 X"));
+    // The operator has corrected it by hand on the dressing page.
+    bench.rig.send(Command::OpenPage(Page::Dressing));
+    bench.rig.send(Command::AddWear { number: 1, axis: Axis::X, increment: -0.02 });
+    bench.turn();
+    bench.rig.send(Command::OpenPage(Page::Grinding));
+    bench.turn();
+    assert!(!bench.shows("采用 X") && bench.shows("工件 1"), "{:?}", bench.painted());
+    let (part, before) = (bench.rig.snapshot().cycle.part.expect("a part"), wear(&mut bench));
+    bench.rig.send(Command::Part(PartCommand::Correct { ended_at: part.ended_at, increment: -0.02 }));
+    bench.turn();
+    assert_eq!(wear(&mut bench).to_bits(), before.to_bits());
+    assert!(bench.shows("不由刀补决定"), "{:?}", bench.painted());
+}
+
+#[test]
+fn k4_1_in_a_run_and_beyond_its_range_no_correction_is_taken() {
+    let mut bench = bench("T0101\nG04 P1500");
+    tell(
+        &mut bench.rig,
+        "set #521 = 40.28\nparam P390 2\nmode auto\nkey cycle-start\nwait 2.5 s\nexpect state running",
+    );
+    let part = bench.rig.snapshot().cycle.part.expect("the part of the first pass");
+    let before = wear(&mut bench);
+    let correct = |increment| Command::Part(PartCommand::Correct { ended_at: part.ended_at, increment });
+    bench.rig.send(correct(-0.02));
+    bench.turn();
+    assert_eq!(wear(&mut bench).to_bits(), before.to_bits());
+    assert!(bench.shows("P6.3"), "{:?}", bench.painted());
+    tell(&mut bench.rig, "wait until idle max 20 s");
+    let ended_at = bench.rig.snapshot().cycle.part.expect("a part").ended_at;
+    bench.rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.201 }));
+    bench.turn();
+    assert_eq!(wear(&mut bench).to_bits(), before.to_bits());
+    assert!(bench.shows("一次修正最大"));
+}
+
+#[test]
+fn h6_a_touched_value_ends_the_typing_of_a_size() {
+    let mut bench = bench("T0101\nG04 P100");
+    tell(&mut bench.rig, "set #521 = 40.3");
+    run(&mut bench);
+    bench.touch("输入实测尺寸 type-size");
+    assert!(bench.shows("实测 工件 1 ="));
+    bench.touch("毛坯直径 #520");
+    assert!(bench.shows("数据输入: #520=") && !bench.shows("实测 工件 1 ="), "{:?}", bench.painted());
+    bench.write("40.4");
+    bench.press(egui::Key::Enter);
+    assert_eq!(bench.rig.snapshot().variables[520], Some(40.4));
+    assert!(bench.rig.snapshot().cycle.part.expect("a part").typed.is_none());
+    // And the other way round, once the pad is closed that lies on the card.
+    bench.press(egui::Key::Escape);
+    bench.touch("输入实测尺寸 type-size");
+    bench.write("40.29");
+    bench.press(egui::Key::Enter);
+    assert_eq!(bench.rig.snapshot().cycle.part.expect("a part").typed, Some(40.29));
+    assert_eq!(bench.rig.snapshot().variables[520], Some(40.4));
+}

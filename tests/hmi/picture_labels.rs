@@ -180,3 +180,24 @@ fn k7_2_the_part_of_the_last_cycle_covers_the_picture_and_its_numbers() {
     bench.turn();
     assert!(bench.screen.query_by_label("picture-labels").is_none());
 }
+
+#[test]
+fn h6_the_range_of_a_value_is_that_of_its_program() {
+    let mut bench = bench(ready(), "load O1002\npart assets/parts/O1002.ron");
+    for (variable, range) in [(521, "范围 > 0，< 40.3 ·"), (520, "范围 > 40，< 60 ·"), (523, "范围 ±99999.999 ·")]
+    {
+        let at = number_in_picture(&bench, variable);
+        bench.tap(at);
+        assert!(bench.shows(range), "#{variable}: {:?}", bench.painted());
+        bench.press(egui::Key::Escape);
+    }
+    // The range follows the other value.
+    tell(&mut bench.rig, "set #521 = 40.1");
+    let at = number_in_picture(&bench, 520);
+    bench.tap(at);
+    assert!(bench.shows("范围 > 40.1，< 60 ·"), "{:?}", bench.painted());
+    // Another program has other bounds; without any the value is free.
+    tell(&mut bench.rig, "load O1001");
+    bench.turn();
+    assert!(!bench.shows("> 40.1"));
+}

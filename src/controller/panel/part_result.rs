@@ -7,11 +7,18 @@ use crate::controller::plant::{FinishedCycle, Plant};
 use crate::defs::text::{Text, phrase};
 use crate::link::cycle::CycleView;
 use crate::link::part_result::{MAX_CORRECTION, OffsetInForce, PartCommand, PartResult, SizeValues, TYPED_SIZE_RANGE};
+use crate::units::Axis;
 
 const NO_PART: Text = Text::new("没有这一件的结果", "there is no result of this part");
 const NO_NOMINAL: Text = Text::new("这一件没有公称尺寸", "the part has no nominal size");
 const CORRECTED: Text = Text::new("这一件已经修正过", "this part has been corrected already");
 const NO_OFFSET: Text = Text::new("这一件的尺寸不由刀补决定", "no offset decides the size of this part");
+
+/// Geometry and wear of an axis in a tool offset, mm; none for offset 0.
+fn offset_mm(plant: &Plant, number: usize, axis: Axis) -> Option<f64> {
+    let (index, offsets) = (number.checked_sub(1)?, &plant.work.offsets);
+    Some(offsets.geometry.get(index)?[axis] + offsets.wear.get(index)?[axis])
+}
 
 impl Panel {
     /// Takes the result at the end of a cycle; a cycle start by the operator clears it.
@@ -22,6 +29,14 @@ impl Panel {
             self.part_result = cycle.map(|cycle| self.result_of(plant, cycle));
             let finished = self.part_result.map(|part| (part.program, part.times));
             self.cycle_before = finished.or(self.cycle_before);
+        }
+        // The part says nothing of an offset that was changed since: typed, set by another wheel.
+        if let Some(part) = self.part_result.as_mut().filter(|part| part.corrected.is_none()) {
+            let is_same = |offset: &OffsetInForce| {
+                offset_mm(plant, offset.number, offset.axis)
+                    .is_some_and(|now| now.to_bits() == offset.offset_mm.to_bits())
+            };
+            part.offset = part.offset.filter(is_same);
         }
     }
 
@@ -43,10 +58,10 @@ impl Panel {
         let variable = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
         let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable };
         let (nominal, measured) = (values.nominal(), values.measured());
-        let offset = (plant.work.offsets.tool_offset > 0).then(|| {
-            let axis = plant.kind.row().wheel_axis;
+        let (number_in_force, axis) = (plant.work.offsets.tool_offset, plant.kind.row().wheel_axis);
+        let offset = offset_mm(plant, number_in_force, axis).map(|offset_mm| {
             let displayed_per_mm = plant.displayed_per_mm(axis);
-            OffsetInForce { number: plant.work.offsets.tool_offset, axis, displayed_per_mm }
+            OffsetInForce { number: number_in_force, axis, displayed_per_mm, offset_mm }
         });
         let gauged = plant.execution.gauged;
         let (typed, corrected) = (None, None);

@@ -95,6 +95,7 @@ impl Panel {
         match program {
             Some(program) if !out.program.text.is_instance(&program.text) => {
                 out.program.text.clone_from(&program.text);
+                out.program.bounds.clone_from(program.source.value_bounds());
                 (out.program.stamp, out.program.has_invalid_bytes) = (program.stamp, program.has_invalid_bytes);
             }
             Some(_) => {}

@@ -8,7 +8,7 @@ mod picture_labels;
 
 use std::sync::Arc;
 
-use egui::{Rect, TextureId, pos2, vec2};
+use egui::{Rect, Stroke, TextureId, pos2, vec2};
 
 use super::position::{self, PositionGroup};
 use super::start_strip::{self, StartStrip};
@@ -30,6 +30,8 @@ use picture_column::PictureColumn;
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
 /// Lines for which the fields have room at least: few fields are not larger than many.
 const LEAST_LINES: usize = 8;
+/// Space beside the scale of a field.
+const SCALE_PAD: f32 = 10.0;
 /// Gap between two fields.
 const LINE_GAP: f32 = 4.0;
 /// Width of a value with its unit beside its label.
@@ -181,6 +183,9 @@ fn page(shown: u32, state: &mut GrindingPage, mut ctx: PageContext<'_>) {
                 dressing_line::paint(line, view, text);
             }
             fields(body, view, [&text.left, &text.right], entry);
+            if entry.editor.pad_open {
+                part.stop_typing();
+            }
             match part.shown(view.snapshot).filter(|_| part.types_size) {
                 Some(result) => {
                     let (label, range) = part_card::prompt(view, result);
@@ -269,12 +274,31 @@ fn fields(body: Rect, view: &View<'_>, columns: Columns<'_>, entry: &mut Variabl
         }
         keycap::field(view, place, &response);
         field(place, view, row, layout, (entry.cursor == index).then_some(&entry.editor));
+        range_scale(place, view, row);
         let refused = view.snapshot.start_guide.refused_variable();
         let wrong = view.snapshot.alarms.iter().map(|alarm| alarm.variable).chain([refused]);
         if wrong.flatten().any(|variable| variable == row.variable) {
             view.edge_bar(place, view.theme.alarm);
         }
     }
+}
+
+/// A thin scale at the foot of a field whose value the program bounds on both sides, with the value as a mark.
+fn range_scale(place: Rect, view: &View<'_>, row: &PageTextRow) {
+    let variables = &*view.snapshot.variables;
+    let range = view.snapshot.program.range_of(row.variable, variables);
+    let Some(((least, _), (most, _))) = range.least.zip(range.most).filter(|((least, _), (most, _))| least < most)
+    else {
+        return;
+    };
+    let Some(value) = variables.get(usize::from(row.variable)).copied().flatten() else { return };
+    let line = place.trim_sides(SCALE_PAD);
+    let y = place.max.y - 3.0;
+    view.painter.hline(line.x_range(), y, Stroke::new(theme::HAIRLINE, view.theme.muted));
+    let part = ((value - least) / (most - least)).clamp(0.0, 1.0) as f32;
+    let at = pos2(line.min.x + line.width() * part, y);
+    let (size, ink) = if range.holds(value) { (5.0, view.theme.info) } else { (8.0, view.theme.hold) };
+    view.painter.rect_filled(Rect::from_center_size(at, vec2(size, size)), 1.0, ink);
 }
 
 /// Width of a label in one line.
@@ -379,7 +403,11 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, text: &Pa
         if let Some(note) = note.filter(|_| !view.snapshot.values_locked()) {
             return (note, None);
         }
-        let range = view.range_and_old(variable_entry::range(row.variable).get(view.lang), &view.page_value(row));
+        let snapshot = view.snapshot;
+        let by_program = snapshot.program.range_of(row.variable, &*snapshot.variables).words(view.lang);
+        let words =
+            if by_program.is_empty() { variable_entry::range(row.variable).get(view.lang) } else { &by_program };
+        let range = view.range_and_old(words, &view.page_value(row));
         input_line::range_in_run(view, &range)
     });
     let range = view.fit_right(rest, &told, theme::LABEL, told_ink.unwrap_or(ink));

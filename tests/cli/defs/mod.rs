@@ -21,4 +21,5 @@ mod soft_key;
 mod system_variable;
 mod text;
 mod turning_tool;
+mod value_bound;
 mod variable_name;

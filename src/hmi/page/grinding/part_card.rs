@@ -17,7 +17,9 @@ use crate::link::{Command, Snapshot};
 use crate::units::Micros;
 
 /// Height of the card with everything in it, points.
-pub const HEIGHT: f32 = 392.0;
+pub const HEIGHT: f32 = 412.0;
+/// Height of the line with number, time and the key that closes the card.
+const HEAD_HEIGHT: f32 = 46.0;
 /// Cycles that a new one is compared with.
 const CYCLES: usize = 20;
 /// Height of what the size says of the offset.
@@ -74,7 +76,8 @@ impl PartCard {
         }
     }
 
-    fn stop_typing(&mut self) {
+    /// Another value is typed, or none.
+    pub fn stop_typing(&mut self) {
         (self.types_size, self.editor) = (false, FieldEditor::default());
     }
 
@@ -112,7 +115,7 @@ impl PartCard {
         view.edge_bar(rect, ink);
         let inside = rect.shrink2(vec2(10.0, 5.0));
         let closes = head(inside, view, part, &verdict);
-        let (rest, keys) = inside.trim_top(26.0).split_bottom(keys_height(view, part));
+        let (rest, keys) = inside.trim_top(HEAD_HEIGHT).split_bottom(keys_height(view, part));
         let (mut rest, told) = rest.split_bottom(ADVICE_HEIGHT);
         advice(told, view, part);
         let mut next = |height: f32| {
@@ -128,7 +131,7 @@ impl PartCard {
         next(62.0).inspect(|row| self.cycle_times(*row, view));
         let (taken, typing) = keys_ui(keys, view, part, self.types_size);
         out.extend(taken.map(Command::Part));
-        if typing {
+        if typing && !self.types_size {
             self.types_size = true;
             self.editor.open_pad();
         }
@@ -164,11 +167,11 @@ impl PartCard {
 
 /// Number and time of the part, and the key that closes the card; true if it is touched.
 fn head(inside: Rect, view: &View<'_>, part: &PartResult, verdict: &str) -> bool {
-    let corner = vec2(theme::TOUCH_TARGET, 30.0);
-    let key = Rect::from_min_size(pos2(inside.max.x - corner.x, inside.min.y - 3.0), corner);
+    let corner = vec2(theme::TOUCH_TARGET, theme::TOUCH_TARGET);
+    let key = Rect::from_min_size(pos2(inside.max.x - corner.x + theme::GAP, inside.min.y - 1.0), corner);
     let response = keycap::plain(view, key, "part-result", format!("{verdict} part-result"));
     view.line_centre(key, "×", theme::TITLE, view.theme.text);
-    let line = inside.band(0.0, 24.0).with_max_x(key.min.x - theme::GAP);
+    let line = inside.band(0.0, HEAD_HEIGHT).with_max_x(key.min.x - theme::GAP);
     let words = format!("{} {}", view.text("工件", "part"), part.number);
     let taken = view.line_right(line, &format_cycle_time(part.times.seconds), theme::LABEL, view.theme.text);
     view.fit_left(line.with_max_x(taken.min.x - theme::GAP), &words, theme::LABEL, view.theme.muted);

@@ -42,6 +42,8 @@ impl PictureColumn<'_> {
                 entry.select(field);
             }
         }
+        // Of size and value one is typed.
+        let was_typing = part.types_size;
         if !has_part && contact_view(rect, view) {
             return;
         }
@@ -51,6 +53,9 @@ impl PictureColumn<'_> {
         }
         if design_key(rect, view, part, out) {
             out.push(Command::OpenPage(Page::Designer));
+        }
+        if part.types_size && !was_typing {
+            entry.editor.pad_open = false;
         }
     }
 }
