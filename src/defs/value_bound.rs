@@ -86,10 +86,11 @@ impl ValueRange {
     /// `0 … 1000`, `> 0`, `> 0, ≤ 0.05`; empty if nothing is bounded.
     #[must_use]
     pub fn words(&self, lang: Lang) -> String {
-        let end = |strict: bool, signs: [&str; 2], limit: f64| format!("{} {limit}", signs[usize::from(strict)]);
+        let end =
+            |strict: bool, signs: [&str; 2], limit: f64| format!("{} {}", signs[usize::from(strict)], short(limit));
         let comma = if lang == Lang::Zh { "，" } else { ", " };
         match (self.least, self.most) {
-            (Some((least, false)), Some((most, false))) => format!("{least} … {most}"),
+            (Some((least, false)), Some((most, false))) => format!("{} … {}", short(least), short(most)),
             (least, most) => {
                 let least = least.map(|(limit, strict)| end(strict, ["≥", ">"], limit));
                 let most = most.map(|(limit, strict)| end(strict, ["≤", "<"], limit));
@@ -97,4 +98,10 @@ impl ValueRange {
             }
         }
     }
+}
+
+/// A limit with at most four decimals, without zeros behind them.
+fn short(limit: f64) -> String {
+    let text = format!("{limit:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

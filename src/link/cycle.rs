@@ -19,12 +19,15 @@ pub struct CycleView {
 }
 
 impl CycleView {
-    /// Time that is left by the cycle before, s: of each phase what the cycle before took longer. A dressing of the cycle
-    /// before counts only while this one dresses, for not every part is preceded by one. None without a cycle before.
+    /// Time that is left by the cycle before, s: of each phase what the cycle before took longer. Dressing and measuring of the
+    /// cycle before count only while this one dresses or measures, for not every part is preceded by them. None without a cycle before.
     #[must_use]
     pub fn seconds_left(&self) -> Option<f64> {
         let before = self.before.filter(|before| before.seconds > 0.0)?;
-        let is_ahead = |phase: &GrindingPhase| *phase != GrindingPhase::Dressing || self.phase == Some(*phase);
+        let is_ahead = |phase: &GrindingPhase| {
+            let recurs = !matches!(phase, GrindingPhase::Dressing | GrindingPhase::Measuring);
+            recurs || self.phase == Some(*phase)
+        };
         let of_phase = |phase: GrindingPhase| (before.phase(phase) - self.times.phase(phase)).max(0.0);
         let outside = (before.outside_phases() - self.times.outside_phases()).max(0.0);
         Some(outside + GrindingPhase::ALL.into_iter().filter(is_ahead).map(of_phase).sum::<f64>())

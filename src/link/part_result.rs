@@ -13,7 +13,7 @@ use crate::units::{Axis, Micros};
 /// The nominal size of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NominalSize {
-    /// What is measured; `None` if only a parameter names the size.
+    /// What is measured; `None` if only a parameter names the size, and the page does not say what it is.
     pub kind: Option<SizeKind>,
     /// Nominal size, mm.
     pub mm: f64,
@@ -40,6 +40,8 @@ pub struct PartResult {
     pub typed: Option<f64>,
     /// A gauge has ended an infeed of the cycle by its signal: the size is that of its setting.
     pub gauged: bool,
+    /// The wheel was never dressed, or for this part: what is off is no wear that a dressing takes back.
+    pub is_wheel_fresh: bool,
     /// The tool offset in force at the end of the cycle; none once it has been changed otherwise.
     pub offset: Option<OffsetInForce>,
     /// What the operator has added to the wear of that offset because of this part, mm as displayed.
@@ -55,15 +57,20 @@ pub struct OffsetInForce {
     pub axis: Axis,
     /// Displayed value of a millimetre of that axis: 2 for diameters.
     pub displayed_per_mm: f64,
-    /// Geometry and wear of that axis, mm: a correction is for this offset alone.
-    pub offset_mm: f64,
+    /// Machine coordinate of the work zero of that axis, mm, with the offset: a correction is for this one alone.
+    pub work_zero: f64,
 }
 
 /// What the operator does with the part of the last cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartCommand {
-    /// Types the size that was measured, mm.
-    TypeSize(f64),
+    /// Types the size that was measured.
+    TypeSize {
+        /// The end of the cycle of the part that was measured.
+        ended_at: Micros,
+        /// mm.
+        mm: f64,
+    },
     /// Takes over a correction.
     Correct {
         /// The end of the cycle of the part that the correction is for.
@@ -91,6 +98,8 @@ pub enum CorrectionAdvice {
     Centred,
     /// A gauge or the program has measured it: its setting decides the size, and the program corrects the offset.
     ByGauge,
+    /// The wheel has worn since its dressing: an offset that is corrected for wear is wrong after the next dressing.
+    MayBeWear,
     /// Farther off than an offset explains, mm as displayed.
     TooFar(f64),
     /// To add to the wear of the offset in force, mm as displayed.
@@ -122,7 +131,14 @@ impl<V: Fn(u16) -> Option<f64>> SizeValues<'_, V> {
     /// Nominal size and limits: P376 to P378, else what the page names.
     #[must_use]
     pub fn nominal(&self) -> Option<NominalSize> {
-        let by_param = self.of_param(param::TREND_NOMINAL_VARIABLE).map(|variable| (None, variable));
+        let kind_on_page = |variable: u16| {
+            self.page?.rows().filter(|row| row.variable == variable).find_map(|row| match row.meaning() {
+                Some(PageMeaning::Nominal(kind)) => Some(kind),
+                _ => None,
+            })
+        };
+        let of_param = self.of_param(param::TREND_NOMINAL_VARIABLE);
+        let by_param = of_param.map(|variable| (kind_on_page(variable), variable));
         let of_page = || self.page?.nominal().map(|(kind, variable)| (Some(kind), variable));
         let (kind, variable) = by_param.or_else(of_page)?;
         let mm = (self.variable)(variable)?;
@@ -185,7 +201,9 @@ impl NominalSize {
         };
         let worst = on_surface().max_by(|a, b| excess(a).total_cmp(&excess(b)))?;
         let keeps_elsewhere = on_surface().any(|size| self.keeps(size.mm) == Some(true));
-        Some(ComparedSize { worst, keeps_elsewhere })
+        let least_of = |(low, high): (f64, f64), size: &PartSize| (low.min(size.mm), high.max(size.mm));
+        let spread = on_surface().fold((f64::INFINITY, f64::NEG_INFINITY), least_of);
+        Some(ComparedSize { worst, keeps_elsewhere, spread })
     }
 }
 
@@ -196,6 +214,8 @@ pub struct ComparedSize<'a> {
     pub worst: &'a PartSize,
     /// Some place of the surface is within the limits.
     pub keeps_elsewhere: bool,
+    /// Least and greatest size of the surface, mm.
+    pub spread: (f64, f64),
 }
 
 /// The size by which a part is judged.
@@ -210,6 +230,17 @@ pub enum JudgedSize<'a> {
 }
 
 impl JudgedSize<'_> {
+    /// The middle of the sizes, mm; none if they differ by more than the tolerance: no offset mends that.
+    fn middle(self, limits: Option<(f64, f64)>) -> Option<f64> {
+        match self {
+            Self::Typed(mm) | Self::Measured(mm) => Some(mm),
+            Self::Simulated(ComparedSize { spread: (least, greatest), .. }) => {
+                let fits = limits.is_none_or(|(low, high)| greatest - least <= high - low);
+                fits.then(|| f64::midpoint(least, greatest))
+            }
+        }
+    }
+
     /// The size, mm.
     #[must_use]
     pub const fn mm(self) -> f64 {
@@ -283,22 +314,27 @@ impl PartResult {
         let Some((nominal, size)) = self.nominal.zip(self.judged_size(simulated)).filter(|_| !is_spoilt) else {
             return CorrectionAdvice::Unknown;
         };
-        let is_length = nominal.kind == Some(SizeKind::Length);
-        let Some(offset) = self.offset.filter(|_| !is_length) else { return CorrectionAdvice::Unknown };
+        // A diameter changes by twice the way of the wheel.
+        let sides = match nominal.kind {
+            Some(SizeKind::Diameter) => 2.0,
+            Some(SizeKind::Height) => 1.0,
+            Some(SizeKind::Length) | None => return CorrectionAdvice::Unknown,
+        };
+        let Some(offset) = self.offset else { return CorrectionAdvice::Unknown };
         if self.gauged || self.measured.is_some() {
             return CorrectionAdvice::ByGauge;
         }
         let target = nominal.limits.map_or(nominal.mm, |(low, high)| f64::midpoint(low, high));
-        // A diameter changes by twice the way of the wheel.
-        let sides = if nominal.kind == Some(SizeKind::Diameter) || offset.axis == Axis::X { 2.0 } else { 1.0 };
-        let increment = (target - size.mm()) / sides * offset.displayed_per_mm;
-        let increment = (increment / RESOLUTION).round() * RESOLUTION;
+        let Some(middle) = size.middle(nominal.limits) else { return CorrectionAdvice::Unknown };
+        let off = (target - middle) / sides * offset.displayed_per_mm;
         // To follow every micrometre of scatter makes it larger.
         let span = nominal.limits.map_or(0.0, |(low, high)| high - low);
-        let least = (span * DEAD_BAND / sides * offset.displayed_per_mm).max(RESOLUTION);
-        match increment.abs() {
+        let least = (span * DEAD_BAND / sides * offset.displayed_per_mm).max(RESOLUTION / 2.0);
+        let increment = (off / RESOLUTION).round() * RESOLUTION;
+        match off.abs() {
             off if off < least - 1e-9 => CorrectionAdvice::Centred,
             off if off > MAX_CORRECTION + 1e-9 => CorrectionAdvice::TooFar(increment),
+            _ if !self.is_wheel_fresh => CorrectionAdvice::MayBeWear,
             _ => CorrectionAdvice::Add(offset, increment),
         }
     }

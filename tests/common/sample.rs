@@ -259,7 +259,8 @@ pub fn part_result() -> PartResult {
         measured: None,
         typed: None,
         gauged: false,
-        offset: Some(OffsetInForce { number: 1, axis: Axis::X, displayed_per_mm: 2.0, offset_mm: 0.0 }),
+        is_wheel_fresh: true,
+        offset: Some(OffsetInForce { number: 1, axis: Axis::X, displayed_per_mm: 2.0, work_zero: 0.0 }),
         corrected: None,
     }
 }

@@ -1,8 +1,9 @@
 //! The phases that a program names by `#5828`: what is shown and timed, what is refused, and that nothing else changes.
 //! Source: spec K7.2, B3, H8.
 
-use crate::stories::{ready, ready_with, tell};
+use crate::stories::{ready_of, ready_with, tell};
 use kt830::defs::grinding_phase::GrindingPhase;
+use kt830::defs::kind::Kind;
 use kt830::host::headless::HeadlessHost;
 use kt830::io::sim::PartFile;
 use kt830::link::cycle::CycleView;
@@ -27,7 +28,11 @@ fn course(rig: &mut HeadlessHost) -> Vec<Option<GrindingPhase>> {
 }
 
 fn ready_for_part(program: u32) -> HeadlessHost {
-    let mut rig = ready();
+    ready_of_part(Kind::Gc, program)
+}
+
+fn ready_of_part(kind: Kind, program: u32) -> HeadlessHost {
+    let mut rig = ready_of(kind);
     rig.mount_part(&PartFile::builtin(program).unwrap().expect("a part file"));
     tell(&mut rig, &format!("param P4.4 1\nload O{program}\nmode auto\nkey cycle-start\nwait 0.1 s"));
     rig
@@ -60,14 +65,27 @@ fn k7_2_a_cycle_passes_through_its_phases_and_each_is_timed() {
 
 #[test]
 fn k7_2_every_grinding_program_names_its_phases() {
-    for program in [1_001, 1_003, 1_004, 1_005, 1_006] {
-        let mut rig = ready_for_part(program);
-        let seen = course(&mut rig);
-        let part = rig.snapshot().cycle.part.unwrap_or_else(|| panic!("O{program}: {:?}", rig.snapshot().alarms));
-        for phase in [GrindingPhase::Approach, GrindingPhase::Finishing, GrindingPhase::Retract] {
-            assert!(part.times.phase(phase) > 0.0, "O{program} {phase:?}: {seen:?}");
-        }
-        assert!(part.times.outside_phases() < 0.2 * part.times.seconds, "O{program}: {:?}", part.times);
+    use GrindingPhase::{AirGrinding, Approach, Dressing, Finishing, Measuring, Retract, Roughing, SparkOut};
+    let faces = [Approach, Roughing, Finishing, SparkOut, Retract];
+    let plunge = [Approach, AirGrinding, Roughing, Finishing, SparkOut, Retract];
+    // With a gauge the last of the stock is removed after the spark-out, to its signal.
+    let gauged = [Approach, AirGrinding, Roughing, Finishing, SparkOut, Finishing, Retract];
+    let expected: [(Kind, u32, Vec<GrindingPhase>); 7] = [
+        // Left and right jaw.
+        (Kind::Gc, 1_001, faces.into_iter().chain(faces).collect()),
+        (Kind::Gc, 1_003, gauged.to_vec()),
+        (Kind::Gc, 1_004, plunge.to_vec()),
+        (Kind::Gc, 1_005, [&[Approach, Measuring], plunge.as_slice()].concat()),
+        (Kind::Gc, 1_006, [&[Dressing], gauged.as_slice()].concat()),
+        (Kind::Gs, 1_007, gauged.to_vec()),
+        (Kind::Gc, 1_011, vec![Dressing]),
+    ];
+    for (kind, program, phases) in expected {
+        let mut rig = ready_of_part(kind, program);
+        let seen: Vec<_> = course(&mut rig).into_iter().flatten().collect();
+        assert_eq!(seen, phases, "O{program}: {:?}", rig.snapshot().alarms);
+        let times = rig.snapshot().cycle.times;
+        assert!(times.outside_phases() < 0.2 * times.seconds, "O{program}: {times:?}");
     }
 }
 

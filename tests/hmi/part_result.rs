@@ -286,6 +286,7 @@ fn k4_1_no_correction_is_proposed_where_the_offset_does_not_decide_the_size() {
     let vertical = Some(OffsetInForce { axis: Axis::Y, displayed_per_mm: 1.0, ..offset });
     assert!((by(advice(PartResult { nominal, offset: vertical, ..part() })) + 0.025).abs() < 1e-9);
     let length = part().nominal.map(|nominal| NominalSize { kind: Some(SizeKind::Length), ..nominal });
+    let unknown = part().nominal.map(|nominal| NominalSize { kind: None, ..nominal });
     for (part, expected) in [
         (PartResult { gauged: true, ..part() }, CorrectionAdvice::ByGauge),
         (PartResult { measured: Some(40.02), ..part() }, CorrectionAdvice::ByGauge),
@@ -298,6 +299,8 @@ fn k4_1_no_correction_is_proposed_where_the_offset_does_not_decide_the_size() {
         (PartResult { typed: Some(39.996_4), ..part() }, CorrectionAdvice::Centred),
         (PartResult { typed: Some(39.998), ..part() }, CorrectionAdvice::Add(offset, -0.003)),
         (PartResult { corrected: Some(-0.025), ..part() }, CorrectionAdvice::Done(-0.025)),
+        (PartResult { is_wheel_fresh: false, ..part() }, CorrectionAdvice::MayBeWear),
+        (PartResult { nominal: unknown, ..part() }, CorrectionAdvice::Unknown),
     ] {
         assert_eq!(advice(part), expected, "{part:?}");
     }
@@ -387,4 +390,78 @@ fn h6_a_touched_value_ends_the_typing_of_a_size() {
     bench.press(egui::Key::Enter);
     assert_eq!(bench.rig.snapshot().cycle.part.expect("a part").typed, Some(40.29));
     assert_eq!(bench.rig.snapshot().variables[520], Some(40.4));
+}
+
+#[test]
+fn k4_1_a_worn_wheel_is_dressed_before_the_offset_is_corrected() {
+    let mut bench = bench("T0101\nG04 P100");
+    tell(&mut bench.rig, "set #521 = 40.28\nparam P97 1\nparam P96 1");
+    run(&mut bench);
+    assert!(bench.shows("可能是砂轮磨损") && !bench.shows("采用 X"), "{:?}", bench.painted());
+    let (ended_at, before) = (bench.rig.snapshot().cycle.part.expect("a part").ended_at, wear(&mut bench));
+    bench.rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.02 }));
+    bench.turn();
+    assert_eq!(wear(&mut bench).to_bits(), before.to_bits());
+    // The first part after a dressing.
+    tell(&mut bench.rig, "param P96 0");
+    run(&mut bench);
+    assert!(bench.shows("采用 X"), "{:?}", bench.painted());
+    // Another nominal size since: the deviation is taken into account already.
+    tell(&mut bench.rig, "set #521 = 40.26");
+    let ended_at = bench.rig.snapshot().cycle.part.expect("a part").ended_at;
+    bench.rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.02 }));
+    bench.turn();
+    assert!(bench.shows("改过公称尺寸") && wear(&mut bench).to_bits() == before.to_bits());
+}
+
+#[test]
+fn k4_5_a_size_that_a_parameter_names_is_what_the_page_says_of_it() {
+    let mut rig = ready();
+    rig.add_program(program_from_bytes(1_005, "O1005.NC", b"T0101\nG04 P100\nM31\nM30".to_vec(), rig.kind().dialect()));
+    tell(&mut rig, "load O1005\nset #640 = 30\nparam P376 640");
+    let mut bench = Bench::new(rig, Page::Grinding);
+    run(&mut bench);
+    let nominal = bench.rig.snapshot().cycle.part.expect("a part").nominal.expect("a size");
+    // 成品长度: the wheel's axis does not decide it.
+    assert_eq!(nominal.kind, Some(SizeKind::Length));
+    assert!(!bench.shows("采用") && !bench.shows("输入实测尺寸"), "{:?}", bench.painted());
+}
+
+#[test]
+fn k7_2_a_typed_size_is_that_of_its_part() {
+    let mut bench = bench("T0101\nG04 P1500");
+    tell(&mut bench.rig, "set #521 = 40.3\nparam P390 2\nmode auto\nkey cycle-start\nwait 2.5 s\nexpect state running");
+    bench.turn();
+    let first = bench.rig.snapshot().cycle.part.expect("the part of the first pass").ended_at;
+    bench.touch("输入实测尺寸 type-size");
+    bench.write("40.31");
+    tell(&mut bench.rig, "wait until idle max 20 s");
+    bench.turn();
+    bench.press(egui::Key::Enter);
+    bench.rig.send(Command::Part(PartCommand::TypeSize { ended_at: first, mm: 40.31 }));
+    bench.turn();
+    let part = bench.rig.snapshot().cycle.part.expect("the second part");
+    assert!(part.ended_at > first && part.typed.is_none(), "{part:?}");
+}
+
+/// Of 40 ±0.01 with 39.995 and 40.008 the middle is 40.0015: a correction by the worst place would push the other one out.
+#[test]
+fn k4_1_of_several_places_the_middle_is_corrected() {
+    let size = |mm| PartSize { kind: SizeKind::Diameter, name: LocalizedText::same(""), surface: Some(0), mm };
+    let nominal = NominalSize { kind: Some(SizeKind::Diameter), mm: 40.0, limits: Some((39.99, 40.01)) };
+    let mut simulated = crate::sample::busy(Page::Grinding).simulated.unwrap().as_ref().clone();
+    simulated.finished_defects.clear();
+    let part = PartResult { nominal: Some(nominal), ..part_result() };
+    for (sizes, expected) in
+        [([39.995, 40.008], Some(None)), ([40.003, 40.009], Some(Some(-0.006))), ([39.988, 40.009], None)]
+    {
+        simulated.finished_sizes = sizes.map(size).to_vec();
+        let advice = part.advice(Some(&simulated));
+        let told = match advice {
+            CorrectionAdvice::Centred => Some(None),
+            CorrectionAdvice::Add(_, by) => Some(Some((by * 1_000.0).round() / 1_000.0)),
+            _ => None,
+        };
+        assert_eq!(told, expected, "{sizes:?}: {advice:?}");
+    }
 }

@@ -200,4 +200,7 @@ fn h6_the_range_of_a_value_is_that_of_its_program() {
     tell(&mut bench.rig, "load O1001");
     bench.turn();
     assert!(!bench.shows("> 40.1"));
+    bench.press(egui::Key::Escape);
+    bench.touch("光磨次数 #511");
+    assert!(bench.shows("范围 0 … 1000 ·"), "{:?}", bench.painted());
 }

@@ -49,6 +49,7 @@ fn end_cycle(screen: &mut Screen) {
     machine.cycle.part = Some(PartResult {
         typed: None,
         gauged: false,
+        is_wheel_fresh: true,
         offset: None,
         corrected: None,
         number: machine.parts_counted,

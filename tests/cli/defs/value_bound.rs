@@ -39,6 +39,9 @@ fn k7_4_the_narrowest_bounds_make_the_range() {
     ] {
         assert_eq!(range(variable).holds(value), holds, "#{variable} = {value}");
     }
+    // What a program has computed is shown short.
+    let computed = ValueRange { least: None, most: Some((0.1 + 0.2, true)) };
+    assert_eq!(computed.words(Lang::En), "< 0.3");
     // A variable that is empty counts as 0.
     assert!(!ValueRange::of(521, &bounds, |_| None).holds(1.0));
 }

@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 
 use egui::{Color32, Rect, Stroke, pos2, vec2};
 
+use crate::defs::page_meaning::SizeKind;
 use crate::defs::param;
 use crate::hmi::field_editor::CoreAnswer;
 use crate::hmi::{Area, EditKey, FieldEditor, PageKey, View, format_cycle_time, keycap, pictogram, theme, widget};
@@ -23,7 +24,7 @@ const HEAD_HEIGHT: f32 = 46.0;
 /// Cycles that a new one is compared with.
 const CYCLES: usize = 20;
 /// Height of what the size says of the offset.
-const ADVICE_HEIGHT: f32 = 44.0;
+const ADVICE_HEIGHT: f32 = 62.0;
 /// Height of the key that takes a correction over.
 const TAKE_HEIGHT: f32 = 48.0;
 
@@ -70,6 +71,7 @@ impl PartCard {
             times.clear();
         }
         *newest = Some(part.ended_at);
+        (self.types_size, self.editor) = (false, FieldEditor::default());
         times.push_back(part.times.seconds);
         if times.len() > CYCLES {
             times.pop_front();
@@ -83,6 +85,7 @@ impl PartCard {
 
     /// Handles the keys while a size is typed.
     pub fn handle_keys(&mut self, edits: &[EditKey], out: &mut Vec<Command>) {
+        let ended_at = self.cycles.2;
         for edit in edits {
             if self.editor.handle_key(*edit) {
                 if *edit == EditKey::Cancel && !self.editor.pad_open {
@@ -92,7 +95,7 @@ impl PartCard {
                 match self.editor.number(99_999.999) {
                     Ok(mm) => {
                         self.editor.send(0);
-                        out.push(Command::Part(PartCommand::TypeSize(mm)));
+                        out.extend(ended_at.map(|ended_at| Command::Part(PartCommand::TypeSize { ended_at, mm })));
                     }
                     Err(reason) => self.editor.refused = Some(reason),
                 }
@@ -255,13 +258,16 @@ fn advice(row: Rect, view: &View<'_>, part: &PartResult) {
         CorrectionAdvice::ByGauge => {
             let words = view.text(
                 "尺寸由量仪或程序的测量决定：偏差大时检查对标",
-                "sized by gauge or program: if it is off, check the setting",
+                "sized by gauge or program: check its setting if it is off",
             );
             (words.to_owned(), muted)
         }
+        CorrectionAdvice::MayBeWear => {
+            let words = view.text("可能是砂轮磨损：修整后再修正", "may be wear of the wheel: dress, then correct");
+            (words.to_owned(), muted)
+        }
         CorrectionAdvice::TooFar(by) => {
-            let words =
-                view.text("相差太大，不像刀补：检查测量和工件", "too far for an offset: check measurement and part");
+            let words = view.text("相差太大，不像刀补：检查测量和工件", "too far: check size and part");
             (format!("{by:+.3} {words}"), view.theme.hold)
         }
         CorrectionAdvice::Add(offset, _) => {
@@ -275,13 +281,13 @@ fn advice(row: Rect, view: &View<'_>, part: &PartResult) {
             return;
         }
     };
-    view.text_rows(row.trim_bottom(theme::GAP), &words, theme::LABEL, ink, 2);
+    view.text_rows(row.trim_bottom(theme::GAP), &words, theme::LABEL, ink, 3);
 }
 
 /// Whether the operator may type a measured size: it is compared with a nominal diameter or height.
 fn takes_size(part: &PartResult) -> bool {
-    use crate::defs::page_meaning::SizeKind;
-    part.nominal.is_some_and(|nominal| nominal.kind != Some(SizeKind::Length))
+    let kind = part.nominal.and_then(|nominal| nominal.kind);
+    matches!(kind, Some(SizeKind::Diameter | SizeKind::Height))
 }
 
 /// The correction that the card proposes.
