@@ -50,21 +50,6 @@ impl GrindingPhase {
         self as usize - 1
     }
 
-    /// The word in stories and tests.
-    #[must_use]
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Dressing => "dressing",
-            Self::Measuring => "measuring",
-            Self::Approach => "approach",
-            Self::AirGrinding => "air-grinding",
-            Self::Roughing => "roughing",
-            Self::Finishing => "finishing",
-            Self::SparkOut => "spark-out",
-            Self::Retract => "retract",
-        }
-    }
-
     /// The name on the screen.
     #[must_use]
     pub const fn name(self) -> Text {
@@ -75,7 +60,7 @@ impl GrindingPhase {
             Self::AirGrinding => Text::new("空磨", "air"),
             Self::Roughing => Text::new("粗磨", "rough"),
             Self::Finishing => Text::new("精磨", "finish"),
-            Self::SparkOut => Text::new("光磨", "spark-out"),
+            Self::SparkOut => Text::new("光磨", "spark"),
             Self::Retract => Text::new("退刀", "retract"),
         }
     }

@@ -40,7 +40,7 @@ pub struct PartResult {
     pub typed: Option<f64>,
     /// A gauge has ended an infeed of the cycle by its signal: the size is that of its setting.
     pub gauged: bool,
-    /// The wheel was never dressed, or for this part: what is off is no wear that a dressing takes back.
+    /// The first part since the last dressing: what is off is no wear that a dressing takes back.
     pub is_wheel_fresh: bool,
     /// The tool offset in force at the end of the cycle; none once it has been changed otherwise.
     pub offset: Option<OffsetInForce>,

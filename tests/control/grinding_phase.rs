@@ -174,3 +174,22 @@ fn h8_a_block_without_n_shows_the_n_before_it() {
     tell(&mut rig, "wait 0.25 s");
     assert_eq!(rig.snapshot().program.block, Some(20));
 }
+
+/// The part of the first pass is judged while the second one runs: what that one does is not the first one's.
+#[test]
+fn k4_1_a_part_is_gauged_if_a_gauge_has_ended_an_infeed_of_its_own_cycle() {
+    for (program, gauged) in [(1_004, true), (1_002, false)] {
+        let mut rig = ready_of(Kind::Gc);
+        rig.mount_part(&PartFile::builtin(program).unwrap().expect("a part file"));
+        let story = format!("param P390 2\nload O{program}\nmode auto\nkey cycle-start\nwait 0.1 s");
+        tell(&mut rig, &story);
+        for _ in 0..3_600_000 {
+            rig.step();
+            if rig.snapshot().cycle.part.is_some() {
+                break;
+            }
+        }
+        let part = rig.snapshot().cycle.part.expect("the part of the first pass");
+        assert_eq!(part.gauged, gauged, "O{program}");
+    }
+}

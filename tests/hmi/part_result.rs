@@ -229,16 +229,18 @@ fn k4_1_a_touch_takes_the_proposed_correction_once() {
     let label = bench.painted().into_iter().find(|text| text.starts_with("采用 X ")).expect("a correction");
     let shown: f64 = label.trim_start_matches("采用 X ").parse().unwrap();
     assert!((shown + 0.02).abs() < 0.01, "{label}");
+    // That of another part is refused.
+    bench.rig.send(Command::Part(PartCommand::Correct { ended_at: Micros(1), increment: shown }));
+    bench.turn();
+    assert!(bench.shows("没有这一件的结果") && wear(&mut bench).to_bits() == before.to_bits());
     bench.touch(&format!("{label} take-correction"));
     assert!((wear(&mut bench) - before - shown).abs() < 1e-9, "{} {label}", wear(&mut bench));
     assert!(bench.shows(&format!("已修正 {shown:+.3}")) && !bench.shows("采用"));
-    // The same command again, and one for another part, change nothing.
+    // The same command again changes nothing.
     let part = bench.rig.snapshot().cycle.part.expect("a part");
     let after = wear(&mut bench);
-    for ended_at in [part.ended_at, Micros(1)] {
-        bench.rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.02 }));
-        bench.turn();
-    }
+    bench.rig.send(Command::Part(PartCommand::Correct { ended_at: part.ended_at, increment: -0.02 }));
+    bench.turn();
     assert_eq!(wear(&mut bench).to_bits(), after.to_bits());
 }
 
@@ -361,8 +363,11 @@ fn k4_1_in_a_run_and_beyond_its_range_no_correction_is_taken() {
     bench.rig.send(correct(-0.02));
     bench.turn();
     assert_eq!(wear(&mut bench).to_bits(), before.to_bits());
-    assert!(bench.shows("P6.3"), "{:?}", bench.painted());
-    tell(&mut bench.rig, "wait until idle max 20 s");
+    assert!(bench.shows("程序运行中不能修正"), "{:?}", bench.painted());
+    assert!(!bench.shows("采用 X"));
+    tell(&mut bench.rig, "wait until idle max 20 s\nparam P390 1\nparam P96 0");
+    run(&mut bench);
+    assert!(bench.shows("采用 X"));
     let ended_at = bench.rig.snapshot().cycle.part.expect("a part").ended_at;
     bench.rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.201 }));
     bench.turn();
@@ -395,7 +400,7 @@ fn h6_a_touched_value_ends_the_typing_of_a_size() {
 #[test]
 fn k4_1_a_worn_wheel_is_dressed_before_the_offset_is_corrected() {
     let mut bench = bench("T0101\nG04 P100");
-    tell(&mut bench.rig, "set #521 = 40.28\nparam P97 1\nparam P96 1");
+    tell(&mut bench.rig, "set #521 = 40.28\nparam P96 1");
     run(&mut bench);
     assert!(bench.shows("可能是砂轮磨损") && !bench.shows("采用 X"), "{:?}", bench.painted());
     let (ended_at, before) = (bench.rig.snapshot().cycle.part.expect("a part").ended_at, wear(&mut bench));
@@ -463,5 +468,32 @@ fn k4_1_of_several_places_the_middle_is_corrected() {
             _ => None,
         };
         assert_eq!(told, expected, "{sizes:?}: {advice:?}");
+    }
+}
+
+#[test]
+fn k4_1_no_correction_after_a_change_of_the_wheel_or_of_the_programming() {
+    for change in ["wheel", "radius", "offset"] {
+        let mut bench = bench(if change == "offset" { "T0101\nG04 P100\nT0202" } else { "T0101\nG04 P100" });
+        tell(&mut bench.rig, "set #521 = 40.28");
+        run(&mut bench);
+        match change {
+            "wheel" => {
+                assert!(bench.shows("采用 X"));
+                let size = (390.0, 20.0, 35.0);
+                let (diameter_mm, width_mm, rated_m_s) = size;
+                bench.rig.send(Command::OpenPage(Page::Wheel));
+                bench.rig.send(Command::ChangeWheel { diameter_mm, width_mm, rated_m_s });
+            }
+            "radius" => tell(&mut bench.rig, "param P6.0 1"),
+            // The cycle has called two offsets.
+            _ => {}
+        }
+        bench.turn();
+        bench.rig.send(Command::OpenPage(Page::Grinding));
+        bench.turn();
+        assert!(bench.rig.snapshot().cycle.part.is_some(), "{change}");
+        assert!(!bench.shows("采用 X"), "{change}: {:?}", bench.painted());
+        assert!(bench.rig.snapshot().cycle.part.expect("a part").offset.is_none(), "{change}");
     }
 }

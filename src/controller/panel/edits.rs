@@ -26,6 +26,7 @@ impl Panel {
             &Command::Part(command) => self.handle_part_command(parts, command),
             &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
                 change_wheel(parts, &self.screens, [diameter_mm, width_mm, rated_m_s])
+                    .inspect(|_| self.forget_offset_of_part())
             }
             Command::PrepareMdi(line) => parts.program.prepare_mdi(parts.plant, line),
             Command::Page(command) => self.edit_param_on_page(parts, command),

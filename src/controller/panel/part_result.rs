@@ -1,7 +1,6 @@
 //! The part that a cycle has finished: taken at the end of the program with the values as they are then.
 //! Source: spec K4.5, K7.2.
 
-use super::edit_protection::check_not_running;
 use super::{Edited, Panel, Parts, PartsView, offsets};
 use crate::controller::plant::{FinishedCycle, Plant};
 use crate::defs::param;
@@ -10,11 +9,10 @@ use crate::link::cycle::CycleView;
 use crate::link::part_result::{
     MAX_CORRECTION, NominalSize, OffsetInForce, PartCommand, PartResult, SizeValues, TYPED_SIZE_RANGE,
 };
-use crate::units::Axis;
-
 const NO_PART: Text = Text::new("没有这一件的结果", "there is no result of this part");
 const NO_NOMINAL: Text = Text::new("这一件没有公称尺寸", "the part has no nominal size");
 const CORRECTED: Text = Text::new("这一件已经修正过", "this part has been corrected already");
+const IN_RUN: Text = Text::new("程序运行中不能修正", "no correction while a program runs");
 const NOMINAL_CHANGED: Text =
     Text::new("这一件以后改过公称尺寸或公差", "nominal size or limits were changed after this part");
 const WORN: Text = Text::new("可能是砂轮磨损：修整后再修正", "it may be wear of the wheel: dress, then correct");
@@ -32,8 +30,19 @@ impl Panel {
         }
         // The part says nothing of an offset or a work zero that was changed since.
         if let Some(part) = self.part_result.as_mut().filter(|part| part.corrected.is_none()) {
-            let zero = |axis: Axis| plant.work.offsets.machine_minus_work(axis).to_bits();
-            part.offset = part.offset.filter(|offset| zero(offset.axis) == offset.work_zero.to_bits());
+            let is_same = |offset: &OffsetInForce| {
+                let work_zero = plant.work.offsets.machine_minus_work(offset.axis);
+                let displayed_per_mm = plant.displayed_per_mm(offset.axis);
+                *offset == OffsetInForce { work_zero, displayed_per_mm, ..*offset }
+            };
+            part.offset = part.offset.filter(is_same);
+        }
+    }
+
+    /// The wheel was changed: the part says nothing of the new one.
+    pub const fn forget_offset_of_part(&mut self) {
+        if let Some(part) = &mut self.part_result {
+            part.offset = None;
         }
     }
 
@@ -58,17 +67,9 @@ impl Panel {
     }
 
     fn result_of(&self, plant: &Plant, cycle: FinishedCycle) -> PartResult {
-        let FinishedCycle { number, program, ended_at, times } = cycle;
+        let FinishedCycle { number, program, ended_at, times, gauged, offset } = cycle;
         let (nominal, measured) = self.sizes_of(plant, program);
-        let offset = (plant.work.offsets.tool_offset > 0).then(|| {
-            let (number, axis) = (plant.work.offsets.tool_offset, plant.kind.row().wheel_axis);
-            let (displayed_per_mm, work_zero) =
-                (plant.displayed_per_mm(axis), plant.work.offsets.machine_minus_work(axis));
-            OffsetInForce { number, axis, displayed_per_mm, work_zero }
-        });
-        let dressed = plant.params.get(param::DRESSING_COUNT) > 0.0;
-        let is_wheel_fresh = !dressed || plant.params.get(param::PARTS_SINCE_DRESSING) <= 1.0;
-        let gauged = plant.execution.gauged;
+        let is_wheel_fresh = plant.params.get(param::PARTS_SINCE_DRESSING) <= 1.0;
         let (typed, corrected) = (None, None);
         PartResult {
             number,
@@ -99,7 +100,9 @@ impl Panel {
                     return Err(NOMINAL_CHANGED.into());
                 }
                 let offset = check_correction(part, increment)?;
-                check_not_running(parts.view())?;
+                if parts.program.is_open() {
+                    return Err(IN_RUN.into());
+                }
                 let told = offsets::add_wear(parts, offset.number, offset.axis, increment)?;
                 (PartResult { corrected: Some(increment), ..part }, told)
             }

@@ -9,6 +9,7 @@ use crate::defs::mcode::Request;
 use crate::defs::signal::Output;
 use crate::defs::text::LocalizedText;
 use crate::link::cycle_times::CycleTimes;
+use crate::link::part_result::OffsetInForce;
 use crate::machine::phase;
 use crate::nc::BlockLocation;
 use crate::units::{Micros, PerAxis};
@@ -38,6 +39,34 @@ pub struct FinishedCycle {
     pub ended_at: Micros,
     /// How long it and its phases took.
     pub times: CycleTimes,
+    /// A gauge has ended an infeed by its signal.
+    pub gauged: bool,
+    /// The tool offset that it has worked with; none without or with several.
+    pub offset: Option<OffsetInForce>,
+}
+
+/// The tool offsets that a run has called.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CalledOffsets {
+    /// None.
+    #[default]
+    None,
+    /// This one, 1 to 16.
+    One(usize),
+    /// Different ones: nobody knows which one has made the size.
+    Several,
+}
+
+impl CalledOffsets {
+    /// The run calls an offset; 0 cancels the one in force.
+    pub fn call(&mut self, number: usize) {
+        *self = match *self {
+            known if number == 0 => known,
+            Self::None => Self::One(number),
+            Self::One(known) if known == number => Self::One(known),
+            Self::One(_) | Self::Several => Self::Several,
+        };
+    }
 }
 
 /// What is executed: phase, program, block.
@@ -59,6 +88,8 @@ pub struct Execution {
     pub phases: PhaseClock,
     /// A gauge has ended an infeed of the run by its signal.
     pub gauged: bool,
+    /// The tool offsets of the run.
+    pub called_offsets: CalledOffsets,
     /// M30 has ended the open program: its part is finished.
     pub part_finished: bool,
     /// The cycle that has finished a part; none from the next cycle start by the operator on.
@@ -74,18 +105,43 @@ pub struct Execution {
 }
 
 impl Execution {
-    /// A run is over. If M30 has ended a program its part is finished.
-    pub fn end_cycle(&mut self, ended_at: Micros, duration: Micros, number: u32) {
-        let times = self.phases.times(duration, ended_at);
-        self.last_times = times;
+    /// A run begins, with the tool offset that is in force.
+    pub fn begin_cycle(&mut self, tool_offset: usize) {
         self.phases.restart();
-        if std::mem::take(&mut self.part_finished) {
-            self.finished_cycle = Some(FinishedCycle { number, program: self.current_program, ended_at, times });
-        }
+        self.gauged = false;
+        self.called_offsets = CalledOffsets::None;
+        self.called_offsets.call(tool_offset);
+        self.current_block = BlockLocation::default();
+    }
+
+    /// Enters a block. One without N belongs to the last one with N in its program.
+    pub fn enter_block(&mut self, place: BlockLocation) {
+        let inherited = self.current_block.n.filter(|_| self.current_block.program == place.program);
+        self.current_block = BlockLocation { n: place.n.or(inherited), ..place };
     }
 }
 
 impl Plant {
+    /// A run is over. If M30 has ended a program its part is finished.
+    pub fn end_cycle(&mut self, duration: Micros) {
+        let times = self.execution.phases.times(duration, self.now);
+        self.execution.last_times = times;
+        self.execution.phases.restart();
+        if !std::mem::take(&mut self.execution.part_finished) {
+            return;
+        }
+        let in_force = self.work.offsets.tool_offset;
+        let offset = (self.execution.called_offsets == CalledOffsets::One(in_force)).then(|| {
+            let axis = self.kind.row().wheel_axis;
+            let (displayed_per_mm, work_zero) =
+                (self.displayed_per_mm(axis), self.work.offsets.machine_minus_work(axis));
+            OffsetInForce { number: in_force, axis, displayed_per_mm, work_zero }
+        });
+        let (number, program, gauged) = (self.work.part_count, self.execution.current_program, self.execution.gauged);
+        self.execution.finished_cycle =
+            Some(FinishedCycle { number, program, ended_at: self.now, times, gauged, offset });
+    }
+
     /// Applies an event to the phase; the phase changes only here (homing updates its own state in place).
     pub fn transition(&mut self, event: ControlEvent) {
         let before = self.execution.phase.is_pause();

@@ -59,7 +59,7 @@ impl ProgramRun {
             }
             QueuedAction::Skip(planned, signal) => self.step_skip(plant, planned, *signal),
             QueuedAction::Alarm(number, text, place) => {
-                plant.execution.current_block = *place;
+                plant.execution.enter_block(*place);
                 raise_program_alarm(plant, *number, text, place.program);
                 ActionStatus::Wait
             }
@@ -91,6 +91,9 @@ impl ProgramRun {
         let at_rest = matches!(change, CoordinateChange::Set(_));
         if at_rest && !self.is_settled(plant) {
             return ActionStatus::Wait;
+        }
+        if let CoordinateChange::Tool { offset, .. } = change {
+            plant.execution.called_offsets.call(usize::from(offset));
         }
         plant.change_coordinates(change);
         if at_rest {

@@ -95,11 +95,8 @@ impl ProgramRun {
         }
     }
 
-    /// A block without N belongs to the last one with N in its program.
     fn enter_block(plant: &mut Plant, place: BlockLocation) {
-        let before = plant.execution.current_block;
-        let inherited = before.n.filter(|_| before.program == place.program);
-        plant.execution.current_block = BlockLocation { n: place.n.or(inherited), ..place };
+        plant.execution.enter_block(place);
         plant.execution.block_count += 1;
     }
 

@@ -36,7 +36,7 @@ use crate::defs::kind::Kind;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, Text, phrase};
 use crate::link::snapshot::OwnMotion;
-use crate::nc::{self, BlockLocation, ModalState, Source, VariableError, WorkOffsets};
+use crate::nc::{self, ModalState, Source, VariableError, WorkOffsets};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// The program part.
@@ -167,9 +167,7 @@ impl Program {
             (plant.execution.part_finished, plant.execution.finished_cycle) = (false, None);
         }
         if origin != Origin::Retract {
-            plant.execution.phases.restart();
-            plant.execution.gauged = false;
-            plant.execution.current_block = BlockLocation::default();
+            plant.execution.begin_cycle(plant.work.offsets.tool_offset);
         }
         // The planner keeps the tag of the last finished move across runs.
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
@@ -234,7 +232,7 @@ impl Program {
             }
             if run.origin != Origin::Retract {
                 plant.work.program_controls = ProgramControls::default();
-                plant.execution.end_cycle(plant.now, plant.now.since(run.started_at), plant.work.part_count);
+                plant.end_cycle(plant.now.since(run.started_at));
                 self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
             }
             self.pool.close(run);

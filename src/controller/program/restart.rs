@@ -428,6 +428,8 @@ impl Program {
         run.lookahead.dialect = plant.kind.row().dialect;
         run.started_at = plant.now;
         run.origin = Origin::Program;
+        (plant.execution.part_finished, plant.execution.finished_cycle) = (false, None);
+        plant.execution.begin_cycle(plant.work.offsets.tool_offset);
         run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(run);
         plant.transition(ControlEvent::Start);

@@ -2,7 +2,7 @@
 //! Source: spec B3, K4.2, K5.17, L8.
 
 use super::lookahead_state::LookaheadState;
-use super::run::ProgramRun;
+use super::run::{Origin, ProgramRun};
 use crate::controller::plant::system_variables::{GEOMETRY, WEAR, offset_and_axis};
 use crate::controller::plant::{Plant, offset_in_range};
 use crate::controller::storage_request::StorageRequest;
@@ -90,6 +90,8 @@ impl ProgramRun {
             Some(&system_variable::SINGLE_BLOCK_CONTROL) => plant.work.program_controls.single_block = value as u8,
             Some(&system_variable::HOLD_CONTROL) => plant.work.program_controls.hold = value as u8,
             Some(&system_variable::CONTACT_SEEN) => plant.work.contact_seen = value.abs() >= SWITCH_THRESHOLD,
+            // A retract is no phase of the cycle that it interrupts.
+            Some(&system_variable::PHASE) if self.origin == Origin::Retract => {}
             Some(&system_variable::PHASE) => {
                 plant.execution.phases.enter(GrindingPhase::of_number(value as u32), plant.now);
             }

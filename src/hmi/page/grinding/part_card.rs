@@ -293,6 +293,8 @@ fn takes_size(part: &PartResult) -> bool {
 /// The correction that the card proposes.
 fn proposal(view: &View<'_>, part: &PartResult) -> Option<(OffsetInForce, f64)> {
     match part.advice(view.snapshot.simulated.as_deref()) {
+        // A run takes no correction.
+        _ if view.snapshot.program.is_open => None,
         CorrectionAdvice::Add(offset, increment) => Some((offset, increment)),
         _ => None,
     }
