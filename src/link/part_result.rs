@@ -339,7 +339,8 @@ impl PartResult {
         }
     }
 
-    /// The size by which the part is judged: the one that the operator has typed, the measured one, else that of the simulated part at the end of its cycle.
+    /// The size by which the part is judged: the one that the operator has typed, the measured one, else that of the
+    /// simulated part at the end of its cycle.
     #[must_use]
     pub fn judged_size<'a>(&self, simulated: Option<&'a SimView>) -> Option<JudgedSize<'a>> {
         let known = || self.nominal?.compare(&simulated?.finished_sizes);

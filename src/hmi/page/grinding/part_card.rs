@@ -58,7 +58,7 @@ impl PartCard {
         true
     }
 
-    /// Follows the cycles; a result that has gone takes its typed size with it.
+    /// Follows the cycles; a result that has gone, or made way for another one, takes its typed size with it.
     pub fn record(&mut self, snapshot: &Snapshot) {
         if self.types_size && self.shown(snapshot).is_none() {
             self.stop_typing();
@@ -66,12 +66,12 @@ impl PartCard {
         let Some(part) = snapshot.cycle.part.as_ref().filter(|part| self.cycles.2 != Some(part.ended_at)) else {
             return;
         };
+        self.stop_typing();
         let (program, times, newest) = &mut self.cycles;
         if std::mem::replace(program, part.program) != part.program {
             times.clear();
         }
         *newest = Some(part.ended_at);
-        (self.types_size, self.editor) = (false, FieldEditor::default());
         times.push_back(part.times.seconds);
         if times.len() > CYCLES {
             times.pop_front();
