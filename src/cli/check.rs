@@ -23,7 +23,7 @@ use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
 use crate::host::folders::{
-    named_programs_beside, parse_page_text, parse_picture, parse_picture_labels, programs_from_file,
+    ProgramUse, named_programs_beside, parse_page_text, parse_picture, parse_picture_labels, programs_from_file,
 };
 use crate::host::headless_run::RunEnd;
 use crate::io::sim::PartFile;
@@ -226,9 +226,9 @@ impl<'a> FileCheck<'a> {
         let settings = nc_settings(shared.kind, &retained.params);
         let folders = setup::folders(shared)?;
         let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
-        programs.replace(named_programs_beside(path, settings.dialect));
+        programs.replace(named_programs_beside(path, settings.dialect, ProgramUse::Execution));
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let own = programs_from_file(number, &name, bytes, settings.dialect);
+        let own = programs_from_file(number, &name, bytes, settings.dialect, ProgramUse::Execution);
         let mut sources = own.iter().map(|program| Arc::clone(&program.source));
         let source = sources.next().ok_or_else(|| CallError::new(format!("{}: no program", path.display())))?;
         let others = sources.collect();

@@ -14,7 +14,7 @@ use crate::defs::program_number;
 use crate::defs::text::LocalizedText;
 use crate::host::Host;
 use crate::host::cycle_time;
-use crate::host::folders::{Folders, named_programs_beside, programs_from_file};
+use crate::host::folders::{Folders, ProgramUse, named_programs_beside, programs_from_file};
 use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::job_runner::JobRunner;
@@ -428,8 +428,8 @@ fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
     let named = named.filter(|_| !by_name);
     let number = named.unwrap_or_else(|| program_number::from_name(&stem));
     let dialect = host.kind().dialect();
-    host.add_programs(named_programs_beside(path, dialect));
-    host.add_programs(programs_from_file(number, word, bytes, dialect));
+    host.add_programs(named_programs_beside(path, dialect, ProgramUse::Execution));
+    host.add_programs(programs_from_file(number, word, bytes, dialect, ProgramUse::Execution));
     Ok(number)
 }
 

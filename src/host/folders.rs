@@ -123,7 +123,8 @@ impl Folders {
         let folder = Folder::new(&self.programs);
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
-            let programs = read.map(|read| programs_from_file(row.number, &read.name, read.bytes, self.dialect));
+            let programs = read
+                .map(|read| programs_from_file(row.number, &read.name, read.bytes, self.dialect, ProgramUse::Pages));
             for program in programs.unwrap_or_default() {
                 let (english, kinds) = (english_title(&program), program.kinds.clone());
                 let own = match &program.part {
@@ -200,10 +201,19 @@ impl Folders {
     }
 }
 
+/// What a program is created for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProgramUse {
+    /// To be shown and edited as well as executed.
+    Pages,
+    /// To be executed or checked: the text that pages show is left out. It would take the memory of the file once more.
+    Execution,
+}
+
 /// The kinds that a program names in its first lines.
-fn kinds_of_program(text: &Rope) -> Vec<Kind> {
-    let head = text.lines().take(HEAD_LINES).map(|line| line.chars().take(HEAD_CHARS).collect());
-    let head: Vec<String> = head.collect();
+fn kinds_of_program(text: &str) -> Vec<Kind> {
+    let lines = text.split(['\r', '\n']).filter(|line| !line.is_empty());
+    let head: Vec<String> = lines.take(HEAD_LINES).map(|line| line.chars().take(HEAD_CHARS).collect()).collect();
     program_kind::kinds_of(head.iter().map(String::as_str))
 }
 
@@ -222,36 +232,48 @@ fn part_row(program: &StoredProgram, modified: &str) -> DirectoryRow {
 
 /// Creates the programs of a file: the first one has the number of the file, those behind it have their own.
 #[must_use]
-pub fn programs_from_file(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> Vec<StoredProgram> {
+pub fn programs_from_file(
+    number: u32,
+    name: &str,
+    bytes: Vec<u8>,
+    dialect: Dialect,
+    purpose: ProgramUse,
+) -> Vec<StoredProgram> {
     let parts = program_parts(&bytes, dialect);
     if parts.len() == 1 {
-        return vec![program_from_bytes(number, name, bytes, dialect)];
+        return vec![create_program(number, name, bytes, dialect, purpose)];
     }
     let mut programs = Vec::with_capacity(parts.len());
     for ProgramPart { number: own, name: own_name, bytes: range, lines_before } in parts {
         let Some(text) = bytes.get(range).map(<[u8]>::to_vec) else { continue };
         if programs.is_empty() {
-            programs.push(program_from_bytes(number, name, text, dialect));
+            programs.push(create_program(number, name, text, dialect, purpose));
         } else if let Some(own) = own {
             let part = Some(FilePart { file: name.to_owned(), lines_before });
-            let program = program_from_bytes(own, own_name.as_deref().unwrap_or(name), text, dialect);
+            let program = create_program(own, own_name.as_deref().unwrap_or(name), text, dialect, purpose);
             programs.push(StoredProgram { part, ..program });
         }
     }
     programs
 }
 
-/// Creates a program from the bytes of its file.
+/// Creates a program from the bytes of its file, for pages and execution.
 #[must_use]
 pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> StoredProgram {
-    let (text, has_invalid_bytes) = match decode(&bytes) {
-        Ok(decoded) => (Rope::from_str(&decoded.text), false),
-        Err(_) => (Rope::from_str(&String::from_utf8_lossy(&bytes)), true),
+    create_program(number, name, bytes, dialect, ProgramUse::Pages)
+}
+
+fn create_program(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect, purpose: ProgramUse) -> StoredProgram {
+    let (decoded, has_invalid_bytes) = match decode(&bytes) {
+        Ok(decoded) => (decoded.text, false),
+        Err(_) => (String::from_utf8_lossy(&bytes), true),
     };
+    let kinds = kinds_of_program(&decoded);
+    let text = if purpose == ProgramUse::Pages { Rope::from_str(&decoded) } else { Rope::new() };
+    drop(decoded);
     let stamp = stamp(&bytes);
     let source = Arc::new(Source::new(number, name, bytes, dialect));
     let unit_use = UnitUse::of(&source);
-    let kinds = kinds_of_program(&text);
     StoredProgram { number, source, text, stamp, unit_use, kinds, has_invalid_bytes, part: None }
 }
 
@@ -262,7 +284,7 @@ fn english_title(program: &StoredProgram) -> Option<String> {
 
 /// The named programs in the folder of a named program. A call such as `L10` is searched there first.
 #[must_use]
-pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram> {
+pub fn named_programs_beside(file: &Path, dialect: Dialect, purpose: ProgramUse) -> Vec<StoredProgram> {
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     if program_stem(&name).is_none() {
         return Vec::new();
@@ -270,7 +292,7 @@ pub fn named_programs_beside(file: &Path, dialect: Dialect) -> Vec<StoredProgram
     let folder = Folder::new(folder_of(file));
     let read = |entry: NamedProgram| {
         let read = folder.read_named(&PROGRAM, &entry.name).ok()?;
-        Some(program_from_bytes(program_number::from_name(&entry.stem), &read.name, read.bytes, dialect))
+        Some(create_program(program_number::from_name(&entry.stem), &read.name, read.bytes, dialect, purpose))
     };
     list_named_programs(folder_of(file)).unwrap_or_default().into_iter().filter_map(read).collect()
 }

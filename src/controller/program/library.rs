@@ -54,7 +54,7 @@ pub struct StoredProgram {
     pub number: u32,
     /// Source for the interpreter.
     pub source: Arc<Source>,
-    /// Text for display.
+    /// Text for display; empty where a program is only executed.
     pub text: Rope,
     /// Checksum of the file.
     pub stamp: u64,

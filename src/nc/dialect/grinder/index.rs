@@ -26,9 +26,7 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
             index_rest_of_line(index, &lines.text[..end], start, &mut open);
         }
     }
-    // Stable: numbers mostly ascend, and the sort keeps runs. A short text is sorted in place.
-    index.block_numbers.sort();
-    index.inner_block_numbers.sort_unstable();
+    index.sort_block_numbers();
 }
 
 /// The texts of `#3000=n(text)` and `#3006=n(text)` in a line that begins with them or with IF.

@@ -19,7 +19,7 @@ pub(super) fn index(lines: &TextLines<'_>, index: &mut SourceIndex) {
         }
         index.main_end_line = index.main_end_line.or_else(|| has_code(text, b'M', 2).then_some(line));
     }
-    index.block_numbers.sort_unstable();
+    index.sort_block_numbers();
 }
 
 /// Whether a line contains a code outside its comments, with or without leading zeros.
