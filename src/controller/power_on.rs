@@ -1,10 +1,13 @@
 //! State of the control at power-on.
 
+use std::sync::Arc;
+
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::Params;
 use crate::defs::variable_name;
+use crate::link::page_command::KeptState;
 use crate::nc::{CommonVariables, WorkOffsets};
 use crate::units::PerAxis;
 
@@ -33,6 +36,8 @@ pub struct PowerOnState {
     pub clock_offset_s: i64,
     /// Number of wrong passwords in a row before the power went.
     pub wrong_passwords: u32,
+    /// Earlier states that may take the place of lost data, the newest first; none unless data were lost.
+    pub kept_states: Arc<[KeptState]>,
 }
 
 impl PowerOnState {
@@ -56,6 +61,7 @@ impl PowerOnState {
             interrupted: None,
             alarm_history: Vec::new(),
             clock_offset_s: 0,
+            kept_states: Arc::from([]),
             wrong_passwords: 0,
         }
     }

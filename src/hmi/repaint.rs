@@ -111,6 +111,7 @@ compared_fields! {
     files: replaced;
     access: differ;
     next_kind: differ;
+    kept_states: differ;
     edit_answer: differ;
     offsets: on(FieldGroup::Offsets, differ);
     modals: on(FieldGroup::Mdi, differ);

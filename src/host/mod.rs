@@ -47,7 +47,7 @@ use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::trace::TraceRow;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
-use crate::link::page_command::{PageCommand, StorageAnswer};
+use crate::link::page_command::{DataChoice, PageCommand, StorageAnswer};
 use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
 use crate::nc::Source;
 use crate::units::Micros;
@@ -167,7 +167,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         match &command {
             Command::ScreensLoaded(screens) => self.delivered.screens = Some(Arc::clone(screens)),
             Command::WallClock(date) => self.delivered.wall_clock = Some((*date, self.now)),
-            Command::Page(PageCommand::StorageAnswered(StorageAnswer::DataAccepted)) => {
+            Command::Page(PageCommand::StorageAnswered(StorageAnswer::DataAccepted(DataChoice::Present))) => {
                 self.delivered
                     .standing
                     .retain(|(number, _)| !matches!(*number, alarm::RETAINED_DATA_DAMAGED | alarm::VALUES_DROPPED));

@@ -43,6 +43,13 @@ impl PasswordStore {
         Self { is_locked: is_damaged && is_lost, hashes, folder: Some(folder) }
     }
 
+    /// The rows of the passwords in retained data.
+    pub(super) fn rows_of(data: &RetainedData) -> BTreeMap<String, String> {
+        let row = |guard| data.texts.get_key_value(password_row(guard).0);
+        let rows = PasswordScope::ALL.into_iter().filter_map(row);
+        rows.map(|(key, hash)| (key.clone(), hash.clone())).collect()
+    }
+
     /// The rows of the copy beside the database, and whether it is damaged: an older copy lacks the last change.
     pub(super) fn copy_in(folder: &Path) -> (BTreeMap<String, String>, bool) {
         let read = ron_file::read::<BTreeMap<String, String>>(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict);
@@ -78,7 +85,7 @@ impl PasswordStore {
                 }
                 return Ok(StorageAnswer::PasswordChanged(*scope, allowed));
             }
-            SettingsRequest::AcceptData => return Ok(StorageAnswer::DataAccepted),
+            SettingsRequest::AcceptData(choice) => return Ok(StorageAnswer::DataAccepted(choice.clone())),
             SettingsRequest::SaveKind(kind) => {
                 self.update_settings(|settings| settings.kind = Some(*kind))?;
                 return Ok(StorageAnswer::KindSaved(*kind));

@@ -2,7 +2,9 @@
 //! Source: spec B3 (retained ranges), notes "acknowledge after commit".
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
+
+use chrono::{DateTime, Local};
 
 use super::folders::time_text;
 use super::password_store::PasswordStore;
@@ -14,7 +16,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::system_variable;
 use crate::defs::text::LocalizedText;
 use crate::link::command::Command;
-use crate::link::page_command::{PageCommand, SettingsRequest, StorageAnswer};
+use crate::link::page_command::{DataChoice, KeptState, PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::store::ron_file::{self, ChecksumPolicy};
@@ -35,6 +37,9 @@ const RUNNING_AT: &str = "running-at";
 /// The kind of machine of the data, and what happened to lost data.
 const KIND: &str = "machine-kind";
 const LOSS: &str = "data-loss";
+/// What takes the place of lost data at the next start: the number of a kept state, or [`FACTORY`].
+const CHOICE: &str = "data-choice";
+const FACTORY: &str = "factory";
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// Result of opening the data.
@@ -77,6 +82,14 @@ pub struct RetainedStore {
 
 /// Time after which the next commit keeps a generation: what a damaged database may cost.
 const GENERATION_INTERVAL: Duration = Duration::from_secs(300);
+/// Time after which the end of a run keeps one: short cycles do not write one each.
+const RUN_END_INTERVAL: Duration = Duration::from_secs(60);
+
+/// Whether a commit of these requests keeps a generation, so long after the last one.
+fn keeps_generation(requests: &[StorageRequest], after: Duration) -> bool {
+    let ends_run = requests.iter().any(|request| matches!(request, StorageRequest::RunningAt(None)));
+    after >= if ends_run { RUN_END_INTERVAL } else { GENERATION_INTERVAL }
+}
 
 /// Maximum number of unsaved changes; the oldest are dropped first.
 const MAX_UNSAVED: usize = 100_000;
@@ -88,27 +101,36 @@ impl RetainedStore {
     /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
         let mut opened = RetainedDatabase::open_or_replace(folder, |damaged| replacement(folder, damaged))?;
-        let loaded = opened.data;
+        let mut loaded = opened.data;
         let stored_kind = loaded.texts.get(KIND).and_then(|id| Kind::from_id(id));
         if let Some(stored) = stored_kind.filter(|stored| *stored != kind) {
             return Err(RetainedError::OtherKind(stored.id().to_owned(), kind.id().to_owned()));
         }
+        let chosen = loaded.texts.get(CHOICE).and_then(|choice| chosen_state(folder, choice, &loaded));
+        let replaced = chosen.map_or(Ok(()), |chosen| {
+            opened.database.commit(&loaded.changes_to(&chosen))?;
+            loaded = opened.database.load()?;
+            Ok(())
+        });
         // A database that was put back is older than states that are kept.
         let older = generations::highest(folder).filter(|highest| *highest > loaded.generation);
         let raised = older.map_or(Ok(()), |highest| opened.database.raise_generation(highest));
         let unbound = stored_kind.is_none().then(|| text(KIND, Some(kind.id().to_owned())));
         let unsaved: Vec<RetainedChange> = unbound.into_iter().collect();
-        let (retained, dropped) = retained_from_data(kind, &loaded);
+        let (mut retained, dropped) = retained_from_data(kind, &loaded);
         let (dropped, refused): (Vec<_>, Vec<_>) = dropped.into_iter().unzip();
         let refused = refused.into_iter().flatten().collect();
         let loss = loaded.texts.get(LOSS).map(|row| DataLoss::from_row(row));
+        if loss.is_some() {
+            retained.kept_states = kept_states(folder, kind).into();
+        }
         let passwords = PasswordStore::new(&loaded, loss.is_some(), folder.to_path_buf());
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
         let mut store = Self { database: opened.database, passwords, unsaved, refused, folder, kept_at };
         let bound = if store.unsaved.is_empty() { Ok(0) } else { store.commit(&[]) };
         let bound = bound.and_then(|_| store.write_kind(kind));
         // A disk that takes nothing is an alarm, not a dead panel: the values are whole, and each commit tries again.
-        let unwritable = opened.unwritable.map_or(Ok(()), Err).and(raised).and(bound);
+        let unwritable = opened.unwritable.map_or(Ok(()), Err).and(replaced).and(raised).and(bound);
         let unkept = unwritable.and_then(|_| store.keep_generation()).err().map(|error| error.to_string());
         let report = StoreReport { retained, loss, unkept, dropped };
         Ok((store, report))
@@ -154,9 +176,16 @@ impl RetainedStore {
 
     /// Answers a request of a page.
     pub fn answer(&mut self, request: &SettingsRequest) -> Command {
-        let accepts = *request == SettingsRequest::AcceptData;
         let changes = match request {
-            SettingsRequest::AcceptData => self.refused.iter().cloned().chain([text(LOSS, None)]).collect(),
+            SettingsRequest::AcceptData(DataChoice::Present) => {
+                self.refused.iter().cloned().chain([text(LOSS, None), text(CHOICE, None)]).collect()
+            }
+            SettingsRequest::AcceptData(DataChoice::Kept(state)) => match generations::find(&self.folder, state.number)
+            {
+                Some(_) => vec![text(CHOICE, Some(state.number.to_string()))],
+                None => return answered(StorageAnswer::Failed(unreadable(state))),
+            },
+            SettingsRequest::AcceptData(DataChoice::Factory) => vec![text(CHOICE, Some(FACTORY.to_owned()))],
             // The data go with the kind.
             SettingsRequest::SaveKind(kind) => vec![text(KIND, Some(kind.id().to_owned()))],
             _ => Vec::new(),
@@ -165,15 +194,15 @@ impl RetainedStore {
         if let SettingsRequest::SaveKind(kind) = request {
             stored = stored.and_then(|()| self.write_kind(*kind));
         }
-        let answer = match stored {
-            Ok(()) if accepts => {
-                self.refused.clear();
-                StorageAnswer::DataAccepted
+        match stored {
+            Ok(()) => {
+                if *request == SettingsRequest::AcceptData(DataChoice::Present) {
+                    self.refused.clear();
+                }
+                self.passwords.answer(request, Some(&mut self.database))
             }
-            Ok(()) => return self.passwords.answer(request, Some(&mut self.database)),
-            Err(error) => StorageAnswer::Failed(LocalizedText::same(&error)),
-        };
-        Command::Page(PageCommand::StorageAnswered(answer))
+            Err(error) => answered(StorageAnswer::Failed(LocalizedText::same(&error))),
+        }
     }
 
     /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
@@ -193,7 +222,7 @@ impl RetainedStore {
         match &mut done {
             Ok(_) => {
                 self.unsaved.clear();
-                if self.kept_at.elapsed() >= GENERATION_INTERVAL {
+                if keeps_generation(requests, self.kept_at.elapsed()) {
                     self.keep_generation()?;
                 }
             }
@@ -233,6 +262,45 @@ fn replacement(folder: &Path, damaged: Option<&DamageReport>) -> RetainedData {
     let copy = damaged.and_then(|report| Some(report.kept_as.file_name()?.to_string_lossy().into_owned()));
     data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of }.row());
     data
+}
+
+/// The state that a person has chosen in place of lost data, accepted; none if it is no longer whole. The passwords and
+/// the kind of machine stay, the place of an interrupted run goes.
+fn chosen_state(folder: &Path, choice: &str, present: &RetainedData) -> Option<RetainedData> {
+    let mut chosen = match choice {
+        FACTORY => RetainedData::default(),
+        number => generations::find(folder, number.parse().ok()?)?,
+    };
+    [LOSS, CHOICE, RUNNING_AT].into_iter().for_each(|key| drop(chosen.texts.remove(key)));
+    // The copy lacks a change that was made since the loss.
+    chosen.texts.extend(PasswordStore::copy_in(folder).0);
+    chosen.texts.extend(PasswordStore::rows_of(present));
+    chosen.texts.extend(present.texts.get(KIND).map(|kind| (KIND.to_owned(), kind.clone())));
+    Some(chosen)
+}
+
+/// The states of a kind of machine that may take the place of lost data, the newest first.
+fn kept_states(folder: &Path, kind: Kind) -> Vec<KeptState> {
+    let is_of_kind = |data: &RetainedData| data.texts.get(KIND).is_none_or(|id| id == kind.id());
+    let whole = generations::whole(folder).into_iter().filter(|(_, data)| is_of_kind(data));
+    // With seconds: a session may keep several within a minute.
+    let told = |time: SystemTime| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M:%S").to_string();
+    let state = |(time, data): (Option<SystemTime>, RetainedData)| KeptState {
+        number: data.generation.0,
+        time: time.map(told).unwrap_or_default(),
+    };
+    whole.map(state).collect()
+}
+
+fn answered(answer: StorageAnswer) -> Command {
+    Command::Page(PageCommand::StorageAnswered(answer))
+}
+
+fn unreadable(state: &KeptState) -> LocalizedText {
+    LocalizedText::new(
+        format!("{} 的数据读不出：请选其他的", state.time),
+        format!("the values of {} cannot be read: choose others", state.time),
+    )
 }
 
 /// What happened to the retained data.
@@ -408,4 +476,19 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<D
     retained.interrupted = place.and_then(|(program, line)| Some((program.parse().ok()?, line.parse().ok()?)));
     retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b6_the_end_of_a_run_is_kept_and_short_cycles_do_not_write_one_each() {
+        let (end, value) = (StorageRequest::RunningAt(None), StorageRequest::PartCount(7));
+        let keeps = |requests: &[StorageRequest], s: u64| keeps_generation(requests, Duration::from_secs(s));
+        assert!(keeps(&[value.clone(), end.clone()], 60) && !keeps(&[end], 59));
+        let value = [value];
+        assert!(keeps(&value, 300) && !keeps(&value, 299));
+        assert!(!keeps(&[StorageRequest::RunningAt(Some((1_002, 7)))], 60), "a run goes on");
+    }
 }

@@ -101,6 +101,26 @@ pub const BRIGHTNESS: std::ops::RangeInclusive<u8> = 70..=100;
 /// Step of the brightness, percent.
 pub const BRIGHTNESS_STEP: u8 = 10;
 
+/// An earlier state of the retained data that is kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeptState {
+    /// The number of its commit.
+    pub number: u64,
+    /// When it was kept, as the pages show a time.
+    pub time: String,
+}
+
+/// Which values take the place of lost data.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DataChoice {
+    /// Those that are in force, at once.
+    Present,
+    /// An earlier state, from the next start on.
+    Kept(KeptState),
+    /// Factory values, from the next start on.
+    Factory,
+}
+
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PageCommand {
@@ -121,8 +141,8 @@ pub enum PageCommand {
         /// The new password.
         new: Secret,
     },
-    /// Accepts the retained data after damage or loss (alarm 300).
-    AcceptData,
+    /// Decides what takes the place of data that were damaged or lost (alarm 300).
+    AcceptData(DataChoice),
     /// Selects the kind of machine from the next start on.
     SetNextKind(Kind),
     /// Sets the language of the screen, now and at the next start.
@@ -157,8 +177,8 @@ pub enum SettingsRequest {
         /// The new password.
         new: Secret,
     },
-    /// The data are accepted after damage or loss.
-    AcceptData,
+    /// What takes the place of data that were damaged or lost.
+    AcceptData(DataChoice),
     /// Saves the kind for the next start.
     SaveKind(Kind),
     /// Saves the language for the next start.
@@ -189,8 +209,8 @@ pub enum StorageAnswer {
     PasswordChecked(PasswordScope, PasswordCheck),
     /// Whether a password was replaced; false if the old one did not match.
     PasswordChanged(PasswordScope, bool),
-    /// The data are accepted.
-    DataAccepted,
+    /// The choice is stored.
+    DataAccepted(DataChoice),
     /// The kind for the next start is saved.
     KindSaved(Kind),
     /// The language is saved.

@@ -9,6 +9,7 @@ use super::cycle::CycleView;
 use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
+use super::page_command::KeptState;
 use super::part_result::SizeValues;
 use super::program_view::ProgramView;
 use super::simulation::SimView;
@@ -336,6 +337,8 @@ pub struct Snapshot {
     pub access: AccessView,
     /// Kind of machine from the next start on.
     pub next_kind: Kind,
+    /// Earlier states that may take the place of lost data, the newest first; none unless data were lost.
+    pub kept_states: Arc<[KeptState]>,
     /// Answer to the last value typed at a page.
     pub edit_answer: EditAnswer,
     /// Tool offsets and work offsets.
@@ -507,6 +510,7 @@ impl Snapshot {
             files: Arc::default(),
             access: AccessView::default(),
             next_kind: kind,
+            kept_states: Arc::from([]),
             edit_answer: EditAnswer::default(),
             offsets: OffsetTables::default(),
             modals: ModalView::default(),

@@ -18,7 +18,7 @@ use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
-use crate::link::page_command::{PageCommand, PasswordScope, Secret};
+use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
 use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
 use ropey::Rope;
@@ -206,7 +206,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Transfer(direction, set) => self.transfer(*direction, *set),
             Statement::Stall => self.stall(),
             Statement::Unlock(scope, password) => self.unlock(*scope, password),
-            Statement::AcceptData => self.send(Command::Page(PageCommand::AcceptData)),
+            Statement::AcceptData => self.send(Command::Page(PageCommand::AcceptData(DataChoice::Present))),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),

@@ -355,7 +355,7 @@ impl Stage for TortureStage {
             self.host.machine_side().hear(&commands);
         }
         // The person has decided about the damaged data.
-        if commands.iter().any(|command| matches!(command, Command::Page(PageCommand::AcceptData))) {
+        if commands.iter().any(|command| matches!(command, Command::Page(PageCommand::AcceptData(_)))) {
             self.is_accepted = true;
         }
         self.host.step();

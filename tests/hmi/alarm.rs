@@ -3,13 +3,15 @@
 
 use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
+use kt830::controller::PowerOnState;
 use kt830::defs::alarm::{self, ALARMS, Alarm};
 use kt830::defs::alarm_history::AlarmHistory;
 use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
 use kt830::defs::text::LocalizedText;
-use kt830::link::Snapshot;
+use kt830::link::page_command::KeptState;
 use kt830::link::snapshot::AlarmView;
+use kt830::link::{Command, Snapshot};
 
 fn row(number: u16) -> &'static Alarm {
     ALARMS.iter().find(|row| row.number == number).unwrap()
@@ -146,8 +148,13 @@ fn b6_lost_data_are_accepted_on_the_alarm_page_with_the_password_of_the_builder(
     assert!(is_offered(&bench) && bench.shows("保存数据损坏或丢失"));
     bench.touch("接受数据 accept-data");
     bench.press(egui::Key::Escape);
+    assert!(!bench.shows("用哪份数据") && !bench.asks_password(), "cancelled");
+    bench.touch("接受数据 accept-data");
+    bench.touch("现在的数据 data-present");
+    bench.press(egui::Key::Escape);
     assert!(is_offered(&bench) && !bench.asks_password(), "cancelled");
     bench.touch("接受数据 accept-data");
+    bench.touch("现在的数据 data-present");
     bench.touch("接受 accept-yes");
     assert!(bench.asks_password());
     bench.write("123456");
@@ -155,12 +162,49 @@ fn b6_lost_data_are_accepted_on_the_alarm_page_with_the_password_of_the_builder(
     assert!(bench.asks_password() && is_offered(&bench), "the user's password accepts nothing");
     bench.press(egui::Key::Escape);
     bench.touch("接受数据 accept-data");
+    bench.touch("现在的数据 data-present");
     bench.touch("接受 accept-yes");
     bench.write("830830");
     bench.press(egui::Key::Enter);
     assert!(!is_offered(&bench) && !bench.shows("保存数据损坏或丢失"));
     crate::stories::tell(&mut bench.rig, "power cut\npower on\nwait 0.1 s");
     assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != alarm::RETAINED_DATA_DAMAGED));
+}
+
+/// In place of the data in force an earlier state, or factory values, can be chosen; they come with the next start.
+#[test]
+fn b6_after_a_loss_an_earlier_state_is_chosen_on_the_alarm_page() {
+    let mut bench = Bench::new(crate::stories::rig(), Page::Alarm);
+    let states = [(7, "2026-11-25 18:02"), (5, "2026-11-24 18:00")]
+        .map(|(number, time)| KeptState { number, time: time.into() });
+    let retained = PowerOnState { kept_states: states.to_vec().into(), ..bench.rig.retained().clone() };
+    let what = LocalizedText::same(&"用出厂值");
+    bench.rig.power_on_with(retained, vec![(alarm::RETAINED_DATA_DAMAGED, what)]);
+    bench.rig.send(Command::OpenPage(Page::Alarm));
+    bench.turn();
+    for (choice, told) in
+        [("2026-11-24 18:00 data-kept-5", "2026-11-24 18:00 的数据"), ("出厂值 data-factory", "下次启动用出厂值")]
+    {
+        bench.touch("接受数据 accept-data");
+        bench.touch(choice);
+        bench.touch("更换 accept-yes");
+        if bench.asks_password() {
+            bench.write("830830");
+            bench.press(egui::Key::Enter);
+        }
+        assert!(bench.shows(told), "{choice}");
+        let stands = |bench: &mut Bench| {
+            bench.rig.snapshot().alarms.iter().any(|alarm| alarm.number == alarm::RETAINED_DATA_DAMAGED)
+        };
+        assert!(stands(&mut bench), "nothing runs before the next start");
+        crate::stories::tell(&mut bench.rig, "key reset\nwait 0.1 s");
+        assert!(stands(&mut bench));
+    }
+    // The data in force can still be accepted.
+    bench.touch("接受数据 accept-data");
+    bench.touch("现在的数据 data-present");
+    bench.touch("接受 accept-yes");
+    assert!(!bench.shows("保存数据损坏或丢失"));
 }
 
 #[test]

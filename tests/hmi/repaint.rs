@@ -22,7 +22,7 @@ use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::repaint::{FIELDS, LiveScreen, changed_field};
 use kt830::link::files::FileRequest;
 use kt830::link::internal_signal::InternalSignal;
-use kt830::link::page_command::PageCommand;
+use kt830::link::page_command::{KeptState, PageCommand};
 use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{OwnMotion, RestartView, RunState};
 use kt830::link::start_guide::StepState;
@@ -81,6 +81,9 @@ const CHANGES: &[Change] = &[
     ("files", Page::Transfer, |machine| machine.files = busy(machine.page).files),
     ("access", Page::Settings, |machine| machine.access.level = AccessLevel::User),
     ("next_kind", Page::Settings, |machine| machine.next_kind = Kind::Ga),
+    ("kept_states", Page::Alarm, |machine| {
+        machine.kept_states = Arc::from([KeptState { number: 7, time: "2026-11-26 08:00".into() }]);
+    }),
     ("edit_answer", Page::Offset, |machine| machine.edit_answer.count += 1),
     ("offsets", Page::Offset, |machine| machine.offsets.tools[15].wear[Axis::Z] += 0.001),
     ("modals", Page::Mdi, |machine| machine.modals.g[0] = 0),

@@ -93,7 +93,7 @@ impl Panel {
     #[must_use]
     pub fn new(kind: Kind, retained: &PowerOnState, now: Micros) -> Self {
         Self {
-            pages: pages::PageState::new(kind),
+            pages: pages::PageState::new(kind, &retained.kept_states),
             calendar: calendar::Calendar::new(retained.clock_offset_s),
             access: access::Access::at_power_on(retained.wrong_passwords, now),
             ..Self::default()

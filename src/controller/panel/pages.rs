@@ -16,7 +16,8 @@ use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::internal_signal::{InternalSignal, InternalSignalSet};
 use crate::link::page_command::{
-    BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordCheck, PasswordScope, SettingsRequest, StorageAnswer,
+    BRIGHTNESS, DataChoice, KeptState, PASSWORD_LENGTH, PageCommand, PasswordCheck, PasswordScope, SettingsRequest,
+    StorageAnswer,
 };
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::machine::panel_key::NOT_IN_RUN;
@@ -35,12 +36,14 @@ pub struct PageState {
     pub sheet: usize,
     /// Kind of machine from the next power-on.
     next_kind: Kind,
+    /// Earlier states that may take the place of lost data.
+    kept_states: Arc<[KeptState]>,
 }
 
 impl PageState {
     /// At power-on.
-    pub fn new(kind: Kind) -> Self {
-        Self { next_kind: kind, ..Self::default() }
+    pub fn new(kind: Kind, kept_states: &Arc<[KeptState]>) -> Self {
+        Self { next_kind: kind, kept_states: Arc::clone(kept_states), ..Self::default() }
     }
 }
 
@@ -52,7 +55,7 @@ impl Panel {
             PageCommand::EditLeadscrew(..)
             | PageCommand::SetNextKind(_)
             | PageCommand::SetSerialPort(_)
-            | PageCommand::AcceptData
+            | PageCommand::AcceptData(_)
                 if !self.access.is_builder() =>
             {
                 parts.plant.refuse(password_needed(AccessLevel::Builder))
@@ -75,7 +78,7 @@ impl Panel {
                 let request = SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() };
                 self.request_password_check(parts, request);
             }
-            PageCommand::AcceptData => save(SettingsRequest::AcceptData),
+            PageCommand::AcceptData(choice) => save(SettingsRequest::AcceptData(choice.clone())),
             PageCommand::SetNextKind(kind) => save(SettingsRequest::SaveKind(*kind)),
             PageCommand::SetLang(lang) => save(SettingsRequest::SaveLang(*lang)),
             PageCommand::SetLightTheme(light) => save(SettingsRequest::SaveLightTheme(*light)),
@@ -139,11 +142,7 @@ impl Panel {
                 self.store_wrong_passwords(parts, self.access.wrong_passwords());
                 parts.plant.refuse(wrong);
             }
-            StorageAnswer::DataAccepted => {
-                parts.plant.alarms.clear(alarm::RETAINED_DATA_DAMAGED);
-                parts.plant.alarms.clear(alarm::VALUES_DROPPED);
-                parts.plant.show_note(phrase!("保存数据已接受", "the retained data are accepted"));
-            }
+            StorageAnswer::DataAccepted(choice) => accept_data(parts, choice),
             StorageAnswer::KindSaved(kind) => {
                 parts.plant.alarms.clear(alarm::SETTINGS_INVALID);
                 self.pages.next_kind = *kind;
@@ -175,8 +174,37 @@ impl Panel {
         out.date = self.calendar.date(parts.plant.now);
         self.files_view(out);
         out.next_kind = self.pages.next_kind;
+        if !Arc::ptr_eq(&out.kept_states, &self.pages.kept_states) {
+            out.kept_states = Arc::clone(&self.pages.kept_states);
+        }
         copy_changed(&mut out.params, &parts.plant.params);
         out.alarm_history.copy_from(parts.plant.alarms.history());
+    }
+}
+
+/// A person has decided what takes the place of lost data. What comes with the next start stands as the alarm until then.
+fn accept_data(parts: &mut Parts<'_>, choice: &DataChoice) {
+    let chosen = match choice {
+        DataChoice::Present => None,
+        DataChoice::Kept(state) => {
+            let time = state.time.as_str();
+            Some(phrase!(
+                "下次启动用 {time} 的数据：请关机再开机",
+                "the next start takes the values of {time}: switch off and on",
+                time
+            ))
+        }
+        DataChoice::Factory => {
+            Some(phrase!("下次启动用出厂值：请关机再开机", "the next start takes factory values: switch off and on"))
+        }
+    };
+    parts.plant.alarms.clear(alarm::RETAINED_DATA_DAMAGED);
+    match chosen {
+        Some(chosen) => parts.plant.raise(alarm::RETAINED_DATA_DAMAGED, Some(chosen)),
+        None => {
+            parts.plant.alarms.clear(alarm::VALUES_DROPPED);
+            parts.plant.show_note(phrase!("保存数据已接受", "the retained data are accepted"));
+        }
     }
 }
 

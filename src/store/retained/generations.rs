@@ -13,17 +13,17 @@ use crate::store::ron_file::{self, ChecksumPolicy, RonError};
 const FOLDER: &str = "generations";
 const PREFIX: &str = "retained-";
 const EXTENSION: &str = ".ron";
-/// The newest states that are kept, and before them the last one of each day, of so many days.
+/// The newest states that are kept.
 const NEWEST: usize = 4;
-const DAYS: usize = 7;
-const SECONDS_PER_DAY: u64 = 86_400;
+/// Before them the last one of each hour and of each day: length, s, and how many.
+const SPANS: [(u64, usize); 2] = [(3_600, 4), (86_400, 7)];
 
 /// A kept state.
 struct GenerationFile {
     number: u64,
     path: PathBuf,
-    /// Days since 1970 of its last change.
-    day: u64,
+    /// Seconds since 1970 of its last change.
+    seconds: u64,
 }
 
 /// Keeps a state, unless it is kept already, and deletes the oldest ones.
@@ -55,11 +55,24 @@ pub fn highest(folder: &Path) -> Option<Generation> {
 /// The newest state that is whole, and its file.
 #[must_use]
 pub fn newest_whole(folder: &Path) -> Option<(PathBuf, RetainedData)> {
-    let whole = |file: GenerationFile| {
-        let read = ron_file::read::<RetainedData>(&file.path, ChecksumPolicy::Strict).ok()?;
-        Some((file.path, read.value))
-    };
-    list(folder).into_iter().find_map(whole)
+    list(folder).into_iter().find_map(|file| read(&file).map(|data| (file.path, data)))
+}
+
+/// The kept states that are whole, the newest first, with the time of their file.
+#[must_use]
+pub fn whole(folder: &Path) -> Vec<(Option<SystemTime>, RetainedData)> {
+    let modified = |path: &Path| path.metadata().ok().and_then(|metadata| metadata.modified().ok());
+    list(folder).iter().filter_map(|file| Some((modified(&file.path), read(file)?))).collect()
+}
+
+/// The kept state with a number, if it is whole.
+#[must_use]
+pub fn find(folder: &Path, number: u64) -> Option<RetainedData> {
+    list(folder).iter().find(|file| file.number == number).and_then(read)
+}
+
+fn read(file: &GenerationFile) -> Option<RetainedData> {
+    ron_file::read::<RetainedData>(&file.path, ChecksumPolicy::Strict).ok().map(|found| found.value)
 }
 
 /// Numbers of commits are below: a thousand a second for thirty years. A file with another one is none of ours.
@@ -76,23 +89,28 @@ fn list(folder: &Path) -> Vec<GenerationFile> {
                 return None;
             }
             let modified = entry.metadata().ok()?.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-            let day = modified.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs() / SECONDS_PER_DAY;
-            Some(GenerationFile { number, path: entry.path(), day })
+            let seconds = modified.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
+            Some(GenerationFile { number, path: entry.path(), seconds })
         })
         .collect();
     found.sort_by_key(|file| std::cmp::Reverse(file.number));
     found
 }
 
-/// The files to delete: neither among the newest nor the last of one of the last days.
+/// The files to delete: neither among the newest nor the last of one of the last hours or days.
 fn superfluous(files: &[GenerationFile]) -> Vec<&Path> {
-    let (mut days, mut old) = (Vec::new(), Vec::new());
+    let mut seen: [Vec<u64>; SPANS.len()] = Default::default();
+    let mut old = Vec::new();
     for (index, file) in files.iter().enumerate() {
-        let is_last_of_day = !days.contains(&file.day);
-        if is_last_of_day {
-            days.push(file.day);
+        let mut is_kept = index < NEWEST;
+        for (seen, (span, most)) in seen.iter_mut().zip(SPANS) {
+            let of_file = file.seconds / span;
+            if seen.len() < most && !seen.contains(&of_file) {
+                seen.push(of_file);
+                is_kept = true;
+            }
         }
-        if index >= NEWEST && (!is_last_of_day || days.len() > DAYS) {
+        if !is_kept {
             old.push(file.path.as_path());
         }
     }
@@ -104,14 +122,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_newest_and_the_last_of_each_day_stay() {
-        let file = |number: u64, day: u64| GenerationFile { number, path: number.to_string().into(), day };
-        // Newest first: six of day 10, two of day 9, one of each day before.
-        let mut files: Vec<_> = (20..26).rev().map(|number| file(number, 10)).collect();
-        files.extend([file(19, 9), file(18, 9)]);
-        files.extend((10..18).rev().map(|number| file(number, number - 9)));
-        let gone: Vec<u64> = superfluous(&files).iter().map(|path| path.to_string_lossy().parse().unwrap()).collect();
-        // Days 10, 9, 8, 7, 6, 5, 4: their last ones are 25, 19, 17, 16, 15, 14, 13.
-        assert_eq!(gone, [21, 20, 18, 12, 11, 10]);
+    fn the_newest_and_the_last_of_each_hour_and_day_stay() {
+        let file = |number: u64, seconds: u64| GenerationFile { number, path: number.to_string().into(), seconds };
+        let (day, hour, minute) = (86_400, 3_600, 60);
+        // The newest first, at 20:50 of day 10: one a minute for two hours, then two a day.
+        let mut files: Vec<_> =
+            (0..120).map(|k| file(1_000 - k, 10 * day + 20 * hour + 50 * minute - k * minute)).collect();
+        files.extend((0..20).map(|k| file(800 - k, 9 * day + 12 * hour - k * day / 2)));
+        let gone = superfluous(&files);
+        let kept: Vec<u64> =
+            files.iter().filter(|file| !gone.contains(&file.path.as_path())).map(|file| file.number).collect();
+        // Four newest; of the hours 20 the newest one, 19 the last (19:59, 51 minutes before), 18 (18:59, 111), then hour 12
+        // of day 9, which is the last of that day, too; days 8 to 4 each with its 12:00, of two a day.
+        assert_eq!(kept, [1_000, 999, 998, 997, 1_000 - 51, 1_000 - 111, 800, 798, 796, 794, 792, 790]);
     }
 }

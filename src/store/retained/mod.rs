@@ -127,6 +127,30 @@ pub struct RetainedData {
 }
 
 impl RetainedData {
+    /// The changes that make these data another state. The alarm history goes on.
+    #[must_use]
+    pub fn changes_to(&self, other: &Self) -> Vec<RetainedChange> {
+        let mut all = Vec::new();
+        let gone = |key: &&u16| !other.variables.contains_key(key);
+        all.extend(self.variables.keys().filter(gone).map(|&number| RetainedChange::Variable { number, value: None }));
+        let gone = |key: &&String| !other.params.contains_key(*key);
+        all.extend(self.params.keys().filter(gone).map(|key| RetainedChange::Param { key: key.clone(), value: None }));
+        let gone = |key: &&u8| !other.offsets.contains_key(key);
+        let zero = ToolOffset::default();
+        all.extend(self.offsets.keys().filter(gone).map(|&number| RetainedChange::Offset { number, offset: zero }));
+        let gone = |key: &&u8| !other.work_offsets.contains_key(key);
+        let origin = PerAxis::default();
+        all.extend(self.work_offsets.keys().filter(gone).map(|&index| RetainedChange::WorkOffset { index, origin }));
+        let gone = |key: &&String| !other.numbers.contains_key(*key);
+        all.extend(
+            self.numbers.keys().filter(gone).map(|key| RetainedChange::Number { key: key.clone(), value: None }),
+        );
+        let gone = |key: &&String| !other.texts.contains_key(*key);
+        all.extend(self.texts.keys().filter(gone).map(|key| RetainedChange::Text { key: key.clone(), value: None }));
+        all.extend(other.changes().into_iter().filter(|change| !matches!(change, RetainedChange::Alarm(_))));
+        all
+    }
+
     /// The changes that make an empty database this one.
     fn changes(&self) -> Vec<RetainedChange> {
         let mut all = Vec::new();
