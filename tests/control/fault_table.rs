@@ -49,7 +49,7 @@ const Z_RESTS: &[&str] = &["standing", "homing", "dwell (G04)", "held"];
 /// No program runs (K5.13, K5.14): the operator is at the machine and moves one axis by hand.
 const NO_RUN: &[&str] = &["standing", "jog", "homing"];
 
-const FAULTS: [Fault; 14] = [
+const FAULTS: [Fault; 16] = [
     fault(Text::new("急停", "emergency stop"), ["input emergency-stop on", "input emergency-stop free"], (0, 1)),
     fault(Text::new("屏幕急停", "emergency stop on the screen"), ["key emergency-stop", "key emergency-stop"], (0, 1)),
     fault(
@@ -70,6 +70,17 @@ const FAULTS: [Fault; 14] = [
     },
     fault(Text::new("总线迟到 2 个周期", "bus late for 2 ticks"), ["fault bus-late 2", ""], (402, 3)),
     fault(Text::new("总线 200 个周期无应答", "bus silent for 200 ticks"), ["fault bus-silent 200", ""], (402, 3)),
+    fault(
+        Text::new("供电监视报告断电", "supply monitor reports a failure"),
+        ["input power-fail on", "input power-fail free"],
+        (107, FILTERED_MS),
+    ),
+    // Every input is off: the chain of the emergency stop is the first to say so.
+    fault(
+        Text::new("输入电源丢失", "supply of the inputs lost"),
+        ["fault supply-loss", "fault supply-loss off"],
+        (0, 1),
+    ),
     Fault {
         quiet: &["standing", "held"],
         ..fault(Text::new("计算机停顿超过 1 秒", "computer held up for more than 1 s"), ["stall", ""], (404, 1))
@@ -194,8 +205,8 @@ fn react(phase: &Phase, fault: &Fault) -> Reaction {
     rig.add_program(program_from_bytes(7_000, "O7000.NC", phase.program.as_bytes().to_vec(), rig.kind().dialect()));
     rig.add_program(program_from_bytes(7_001, "O7001.NC", b"G04 X5\nM30".to_vec(), rig.kind().dialect()));
     let mut player = Player::new(&mut rig, None, &PathBuf::from("."), true);
-    // Guard switch, flow switch and level switch are fitted.
-    play(&mut player, "param P332 60\nparam P333 61\nparam P334 62\nwait 1 s\nexpect no alarm");
+    // Guard switch, flow switch, level switch and supply monitor are fitted.
+    play(&mut player, "param P332 60\nparam P333 61\nparam P334 62\nparam P369 63\nwait 1 s\nexpect no alarm");
     play(&mut player, phase.story);
     let before = outputs(player.host());
     assert!(player.host().snapshot().alarms.is_empty(), "{}: {:?}", phase.name.en, player.host().snapshot().alarms);
