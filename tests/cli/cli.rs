@@ -532,6 +532,36 @@ fn t3_a_bad_part_is_told_and_is_no_success() {
     assert!(status(&real) == 2 && errors(&real).contains("kt830 bus FILE"), "{}", errors(&real));
 }
 
+/// Values of a real machine are changed on its pages, with their passwords: never by the call.
+#[test]
+fn b6_options_that_change_values_are_refused_on_a_real_machine() {
+    let data = tempfile::tempdir().unwrap();
+    let machine = format!("{}/assets/machines/gc_ethercat.ron", env!("CARGO_MANIFEST_DIR"));
+    std::fs::copy(&machine, data.path().join("machine.ron")).unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    for option in [["--param", "P71=1"], ["--set", "#520=1"]] {
+        // Named in the call, or installed in the data folder.
+        for place in [vec!["--machine", &machine], vec!["--data", &folder]] {
+            let out = kt830(&[&place[..], &option[..]].concat());
+            assert!(status(&out) == 2 && errors(&out).contains("with their passwords"), "{option:?}: {}", errors(&out));
+        }
+    }
+    assert!(!data.path().join("retained.redb").exists(), "nothing was opened");
+}
+
+/// A program of more than 128 MiB is refused with its limit, before it is read.
+#[test]
+fn b1_a_program_that_is_too_large_is_refused_with_the_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("O1002.NC");
+    std::fs::File::create(&path).unwrap().set_len(128 * 1024 * 1024 + 1).unwrap();
+    let named = path.to_string_lossy().into_owned();
+    for words in [["check", &named], ["run", &named]] {
+        let out = kt830(&words);
+        assert!(status(&out) != 0 && errors(&out).contains("134217728"), "{words:?}: {}", errors(&out));
+    }
+}
+
 #[test]
 fn t3_programs_are_qualified_on_other_machines() {
     let folder = tempfile::tempdir().unwrap();

@@ -430,6 +430,24 @@ fn k1_a_flipped_bit_in_the_settings_changes_no_kind_of_machine() {
     assert!(kt830(&["run", "O1002", "--data", &data]).status.success());
 }
 
+/// Damaged settings whose backup is of another kind: the kind of the data counts, under alarm 304.
+#[test]
+fn k1_an_old_backup_of_the_settings_of_another_kind_changes_no_kind_of_machine() {
+    let folder = session();
+    let file = folder.path().join("settings.ron");
+    StoredSettings { kind: Some(Kind::Ga), ..StoredSettings::default() }.write(folder.path()).unwrap();
+    fs::rename(&file, folder.path().join("settings.ron.bak")).unwrap();
+    let data = folder.path().to_string_lossy().into_owned();
+    for bad in [Some("(kind: Some("), None] {
+        let _ = fs::remove_file(&file);
+        bad.into_iter().for_each(|text| fs::write(&file, text).unwrap());
+        let out = kt830(&["run", "O1002", "--data", &data, "--lang", "en"]);
+        let told = String::from_utf8_lossy(&out.stdout).into_owned();
+        assert!(!out.status.success() && told.contains("304"), "{bad:?}: {told}");
+        assert!(!told.contains("Y  work"), "{bad:?}: {told}");
+    }
+}
+
 #[test]
 fn k1_another_kind_is_asked_for_in_vain() {
     let folder = session();

@@ -250,6 +250,13 @@ fn k7_8_a_damaged_or_foreign_archive_changes_nothing() {
     try_it(&archive(b"programs/../../O1001.NC", false), "a way out");
     try_it(&archive(b"/etc/O1001.NC", false), "an absolute name");
     try_it(&archive(b"programs/O1001.NC", true), "a link");
+    // Larger than 512 MiB: it is not even read.
+    let giant = fs::File::create(shop.usb(&name)).unwrap();
+    giant.set_len(512 * 1024 * 1024 + 1).unwrap();
+    shop.bring();
+    shop.bench.touch("覆盖 question-overwrite");
+    assert!(shop.refusal().contains("最多 536870912"), "{}", shop.refusal());
+    assert_eq!(fs::read(shop.path("programs/O1001.NC")).unwrap(), program);
 }
 
 #[test]
