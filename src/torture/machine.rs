@@ -46,6 +46,8 @@ pub struct WatchedMachine {
     wanted_mm: f64,
     /// What a bug adds to X, mm.
     offset_mm: f64,
+    /// By how much a bug makes the step of this tick longer, mm.
+    surplus_mm: f64,
     /// Its last step, mm.
     step_mm: f64,
     /// Ticks since the set-points came to rest.
@@ -70,6 +72,7 @@ impl WatchedMachine {
             was_reset: false,
             wanted_mm: 0.0,
             offset_mm: 0.0,
+            surplus_mm: 0.0,
             step_mm: 0.0,
             at_rest: 0,
             ticks: 0,
@@ -186,6 +189,7 @@ impl WatchedMachine {
     }
 
     fn tamper_motion(&mut self, image: &mut OutputImage) {
+        let port = |output| self.params.output_port(output);
         let wanted = image.set_point_mm[Axis::X];
         let step = wanted - std::mem::replace(&mut self.wanted_mm, wanted);
         let slows = step.abs() < std::mem::replace(&mut self.step_mm, step).abs();
@@ -210,6 +214,12 @@ impl WatchedMachine {
             Some(PlantedBug::SoftLimitIsLate) if image.drives_on && self.ticks > HOMING_TICKS => {
                 self.offset_mm = (self.offset_mm + 0.01 * step.min(0.0)).max(-1.0);
             }
+            // The surplus grows by 1 mm/s².
+            Some(PlantedBug::SlowJogIsFast) if step < 0.0 && image.terminals.is_closed(port(Output::Wheel)) => {
+                self.surplus_mm += 1e-6;
+                self.offset_mm -= self.surplus_mm;
+            }
+            Some(PlantedBug::SlowJogIsFast) => self.surplus_mm = 0.0,
             Some(PlantedBug::CourseIsRandom) => {
                 // Keys of the standard library's hashes differ from run to run.
                 self.chance = SplitMix64::new(RandomState::new().hash_one(self.ticks));

@@ -45,6 +45,8 @@ pub enum PlantedBug {
     AxisStopsDead,
     /// A jog key that is released acts on.
     JogKeySticks,
+    /// With the wheel on, the jog of the wheel axis is faster than it may be.
+    SlowJogIsFast,
     /// The outputs stay on when the power goes.
     OutputsOutliveThePower,
     /// Values are acknowledged before they are stored.
@@ -81,7 +83,7 @@ pub enum PlantedBug {
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 37] = [
+    pub const ALL: [Self; 38] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -103,6 +105,7 @@ impl PlantedBug {
         Self::TailstockIgnoresHeadstock,
         Self::AxisStopsDead,
         Self::JogKeySticks,
+        Self::SlowJogIsFast,
         Self::OutputsOutliveThePower,
         Self::StorageAcknowledgesEarly,
         Self::StorageDropsARequest,

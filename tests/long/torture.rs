@@ -112,6 +112,11 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
         ),
         Bug::AxisStopsDead => ("X accelerates by", Kind::Gc, "mode jog\nhold X- 500 ms\nwait 4 s"),
         Bug::JogKeySticks => ("without a cause", Kind::Gc, "mode jog\nhold X- 500 ms\nwait 4 s"),
+        Bug::SlowJogIsFast => (
+            "K5.9: X is jogged minus",
+            Kind::Gc,
+            "param P332 0\nkey hydraulic\nwait 4 s\nkey wheel-start\nwait 2 s\nmode jog\nhold X- 3 s",
+        ),
         Bug::OutputsOutliveThePower => ("on without power", Kind::Gc, "key coolant\nwait 1 s\npower cut\nwait 1 s"),
         Bug::StorageDropsARequest | Bug::StorageRoundsValues => in_courses("stored is not what is in force"),
         // What is looked at first, a minute after a change or at a power cut, is chance.

@@ -93,7 +93,7 @@ const WORK_DRIVES: [Output; 4] =
     [Output::HeadstockHigh, Output::HeadstockLow, Output::DresserRoll, Output::TableRotation];
 
 /// Longest time in which axes brake: 166 mm/s at 800 mm/s² is 0.2 s, and jerk, override and the end of a buffer add to it.
-const BRAKING: Micros = Micros::from_millis(2_000);
+const BRAKING: Micros = Micros::from_millis(500);
 /// How long after a command a run may start.
 const START_TIME: Micros = Micros::from_millis(400);
 

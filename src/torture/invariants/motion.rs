@@ -5,6 +5,7 @@ use super::{BRAKING, Moment};
 use crate::controller::{Controller, soft_limits};
 use crate::defs::key::{Key, Mode};
 use crate::defs::param;
+use crate::defs::signal::Output;
 use crate::link::command::Command;
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -39,6 +40,8 @@ pub struct MotionRules {
     e_stopped_at: Option<Micros>,
     homed: PerAxis<bool>,
     beyond_mm: PerAxis<f64>,
+    /// The limit of the wheel axis in the slow direction, mm/min, and since when it holds (K5.9).
+    slow: Option<(f64, Micros)>,
 }
 
 impl MotionRules {
@@ -48,6 +51,7 @@ impl MotionRules {
             return Ok(());
         }
         self.note_causes(moment);
+        self.note_slow_direction(moment);
         self.check_drives(moment)?;
         let written = moment.machine.written;
         let set = PerAxis(written.set_point_mm.coordinates());
@@ -87,7 +91,7 @@ impl MotionRules {
             }
             self.check_soft_limits(moment, axis)?;
         }
-        Ok(())
+        self.check_slow_direction(moment, &steps)
     }
 
     /// Once the axes have braked, an emergency stop switches the drives off.
@@ -124,6 +128,28 @@ impl MotionRules {
         if moment.pressed(|key| key == Key::Reset) || moment.is_e_stopped() {
             self.allowed_until = self.allowed_until.min(now + BRAKING);
         }
+    }
+
+    /// K5.9: with the wheel on, the jog of the wheel axis is slow in its minus direction.
+    fn note_slow_direction(&mut self, moment: &Moment<'_>) {
+        let controller = moment.controller;
+        let jogs = controller.mode() == Mode::Manual && !controller.state().is_active() && !self.own_motion;
+        let holds = jogs && moment.outputs_on().has(Output::Wheel);
+        let limit = controller.params().get(param::WHEEL_ON_INFEED_SPEED);
+        let before = self.slow.filter(|(known, _)| known.to_bits() == limit.to_bits());
+        self.slow = holds.then(|| before.unwrap_or((limit, moment.now)));
+    }
+
+    fn check_slow_direction(&self, moment: &Moment<'_>, steps: &PerAxis<f64>) -> Result<(), String> {
+        let axis = moment.controller.kind().row().wheel_axis;
+        let tick_min = moment.controller.tick_time().as_secs_f64() / MINUTE_S;
+        let too_fast = self.slow.filter(|(limit, since)| {
+            moment.now.since(*since) > BRAKING && -steps[axis] > limit * tick_min * SPEED_TOLERANCE
+        });
+        let told = |limit| {
+            format!("K5.9: {axis} is jogged minus at {:.0} mm/min, P242 is {limit:.0}", -steps[axis] / tick_min)
+        };
+        too_fast.map_or(Ok(()), |(limit, _)| Err(told(limit)))
     }
 
     /// A homed axis never goes farther beyond a soft limit than it was.
