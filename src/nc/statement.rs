@@ -192,7 +192,12 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
 /// The statement behind an O word, as LinuxCNC writes it: `o100 while`, `o<name> call`.
 fn o_word_statement<'a>(mut cursor: Cursor<'a>) -> Option<&'a [u8]> {
     cursor.at += 1;
-    while cursor.peek().is_ascii_digit() || matches!(cursor.peek(), b'<'..=b'>' | b'_') {
+    if cursor.accept(b'<') {
+        while !cursor.at_line_end() && !cursor.accept(b'>') {
+            cursor.at += 1;
+        }
+    }
+    while cursor.peek().is_ascii_digit() {
         cursor.at += 1;
     }
     foreign_statement(cursor.text.get(cursor.at..)?)
