@@ -32,7 +32,7 @@ use crate::link::toolpath::CycleTime;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
     BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, OriginPlace, ProgramCheck,
-    ProgramFault, SharedLibrary, Source, WorkOffsets,
+    ProgramFault, SharedLibrary, Source, WorkOffsets, o_number,
 };
 use crate::store::PROGRAM_LIMIT;
 use crate::units::{Axis, PerAxis};
@@ -105,7 +105,7 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
             CallError::new(format!("{}: {error}; check the path and the permission to read the file", path.display()))
         })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let found = match file_kind(&name) {
+        let found = match file_kind(&name, &bytes) {
             CheckedFileKind::Program => FileCheck::new(shared, call, path, bytes)?.execute()?,
             CheckedFileKind::PageText => {
                 print_file(shared, path, parse_page_text(&name, &bytes).err(), &english_warnings(path, &name, &bytes))
@@ -118,8 +118,9 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
     Ok(status)
 }
 
-/// `C0001.TXT`, `C0001.NC` are page texts, `.BMP` pictures, `.RON` their variables, everything else programs.
-fn file_kind(name: &str) -> CheckedFileKind {
+/// `C0001.TXT`, `C0001.NC` are page texts, `.BMP` pictures, `.RON` their variables, everything else programs. Another
+/// `.TXT` is a page text, too, unless it begins as a program does: exports of other controls have that name.
+fn file_kind(name: &str, bytes: &[u8]) -> CheckedFileKind {
     let upper = name.to_ascii_uppercase();
     let page = upper
         .strip_prefix('C')
@@ -127,10 +128,17 @@ fn file_kind(name: &str) -> CheckedFileKind {
     match upper.rsplit_once('.').map(|(_, extension)| extension) {
         Some("BMP") => CheckedFileKind::Picture,
         Some("RON") => CheckedFileKind::PictureLabels,
-        Some("TXT") => CheckedFileKind::PageText,
         _ if page => CheckedFileKind::PageText,
+        Some("TXT") if !begins_as_program(bytes) => CheckedFileKind::PageText,
         _ => CheckedFileKind::Program,
     }
+}
+
+/// Whether the first line of a text is `%` or the number of a program.
+fn begins_as_program(bytes: &[u8]) -> bool {
+    let lines = bytes.split(|byte| matches!(byte, b'\r' | b'\n'));
+    let first = lines.map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
+    first.is_some_and(|line| line.starts_with(b"%") || o_number(line).is_some())
 }
 
 /// An error with a message in both languages; line and column are 0 if there is no position.

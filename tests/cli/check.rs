@@ -26,6 +26,24 @@ fn json(kind: &str, name: &str, text: &str) -> Value {
     serde_json::from_slice(&check(kind, name, text, &["--format", "json"]).stdout).unwrap()
 }
 
+/// Exports of other controls have the name of a text: what begins as a program is one. Any other `.TXT` is a page text.
+#[test]
+fn t4_a_text_file_that_begins_as_a_program_is_checked_as_one() {
+    for text in
+        ["%\nO0001\nG98 G01 X5 F100\nM30\n%\n", "\r\nO0001 (PART)\r\nG98 G01 X5 F100\r\nM30\r\n", ":0001\nM30\n"]
+    {
+        let out = check("gc", "EXPORT.TXT", text, &[]);
+        assert_eq!(out.status.code(), Some(0), "{text}: {}{}", said(&out), warned(&out));
+    }
+    let wrong = check("gc", "export.txt", "%\nO0001\nG199 X5\nM30\n", &["--lang", "en"]);
+    assert!(said(&wrong).contains("export.txt:3:1: unknown code G199"), "{}", said(&wrong));
+    // The name of a page, and what is no program, stay page texts.
+    for (name, text) in [("C0001.TXT", "%\nO0001\nM30\n"), ("page.txt", "\n\n")] {
+        let out = check("gc", name, text, &["--lang", "en"]);
+        assert!(out.status.code() == Some(2) && said(&out).contains("title"), "{name}: {}", said(&out));
+    }
+}
+
 #[test]
 fn l7_targets_of_blocks_that_the_run_does_not_reach_are_looked_for() {
     let text = "N0010M97L0100\nN0020M97L0990\nN0030M98L0990\nN0040M97L0040\nN0050M97L0060\nN0060G04F1\nN0060G04F1\n\
