@@ -8,6 +8,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::{CheckArgs, OutputFormat, RunArgs, SharedArgs};
+use super::checked_file::{CheckedFileKind, file_kind};
 use super::cycle_time::cycle_time;
 use super::finished_size_check::{FinishedSizeCheck, Overshoot};
 use super::page_text_check::english_warnings;
@@ -32,7 +33,7 @@ use crate::link::toolpath::CycleTime;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
     BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, OriginPlace, ProgramCheck,
-    ProgramFault, SharedLibrary, Source, WorkOffsets, o_number,
+    ProgramFault, SharedLibrary, Source, WorkOffsets,
 };
 use crate::store::PROGRAM_LIMIT;
 use crate::units::{Axis, PerAxis};
@@ -42,15 +43,6 @@ const WARNING: Text = Text::new("警告：", "warning: ");
 
 /// The verdict without errors.
 const OK: Text = Text::new("ok", "ok");
-
-/// The type of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum CheckedFileKind {
-    Program,
-    PageText,
-    Picture,
-    PictureLabels,
-}
 
 /// An error of a file.
 #[derive(Clone, Debug, Default)]
@@ -116,29 +108,6 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
         status = status.max(found);
     }
     Ok(status)
-}
-
-/// `C0001.TXT`, `C0001.NC` are page texts, `.BMP` pictures, `.RON` their variables, everything else programs. Another
-/// `.TXT` is a page text, too, unless it begins as a program does: exports of other controls have that name.
-fn file_kind(name: &str, bytes: &[u8]) -> CheckedFileKind {
-    let upper = name.to_ascii_uppercase();
-    let page = upper
-        .strip_prefix('C')
-        .is_some_and(|rest| rest.len() > 4 && rest.as_bytes()[..4].iter().all(u8::is_ascii_digit));
-    match upper.rsplit_once('.').map(|(_, extension)| extension) {
-        Some("BMP") => CheckedFileKind::Picture,
-        Some("RON") => CheckedFileKind::PictureLabels,
-        _ if page => CheckedFileKind::PageText,
-        Some("TXT") if !begins_as_program(bytes) => CheckedFileKind::PageText,
-        _ => CheckedFileKind::Program,
-    }
-}
-
-/// Whether the first line of a text is `%` or the number of a program.
-fn begins_as_program(bytes: &[u8]) -> bool {
-    let lines = bytes.split(|byte| matches!(byte, b'\r' | b'\n'));
-    let first = lines.map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
-    first.is_some_and(|line| line.starts_with(b"%") || o_number(line).is_some())
 }
 
 /// An error with a message in both languages; line and column are 0 if there is no position.

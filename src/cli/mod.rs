@@ -5,6 +5,7 @@ mod args;
 #[cfg(target_os = "linux")]
 mod bus;
 mod check;
+mod checked_file;
 mod codes;
 mod cycle_time;
 mod demo;

@@ -14,7 +14,7 @@ use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
 use crate::defs::system_variable;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Text};
 use crate::link::command::Command;
 use crate::link::page_command::{DataChoice, KeptState, PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
@@ -40,6 +40,9 @@ const LOSS: &str = "data-loss";
 /// What takes the place of lost data at the next start: the number of a kept state, or [`FACTORY`].
 const CHOICE: &str = "data-choice";
 const FACTORY: &str = "factory";
+/// In the row of a loss: a person has chosen what took the place.
+const CHOSEN: &str = "chosen";
+const NOTHING_LOST: Text = Text::new("数据已接受，不能再更换", "the data are accepted: they are not replaced any more");
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// Result of opening the data.
@@ -106,7 +109,8 @@ impl RetainedStore {
         if let Some(stored) = stored_kind.filter(|stored| *stored != kind) {
             return Err(RetainedError::OtherKind(stored.id().to_owned(), kind.id().to_owned()));
         }
-        let chosen = loaded.texts.get(CHOICE).and_then(|choice| chosen_state(folder, choice, &loaded));
+        let choice = loaded.texts.get(CHOICE).filter(|_| loaded.texts.contains_key(LOSS));
+        let chosen = choice.and_then(|choice| chosen_state(folder, choice, &loaded));
         let replaced = chosen.map_or(Ok(()), |chosen| {
             opened.database.commit(&loaded.changes_to(&chosen))?;
             loaded = opened.database.load()?;
@@ -116,7 +120,9 @@ impl RetainedStore {
         let older = generations::highest(folder).filter(|highest| *highest > loaded.generation);
         let raised = older.map_or(Ok(()), |highest| opened.database.raise_generation(highest));
         let unbound = stored_kind.is_none().then(|| text(KIND, Some(kind.id().to_owned())));
-        let unsaved: Vec<RetainedChange> = unbound.into_iter().collect();
+        // A choice that cannot be carried out now must not come later, over values that were set since.
+        let missed = loaded.texts.contains_key(CHOICE).then(|| text(CHOICE, None));
+        let unsaved: Vec<RetainedChange> = unbound.into_iter().chain(missed).collect();
         let (mut retained, dropped) = retained_from_data(kind, &loaded);
         let (dropped, refused): (Vec<_>, Vec<_>) = dropped.into_iter().unzip();
         let refused = refused.into_iter().flatten().collect();
@@ -177,6 +183,9 @@ impl RetainedStore {
     /// Answers a request of a page.
     pub fn answer(&mut self, request: &SettingsRequest) -> Command {
         let changes = match request {
+            SettingsRequest::AcceptData(DataChoice::Kept(_) | DataChoice::Factory) if !self.is_lost() => {
+                return answered(StorageAnswer::Failed(NOTHING_LOST.into()));
+            }
             SettingsRequest::AcceptData(DataChoice::Present) => {
                 self.refused.iter().cloned().chain([text(LOSS, None), text(CHOICE, None)]).collect()
             }
@@ -203,6 +212,11 @@ impl RetainedStore {
             }
             Err(error) => answered(StorageAnswer::Failed(LocalizedText::same(&error))),
         }
+    }
+
+    /// Whether nobody has accepted what took the place of lost data.
+    fn is_lost(&mut self) -> bool {
+        self.database.load().is_ok_and(|data| data.texts.contains_key(LOSS))
     }
 
     /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
@@ -260,18 +274,24 @@ fn replacement(folder: &Path, damaged: Option<&DamageReport>) -> RetainedData {
     data.generation = data.generation.max(generations::highest(folder).unwrap_or_default());
     data.texts.extend(PasswordStore::copy_in(folder).0);
     let copy = damaged.and_then(|report| Some(report.kept_as.file_name()?.to_string_lossy().into_owned()));
-    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of }.row());
+    data.texts.remove(CHOICE);
+    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of, is_chosen: false }.row());
     data
 }
 
-/// The state that a person has chosen in place of lost data, accepted; none if it is no longer whole. The passwords and
-/// the kind of machine stay, the place of an interrupted run goes.
+/// The state that a person has chosen in place of lost data; none if it is no longer whole. It is a loss, too, until it is
+/// accepted in its turn. The passwords and the kind of machine stay, the place of an interrupted run goes.
 fn chosen_state(folder: &Path, choice: &str, present: &RetainedData) -> Option<RetainedData> {
-    let mut chosen = match choice {
-        FACTORY => RetainedData::default(),
-        number => generations::find(folder, number.parse().ok()?)?,
+    let (time, mut chosen) = match choice {
+        FACTORY => (None, RetainedData::default()),
+        number => {
+            let (time, kept) = generations::find(folder, number.parse().ok()?)?;
+            (Some(time_text(time)), kept)
+        }
     };
-    [LOSS, CHOICE, RUNNING_AT].into_iter().for_each(|key| drop(chosen.texts.remove(key)));
+    [CHOICE, RUNNING_AT].into_iter().for_each(|key| drop(chosen.texts.remove(key)));
+    let loss = DataLoss { state_of: time, is_chosen: true, ..DataLoss::from_row(present.texts.get(LOSS)?) };
+    chosen.texts.insert(LOSS.to_owned(), loss.row());
     // The copy lacks a change that was made since the loss.
     chosen.texts.extend(PasswordStore::copy_in(folder).0);
     chosen.texts.extend(PasswordStore::rows_of(present));
@@ -308,21 +328,23 @@ fn unreadable(state: &KeptState) -> LocalizedText {
 pub struct DataLoss {
     /// The copy of a damaged file; none: the file was gone.
     pub copy: Option<String>,
-    /// Time of the generation that took its place; none: factory values.
+    /// Time of the state that took its place; none: factory values.
     pub state_of: Option<String>,
+    /// A person has chosen it.
+    pub is_chosen: bool,
 }
 
 impl DataLoss {
     /// The text of the database row.
     fn row(&self) -> String {
         let word = |of: &Option<String>| of.clone().unwrap_or_default();
-        format!("{}|{}", word(&self.copy), word(&self.state_of))
+        format!("{}|{}|{}", word(&self.copy), word(&self.state_of), if self.is_chosen { CHOSEN } else { "" })
     }
 
     fn from_row(row: &str) -> Self {
-        let (copy, state_of) = row.split_once('|').unwrap_or_default();
-        let some = |word: &str| Some(word.to_owned()).filter(|word| !word.is_empty());
-        Self { copy: some(copy), state_of: some(state_of) }
+        let mut words = row.split('|');
+        let mut next = || words.next().map(str::to_owned).filter(|word| !word.is_empty());
+        Self { copy: next(), state_of: next(), is_chosen: next().is_some() }
     }
 
     /// What happened and what is used, for the alarm.
@@ -336,7 +358,8 @@ impl DataLoss {
             Some(time) => (format!("用 {time} 的数据"), format!("values of {time}")),
             None => ("用出厂值".to_owned(), "factory values".to_owned()),
         };
-        LocalizedText::new(format!("{what_zh}，{used_zh}"), format!("{what}; {used}"))
+        let (by_zh, by) = if self.is_chosen { ("已选", "chosen: ") } else { ("", "") };
+        LocalizedText::new(format!("{what_zh}，{by_zh}{used_zh}"), format!("{what}; {by}{used}"))
     }
 }
 

@@ -27,7 +27,7 @@ use crate::host::storage::{DirectStorage, RetainedWorker};
 use crate::io::random::SplitMix64;
 use crate::io::sim::{MachineFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::link::page_command::PageCommand;
+use crate::link::page_command::{DataChoice, PageCommand};
 use crate::link::snapshot::RunState;
 use crate::nc::CommonVariables;
 use crate::store::disk::{ObservationGuard, observe};
@@ -355,7 +355,8 @@ impl Stage for TortureStage {
             self.host.machine_side().hear(&commands);
         }
         // The person has decided about the damaged data.
-        if commands.iter().any(|command| matches!(command, Command::Page(PageCommand::AcceptData(_)))) {
+        if commands.iter().any(|command| matches!(command, Command::Page(PageCommand::AcceptData(DataChoice::Present))))
+        {
             self.is_accepted = true;
         }
         self.host.step();

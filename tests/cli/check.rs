@@ -26,12 +26,21 @@ fn json(kind: &str, name: &str, text: &str) -> Value {
     serde_json::from_slice(&check(kind, name, text, &["--format", "json"]).stdout).unwrap()
 }
 
-/// Exports of other controls have the name of a text: what begins as a program is one. Any other `.TXT` is a page text.
+/// Exports of other controls have the name of a text. A `.TXT` that begins with a row of a page is a page text, any other
+/// one a program.
 #[test]
 fn t4_a_text_file_that_begins_as_a_program_is_checked_as_one() {
-    for text in
-        ["%\nO0001\nG98 G01 X5 F100\nM30\n%\n", "\r\nO0001 (PART)\r\nG98 G01 X5 F100\r\nM30\r\n", ":0001\nM30\n"]
-    {
+    for text in [
+        "%\nO0001\nG98 G01 X5 F100\nM30\n%\n",
+        "\r\nO0001 (PART)\r\nG98 G01 X5 F100\r\nM30\r\n",
+        ":0001\nM30\n",
+        "\u{feff}%\nO0001\nM30\n",
+        "N10 G98 G01 X5 F100\nM30\n",
+        "(PART)\nM30\n",
+        "G98 G01 X5 F100;\nM30;\n",
+        "#500=1;\nM30\n",
+        "/M08\nM30\n",
+    ] {
         let out = check("gc", "EXPORT.TXT", text, &[]);
         assert_eq!(out.status.code(), Some(0), "{text}: {}{}", said(&out), warned(&out));
     }
@@ -41,6 +50,10 @@ fn t4_a_text_file_that_begins_as_a_program_is_checked_as_one() {
     for (name, text) in [("C0001.TXT", "%\nO0001\nM30\n"), ("page.txt", "\n\n")] {
         let out = check("gc", name, text, &["--lang", "en"]);
         assert!(out.status.code() == Some(2) && said(&out).contains("title"), "{name}: {}", said(&out));
+    }
+    for text in ["X axis;\nstart #500\n", "外圆磨；\n起点 #500\n"] {
+        let out = check("gc", "page.txt", text, &["--lang", "en"]);
+        assert!(out.status.code() == Some(2) && said(&out).contains("page.txt:2:"), "{}", said(&out));
     }
 }
 

@@ -9,31 +9,26 @@ use std::rc::Rc;
 
 use kt830::controller::StorageRequest;
 use kt830::defs::alarm;
-use kt830::defs::alarm_history::PastAlarm;
-use kt830::defs::date::DateTime;
 use kt830::defs::kind::Kind;
-use kt830::defs::text::LocalizedText;
 use kt830::host::retained_store::{RetainedStore, StoreReport};
 use kt830::link::Command;
 use kt830::link::page_command::{
-    DataChoice, KeptState, PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer,
+    DataChoice, PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer,
 };
-use kt830::nc::OriginPlace;
 use kt830::store::StoredSettings;
 use kt830::store::disk::{self, DiskChange, DiskObserver};
-use kt830::units::{Axis, PerAxis};
 use tempfile::TempDir;
 
 use crate::command::kt830;
 
-const DATABASE: &str = "retained.redb";
+pub const DATABASE: &str = "retained.redb";
 
-fn open(folder: &Path) -> (RetainedStore, StoreReport) {
+pub fn open(folder: &Path) -> (RetainedStore, StoreReport) {
     RetainedStore::open(folder, Kind::Gc).unwrap()
 }
 
 /// Data of a session: values, and a changed builder password.
-fn session() -> TempDir {
+pub fn session() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let (mut store, found) = open(folder.path());
     assert_eq!(found.loss, None);
@@ -49,7 +44,7 @@ fn session() -> TempDir {
     folder
 }
 
-fn answer(store: &mut RetainedStore, request: &SettingsRequest) -> StorageAnswer {
+pub fn answer(store: &mut RetainedStore, request: &SettingsRequest) -> StorageAnswer {
     match store.answer(request) {
         Command::Page(PageCommand::StorageAnswered(answer)) => answer,
         other => panic!("{other:?}"),
@@ -57,21 +52,21 @@ fn answer(store: &mut RetainedStore, request: &SettingsRequest) -> StorageAnswer
 }
 
 /// A person with the builder's password decides about lost data.
-fn choose(store: &mut RetainedStore, choice: DataChoice) {
+pub fn choose(store: &mut RetainedStore, choice: DataChoice) {
     let request = SettingsRequest::AcceptData(choice.clone());
     assert_eq!(answer(store, &request), StorageAnswer::DataAccepted(choice));
 }
 
-fn matches(store: &mut RetainedStore, password: &str) -> bool {
+pub fn matches(store: &mut RetainedStore, password: &str) -> bool {
     let request = SettingsRequest::CheckPassword(PasswordScope::Builder, Secret::new(password.into()));
     answer(store, &request) != StorageAnswer::PasswordChecked(PasswordScope::Builder, PasswordCheck::Wrong)
 }
 
-fn value(found: &StoreReport, number: u32) -> Option<f64> {
+pub fn value(found: &StoreReport, number: u32) -> Option<f64> {
     found.retained.variables.get(number).unwrap()
 }
 
-fn has_values(found: &StoreReport) -> bool {
+pub fn has_values(found: &StoreReport) -> bool {
     (860..900).all(|number| value(found, number) == Some(f64::from(number) / 8.0))
 }
 
@@ -95,107 +90,6 @@ fn b6_a_database_that_is_gone_is_told_until_a_person_accepts_and_the_last_genera
     let folder = session();
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
     assert_restored(folder.path(), "removed");
-}
-
-/// Data of two sessions, the second with #860 = 99, parameter P1.1 and an alarm in the history, that are gone now. Returns
-/// the states that can be chosen, the newest first.
-fn two_lost_sessions() -> (TempDir, Vec<KeptState>) {
-    let folder = session();
-    let (mut store, _) = open(folder.path());
-    let past = PastAlarm {
-        count: 1,
-        number: 180,
-        text: LocalizedText::same(&"pressure"),
-        cause: Default::default(),
-        remedy: Default::default(),
-        place: None,
-        came: DateTime(0),
-        ended: None,
-    };
-    let changes = [
-        StorageRequest::Variable(860, Some(99.0)),
-        StorageRequest::Variable(950, Some(1.0)),
-        StorageRequest::DressPoint(Axis::X, Some(12.5)),
-        StorageRequest::Offset { number: 3, geometry: PerAxis::from_fn(|_| 4.0), wear: PerAxis::default() },
-        StorageRequest::WorkOffset(OriginPlace::of_stored_index(1).unwrap(), PerAxis::from_fn(|_| 5.0)),
-        StorageRequest::RunningAt(Some((1_002, 7))),
-        StorageRequest::Alarm(past),
-    ];
-    store.commit(&changes).unwrap();
-    drop(store);
-    fs::remove_file(folder.path().join(DATABASE)).unwrap();
-    let (_, found) = open(folder.path());
-    assert!(found.loss.is_some() && value(&found, 860) == Some(99.0));
-    (folder, found.retained.kept_states.to_vec())
-}
-
-/// What the second session has set is gone again.
-fn assert_without_second_session(found: &StoreReport) {
-    assert_eq!(found.loss, None);
-    let retained = &found.retained;
-    assert_eq!((value(found, 950), retained.dress_points[Axis::X], retained.interrupted), (None, None, None));
-    assert_eq!(retained.work_offsets.geometry[2], PerAxis::default());
-    assert_eq!(retained.work_offsets.origin(OriginPlace::of_stored_index(1).unwrap()), PerAxis::default());
-    assert!(retained.kept_states.is_empty());
-}
-
-#[test]
-fn b6_an_earlier_state_is_chosen_after_a_loss_and_is_there_with_the_next_start() {
-    let (folder, states) = two_lost_sessions();
-    // The third one is the first start, before a value was set.
-    assert_eq!(states.len(), 3, "{states:?}");
-    let (mut store, _) = open(folder.path());
-    choose(&mut store, DataChoice::Kept(states[1].clone()));
-    store.commit(&[StorageRequest::Variable(861, Some(-1.0))]).unwrap();
-    drop(store);
-    let (mut store, found) = open(folder.path());
-    assert!(has_values(&found), "those of the first session");
-    assert_without_second_session(&found);
-    assert!(matches(&mut store, "4711") && !matches(&mut store, "830830"));
-    drop(store);
-    // It is the state from then on, and the kind is as it was.
-    fs::remove_file(folder.path().join(DATABASE)).unwrap();
-    let (_, found) = open(folder.path());
-    assert!(found.loss.is_some() && has_values(&found));
-    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gc));
-}
-
-#[test]
-fn b6_factory_values_are_chosen_after_a_loss_and_the_passwords_and_the_alarm_history_stay() {
-    let (folder, _) = two_lost_sessions();
-    let (mut store, _) = open(folder.path());
-    choose(&mut store, DataChoice::Factory);
-    drop(store);
-    let (mut store, found) = open(folder.path());
-    assert_eq!((value(&found, 860), value(&found, 861)), (None, None));
-    assert_without_second_session(&found);
-    assert_eq!(found.retained.alarm_history.len(), 1);
-    assert!(matches(&mut store, "4711") && !matches(&mut store, "830830"));
-    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gc));
-}
-
-#[test]
-fn b6_a_choice_is_changed_until_the_next_start_and_one_that_is_no_longer_whole_changes_nothing() {
-    let (folder, states) = two_lost_sessions();
-    let (mut store, _) = open(folder.path());
-    choose(&mut store, DataChoice::Factory);
-    choose(&mut store, DataChoice::Kept(states[1].clone()));
-    drop(store);
-    let kept = folder.path().join(format!("generations/retained-{:010}.ron", states[1].number));
-    let whole = fs::read(&kept).unwrap();
-    fs::write(&kept, &whole[..whole.len() / 2]).unwrap();
-    let (mut store, found) = open(folder.path());
-    assert!(found.loss.is_some(), "the loss stands");
-    assert_eq!((value(&found, 860), value(&found, 950)), (Some(99.0), Some(1.0)), "the newest state");
-    assert_eq!(found.retained.kept_states.len(), 2, "the damaged one cannot be chosen any more");
-    // Nor is it asked for in vain.
-    let request = SettingsRequest::AcceptData(DataChoice::Kept(states[1].clone()));
-    assert!(matches!(answer(&mut store, &request), StorageAnswer::Failed(_)));
-    choose(&mut store, DataChoice::Present);
-    drop(store);
-    fs::write(&kept, &whole).unwrap();
-    let (_, found) = open(folder.path());
-    assert_eq!((found.loss.is_some(), value(&found, 860)), (false, Some(99.0)), "the present data, for good");
 }
 
 #[test]

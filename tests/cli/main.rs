@@ -9,6 +9,7 @@ mod stories;
 
 mod check;
 mod cli;
+mod data_choice;
 mod data_loss;
 mod defs;
 mod docs;

@@ -190,13 +190,14 @@ fn accept_data(parts: &mut Parts<'_>, choice: &DataChoice) {
             let time = state.time.as_str();
             Some(phrase!(
                 "下次启动用 {time} 的数据：请关机再开机",
-                "the next start takes the values of {time}: switch off and on",
+                "the values of {time} come with the next start: switch off and on",
                 time
             ))
         }
-        DataChoice::Factory => {
-            Some(phrase!("下次启动用出厂值：请关机再开机", "the next start takes factory values: switch off and on"))
-        }
+        DataChoice::Factory => Some(phrase!(
+            "下次启动用出厂值：请关机再开机",
+            "factory values come with the next start: switch off and on"
+        )),
     };
     parts.plant.alarms.clear(alarm::RETAINED_DATA_DAMAGED);
     match chosen {

@@ -89,10 +89,14 @@ fn question(choice: &DataChoice) -> Question {
         DataChoice::Kept(KeptState { time, .. }) => Question::new(
             Text::new("换成以前的数据？", "take earlier data?"),
             LocalizedText::new(
-                format!("下次启动用 {time} 的参数、刀补、修整点、坐标系和变量，现在的值不再用。密码和报警记录保留。"),
                 format!(
-                    "The next start takes parameters, offsets, dressing points, work offsets and variables of {time}; \
-                     those of now are gone. Passwords and the alarm history stay."
+                    "下次启动用 {time} 的参数、刀补、修整点、坐标系、螺距补偿和变量。到那时为止改的值不再用。\
+                     启动后核对并接受。密码和报警记录保留。"
+                ),
+                format!(
+                    "At the next start parameters, offsets, dressing points, work offsets, leadscrew tables and \
+                     variables of {time} are used. What is changed until then is lost. Check and accept them then. \
+                     Passwords and the alarm history stay."
                 ),
             ),
             ("accept-yes", Text::new("更换", "REPLACE")),
@@ -100,9 +104,11 @@ fn question(choice: &DataChoice) -> Question {
         DataChoice::Factory => Question::new(
             Text::new("换成出厂值？", "take factory values?"),
             LocalizedText::new(
-                "下次启动用出厂值：参数、刀补、修整点、坐标系和变量都要重新设定。密码和报警记录保留。",
-                "The next start takes factory values: parameters, offsets, dressing points, work offsets and variables \
-                 must be set again. Passwords and the alarm history stay.",
+                "下次启动用出厂值：参数、刀补、修整点、坐标系、螺距补偿和变量都要重新设定。到那时为止改的值不再用。\
+                 启动后核对并接受。密码和报警记录保留。",
+                "At the next start factory values are used: parameters, offsets, dressing points, work offsets, leadscrew \
+                 tables and variables must be set again. What is changed until then is lost. Check and accept them then. \
+                 Passwords and the alarm history stay.",
             ),
             ("accept-yes", Text::new("更换", "REPLACE")),
         ),
@@ -117,7 +123,7 @@ fn choose(rect: Rect, view: &View<'_>, edits: &[EditKey], focus: &mut KeyboardFo
     let rows = choices.len().div_ceil(COLUMNS);
     let place = view.dialog(rect, "data-veil", vec2(880.0, 190.0 + ROW * rows as f32), view.theme.hold);
     let (title, rest) = place.shrink2(vec2(20.0, 14.0)).split_top(32.0);
-    view.fit_left(title, view.text("用哪份数据？", "which data?"), theme::SECONDARY, view.theme.text);
+    view.fit_left(title, view.text("用哪份数据？", "which data are used?"), theme::SECONDARY, view.theme.text);
     let (body, rest) = rest.split_top(76.0);
     let explained = view.text(
         "现在的数据立即接受（从备份恢复后也选它）；其他的从下次启动起用。",
@@ -132,7 +138,7 @@ fn choose(rect: Rect, view: &View<'_>, edits: &[EditKey], focus: &mut KeyboardFo
         let corner = pos2(grid.min.x + (index % COLUMNS) as f32 * width, grid.min.y + (index / COLUMNS) as f32 * ROW);
         let place = Rect::from_min_size(corner, vec2(width - theme::GAP, ROW - theme::GAP));
         let (name, label) = match &choice {
-            DataChoice::Present => ("data-present".to_owned(), view.text("现在的数据", "AS THEY ARE").to_owned()),
+            DataChoice::Present => ("data-present".to_owned(), view.text("现在的数据", "PRESENT DATA").to_owned()),
             DataChoice::Kept(state) => (format!("data-kept-{}", state.number), state.time.clone()),
             DataChoice::Factory => ("data-factory".to_owned(), view.text("出厂值", "FACTORY").to_owned()),
         };

@@ -61,14 +61,19 @@ pub fn newest_whole(folder: &Path) -> Option<(PathBuf, RetainedData)> {
 /// The kept states that are whole, the newest first, with the time of their file.
 #[must_use]
 pub fn whole(folder: &Path) -> Vec<(Option<SystemTime>, RetainedData)> {
-    let modified = |path: &Path| path.metadata().ok().and_then(|metadata| metadata.modified().ok());
     list(folder).iter().filter_map(|file| Some((modified(&file.path), read(file)?))).collect()
 }
 
-/// The kept state with a number, if it is whole.
+/// The kept state with a number, if it is whole, with the time of its file.
 #[must_use]
-pub fn find(folder: &Path, number: u64) -> Option<RetainedData> {
-    list(folder).iter().find(|file| file.number == number).and_then(read)
+pub fn find(folder: &Path, number: u64) -> Option<(Option<SystemTime>, RetainedData)> {
+    let files = list(folder);
+    let file = files.iter().find(|file| file.number == number)?;
+    Some((modified(&file.path), read(file)?))
+}
+
+fn modified(path: &Path) -> Option<SystemTime> {
+    path.metadata().ok().and_then(|metadata| metadata.modified().ok())
 }
 
 fn read(file: &GenerationFile) -> Option<RetainedData> {
