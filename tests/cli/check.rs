@@ -51,9 +51,11 @@ fn t4_a_text_file_that_begins_as_a_program_is_checked_as_one() {
         let out = check("gc", name, text, &["--lang", "en"]);
         assert!(out.status.code() == Some(2) && said(&out).contains("title"), "{name}: {}", said(&out));
     }
-    for text in ["X axis;\nstart #500\n", "外圆磨；\n起点 #500\n"] {
+    for (text, place) in [("X axis;\nstart #500\n", "2:1: the %"), ("外圆磨；\n起点 #500;\n%\n", "1:4: full-width")]
+    {
         let out = check("gc", "page.txt", text, &["--lang", "en"]);
-        assert!(out.status.code() == Some(2) && said(&out).contains("page.txt:2:"), "{}", said(&out));
+        let place = format!("page.txt:{place}");
+        assert!(out.status.code() == Some(2) && said(&out).contains(&place), "{}", said(&out));
     }
 }
 
