@@ -51,7 +51,7 @@ fn t4_a_text_file_that_begins_as_a_program_is_checked_as_one() {
         let out = check("gc", name, text, &["--lang", "en"]);
         assert!(out.status.code() == Some(2) && said(&out).contains("title"), "{name}: {}", said(&out));
     }
-    for (text, place) in [("X axis;\nstart #500\n", "2:1: the %"), ("外圆磨；\n起点 #500;\n%\n", "1:4: full-width")]
+    for (text, place) in [("X axis;\nstart #500\n", "2:1: the ;"), ("外圆磨；\n起点 #500;\n%\n", "1:4: full-width")]
     {
         let out = check("gc", "page.txt", text, &["--lang", "en"]);
         let place = format!("page.txt:{place}");
