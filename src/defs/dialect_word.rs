@@ -83,9 +83,11 @@ words! {
     "IF", "条件跳转", "conditional jump",
         "IF R60<R18 GOTOF AA1；比较 == <> > < >= <=。", "IF R60<R18 GOTOF AA1; comparisons: == <> > < >= <=.";
     "GOTOF", "向后跳转", "jump forward",
-        "GOTOF AA1：跳到后面的标号 AA1:；没有该标号报错。", "GOTOF AA1: to the label AA1: further down; a missing label is an error.";
+        "GOTOF AA1：跳到后面的标号 AA1:；GOTOF N100 跳到程序段 N100；没有则报错。",
+            "GOTOF AA1: to the label AA1: further down, GOTOF N100: to block N100; one that is missing is an error.";
     "GOTOB", "向前跳转", "jump backward",
-        "GOTOB AA1：跳到前面的标号 AA1:；没有该标号报错。", "GOTOB AA1: to the label AA1: further up; a missing label is an error.";
+        "GOTOB AA1：跳到前面的标号 AA1:；GOTOB N100 跳到程序段 N100；没有则报错。",
+            "GOTOB AA1: to the label AA1: further up, GOTOB N100: to block N100; one that is missing is an error.";
     "MSG", "信息", "message",
         "MSG(\"文字\") 显示到 MSG() 为止；引号也可用 “ ”，不成对报错。", "MSG(\"text\") is shown until MSG(); quotes “ ” are allowed too, unmatched ones are an error.";
     "L", "子程序", "subprogram",

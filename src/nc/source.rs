@@ -272,26 +272,37 @@ impl Source {
         from(at as u32 + 1).or_else(|| from(0)).map(|found| found as usize)
     }
 
-    /// The line of the nearest label after `line` (forward), or at or before it. `identifier` is its byte range in the text.
+    /// The line of the nearest label, or block with this number, after `line` (forward), or at or before it. `name` is the
+    /// byte range of `AA1` or `N100` in the text.
     pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> ReadResult<u32> {
         let at = name.start;
         let written = self.bytes.get(name).unwrap_or_default();
-        // The labels of the index are in capitals.
-        let wanted = || written.iter().map(u8::to_ascii_uppercase);
-        let from = self.index.jump_labels.partition_point(|(label, _)| label.iter().copied().lt(wanted()));
-        let same = |label: &[u8]| label.eq_ignore_ascii_case(written);
-        let own = self.index.jump_labels[from..].iter().take_while(|(label, _)| same(label)).map(|(_, at)| *at);
-        let found = match forward {
-            true => own.clone().find(|at| *at > line),
-            false => own.clone().filter(|at| *at <= line).last(),
+        let number = match written {
+            [b'N' | b'n', digits @ ..] => std::str::from_utf8(digits).ok().and_then(|digits| digits.parse::<u32>().ok()),
+            _ => None,
+        };
+        let (found, missing) = match number {
+            Some(n) => {
+                let first = self.index.block_numbers.partition_point(|block| *block < (n, 0));
+                let own = self.index.block_numbers[first..].iter().take_while(|block| block.0 == n);
+                (nearest_line(own.map(|(_, start)| self.line_of(*start as usize)), line, forward), E::MissingTarget)
+            }
+            None => {
+                // The labels of the index are in capitals.
+                let wanted = || written.iter().map(u8::to_ascii_uppercase);
+                let from = self.index.jump_labels.partition_point(|(label, _)| label.iter().copied().lt(wanted()));
+                let same = |label: &[u8]| label.eq_ignore_ascii_case(written);
+                let own = self.index.jump_labels[from..].iter().take_while(|(label, _)| same(label));
+                (nearest_line(own.map(|(_, at)| *at), line, forward), E::MissingLabel)
+            }
         };
         match found {
-            Some(line) => Ok(line),
-            None if own.count() > 0 => {
+            Some(Some(line)) => Ok(line),
+            Some(None) => {
                 let right = if forward { "GOTOB" } else { "GOTOF" };
                 fail2(at, E::LabelInOtherDirection, Capitals(written), right)
             }
-            None => fail1(at, E::MissingLabel, Capitals(written)),
+            None => fail1(at, missing, Capitals(written)),
         }
     }
 
@@ -477,6 +488,16 @@ fn push_line_starts(bytes: &[u8], starts: &mut Vec<u32>, comment: &mut impl FnMu
         at += end + 1 + usize::from(pair);
         begin_line(at, starts);
     }
+}
+
+/// The nearest of some lines in ascending order: after `line` (forward), or at or before it. `None`: there are no lines at
+/// all; `Some(None)`: none in this direction.
+fn nearest_line(lines: impl Iterator<Item = u32> + Clone, line: u32, forward: bool) -> Option<Option<u32>> {
+    lines.clone().next()?;
+    Some(match forward {
+        true => lines.clone().find(|at| *at > line),
+        false => lines.take_while(|at| *at <= line).last(),
+    })
 }
 
 /// The ASCII equivalent of a full-width or typographic character.

@@ -149,10 +149,11 @@ fn read_block_head(line: &[u8], brackets: bool) -> (Option<u32>, &[u8]) {
     if !matches!(rest.first(), Some(b'N' | b'n')) {
         return (None, rest);
     }
-    let number = leading_number(&rest[1..], brackets);
+    // A label of the 802D may begin with this letter: `NEXT:`.
+    let Some(number) = leading_number(&rest[1..], brackets) else { return (None, rest) };
     let rest = after_blanks(&rest[1..], brackets);
     let kept = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
-    (number, after_blanks(&rest[kept..], brackets))
+    (Some(number), after_blanks(&rest[kept..], brackets))
 }
 
 /// The number of a line that begins with `O1001` or `:1001`, and the rest of the line.

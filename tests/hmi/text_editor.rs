@@ -187,6 +187,9 @@ fn b6_renumbering_takes_the_jumps_along() {
         renumbered(text, "10 10").text(),
         "O1001\nN0010 G00 X1\n/N0020 IF[#1 EQ 0] GOTO 10\nG01 X2\nN0030 GOTO N20\nM30\n%"
     );
+    // A label of the 802D is no block number.
+    let jumps = "N5 G0\nGOTOB N5\nIF R1>2 GOTOF N7\nGOTOF NN5\nN7 M2";
+    assert_eq!(renumbered(jumps, "10 10").text(), "N0010 G0\nGOTOB N10\nIF R1>2 GOTOF N20\nGOTOF NN5\nN0020 M2");
     // If no block has a number, all get one.
     assert_eq!(renumbered("O1\nG00\n(a)\nM30\n%", "1 1").text(), "O1\nN0001 G00\n(a)\nN0002 M30\n%");
 }

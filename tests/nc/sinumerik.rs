@@ -159,6 +159,12 @@ fn s1_what_programs_of_others_have() {
     };
     assert_eq!(check("R3=5\nMARK1:\nR3=R3-1\nIF(R3>2)GOTOB MARK1\nIF (R3+1)*2>100 GOTOB MARK1\nM2\n\u{1a}"), [""; 0]);
     assert!(!check("R3=5\nIF(R3>2 GOTOF A1\nA1:\nM2\n").is_empty());
+    // A jump goes to a block number, too, and a label may begin with N.
+    assert_eq!(check("R1=0\nN5 R1=R1+1\nIF R1<3 GOTOB N5\nGOTOF N0020\nN20 GOTOF NEXT\nN30\nNEXT: M2\n"), [""; 0]);
+    let wrong = check("GOTOB N5\nGOTOF N9\nGOTOF NINE\nN5 M2\n");
+    let wanted =
+        ["1:7 label N5 is not in this direction", "2:7 there is no block N9", "3:7 there is no label NINE"];
+    assert_eq!(wrong, wanted);
     for word in ["DEF REAL X", "PROC GRIND", "ENDIF", "WHILE R1<3", "CYCLE406(1,2)"] {
         let found = check(&format!("{word}\nM2\n"));
         let named = word.split([' ', '(']).next().unwrap();

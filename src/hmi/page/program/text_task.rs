@@ -281,7 +281,7 @@ impl Renumbering {
         }
         let target = find_in_line(rest, "GOTO", 0).map(|at| at + 4).filter(|_| !comment);
         let Some(at) = target else { return builder.append(rest) };
-        let digits_at = at + (rest[at..].len() - rest[at..].trim_start_matches([' ', 'N', 'n']).len());
+        let digits_at = rest.len() - jump_target(&rest[at..]).len();
         let digits = rest[digits_at..].bytes().take_while(u8::is_ascii_digit).count();
         let old = rest[digits_at..digits_at + digits].parse::<u64>().ok();
         match old.and_then(|old| self.map.get(&old)) {
@@ -293,6 +293,12 @@ impl Renumbering {
             None => builder.append(rest),
         }
     }
+}
+
+/// The text behind GOTO from the digits of its block number on: `GOTO 10`, `GOTON10`, `GOTOF N10` (802D).
+fn jump_target(behind: &str) -> &str {
+    let name = behind.strip_prefix(['F', 'f', 'B', 'b']).unwrap_or(behind).trim_start();
+    name.strip_prefix(['N', 'n']).unwrap_or(name).trim_start()
 }
 
 fn without_comments(text: &str) -> String {

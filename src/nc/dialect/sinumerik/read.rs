@@ -152,8 +152,8 @@ fn read_jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> ReadResult<
     let at = cursor.at;
     match (identifier(word_at(cursor)), word_at(cursor)) {
         (Some(label), _) if is_reserved(label) => fail1(at, E::BadLabel, upper_text(label)),
-        (Some(label), _) => {
-            cursor.at += label.len();
+        (Some(name), _) | (None, name @ [b'N' | b'n', b'0'..=b'9', ..]) => {
+            cursor.at += name.len();
             Ok(BlockContent::Jump { label: at..cursor.at, forward, holds })
         }
         (None, word) if !word.is_empty() => fail1(at, E::BadLabel, upper_text(word)),
