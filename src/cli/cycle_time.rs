@@ -5,7 +5,6 @@ use super::args::SharedArgs;
 use super::setup::ProgramToRun;
 use super::{CallError, setup};
 use crate::controller::PowerOnState;
-use crate::defs::param;
 use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::link::toolpath::CycleTime;
 use crate::nc::CheckReport;
@@ -31,14 +30,11 @@ pub fn cycle_time(
     if !checked.finished || checked.blocks > MAX_BLOCKS {
         return Ok(at_feeds);
     }
-    // P390 repeats the program: the time is that of one pass.
-    let mut retained = retained.clone();
-    let _ = retained.params.write(param::PROGRAM_REPEATS.address(), 1.0); // 1 is in its range
     // A folder that cannot be read is no mistake of the program.
-    let Ok(mut host) = setup::unstored_host(shared, retained) else { return Ok(at_feeds) };
+    let Ok(mut host) = setup::unstored_host(shared, retained.clone()) else { return Ok(at_feeds) };
     setup::prepare_run(&mut host, shared, program)?;
     let started = host.now();
-    let end = host.run_program(&RunLimits { through_stops: true, longest: LONGEST }, &mut |_| true);
+    let end = host.run_program(&RunLimits { through_stops: true, longest: LONGEST, once: true }, &mut |_| true);
     let seconds = host.now().since(started).as_secs_f64();
     Ok(if end == RunEnd::Finished { CycleTime::Simulated(seconds) } else { at_feeds })
 }

@@ -36,7 +36,7 @@ pub fn plot_path(shared: &SharedArgs, call: &PlotPathArgs) -> Result<u8, CallErr
         |at: BlockLocation| call.lines.as_ref().is_none_or(|lines| at.program == number && lines.contains(&at.line));
     let contour = ProgrammedContour::new(&host, number, is_drawn)?;
     let (mut set_points, mut drawn) = (Vec::new(), Vec::new());
-    let end = host.run_program(&RunLimits { through_stops: true, longest: LONGEST }, &mut |host| {
+    let end = host.run_program(&RunLimits { through_stops: true, longest: LONGEST, once: false }, &mut |host| {
         set_points.push(host.controller().set_point());
         drawn.push(is_drawn(host.controller().current_block()));
         true

@@ -22,7 +22,7 @@ use crate::story::parse;
 use crate::units::Micros;
 
 /// A cycle ends at a stop, and within a working day.
-const LIMITS: RunLimits = RunLimits { through_stops: false, longest: Micros::from_millis(8 * 3_600_000) };
+const LIMITS: RunLimits = RunLimits { through_stops: false, longest: Micros::from_millis(8 * 3_600_000), once: false };
 /// Ticks after the end until the axes are at rest: ten servo lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 /// Deviations that make a process capable: Cpk is the distance from mean to limit in three standard deviations.

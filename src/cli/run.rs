@@ -66,7 +66,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
     let started = host.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
-        let limits = RunLimits { through_stops: call.through_stops, longest: MAX_RUN_TIME };
+        let limits = RunLimits { through_stops: call.through_stops, longest: MAX_RUN_TIME, once: false };
         let end = host.run_program(&limits, &mut |host| {
             if let Some(trace) = &mut trace {
                 trace.write(trace_line(host));

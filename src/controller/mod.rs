@@ -111,6 +111,11 @@ impl Controller {
         self.panel.directory = directory;
     }
 
+    /// Programs run for the time of one pass: P390 and M99 in the main program do not repeat them.
+    pub const fn set_runs_once(&mut self, once: bool) {
+        self.plant.execution.runs_once = once;
+    }
+
     /// Raises an alarm detected outside the core (damaged data, late ticks).
     pub fn report_alarm(&mut self, number: u16, detail: Option<LocalizedText>) {
         self.plant.raise(number, detail);

@@ -11,7 +11,6 @@ use super::storage::{Arrival, Storage};
 use crate::controller::files::{BackgroundJob, DrawingStart};
 use crate::controller::{PowerOnState, StorageRequest, StoredProgram};
 use crate::defs::key::Key;
-use crate::defs::param;
 use crate::io::sim::{MachineFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::units::Micros;
@@ -45,11 +44,8 @@ pub fn simulate(
     start: &DrawingStart,
     stopped: &dyn Fn() -> bool,
 ) -> Option<f64> {
-    // P390 repeats the program: the time is that of one pass.
-    let mut params = start.params.clone();
-    let _ = params.write(param::PROGRAM_REPEATS.address(), 1.0); // 1 is in its range
     let retained = PowerOnState {
-        params,
+        params: start.params.clone(),
         variables: start.memory.clone(),
         work_offsets: start.work_offsets.clone(),
         dress_points: start.dress_points,
@@ -72,7 +68,7 @@ pub fn simulate(
     }
     prepare(&mut host);
     let started = host.now();
-    let limits = RunLimits { through_stops: true, longest: LONGEST };
+    let limits = RunLimits { through_stops: true, longest: LONGEST, once: true };
     let end = host.run_program(&limits, &mut |_| !stopped());
     (end == RunEnd::Finished).then(|| host.now().since(started).as_secs_f64())
 }

@@ -61,6 +61,8 @@ pub struct RunLimits {
     pub through_stops: bool,
     /// Maximum simulated time.
     pub longest: Micros,
+    /// P390 and M99 in the main program do not repeat it: for the time of one pass.
+    pub once: bool,
 }
 
 impl<S: Storage> Host<HostedSimulation, S> {
@@ -70,6 +72,7 @@ impl<S: Storage> Host<HostedSimulation, S> {
         let started = self.now();
         let mut moved = started;
         let mut refused = false;
+        self.controller.set_runs_once(limits.once);
         self.send(Command::Press(Key::CycleStart));
         loop {
             self.step();

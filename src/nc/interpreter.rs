@@ -423,6 +423,10 @@ impl Interpreter {
         if !matches!(act, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
+        let act = match act {
+            FlowAction::Return { target: None, .. } if self.settings.runs_once && self.flow.is_main() => FlowAction::End,
+            act => act,
+        };
         let moves = self.flow.modal_calls.is_active() && block.ops.iter().any(|op| op.effect().is_motion());
         match act {
             FlowAction::Goto { at, .. } | FlowAction::Call(Call { at, .. }) | FlowAction::Return { at, .. }

@@ -100,6 +100,8 @@ pub struct NcSettings {
     pub start_is_work_zero: bool,
     /// 超人 lathe: every block begins with a four-digit number (L1). An MDI line needs none.
     pub needs_block_numbers: bool,
+    /// M99 of the main program ends it instead of starting it again: a run for the time of one pass.
+    pub runs_once: bool,
     /// Settings of the 超人 lathe.
     pub superman: SuperManSettings,
     /// The cutter of G41 and G42.
@@ -134,6 +136,7 @@ impl NcSettings {
             exact_stop: false,
             start_is_work_zero: false,
             needs_block_numbers: false,
+            runs_once: false,
             superman: SuperManSettings::default(),
             cutter_source: CutterSource::ToolOffset,
             g_macros: [(0, 0); 10],

@@ -153,6 +153,12 @@ fn t4_the_time_of_a_check_is_that_of_the_run() {
     // P390 repeats the program: the time is that of one pass.
     let (once, five) = (told(&["check", "O0502.NC"]), told(&["check", "O0502.NC", "--param", "P390=5"]));
     assert!(once == five && !once.contains("at the programmed feeds"), "{once} {five}");
+    // So does M99 in the main program.
+    std::fs::write(folder.path().join("O0503.NC"), "G01 U-10 F60\nM99\n").unwrap();
+    let checked: serde_json::Value = serde_json::from_str(&told(&["check", "O0503.NC", "--format", "json"])).unwrap();
+    assert_eq!(checked["timing"], "simulated");
+    // 5 mm of radius at 60 mm/min.
+    assert!((checked["seconds"].as_f64().unwrap() - 5.0).abs() < 0.3, "{checked}");
 }
 
 /// The operator's copy of O1002 beside the machine's programs: the file is checked, and the file is run for its time.

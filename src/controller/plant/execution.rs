@@ -82,6 +82,8 @@ pub struct Execution {
     pub block_count: u64,
     /// Remaining automatic repetitions of the program (P390).
     pub repeats_left: u32,
+    /// Programs run for the time of one pass: neither P390 nor M99 repeats them.
+    pub runs_once: bool,
     /// Durations of the last run.
     pub last_times: CycleTimes,
     /// The grinding phase of the open run.

@@ -57,7 +57,8 @@ impl Program {
             if self.start_restart(plant) {
                 return;
             }
-            plant.execution.repeats_left = plant.params.get(param::PROGRAM_REPEATS) as u32 - 1;
+            let repeats = plant.params.get(param::PROGRAM_REPEATS) as u32 - 1;
+            plant.execution.repeats_left = if plant.execution.runs_once { 0 } else { repeats };
             return self.start_program(plant);
         }
         if let Some(why) = self.spindle_stopped_in_pause(plant) {

@@ -132,7 +132,8 @@ impl Program {
         self.start_check.abandon(&mut self.pool);
         let settings = nc_settings(plant.kind, &plant.params);
         let numbered = settings.needs_block_numbers && origin != Origin::Mdi;
-        let settings = nc::NcSettings { axes: plant.axes.fitted(), needs_block_numbers: numbered, ..settings };
+        let (axes, runs_once) = (plant.axes.fitted(), plant.execution.runs_once);
+        let settings = nc::NcSettings { axes, needs_block_numbers: numbered, runs_once, ..settings };
         // A program starts from the power-on modal state; MDI continues from its last line.
         plant.clear_program_message(origin == Origin::Mdi);
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
