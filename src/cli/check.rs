@@ -176,6 +176,8 @@ struct CheckOutcome {
     checked: CheckReport,
     /// Errors that are not in the text: beyond the finished size or a soft limit, or refused by an interlock.
     move_errors: Vec<CheckError>,
+    /// Blocks that the machine carries out otherwise than they are written.
+    machine_warnings: Vec<CheckError>,
     time: CycleTime,
 }
 
@@ -373,11 +375,13 @@ impl<'a> FileCheck<'a> {
         // An endless loop runs into the limits; only the endless loop is reported.
         let limits = limits.filter(|_| checked.repeated_blocks.is_empty());
         let beyond = limits.map(SoftLimitCheck::into_violations).unwrap_or_default();
-        let foreseen = interlocks.refusals().into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
+        let [refused, limited] = interlocks.into_findings();
+        let foreseen = refused.into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
         let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
         move_errors.sort_by_key(|wrong| wrong.line);
         let checked = self.check_others(checked, library);
-        CheckOutcome { time: CycleTime::AtFeeds(checked.seconds), checked, move_errors }
+        let machine_warnings = limited.iter().map(|limited| self.refusal_error(limited)).collect();
+        CheckOutcome { time: CycleTime::AtFeeds(checked.seconds), checked, move_errors, machine_warnings }
     }
 
     /// Checks the programs of the file that the first one does not call, each by itself. One that another of them calls was
@@ -475,7 +479,8 @@ impl<'a> FileCheck<'a> {
             self.duplicate_errors().chain(faults).chain(found.move_errors.iter().chain(met).cloned()).collect();
         let rows = text_row_faults(&self.source).into_iter();
         let rows = rows.map(|fault| self.error(fault.line, 1, &fault.message));
-        let warnings: Vec<_> = checked.warnings.iter().map(|fault| self.fault_error(fault)).chain(rows).collect();
+        let warnings = checked.warnings.iter().map(|fault| self.fault_error(fault)).chain(rows);
+        let warnings: Vec<_> = warnings.chain(found.machine_warnings.iter().cloned()).collect();
         let diameter = self.settings.diameter;
         let shown = |axis: Axis, value: f64| if axis == Axis::X && diameter { value * 2.0 } else { value };
         let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {

@@ -4,9 +4,10 @@
 
 use super::plant::offset_in_range;
 use super::plant::system_variables::offset_part_of_variable;
-use super::plant::wheel_size::wheel_rpm_of;
+use super::plant::wheel_size::{rated_wheel_rpm, wheel_rpm_of};
 use super::program::queue::MCall;
 use crate::defs::alarm;
+use crate::defs::equipment::Equipment;
 use crate::defs::kind::Kind;
 use crate::defs::mcode::{MCodeAction, Request};
 use crate::defs::param::{self, Params};
@@ -24,7 +25,7 @@ const SETTLE_TIME: Micros = Micros::from_millis(600_000);
 const TICK: Micros = Micros::from_millis(1);
 /// Threshold between off (0) and on (1) when a program writes an output.
 const SWITCH_THRESHOLD: f64 = 0.5;
-/// Maximum number of reported blocks.
+/// Maximum number of reported blocks, and of warnings.
 const MAX_REFUSALS: usize = 20;
 /// Feedback inputs of outputs; true: active while the output is on.
 const FEEDBACK_INPUTS: [(Input, Output, bool); 7] = [
@@ -39,7 +40,7 @@ const FEEDBACK_INPUTS: [(Input, Output, bool); 7] = [
 /// Inputs that are active on a machine in order.
 const READY_INPUTS: [Input; 3] = [Input::GuardClosed, Input::CoolantFlow, Input::LubricationLevel];
 
-/// A block that the run would refuse.
+/// A block that the run would refuse, or carry out otherwise than it is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedRefusal {
     /// The block.
@@ -59,6 +60,7 @@ pub struct InterlockCheck<'a> {
     wheel_diameter_mm: f64,
     oscillating: Option<Axis>,
     refusals: Vec<PredictedRefusal>,
+    warnings: Vec<PredictedRefusal>,
 }
 
 impl<'a> InterlockCheck<'a> {
@@ -77,6 +79,7 @@ impl<'a> InterlockCheck<'a> {
             wheel_diameter_mm: params.get(param::WHEEL_DIAMETER),
             oscillating: None,
             refusals: Vec::new(),
+            warnings: Vec::new(),
         };
         check.settle();
         check
@@ -85,18 +88,48 @@ impl<'a> InterlockCheck<'a> {
     /// Checks a block that was read.
     pub fn check_block(&mut self, block: &Block) {
         for op in &block.ops {
-            let Some(text) = self.check_op(op) else { continue };
-            let told = self.refusals.iter().any(|found| found.at == block.location);
-            if !told && self.refusals.len() < MAX_REFUSALS {
-                self.refusals.push(PredictedRefusal { at: block.location, text });
+            if let Some(text) = self.check_op(op) {
+                add(&mut self.refusals, block.location, text);
+            }
+            if let OpEffect::Speed(..) = op.effect()
+                && let Some(text) = self.speed_warning()
+            {
+                add(&mut self.warnings, block.location, text);
             }
         }
     }
 
-    /// The refusals, in program order.
+    /// The refusals, and the blocks that are carried out otherwise than written, both in program order.
     #[must_use]
-    pub fn refusals(self) -> Vec<PredictedRefusal> {
-        self.refusals
+    pub fn into_findings(self) -> [Vec<PredictedRefusal>; 2] {
+        [self.refusals, self.warnings]
+    }
+
+    /// S above what the wheel can or may turn at. Above its rating the wheel is not started; one that turns is held there.
+    fn speed_warning(&self) -> Option<LocalizedText> {
+        if !self.kind.row().has(Equipment::Wheel) {
+            return None;
+        }
+        let rpm = wheel_rpm_of(self.wheel_speed, self.wheel_rpm_limit, self.wheel_diameter_mm);
+        let most = self.params.get(param::WHEEL_RPM_MAX);
+        let rated = rated_wheel_rpm(self.params, self.wheel_diameter_mm);
+        let turns = self.machine.outputs(self.params).has(Output::Wheel);
+        if turns && rpm.min(most) > rated {
+            return Some(phrase!(
+                "S 为 {rpm:.0} r/min，超过砂轮额定线速度，按 {rated:.0} r/min 运行 (P77 P79)",
+                "S is {rpm:.0} r/min, above the wheel's rating: the wheel runs at {rated:.0} r/min (P77, P79)",
+                rpm,
+                rated
+            ));
+        }
+        (rpm > most).then(|| {
+            phrase!(
+                "S 为 {rpm:.0} r/min，超过 P64，按 {most:.0} r/min 运行",
+                "S is {rpm:.0} r/min, above P64: the wheel runs at {most:.0} r/min",
+                rpm,
+                most
+            )
+        })
     }
 
     fn check_op(&mut self, op: &Op) -> Option<LocalizedText> {
@@ -238,6 +271,13 @@ impl<'a> InterlockCheck<'a> {
             inputs.set(input, on.has(output));
         }
         inputs
+    }
+}
+
+/// Adds a finding, one for a block.
+fn add(found: &mut Vec<PredictedRefusal>, at: BlockLocation, text: LocalizedText) {
+    if found.len() < MAX_REFUSALS && !found.iter().any(|other| other.at == at) {
+        found.push(PredictedRefusal { at, text });
     }
 }
 

@@ -339,6 +339,22 @@ fn k3_what_the_machine_allows_is_no_error() {
     }
 }
 
+/// The wheel is held at its rating, 35 m/s of 600 mm: 1114 r/min, and at P64, 1260 r/min: the program says otherwise.
+#[test]
+fn k3_a_speed_that_the_wheel_does_not_reach_is_a_warning() {
+    let warnings = |text: &str| {
+        let told = json("gc", "O0500.NC", text);
+        assert_eq!(told["errors"], serde_json::json!([]), "{told}");
+        let of = |row: &Value| (row["line"].as_u64().unwrap(), row["message"].as_str().unwrap().to_owned());
+        told["warnings"].as_array().unwrap().iter().map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings("M03 S1100\nS1114\nM05\nS1200\nM30"), []);
+    let found = warnings("M03 S1100\nS1200\nM05\nS1300\nM30");
+    assert_eq!(found.iter().map(|(line, _)| *line).collect::<Vec<_>>(), [2, 4], "{found:?}");
+    assert!(found[0].1.contains("1200 r/min") && found[0].1.contains("1114 r/min"), "{found:?}");
+    assert!(found[1].1.contains("1300 r/min") && found[1].1.contains("1260 r/min"), "{found:?}");
+}
+
 /// A loop that does not end inside a subprogram: what came before it counts.
 #[test]
 fn s1_an_endless_loop_of_a_subprogram_keeps_what_came_before() {

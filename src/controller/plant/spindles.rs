@@ -2,7 +2,7 @@
 //! Source: spec B2 (S, G96), P2, K3.4, L5.
 
 use super::Plant;
-use super::wheel_size::wheel_rpm_of;
+use super::wheel_size::{rated_wheel_rpm, wheel_rpm_of};
 use crate::controller::axes::spindle_encoder::SpindleEncoder;
 use crate::controller::axes::thread_recorder::ThreadRecorder;
 use crate::defs::param::{self, Params};
@@ -65,9 +65,7 @@ impl Plant {
 
     /// Speed on the first analog output, rpm: also limited to the wheel's rating while it runs.
     pub fn output_wheel_rpm(&self) -> f64 {
-        let rim_mm_min = self.params.get(param::WHEEL_RATED_SPEED) * 60_000.0;
-        let rated = rim_mm_min / (std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER));
-        self.commanded_wheel_rpm().min(rated)
+        self.commanded_wheel_rpm().min(rated_wheel_rpm(&self.params, self.params.get(param::WHEEL_DIAMETER)))
     }
 
     /// Workpiece speed, rpm; 0 while the drive is off.

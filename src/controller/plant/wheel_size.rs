@@ -8,7 +8,7 @@
 use super::Plant;
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::storage_request::StorageRequest;
-use crate::defs::param::{self, NumberParam};
+use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::text::phrase;
 use crate::nc::SpeedMode;
 use crate::units::Axis;
@@ -40,6 +40,11 @@ impl Plant {
         let none: [NumberParam; 2] = [param::PARTS_SINCE_DRESSING, param::DRESSING_COUNT];
         none.into_iter().for_each(|row| self.store_param(row.address(), 0.0));
     }
+}
+
+/// The speed, rpm, at which the rim of a wheel has its rated speed (P79).
+pub fn rated_wheel_rpm(params: &Params, diameter_mm: f64) -> f64 {
+    params.get(param::WHEEL_RATED_SPEED) * 60_000.0 / (std::f64::consts::PI * diameter_mm)
 }
 
 /// Wheel speed, rpm, for S in the unit of its mode; `limit`, rpm, applies under G96.
