@@ -336,4 +336,18 @@ program_errors! {
         "前两位为刀具，后两位为刀补：写 T0101", "two digits for the tool, two for its offset: write T0101";
     ForeignWord = 530, "foreign-word", "本控制没有 {}", "this control has no {}",
         "SINUMERIK 的这个语句本机不用：改写该段", "it does not use this SINUMERIK statement: write the block without it";
+    NoUserVariable = 531, "no-user-variable", "没有变量 {}", "there is no variable {}",
+        "本控制用 R0–R299", "this control has R0 to R299";
+    NoCallByName = 532, "no-call-by-name", "没有调用 {}(…)", "there is no call {}(…)",
+        "子程序用编号调用，例如 L10；数值用 R 参数传递", "call a subprogram by its number, as in L10, and pass values in R parameters";
+    NumberNotName = 533, "number-not-name", "{} 后面是名称", "{} takes a number, not a name",
+        "写编号，例如 {}1", "write the number, as in {}1";
+    NoAddressExtension = 534, "no-address-extension", "{} 不能写编号和 '='", "{}= does not exist",
+        "只有一个主轴：写 M3、S500", "this control has one spindle: write M3, S500";
+    MessageIsText = 535, "message-is-text", "MSG 中只能有文字", "MSG shows text alone",
+        "不写 <<；数值在 R 参数页面", "write it without <<; the R page shows the values";
+    NoBlockIf = 536, "no-block-if", "没有 IF … ENDIF 语句", "there is no IF … ENDIF",
+        "用 IF … GOTOF 标号 跳过程序段", "skip blocks with IF … GOTOF label";
+    DistanceForAxes = 537, "distance-for-axes", "{}(…) 只能用于 X、Z", "{}(…) is for X and Z alone",
+        "写数值", "write the value";
 }

@@ -165,6 +165,8 @@ fn s1_what_programs_of_others_have() {
     let wanted =
         ["1:7 label N5 is not in this direction", "2:7 there is no block N9", "3:7 there is no label NINE"];
     assert_eq!(wrong, wanted);
+    assert_eq!(check("M3 S100\nG0 X120 M9 M30 M5\n"), [""; 0]);
+    assert_eq!(check("M2 M30\n"), ["1:4 M2 and M30 cannot be combined in one block"]);
     for word in ["DEF REAL X", "PROC GRIND", "ENDIF", "WHILE R1<3", "CYCLE406(1,2)"] {
         let found = check(&format!("{word}\nM2\n"));
         let named = word.split([' ', '(']).next().unwrap();

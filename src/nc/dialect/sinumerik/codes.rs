@@ -1,5 +1,6 @@
 //! The G codes of a block. Each is looked up; none is ignored. Source: spec S1.
 
+use super::RETURN_M_CODE;
 use crate::defs::gcode::GCodeGroup;
 use crate::nc::dialect::codes::{self, BlockCodes};
 use crate::nc::dialect::rules::BlockContext;
@@ -70,8 +71,8 @@ pub(super) fn check_codes(words: &BlockWords) -> ReadResult<()> {
     check_exclusive_m_codes(words)
 }
 
-/// Mutually exclusive M codes of a block: spindle, coolant.
-const EXCLUSIVE_M_CODES: [&[u32]; 2] = [&[3, 4, 5], &[7, 8, 9]];
+/// Mutually exclusive M codes of a block: spindle, coolant, ends.
+const EXCLUSIVE_M_CODES: [&[u32]; 3] = [&[3, 4, 5], &[7, 8, 9], &[2, RETURN_M_CODE, 30]];
 
 /// Refuses mutually exclusive M codes in one block, such as M3 and M4.
 pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {

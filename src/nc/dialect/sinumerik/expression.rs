@@ -147,7 +147,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
                 self.cursor.at += 1;
                 unexpected(self.cursor)
             }
-            b'A'..=b'Z' | b'a'..=b'z' => self.function(),
+            b'A'..=b'Z' | b'a'..=b'z' | b'_' => self.function(),
             b'\r' | b'\n' | b';' => fail1(self.cursor.at, E::MissingNumber, "="),
             _ => unexpected(self.cursor),
         }
@@ -273,6 +273,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             skip_blanks(self.cursor);
             return match self.cursor.peek() {
                 b'(' => fail2(at, E::UnknownFunction, shown, function_names().collect::<Vec<_>>().join(" ")),
+                _ if word.len() > 1 => fail1(at, E::NoUserVariable, shown),
                 _ => fail1(at, E::UnknownWord, shown),
             };
         };

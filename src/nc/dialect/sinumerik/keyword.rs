@@ -3,7 +3,7 @@
 use super::motion;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::expression::Scope;
-use crate::nc::fault::{E, ReadResult, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::lexer::Cursor;
 use crate::nc::modal::DiameterProgramming;
 use crate::nc::op::Op;
@@ -86,20 +86,32 @@ pub(super) fn translate(running: &mut BlockContext<'_, '_>) -> ReadResult<bool> 
     Ok(true)
 }
 
+/// How an axis goes to its end. `IC` and `AC` are for X and Z; a rotary axis has the others, `QU` an M code.
+const DISTANCES: [&str; 6] = ["IC", "AC", "DC", "ACP", "ACN", "QU"];
+
+/// Refuses `C=IC(…)`, `I=AC(…)`, `M=QU(…)`, of which the word at the cursor is the first.
+pub(super) fn refuse_distance<T>(cursor: &Cursor<'_>, at: usize, letter: u8) -> ReadResult<Option<T>> {
+    let mut ahead = *cursor;
+    match DISTANCES.into_iter().find(|name| accept_keyword(&mut ahead, name)) {
+        Some(_) if matches!(letter, b'A' | b'B' | b'C' | b'U' | b'V' | b'W' | b'Q') => {
+            fail1(at, E::NoAxis, char::from(letter))
+        }
+        Some(name) => fail1(cursor.at, E::DistanceForAxes, name),
+        None => Ok(None),
+    }
+}
+
 /// `IC(…)` and `AC(…)` behind an axis letter: the word is incremental, or absolute. `None`: neither is next.
 pub(super) fn read_distance<S: Scope>(
     cursor: &mut Cursor<'_>,
     scope: &mut S,
     words: &mut BlockWords,
-    letter: u8,
+    (letter, at): (u8, usize),
 ) -> ReadResult<Option<f64>> {
     let is_axis = matches!(letter, b'X' | b'Y' | b'Z');
-    if !is_axis {
-        return Ok(None);
-    }
-    let is_incremental = accept_keyword(cursor, "IC");
-    if !is_incremental && !accept_keyword(cursor, "AC") {
-        return Ok(None);
+    let is_incremental = is_axis && accept_keyword(cursor, "IC");
+    if !is_incremental && !(is_axis && accept_keyword(cursor, "AC")) {
+        return refuse_distance(cursor, at, letter);
     }
     words.set_distance(letter, is_incremental);
     let assignments = &words.assignments;

@@ -238,11 +238,10 @@ fn execute_m_codes(running: &mut BlockContext<'_, '_>, after: bool) -> ReadResul
     let words = running.words;
     let mut flow = FlowAction::Next;
     codes::check_exclusive_m_codes(words)?;
-    for code in words.m.iter() {
+    let ends = |code: &&Code| matches!(code.number, 2 | RETURN_M_CODE | 30);
+    // `M5 M30`, in either order: the end comes last.
+    for code in words.m.iter().filter(|code| !ends(code)).chain(words.m.iter().filter(ends)) {
         check_m_code(*code)?;
-        if matches!(code.number, 2 | RETURN_M_CODE | 30) {
-            shared_codes::check_stands_alone(words, *code, 0)?;
-        }
         flow = match code.number {
             // Every end of a subprogram except M30 returns to its caller.
             2 | RETURN_M_CODE if !running.flow.is_main() => FlowAction::Return { target: None, at: code.at as usize },

@@ -113,7 +113,12 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             None => read_condition(cursor, scope)?,
         };
         skip_blanks(cursor);
-        let Some(forward) = jump_direction(cursor)? else { return fail1(cursor.at, E::BadCondition, IF_SYNTAX) };
+        let Some(forward) = jump_direction(cursor)? else {
+            return match cursor.peek() {
+                b'\r' | b'\n' | b';' => fail(at, E::NoBlockIf),
+                _ => fail1(cursor.at, E::BadCondition, IF_SYNTAX),
+            };
+        };
         return read_jump(cursor, forward, holds);
     }
     if let Some(forward) = jump_direction(cursor)? {
@@ -164,7 +169,7 @@ fn read_jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> ReadResult<
     }
 }
 
-/// The byte of the bracket that closes `(R3<3)`, if the whole condition stands in brackets: a jump follows.
+/// The byte of the bracket that closes `(R3<3)`, if the whole condition stands in brackets: a jump follows, or nothing.
 fn bracketed_condition(cursor: &Cursor<'_>) -> Option<usize> {
     let mut ahead = *cursor;
     skip_blanks(&mut ahead);
@@ -183,7 +188,8 @@ fn bracketed_condition(cursor: &Cursor<'_>) -> Option<usize> {
     }
     let end = ahead.at - 1;
     skip_blanks(&mut ahead);
-    word_at(&ahead).get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GOTO")).then_some(end)
+    let jumps = word_at(&ahead).get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GOTO"));
+    (jumps || matches!(ahead.peek(), b'\r' | b'\n' | b';')).then_some(end)
 }
 
 /// A condition in brackets; `end` is the byte of the closing one.
@@ -212,6 +218,9 @@ fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResul
     skip_blanks(cursor);
     let at = cursor.at;
     let Some((sign, compare)) = SIGNS.into_iter().find(|(sign, _)| cursor.accept_keyword(sign)) else {
+        if matches!(cursor.peek(), b'\r' | b'\n' | b';') {
+            return fail(at, E::NoBlockIf);
+        }
         let what = if cursor.peek() == b'=' { "=" } else { IF_SYNTAX };
         return fail1(at, E::BadCondition, what);
     };
@@ -243,6 +252,7 @@ pub(super) fn message_range(cursor: &mut Cursor<'_>) -> ReadResult<Range<usize>>
             Ok(text)
         }
         b'\r' | b'\n' | b';' => fail(open, E::UnbalancedRound),
+        b'<' => fail(cursor.at, E::MessageIsText),
         _ if quotes_at(cursor).is_some() => fail(cursor.at, E::UnbalancedQuote),
         _ => fail(cursor.at, E::BadMessage),
     }
@@ -283,6 +293,10 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         return read_long_word(cursor, scope, words, found).map(|()| true);
     }
     let letter = cursor.peek().to_ascii_uppercase();
+    if letter == b'$' {
+        let name = identifier(&cursor.text[at + 1..]).unwrap_or_default();
+        return fail1(at, E::UnknownSystemVariable, format_args!("${}", Capitals(name)));
+    }
     if !letter.is_ascii_alphabetic() {
         return Ok(false);
     }
@@ -308,12 +322,23 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         b'=' => {
             cursor.at += 1;
             skip_blanks(cursor);
-            match read_distance(cursor, scope, words, letter)? {
+            if quotes_at(cursor).is_some() {
+                return fail1(at, E::NumberNotName, char::from(letter));
+            }
+            match read_distance(cursor, scope, words, (letter, at))? {
                 Some(value) => (value, ValueKind::Decimal),
                 None => (evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal),
             }
         }
-        b'0'..=b'9' | b'.' | b'+' | b'-' => read_number(cursor, at, letter)?,
+        b'0'..=b'9' | b'.' | b'+' | b'-' => {
+            let number = read_number(cursor, at, letter)?;
+            let name = &cursor.text[at..cursor.at];
+            skip_blanks(cursor);
+            if cursor.peek() == b'=' {
+                return fail1(at, E::NoAddressExtension, Capitals(name));
+            }
+            number
+        }
         0x80.. => return cursor.unexpected(),
         _ => return missing_number(cursor, at, letter),
     };
@@ -357,12 +382,19 @@ fn read_long_word<S: Scope>(
     if is_cycle || FOREIGN_WORDS.contains(&name.as_str()) {
         return fail1(at, E::ForeignWord, name);
     }
+    let mut behind = Cursor { at: at + found.len(), ..*cursor };
+    skip_blanks(&mut behind);
+    match behind.peek() {
+        b'=' | b'[' => return fail1(at, E::NoUserVariable, name),
+        b'(' => return fail1(at, E::NoCallByName, name),
+        _ => {}
+    }
     // `XR20`: `=` is missing.
     if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
         let address = if upper_text(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
         return fail1(at, E::EqualsMissing, upper_text(address));
     }
-    fail1(at, E::UnknownWord, upper_text(found))
+    fail1(at, E::ForeignWord, name)
 }
 
 /// Refuses `R5` without `=` in an arc block: in other dialects it is the radius.
