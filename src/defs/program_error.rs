@@ -350,4 +350,17 @@ program_errors! {
         "用 IF … GOTOF 标号 跳过程序段", "skip blocks with IF … GOTOF label";
     DistanceForAxes = 537, "distance-for-axes", "{}(…) 只能用于 X、Z", "{}(…) is for X and Z alone",
         "写数值", "write the value";
+    LetterForZero = 538, "letter-for-zero", "{} 后面是字母 O", "the letter O follows {}",
+        "零写数字 0", "write zero as the digit 0";
+    ThenMissing = 539, "then-missing", "IF […] 后缺少 THEN", "THEN is missing after IF […]",
+        "写 IF […] THEN #1=2，或 IF […] GOTO n", "write IF […] THEN #1=2, or IF […] GOTO n";
+    CycleInForce = 540, "cycle-in-force", "循环 {} 有效时不能用 {2}", "{2} is not possible while cycle {} is in force",
+        "先用 G00 或 G01 结束循环", "end the cycle with G00 or G01 first";
+    FaceCycleG94 = 541, "face-cycle-g94", "外圆磨的 G94 是端面循环", "G94 is a facing cycle on GC",
+        "每分进给用 G98，每转进给用 G99", "use G98 for a feed per minute, G99 for one per revolution";
+    EmptyWord = 542, "empty-word", "{} 的 {2} 是空变量", "{2} of {} is an empty variable",
+        "先给变量赋值", "assign the variable first";
+    /// Allowed, but the feed is very slow.
+    FeedUnitUnnamed = 543, "feed-unit-unnamed", "没有写明 {} 的单位：按 mm/min 走", "the unit of {} is not named: it is taken as mm/min",
+        "写明 {2}", "write {2}";
 }

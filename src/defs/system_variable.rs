@@ -73,7 +73,7 @@ ranges! {
     CONSTANTS = 3_100, 3, Read, "常数：#3100 空，#3101 π，#3102 e", "constants: #3100 null, #3101 π, #3102 e";
     PARTS_DONE = 3_901, 1, ReadWrite, "已加工件数", "parts done";
     PARTS_REQUIRED = 3_902, 1, ReadWrite, "需加工件数", "parts required";
-    MODALS = 4_001, 130, Read, "模态：#4001-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: G groups, F, M, N, O, S, T";
+    MODALS = 4_001, 130, Read, "模态：#4001-#4007 #4010（GS GA #4009）#4012 #4014-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: #4001-#4007 #4010 (GS, GA #4009) #4012 #4014-#4016 G groups, #4109 F, #4113 M, #4114 N, #4115 O, #4119 S, #4120 T";
     BLOCK_END = 5_001, 3, Read, "段终点 (工件坐标)", "end point of the block, work coordinates";
     MACHINE_POSITION = 5_021, 3, Read, "机床坐标", "machine position";
     WORK_POSITION = 5_041, 3, Read, "工件坐标", "work position";

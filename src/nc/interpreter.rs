@@ -424,7 +424,9 @@ impl Interpreter {
             self.set_variables(block)?;
         }
         let act = match act {
-            FlowAction::Return { target: None, .. } if self.settings.runs_once && self.flow.is_main() => FlowAction::End,
+            FlowAction::Return { target: None, .. } if self.settings.runs_once && self.flow.is_main() => {
+                FlowAction::End
+            }
             act => act,
         };
         let moves = self.flow.modal_calls.is_active() && block.ops.iter().any(|op| op.effect().is_motion());

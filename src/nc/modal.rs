@@ -125,6 +125,8 @@ pub struct ModalState {
     pub incremental: bool,
     /// Feed per revolution (G99, SINUMERIK G95) instead of per minute.
     pub per_rev: bool,
+    /// The program has said which of them.
+    pub(crate) feed_unit_named: bool,
     /// F, mm/min or mm per revolution.
     pub feed: Option<f64>,
     /// G20, G70, G700: lengths in inches.
@@ -183,6 +185,7 @@ impl ModalState {
             plane: Plane::Zx,
             incremental: false,
             per_rev: false,
+            feed_unit_named: false,
             feed: None,
             inch: settings.inch,
             inch_feed: settings.inch,

@@ -278,7 +278,9 @@ impl Source {
         let at = name.start;
         let written = self.bytes.get(name).unwrap_or_default();
         let number = match written {
-            [b'N' | b'n', digits @ ..] => std::str::from_utf8(digits).ok().and_then(|digits| digits.parse::<u32>().ok()),
+            [b'N' | b'n', digits @ ..] => {
+                std::str::from_utf8(digits).ok().and_then(|digits| digits.parse::<u32>().ok())
+            }
             _ => None,
         };
         let (found, missing) = match number {
@@ -376,8 +378,34 @@ impl Source {
                 [character.into(), instead]
             };
         }
+        if wrong.error == E::MissingNumber && self.dialect.is_kt830() {
+            self.name_misread_word(&mut wrong);
+        }
         let (place, column) = self.locate(wrong.at, n);
         ProgramFault::new(self.title_arg(), place, column, wrong)
+    }
+
+    /// Names what really stands where a number is missing behind an address: a statement of another language (`ELSE`), or
+    /// the letter O in place of a zero (`GO1`).
+    #[cold]
+    fn name_misread_word(&self, wrong: &mut ErrorAt) {
+        if wrong.details[0].to_text().len() > 1 {
+            return; // the number of a GOTO, or of an address that is named already
+        }
+        let is_letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+        let (before, behind) = self.bytes.split_at(wrong.at.min(self.bytes.len()));
+        let start = before.len() - before.iter().rev().take_while(|byte| is_letter(byte)).count();
+        let end = before.len() + behind.iter().take_while(|byte| is_letter(byte)).count();
+        match &self.bytes[start..end] {
+            [letter, b'O' | b'o'] => {
+                (wrong.error, wrong.details) = (E::LetterForZero, [char::from(*letter).into(), Arg::None]);
+            }
+            word @ [_, _, _, ..] => {
+                (wrong.at, wrong.error) = (start, E::ForeignStatement);
+                wrong.details = [Capitals(word).into(), Arg::None];
+            }
+            _ => {}
+        }
     }
 
     /// Whether only `%`, blanks and comments precede a byte.

@@ -14,6 +14,8 @@ use crate::units::Axis;
 
 /// Deepest nesting of `IF … THEN IF …` in one block.
 const IF_DEPTH: usize = 8;
+/// Letters of a foreign word that a message names.
+const MAX_WORD: usize = 24;
 
 /// The content of a block.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,8 +138,9 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
     match cursor.peek() {
         b'#' => read_assignment(cursor, scope),
         // DECISION: the end mark of old DOS texts (0x1A) ends a text as `%` does.
+        // The rest of its line is not read: `%00042`, the name under which another control sent the program.
         b'%' | 0x1a => {
-            cursor.at += 1;
+            cursor.skip_rest_of_line();
             Ok(BlockContent::TextEnd { at })
         }
         b'I' | b'i' if cursor.accept_keyword("IF") => read_if(cursor, scope, words, depth),
@@ -160,23 +163,8 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         b'D' | b'd' if cursor.accept_keyword("DO") => {
             Ok(BlockContent::While { holds: true, number: loop_number(cursor)?, at })
         }
-        b'E' | b'e' if cursor.accept_keyword("END") => Ok(BlockContent::EndLoop { number: loop_number(cursor)?, at }),
-        b'G' | b'g' if cursor.accept_keyword("GOTO") => {
-            cursor.skip_blanks()?;
-            if matches!(cursor.peek(), b'N' | b'n') {
-                cursor.at += 1;
-                cursor.skip_blanks()?;
-            }
-            if !(cursor.at_number() || matches!(cursor.peek(), b'#' | b'[')) {
-                return fail1(at, E::MissingNumber, "GOTO");
-            }
-            let target = primary(cursor, scope)?;
-            if target.is_none() && !S::HAS_VALUES {
-                return Ok(BlockContent::Goto { n: 0, at });
-            }
-            let n = whole_u32(target.unwrap_or(0.0)).map_or_else(|| fail1(at, E::NotWhole, "GOTO"), Ok)?;
-            Ok(BlockContent::Goto { n, at })
-        }
+        b'E' | b'e' if cursor.accept_keyword("END") => read_loop_end(cursor, at),
+        b'G' | b'g' if cursor.accept_keyword("GOTO") => read_goto(cursor, scope, at),
         b'O' | b'o' if let Some(statement) = o_word_statement(*cursor) => {
             fail1(at, E::ForeignStatement, Capitals(statement))
         }
@@ -185,6 +173,43 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             Ok(BlockContent::Words)
         }
         b';' | b'\r' | b'\n' => Ok(BlockContent::Empty),
+        _ => unexpected_in_block(cursor),
+    }
+}
+
+/// The number behind END. `ENDIF` is a statement of another language.
+fn read_loop_end(cursor: &mut Cursor<'_>, at: usize) -> ContentResult {
+    let word = &cursor.text[at..cursor.text.len().min(at + MAX_WORD)];
+    let letters = word.iter().take_while(|byte| byte.is_ascii_alphabetic() || **byte == b'_').count();
+    if letters > "END".len() {
+        return fail1(at, E::ForeignStatement, Capitals(&word[..letters]));
+    }
+    Ok(BlockContent::EndLoop { number: loop_number(cursor)?, at })
+}
+
+/// The target behind GOTO: a number, a variable or an expression.
+fn read_goto<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, at: usize) -> ContentResult {
+    cursor.skip_blanks()?;
+    if matches!(cursor.peek(), b'N' | b'n') {
+        cursor.at += 1;
+        cursor.skip_blanks()?;
+    }
+    if !(cursor.at_number() || matches!(cursor.peek(), b'#' | b'[')) {
+        return fail1(at, E::MissingNumber, "GOTO");
+    }
+    let target = primary(cursor, scope)?;
+    if target.is_none() && !S::HAS_VALUES {
+        return Ok(BlockContent::Goto { n: 0, at });
+    }
+    let n = whole_u32(target.unwrap_or(0.0)).map_or_else(|| fail1(at, E::NotWhole, "GOTO"), Ok)?;
+    Ok(BlockContent::Goto { n, at })
+}
+
+/// The error for a byte with which nothing begins: a bracket there has no partner to be missed.
+#[cold]
+fn unexpected_in_block<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
+    match cursor.peek() {
+        b'[' => fail1(cursor.at, E::UnexpectedCharacter, "["),
         _ => cursor.unexpected(),
     }
 }
@@ -233,7 +258,7 @@ fn read_if<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWo
     let at = cursor.at;
     let jumps = matches!(cursor.peek(), b'G' | b'g') && matches!(cursor.peek_at(1), b'O' | b'o');
     if !(thens || jumps) {
-        return fail1(then, E::BadStatement, "IF […] GOTO n / THEN");
+        return fail(then, E::ThenMissing);
     }
     let content = if holds {
         read_body(cursor, scope, words, depth + 1)?
@@ -286,7 +311,8 @@ fn comment_text(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {
 #[inline]
 fn read_block_end(cursor: &mut Cursor<'_>) -> ReadResult<()> {
     match cursor.peek() {
-        b'\r' | b'\n' => Ok(()),
+        // The end mark of old DOS texts may stand in the last line.
+        b'\r' | b'\n' | 0x1a => Ok(()),
         b';' => {
             cursor.at += 1;
             if !is_block(*cursor) {
@@ -303,7 +329,7 @@ fn read_block_end(cursor: &mut Cursor<'_>) -> ReadResult<()> {
             cursor.skip_blanks()?;
             read_block_end(cursor)
         }
-        _ => cursor.unexpected(),
+        _ => unexpected_in_block(cursor),
     }
 }
 

@@ -135,16 +135,7 @@ impl LoneBlocks {
         let has_group = |group| words.g.iter().any(|code| is_in_group(code.number, group));
         let sure = |holds: bool| if holds { Certainty::Sure } else { Certainty::Possible };
         match fault.error {
-            // Positions, and what other blocks have set.
-            E::ArcEndOffCircle
-            | E::ArcRadius
-            | E::ArcTooSmall
-            | E::FullCircleByRadius
-            | E::RectangleSide
-            | E::ContourStart
-            | E::ContourNotMonotone
-            | E::ContourEmpty
-            | E::ContourStrokes => {
+            error if depends_on_position(error) => {
                 let axes = Axis::ALL.into_iter().filter(|axis| interpreter.settings.axes[*axis]);
                 match axes.zip(self.known).all(|(_, known)| known) {
                     true => Certainty::Possible,
@@ -152,7 +143,9 @@ impl LoneBlocks {
                 }
             }
             // The word is there; its local variable has a value only in a run.
-            E::MissingWord if interpreter.block_words.has_null() && self.names_empty_local(at) => Certainty::Unknown,
+            E::MissingWord | E::EmptyWord if interpreter.block_words.has_null() && self.names_empty_local(at) => {
+                Certainty::Unknown
+            }
             E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed | E::TooDeep => Certainty::Unknown,
             // A program for several machines asks which one it runs on.
             E::NoAxis => Certainty::Possible,
@@ -172,6 +165,7 @@ impl LoneBlocks {
             E::DivisionByZero | E::FunctionDomain | E::Overflow | E::SwitchVariable => sure(without_values),
             // G90 or G91 acts, and a plane, that the lines above may not say.
             E::NotTogether if words.g.iter().any(|code| code.number == 53) => Certainty::Possible,
+            E::CycleInForce => Certainty::Possible,
             E::AxisOutsidePlane => sure(has_group(GCodeGroup::Plane) || !interpreter.settings.is_mill()),
             // No function of group 01 has the letter.
             E::UnknownWord
@@ -180,14 +174,30 @@ impl LoneBlocks {
                 sure(without_values)
             }
             // The function of group 01 that acts decides about the words.
-            E::UnknownWord | E::MissingWord | E::AxisUnused | E::ArcWithoutCentre => {
-                let by_m = fault.error == E::MissingWord && !words.m.is_empty();
+            E::UnknownWord | E::MissingWord | E::EmptyWord | E::AxisUnused | E::ArcWithoutCentre => {
+                let by_m = matches!(fault.error, E::MissingWord | E::EmptyWord) && !words.m.is_empty();
                 let named = has_group(GCodeGroup::Motion) || has_group(GCodeGroup::NonModal) || by_m;
                 sure(without_values && (self.motion_known || named))
             }
             _ => Certainty::Sure,
         }
     }
+}
+
+/// Mistakes that come from positions, and from what other blocks have set.
+const fn depends_on_position(error: E) -> bool {
+    matches!(
+        error,
+        E::ArcEndOffCircle
+            | E::ArcRadius
+            | E::ArcTooSmall
+            | E::FullCircleByRadius
+            | E::RectangleSide
+            | E::ContourStart
+            | E::ContourNotMonotone
+            | E::ContourEmpty
+            | E::ContourStrokes
+    )
 }
 
 /// Whether a G code belongs to a group on any kind of machine.

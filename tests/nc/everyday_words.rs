@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use kt830::defs::kind::Dialect;
+use kt830::defs::text::Lang;
 use kt830::nc::{
     Block, CommonVariables, EmptyLibrary, ExternalState, Interpreter, LiveValue, NcSettings, NextStatus,
     OfflineMachine, ProgramFault, Source,
@@ -216,5 +217,48 @@ fn b2_words_of_programs_that_others_wrote() {
         ("G73 U4. W2. R3\nG73 P10 Q20 U200 W0 F100", "point-missing"),
     ] {
         assert_eq!(refused(text), name, "{text}");
+    }
+}
+
+/// What 550 more of them have: a code that is repeated, the name behind the first `%`, the end mark of DOS, G74 of one hole.
+#[test]
+fn b2_words_of_more_programs_that_others_wrote() {
+    let ops = |text: &str| run(text, Dialect::LatheA).unwrap_or_else(|fault| panic!("{text}: {fault}")).0;
+    for (written, same) in [
+        ("G98 F100\nG1 G40 G1 X5.\nM30\n", "G98 F100\nG40 G1 X5.\nM30\n"),
+        ("G28 U0. G28 W0.\nM30\n", "G28 U0. W0.\nM30\n"),
+        ("G90 G90 G0 X5.\nM30\n", "G0 X5.\nM30\n"),
+        ("%00042\nG0 X5.\nM30\n%\n", "G0 X5.\nM30\n"),
+        ("%PART-7 (O1)\nG0 X5.\nM30\n%\n", "G0 X5.\nM30\n"),
+        ("G0 X5.\nM30\u{1a}", "G0 X5.\nM30\n"),
+        ("G0 X5.\nM30\n\u{1a}", "G0 X5.\nM30\n"),
+        ("G99 F0.2\nG0 Z0\nG74 R1.\nG74 Z-7. P0 Q2000\nM30\n", "G99 F0.2\nG0 Z0\nG74 R1.\nG74 Z-7. Q2000\nM30\n"),
+    ] {
+        assert_eq!(ops(written), ops(same), "{written}");
+    }
+    // Another code of the group, and a step that is needed, are still mistakes.
+    let refused = |text: &str| run(text, Dialect::LatheA).unwrap_err().error.id();
+    assert_eq!(refused("G1 G98 G0 X5. F100\nM30\n"), "double-group");
+    assert_eq!(refused("G99 F0.2\nG0 X40. Z0\nG74 R1.\nG74 X20. Z-7. P0 Q2000\nM30\n"), "out-of-range");
+    assert_eq!(refused("M98 P#500\nM30\n"), "empty-word");
+}
+
+/// F0.2 without a unit would be 0.2 mm/min: a check asks which is meant, once.
+#[test]
+fn t4_a_slow_feed_whose_unit_is_not_named_is_a_warning() {
+    let warned = |text: &str, dialect| {
+        let settings = NcSettings::for_dialect(dialect);
+        let source = Arc::new(Source::new(1_001, "O1001.NC", text.as_bytes(), dialect));
+        let library: kt830::nc::SharedLibrary = Arc::new(EmptyLibrary);
+        let report = kt830::nc::check(&source, &library, &settings);
+        let told = |fault: &ProgramFault| (fault.location.line, fault.cause(Lang::En), fault.remedy(Lang::En));
+        report.warnings.iter().map(told).collect::<Vec<_>>()
+    };
+    let cause = "the unit of F0.2 is not named: it is taken as mm/min".to_owned();
+    let text = "G01 X5. F0.2\nX6. F0.3\nM30\n";
+    assert_eq!(warned(text, Dialect::LatheA), [(1, cause.clone(), "write G98 (mm/min) / G99 (mm/r)".to_owned())]);
+    assert_eq!(warned(text, Dialect::Sinumerik), [(1, cause, "write G94 (mm/min) / G95 (mm/r)".to_owned())]);
+    for text in ["G98 G01 X5. F0.2\nM30\n", "G99 F0.2\nM30\n", "G01 X5. F2.\nM30\n"] {
+        assert_eq!(warned(text, Dialect::LatheA), [], "{text}");
     }
 }

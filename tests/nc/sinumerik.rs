@@ -162,8 +162,7 @@ fn s1_what_programs_of_others_have() {
     // A jump goes to a block number, too, and a label may begin with N.
     assert_eq!(check("R1=0\nN5 R1=R1+1\nIF R1<3 GOTOB N5\nGOTOF N0020\nN20 GOTOF NEXT\nN30\nNEXT: M2\n"), [""; 0]);
     let wrong = check("GOTOB N5\nGOTOF N9\nGOTOF NINE\nN5 M2\n");
-    let wanted =
-        ["1:7 label N5 is not in this direction", "2:7 there is no block N9", "3:7 there is no label NINE"];
+    let wanted = ["1:7 label N5 is not in this direction", "2:7 there is no block N9", "3:7 there is no label NINE"];
     assert_eq!(wrong, wanted);
     assert_eq!(check("M3 S100\nG0 X120 M9 M30 M5\n"), [""; 0]);
     assert_eq!(check("M2 M30\n"), ["1:4 M2 and M30 cannot be combined in one block"]);

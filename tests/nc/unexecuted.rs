@@ -160,7 +160,7 @@ fn b3_a_division_that_an_if_guards_is_neither_error_nor_warning() {
 /// What depends on values that are not known is a warning, never silence.
 #[test]
 fn t4_what_depends_on_values_that_are_not_known_is_a_warning() {
-    for (block, name) in [("M98 P#560", "missing-word"), ("#5=1/[#560]", "division-by-zero")] {
+    for (block, name) in [("M98 P#560", "empty-word"), ("#5=1/[#560]", "division-by-zero")] {
         let report = check_with(&format!("M30\n{block}\n"), &[]);
         assert_eq!(faults(&report), [], "{block}");
         let warned: Vec<_> = report.warnings.iter().map(|fault| (fault.location.line, fault.error.id())).collect();

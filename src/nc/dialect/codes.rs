@@ -61,7 +61,7 @@ impl BlockCodes {
                     // DECISION: 100 mm/min must not become 100 mm/rev; a new F is required.
                     modals.feed = None;
                 }
-                modals.per_rev = per_rev;
+                (modals.per_rev, modals.feed_unit_named) = (per_rev, true);
             }
             GCodeGroup::Units => {
                 modals.inch = matches!(code.number, 20 | 70 | 700);

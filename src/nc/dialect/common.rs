@@ -4,6 +4,7 @@
 use std::fmt::Display;
 
 use super::codes::BlockCodes;
+use super::rules;
 use super::rules::{BlockContext, FlowAction};
 use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
@@ -12,9 +13,10 @@ use crate::nc::cutter::{Compensation, CutterShape};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{Capitals, E, ReadResult, ReadStop, fail1, fail2};
 use crate::nc::functions::whole_number;
+use crate::nc::modal::ModalCodes;
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::settings::CutterSource;
-use crate::nc::words::Word;
+use crate::nc::words::{BlockWords, ValueKind, Word};
 
 /// Greatest coordinate, feed or speed that can be programmed.
 pub(super) const MAX_VALUE: f64 = 99_999.999;
@@ -22,6 +24,8 @@ pub(super) const MAX_VALUE: f64 = 99_999.999;
 const MIN_FEED: f64 = 0.001;
 /// Least feed in inches: four decimals.
 const MIN_FEED_INCH: f64 = 0.0001;
+/// Below this feed, mm/min, a program that does not name the unit of F may mean mm/r.
+const SLOW_FEED: f64 = 2.0;
 const METRES_PER_FOOT: f64 = 0.3048;
 
 /// Reports an unknown word, as written up to the next letter or blank.
@@ -56,13 +60,35 @@ pub(super) fn letter_at(text: &[u8], at: u32) -> char {
     text.get(at as usize).map_or('?', |byte| char::from(byte.to_ascii_uppercase()))
 }
 
+/// The error for a word that is missing, or that an empty variable takes away.
+#[cold]
+pub(super) fn missing_word<T>(words: &BlockWords, at: u32, name: &'static str, letter: u8) -> ReadResult<T> {
+    match words.list.iter().find(|word| word.letter == letter && word.kind == ValueKind::Null) {
+        Some(empty) => fail2(empty.at as usize, E::EmptyWord, name, char::from(letter)),
+        None => fail2(at as usize, E::MissingWord, name, char::from(letter)),
+    }
+}
+
 /// Makes F the modal feed; `mm` is millimetres per programmed unit.
 #[inline]
 pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
     let Some(word) = running.words.take(b'F') else { return Ok(()) };
     let least = if mm > 1.0 { MIN_FEED_INCH } else { MIN_FEED };
-    running.modals.feed = Some(in_range(word, (least, MAX_VALUE), "")? * mm);
+    let feed = in_range(word, (least, MAX_VALUE), "")? * mm;
+    running.modals.feed = Some(feed);
+    if feed < SLOW_FEED && !running.modals.feed_unit_named && !running.modals.per_rev {
+        warn_of_slow_feed(running, word);
+    }
     Ok(())
+}
+
+/// Warns of a feed that would be usual per revolution, once in a program.
+#[cold]
+fn warn_of_slow_feed(running: &mut BlockContext<'_, '_>, word: Word) {
+    running.modals.feed_unit_named = true;
+    let ModalCodes { per_minute, per_rev, .. } = rules(running.settings.dialect).modal_codes;
+    let codes = format_args!("G{per_minute} (mm/min) / G{per_rev} (mm/r)").into();
+    running.scope.warn(word.at as usize, E::FeedUnitUnnamed, [format_args!("F{}", word.value).into(), codes]);
 }
 
 /// Makes S the modal speed. With inches a surface speed is in feet per minute.

@@ -4,7 +4,7 @@ use super::{MAX_VALUE, integer};
 use crate::defs::mcode;
 use crate::defs::text::arg::Arg;
 use crate::nc::dialect::codes::{self, BlockCodes};
-use crate::nc::dialect::common::{in_range, out_of_range, set_speed};
+use crate::nc::dialect::common::{in_range, missing_word, out_of_range, set_speed};
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression::Scope;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
@@ -152,7 +152,7 @@ fn input_jump(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Flow
 /// `M98 P○○○○ L□□□□`, or both in P: `P×××○○○○`; the number has the digits of P418.
 fn subprogram(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
     let words = running.words;
-    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, "M98", "P") };
+    let Some(p) = words.take(b'P') else { return missing_word(words, code.at, "M98", b'P') };
     let packed = integer(p, 1, MAX_BLOCK_NUMBER)?;
     let limit = running.settings.program_limit;
     let (program, times) = match words.take(b'L') {

@@ -3,6 +3,7 @@
 use super::auxiliary::MAX_REPEATS;
 use super::{integer, macro_a};
 use crate::nc::dialect::codes::BlockCodes;
+use crate::nc::dialect::common::missing_word;
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
 use crate::nc::expression::Locals;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
@@ -35,7 +36,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
         words.mark_all_used();
         return macro_a::execute(running);
     }
-    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name, "P") };
+    let Some(p) = words.take(b'P') else { return missing_word(words, code.at, name, b'P') };
     let program = integer(p, 1, running.settings.program_limit)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
     *running.arguments = arguments(&words.list)?;

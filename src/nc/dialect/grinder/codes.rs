@@ -24,12 +24,14 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
         let row = look_up(*code, mill)?;
         // K1: on GC `G90` with another motion code means absolute, which is always active there.
         if code.number == 90 && !mill {
-            if let Some(before) = absolute.replace(*code) {
-                return refuse_duplicate(*code, before);
-            }
+            absolute = Some(*code);
             continue;
         }
         let group = row.group_on(mill);
+        // FANUC: the last code of a group counts. DECISION: only the same one may be repeated, as in `G01 G42 G01`.
+        if taken & 1 << group as u16 != 0 && words.g.iter().any(|g| g.at < code.at && g.number == code.number) {
+            continue;
+        }
         if taken & 1 << group as u16 != 0 {
             return refuse_group(words, *code, group, mill);
         }
@@ -95,9 +97,9 @@ fn refuse_group<T>(words: &BlockWords, code: Code, group: GCodeGroup, mill: bool
 
 #[cold]
 fn refuse_duplicate<T>(code: Code, before: Code) -> ReadResult<T> {
-    let (first, second) = (before.name('G', 2), code.name('G', 2));
-    if code.number == before.number {
-        return fail1(code.at as usize, E::DoubleWord, second);
+    // As a feed per minute it stands beside G90 or a motion code; on GS it has only G95 beside it.
+    match [before, code].iter().find(|code| code.number == 94) {
+        Some(cycle) if ![before.number, code.number].contains(&95) => fail(cycle.at as usize, E::FaceCycleG94),
+        _ => fail2(code.at as usize, E::DoubleGroup, before.name('G', 2), code.name('G', 2)),
     }
-    fail2(code.at as usize, E::DoubleGroup, first, second)
 }

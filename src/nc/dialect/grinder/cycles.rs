@@ -198,7 +198,10 @@ fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<
         return fail2(at, E::MissingWord, format_args!("G{code}"), axis_word);
     }
     let (p, q) = (running.words.take(b'P'), running.words.take(b'Q'));
+    let moves_aside = (to[step] - from[step]).abs() > MIN_LENGTH_MM;
     let (of_peck, of_step) = if code == 74 { (q, p) } else { (p, q) };
+    // `G74 Z-70 P0 Q10000`: one hole has no step.
+    let of_step = of_step.filter(|word| moves_aside || word.value.abs() > 0.0);
     let groove = GroovingCycle {
         peck,
         step,
@@ -210,7 +213,7 @@ fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<
         relief: relief.map_or(Ok(0.0), |word| length_mm(running, word))?,
         feed: modal_feed(running)?,
     };
-    if (to[step] - from[step]).abs() > MIN_LENGTH_MM && groove.step_width.is_none() {
+    if moves_aside && groove.step_width.is_none() {
         let letter = if code == 74 { "P" } else { "Q" };
         return fail2(at, E::MissingWord, format_args!("G{code}"), letter);
     }

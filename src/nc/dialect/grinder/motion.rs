@@ -8,7 +8,7 @@ use crate::nc::dialect::motion;
 use crate::nc::dialect::move_target::MoveTarget;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::expression::{CoordinateFrame, Scope};
-use crate::nc::fault::{E, ReadResult, fail, fail2};
+use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{CONTACT_SKIP_SIGNAL, Op, REFERENCE_POINTS};
 use crate::nc::words::{Code, ValueKind, Word};
@@ -69,11 +69,21 @@ fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     Ok(())
 }
 
+/// The error for a function without an axis of this machine: none is named, or another one as in `G28 C0`.
+#[cold]
+fn missing_axis<T>(running: &BlockContext<'_, '_>, code: Code, wanted: &'static str) -> ReadResult<T> {
+    let is_axis = |word: &&Word| matches!(word.letter, b'A' | b'B' | b'C' | b'H' | b'V' | b'Y');
+    match running.words.list.iter().find(is_axis) {
+        Some(word) => fail1(word.at as usize, E::NoAxis, char::from(word.letter)),
+        None => fail2(code.at as usize, E::MissingWord, code.name('G', 2), wanted),
+    }
+}
+
 /// G28: via the intermediate point to the machine zero; G30 P2 to P4: to another reference point.
 fn return_to_reference(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let MoveTarget { to, words, incremental, .. } = target(running)?;
     if words.is_empty() {
-        return fail2(code.at as usize, E::MissingWord, format_args!("G{}", code.number), "X / Z");
+        return missing_axis(running, code, "X / Z");
     }
     let number = match running.words.take(b'P').filter(|_| code.number == 30) {
         Some(word) => integer(word, 2, REFERENCE_POINTS as u32)? as u8,
@@ -119,11 +129,7 @@ fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> Read
         running.ops.push(Op::SpeedLimit { rpm: in_range(word, (0.0, MAX_VALUE), "")? });
     }
     if words.is_empty() {
-        return if limit.is_some() {
-            Ok(())
-        } else {
-            fail2(code.at as usize, E::MissingWord, code.name('G', 2), "X / Z / S")
-        };
+        return if limit.is_some() { Ok(()) } else { missing_axis(running, code, "X / Z / S") };
     }
     if running.modals.several_tools {
         return fail(code.at as usize, E::G50WithTools);
@@ -143,7 +149,7 @@ fn machine_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()
         return running.scope.axis_position(Axis::X, CoordinateFrame::Machine, code.at as usize).map(drop);
     }
     if words.is_empty() {
-        return fail2(code.at as usize, E::MissingWord, "G53", "X / Z");
+        return missing_axis(running, code, "X / Z");
     }
     if !incremental.is_empty() {
         return fail2(motion::first_offset(running, &SYNTAX), E::NotTogether, "G53", "U V W G91");
@@ -151,7 +157,7 @@ fn machine_move(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()
     let feed = match running.modals.motion {
         MotionMode::Rapid => None,
         MotionMode::Feed => Some(modal_feed(running)?),
-        motion => return fail2(code.at as usize, E::NotTogether, "G53", format_args!("G{:02}", motion.g())),
+        motion => return fail2(code.at as usize, E::CycleInForce, format_args!("G{:02}", motion.g()), "G53"),
     };
     running.ops.push(Op::MachineMove { to: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])), feed });
     Ok(())

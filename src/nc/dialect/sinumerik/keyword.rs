@@ -110,7 +110,7 @@ pub(super) fn read_distance<S: Scope>(
 ) -> ReadResult<Option<f64>> {
     let is_axis = matches!(letter, b'X' | b'Y' | b'Z');
     let is_incremental = is_axis && accept_keyword(cursor, "IC");
-    if !is_incremental && !(is_axis && accept_keyword(cursor, "AC")) {
+    if !(is_incremental || is_axis && accept_keyword(cursor, "AC")) {
         return refuse_distance(cursor, at, letter);
     }
     words.set_distance(letter, is_incremental);

@@ -315,10 +315,25 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
         words.push_keyword(Code { number: Keyword::MachineAxis as u32, at: start })?;
         cursor.at += 1;
     }
+    let (value, kind) = read_value(cursor, scope, words, (letter, at))?;
+    if letter == b'N' {
+        return fail1(at, E::DoubleWord, "N");
+    }
+    words.add(Word { value, at: start, letter, kind })?;
+    Ok(true)
+}
+
+/// The value behind a letter at `at`: a number, or `=` and an expression.
+fn read_value<S: Scope>(
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    words: &mut BlockWords,
+    (letter, at): (u8, usize),
+) -> ReadResult<(f64, ValueKind)> {
     skip_blanks(cursor);
     let fixed = matches!(letter, b'G' | b'L' | b'N');
-    let (value, kind) = match cursor.peek() {
-        b'=' if fixed => return fail1(at, E::DigitsOnly, char::from(letter)),
+    match cursor.peek() {
+        b'=' if fixed => fail1(at, E::DigitsOnly, char::from(letter)),
         b'=' => {
             cursor.at += 1;
             skip_blanks(cursor);
@@ -326,8 +341,8 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
                 return fail1(at, E::NumberNotName, char::from(letter));
             }
             match read_distance(cursor, scope, words, (letter, at))? {
-                Some(value) => (value, ValueKind::Decimal),
-                None => (evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal),
+                Some(value) => Ok((value, ValueKind::Decimal)),
+                None => Ok((evaluate_with(cursor, scope, &words.assignments)?, ValueKind::Decimal)),
             }
         }
         b'0'..=b'9' | b'.' | b'+' | b'-' => {
@@ -337,16 +352,11 @@ fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
             if cursor.peek() == b'=' {
                 return fail1(at, E::NoAddressExtension, Capitals(name));
             }
-            number
+            Ok(number)
         }
-        0x80.. => return cursor.unexpected(),
-        _ => return missing_number(cursor, at, letter),
-    };
-    if letter == b'N' {
-        return fail1(at, E::DoubleWord, "N");
+        0x80.. => cursor.unexpected(),
+        _ => missing_number(cursor, at, letter),
     }
-    words.add(Word { value, at: start, letter, kind })?;
-    Ok(true)
 }
 
 /// Reads a word of several letters, which is next.
