@@ -67,7 +67,7 @@ fn rows(shared: &SharedArgs) -> Vec<CodeRow> {
                     GCodeGroup::DrillingCycle | GCodeGroup::LengthCompensation | GCodeGroup::Rotation,
                 ) => CodeState::NoEffect,
                 (Availability::Yes, _) => CodeState::Supported,
-                (Availability::NotYet | Availability::No, _) => CodeState::Refused,
+                (Availability::NoEncoder | Availability::No, _) => CodeState::Refused,
             };
             ("G", format!("G{:02}", row.code), state, row.text)
         }));

@@ -43,8 +43,8 @@ pub enum GCodeGroup {
 pub enum Availability {
     /// Available.
     Yes,
-    /// In the specification but not implemented: refused with a message, never ignored.
-    NotYet,
+    /// It needs an encoder of the spindle, which the headstock has not: refused by name, never ignored.
+    NoEncoder,
     /// Does not exist on this kind of machine.
     No,
 }
@@ -117,12 +117,12 @@ g_codes! {
         "G30 P2–P4 X_ Z_：经过中间点回第 2–4 参考点（P161–P169）。" "G30 P2 to P4 X_ Z_: through the given point to reference point 2, 3 or 4 (P161 to P169).";
     31 "skip" NonModal Yes Yes "跳转插补" "skip: feed until a signal"
         "G31 Z_ P_ F_：按 F 走到信号 P（量仪 1–6，砂轮接触 9）为止，位置存入 #5061…；没有信号时停在终点。" "G31 Z_ P_ F_: at feed F until signal P (gauge 1 to 6, wheel contact 9); the position is stored in #5061 …; without a signal it stops at the end point.";
-    32 "thread" Motion NotYet No "螺纹切削" "thread"
-        "螺纹切削，本版本不提供：程序在该段前停止并说明。" "Thread cutting, not in this version: the program stops before the block with a message.";
-    33 "tapping" Motion NotYet No "攻丝" "tapping with Z"
-        "攻丝，本版本不提供：程序在该段前停止并说明。" "Tapping, not in this version: the program stops before the block with a message.";
-    34 "variable-thread" Motion NotYet No "变螺距螺纹" "thread of variable lead"
-        "变螺距螺纹，本版本不提供：程序在该段前停止并说明。" "A thread of variable lead, not in this version: the program stops before the block with a message.";
+    32 "thread" Motion NoEncoder No "螺纹切削" "thread"
+        "螺纹切削，需要主轴编码器，本机没有：程序在该段前停止并说明。" "Thread cutting: it needs a spindle encoder, which this machine has not; the program stops before the block with a message.";
+    33 "tapping" Motion NoEncoder No "攻丝" "tapping with Z"
+        "攻丝，需要主轴编码器，本机没有：程序在该段前停止并说明。" "Tapping: it needs a spindle encoder, which this machine has not; the program stops before the block with a message.";
+    34 "variable-thread" Motion NoEncoder No "变螺距螺纹" "thread of variable lead"
+        "变螺距螺纹，需要主轴编码器，本机没有：程序在该段前停止并说明。" "A thread of variable lead: it needs a spindle encoder, which this machine has not; the program stops before the block with a message.";
     35 "oscillation-on" NonModal Yes Yes "振荡开启" "oscillation on"
         "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P240、P241。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between the current and the given position while the program continues; Q strokes per minute, D time constant in ms (default P240, P241). G36, the key, RESET or the emergency stop ends it.";
     36 "oscillation-off" NonModal Yes Yes "振荡关闭" "oscillation off"
@@ -177,8 +177,8 @@ g_codes! {
         "G74 R_，G74 X_ Z_ P_ Q_ F_：沿 Z 断续进给，每次 Q，退 R。" "G74 R_, then G74 X_ Z_ P_ Q_ F_: feeds along Z in steps of Q, with retract R after each.";
     75 "grooving" NonModal Yes No "径向切槽循环" "grooving along X"
         "G75 R_，G75 X_ Z_ P_ Q_ F_：沿 X 断续进给，每次 P，退 R。" "G75 R_, then G75 X_ Z_ P_ Q_ F_: feeds along X in steps of P, with retract R after each.";
-    76 "threading-cycle" NonModal NotYet No "复合螺纹循环" "threading cycle"
-        "复合螺纹循环，本版本不提供。" "Threading cycle, not in this version.";
+    76 "threading-cycle" NonModal NoEncoder No "复合螺纹循环" "threading cycle"
+        "复合螺纹循环，需要主轴编码器，本机没有。" "Threading cycle: it needs a spindle encoder, which this machine has not.";
     78 "gauge-positioning" NonModal Yes Yes "量仪对刀" "gauge positioning"
         "G78 Z_ F_ J_ P_ Q_ L_：以 F 接近到信号 P，退 L，再以 J 接近并记录；#434 = X，#435 快速、#436 精确 Z，#437 为差。写 Q 时以 J 走到第二信号，速度降到 J 以前 Q 有效报警 205。到终点无信号报警 183。" "G78 Z_ F_ J_ P_ Q_ L_: approaches at F until signal P, retracts by L, approaches again at J and stores the positions: #434 X, #435 fast Z, #436 fine Z, #437 their difference. With Q it continues at J to the second signal; Q before speed J: alarm 205. No signal: alarm 183.";
     80 "drilling-cycle-off" DrillingCycle Yes Yes "取消钻孔循环" "drilling cycle off"
@@ -187,8 +187,8 @@ g_codes! {
         "外圆磨：G90 X_ Z_ F_ 轴向切削循环；与 G00–G03 同段时为绝对编程。平磨、圆台磨：以后的坐标为绝对值。" "GC: G90 X_ Z_ F_ is one longitudinal cycle; in a block with G00 to G03 it means absolute. GS, GA: the following coordinates are absolute.";
     91 "incremental" DistanceMode No Yes "增量编程" "incremental"
         "G91：以后的坐标为增量值。外圆磨用 U V W。" "G91: the following coordinates are incremental. On GC use U, V, W.";
-    92 "thread-cycle" Motion NotYet Yes "螺纹切削循环（平磨、圆台磨：设定坐标系）" "thread cycle (GS, GA: set work coordinates)"
-        "外圆磨：螺纹切削循环，本版本不提供。平磨、圆台磨：与 G50 相同，把当前位置称为 X Y Z。" "GC: thread cycle, not in this version. GS, GA: as G50, sets the coordinates of the current position to X Y Z.";
+    92 "thread-cycle" Motion NoEncoder Yes "螺纹切削循环（平磨、圆台磨：设定坐标系）" "thread cycle (GS, GA: set work coordinates)"
+        "外圆磨：螺纹切削循环，需要主轴编码器，本机没有。平磨、圆台磨：与 G50 相同，把当前位置称为 X Y Z。" "GC: thread cycle: it needs a spindle encoder, which this machine has not. GS, GA: as G50, sets the coordinates of the current position to X Y Z.";
     94 "face-cycle" Motion Yes Yes "径向切削循环（平磨、圆台磨：每分进给）" "face cycle (GS, GA: feed per minute)"
         "外圆磨：G94 X_ Z_ F_ 径向切削循环。平磨、圆台磨：F 为每分钟毫米。" "GC: G94 X_ Z_ F_ is one facing cycle. GS, GA: F is in mm/min.";
     95 "feed-per-revolution-mill" FeedMode No Yes "每转进给" "feed per revolution"

@@ -75,8 +75,8 @@ program_errors! {
         "在同一行内用 ( 和 ) 括起注释", "open with ( and close with ) on the same line";
     UnknownG = 8, "unknown-g", "没有 {} 指令", "unknown code {}",
         "请查阅 G 代码表", "see the table of G codes";
-    UnavailableG = 9, "g-not-available", "本版本不支持 {} ({2})", "{} ({2}) is not available in this version",
-        "请改用其他指令或升级软件", "use another function or a newer version";
+    NoEncoderG = 9, "g-without-encoder", "{} ({2}) 需要主轴编码器，本机没有", "{} ({2}) needs a spindle encoder, which this machine has not",
+        "螺纹在带编码器的车床上加工", "cut threads on a lathe with an encoder";
     WrongKindG = 10, "g-not-on-this-machine", "本机床没有 {} ({2})", "{} ({2}) does not exist on this machine",
         "请查阅本机床的 G 代码表", "see the table of G codes of this machine";
     /// An M code above 99 or not a whole number.
@@ -360,6 +360,8 @@ program_errors! {
         "每分进给用 G98，每转进给用 G99", "use G98 for a feed per minute, G99 for one per revolution";
     EmptyWord = 542, "empty-word", "{} 的 {2} 是空变量", "{2} of {} is an empty variable",
         "先给变量赋值", "assign the variable first";
+    CommaMissing = 544, "comma-missing", "G01 段中没有 {}", "{} does not exist in a block with G01",
+        "倒角、圆角、角度带逗号：写 {2}", "chamfer, rounding and angle have a comma: write {2}";
     /// Allowed, but the feed is very slow.
     FeedUnitUnnamed = 543, "feed-unit-unnamed", "没有写明 {} 的单位：按 mm/min 走", "the unit of {} is not named: it is taken as mm/min",
         "写明 {2}", "write {2}";

@@ -139,7 +139,7 @@ impl ProgramFault {
     fn cause_details(&self) -> [Arg; 2] {
         let [first, second] = self.details.clone();
         match (self.error, first.as_name().get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
-            (E::UnavailableG | E::WrongKindG, Some(row)) => [first, Arg::Text(&row.text)],
+            (E::NoEncoderG | E::WrongKindG, Some(row)) => [first, Arg::Text(&row.text)],
             _ => [first, second],
         }
     }

@@ -173,7 +173,8 @@ impl MessageTexts {
         for (line, comment) in comments {
             match row(comment.trim()) {
                 Some(row) => texts.add(row, line),
-                None => texts.bad_rows.push(line),
+                None if means_row(&comment) => texts.bad_rows.push(line),
+                None => {}
             }
         }
         for entry in &mut texts.entries {
@@ -340,6 +341,14 @@ fn numbered_message(before: &[u8]) -> Option<MessageKey> {
         Some(_) => Some(MessageKey::Alarm(u32::from(USER_ALARM_FIRST) + number)),
         None => head.strip_suffix(b"#3006").map(|_| MessageKey::Stop(number)),
     }
+}
+
+/// Whether a comment that cannot be read as a row is meant as one: not a block that was commented out,
+/// `(#3000=1(STOP: no part))`.
+fn means_row(comment: &str) -> bool {
+    let is_block = comment.strip_prefix('#').is_some_and(|block| block.contains('('));
+    let upper = comment.to_ascii_uppercase();
+    !is_block && ["CAUSE", "REMEDY", "原因", "处理", ":", "："].iter().any(|word| upper.contains(word))
 }
 
 /// Reads a row.

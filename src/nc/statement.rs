@@ -217,6 +217,9 @@ fn unexpected_in_block<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
 /// The statement behind an O word, as LinuxCNC writes it: `o100 while`, `o<name> call`.
 fn o_word_statement<'a>(mut cursor: Cursor<'a>) -> Option<&'a [u8]> {
     cursor.at += 1;
+    while matches!(cursor.peek(), b' ' | b'\t') {
+        cursor.at += 1;
+    }
     if cursor.accept(b'<') {
         while !cursor.at_line_end() && !cursor.accept(b'>') {
             cursor.at += 1;

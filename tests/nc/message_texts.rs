@@ -102,6 +102,8 @@ fn b8_rows_of_texts_that_do_not_fit_are_named_by_their_line() {
     assert_eq!(lines(&PROGRAM.replace("THEN #3000=1", "THEN #3000=#101")), [0; 0]);
     // Remarks are no rows.
     assert_eq!(lines("O1 (EN)\n(#505 余量)\n(3000 r/min)\nM30\n"), [0; 0]);
+    // Nor are blocks that were commented out.
+    assert_eq!(lines("O1\n(#3000= 5 old)\n(#3000=1(STOP: no part))\n(#3000=2)\nM30\n"), [0; 0]);
 }
 
 /// Every alarm and every message of a shipped program has all its texts, and every title its English.

@@ -41,7 +41,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("G00 X1 ?", "unexpected-character"),
     ("G00 X[1+2", "unbalanced-bracket"),
     ("G37", "unknown-g"),
-    ("G33 Z5 F1", "g-not-available"),
+    ("G33 Z5 F1", "g-without-encoder"),
     ("M123", "unknown-m"),
     ("G00 G01 X5", "double-group"),
     ("G00 X5 U5", "absolute-and-incremental"),

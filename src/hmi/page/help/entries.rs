@@ -297,7 +297,7 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
             Text::new("模态，直到同组的另一个代码", "modal, until another code of the group")
         };
         let mut parts = vec![(PURPOSE, row.help.into()), (SCOPE, stays.into())];
-        if row.availability_on(mill) == Availability::NotYet {
+        if row.availability_on(mill) == Availability::NoEncoder {
             parts.pop();
         }
         let sign = format!("G{:02}", row.code);

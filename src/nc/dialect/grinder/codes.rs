@@ -80,7 +80,7 @@ pub(super) fn look_up(code: Code, mill: bool) -> ReadResult<&'static GCode> {
     let Some(row) = GCode::find(code.number) else { return fail1(at, E::UnknownG, name()) };
     match row.availability_on(mill) {
         Availability::Yes => Ok(row),
-        Availability::NotYet => fail1(at, E::UnavailableG, name()),
+        Availability::NoEncoder => fail1(at, E::NoEncoderG, name()),
         Availability::No if code.number == 91 => fail(at, E::IncrementalG91),
         Availability::No if code.number == 95 => fail(at, E::FeedPerRevByG99),
         Availability::No => fail1(at, E::WrongKindG, name()),

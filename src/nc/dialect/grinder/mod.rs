@@ -20,9 +20,9 @@ use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, Preflight
 use crate::defs::kind::Dialect;
 use crate::defs::program_number::{O_DIGITS, O_MAX_DIGITS, o_limit};
 use crate::nc::contour::PendingCycle;
-use crate::nc::fault::{Capitals, E, ReadResult, fail1};
+use crate::nc::fault::{Capitals, E, ReadResult, fail1, fail2};
 use crate::nc::flow::{CallLimit, Callee};
-use crate::nc::modal::ModalCodes;
+use crate::nc::modal::{ModalCodes, MotionMode};
 use crate::nc::settings::NcSettings;
 use crate::nc::source_index::o_number;
 use crate::nc::words::{BlockWords, Code, ValueKind, Word, letter_mask};
@@ -229,6 +229,23 @@ fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &BlockCodes, word: Word
         && let Some(once) = plan.one_shot
     {
         return fail1(word.at as usize, E::AxisUnused, once.name('G', 2));
+    }
+    let size = match word.letter {
+        b'A' | b'C' | b'R' => Some((char::from(word.letter), word.value)),
+        // Their sign says where the next line goes: the contour knows it.
+        b'I' | b'K' => Some(('C', word.value.abs())),
+        _ => None,
+    };
+    if running.modals.motion == MotionMode::Feed
+        && plan.one_shot.is_none()
+        && let Some((letter, size)) = size
+    {
+        return fail2(
+            word.at as usize,
+            E::CommaMissing,
+            format_args!("{}{}", char::from(word.letter), word.value),
+            format_args!(",{letter}{size}"),
+        );
     }
     common::unknown_word(running.text, word)
 }

@@ -49,7 +49,12 @@ pub(super) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
         b'\r' | b'\n' => {}
         b';' => cursor.skip_rest_of_line(),
         // A comment in other dialects.
-        b'(' => return fail2(cursor.at, E::NonAsciiCharacter, "(", ";"),
+        b'(' => {
+            return match words.peek(b'L') {
+                Some(call) => fail1(call.at as usize, E::NoCallByName, format_args!("L{}", call.value)),
+                None => fail2(cursor.at, E::NonAsciiCharacter, "(", ";"),
+            };
+        }
         sign @ (b'[' | b']') => return fail1(cursor.at, E::UnexpectedCharacter, char::from(sign)),
         _ => return unexpected(cursor),
     }
