@@ -362,6 +362,8 @@ program_errors! {
         "先给变量赋值", "assign the variable first";
     CommaMissing = 544, "comma-missing", "G01 段中没有 {}", "{} does not exist in a block with G01",
         "倒角、圆角、角度带逗号：写 {2}", "chamfer, rounding and angle have a comma: write {2}";
+    TurningCycleWord = 545, "turning-cycle-word", "车削循环 {} 缺少 {2}", "the turning cycle {} needs {2}",
+        "加上该地址；要绝对坐标或每分进给，不用写 {}（G98 为每分进给）", "add the word; for absolute coordinates or a feed per minute leave {} out (G98 is feed per minute)";
     /// Allowed, but the feed is very slow.
     FeedUnitUnnamed = 543, "feed-unit-unnamed", "没有写明 {} 的单位：按 mm/min 走", "the unit of {} is not named: it is taken as mm/min",
         "写明 {2}", "write {2}";

@@ -525,7 +525,7 @@ impl ProgramCheck {
     fn classify(&mut self, fault: ProgramFault) {
         let (null_here, left_out) = (self.interpreter.has_null_use(), self.word_left_out);
         let by_null = match fault.error {
-            E::MissingWord | E::EmptyWord | E::ArcWithoutCentre => null_here,
+            E::MissingWord | E::TurningCycleWord | E::EmptyWord | E::ArcWithoutCentre => null_here,
             E::ArcEndOffCircle | E::ArcRadius => null_here || self.left_loops > 0,
             E::DivisionByZero => null_here && !fault.has_detail(),
             E::FunctionDomain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,

@@ -174,7 +174,13 @@ impl LoneBlocks {
                 sure(without_values)
             }
             // The function of group 01 that acts decides about the words.
-            E::UnknownWord | E::CommaMissing | E::MissingWord | E::EmptyWord | E::AxisUnused | E::ArcWithoutCentre => {
+            E::UnknownWord
+            | E::CommaMissing
+            | E::MissingWord
+            | E::TurningCycleWord
+            | E::EmptyWord
+            | E::AxisUnused
+            | E::ArcWithoutCentre => {
                 let by_m = matches!(fault.error, E::MissingWord | E::EmptyWord) && !words.m.is_empty();
                 let named = has_group(GCodeGroup::Motion) || has_group(GCodeGroup::NonModal) || by_m;
                 sure(without_values && (self.motion_known || named))

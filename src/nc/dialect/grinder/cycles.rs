@@ -49,7 +49,7 @@ fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) ->
     let g = running.modals.motion.g();
     let (Some(x), Some(z)) = (kept.x, kept.z) else {
         let missing = if kept.x.is_none() { "X / U" } else { "Z / W" };
-        return fail2(running.at, E::MissingWord, format_args!("G{g:02}"), missing);
+        return fail2(running.at, E::TurningCycleWord, format_args!("G{g:02}"), missing);
     };
     let feed = modal_feed(running)?;
     running.modals.cycle = kept;
