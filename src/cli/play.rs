@@ -18,8 +18,6 @@ use crate::io::trace;
 use crate::link::snapshot::Tone;
 #[cfg(feature = "hmi")]
 use crate::story::PageReader;
-use crate::story::play::REAL_DISK;
-use crate::story::statement::DiskCondition;
 use crate::story::{Player, Stage, Statement, StoryLine, parse, play::state_report};
 use crate::units::Micros;
 
@@ -85,10 +83,6 @@ impl Stage for TracedStage {
 
     fn power_on(&mut self) {
         self.host.power_on();
-    }
-
-    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
-        Err(REAL_DISK.to_owned())
     }
 
     fn is_interrupted(&self) -> bool {

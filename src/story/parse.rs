@@ -171,6 +171,10 @@ impl LineParser {
             "unlock" => self.unlock()?,
             "accept" => self.one_of("`data`", |word| (word == "data").then_some(Statement::AcceptData))?,
             "disk" => Statement::Disk(self.disk()?),
+            "screen" => {
+                self.one_of("`hangs`", |word| (word == "hangs").then_some(()))?;
+                Statement::ScreenHangs(self.duration()?)
+            }
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
             "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,

@@ -40,8 +40,8 @@ const PART_TIMEOUT: Micros = Micros::from_millis(2_000);
 /// Maximum duration of homing.
 const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
-/// Why a disk does not behave as a story wants.
-pub const REAL_DISK: &str = "only a tortured control has a simulated disk";
+/// Why a disk or a screen does not behave as a story wants.
+pub const NOT_TORTURED: &str = "only a tortured control has a simulated disk and a screen that hangs";
 
 /// Reads the texts of the open page for `expect page … shows`. A build without the screen has none.
 pub type PageReader = Box<dyn Fn(&Snapshot) -> Vec<String>>;
@@ -64,7 +64,16 @@ pub trait Stage {
     ///
     /// # Errors
     /// The disk is a real one.
-    fn set_disk(&mut self, condition: DiskCondition) -> Result<(), String>;
+    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
+        Err(NOT_TORTURED.to_owned())
+    }
+    /// The screen hangs from now on for some seconds.
+    ///
+    /// # Errors
+    /// The stage has no screen that could.
+    fn hang_screen(&mut self, _seconds: f64) -> Result<(), String> {
+        Err(NOT_TORTURED.to_owned())
+    }
     /// Whether the story is to end: the operator has touched the screen (demo), or the time is over.
     fn is_interrupted(&self) -> bool;
 }
@@ -87,10 +96,6 @@ impl Stage for HeadlessHost {
 
     fn power_on(&mut self) {
         Self::power_on(self);
-    }
-
-    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
-        Err(REAL_DISK.to_owned())
     }
 
     fn is_interrupted(&self) -> bool {
@@ -116,10 +121,6 @@ impl<P: HostedMachine, S: Storage> Stage for HostThread<P, S> {
 
     fn power_on(&mut self) {
         Self::host(self).power_on();
-    }
-
-    fn set_disk(&mut self, _condition: DiskCondition) -> Result<(), String> {
-        Err(REAL_DISK.to_owned())
     }
 
     fn is_interrupted(&self) -> bool {
@@ -208,6 +209,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Unlock(scope, password) => self.unlock(*scope, password),
             Statement::AcceptData => self.send(Command::Page(PageCommand::AcceptData(DataChoice::Present))),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
+            Statement::ScreenHangs(seconds) => self.stage.hang_screen(*seconds),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => self.force_input(name, *force),

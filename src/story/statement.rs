@@ -185,6 +185,8 @@ pub enum Statement {
     DeleteProgram(u32),
     /// `disk slow 200 ms`, `disk hangs 5 s`, `disk full`, `disk flips 3`, `disk good`: with `kt830 torture` only
     Disk(DiskCondition),
+    /// `screen hangs 4 s`: the screen sends no keep-alive for so long; with `kt830 torture` only
+    ScreenHangs(f64),
     /// `export backup`, `import backup`: programs, screens, params, variables or backup, to or from the USB stick
     Transfer(Direction, TransferSet),
     /// `stall`: the computer has held the control up for more than a second

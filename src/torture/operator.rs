@@ -211,8 +211,14 @@ impl RandomOperator {
         self.say("key cycle-start");
         for _ in 0..self.below(6) {
             self.wait(20.0);
-            if self.below(20) == 0 {
-                self.say("stall");
+            match self.below(20) {
+                0 => self.say("stall"),
+                1 => {
+                    let seconds = self.pick(&[1, 4]);
+                    self.say(format!("screen hangs {seconds} s"));
+                    self.say("wait 5 s");
+                }
+                _ => {}
             }
             let key = self.pick(&[
                 Key::FeedHold,

@@ -9,6 +9,8 @@ pub enum PlantedBug {
     BlindToPressure,
     /// The control does not see that the guard opens.
     BlindToGuard,
+    /// The control does not notice that the screen hangs.
+    BlindToScreen,
     /// The wheel's output stays on in an emergency stop.
     WheelStaysOn,
     /// The coolant's output stays on in an emergency stop.
@@ -83,10 +85,11 @@ pub enum PlantedBug {
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 38] = [
+    pub const ALL: [Self; 39] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
+        Self::BlindToScreen,
         Self::WheelStaysOn,
         Self::CoolantStaysOn,
         Self::EmergencyStopUnclamps,

@@ -42,6 +42,8 @@ const LOOK_INTERVAL: Micros = Micros::from_millis(500);
 const COMPARE_INTERVAL: Micros = Micros::from_millis(60_000);
 /// The control has gathered and stored what was written so long ago.
 const SETTLING: Micros = Micros::from_millis(2_000);
+/// How often the screen sends its keep-alive.
+const KEEP_ALIVE_INTERVAL: Micros = Micros::from_millis(100);
 /// Size of the database page in which a damage begins, bytes.
 const PAGE_BYTES: u64 = 4_096;
 
@@ -94,6 +96,9 @@ pub struct TortureStage {
     was_running: bool,
     held_since: Option<Micros>,
     stuck_key: Option<Key>,
+    /// The screen has sent its keep-alive, and hangs until then.
+    screen_heard_at: Micros,
+    screen_hangs_until: Micros,
 }
 
 impl TortureStage {
@@ -142,6 +147,8 @@ impl TortureStage {
             was_running: false,
             held_since: None,
             stuck_key: None,
+            screen_heard_at: Micros::ZERO,
+            screen_hangs_until: Micros::ZERO,
         })
     }
 
@@ -202,7 +209,19 @@ impl TortureStage {
         }
     }
 
-    fn check_tick(&mut self, commands: &[Command]) {
+    /// Sends the keep-alive of the screen if it is due; true if the screen has sent it.
+    fn keep_alive(&mut self) -> bool {
+        let now = self.host.now();
+        let is_due = self.host.is_powered() && now.since(self.screen_heard_at) >= KEEP_ALIVE_INTERVAL;
+        let is_heard = is_due && now >= self.screen_hangs_until;
+        if is_due && (is_heard || self.bug == Some(PlantedBug::BlindToScreen)) {
+            self.screen_heard_at = now;
+            self.host.send(Command::KeepAlive);
+        }
+        is_heard
+    }
+
+    fn check_tick(&mut self, commands: &[Command], screen_heard: bool) {
         if self.violation.is_some() {
             return;
         }
@@ -212,6 +231,7 @@ impl TortureStage {
         let moment = Moment {
             now,
             commands,
+            screen_heard,
             machine: self.host.machine_side_ref(),
             controller: self.host.controller(),
             powered,
@@ -359,12 +379,13 @@ impl Stage for TortureStage {
         {
             self.is_accepted = true;
         }
+        let screen_heard = self.keep_alive();
         self.host.step();
         self.disk.borrow_mut().end_tick();
         self.count_runs();
         let machine = self.host.machine_side_ref();
         self.trace.add(&machine.read, &machine.written);
-        self.check_tick(&commands);
+        self.check_tick(&commands, screen_heard);
     }
 
     fn power_cut(&mut self) {
@@ -406,6 +427,11 @@ impl Stage for TortureStage {
             DiskCondition::Full => self.disk.borrow_mut().is_full = true,
             DiskCondition::Flips(bits) => self.flips = bits,
         }
+        Ok(())
+    }
+
+    fn hang_screen(&mut self, seconds: f64) -> Result<(), String> {
+        self.screen_hangs_until = self.host.now() + Micros::from_millis_f64(seconds * 1_000.0);
         Ok(())
     }
 

@@ -4,6 +4,7 @@
 use kt830::defs::alarm;
 use kt830::defs::signal::Output;
 use kt830::host::headless::HeadlessHost;
+use kt830::link::command::Command;
 use kt830::units::Axis;
 
 use crate::stories::{ready_with, tell};
@@ -115,4 +116,32 @@ fn b5_an_end_while_an_axis_oscillates_brakes_it() {
     assert!(end(&mut rig) > 0);
     assert_safe(&rig);
     assert!(has_ended_alarm(&rig));
+}
+
+/// A screen that hangs: after P76 all is as in an emergency stop, and it must be heard again before RESET clears the alarm.
+#[test]
+fn p76_a_lost_screen_stops_as_the_emergency_stop_does_and_must_come_back_before_reset() {
+    let mut rig = ready_with(PROGRAM);
+    let alive = |rig: &mut HeadlessHost, ms: usize| {
+        for tick in 0..ms {
+            if tick % 100 == 0 {
+                rig.send(Command::KeepAlive);
+            }
+            rig.step();
+        }
+    };
+    run_to(&mut rig, 2);
+    alive(&mut rig, 3_000);
+    tell(&mut rig, "expect state running\nexpect no alarm\nexpect output wheel on");
+    // The last keep-alive was 100 ms ago: 1.9 s later P76 is over.
+    tell(&mut rig, "wait 1.89 s\nexpect no alarm\nwait 20 ms\nexpect alarm 400\nexpect output wheel off");
+    tell(&mut rig, "expect output hydraulic on\nexpect output tailstock on\nwait 0.4 s");
+    assert!(rig.controller().is_at_rest());
+    assert_safe(&rig);
+    tell(&mut rig, "key reset\nwait 0.1 s\nexpect alarm 400\nkey cycle-start\nwait 0.1 s\nexpect output wheel off");
+    assert!(rig.controller().is_at_rest());
+    alive(&mut rig, 100);
+    tell(&mut rig, "expect alarm 400\nkey reset");
+    alive(&mut rig, 300);
+    tell(&mut rig, "expect no alarm\nexpect state idle");
 }

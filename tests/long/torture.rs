@@ -54,6 +54,11 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
             Kind::Gc,
             "key hydraulic\nwait 4 s\nkey wheel-start\nwait 1 s\nfault pressure-loss\nwait 3 s",
         ),
+        Bug::BlindToScreen => (
+            "wheel is on without a screen",
+            Kind::Gc,
+            "key hydraulic\nwait 4 s\nkey wheel-start\nwait 1 s\nscreen hangs 5 s\nwait 4 s",
+        ),
         Bug::BlindToGuard => (
             "the wheel starts with the guard open",
             Kind::Gc,

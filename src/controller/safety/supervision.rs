@@ -67,13 +67,15 @@ impl Plant {
 
     /// Keep-alive of the screen.
     pub fn supervise_screen(&mut self) {
-        let silence = Micros::from_millis_f64(self.params.get(param::HMI_KEEP_ALIVE));
-        if let Some(heard) = self.operator.screen_alive_at
-            && self.now.since(heard) > silence
-        {
+        if self.is_screen_silent() {
             self.raise(alarm::HMI_LOST, None);
-            self.operator.screen_alive_at = None;
         }
+    }
+
+    /// The screen was there and has not been heard for the time P76.
+    fn is_screen_silent(&self) -> bool {
+        let longest = Micros::from_millis_f64(self.params.get(param::HMI_KEEP_ALIVE));
+        self.operator.screen_alive_at.is_some_and(|heard| self.now.since(heard) > longest)
     }
 
     /// RESET: clears the alarms whose cause is gone and resets what tripped; the drives go on if nothing forbids it.
@@ -88,6 +90,7 @@ impl Plant {
         let bus = self.inputs.image.bus_alive;
         let silent = self.inputs.image.station_silent;
         let limits = self.inputs.limit_switches;
+        let screen = self.is_screen_silent();
         let supply = self.inputs.filtered.has(Input::PowerFail);
         let drives = self.has_drive_fault();
         self.alarms.reset(|number| match number {
@@ -96,6 +99,7 @@ impl Plant {
             alarm::BUS_LOST => !bus,
             alarm::STATION_SILENT => silent,
             alarm::DRIVE_FAULT => drives,
+            alarm::HMI_LOST => screen,
             alarm::HARD_LIMIT => limits != 0,
             _ => false,
         });

@@ -4,6 +4,7 @@
 mod course;
 mod motion;
 mod outputs;
+mod screen;
 
 use super::machine::WatchedMachine;
 use crate::controller::{Controller, WORK_PER_TICK};
@@ -16,6 +17,7 @@ use crate::units::Micros;
 use course::CourseRules;
 use motion::MotionRules;
 use outputs::OutputRules;
+use screen::ScreenRules;
 
 /// Most requests of the control that wait for storage: every variable twice.
 const MAX_WAITING_REQUESTS: usize = 2_000;
@@ -30,6 +32,8 @@ pub struct Moment<'a> {
     pub now: Micros,
     /// What the operator has asked for in this tick.
     pub commands: &'a [Command],
+    /// The screen has sent its keep-alive in this tick.
+    pub screen_heard: bool,
     /// The machine with its images.
     pub machine: &'a WatchedMachine,
     /// The control.
@@ -67,6 +71,7 @@ pub struct Invariants {
     outputs: OutputRules,
     motion: MotionRules,
     course: CourseRules,
+    screen: ScreenRules,
     /// State of the last tick.
     state: RunState,
     /// The last command that may start a run, and when.
@@ -106,6 +111,7 @@ impl Invariants {
         self.outputs.check(moment)?;
         self.motion.check(moment)?;
         self.course.check(moment)?;
+        self.screen.check(moment)?;
         if !moment.powered {
             self.state = RunState::Idle;
             self.asked_to_start = None;

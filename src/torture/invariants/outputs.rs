@@ -10,7 +10,7 @@ use crate::link::snapshot::RunState;
 use crate::units::Micros;
 
 /// Off in the tick of the emergency stop.
-const OFF_IN_AN_EMERGENCY: [Output; 14] = [
+pub(super) const OFF_IN_AN_EMERGENCY: [Output; 14] = [
     Output::Wheel,
     Output::SecondSpindle,
     Output::SecondSpindleCcw,
@@ -58,6 +58,10 @@ pub struct OutputRules {
     /// An emergency stop that RESET has not ended.
     waits_for_reset: bool,
     hydraulic_since: Option<Micros>,
+    /// Power-on, or the last start of the pump: P270 later the pressure is supervised.
+    pump_asked: Option<Micros>,
+    /// P17.0 and P270 ask for supervision.
+    supervised_since: Option<Micros>,
     magnet_since: Option<Micros>,
     /// The valve of the tailstock has changed since power-on.
     tailstock_moved: bool,
@@ -108,6 +112,9 @@ impl OutputRules {
                 *seen = Some(moment.now);
             }
         }
+        let params = moment.controller.params();
+        let supervised = !params.bit(param::NO_HYDRAULIC_CHECK) && params.millis(param::HYDRAULIC_DELAY) > Micros::ZERO;
+        self.supervised_since = supervised.then(|| self.supervised_since.unwrap_or(moment.now));
         let end = if self.before.has(Output::Tailstock) { Input::TailstockAdvanced } else { Input::TailstockRetracted };
         if moment.machine.is_active(end) {
             self.end_switch_seen = Some(moment.now);
@@ -120,6 +127,9 @@ impl OutputRules {
             [(Output::Hydraulic, &mut self.hydraulic_since), (Output::Magnetise, &mut self.magnet_since)]
         {
             *since = if on.has(output) { since.or(Some(moment.now)) } else { None };
+        }
+        if self.pump_asked.is_none() || on.has(Output::Hydraulic) && !before.has(Output::Hydraulic) {
+            self.pump_asked = Some(moment.now);
         }
         if before.has(Output::Tailstock) != on.has(Output::Tailstock) {
             (self.tailstock_moved, self.end_switch_seen) = (true, None);
@@ -186,8 +196,10 @@ impl OutputRules {
             || !on.has(Output::Magnetise) && changes(Output::Magnetise);
         hold("the part is released while the wheel runs", !(runs && releases))?;
         let params = moment.controller.params();
-        let supervised = !params.bit(param::NO_HYDRAULIC_CHECK) && params.millis(param::HYDRAULIC_DELAY) > Micros::ZERO;
         let latest = params.millis(param::INPUT_FILTER) + REACTION;
+        let for_longer = |since: Option<Micros>, time| since.is_some_and(|since| moment.now.since(since) > time);
+        let supervised = for_longer(self.supervised_since, latest)
+            && for_longer(self.pump_asked, latest + params.millis(param::HYDRAULIC_DELAY));
         let lost =
             moment.machine.read.bus_alive && self.pressure_seen.is_none_or(|seen| moment.now.since(seen) > latest);
         hold("the wheel runs on without pressure", !(supervised && lost && on.has(Output::Wheel)))
