@@ -120,7 +120,7 @@ fn b5_an_end_while_an_axis_oscillates_brakes_it() {
 
 /// A screen that hangs: after P76 all is as in an emergency stop, and it must be heard again before RESET clears the alarm.
 #[test]
-fn p76_a_lost_screen_stops_as_the_emergency_stop_does_and_must_come_back_before_reset() {
+fn k3_a_lost_screen_stops_as_the_emergency_stop_does_and_must_come_back_before_reset() {
     let mut rig = ready_with(PROGRAM);
     let alive = |rig: &mut HeadlessHost, ms: usize| {
         for tick in 0..ms {

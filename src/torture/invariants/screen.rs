@@ -1,4 +1,4 @@
-//! What a lost screen leaves: as after an emergency stop. Source: spec "what stops what"; P76.
+//! What a lost screen leaves: as after an emergency stop. Source: spec K3 ("what stops what").
 
 use super::outputs::OFF_IN_AN_EMERGENCY;
 use super::{BRAKING, Moment, REACTION, hold, hold_output};
