@@ -171,10 +171,7 @@ impl LineParser {
             "unlock" => self.unlock()?,
             "accept" => self.one_of("`data`", |word| (word == "data").then_some(Statement::AcceptData))?,
             "disk" => Statement::Disk(self.disk()?),
-            "screen" => {
-                self.one_of("`hangs`", |word| (word == "hangs").then_some(()))?;
-                Statement::ScreenHangs(self.duration()?)
-            }
+            "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
             "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
@@ -223,6 +220,12 @@ impl LineParser {
             let sets = TransferSet::ALL.into_iter().filter(|set| *set != TransferSet::Serial);
             sets.into_iter().find(|set| set.id().strip_prefix("set-") == Some(word))
         })
+    }
+
+    /// `screen hangs 4 s`: for how long, seconds.
+    fn screen_hangs(&mut self) -> Result<f64, StoryError> {
+        self.one_of("`hangs`", |word| (word == "hangs").then_some(()))?;
+        self.duration()
     }
 
     fn disk(&mut self) -> Result<DiskCondition, StoryError> {
