@@ -480,7 +480,7 @@ fn b2_the_table_of_codes_is_what_a_check_says() {
         let out = kt830(&["check", "--kind", kind, "--lang", "en", file.to_str().unwrap()]);
         let told = String::from_utf8(out.stdout).unwrap();
         for (line, row) in (1..).zip(g) {
-            let unknown = ["unknown code", "is not available", "does not exist on this machine"];
+            let unknown = ["unknown code", "needs a spindle encoder", "does not exist on this machine"];
             let says = |words: &&str| told.lines().any(|of| of.contains(&format!(".NC:{line}:")) && of.contains(words));
             assert_eq!(row["state"] == "refused", unknown.iter().any(says), "{kind} {row}\n{told}");
         }
