@@ -39,5 +39,5 @@ fn begins_as_page_text(bytes: &[u8]) -> bool {
         }
         _ => false,
     };
-    !is_block && (first.ends_with(b";") || first.ends_with("；".as_bytes()))
+    !is_block && (first.ends_with(b";") || first.ends_with("；".as_bytes()) || first.ends_with(b"\xA3\xBB"))
 }

@@ -17,7 +17,7 @@ use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::interlock::RuleOutcome;
 use crate::machine::{ControlState, Machine};
-use crate::nc::{AxisSet, Block, BlockLocation, Op, OpEffect, OscillationChange, SpeedMode};
+use crate::nc::{AxisSet, Block, BlockLocation, Feed, Op, OpEffect, OscillationChange, SpeedMode};
 use crate::units::{Axis, Micros};
 
 /// Longer than the response time of any unit.
@@ -61,6 +61,7 @@ pub struct InterlockCheck<'a> {
     oscillating: Option<Axis>,
     refusals: Vec<PredictedRefusal>,
     warnings: Vec<PredictedRefusal>,
+    told_of_turns: bool,
 }
 
 impl<'a> InterlockCheck<'a> {
@@ -80,6 +81,7 @@ impl<'a> InterlockCheck<'a> {
             oscillating: None,
             refusals: Vec::new(),
             warnings: Vec::new(),
+            told_of_turns: false,
         };
         check.settle();
         check
@@ -91,9 +93,12 @@ impl<'a> InterlockCheck<'a> {
             if let Some(text) = self.check_op(op) {
                 add(&mut self.refusals, block.location, text);
             }
-            if let OpEffect::Speed(..) = op.effect()
-                && let Some(text) = self.speed_warning()
-            {
+            let warning = match op.effect() {
+                OpEffect::Speed(..) => self.speed_warning(),
+                OpEffect::Motion(_) => self.feed_warning(op),
+                _ => None,
+            };
+            if let Some(text) = warning {
                 add(&mut self.warnings, block.location, text);
             }
         }
@@ -103,6 +108,21 @@ impl<'a> InterlockCheck<'a> {
     #[must_use]
     pub fn into_findings(self) -> [Vec<PredictedRefusal>; 2] {
         [self.refusals, self.warnings]
+    }
+
+    /// A feed per revolution counts the turns of the workpiece, which the program has not started: said once. The operator
+    /// may have started it by its key.
+    fn feed_warning(&mut self, op: &Op) -> Option<LocalizedText> {
+        let per_turn = matches!(op, Op::Feed { feed: Feed::PerRev(_), .. } | Op::Arc { feed: Feed::PerRev(_), .. });
+        if !per_turn || self.machine.drive_is_on() || std::mem::replace(&mut self.told_of_turns, true) {
+            return None;
+        }
+        self.kind.dialect().is_kt830().then(|| {
+            phrase!(
+                "每转进给 (G99) 需要工件转动：先用 M63 启动",
+                "the feed per revolution (G99) counts turns of the workpiece: start it with M63 before"
+            )
+        })
     }
 
     /// S above what the wheel can or may turn at. Above its rating the wheel is not started; one that turns is held there.

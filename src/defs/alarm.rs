@@ -221,7 +221,7 @@ alarms! {
         "螺纹加工时主轴没有转动", "threading was started with the spindle stopped",
         "先用 M03 或 M04 启动主轴", "start it with M03 or M04 first";
     RETAINED_DATA_DAMAGED = 300, BlockStart, SelfClearing, "保存数据损坏或丢失", "retained data damaged or gone",
-        "保存数据不能读出或被删除，已用最近的完好数据，没有时用出厂值", "the stored data could not be read, or were removed: the newest whole state is used, else factory values",
+        "保存数据不能读出或被删除，已用最近的完好数据或所选的数据，没有时用出厂值", "stored data unreadable or gone: the newest whole state or the chosen one is used, else factory values",
         "核对各值或恢复备份，再在报警页用机床厂密码接受，或在那里选以前的数据", "check values, restore a backup, or take earlier data: ACCEPT DATA (builder)";
     STORE_FAILED = 301, BlockStart, Reset, "数据保存失败", "data could not be stored",
         "磁盘满或损坏", "the disk is full or damaged",

@@ -72,7 +72,7 @@ program_errors! {
     UnbalancedBracket = 6, "unbalanced-bracket", "方括号不匹配", "square brackets do not match",
         "每个 [ 都要有对应的 ]", "every [ needs a ]";
     UnbalancedComment = 7, "unbalanced-comment", "注释括号不匹配", "comment brackets do not match",
-        "在同一行内用 ( 和 ) 括起注释", "open with ( and close with ) on the same line";
+        "在同一行内用 ( 和 ) 括起注释，注释内不能再有括号", "open with ( and close with ) on the same line; the first ) ends the comment: no brackets in it";
     UnknownG = 8, "unknown-g", "没有 {} 指令", "unknown code {}",
         "请查阅 G 代码表", "see the table of G codes";
     NoEncoderG = 9, "g-without-encoder", "{} ({2}) 需要主轴编码器，本机没有", "{} ({2}) needs a spindle encoder, which this machine has not",
@@ -333,9 +333,9 @@ program_errors! {
     PresetByG50 = 528, "preset-by-g50", "外圆磨的 G92 是螺纹循环", "G92 is a thread cycle on GC",
         "设定坐标、限制转速用 G50", "set coordinates and limit the speed with G50";
     ToolWithoutOffset = 529, "tool-without-offset", "T{} 是刀具 0、刀补 {2}", "T{} is tool 0 with offset {2}",
-        "前两位为刀具，后两位为刀补：写 T0101", "two digits for the tool, two for its offset: write T0101";
+        "前两位为刀具，后两位为刀补：写 T{2}{2}", "two digits for the tool, two for its offset: write T{2}{2}";
     ForeignWord = 530, "foreign-word", "本控制没有 {}", "this control has no {}",
-        "SINUMERIK 的这个语句本机不用：改写该段", "it does not use this SINUMERIK statement: write the block without it";
+        "SINUMERIK 的这个语句本机不用：改写该段；子程序用编号调用，例如 L10", "it does not use this SINUMERIK statement: write the block without it; a subprogram is called by its number, as in L10";
     NoUserVariable = 531, "no-user-variable", "没有变量 {}", "there is no variable {}",
         "本控制用 R0–R299", "this control has R0 to R299";
     NoCallByName = 532, "no-call-by-name", "没有调用 {}(…)", "there is no call {}(…)",
@@ -361,9 +361,13 @@ program_errors! {
     EmptyWord = 542, "empty-word", "{} 的 {2} 是空变量", "{2} of {} is an empty variable",
         "先给变量赋值", "assign the variable first";
     CommaMissing = 544, "comma-missing", "G01 段中没有 {}", "{} does not exist in a block with G01",
-        "倒角、圆角、角度带逗号：写 {2}", "chamfer, rounding and angle have a comma: write {2}";
+        "倒角、圆角、角度带逗号：写 {2}；本机没有 A、C 轴", "chamfer, rounding and angle have a comma: write {2}; there is no axis A or C";
     TurningCycleWord = 545, "turning-cycle-word", "车削循环 {} 缺少 {2}", "the turning cycle {} needs {2}",
         "加上该地址；要绝对坐标或每分进给，不用写 {}（G98 为每分进给）", "add the word; for absolute coordinates or a feed per minute leave {} out (G98 is feed per minute)";
+    PlaneUnnamed = 546, "plane-unnamed", "圆弧有 {}，但没有写明平面 (现为 G18，ZX)", "an arc with {} while no plane is named (G18, ZX, is in force)",
+        "在前面写 G17 (XY)、G18 (ZX) 或 G19 (YZ)", "write G17 (XY), G18 (ZX) or G19 (YZ) before it";
+    LengthByT = 547, "length-by-t", "没有刀长补偿 {}", "there is no tool length compensation {}",
+        "刀补用 T 调用，例如 T0101：删去 {} 和 H", "the offset comes with T, as in T0101: delete {} and H";
     /// Allowed, but the feed is very slow.
     FeedUnitUnnamed = 543, "feed-unit-unnamed", "没有写明 {} 的单位：按 mm/min 走", "the unit of {} is not named: it is taken as mm/min",
         "写明 {2}", "write {2}";

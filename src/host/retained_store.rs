@@ -40,8 +40,9 @@ const LOSS: &str = "data-loss";
 /// What takes the place of lost data at the next start: the number of a kept state, or [`FACTORY`].
 const CHOICE: &str = "data-choice";
 const FACTORY: &str = "factory";
-/// In the row of a loss: a person has chosen what took the place.
+/// In the row of a loss: a person has chosen what took the place, or what was chosen could not be used.
 const CHOSEN: &str = "chosen";
+const MISSED: &str = "missed";
 const NOTHING_LOST: Text = Text::new("数据已接受，不能再更换", "the data are accepted: they are not replaced any more");
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
@@ -112,17 +113,16 @@ impl RetainedStore {
         let choice = loaded.texts.get(CHOICE).filter(|_| loaded.texts.contains_key(LOSS));
         let chosen = choice.and_then(|choice| chosen_state(folder, choice, &loaded));
         let replaced = chosen.map_or(Ok(()), |chosen| {
-            opened.database.commit(&loaded.changes_to(&chosen))?;
+            let done = opened.database.commit(&loaded.changes_to(&chosen)).map(drop);
+            // A commit that reports an error may have succeeded: what is in force is what the disk has.
             loaded = opened.database.load()?;
-            Ok(())
+            done
         });
         // A database that was put back is older than states that are kept.
         let older = generations::highest(folder).filter(|highest| *highest > loaded.generation);
         let raised = older.map_or(Ok(()), |highest| opened.database.raise_generation(highest));
         let unbound = stored_kind.is_none().then(|| text(KIND, Some(kind.id().to_owned())));
-        // A choice that cannot be carried out now must not come later, over values that were set since.
-        let missed = loaded.texts.contains_key(CHOICE).then(|| text(CHOICE, None));
-        let unsaved: Vec<RetainedChange> = unbound.into_iter().chain(missed).collect();
+        let unsaved = unbound.into_iter().chain(disarm(&mut loaded)).collect();
         let (mut retained, dropped) = retained_from_data(kind, &loaded);
         let (dropped, refused): (Vec<_>, Vec<_>) = dropped.into_iter().unzip();
         let refused = refused.into_iter().flatten().collect();
@@ -183,8 +183,10 @@ impl RetainedStore {
     /// Answers a request of a page.
     pub fn answer(&mut self, request: &SettingsRequest) -> Command {
         let changes = match request {
-            SettingsRequest::AcceptData(DataChoice::Kept(_) | DataChoice::Factory) if !self.is_lost() => {
-                return answered(StorageAnswer::Failed(NOTHING_LOST.into()));
+            SettingsRequest::AcceptData(DataChoice::Kept(_) | DataChoice::Factory)
+                if let Some(why) = self.choice_refusal() =>
+            {
+                return answered(StorageAnswer::Failed(why));
             }
             SettingsRequest::AcceptData(DataChoice::Present) => {
                 self.refused.iter().cloned().chain([text(LOSS, None), text(CHOICE, None)]).collect()
@@ -207,6 +209,8 @@ impl RetainedStore {
             Ok(()) => {
                 if *request == SettingsRequest::AcceptData(DataChoice::Present) {
                     self.refused.clear();
+                    // What a person has checked survives a loss from now on; a full disk has its alarm with the next commit.
+                    drop(self.keep_generation());
                 }
                 self.passwords.answer(request, Some(&mut self.database))
             }
@@ -214,9 +218,13 @@ impl RetainedStore {
         }
     }
 
-    /// Whether nobody has accepted what took the place of lost data.
-    fn is_lost(&mut self) -> bool {
-        self.database.load().is_ok_and(|data| data.texts.contains_key(LOSS))
+    /// Why no other data can be chosen; none while nobody has accepted what took the place of lost data.
+    fn choice_refusal(&mut self) -> Option<LocalizedText> {
+        match self.database.load() {
+            Ok(data) if data.texts.contains_key(LOSS) => None,
+            Ok(_) => Some(NOTHING_LOST.into()),
+            Err(error) => Some(LocalizedText::same(&error)),
+        }
     }
 
     /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
@@ -225,7 +233,10 @@ impl RetainedStore {
     /// # Errors
     /// The disk reports an error.
     pub fn commit(&mut self, requests: &[StorageRequest]) -> Result<u64, RetainedError> {
-        self.unsaved.extend(requests.iter().filter_map(to_change));
+        let Self { unsaved, refused, .. } = self;
+        unsaved.extend(requests.iter().filter_map(to_change));
+        // A value that was set since takes the place of the one that is no longer allowed.
+        refused.retain(|removed| !unsaved.iter().any(|change| is_same_row(change, removed)));
         let mut done = self.database.commit(&self.unsaved);
         if let Err(RetainedError::BadChange(..)) = done {
             // An invalid change is dropped and reported; the others are still written.
@@ -274,8 +285,9 @@ fn replacement(folder: &Path, damaged: Option<&DamageReport>) -> RetainedData {
     data.generation = data.generation.max(generations::highest(folder).unwrap_or_default());
     data.texts.extend(PasswordStore::copy_in(folder).0);
     let copy = damaged.and_then(|report| Some(report.kept_as.file_name()?.to_string_lossy().into_owned()));
-    data.texts.remove(CHOICE);
-    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of, is_chosen: false }.row());
+    // The place of a run is that of the state, not of the loss.
+    [CHOICE, RUNNING_AT].into_iter().for_each(|key| drop(data.texts.remove(key)));
+    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of, choice: LossChoice::None }.row());
     data
 }
 
@@ -286,11 +298,11 @@ fn chosen_state(folder: &Path, choice: &str, present: &RetainedData) -> Option<R
         FACTORY => (None, RetainedData::default()),
         number => {
             let (time, kept) = generations::find(folder, number.parse().ok()?)?;
-            (Some(time_text(time)), kept)
+            (time.map(state_time), kept)
         }
     };
     [CHOICE, RUNNING_AT].into_iter().for_each(|key| drop(chosen.texts.remove(key)));
-    let loss = DataLoss { state_of: time, is_chosen: true, ..DataLoss::from_row(present.texts.get(LOSS)?) };
+    let loss = DataLoss { state_of: time, choice: LossChoice::Made, ..DataLoss::from_row(present.texts.get(LOSS)?) };
     chosen.texts.insert(LOSS.to_owned(), loss.row());
     // The copy lacks a change that was made since the loss.
     chosen.texts.extend(PasswordStore::copy_in(folder).0);
@@ -299,17 +311,44 @@ fn chosen_state(folder: &Path, choice: &str, present: &RetainedData) -> Option<R
     Some(chosen)
 }
 
+/// A choice that could not be carried out must not come later, over values that were set since; the alarm says so.
+fn disarm(loaded: &mut RetainedData) -> Vec<RetainedChange> {
+    if loaded.texts.remove(CHOICE).is_none() {
+        return Vec::new();
+    }
+    let missed = |row: &mut String| {
+        *row = DataLoss { choice: LossChoice::Missed, ..DataLoss::from_row(row) }.row();
+        text(LOSS, Some(row.clone()))
+    };
+    loaded.texts.get_mut(LOSS).map(missed).into_iter().chain([text(CHOICE, None)]).collect()
+}
+
 /// The states of a kind of machine that may take the place of lost data, the newest first.
 fn kept_states(folder: &Path, kind: Kind) -> Vec<KeptState> {
     let is_of_kind = |data: &RetainedData| data.texts.get(KIND).is_none_or(|id| id == kind.id());
     let whole = generations::whole(folder).into_iter().filter(|(_, data)| is_of_kind(data));
-    // With seconds: a session may keep several within a minute.
-    let told = |time: SystemTime| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M:%S").to_string();
     let state = |(time, data): (Option<SystemTime>, RetainedData)| KeptState {
         number: data.generation.0,
-        time: time.map(told).unwrap_or_default(),
+        time: time.map(state_time).unwrap_or_default(),
     };
     whole.map(state).collect()
+}
+
+/// The time of a kept state. With seconds: a session may keep several within a minute.
+fn state_time(time: SystemTime) -> String {
+    DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M:%S").to_string()
+}
+
+/// Whether two changes are of the same row.
+fn is_same_row(one: &RetainedChange, other: &RetainedChange) -> bool {
+    use RetainedChange::{Number, Param, Text, Variable};
+    match (one, other) {
+        (Variable { number: one, .. }, Variable { number: other, .. }) => one == other,
+        (Param { key: one, .. }, Param { key: other, .. })
+        | (Number { key: one, .. }, Number { key: other, .. })
+        | (Text { key: one, .. }, Text { key: other, .. }) => one == other,
+        _ => false,
+    }
 }
 
 fn answered(answer: StorageAnswer) -> Command {
@@ -330,21 +369,43 @@ pub struct DataLoss {
     pub copy: Option<String>,
     /// Time of the state that took its place; none: factory values.
     pub state_of: Option<String>,
-    /// A person has chosen it.
-    pub is_chosen: bool,
+    /// What a person has chosen in its place.
+    pub choice: LossChoice,
+}
+
+/// Whether a person has chosen the data that took the place of lost ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossChoice {
+    /// Nobody has chosen.
+    None,
+    /// They are those that were chosen.
+    Made,
+    /// What was chosen could not be read or written.
+    Missed,
 }
 
 impl DataLoss {
     /// The text of the database row.
     fn row(&self) -> String {
         let word = |of: &Option<String>| of.clone().unwrap_or_default();
-        format!("{}|{}|{}", word(&self.copy), word(&self.state_of), if self.is_chosen { CHOSEN } else { "" })
+        let choice = match self.choice {
+            LossChoice::None => "",
+            LossChoice::Made => CHOSEN,
+            LossChoice::Missed => MISSED,
+        };
+        format!("{}|{}|{choice}", word(&self.copy), word(&self.state_of))
     }
 
     fn from_row(row: &str) -> Self {
         let mut words = row.split('|');
         let mut next = || words.next().map(str::to_owned).filter(|word| !word.is_empty());
-        Self { copy: next(), state_of: next(), is_chosen: next().is_some() }
+        let (copy, state_of, choice) = (next(), next(), next());
+        let choice = match choice.as_deref() {
+            Some(CHOSEN) => LossChoice::Made,
+            Some(MISSED) => LossChoice::Missed,
+            Some(_) | None => LossChoice::None,
+        };
+        Self { copy, state_of, choice }
     }
 
     /// What happened and what is used, for the alarm.
@@ -358,7 +419,11 @@ impl DataLoss {
             Some(time) => (format!("用 {time} 的数据"), format!("values of {time}")),
             None => ("用出厂值".to_owned(), "factory values".to_owned()),
         };
-        let (by_zh, by) = if self.is_chosen { ("已选", "chosen: ") } else { ("", "") };
+        let (by_zh, by) = match self.choice {
+            LossChoice::None => ("", ""),
+            LossChoice::Made => ("已选", "chosen: "),
+            LossChoice::Missed => ("所选数据不能用，", "the chosen data could not be used; "),
+        };
         LocalizedText::new(format!("{what_zh}，{by_zh}{used_zh}"), format!("{what}; {by}{used}"))
     }
 }

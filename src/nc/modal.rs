@@ -121,6 +121,8 @@ pub struct ModalState {
     pub motion: MotionMode,
     /// G17, G18, G19.
     pub plane: Plane,
+    /// The program has said which.
+    pub(crate) plane_named: bool,
     /// G91: incremental (GS, GA, SINUMERIK).
     pub incremental: bool,
     /// Feed per revolution (G99, SINUMERIK G95) instead of per minute.
@@ -183,6 +185,7 @@ impl ModalState {
         Self {
             motion: MotionMode::Rapid,
             plane: Plane::Zx,
+            plane_named: false,
             incremental: false,
             per_rev: false,
             feed_unit_named: false,

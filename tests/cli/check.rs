@@ -339,6 +339,19 @@ fn k3_what_the_machine_allows_is_no_error() {
     }
 }
 
+/// A feed per revolution without a turning workpiece is an alarm of the run, unless the operator has started it by key.
+#[test]
+fn b2_a_feed_per_revolution_before_the_workpiece_turns_is_a_warning() {
+    let warned = |text: &str| {
+        let told = json("gc", "O0500.NC", text);
+        assert_eq!(told["errors"], serde_json::json!([]), "{told}");
+        told["warnings"].as_array().unwrap().iter().map(|row| row["line"].as_u64().unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!(warned("G99 G01 U-1. F0.1\nU-1.\nM30"), [1]);
+    assert_eq!(warned("M63\nG99 G01 U-1. F0.1\nM65\nU-1.\nM30"), [4]);
+    assert_eq!(warned("G98 G01 U-1. F100\nG99\nM63\nG01 U-1. F0.1\nM30"), [0; 0]);
+}
+
 /// The wheel is held at its rating, 35 m/s of 600 mm: 1114 r/min, and at P64, 1260 r/min: the program says otherwise.
 #[test]
 fn k3_a_speed_that_the_wheel_does_not_reach_is_a_warning() {

@@ -10,7 +10,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::leadscrew::LeadscrewCompensation;
 use kt830::defs::param::ParamAddress;
 use kt830::defs::text::LocalizedText;
-use kt830::host::retained_store::{RetainedStore, StoreReport};
+use kt830::host::retained_store::{LossChoice, RetainedStore, StoreReport};
 use kt830::link::page_command::{DataChoice, KeptState, PasswordScope, Secret, SettingsRequest, StorageAnswer};
 use kt830::nc::OriginPlace;
 use kt830::store::{KIND_FILE, PASSWORD_FILE};
@@ -26,7 +26,7 @@ fn second_param(found: &StoreReport) -> f64 {
 
 /// The data are lost, and nobody has chosen others.
 fn is_as_lost(found: &StoreReport) -> bool {
-    found.loss.as_ref().is_some_and(|loss| !loss.is_chosen)
+    found.loss.as_ref().is_some_and(|loss| loss.choice == LossChoice::None)
 }
 
 fn change_password(store: &mut RetainedStore, old: &str, new: &str) {
@@ -66,6 +66,7 @@ fn two_lost_sessions() -> (TempDir, Vec<KeptState>) {
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
     let (_, found) = open(folder.path());
     assert!(found.loss.is_some() && value(&found, 860) == Some(99.0) && second_param(&found) > 41.0);
+    assert_eq!(found.retained.interrupted, None, "the place is that of the state");
     assert_ne!(found.retained.leadscrew_tables[Axis::X], LeadscrewCompensation::default());
     let states = found.retained.kept_states.to_vec();
     // The third one is the first start, before a value was set.
@@ -76,7 +77,7 @@ fn two_lost_sessions() -> (TempDir, Vec<KeptState>) {
 /// What the second session has set is gone again; the loss stands until the choice is accepted in its turn.
 fn assert_chosen(found: &StoreReport) {
     let loss = found.loss.as_ref().unwrap();
-    assert!(loss.is_chosen && loss.message().en().contains("chosen: "), "{loss:?}");
+    assert!(loss.choice == LossChoice::Made && loss.message().en().contains("chosen: "), "{loss:?}");
     let retained = &found.retained;
     assert_eq!((value(found, 950), retained.dress_points[Axis::X], retained.interrupted), (None, None, None));
     assert!(second_param(found) < 41.0);
@@ -111,12 +112,15 @@ fn b6_an_earlier_state_is_chosen_after_a_loss_and_is_accepted_after_the_next_sta
     }
     assert_password_and_kind(&folder, "4713");
     let (mut store, _) = open(folder.path());
+    let kept = || fs::read_dir(folder.path().join("generations")).unwrap().count();
+    let before = kept();
     choose(&mut store, DataChoice::Present);
+    assert_eq!(kept(), before + 1, "it is kept at once");
     drop(store);
     // It is the state from then on.
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
     let (_, found) = open(folder.path());
-    assert!(is_as_lost(&found) && value(&found, 950).is_none());
+    assert!(is_as_lost(&found) && has_values(&found) && value(&found, 950).is_none());
 }
 
 #[test]
@@ -148,7 +152,8 @@ fn b6_a_choice_that_cannot_be_carried_out_changes_nothing_then_or_later() {
     let whole = fs::read(&kept).unwrap();
     fs::write(&kept, &whole[..whole.len() / 2]).unwrap();
     let (mut store, found) = open(folder.path());
-    assert!(is_as_lost(&found), "the loss stands");
+    let told = found.loss.as_ref().map(|loss| (loss.choice, loss.message().en().contains("could not be used")));
+    assert_eq!(told, Some((LossChoice::Missed, true)), "the loss stands, and says so");
     assert_eq!((value(&found, 860), value(&found, 950)), (Some(99.0), Some(1.0)), "the newest state");
     assert_eq!(found.retained.kept_states.len(), 2, "the damaged one cannot be chosen any more");
     // Nor is it asked for in vain.

@@ -269,6 +269,17 @@ fn b6_values_that_are_dropped_stand_as_an_alarm_until_they_are_accepted() {
     play("wait 1 s\nexpect alarm 305\nexpect alarm \"P42 = 1000000000\"\nkey reset\nwait 1 s\nexpect alarm 305");
     play("key reset\nwait 1 s\nexpect alarm 305\nunlock builder 4711\naccept data\nwait 1 s\nexpect no alarm");
     play("wait 1 s\nexpect no alarm");
+    // The person sets what the alarm names, and accepts: the value stays.
+    let mut database = kt830::store::RetainedDatabase::open(folder.path()).unwrap().database;
+    let bad = kt830::store::RetainedChange::Param { key: "P42".into(), value: Some(1e9) };
+    database.commit(&[bad]).unwrap();
+    drop(database);
+    play(
+        "unlock builder 4711\nwait 0.5 s\nexpect alarm 305\nparam P42 50\nwait 0.5 s\naccept data\nwait 0.5 s\nexpect no alarm",
+    );
+    play("wait 1 s\nexpect no alarm");
+    let (_, found) = open(folder.path());
+    assert_eq!(found.retained.params.read(kt830::defs::param::ParamAddress::parse("P42").unwrap()).ok(), Some(50.0));
 }
 
 /// Whatever bit of the settings flips: the value is as before, or the control says that the file is not as it was written.

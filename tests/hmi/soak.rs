@@ -100,7 +100,9 @@ fn until(thread: &mut Thread, what: &str, done: impl Fn(&mut Thread) -> bool) {
 }
 
 fn produce(thread: &mut Thread, span: Micros, (programs, made): (&Path, &Production)) {
-    tell(thread, "load O1002\nkey hydraulic\nwait 4 s\nkey tailstock-advance\nwait 4 s");
+    // Not as a line of a story: a page that the screen asks for in the same tick may be refused, which that line would see.
+    thread.host().send(Command::LoadProgram(1_002));
+    tell(thread, "key hydraulic\nwait 4 s\nkey tailstock-advance\nwait 4 s");
     tell(thread, "home all\nmode auto");
     until(thread, "the part brings its values", |thread| thread.host().controller().variable(520).is_some());
     let text = || fs::read_to_string(programs.join("O2001.NC")).unwrap_or_default();

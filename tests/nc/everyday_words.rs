@@ -241,6 +241,18 @@ fn b2_words_of_more_programs_that_others_wrote() {
     assert_eq!(refused("G1 G98 G0 X5. F100\nM30\n"), "double-group");
     assert_eq!(refused("G99 F0.2\nG0 X40. Z0\nG74 R1.\nG74 X20. Z-7. P0 Q2000\nM30\n"), "out-of-range");
     assert_eq!(refused("M98 P#500\nM30\n"), "empty-word");
+    assert_eq!(refused("G43 H1\nM30\n"), "length-by-t");
+}
+
+/// A program for another machine counts on XY at power-on, where this one has ZX: an arc in Y would become a helix.
+#[test]
+fn b2_an_arc_with_y_needs_a_plane_that_the_program_names() {
+    let found = |text: &str| run(&format!("G98 F100\n{text}\nM30\n"), Dialect::Mill).map_err(|fault| fault.error.id());
+    for text in ["G2 X10. Y10. R10.", "G2 X20. I10. J0", "G2 X10. Y10. I10. J0"] {
+        assert_eq!(found(text).unwrap_err(), "plane-unnamed", "{text}");
+        assert!(found(&format!("G17\n{text}")).is_ok(), "{text}");
+    }
+    assert!(found("G2 X10. Z10. R10.").is_ok() && found("G18\nG2 X10. Z10. Y5. R10.").is_ok());
 }
 
 /// F0.2 without a unit would be 0.2 mm/min: a check asks which is meant, once.

@@ -80,9 +80,9 @@ fn question(choice: &DataChoice) -> Question {
         DataChoice::Present => Question::new(
             Text::new("接受现在的数据？", "accept the data as they are?"),
             LocalizedText::new(
-                "参数、刀补、修整点、坐标系可能是旧值或出厂值：已逐项核对，或从备份恢复了。",
-                "Parameters, offsets, dressing points and work offsets may be old or factory values: they have been \
-                 checked one by one, or restored from a backup.",
+                "参数、刀补、修整点、坐标系、螺距补偿和变量可能是旧值或出厂值：已逐项核对，或从备份恢复了。",
+                "Parameters, offsets, dressing points, work offsets, leadscrew tables and variables may be old or factory \
+                 values: they have been checked one by one, or restored from a backup.",
             ),
             ("accept-yes", Text::new("接受", "ACCEPT")),
         ),

@@ -81,6 +81,7 @@ impl BlockCodes {
                 modals.path_mode = if code.number == 64 { continuous } else { PathMode::ExactStop };
             }
             GCodeGroup::Plane => {
+                modals.plane_named = true;
                 modals.plane = match code.number {
                     17 => Plane::Xy,
                     19 => Plane::Yz,

@@ -110,6 +110,14 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
     let ends = ArcEnds { from, to, plane };
     let (first, second) = plane.axes();
     let outside = words.iter().find(|axis| *axis != first && *axis != second);
+    // A program for another machine counts on its plane at power-on: XY.
+    if running.settings.is_mill() && !running.modals.plane_named {
+        let centre = running.words.peek(b'J').map(|word| (word.at as usize, 'J'));
+        let end = outside.map(|outside| (first_offset(running, syntax), outside.letter()));
+        if let Some((at, letter)) = centre.or(end) {
+            return fail1(at, E::PlaneUnnamed, letter);
+        }
+    }
     // GS, GA: the third axis moves in proportion to the angle, a helix.
     if let Some(outside) = outside.filter(|_| !running.settings.is_mill()) {
         return fail1(first_offset(running, syntax), E::AxisOutsidePlane, outside.letter());

@@ -26,7 +26,12 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let value = integer(word, 0, 9_999)?;
     let (tool, offset) = (value / 100, value % 100);
     if tool == 0 && (1..=count).contains(&offset) {
-        return fail2(word.at as usize, E::ToolWithoutOffset, format_args!("{}", word.value), format_args!("{offset}"));
+        return fail2(
+            word.at as usize,
+            E::ToolWithoutOffset,
+            format_args!("{}", word.value),
+            format_args!("{offset:02}"),
+        );
     }
     if tool > count || offset > count || (tool == 0 && offset != 0) {
         let expected = format_args!("Txxyy xx 1–{count} yy 0–{count}");

@@ -77,7 +77,9 @@ pub(super) fn extra_work_offset(running: &mut BlockContext<'_, '_>, plan: &Block
 #[inline]
 pub(super) fn look_up(code: Code, mill: bool) -> ReadResult<&'static GCode> {
     let (at, name) = (code.at as usize, || code.name('G', 2));
-    let Some(row) = GCode::find(code.number) else { return fail1(at, E::UnknownG, name()) };
+    let Some(row) = GCode::find(code.number) else {
+        return fail1(at, if matches!(code.number, 43 | 44) { E::LengthByT } else { E::UnknownG }, name());
+    };
     match row.availability_on(mill) {
         Availability::Yes => Ok(row),
         Availability::NoEncoder => fail1(at, E::NoEncoderG, name()),

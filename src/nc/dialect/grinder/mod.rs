@@ -230,16 +230,19 @@ fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &BlockCodes, word: Word
     {
         return fail1(word.at as usize, E::AxisUnused, once.name('G', 2));
     }
+    let has_corners = running.modals.motion == MotionMode::Feed && plan.one_shot.is_none();
     let size = match word.letter {
+        // A rotary axis, not an angle or a chamfer.
+        b'A' | b'C' if !has_corners || running.settings.is_mill() || word.value <= 0.0 => {
+            return fail1(word.at as usize, E::NoAxis, char::from(word.letter));
+        }
+        b'B' => return fail1(word.at as usize, E::NoAxis, "B"),
         b'A' | b'C' | b'R' => Some((char::from(word.letter), word.value)),
         // Their sign says where the next line goes: the contour knows it.
         b'I' | b'K' => Some(('C', word.value.abs())),
         _ => None,
     };
-    if running.modals.motion == MotionMode::Feed
-        && plan.one_shot.is_none()
-        && let Some((letter, size)) = size
-    {
+    if let Some((letter, size)) = size.filter(|_| has_corners) {
         return fail2(
             word.at as usize,
             E::CommaMissing,

@@ -86,17 +86,21 @@ pub(super) fn translate(running: &mut BlockContext<'_, '_>) -> ReadResult<bool> 
     Ok(true)
 }
 
-/// How an axis goes to its end. `IC` and `AC` are for X and Z; a rotary axis has the others, `QU` an M code.
-const DISTANCES: [&str; 6] = ["IC", "AC", "DC", "ACP", "ACN", "QU"];
+/// How an axis goes to its end, for X and Z.
+const DISTANCES: [&str; 2] = ["IC", "AC"];
+/// The same of a rotary axis, and `M=QU(…)`.
+const FOREIGN_DISTANCES: [&str; 4] = ["DC", "ACP", "ACN", "QU"];
 
 /// Refuses `C=IC(…)`, `I=AC(…)`, `M=QU(…)`, of which the word at the cursor is the first.
 pub(super) fn refuse_distance<T>(cursor: &Cursor<'_>, at: usize, letter: u8) -> ReadResult<Option<T>> {
     let mut ahead = *cursor;
-    match DISTANCES.into_iter().find(|name| accept_keyword(&mut ahead, name)) {
+    let found = DISTANCES.into_iter().chain(FOREIGN_DISTANCES).find(|name| accept_keyword(&mut ahead, name));
+    match found {
         Some(_) if matches!(letter, b'A' | b'B' | b'C' | b'U' | b'V' | b'W' | b'Q') => {
             fail1(at, E::NoAxis, char::from(letter))
         }
-        Some(name) => fail1(cursor.at, E::DistanceForAxes, name),
+        Some(name) if DISTANCES.contains(&name) => fail1(cursor.at, E::DistanceForAxes, name),
+        Some(name) => fail1(cursor.at, E::ForeignWord, name),
         None => Ok(None),
     }
 }

@@ -113,6 +113,7 @@ fn skip_label(cursor: &mut Cursor<'_>) -> ReadResult<()> {
 fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords) -> ReadResult<BlockContent> {
     let at = cursor.at;
     if accept_keyword(cursor, "IF") {
+        refuse_logic(cursor)?;
         let holds = match bracketed_condition(cursor) {
             Some(end) => read_bracketed_condition(cursor, scope, end)?,
             None => read_condition(cursor, scope)?,
@@ -139,6 +140,22 @@ fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Block
     }
     while read_word(cursor, scope, words)? {}
     Ok(if words.is_empty() { BlockContent::Empty } else { BlockContent::Words })
+}
+
+/// Refuses AND, OR, XOR and NOT in the condition that follows.
+fn refuse_logic(cursor: &Cursor<'_>) -> ReadResult<()> {
+    let line = &cursor.text[cursor.at..];
+    let end = line.iter().position(|byte| matches!(byte, b'\r' | b'\n' | b';')).unwrap_or(line.len());
+    let mut at = 0;
+    while at < end {
+        let word = line[at..end].iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
+        let name = &line[at..at + word];
+        if [&b"AND"[..], b"OR", b"XOR", b"NOT"].iter().any(|logic| name.eq_ignore_ascii_case(logic)) {
+            return fail1(cursor.at + at, E::BadCondition, upper_text(name));
+        }
+        at += word.max(1);
+    }
+    Ok(())
 }
 
 /// `GOTOF` (true) or `GOTOB` (false); refuses other GOTO keywords.
@@ -355,7 +372,11 @@ fn read_value<S: Scope>(
             let name = &cursor.text[at..cursor.at];
             skip_blanks(cursor);
             if cursor.peek() == b'=' {
-                return fail1(at, E::NoAddressExtension, Capitals(name));
+                return match letter {
+                    b'M' | b'S' => fail1(at, E::NoAddressExtension, Capitals(name)),
+                    _ if fixed => fail1(at, E::DigitsOnly, char::from(letter)),
+                    _ => fail1(at, E::UnknownWord, Capitals(name)),
+                };
             }
             Ok(number)
         }
@@ -409,7 +430,9 @@ fn read_long_word<S: Scope>(
         let address = if upper_text(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
         return fail1(at, E::EqualsMissing, upper_text(address));
     }
-    fail1(at, E::ForeignWord, name)
+    // A word of this language in the wrong place.
+    let own = is_reserved(found) || found.get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GOTO"));
+    fail1(at, if own { E::UnknownWord } else { E::ForeignWord }, name)
 }
 
 /// Refuses `R5` without `=` in an arc block: in other dialects it is the radius.
