@@ -7,6 +7,7 @@ use super::expression::Locals;
 use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadResult, StepStop};
 use super::interpreter::{Interpreter, NextStatus, StepStatus};
+use super::modal::{CycleWords, MotionMode};
 use super::source::Source;
 use crate::defs::text::arg::Arg;
 use crate::units::WorkBudget;
@@ -83,6 +84,14 @@ impl Interpreter {
             return;
         }
         self.second_half = false;
+        // Later blocks count on its motion code. A missing feed is said once.
+        let written = self.block_words.g.iter().filter(|code| code.number <= 3);
+        if let Some(motion) = written.last().and_then(|code| MotionMode::from_g(code.number))
+            && error != E::FeedMissing
+        {
+            self.modals.motion = motion;
+            self.modals.cycle = CycleWords::default();
+        }
         // The F word of the faulty block is kept, so that later blocks do not report a missing feed.
         if self.modals.feed.is_none() {
             let word = self.block_words.list.iter().find(|word| word.letter == b'F');

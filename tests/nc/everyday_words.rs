@@ -244,6 +244,18 @@ fn b2_words_of_more_programs_that_others_wrote() {
     assert_eq!(refused("G43 H1\nM30\n"), "length-by-t");
 }
 
+/// The motion code and the feed of a refused block are those of the next ones: one mistake is one message.
+#[test]
+fn t4_a_refused_block_leaves_its_motion_code_and_feed_to_the_next_ones() {
+    let settings = NcSettings::for_dialect(Dialect::LatheA);
+    let library: kt830::nc::SharedLibrary = Arc::new(EmptyLibrary);
+    let text = "G98 F100\nG00 X20. Z10.\nG01 X15. C-90. F50\nX10. Z5. ,R1.\nX8.\nM30\n";
+    let source = Arc::new(Source::new(1_001, "O1001.NC", text.as_bytes(), Dialect::LatheA));
+    let faults = kt830::nc::check(&source, &library, &settings).faults;
+    let found: Vec<_> = faults.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
+    assert_eq!(found, [(3, "no-axis")]);
+}
+
 /// A program for another machine counts on XY at power-on, where this one has ZX: an arc in Y would become a helix.
 #[test]
 fn b2_an_arc_with_y_needs_a_plane_that_the_program_names() {
