@@ -85,8 +85,8 @@ impl Interpreter {
         }
         self.second_half = false;
         // Later blocks count on its motion code. A missing feed is said once.
-        let written = self.block_words.g.iter().filter(|code| code.number <= 3);
-        if let Some(motion) = written.last().and_then(|code| MotionMode::from_g(code.number))
+        let mut written = self.block_words.g.iter().filter(|code| code.number <= 3);
+        if let Some(motion) = written.next_back().and_then(|code| MotionMode::from_g(code.number))
             && error != E::FeedMissing
         {
             self.modals.motion = motion;
