@@ -5,8 +5,8 @@ use std::sync::Arc;
 use kt830::defs::kind::Dialect;
 use kt830::defs::text::Lang;
 use kt830::nc::{
-    Block, CommonVariables, EmptyLibrary, ExternalState, Interpreter, LiveValue, NcSettings, NextStatus,
-    OfflineMachine, ProgramFault, Source,
+    Block, CheckReport, CommonVariables, EmptyLibrary, ExternalState, Interpreter, LiveValue, NcSettings, NextStatus,
+    OfflineMachine, ProgramFault, SharedLibrary, Source, check,
 };
 use kt830::units::WorkPos;
 
@@ -17,6 +17,13 @@ fn run(text: &str, dialect: Dialect) -> Result<(Vec<String>, CommonVariables), P
     let settings = NcSettings::for_dialect(dialect);
     let (ops, variables) = run_in(&mut OfflineMachine::new(&settings), text, &settings)?;
     Ok((ops.iter().map(|(_, op)| op.to_string()).collect(), variables))
+}
+
+/// What a check says of a text.
+fn checked(text: &str, dialect: Dialect) -> CheckReport {
+    let source = Arc::new(Source::new(1_001, "O1001.NC", text.as_bytes(), dialect));
+    let library: SharedLibrary = Arc::new(EmptyLibrary);
+    check(&source, &library, &NcSettings::for_dialect(dialect))
 }
 
 fn value_of(expression: &str) -> Option<f64> {
@@ -247,11 +254,8 @@ fn b2_words_of_more_programs_that_others_wrote() {
 /// The motion code and the feed of a refused block are those of the next ones: one mistake is one message.
 #[test]
 fn t4_a_refused_block_leaves_its_motion_code_and_feed_to_the_next_ones() {
-    let settings = NcSettings::for_dialect(Dialect::LatheA);
-    let library: kt830::nc::SharedLibrary = Arc::new(EmptyLibrary);
     let text = "G98 F100\nG00 X20. Z10.\nG01 X15. C-90. F50\nX10. Z5. ,R1.\nX8.\nM30\n";
-    let source = Arc::new(Source::new(1_001, "O1001.NC", text.as_bytes(), Dialect::LatheA));
-    let faults = kt830::nc::check(&source, &library, &settings).faults;
+    let faults = checked(text, Dialect::LatheA).faults;
     let found: Vec<_> = faults.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
     assert_eq!(found, [(3, "no-axis")]);
 }
@@ -271,12 +275,8 @@ fn b2_an_arc_with_y_needs_a_plane_that_the_program_names() {
 #[test]
 fn t4_a_slow_feed_whose_unit_is_not_named_is_a_warning() {
     let warned = |text: &str, dialect| {
-        let settings = NcSettings::for_dialect(dialect);
-        let source = Arc::new(Source::new(1_001, "O1001.NC", text.as_bytes(), dialect));
-        let library: kt830::nc::SharedLibrary = Arc::new(EmptyLibrary);
-        let report = kt830::nc::check(&source, &library, &settings);
         let told = |fault: &ProgramFault| (fault.location.line, fault.cause(Lang::En), fault.remedy(Lang::En));
-        report.warnings.iter().map(told).collect::<Vec<_>>()
+        checked(text, dialect).warnings.iter().map(told).collect::<Vec<_>>()
     };
     let cause = "the unit of F0.2 is not named: it is taken as mm/min".to_owned();
     let text = "G01 X5. F0.2\nX6. F0.3\nM30\n";
