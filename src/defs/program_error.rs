@@ -207,10 +207,16 @@ program_errors! {
         "P 到 Q 之间至少要有两段移动", "write at least two moves between P and Q";
     ContourCode = 86, "contour-code", "轮廓段中只能用 G00–G03、F、S", "only G00 to G03, F and S are allowed in a contour",
         "把其他指令移到 P–Q 段以外", "move everything else outside P to Q";
-    ContourStart = 87, "contour-start", "轮廓首段必须从循环起点向工件进刀，轮廓不能高于起点", "the contour must begin with a move from the start into the stock, and must not rise above the start",
+    ContourStart = 87, "contour-start", "轮廓首段必须从循环起点向工件进刀", "the contour must begin with a move from the start into the stock",
         "首段只写进刀轴 (G71: X，G72: Z)；有凹槽时写两轴，如 G00 X40 W0", "write the infeed axis alone in its first block (G71 X, G72 Z), or both for pockets: G00 X40 W0";
-    ContourNotMonotone = 88, "contour-not-monotone", "轮廓沿行程方向折返，或首段只有一个轴而轮廓有凹槽", "the contour turns back along the strokes, or has pockets while its first block names one axis",
-        "有凹槽时首段写 X 和 Z，如 G00 X40 W0；折返的轮廓用 G73", "for pockets write X and Z in the first block: G00 X40 W0; use G73 for a contour that turns back";
+    ContourAboveStart = 548, "contour-above-start", "第 {} 行的轮廓加余量后高于循环起点", "the contour of line {} with its allowance lies above the start of the cycle",
+        "循环从毛坯外开始：改起点或这一行", "start the cycle outside the stock: correct the start, or this line";
+    ContourNotMonotone = 88, "contour-not-monotone", "第 {} 行的轮廓沿行程方向折返", "the contour of line {} turns back along the strokes",
+        "检查坐标符号；要折返的轮廓用 G73", "check the sign of its coordinates; G73 is for a contour that turns back";
+    ContourPocket = 549, "contour-pocket", "第 {} 行的轮廓有凹槽，但首段只有一个轴", "the contour of line {} goes into a pocket, but its first block names one axis",
+        "有凹槽时首段写 X 和 Z，如 G00 X40 W0", "for pockets write X and Z in the first block: G00 X40 W0";
+    ContourAllowance = 550, "contour-allowance", "精加工余量比轮廓还长", "the finishing allowance is longer than the contour",
+        "改小 U 或 W；毫米值带小数点", "write a smaller U or W; a value in mm has a decimal point";
     ContourStrokes = 89, "contour-strokes", "循环行程次数太多", "the cycle has too many strokes",
         "增大每次切深", "increase the depth of cut";
     RectangleSide = 70, "rectangle-side", "矩形循环 {} 方向边长为零", "the side of the rectangle along {} is zero",
@@ -354,6 +360,14 @@ program_errors! {
         "零写数字 0", "write zero as the digit 0";
     ThenMissing = 539, "then-missing", "IF […] 后缺少 THEN", "THEN is missing after IF […]",
         "写 IF […] THEN #1=2，或 IF […] GOTO n", "write IF […] THEN #1=2, or IF […] GOTO n";
+    PrintFormat = 551, "print-format", "DPRNT 的变量没有格式", "a variable in DPRNT has no format",
+        "写 {}：a 位整数，b 位小数，如 #100[43]", "write {}: a digits before and b behind the point, as in #100[43]";
+    AssignmentSign = 552, "assignment-sign", "赋值不写 {}", "{} does not assign",
+        "变量赋值写 #1=2", "write an assignment as #1=2";
+    BlockOfDigits = 553, "block-of-digits", "程序段以数字 {} 开头", "the block begins with the digit {}",
+        "前面加地址字母：N 为段号，O (字母) 为程序号", "put a letter before it: N for a block number, the letter O for a program number";
+    ThenAlone = 554, "then-alone", "IF […] THEN 后面没有语句", "nothing follows IF […] THEN",
+        "同一行写一条语句；要跳过几行用 IF […] GOTO n", "write one statement on the same line; IF […] GOTO n skips several lines";
     CycleInForce = 540, "cycle-in-force", "循环 {} 有效时不能用 {2}", "{2} is not possible while cycle {} is in force",
         "先用 G00 或 G01 结束循环", "end the cycle with G00 or G01 first";
     FaceCycleG94 = 541, "face-cycle-g94", "外圆磨的 G94 是端面循环", "G94 is a facing cycle on GC",

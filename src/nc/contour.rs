@@ -10,6 +10,7 @@ use super::op::{Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use super::roughing::{PocketMemory, RoughingCycle};
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::text::arg::Arg;
 use crate::geometry::CutterPath;
 use crate::units::{Axis, PerAxis, WorkPos};
 
@@ -83,9 +84,10 @@ impl ContourMemory {
         {
             return Err(wrong(E::ContourStart));
         }
+        let Self { ops: contour, segments, path, .. } = self;
+        let line = |source: usize| contour.get(source).map_or(0, |(_, line)| *line);
         if let Some(cutter) = self.cutter {
-            let Self { ops, segments, path, .. } = self;
-            offset_segments(segments, cutter, path, |source| ops.get(source).map_or(0, |(_, line)| *line))?;
+            offset_segments(segments, cutter, path, line)?;
         }
         let segments = &self.segments;
         // The axis that approaches the contour first also retracts first.
@@ -99,7 +101,9 @@ impl ContourMemory {
                 let leads_out = self.cutter.is_some_and(|cutter| cutter.leads_out);
                 RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance, has_pockets }
                     .expand(segments, leads_out, &mut self.pockets, ops)
-                    .map_err(wrong)?;
+                    .map_err(|(error, of)| {
+                        (error, [of.map_or(Arg::None, |of| Arg::from(line(of.source))), Arg::None])
+                    })?;
             }
             CycleKind::Pattern { shift, passes, feed } => {
                 for pass in 0..passes {

@@ -54,7 +54,7 @@ fn read_value<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, line: &mut Strin
     let digit =
         |ahead: usize| cursor.peek_at(ahead).is_ascii_digit().then(|| usize::from(cursor.peek_at(ahead) - b'0'));
     let (Some(before), Some(behind), b'[', b']') = (digit(1), digit(2), cursor.peek(), cursor.peek_at(3)) else {
-        return fail1(at, E::BadStatement, FORMAT_SYNTAX);
+        return fail1(at, E::PrintFormat, FORMAT_SYNTAX);
     };
     if before + behind > MAX_PLACES || before + behind == 0 {
         return fail2(at, E::OutOfRange, FORMAT_SYNTAX, format_args!("1–{MAX_PLACES}"));

@@ -32,6 +32,9 @@ pub(super) struct PocketMemory {
     waiting: Vec<RoughingStroke>,
 }
 
+/// A mistake of a contour, and the segment that makes it; without one the contour as a whole does.
+pub(super) type RoughingMistake = (E, Option<ContourSegment>);
+
 /// A stroke: a stretch at a level where the contour is deeper.
 #[derive(Clone, Copy, Debug)]
 struct RoughingStroke {
@@ -63,11 +66,11 @@ impl RoughingCycle {
         leads_out: bool,
         memory: &mut PocketMemory,
         ops: &mut Vec<Op>,
-    ) -> Result<(), E> {
+    ) -> Result<(), RoughingMistake> {
         let (a, b) = (self.infeed, other_axis(self.infeed));
-        let [first, all @ ..] = segments else { return Err(E::ContourEmpty) };
+        let [first, all @ ..] = segments else { return Err((E::ContourEmpty, None)) };
         let rest = &all[..all.len() - usize::from(leads_out && all.len() > 1)];
-        let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
+        let (Some(last), at) = (rest.last(), first.to) else { return Err((E::ContourEmpty, None)) };
         let way = |from: f64, to: f64| if (to - from).abs() > MIN_LENGTH_MM { (to - from).signum() } else { 0.0 };
         let along = way(at[b], last.to[b]);
         // A contour with pockets may begin at the height of the start: its first other point tells the direction.
@@ -75,13 +78,16 @@ impl RoughingCycle {
         let mut ways = std::iter::once(at[a]).chain(others).map(|to| way(self.start[a], to));
         let down = ways.find(|way| way.abs() > 0.0).unwrap_or(0.0);
         if down == 0.0 || along == 0.0 || (at[b] - self.start[b]) * along < -MIN_LENGTH_MM {
-            return Err(E::ContourStart);
+            return Err((E::ContourStart, None));
         }
-        // With its allowance the contour must still lie below the start, and within its own length.
-        let is_above = |to: f64| (to + self.allowance[a] - self.start[a]) * down < -MIN_LENGTH_MM;
-        let length = (last.to[b] - at[b]).abs();
-        if is_above(at[a]) || rest.iter().any(|segment| is_above(segment.from[a])) || self.allowance[b].abs() > length {
-            return Err(E::ContourStart);
+        // With its allowance the contour must still lie below the start, and within its own length. Its end may rise.
+        let is_above =
+            |segment: &&ContourSegment| (segment.to[a] + self.allowance[a] - self.start[a]) * down < -MIN_LENGTH_MM;
+        if let Some(above) = std::iter::once(first).chain(&rest[..rest.len() - 1]).find(is_above) {
+            return Err((E::ContourAboveStart, Some(*above)));
+        }
+        if self.allowance[b].abs() > (last.to[b] - at[b]).abs() {
+            return Err((E::ContourAllowance, None));
         }
         let directions = Directions { down, along, rapid_infeed: first.rapid };
         if self.has_pockets {
@@ -105,13 +111,14 @@ impl RoughingCycle {
         at: WorkPos,
         directions: Directions,
         ops: &mut Vec<Op>,
-    ) -> Result<(), E> {
+    ) -> Result<(), RoughingMistake> {
         let (a, b) = (self.infeed, other_axis(self.infeed));
         let Directions { down, along, .. } = directions;
         let mut allowed = PerAxis::default();
         (allowed[a], allowed[b]) = (-down, along);
-        if !rest.iter().all(|segment| segment.is_monotone(allowed)) {
-            return Err(E::ContourNotMonotone);
+        if let Some(wrong) = rest.iter().find(|segment| !segment.is_monotone(allowed)) {
+            let falls = wrong.goes_along(b, along);
+            return Err((if falls { E::ContourPocket } else { E::ContourNotMonotone }, Some(*wrong)));
         }
         let (bottom, mut position) = (at[a] + self.allowance[a], self.start);
         for number in 1..=MAX_STROKES {
@@ -125,7 +132,7 @@ impl RoughingCycle {
             let stroke = RoughingStroke { number, begin: self.start[b], end, is_open: true };
             self.push_stroke(ops, &mut position, stroke, directions);
         }
-        Err(E::ContourStrokes)
+        Err((E::ContourStrokes, None))
     }
 
     /// Type II: a pocket is emptied before the next one; a stroke lies within the one above it.
@@ -135,11 +142,11 @@ impl RoughingCycle {
         directions: Directions,
         memory: &mut PocketMemory,
         ops: &mut Vec<Op>,
-    ) -> Result<(), E> {
+    ) -> Result<(), RoughingMistake> {
         let (a, b) = (self.infeed, other_axis(self.infeed));
         let Directions { down, along, .. } = directions;
-        if !rest.iter().all(|segment| segment.goes_along(b, along)) {
-            return Err(E::ContourNotMonotone);
+        if let Some(back) = rest.iter().find(|segment| !segment.goes_along(b, along)) {
+            return Err((E::ContourNotMonotone, Some(*back)));
         }
         let PocketMemory { parts, waiting } = memory;
         parts.clear();
@@ -148,8 +155,8 @@ impl RoughingCycle {
         let deepest = parts.iter().flat_map(|part| [part.from[a], part.to[a]]);
         let bottom = deepest.fold(0.0_f64, |deepest, at| deepest.max((at - self.start[a]) * down));
         // The summit of an arc counts, too.
-        if parts.iter().any(|part| (part.from[a] - self.start[a]) * down < -MIN_LENGTH_MM) {
-            return Err(E::ContourStart);
+        if let Some(above) = parts.iter().find(|part| (part.from[a] - self.start[a]) * down < -MIN_LENGTH_MM) {
+            return Err((E::ContourAboveStart, Some(*above)));
         }
         waiting.clear();
         let end = parts.last().map_or(self.start[b], |part| part.to[b]);
@@ -166,7 +173,7 @@ impl RoughingCycle {
             }
             strokes += 1;
             if strokes > MAX_STROKES {
-                return Err(E::ContourStrokes);
+                return Err((E::ContourStrokes, None));
             }
             self.push_stroke(ops, &mut position, stroke, directions);
             self.push_below(stroke, parts, directions, waiting);

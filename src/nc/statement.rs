@@ -210,6 +210,7 @@ fn read_goto<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, at: usize) -> Con
 fn unexpected_in_block<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
     match cursor.peek() {
         b'[' => fail1(cursor.at, E::UnexpectedCharacter, "["),
+        digit @ b'0'..=b'9' => fail1(cursor.at, E::BlockOfDigits, char::from(digit)),
         _ => cursor.unexpected(),
     }
 }
@@ -278,6 +279,9 @@ fn read_if<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWo
         BlockContent::Words | BlockContent::Assign { .. } | BlockContent::Goto { .. } | BlockContent::Print { .. }
     );
     let only_comment = matches!(content, BlockContent::Empty) && at < cursor.at;
+    if matches!(content, BlockContent::Empty) && thens && !only_comment {
+        return fail(then, E::ThenAlone);
+    }
     if !(acts || only_comment) && (depth == 0 || holds) {
         return fail1(at, E::BadStatement, "IF […] THEN");
     }
@@ -288,7 +292,10 @@ fn read_assignment<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResu
     let at = cursor.at;
     let variable = variable_number(cursor, scope)?;
     cursor.skip_blanks()?;
-    if cursor.peek() != b'=' || cursor.peek_at(1) == b'=' {
+    if let Some(sign) = foreign_assignment(cursor) {
+        return fail1(cursor.at, E::AssignmentSign, sign);
+    }
+    if cursor.peek() != b'=' {
         return fail1(cursor.at, E::BadStatement, "#i = …");
     }
     cursor.at += 1;
@@ -301,6 +308,16 @@ fn read_assignment<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResu
     cursor.skip_blanks()?;
     let text = matches!(variable, 3000 | 3006).then(|| comment_text(cursor, start)).flatten();
     Ok(BlockContent::Assign { variable, value, at, text })
+}
+
+/// The sign of an assignment in other languages.
+#[inline]
+fn foreign_assignment(cursor: &Cursor<'_>) -> Option<&'static str> {
+    match (cursor.peek(), cursor.peek_at(1)) {
+        (b':', b'=') => Some(":="),
+        (b'=', b'=') => Some("=="),
+        _ => None,
+    }
 }
 
 fn comment_text(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {

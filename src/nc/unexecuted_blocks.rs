@@ -200,6 +200,9 @@ const fn depends_on_position(error: E) -> bool {
             | E::FullCircleByRadius
             | E::RectangleSide
             | E::ContourStart
+            | E::ContourAboveStart
+            | E::ContourPocket
+            | E::ContourAllowance
             | E::ContourNotMonotone
             | E::ContourEmpty
             | E::ContourStrokes

@@ -168,8 +168,8 @@ fn b3_a_printed_line_formats_its_values() {
     for (text, name) in [
         ("DPRNT", "bad-statement"),
         ("DPRNT[ABC", "unbalanced-bracket"),
-        ("DPRNT[#100]", "bad-statement"),
-        ("DPRNT[#100[5]]", "bad-statement"),
+        ("DPRNT[#100]", "print-format"),
+        ("DPRNT[#100[5]]", "print-format"),
         ("DPRNT[#100[55]]", "out-of-range"),
         ("DPRNT[#0100[00]]", "out-of-range"),
         ("DPRNT[\u{5c3a}]", "foreign-character"),

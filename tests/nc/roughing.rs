@@ -111,7 +111,7 @@ fn b2_an_arc_may_fall_and_rise() {
 #[test]
 fn b2_a_contour_that_its_allowance_puts_above_the_start_is_refused() {
     // 40 + 20 > 30; −22 + … the face allowance is longer than the contour.
-    for (allowance, name) in [("U40. W0.1", "contour-start"), ("U0.4 W50.", "contour-start")] {
+    for (allowance, name) in [("U40. W0.1", "contour-above-start"), ("U0.4 W50.", "contour-allowance")] {
         let text = format!(
             "G00 X30. Z2.\nG71 U5. R1.\nG71 P10 Q20 {allowance} F100\nN10 G00 X10.\nG01 Z-20. F50\nN20 X28.\nM30\n"
         );
@@ -132,16 +132,20 @@ fn b2_an_arc_with_a_rounded_end_is_no_turn() {
 
 #[test]
 fn b2_what_type_2_refuses() {
-    for (contour, name) in [
+    for (contour, name, line) in [
         // Back along Z.
-        ("N10 G00 X20. W0\nG01 Z-10. F50\nX10. Z-5.\nN20 Z-40.\n", "contour-not-monotone"),
+        ("N10 G00 X20. W0\nG01 Z-10. F50\nX10. Z-5.\nN20 Z-40.\n", "contour-not-monotone", 6),
         // Above the start.
-        ("N10 G00 X20. W0\nG01 Z-10. F50\nX35. Z-20.\nX20. Z-30.\nN20 Z-40.\n", "contour-start"),
+        ("N10 G00 X20. W0\nG01 Z-10. F50\nX35. Z-20.\nX20. Z-30.\nN20 Z-40.\n", "contour-above-start", 6),
         // Type I, with X alone in its first block, does not rise and fall.
-        ("N10 G00 X20.\nG01 Z-10. F50\nX10. Z-15.\nN20 Z-40.\n", "contour-not-monotone"),
+        ("N10 G00 X20.\nG01 Z-10. F50\nX10. Z-15.\nN20 Z-40.\n", "contour-pocket", 6),
+        ("N10 G00 X20.\nG01 Z-10. F50\nX25. Z-5.\nN20 Z-40.\n", "contour-not-monotone", 6),
     ] {
         let text = format!("G00 X30. Z2.\nG71 U5. R1.\nG71 P10 Q20 U0 W0 F100\n{contour}M30\n");
-        assert_eq!(moves_of_line(&text, 3).unwrap_err().error.id(), name, "{contour}");
+        let fault = moves_of_line(&text, 3).unwrap_err();
+        assert_eq!(fault.error.id(), name, "{contour}");
+        // The message names the block of the contour.
+        assert!(fault.to_string().contains(&format!("of line {line} ")), "{fault}");
     }
 }
 

@@ -61,7 +61,7 @@ const MISTAKES: &[(&str, &str)] = &[
     ("G01 X5 Q3 F10", "unknown-word"),
     ("WHILE[#1LT5]DO5", "do-number"),
     ("END2", "loop-mismatch"),
-    ("#1==5", "bad-statement"),
+    ("#1==5", "assignment-sign"),
     ("G70 P71 Q72", "missing-target"),
 ];
 

@@ -166,10 +166,10 @@ fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> R
         }
     } else {
         let (depth, stray, letter) = if code == 71 { (u, w, "U") } else { (w, u, "W") };
+        let Some(word) = depth else { return fail2(at, E::MissingWord, format_args!("G{code}"), letter) };
         if let Some(stray) = stray {
             return fail1(stray.at as usize, E::UnknownWord, char::from(stray.letter));
         }
-        let Some(word) = depth else { return fail2(at, E::MissingWord, format_args!("G{code}"), letter) };
         kept.depth = Some(positive_length(running, word)?);
         if let Some(word) = r {
             kept.escape = non_negative_length(running, word)?;
