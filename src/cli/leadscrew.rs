@@ -23,18 +23,22 @@ fn read_table(path: &Path, lang: Lang) -> Result<LeadscrewCompensation, CallErro
 /// Shows, imports or clears the table.
 ///
 /// # Errors
-/// The data cannot be opened or written, or the file is invalid; then nothing is changed.
+/// The data cannot be opened or written, are those of a real machine, or the file is invalid; then nothing is changed.
 pub fn screw(shared: &SharedArgs, call: &LeadscrewArgs) -> Result<u8, CallError> {
     let read = call.file.as_ref().map(|path| read_table(path, shared.lang)).transpose()?;
     let table = read.or_else(|| call.clear.then(LeadscrewCompensation::default));
     let data = setup::data_dir(shared)?;
-    let (mut store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     let shown = match table {
         Some(table) => {
+            setup::refuse_real_data(&data, "its table is imported on its parameter page, with the password")?;
+            let (mut store, _) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
             store.commit(&[StorageRequest::LeadscrewTable(call.axis, table.clone())]).map_err(CallError::new)?;
             table
         }
-        None => found.retained.leadscrew_tables[call.axis].clone(),
+        None => {
+            let found = RetainedStore::read_only(data.root(), shared.kind);
+            found.map_or_else(LeadscrewCompensation::default, |found| found.leadscrew_tables[call.axis].clone())
+        }
     };
     print_line(format!("# {} 位置,反向间隙,螺距误差 position,backlash,pitch error mm", call.axis));
     print_line(shown.to_text().trim_end());

@@ -196,14 +196,39 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
 }
 
 /// Name of the description of the machine in a data directory.
-#[cfg(feature = "hmi")]
 const MACHINE_FILE: &str = "machine.ron";
+/// Why a simulation is refused on the data of a real machine.
+const SIMULATION_WRITES: &str = "a simulation would count its parts and store its values in them";
+
+/// Refuses what would change the data of a real machine from outside its pages, where its passwords guard them.
+///
+/// # Errors
+/// A description of a machine is installed in the directory.
+pub fn refuse_real_data(data: &DataDir, what: &str) -> Result<(), CallError> {
+    let installed = data.root().join(MACHINE_FILE);
+    match installed.symlink_metadata() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Ok(_) | Err(_) => Err(CallError::new(format!(
+            "{}: the data of a real machine; {what}. Copy the folder without machine.ron and name the copy with --data",
+            installed.display()
+        ))),
+    }
+}
+
+/// The data directory of a simulation, if the call names one.
+fn simulation_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
+    let data = named_data(shared)?;
+    if let Some(data) = &data {
+        refuse_real_data(data, SIMULATION_WRITES)?;
+    }
+    Ok(data)
+}
 
 /// The file that describes the real machine: that of the call, otherwise the one in the data directory; none if the call
 /// names a simulated machine.
 ///
 /// # Errors
-/// The file or the data directory cannot be read.
+/// The file or the data directory cannot be read, or a simulated machine is asked for on the data of a real one.
 #[cfg(feature = "hmi")]
 pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
     if let Some(file) = &shared.machine {
@@ -211,7 +236,9 @@ pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
         if describes_real_machine(&text) {
             return Ok(Some(file.clone()));
         }
-        return simulated_machine(shared).map(|_| None);
+        simulated_machine(shared)?;
+        refuse_real_data(&data_dir(shared)?, SIMULATION_WRITES)?;
+        return Ok(None);
     }
     let installed = data_dir(shared)?.root().join(MACHINE_FILE);
     // A file that is there and cannot be read is an error, not a simulated machine.
@@ -283,7 +310,7 @@ pub fn simulated_for_display(shared: &SharedArgs, params: &Params) -> Result<Hos
 /// # Errors
 /// Data, folders or the machine cannot be opened.
 pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
-    let parts = host_parts(shared, named_data(shared)?)?;
+    let parts = host_parts(shared, simulation_data(shared)?)?;
     let storage = DirectStorage::new(RetainedWorker::new(parts.store), parts.jobs).map_err(CallError::new)?;
     let machine = simulated(shared, &parts.retained.params, Micros::ZERO)?;
     let mut host = Host::connect(shared.kind, parts.retained, machine, storage);
@@ -350,7 +377,7 @@ pub fn threaded_host<P: HostedMachine>(
     opens_control: bool,
     machine: impl FnOnce(&SharedArgs, &Params) -> Result<P, CallError>,
 ) -> Result<Host<P, ThreadedStorage>, CallError> {
-    let data = if opens_control { Some(data_dir(shared)?) } else { named_data(shared)? };
+    let data = if opens_control { Some(data_dir(shared)?) } else { simulation_data(shared)? };
     let parts = host_parts(shared, data)?;
     let worker = StorageWorker::new(parts.jobs);
     let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;

@@ -180,6 +180,14 @@ impl RetainedStore {
         Ok(())
     }
 
+    /// Whether the data are still where they were opened.
+    ///
+    /// # Errors
+    /// They were removed or replaced.
+    pub fn check_present(&self) -> Result<(), RetainedError> {
+        self.database.check_present()
+    }
+
     /// Answers a request of a page.
     pub fn answer(&mut self, request: &SettingsRequest) -> Command {
         let changes = match request {
@@ -262,9 +270,9 @@ fn kind_beside(folder: &Path) -> Option<Kind> {
     ron_file::read::<Kind>(&folder.join(KIND_FILE), ChecksumPolicy::Strict).ok().map(|found| found.value)
 }
 
-/// The data of a directory, or its newest whole generation.
+/// The data of a directory, or their newest whole copy.
 fn peek(folder: &Path) -> Option<RetainedData> {
-    RetainedDatabase::peek(folder).or_else(|| generations::newest_whole(folder).map(|(_, data)| data))
+    RetainedDatabase::peek(folder).or_else(|| RetainedDatabase::newest_copy(folder).map(|(_, data)| data))
 }
 
 impl Drop for RetainedStore {
@@ -274,13 +282,12 @@ impl Drop for RetainedStore {
     }
 }
 
-/// What takes the place of data that are damaged or gone: the newest whole generation, the newest passwords, and the record
+/// What takes the place of data that are damaged or gone: their newest whole copy, the newest passwords, and the record
 /// of what happened, until a person has accepted it.
 fn replacement(folder: &Path, damaged: Option<&DamageReport>) -> RetainedData {
     let (mut data, mut state_of) = (RetainedData::default(), None);
-    if let Some((path, whole)) = generations::newest_whole(folder) {
-        data = whole;
-        state_of = Some(time_text(path.metadata().ok().and_then(|metadata| metadata.modified().ok())));
+    if let Some((time, whole)) = RetainedDatabase::newest_copy(folder) {
+        (data, state_of) = (whole, Some(time_text(time)));
     }
     data.generation = data.generation.max(generations::highest(folder).unwrap_or_default());
     data.texts.extend(PasswordStore::copy_in(folder).0);

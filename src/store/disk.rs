@@ -6,7 +6,7 @@
 
 use std::cell::RefCell;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -110,6 +110,17 @@ pub(super) fn created(file: &Path) -> io::Result<()> {
 pub(super) fn write_new(file: &mut File, path: &Path, bytes: &[u8]) -> io::Result<()> {
     tell(DiskChange::Write { file: path, offset: 0, bytes })?;
     file.write_all(bytes)
+}
+
+/// Appends to a file of this length, and makes it durable.
+pub(super) fn append(file: &mut File, path: &Path, length: u64, bytes: &[u8]) -> io::Result<()> {
+    tell(DiskChange::Write { file: path, offset: length, bytes })?;
+    file.seek(SeekFrom::Start(length))?;
+    file.write_all(bytes)?;
+    match tell(DiskChange::FlushFile(path))? {
+        true => Ok(()),
+        false => file.sync_data(),
+    }
 }
 
 /// Makes what was written to a file durable.

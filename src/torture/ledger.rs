@@ -121,6 +121,18 @@ impl Ledger {
     /// # Errors
     /// A value that is lost, altered or ahead of its batch.
     pub fn check(&self, found: &PowerOnState) -> Result<(), String> {
+        self.check_rows(found, rows)
+    }
+
+    /// As [`Self::check`], of data that took the place of lost ones: nothing is missing but the place of a run.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn check_after_loss(&self, found: &PowerOnState) -> Result<(), String> {
+        self.check_rows(found, |state| rows(&PowerOnState { interrupted: None, ..state.clone() }))
+    }
+
+    fn check_rows(&self, found: &PowerOnState, rows: fn(&PowerOnState) -> Rows) -> Result<(), String> {
         let found = rows(found);
         let mut state = self.acknowledged.clone();
         let difference = first_difference(&rows(&state), &found);

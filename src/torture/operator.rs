@@ -369,8 +369,9 @@ impl RandomOperator {
     }
 
     fn power_cut(&mut self) {
-        if self.below(12) == 0 {
-            let bits = 1 + self.below(4);
+        if self.below(6) == 0 {
+            // A bad bit, or a bad sector.
+            let bits = if self.below(2) == 0 { 1 + self.below(4) } else { 1_000 };
             self.say(format!("disk flips {bits}"));
         }
         // Often just when something is being stored.

@@ -65,6 +65,8 @@ pub enum PlantedBug {
     DiskIgnoresFolderFlushes,
     /// Damaged data are replaced by factory values without a word.
     DamageIsSilent,
+    /// The copy of the data beside the database does not follow the commits.
+    CopyLagsBehind,
     /// RESET does not stop the headstock.
     HeadstockOutlivesReset,
     /// The end of a program does not switch the coolant off.
@@ -85,7 +87,7 @@ pub enum PlantedBug {
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 39] = [
+    pub const ALL: [Self; 40] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -117,6 +119,7 @@ impl PlantedBug {
         Self::DiskIgnoresFileFlushes,
         Self::DiskIgnoresFolderFlushes,
         Self::DamageIsSilent,
+        Self::CopyLagsBehind,
         Self::HeadstockOutlivesReset,
         Self::CoolantOutlivesTheProgram,
         Self::WheelOutlivesTheProgram,

@@ -44,8 +44,6 @@ const COMPARE_INTERVAL: Micros = Micros::from_millis(60_000);
 const SETTLING: Micros = Micros::from_millis(2_000);
 /// How often the screen sends its keep-alive.
 const KEEP_ALIVE_INTERVAL: Micros = Micros::from_millis(100);
-/// Size of the database page in which a damage begins, bytes.
-const PAGE_BYTES: u64 = 4_096;
 
 /// What was done to a control.
 #[derive(Clone, Copy, Debug, Default)]
@@ -291,8 +289,6 @@ impl TortureStage {
         for _ in 0..self.flips {
             let at = (self.chance.next_unit() * bytes.len() as f64) as usize;
             let bit = (self.chance.next_unit() * 8.0) as u32;
-            // The header is repaired from its copy; later pages are not.
-            let at = at.max(PAGE_BYTES as usize);
             if let Some(byte) = bytes.get_mut(at) {
                 *byte ^= 1 << bit;
             }
@@ -303,6 +299,9 @@ impl TortureStage {
 
     fn restart(&mut self) -> Result<(), String> {
         self.disk.borrow_mut().power_on(&mut self.chance).map_err(|error| format!("simulated disk: {error}"))?;
+        if self.bug == Some(PlantedBug::CopyLagsBehind) {
+            drop(std::fs::write(self.data.root().join("retained.journal"), ""));
+        }
         let flipped = self.flips > 0 && self.flip_bits();
         let OpenedStorage { storage, retained, standing } = open_storage(&self.data, self.kind)
             .map_err(|error| format!("the control does not start again: {error}"))?;
@@ -310,9 +309,12 @@ impl TortureStage {
         self.is_accepted = false;
         self.damaged = standing.iter().any(|(number, _)| *number == alarm::RETAINED_DATA_DAMAGED);
         self.counts.damages += u64::from(self.damaged && flipped);
-        // Damage is an alarm, or has hit nothing that is in use.
-        if !self.damaged || !flipped {
-            self.host.storage().ledger.check(&retained)?;
+        // Damage is an alarm and costs nothing that was acknowledged, or it has hit nothing that is in use.
+        let ledger = &self.host.storage().ledger;
+        if self.damaged && flipped {
+            ledger.check_after_loss(&retained)?
+        } else {
+            ledger.check(&retained)?
         }
         if self.damaged && !flipped && !was_damaged {
             return Err("a power cut has damaged the data".to_owned());

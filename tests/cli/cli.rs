@@ -549,6 +549,53 @@ fn b6_options_that_change_values_are_refused_on_a_real_machine() {
     assert!(!data.path().join("retained.redb").exists(), "nothing was opened");
 }
 
+/// Nor do a simulation, a story or an import change the data of a real machine: nobody asked for a password there.
+#[test]
+fn b6_what_simulates_is_refused_on_the_data_of_a_real_machine() {
+    let data = tempfile::tempdir().unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let table = data.path().join("x.csv").to_string_lossy().into_owned();
+    std::fs::write(&table, "0, 0\n100, 0.01\n").unwrap();
+    let story = data.path().join("p.story").to_string_lossy().into_owned();
+    std::fs::write(&story, "param P71 55\nset #861 = 9\n").unwrap();
+    // As the fitter has left it: data, and the description of the machine.
+    assert_eq!(status(&kt830(&["screw", "X", &table, "--data", &folder])), 0);
+    std::fs::copy(
+        format!("{}/assets/machines/gc_ethercat.ron", env!("CARGO_MANIFEST_DIR")),
+        data.path().join("machine.ron"),
+    )
+    .unwrap();
+    let stored = || std::fs::read(data.path().join("retained.redb")).unwrap();
+    let before = stored();
+    let simulated = format!("{}/assets/machines/gc.ron", env!("CARGO_MANIFEST_DIR"));
+    for words in [
+        &["play", &story][..],
+        &["run", "O1002"],
+        &["run", "O1002", "--param", "P71=55"],
+        &["run", "O1002", "--machine", &simulated],
+        &["demo"],
+        &["shot", "position", "--out", "/nonexistent.png"],
+        &["screw", "X", &table],
+        &["screw", "X", "--clear"],
+        // The control itself, on a simulated machine.
+        &["--machine", &simulated],
+    ] {
+        let out = kt830(&[words, &["--data", &folder]].concat());
+        assert!(
+            status(&out) == 2 && errors(&out).contains("the data of a real machine"),
+            "{words:?}: {}",
+            errors(&out)
+        );
+    }
+    assert!(stored() == before, "the data are as they were");
+    // To look is free.
+    let shown = kt830(&["screw", "X", "--data", &folder]);
+    assert!(status(&shown) == 0 && String::from_utf8_lossy(&shown.stdout).contains("100"), "{}", errors(&shown));
+    let program = format!("{}/programs/O1002.NC", env!("CARGO_MANIFEST_DIR"));
+    assert_eq!(status(&kt830(&["check", &program, "--data", &folder])), 0);
+    assert!(stored() == before, "the data are as they were");
+}
+
 /// A program of more than 128 MiB is refused with its limit, before it is read.
 #[test]
 fn b1_a_program_that_is_too_large_is_refused_with_the_limit() {

@@ -17,6 +17,7 @@ use kt830::link::page_command::{
 };
 use kt830::store::StoredSettings;
 use kt830::store::disk::{self, DiskChange, DiskObserver};
+use kt830::units::Axis;
 use tempfile::TempDir;
 
 use crate::command::kt830;
@@ -70,6 +71,26 @@ pub fn has_values(found: &StoreReport) -> bool {
     (860..900).all(|number| value(found, number) == Some(f64::from(number) / 8.0))
 }
 
+/// Removes all that data can be restored from.
+pub fn remove_copies(folder: &Path) {
+    fs::remove_dir_all(folder.join("generations")).unwrap();
+    fs::remove_file(folder.join("retained.journal")).unwrap();
+}
+
+/// The files of a running control, as a power cut leaves them.
+fn cut_off(folder: &Path) -> TempDir {
+    let copy = tempfile::tempdir().unwrap();
+    let kept = fs::read_dir(folder.join("generations")).unwrap().map(|entry| entry.unwrap().path());
+    fs::create_dir(copy.path().join("generations")).unwrap();
+    for from in kept {
+        fs::copy(&from, copy.path().join("generations").join(from.file_name().unwrap())).unwrap();
+    }
+    for name in [DATABASE, "retained.journal", "passwords.ron", "machine-kind.ron"] {
+        fs::copy(folder.join(name), copy.path().join(name)).unwrap();
+    }
+    copy
+}
+
 /// What a start after a loss must do, at every start until a person accepts.
 fn assert_restored(folder: &Path, what: &str) {
     for start in 1..=3 {
@@ -115,6 +136,56 @@ fn b6_one_bad_bit_anywhere_in_the_file_loses_no_value() {
     assert!(told > 0, "some bits are in used pages");
 }
 
+/// A power cut soon after values were stored, and a bad bit, or no file at all: no state was kept since.
+#[test]
+fn b6_what_was_acknowledged_just_before_the_power_went_survives_a_bad_bit() {
+    let folder = session();
+    let (mut store, _) = open(folder.path());
+    for number in 860..870 {
+        store.commit(&[StorageRequest::Variable(number, Some(1.5))]).unwrap();
+    }
+    store.commit(&[StorageRequest::DressPoint(Axis::X, Some(12.345)), StorageRequest::PartCount(77)]).unwrap();
+    let size = fs::metadata(folder.path().join(DATABASE)).unwrap().len() as usize;
+    let mut told = 0;
+    // The header says which commit is the last one.
+    let header = (0..400).step_by(3);
+    for at in header.chain((1..40).map(|k| k * (size / 40) + 13 * k)).map(Some).chain([None]) {
+        let copy = cut_off(folder.path());
+        let path = copy.path().join(DATABASE);
+        let mut bytes = fs::read(&path).unwrap();
+        match at {
+            Some(at) => {
+                bytes[at] ^= 1 << (at % 8);
+                fs::write(&path, bytes).unwrap();
+            }
+            None => fs::remove_file(&path).unwrap(),
+        }
+        let (_, found) = open(copy.path());
+        assert!((860..870).all(|number| value(&found, number) == Some(1.5)), "{at:?}: {:?}", found.loss);
+        assert_eq!((found.retained.dress_points[Axis::X], found.retained.part_count), (Some(12.345), 77), "{at:?}");
+        told += usize::from(found.loss.is_some());
+    }
+    assert!(told > 1, "some bits are in used pages");
+}
+
+/// An older database that is put back is what the person wanted: the journal of the newer one is not mixed into it.
+#[test]
+fn b6_a_database_that_is_put_back_goes_on_alone() {
+    let folder = session();
+    let older = fs::read(folder.path().join(DATABASE)).unwrap();
+    let (mut store, _) = open(folder.path());
+    store.commit(&[StorageRequest::Variable(860, Some(1.0)), StorageRequest::Variable(861, Some(1.0))]).unwrap();
+    drop(store);
+    fs::write(folder.path().join(DATABASE), older).unwrap();
+    let (mut store, found) = open(folder.path());
+    assert!(found.loss.is_none() && has_values(&found));
+    store.commit(&[StorageRequest::Variable(860, Some(3.0))]).unwrap();
+    let copy = cut_off(folder.path());
+    fs::remove_file(copy.path().join(DATABASE)).unwrap();
+    let (_, found) = open(copy.path());
+    assert_eq!([860, 861].map(|number| value(&found, number)), [Some(3.0), Some(861.0 / 8.0)]);
+}
+
 #[test]
 fn b6_a_disk_that_damages_one_file_after_the_other_does_not_keep_the_control_from_starting() {
     let folder = session();
@@ -137,7 +208,8 @@ fn b6_data_and_passwords_are_for_the_user_of_the_control_alone() {
     let folder = session();
     StoredSettings { kind: Some(Kind::Gc), ..StoredSettings::default() }.write(folder.path()).unwrap();
     let generations = fs::read_dir(folder.path().join("generations")).unwrap().map(|entry| entry.unwrap().path());
-    let own = [DATABASE, "retained.lock", "passwords.ron", "settings.ron"].map(|name| folder.path().join(name));
+    let own = [DATABASE, "retained.journal", "retained.lock", "passwords.ron", "settings.ron"]
+        .map(|name| folder.path().join(name));
     for file in own.into_iter().chain(generations) {
         let mode = fs::metadata(&file).unwrap().permissions().mode();
         assert_eq!(mode & 0o777, 0o600, "{}", file.display());
@@ -148,7 +220,7 @@ fn b6_data_and_passwords_are_for_the_user_of_the_control_alone() {
 fn b6_without_a_whole_generation_factory_values_stand_under_an_alarm_and_passwords_survive() {
     let folder = session();
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
-    fs::remove_dir_all(folder.path().join("generations")).unwrap();
+    remove_copies(folder.path());
     for start in 1..=2 {
         let (mut store, found) = open(folder.path());
         assert!(found.loss.as_ref().is_some_and(|loss| loss.state_of.is_none()), "start {start}");
@@ -163,7 +235,7 @@ fn b6_without_a_whole_generation_factory_values_stand_under_an_alarm_and_passwor
 fn b6_damaged_passwords_open_nothing() {
     let folder = session();
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
-    fs::remove_dir_all(folder.path().join("generations")).unwrap();
+    remove_copies(folder.path());
     fs::write(folder.path().join("passwords.ron"), "{}").unwrap();
     let _ = fs::remove_file(folder.path().join("passwords.ron.bak"));
     let (mut store, _) = open(folder.path());
@@ -183,6 +255,7 @@ fn b6_a_damaged_generation_gives_way_to_the_one_before() {
     let newest = files.last().unwrap();
     fs::write(newest, fs::read_to_string(newest).unwrap().replace("860: 1.0", "860: 2.0")).unwrap();
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    fs::write(folder.path().join("retained.journal"), "damaged").unwrap();
     let (_, found) = open(folder.path());
     assert!(has_values(&found), "{:?}", found.loss);
 }

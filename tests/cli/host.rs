@@ -277,6 +277,18 @@ fn a_changed_port_reaches_the_machine() {
     assert_eq!(bench.notes.lock().unwrap().rewired, 1, "once a change");
 }
 
+/// Nothing is being stored: the data are missed all the same.
+#[test]
+fn b6_a_data_folder_that_is_removed_while_the_control_rests_raises_the_alarm() {
+    let mut bench = Bench::new();
+    bench.until("the control runs", |snapshot| snapshot.program.number > 0 || !snapshot.directory.is_empty());
+    let failed = |snapshot: &Snapshot| snapshot.alarms.iter().any(|alarm| alarm.number == alarm::STORE_FAILED);
+    assert!(!failed(bench.link.newest()));
+    let data = bench.files.path().join("data");
+    fs::rename(&data, data.with_extension("aside")).unwrap();
+    bench.until("alarm 301", failed);
+}
+
 #[test]
 fn the_part_follows_the_accepted_program() {
     let mut bench = Bench::new();

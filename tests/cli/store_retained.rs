@@ -10,6 +10,7 @@ use kt830::store::{
     Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset,
 };
 use kt830::units::PerAxis;
+use proptest::prelude::*;
 
 /// How often the data are asked for while a process holds their lock.
 const TRIES: usize = 100_000;
@@ -296,6 +297,52 @@ fn b6_the_history_takes_the_place_of_the_oldest() {
     assert_eq!((kept.iter().min(), kept.iter().max()), (Some(&21), Some(&(most + 20))));
     let long = "长".repeat(2_000);
     assert!(matches!(retained.commit(&[RetainedChange::Alarm(alarm(1, &long))]), Err(RetainedError::BadChange { .. })));
+}
+
+/// Any change of few keys, so that later ones meet earlier ones.
+fn any_change() -> impl Strategy<Value = RetainedChange> {
+    (0..7_u8, 0..9_u8, proptest::option::of(-1e5..1e5_f64)).prop_map(|(kind, key, value)| {
+        let at = PerAxis([value.unwrap_or(0.0), -0.0, 1e-9]);
+        match kind {
+            0 => RetainedChange::Variable { number: 500 + u16::from(key), value },
+            1 => RetainedChange::Param { key: format!("P{key}"), value },
+            2 => RetainedChange::Offset { number: 1 + key, offset: ToolOffset { geometry: at, wear: at } },
+            3 => RetainedChange::WorkOffset { index: key, origin: at },
+            4 => RetainedChange::Number { key: format!("n{key}"), value },
+            5 => RetainedChange::Text {
+                key: format!("t{key}"),
+                value: value.map(|value| format!("行\n\"{value}\" \\")),
+            },
+            _ => RetainedChange::Alarm(alarm(1 + u64::from(key), "急停 \n emergency stop")),
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 8, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The journal and the database say the same after every commit, and after a restart.
+    #[test]
+    fn b6_the_copy_beside_the_database_is_the_same_after_every_commit(
+        sessions in proptest::collection::vec(
+            proptest::collection::vec(proptest::collection::vec(any_change(), 0..4), 1..20),
+            1..4,
+        )
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let copy = || RetainedDatabase::newest_copy(folder.path()).unwrap().1;
+        for session in sessions {
+            let mut store = open(folder.path()).database;
+            prop_assert_eq!(copy(), store.load().unwrap());
+            for changes in session {
+                store.commit(&changes).unwrap();
+                prop_assert_eq!(copy(), store.load().unwrap());
+            }
+            let number = store.load().unwrap().generation.0;
+            store.raise_generation(Generation(number + 5)).unwrap();
+            prop_assert_eq!(copy(), store.load().unwrap());
+        }
+    }
 }
 
 /// A power cut leaves the file of an open database; then a bit of it flips. What was acknowledged is there, or the file

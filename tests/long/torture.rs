@@ -134,6 +134,11 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
             Kind::Gc,
             "set #500 = 1\nwait 1 s\ndisk flips 4000\npower cut\nwait 1 s\npower on\nwait 2 s",
         ),
+        Bug::CopyLagsBehind => (
+            "after the power cut #501 is",
+            Kind::Gc,
+            "set #501 = 1\nwait 1 s\ndisk flips 4000\npower cut\nwait 1 s\npower on\nwait 2 s",
+        ),
         Bug::HeadstockOutlivesReset => (
             "headstock-high is on after RESET",
             Kind::Gc,

@@ -32,6 +32,8 @@ const JOB_QUEUE: usize = 8;
 const POLL_INTERVAL: Duration = Duration::from_millis(200);
 /// How often the storage thread sends the computer's clock.
 const CALENDAR_INTERVAL: Duration = Duration::from_secs(10);
+/// How often it looks whether the data are still there.
+const PRESENCE_INTERVAL: Duration = Duration::from_secs(1);
 /// Maximum number of further request batches in one commit.
 const MAX_BATCHES: usize = 64;
 
@@ -62,8 +64,20 @@ impl ThreadedStorage {
         // They arrive before the first tick.
         worker.read(ChangedFolders { programs: true, screens: true }, &mut |arrival| drop(tell.send(arrival)));
         let (jobs, threads) = JobQueues::start(&worker, &tell)?;
-        let (waiting, clock_sent, own) = (None, None, jobs.clone());
-        let mut thread = StorageThread { retained, worker, asked, tell, watch, jobs: own, waiting, clock_sent };
+        let own = jobs.clone();
+        let (waiting, clock_sent, presence_checked, is_absent) = (None, None, Instant::now(), false);
+        let mut thread = StorageThread {
+            retained,
+            worker,
+            asked,
+            tell,
+            watch,
+            jobs: own,
+            waiting,
+            clock_sent,
+            presence_checked,
+            is_absent,
+        };
         let thread = Builder::new().name("kt830-disk".into()).spawn(move || {
             while thread.turn() {}
             drop(thread);
@@ -196,6 +210,9 @@ struct StorageThread {
     /// A part question that came behind a batch of requests.
     waiting: Option<Box<PartQuery>>,
     clock_sent: Option<Instant>,
+    presence_checked: Instant,
+    /// The data are gone, and that was told.
+    is_absent: bool,
 }
 
 impl StorageThread {
@@ -205,6 +222,7 @@ impl StorageThread {
             self.clock_sent = Some(Instant::now());
             drop(self.tell.send(Arrival::Command(Command::WallClock(clock::local_time()))));
         }
+        self.check_presence();
         match self.asked.recv_timeout(POLL_INTERVAL) {
             Ok(StorageQuestion::Requests(first)) => self.handle(first),
             Ok(StorageQuestion::Part(query)) => self.waiting = Some(query),
@@ -221,6 +239,19 @@ impl StorageThread {
         }
         self.worker.free_unused();
         true
+    }
+
+    /// Tells once that the data were removed or replaced.
+    fn check_presence(&mut self) {
+        if self.presence_checked.elapsed() < PRESENCE_INTERVAL {
+            return;
+        }
+        self.presence_checked = Instant::now();
+        let absence = self.retained.absence();
+        let was_absent = std::mem::replace(&mut self.is_absent, absence.is_some());
+        if let Some(absence) = absence.filter(|_| !was_absent) {
+            drop(self.tell.send(Arrival::Command(absence)));
+        }
     }
 
     /// Carries out a batch and what waits behind it in one commit, up to the next part question.

@@ -52,10 +52,10 @@ pub fn highest(folder: &Path) -> Option<Generation> {
     list(folder).first().map(|file| Generation(file.number))
 }
 
-/// The newest state that is whole, and its file.
+/// The newest state that is whole, with the time of its file.
 #[must_use]
-pub fn newest_whole(folder: &Path) -> Option<(PathBuf, RetainedData)> {
-    list(folder).into_iter().find_map(|file| read(&file).map(|data| (file.path, data)))
+pub(super) fn newest_whole(folder: &Path) -> Option<(Option<SystemTime>, RetainedData)> {
+    list(folder).into_iter().find_map(|file| read(&file).map(|data| (modified(&file.path), data)))
 }
 
 /// The kept states that are whole, the newest first, with the time of their file.

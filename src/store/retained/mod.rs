@@ -6,12 +6,13 @@
 
 pub mod generations;
 mod integrity;
+mod journal;
 mod tables;
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use redb::{Database, DatabaseError};
 
@@ -23,6 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::defs::alarm_history::PastAlarm;
 use crate::units::PerAxis;
 pub use integrity::silence_database_check;
+use journal::{JOURNAL_FILE, Journal};
 pub use tables::StorageFault;
 
 /// The database's file name.
@@ -57,7 +59,7 @@ pub struct ToolOffset {
 }
 
 /// One change to the retained data. `None` deletes the value: a null variable, a parameter at its default.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum RetainedChange {
     /// A macro variable `#number` (B3).
     Variable {
@@ -127,6 +129,19 @@ pub struct RetainedData {
 }
 
 impl RetainedData {
+    /// Makes a change.
+    fn apply(&mut self, change: RetainedChange) {
+        match change {
+            RetainedChange::Variable { number, value } => set(&mut self.variables, number, value),
+            RetainedChange::Param { key, value } => set(&mut self.params, key, value),
+            RetainedChange::Offset { number, offset } => set(&mut self.offsets, number, Some(offset)),
+            RetainedChange::WorkOffset { index, origin } => set(&mut self.work_offsets, index, Some(origin)),
+            RetainedChange::Number { key, value } => set(&mut self.numbers, key, value),
+            RetainedChange::Text { key, value } => set(&mut self.texts, key, value),
+            RetainedChange::Alarm(past) => set(&mut self.alarms, past.slot(), Some(past)),
+        }
+    }
+
     /// The changes that make these data another state. The alarm history goes on.
     #[must_use]
     pub fn changes_to(&self, other: &Self) -> Vec<RetainedChange> {
@@ -170,6 +185,14 @@ impl RetainedData {
         all.extend(self.texts.iter().map(text));
         all.extend(self.alarms.values().cloned().map(RetainedChange::Alarm));
         all
+    }
+}
+
+/// Sets a value, or removes it for `None`.
+fn set<K: Ord, V>(rows: &mut BTreeMap<K, V>, key: K, value: Option<V>) {
+    match value {
+        Some(value) => drop(rows.insert(key, value)),
+        None => drop(rows.remove(&key)),
     }
 }
 
@@ -247,6 +270,8 @@ pub struct RetainedDatabase {
     database: Option<Database>,
     /// What a new file is to hold, until it is made.
     to_create: Option<Box<RetainedData>>,
+    /// The same data once more.
+    journal: Journal,
     _lock: File,
 }
 
@@ -287,11 +312,15 @@ impl RetainedDatabase {
         };
         let data = intact.unwrap_or_else(replaced);
         let to_create = fresh.then(|| Box::new(data.clone()));
-        let mut database = Self { path, opened: None, database: None, to_create, _lock: lock };
+        let journal = Journal::open(folder, &data);
+        let mut database = Self { path, opened: None, database: None, to_create, journal, _lock: lock };
         let unwritable = match database.open_file() {
             Ok(opened) => {
                 database.database = Some(opened);
-                None
+                match database.journal.begins_anew() {
+                    true => database.journal.begin(&data).err(),
+                    false => None,
+                }
             }
             Err(failed @ (RetainedError::Storage(..) | RetainedError::Io(_))) => Some(failed),
             Err(refused) => return Err(refused),
@@ -321,11 +350,21 @@ impl RetainedDatabase {
             tables::check_change(change)?;
         }
         let generation = self.with_database(|database| tables::commit_changes(database, changes))?;
+        self.note(generation, changes)?;
         // A removed folder takes its name from the file, not the file from us: commits would go on into nothing.
-        if identity(&self.path) != self.opened {
-            return Err(RetainedError::Gone(self.path.clone()));
-        }
+        self.check_present()?;
         Ok(generation)
+    }
+
+    /// Whether the file that is open is still there under its name.
+    ///
+    /// # Errors
+    /// It is not: [`RetainedError::Gone`].
+    pub fn check_present(&self) -> Result<(), RetainedError> {
+        match self.opened.is_none() || identity(&self.path) == self.opened {
+            true => Ok(()),
+            false => Err(RetainedError::Gone(self.path.clone())),
+        }
     }
 
     /// Raises the number of the last commit, so that later states are newer than all that are kept.
@@ -333,7 +372,25 @@ impl RetainedDatabase {
     /// # Errors
     /// As [`Self::commit`].
     pub fn raise_generation(&mut self, generation: Generation) -> Result<(), RetainedError> {
-        self.with_database(|database| tables::restore(database, &[], generation))
+        self.with_database(|database| tables::restore(database, &[], generation))?;
+        self.note(generation, &[])
+    }
+
+    /// Notes a commit in the journal.
+    fn note(&mut self, generation: Generation, changes: &[RetainedChange]) -> Result<(), RetainedError> {
+        match self.journal.begins_anew() {
+            true => self.load().and_then(|data| self.journal.begin(&data)),
+            false => self.journal.append(generation, changes),
+        }
+    }
+
+    /// The newest copy of the data of a directory beside its database, and its time.
+    #[must_use]
+    pub fn newest_copy(folder: &Path) -> Option<(Option<SystemTime>, RetainedData)> {
+        let journal = journal::read(folder).map(|found| (found.modified, found.data));
+        let kept = generations::newest_whole(folder);
+        let copies = journal.into_iter().chain(kept);
+        copies.reduce(|newest, other| if other.1.generation > newest.1.generation { other } else { newest })
     }
 
     /// All data of a directory that nobody opens; `None` if there are none, or they are damaged. Nothing is written.
@@ -428,7 +485,9 @@ fn has_traces(folder: &Path) -> bool {
     let mut names =
         fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
     generations::highest(folder).is_some()
-        || names.any(|name| name.starts_with("retained.damaged-") || name == PASSWORD_FILE || name == KIND_FILE)
+        || names.any(|name| {
+            name.starts_with("retained.damaged-") || [PASSWORD_FILE, KIND_FILE, JOURNAL_FILE].contains(&name.as_str())
+        })
 }
 
 /// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
