@@ -2,14 +2,15 @@
 //! every answer; a panic or a broken rule is a finding. `cargo fuzz run NAME` looks for them, and the test
 //! `cli fuzz_corpus` gives every target the inputs in `fuzz/seeds` and `fuzz/findings` again.
 
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use kt830::defs::dialect::Dialect;
 use kt830::defs::kind::Kind;
 use kt830::defs::leadscrew::LeadscrewCompensation;
 use kt830::defs::page_text;
-use kt830::host::folders::{PICTURE_SIZE, parse_picture};
+use kt830::host::folders::{PICTURE_SIZE, parse_picture, parse_picture_labels};
 use kt830::host::serial::SERIAL_LIMIT;
 use kt830::host::serial::format::{ReadProgress, SerialReader};
 use kt830::host::transfer::{convert_picture, read_archive};
@@ -21,14 +22,17 @@ use kt830::nc::{
     check_syntax,
 };
 use kt830::store::ron_file::{ChecksumPolicy, from_bytes};
-use kt830::store::{DATABASE_FILE, ProgramFolder, RetainedDatabase, StoredSettings, Values, decode, stamp};
+use kt830::store::{
+    DATABASE_FILE, ProgramFolder, RetainedChange, RetainedData, RetainedDatabase, StoredSettings, ToolOffset, Values,
+    decode, stamp,
+};
 use kt830::story;
 
 /// A reader of any bytes.
 pub type Target = fn(&[u8]);
 
 /// Every target by the name of its folder.
-pub const TARGETS: [(&str, Target); 15] = [
+pub const TARGETS: [(&str, Target); 17] = [
     ("archive", archive),
     ("encoding", encoding),
     ("leadscrew", leadscrew),
@@ -38,8 +42,10 @@ pub const TARGETS: [(&str, Target); 15] = [
     ("part_file", part_file),
     ("picture", picture),
     ("picture_conversion", picture_conversion),
+    ("picture_labels", picture_labels),
     ("program_check", program_check),
     ("program_lines", program_lines),
+    ("retained_copies", retained_copies),
     ("retained_database", retained_database),
     ("serial", serial),
     ("settings", settings),
@@ -111,10 +117,11 @@ pub fn machine_description(bytes: &[u8]) {
     }
 }
 
-/// The file of a simulated machine.
+/// The file of a simulated machine, or a variation of one.
 pub fn machine_file(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     drop(MachineFile::parse(text));
+    drop(MachineFile::of_text(text, Kind::ALL[bytes.len() % Kind::ALL.len()]));
 }
 
 /// A page text C0001.TXT: a fault has its place in the text.
@@ -147,6 +154,11 @@ pub fn picture_conversion(bytes: &[u8]) {
     if let Ok(converted) = convert_picture(bytes) {
         assert!(parse_picture("B0001.BMP", &converted).is_ok(), "the converted picture is refused");
     }
+}
+
+/// D0001.RON, which links a picture with variables.
+pub fn picture_labels(bytes: &[u8]) {
+    drop(parse_picture_labels("D0001.RON", bytes));
 }
 
 /// The dialects; the length of a program selects one.
@@ -187,14 +199,71 @@ pub fn program_check(bytes: &[u8]) {
     assert!(report.lines == source.line_count());
 }
 
-/// The database of retained values: whole, or refused.
+/// A folder in memory, if the system has one.
+fn scratch_folder() -> Option<tempfile::TempDir> {
+    tempfile::tempdir_in(if Path::new("/dev/shm").is_dir() { "/dev/shm" } else { "." }).ok()
+}
+
+/// A database with a value of each table, and its data.
+fn whole_database() -> Option<(Vec<u8>, RetainedData)> {
+    let folder = scratch_folder()?;
+    let mut store = RetainedDatabase::open(folder.path()).ok()?.database;
+    let offset = ToolOffset::default();
+    for number in 500..600_u16 {
+        let changes = [
+            RetainedChange::Variable { number, value: Some(f64::from(number)) },
+            RetainedChange::Param { key: format!("P{number}"), value: Some(1.0) },
+            RetainedChange::Offset { number: 1 + (number % 16) as u8, offset },
+            RetainedChange::Text { key: format!("t{number}"), value: Some("text ".repeat(20)) },
+        ];
+        store.commit(&changes).ok()?;
+    }
+    let data = store.load().ok()?;
+    drop(store);
+    Some((std::fs::read(folder.path().join(DATABASE_FILE)).ok()?, data))
+}
+
+/// The database of retained values: whole, or refused. The bytes are read as they are, and as changes of a whole one: four
+/// bytes each, three for the place, one for the bits that flip.
 pub fn retained_database(bytes: &[u8]) {
+    static WHOLE: OnceLock<Option<(Vec<u8>, RetainedData)>> = OnceLock::new();
     kt830::store::silence_database_check();
-    let Ok(folder) = tempfile::tempdir_in(if Path::new("/dev/shm").is_dir() { "/dev/shm" } else { "." }) else {
-        return;
-    };
-    if std::fs::write(folder.path().join(DATABASE_FILE), bytes).is_ok() {
+    let Some(folder) = scratch_folder() else { return };
+    let file = folder.path().join(DATABASE_FILE);
+    if std::fs::write(&file, bytes).is_ok() {
         drop(RetainedDatabase::peek(folder.path()));
+    }
+    let Some((whole, data)) = WHOLE.get_or_init(whole_database) else { return };
+    let mut changed = whole.clone();
+    for change in bytes.chunks_exact(4) {
+        let at = usize::from(change[0]) << 16 | usize::from(change[1]) << 8 | usize::from(change[2]);
+        let length = changed.len();
+        changed[at % length] ^= change[3];
+    }
+    if std::fs::write(&file, changed).is_ok()
+        && let Some(read) = RetainedDatabase::peek(folder.path())
+    {
+        assert!(read == *data, "other values are taken for whole");
+    }
+}
+
+/// What takes the place of a damaged database: the journal, a kept state, the passwords. The bytes are read as they are, and
+/// as lines of a journal whose checksums are right.
+pub fn retained_copies(bytes: &[u8]) {
+    let Some(folder) = scratch_folder() else { return };
+    let journal = folder.path().join("retained.journal");
+    if std::fs::write(&journal, bytes).is_ok() {
+        drop(RetainedDatabase::newest_copy(folder.path()));
+    }
+    let text = String::from_utf8_lossy(bytes);
+    let sealed: String = text.lines().map(|line| format!("{:016x} {line}\n", stamp(line.as_bytes()))).collect();
+    if std::fs::write(&journal, sealed).is_ok() {
+        drop(RetainedDatabase::newest_copy(folder.path()));
+    }
+    let path = Path::new("retained-0000000001.ron");
+    for care in [ChecksumPolicy::Lenient, ChecksumPolicy::Strict] {
+        drop(from_bytes::<RetainedData>(path, care, bytes));
+        drop(from_bytes::<BTreeMap<String, String>>(path, care, bytes));
     }
 }
 
