@@ -158,7 +158,13 @@ pub struct RunArgs {
     /// Write one line per tick: time, set and actual positions, outputs, block
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,
+    /// Stop a part that takes longer than so many hours of simulated time
+    #[arg(long, value_name = "N", default_value_t = USUAL_HOURS, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub hours: u32,
 }
+
+/// Longest simulated time of a part, h, unless the call names another.
+pub const USUAL_HOURS: u32 = 8;
 
 /// `kt830 check`
 #[derive(Debug, ClapArgs)]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
-use super::args::{CheckArgs, OutputFormat, RunArgs, SharedArgs};
+use super::args::{CheckArgs, OutputFormat, RunArgs, SharedArgs, USUAL_HOURS};
 use super::checked_file::{CheckedFileKind, file_kind};
 use super::cycle_time::cycle_time;
 use super::finished_size_check::{FinishedSizeCheck, Overshoot};
@@ -210,6 +210,7 @@ impl<'a> FileCheck<'a> {
         let own = programs_from_file(number, &name, bytes, settings.dialect, ProgramUse::Execution);
         let mut sources = own.iter().map(|program| Arc::clone(&program.source));
         let source = sources.next().ok_or_else(|| CallError::new(format!("{}: no program", path.display())))?;
+        let number = source.number();
         let others = sources.collect();
         // The folder may hold the file itself: then it knows its programs, and which others have their numbers.
         let is_known = own.iter().all(|program| programs.holds(program));
@@ -233,7 +234,13 @@ impl<'a> FileCheck<'a> {
             || !found.move_errors.is_empty()
             || self.duplicate_errors().next().is_some();
         let program = ProgramToRun::Checked(self.source.number(), &self.programs);
-        let run = RunArgs { program: self.path.display().to_string(), through_stops: true, parts: 1, trace: None };
+        let run = RunArgs {
+            program: self.path.display().to_string(),
+            through_stops: true,
+            parts: 1,
+            trace: None,
+            hours: USUAL_HOURS,
+        };
         let ran =
             (self.call.simulate && !wrong).then(|| super::run::run_program(self.shared, &run, program)).transpose()?;
         match &ran {

@@ -7,32 +7,13 @@ use super::args::{OutputFormat, SharedArgs};
 use super::{CallError, SUCCESS, print_line};
 use crate::defs::availability::m_codes;
 use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
+use crate::defs::language_row::LanguageState;
 use crate::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
 use crate::defs::text::Text;
 use crate::nc;
 
-/// What the control does with a code.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum CodeState {
-    Supported,
-    /// It may be written and has no effect.
-    NoEffect,
-    /// A message names it.
-    Refused,
-}
-
-impl CodeState {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Supported => "supported",
-            Self::NoEffect => "no effect",
-            Self::Refused => "refused",
-        }
-    }
-}
-
 /// One row: what kind of word, as it is written, its state and its meaning.
-type CodeRow = (&'static str, String, CodeState, Text);
+type CodeRow = (&'static str, String, LanguageState, Text);
 
 /// Prints the table of the kind that the call names.
 ///
@@ -65,16 +46,36 @@ fn rows(shared: &SharedArgs) -> Vec<CodeRow> {
                 (
                     Availability::Yes,
                     GCodeGroup::DrillingCycle | GCodeGroup::LengthCompensation | GCodeGroup::Rotation,
-                ) => CodeState::NoEffect,
-                (Availability::Yes, _) => CodeState::Supported,
-                (Availability::NoEncoder | Availability::No, _) => CodeState::Refused,
+                ) => LanguageState::NoEffect,
+                (Availability::Yes, _) => LanguageState::Supported,
+                (Availability::NoEncoder | Availability::No, _) => LanguageState::Refused,
             };
             ("G", format!("G{:02}", row.code), state, row.text)
         }));
     }
-    rows.extend(dialect.words().iter().map(|word| ("word", word.word.to_owned(), CodeState::Supported, word.text)));
-    rows.extend(m_codes(shared.kind).map(|row| ("M", format!("M{:02}", row.code), CodeState::Supported, row.name)));
-    rows.extend(nc::function_names(dialect).map(|name| ("function", name.to_owned(), CodeState::Supported, FUNCTION)));
+    rows.extend(dialect.words().iter().map(|word| {
+        let class = if is_code(word.word, 'G') {
+            "G"
+        } else if is_code(word.word, 'M') {
+            "M"
+        } else {
+            "word"
+        };
+        (class, word.word.to_owned(), LanguageState::Supported, word.text)
+    }));
+    rows.extend(dialect.language_rows().map(|row| (row.class, row.word.to_owned(), row.state, row.text)));
+    let refused = nc::refused_words(dialect);
+    rows.extend(refused.iter().map(|word| ("word", (*word).to_owned(), LanguageState::Refused, OF_LARGER_CONTROLS)));
+    rows.extend(m_codes(shared.kind).map(|row| ("M", format!("M{:02}", row.code), LanguageState::Supported, row.name)));
+    rows.extend(
+        dialect
+            .m_codes()
+            .filter(|row| m_codes(shared.kind).all(|own| own.code != row.code))
+            .map(|row| ("M", format!("M{:02}", row.code), LanguageState::Refused, row.name)),
+    );
+    rows.extend(
+        nc::function_names(dialect).map(|name| ("function", name.to_owned(), LanguageState::Supported, FUNCTION)),
+    );
     if dialect.is_kt830() {
         rows.extend(SYSTEM_VARIABLES.iter().map(|range| {
             let class = match range.access {
@@ -84,10 +85,17 @@ fn rows(shared: &SharedArgs) -> Vec<CodeRow> {
             };
             let last = range.first + range.count - 1;
             let word = if range.count == 1 { format!("#{last}") } else { format!("#{}-#{last}", range.first) };
-            (class, word, CodeState::Supported, range.name)
+            (class, word, LanguageState::Supported, range.name)
         }));
     }
     rows
 }
 
+/// Whether a word is a code: the letter and a number.
+fn is_code(word: &str, letter: char) -> bool {
+    word.strip_prefix(letter)
+        .is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
+const OF_LARGER_CONTROLS: Text = Text::new("较大的西门子系统的词", "a word of larger controls");
 const FUNCTION: Text = Text::new("函数", "function");

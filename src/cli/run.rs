@@ -17,8 +17,11 @@ use crate::link::part_result::PartVerdict;
 use crate::link::snapshot::{AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
 use crate::units::{MachinePos, Micros};
 
-/// Maximum simulated time of a headless run: a working day.
-const MAX_RUN_TIME: Micros = Micros::from_millis(8 * 3_600_000);
+/// So many hours.
+fn hours(count: u32) -> Micros {
+    Micros::from_millis(u64::from(count) * 3_600_000)
+}
+
 /// Ticks after the end until the axes are in position within a micrometre: ten servo lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
@@ -66,7 +69,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
     let started = host.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
-        let limits = RunLimits { through_stops: call.through_stops, longest: MAX_RUN_TIME, once: false };
+        let limits = RunLimits { through_stops: call.through_stops, longest: hours(call.hours), once: false };
         let end = host.run_program(&limits, &mut |host| {
             if let Some(trace) = &mut trace {
                 trace.write(trace_line(host));
@@ -88,7 +91,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
         trace.finish()?;
     }
     host.close();
-    let why = stop_reason(&mut host, end);
+    let why = stop_reason(&mut host, end, hours(call.hours));
     if let Some(why) = &why {
         eprintln!("kt830: stopped: {}", why.get(shared.lang));
     }
@@ -120,7 +123,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
 }
 
 /// Why a run stopped; at M00 the text of its MSG.
-pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
+pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd, longest: Micros) -> Option<LocalizedText> {
     let snapshot = host.snapshot();
     let told = snapshot.waiting_for.clone();
     match end {
@@ -131,10 +134,12 @@ pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText
             Some(told.unwrap_or_else(|| LocalizedText::new("等待的信号没有来", "the awaited signal does not come")))
         }
         RunEnd::TimedOut => {
-            let seconds = MAX_RUN_TIME.as_secs_f64();
+            let seconds = longest.as_secs_f64();
             Some(LocalizedText::new(
-                format!("模拟时间 {seconds} s 后停止：程序不会结束"),
-                format!("stopped after {seconds} s of simulated time: the program does not end"),
+                format!("模拟时间 {seconds} s 后停止：程序没有结束；`run --hours N` 可以更长"),
+                format!(
+                    "stopped after {seconds} s of simulated time: the program has not ended; `run --hours N` gives it more"
+                ),
             ))
         }
         RunEnd::Stalled => Some(LocalizedText::new(
@@ -142,10 +147,14 @@ pub fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText
             "nothing has moved for a long time: the program does not end",
         )),
         RunEnd::Endless => {
-            let line = host.controller().current_block().line;
+            // No block has been executed before a loop at the head of the program.
+            let line = Some(host.controller().current_block().line).filter(|line| *line > 0);
+            let zh = line.map_or_else(|| "程序开头的循环".to_owned(), |line| format!("第 {line} 行之后的循环"));
+            let en =
+                line.map_or_else(|| "a loop at its beginning".to_owned(), |line| format!("a loop behind line {line}"));
             Some(LocalizedText::new(
-                format!("第 {line} 行之后的循环一直重复，什么都不变：程序不会结束"),
-                format!("a loop behind line {line} repeats and nothing changes: the program does not end"),
+                format!("{zh}一直重复，什么都不变：程序不会结束"),
+                format!("{en} repeats and nothing changes: the program does not end"),
             ))
         }
     }

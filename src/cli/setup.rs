@@ -456,7 +456,13 @@ fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
     let number = named.unwrap_or_else(|| program_number::from_name(&stem));
     let dialect = host.kind().dialect();
     host.add_programs(named_programs_beside(path, dialect, ProgramUse::Execution));
-    host.add_programs(programs_from_file(number, word, bytes, dialect, ProgramUse::Execution));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let own = programs_from_file(number, &name, bytes, dialect, ProgramUse::Execution);
+    let number = own.first().map_or(number, |first| first.number);
+    // The folder may hold the file itself: then it knows its programs, and which others have their numbers.
+    if !own.iter().all(|program| host.programs().holds(program)) {
+        host.add_programs(own);
+    }
     Ok(number)
 }
 

@@ -2,6 +2,7 @@
 //! Source: spec K1, L1–L8, S1.
 
 use super::dialect_word::{self, DialectWord};
+use super::language_row::{self, LanguageRow};
 use super::mcode::{self, MCode};
 
 /// What the tables hold for a dialect. There is no default: a new dialect answers every question.
@@ -16,6 +17,8 @@ struct DialectTables {
     r_parameters: bool,
     /// The words; empty with the `gcode` table.
     words: &'static [DialectWord],
+    /// Statements, operators and further words: common ones, and its own.
+    language: [&'static [LanguageRow]; 2],
     /// The M codes: a table, what comes with it, and the codes of both that the dialect does not have.
     m_codes: [&'static [MCode]; 2],
     excluded_m_codes: &'static [u16],
@@ -27,6 +30,7 @@ const KT830: DialectTables = DialectTables {
     tool_offsets: true,
     r_parameters: false,
     words: dialect_word::GRINDER,
+    language: [language_row::GRINDER, language_row::LATHE_A],
     m_codes: [mcode::MCODES, &[]],
     excluded_m_codes: &[],
 };
@@ -49,7 +53,7 @@ dialects! {
     /// GC: U, V, W are incremental; G90 and G94 are cycles.
     LatheA = KT830;
     /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
-    Mill = DialectTables { mill: true, ..KT830 };
+    Mill = DialectTables { mill: true, language: [language_row::GRINDER, language_row::MILL], ..KT830 };
     /// SINUMERIK 802D: R parameters, `X=R20`, labels, G90 and G91 modal (S1).
     Sinumerik = DialectTables {
         kt830: false,
@@ -57,6 +61,7 @@ dialects! {
         tool_offsets: false,
         r_parameters: true,
         words: dialect_word::SINUMERIK,
+        language: [language_row::SINUMERIK, &[]],
         m_codes: [mcode::MCODES, mcode::EXTRA_802D],
         excluded_m_codes: mcode::EXCLUDED_802D,
     };
@@ -67,6 +72,7 @@ dialects! {
         tool_offsets: true,
         r_parameters: false,
         words: dialect_word::SUPERMAN,
+        language: [language_row::SUPERMAN, &[]],
         m_codes: [mcode::LATHE_MCODES, &[]],
         excluded_m_codes: &[],
     };
@@ -107,6 +113,11 @@ impl Dialect {
     #[must_use]
     pub const fn words(self) -> &'static [DialectWord] {
         self.tables().words
+    }
+
+    /// Its statements, operators and words beside the codes.
+    pub fn language_rows(self) -> impl Iterator<Item = &'static LanguageRow> {
+        self.tables().language.into_iter().flatten()
     }
 
     /// Its M codes.

@@ -16,6 +16,7 @@ pub mod grinding_phase;
 pub mod grinding_workspace;
 pub mod key;
 pub mod kind;
+pub mod language_row;
 pub mod lathe_workspace;
 pub mod leadscrew;
 pub mod mcode;

@@ -382,6 +382,11 @@ program_errors! {
         "在前面写 G17 (XY)、G18 (ZX) 或 G19 (YZ)", "write G17 (XY), G18 (ZX) or G19 (YZ) before it";
     LengthByT = 547, "length-by-t", "没有刀长补偿 {}", "there is no tool length compensation {}",
         "刀补用 T 调用，例如 T0101：删去 {} 和 H", "the offset comes with T, as in T0101: delete {} and H";
+    CycleByTable = 556, "cycle-by-table", "本机没有循环 {}", "there is no cycle {} here",
+        "磨削循环 O9071–O9079 由机床厂用 P420 起的表接到 G 代码", "the machine builder gives it to a grinding cycle O9071 to O9079 by the table from P420 on";
+    /// Allowed, but the program ends there.
+    AlarmReached = 555, "alarm-reached", "按现有数值，程序在这里以报警 {} 结束：{2}", "with these values the program ends here with alarm {}: {2}",
+        "检查调用的参数和变量", "check the arguments of the call and the variables";
     /// Allowed, but the feed is very slow.
     FeedUnitUnnamed = 543, "feed-unit-unnamed", "没有写明 {} 的单位：按 mm/min 走", "the unit of {} is not named: it is taken as mm/min",
         "写明 {2}", "write {2}";

@@ -230,7 +230,8 @@ fn part_row(program: &StoredProgram, modified: &str) -> DirectoryRow {
     }
 }
 
-/// Creates the programs of a file: the first one has the number of the file, those behind it have their own.
+/// Creates the programs of a file, the first one first. It has the number of the file, those behind it have their own. In
+/// a file with a name, as other controls write exports, the first one has its own number, too.
 #[must_use]
 pub fn programs_from_file(
     number: u32,
@@ -243,10 +244,11 @@ pub fn programs_from_file(
     if parts.len() == 1 {
         return vec![create_program(number, name, bytes, dialect, purpose)];
     }
+    let is_export = program_number::is_named(number) && parts.first().is_some_and(|part| part.number.is_some());
     let mut programs = Vec::with_capacity(parts.len());
     for ProgramPart { number: own, name: own_name, bytes: range, lines_before } in parts {
         let Some(text) = bytes.get(range).map(<[u8]>::to_vec) else { continue };
-        if programs.is_empty() {
+        if programs.is_empty() && !is_export {
             programs.push(create_program(number, name, text, dialect, purpose));
         } else if let Some(own) = own {
             let part = Some(FilePart { file: name.to_owned(), lines_before });

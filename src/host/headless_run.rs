@@ -11,8 +11,10 @@ use crate::units::Micros;
 
 /// Ticks after cycle start until the state is evaluated.
 const START_TICKS: u32 = 5;
-/// After this time without a move the run counts as an endless loop; longer than the longest dwell, 9 999.99 s (L2).
+/// After this time without a move, and so many blocks, the run counts as an endless loop. The time is longer than the longest
+/// dwell, 9 999.99 s (L2); a program may have several of them, one after the other.
 const MAX_STALLED_TIME: Micros = Micros::from_millis(10_000_000);
+const MAX_STALLED_BLOCKS: u64 = 1_000;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,14 +72,14 @@ impl<S: Storage> Host<HostedSimulation, S> {
     /// `goes_on` is called after every tick.
     pub fn run_program(&mut self, limits: &RunLimits, goes_on: &mut dyn FnMut(&Self) -> bool) -> RunEnd {
         let started = self.now();
-        let mut moved = started;
+        let mut moved = (started, self.controller().block_count());
         let mut refused = false;
         self.controller.set_runs_once(limits.once);
         self.send(Command::Press(Key::CycleStart));
         loop {
             self.step();
             if !self.controller().is_at_rest() {
-                moved = self.now();
+                moved = (self.now(), self.controller().block_count());
             }
             if !goes_on(self) {
                 return RunEnd::TimedOut;
@@ -93,12 +95,18 @@ impl<S: Storage> Host<HostedSimulation, S> {
                 // A headless run has no operator who gives the input.
                 RunState::Waiting => return RunEnd::Waiting,
                 RunState::Running if self.now().since(started) > limits.longest => return RunEnd::TimedOut,
-                RunState::Running if self.now().since(moved) > MAX_STALLED_TIME => return RunEnd::Stalled,
+                RunState::Running if self.has_stalled(moved) => return RunEnd::Stalled,
                 RunState::Running if self.controller().is_in_endless_loop() && self.controller().is_at_rest() => {
                     return RunEnd::Endless;
                 }
                 RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
             }
         }
+    }
+
+    /// Whether it is long since an axis has moved: the time, and the blocks executed until then.
+    fn has_stalled(&self, (moved, blocks): (Micros, u64)) -> bool {
+        let since = self.controller().block_count().saturating_sub(blocks);
+        self.now().since(moved) > MAX_STALLED_TIME && since > MAX_STALLED_BLOCKS
     }
 }

@@ -546,12 +546,13 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         self.delivered.programs.get(number).map(|program| Arc::clone(&program.source))
     }
 
-    /// The number of the program whose file has this name, with or without its extension.
+    /// The number of the first program of the file with this name, with or without its extension.
     #[must_use]
     pub fn find_program(&self, word: &str) -> Option<u32> {
         let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
         let wanted = stem(word);
-        let named = |program: &&StoredProgram| stem(program.source.name()) == wanted;
+        let is_first = |program: &StoredProgram| program.part.as_ref().is_none_or(|part| part.lines_before == 0);
+        let named = |program: &&StoredProgram| is_first(program) && stem(program.source.name()) == wanted;
         self.delivered.programs.iter().find(named).map(|program| program.number)
     }
 

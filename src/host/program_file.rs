@@ -124,8 +124,10 @@ impl ProgramFiles<'_> {
     fn find_in(&self, number: u32, file: FileContent) -> Result<ProgramInFile, Refusal> {
         let own_number = self.part(number).map(|_| number);
         let parts = program_parts(&file.bytes, self.dialect);
+        // The first program of a file with a number has that of the file.
+        let numbered = self.part(number).is_some_and(|part| PROGRAM.parse(&part.file).is_some());
         let is_wanted = |(index, part): &(usize, &ProgramPart)| match own_number {
-            Some(_) => *index > 0 && part.number == own_number,
+            Some(_) => *index >= usize::from(numbered) && part.number == own_number,
             None => *index == 0,
         };
         let (_, part) = parts.iter().enumerate().find(is_wanted).ok_or(Refusal::Conflict)?;

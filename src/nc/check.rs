@@ -12,10 +12,12 @@ use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, CallChain, E, ErrorAt, ProgramFault};
 use super::idle_passes::IdlePasses;
 use super::interpreter::{BLOCK_WORK, Interpreter};
+use super::op::Op;
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_blocks::{Certainty, LoneBlocks, MAX_TEXTS};
 use super::unexecuted_lines::{self, ExecutedLines, UnexecutedLines};
+use crate::defs::text::arg::Arg;
 use crate::units::{WorkBudget, WorkPos};
 
 /// Most mistakes, and most warnings, that are collected.
@@ -163,6 +165,8 @@ pub struct ProgramCheck {
     incomplete: bool,
     /// A null word was skipped somewhere: the modal state may differ from that in the real run.
     word_left_out: bool,
+    /// A common variable without a value was read: the operator, or a program before, sets it.
+    reads_unset: bool,
     /// Number of blocks passed to `sink`.
     shown_blocks: u64,
 }
@@ -194,6 +198,7 @@ impl ProgramCheck {
             max_left_loops: MAX_LEFT_LOOPS,
             incomplete: false,
             word_left_out: false,
+            reads_unset: false,
             shown_blocks: 0,
         }
     }
@@ -210,7 +215,7 @@ impl ProgramCheck {
         self.checkpoint.clear();
         self.called.clear();
         (self.place, self.lone) = (TextLine::default(), None);
-        (self.run_over, self.word_left_out) = (false, false);
+        (self.run_over, self.word_left_out, self.reads_unset) = (false, false, false);
         (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
         self.incomplete = false;
     }
@@ -299,15 +304,13 @@ impl ProgramCheck {
             }
             let read = self.interpreter.read_one(world, &mut self.block);
             self.interpreter.charge_blocks(budget);
-            if let Some(holds) = self.interpreter.block_words.condition {
-                self.mark_condition(holds);
-            }
-            self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
+            self.note_values();
             match read {
                 Ok(more) => {
                     if !self.block.ops.is_empty() {
                         self.shown_blocks += 1;
                         self.block.ops.iter().for_each(|op| world.apply(op));
+                        self.note_alarm(world);
                         if !sink(&self.block) {
                             return false;
                         }
@@ -519,6 +522,32 @@ impl ProgramCheck {
         let source = Arc::clone(&self.source);
         unexecuted_lines::check_whole_text(&source, &self.settings).for_each(|fault| self.add_fault(fault));
         true
+    }
+
+    /// Notes the result of an IF, and what the block has read without a value.
+    #[inline]
+    fn note_values(&mut self) {
+        if let Some(holds) = self.interpreter.block_words.condition {
+            self.mark_condition(holds);
+        }
+        self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
+        let memory = self.interpreter.common_variables();
+        let is_unset = |number: &u32| matches!(memory.get(*number), Ok(None));
+        self.reads_unset = self.reads_unset || self.block.used_variables.iter().any(is_unset);
+    }
+
+    /// Warns of an alarm that the program raises, if neither a value of a machine nor one that is not set yet has decided
+    /// about it.
+    #[inline]
+    fn note_alarm(&mut self, world: &OfflineMachine) {
+        let Some(Op::Alarm { number, text }) = self.block.ops.last() else { return };
+        if world.guesses() || self.reads_unset || self.left_loops > 0 || self.incomplete {
+            return;
+        }
+        let flow = &self.interpreter.flow;
+        let wrong = ErrorAt { at: 0, error: E::AlarmReached, details: [Arg::from(*number), text.clone()] };
+        let fault = ProgramFault::new(flow.source.title_arg(), self.block.location, 1, wrong).with_calls(flow.calls());
+        self.add_warning(fault);
     }
 
     /// A consequence of null variables is only a warning: the operator sets them before the real run.

@@ -171,6 +171,8 @@ pub struct OfflineMachine {
     rpm: f64,
     /// While an axis oscillates, #438 and #439 toggle on every read, so that a wait for a reversal point ends.
     oscillation_end: Option<bool>,
+    /// A value was read that only the machine knows.
+    guesses: bool,
 }
 
 /// Speed for a feed per revolution as long as no S is programmed, rpm.
@@ -194,7 +196,13 @@ impl OfflineMachine {
             block_skip: false,
             rpm: if settings.start_is_work_zero { settings.superman.spindle_rpm } else { DEFAULT_RPM },
             oscillation_end: None,
+            guesses: false,
         }
+    }
+
+    /// Whether a value was read that only the machine knows: what follows from it is not certain.
+    pub(super) const fn guesses(&self) -> bool {
+        self.guesses
     }
 
     /// Starts at another position: work coordinates, radius mm.
@@ -383,6 +391,8 @@ impl ExternalState for OfflineMachine {
     }
 
     fn system_variable(&mut self, number: u32) -> LiveValue {
+        // The machine changes it behind the program.
+        self.guesses |= number == system_variable::CONTACT_SEEN.first;
         if let Ok(index) = self.system_variables.binary_search_by_key(&number, |(known, _)| *known) {
             return LiveValue::Value(self.system_variables[index].1);
         }
@@ -398,6 +408,7 @@ impl ExternalState for OfflineMachine {
             let origin = self.work_offsets.origin(place);
             return axis(index as u32).map_or(none, |axis| shown(axis, origin[axis]));
         }
+        self.guesses |= !matches!(number, 5001..=5003) && number != system_variable::X_SCALE.first;
         match number {
             // No dressing point is set.
             _ if system_variable::DRESSING_POINT.index(number).is_some() => none,

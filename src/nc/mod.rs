@@ -53,7 +53,7 @@ pub use block::{Block, USUAL_OPS};
 pub use check::{CheckReport, ProgramCheck, check, check_syntax};
 pub use common_variables::{CommonVariables, VariableError};
 pub use cutter::{Compensation, CutterRangeError, CutterShape, MAX_CUTTER_RADIUS_MM, MAX_TIP};
-pub use dialect::{call_text, function_names, new_program_text};
+pub use dialect::{call_text, function_names, new_program_text, refused_words};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine, SystemVariables};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Interpreter, NextStatus};

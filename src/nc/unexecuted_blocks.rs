@@ -156,8 +156,11 @@ impl LoneBlocks {
             | E::MissingProgram
             | E::MissingTarget
             | E::UnknownG
+            | E::CycleByTable
             | E::UnknownM
             | E::UnknownH => sure(literal || without_values),
+            // Its number is computed from a local variable that has a value only in a run.
+            E::BadVariable if !is_literal(text, at + 1) && self.names_empty_local(at) => Certainty::Unknown,
             E::BadVariable | E::ReadOnly => sure(is_literal(text, at + 1) || without_values),
             E::DivisionByZero if fault.has_detail() => Certainty::Sure,
             // An IF guards against it.
@@ -174,13 +177,7 @@ impl LoneBlocks {
                 sure(without_values)
             }
             // The function of group 01 that acts decides about the words.
-            E::UnknownWord
-            | E::CommaMissing
-            | E::MissingWord
-            | E::TurningCycleWord
-            | E::EmptyWord
-            | E::AxisUnused
-            | E::ArcWithoutCentre => {
+            error if depends_on_motion(error) => {
                 let by_m = matches!(fault.error, E::MissingWord | E::EmptyWord) && !words.m.is_empty();
                 let named = has_group(GCodeGroup::Motion) || has_group(GCodeGroup::NonModal) || by_m;
                 sure(without_values && (self.motion_known || named))
@@ -206,6 +203,20 @@ const fn depends_on_position(error: E) -> bool {
             | E::ContourNotMonotone
             | E::ContourEmpty
             | E::ContourStrokes
+    )
+}
+
+/// Mistakes about which the function of group 01 decides.
+const fn depends_on_motion(error: E) -> bool {
+    matches!(
+        error,
+        E::UnknownWord
+            | E::CommaMissing
+            | E::MissingWord
+            | E::TurningCycleWord
+            | E::EmptyWord
+            | E::AxisUnused
+            | E::ArcWithoutCentre
     )
 }
 

@@ -2,9 +2,14 @@
 //! status (rows T4, L1, L4, L7, S1).
 
 use std::process::Output;
+use std::sync::Arc;
+
+use kt830::defs::kind::Dialect;
+use kt830::defs::language_row::LanguageState;
+use kt830::nc::{self, EmptyLibrary, NcSettings, SharedLibrary, Source, refused_words};
+use serde_json::Value;
 
 use crate::command::{kt830, kt830_in};
-use serde_json::Value;
 
 /// Checks a text as a file of that name.
 fn check(kind: &str, name: &str, text: &str, words: &[&str]) -> Output {
@@ -486,14 +491,17 @@ fn b2_the_table_of_codes_is_what_a_check_says() {
         let of = |class: &str| rows.iter().filter(|row| row["class"] == class).count();
         assert!(of("G") > 50 && of("M") > 30 && of("function") > 10 && of("variable") > 10, "{kind}");
         let folder = tempfile::tempdir().unwrap();
-        let g: Vec<_> = rows.iter().filter(|row| row["class"] == "G").collect();
+        // Those with a number alone; the others have examples.
+        let is_plain = |row: &&Value| row["word"].as_str().is_some_and(|word| word[1..].parse::<u16>().is_ok());
+        let g: Vec<_> = rows.iter().filter(|row| row["class"] == "G").filter(is_plain).collect();
         let text: String = g.iter().map(|row| format!("{}\n", row["word"].as_str().unwrap())).collect();
         let file = folder.path().join("O0500.NC");
         std::fs::write(&file, format!("{text}M30\n")).unwrap();
         let out = kt830(&["check", "--kind", kind, "--lang", "en", file.to_str().unwrap()]);
         let told = String::from_utf8(out.stdout).unwrap();
         for (line, row) in (1..).zip(g) {
-            let unknown = ["unknown code", "needs a spindle encoder", "does not exist on this machine"];
+            let unknown =
+                ["unknown code", "needs a spindle encoder", "does not exist on this machine", "there is no cycle G"];
             let says = |words: &&str| told.lines().any(|of| of.contains(&format!(".NC:{line}:")) && of.contains(words));
             assert_eq!(row["state"] == "refused", unknown.iter().any(says), "{kind} {row}\n{told}");
         }
@@ -502,6 +510,40 @@ fn b2_the_table_of_codes_is_what_a_check_says() {
         let out = kt830(&["codes", "--kind", kind]);
         let text = String::from_utf8(out.stdout).unwrap();
         assert!(text.contains("G0") && text.contains(word), "{text}");
+    }
+}
+
+/// Every row of statements, operators and words is proved by its example, every word of larger controls by itself.
+#[test]
+fn b2_what_the_table_says_of_a_word_is_what_a_check_says() {
+    let library: SharedLibrary = Arc::new(EmptyLibrary);
+    for dialect in [Dialect::LatheA, Dialect::Mill, Dialect::Sinumerik, Dialect::SuperMan] {
+        let settings = NcSettings::for_dialect(dialect);
+        let mistakes = |blocks: &str| {
+            // Every block of the lathe has a number of four digits.
+            let lines = blocks.lines().chain(["M02"]).zip(1..);
+            let number = |(line, n): (&str, u32)| match dialect {
+                Dialect::SuperMan => format!("N{:04} {line}\n", 10 * n),
+                Dialect::LatheA | Dialect::Mill | Dialect::Sinumerik => format!("{line}\n"),
+            };
+            let source = Arc::new(Source::new(1001, "O1001", lines.map(number).collect::<String>(), dialect));
+            let faults = nc::check(&source, &library, &settings).faults;
+            faults.iter().map(|fault| (fault.location.line, fault.to_string())).collect::<Vec<_>>()
+        };
+        assert!(dialect.language_rows().count() >= 5);
+        for row in dialect.language_rows() {
+            let found = mistakes(row.example);
+            match row.state {
+                LanguageState::Refused => {
+                    assert_eq!(found.first().map(|(line, _)| *line), Some(1), "{dialect:?} {}", row.word);
+                }
+                LanguageState::Supported | LanguageState::NoEffect => assert_eq!(found, [], "{dialect:?} {}", row.word),
+            }
+        }
+        for word in refused_words(dialect) {
+            let found = mistakes(&format!("{word}=5"));
+            assert!(found.first().is_some_and(|(line, told)| *line == 1 && told.contains(word)), "{word}: {found:?}");
+        }
     }
 }
 

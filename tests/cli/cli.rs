@@ -596,6 +596,26 @@ fn b6_what_simulates_is_refused_on_the_data_of_a_real_machine() {
     assert!(stored() == before, "the data are as they were");
 }
 
+/// A program that takes long is no endless one: the time of a run is the call's.
+#[test]
+fn b1_a_long_program_runs_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = |text: &str| {
+        let path = folder.path().join("O5001.NC");
+        std::fs::write(&path, text).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    // Two dwells of 84 minutes: nothing moves for longer than the longest dwell.
+    let dwells = program("G04 X5010.\nG04 X5010.\nM30\n");
+    let out = kt830(&["run", &dwells, "--lang", "en"]);
+    assert_eq!(status(&out), 0, "{}", errors(&out));
+    let out = kt830(&["run", &dwells, "--hours", "1", "--lang", "en"]);
+    assert!(status(&out) != 0 && errors(&out).contains("`run --hours N` gives it more"), "{}", errors(&out));
+    let endless = program("WHILE[1EQ1]DO1\nEND1\nM30\n");
+    let out = kt830(&["run", &endless, "--lang", "en"]);
+    assert!(status(&out) != 0 && errors(&out).contains("a loop at its beginning"), "{}", errors(&out));
+}
+
 /// A program of more than 128 MiB is refused with its limit, before it is read.
 #[test]
 fn b1_a_program_that_is_too_large_is_refused_with_the_limit() {

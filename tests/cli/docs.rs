@@ -6,15 +6,18 @@ use std::path::Path;
 use kt830::defs::alarm::ALARMS;
 use kt830::defs::gcode::G_CODES;
 use kt830::defs::key::Key;
+use kt830::defs::kind::{Dialect, Kind};
+use kt830::defs::language_row::LanguageState;
 use kt830::defs::mcode::{Gauge, MCODES, Request};
 use kt830::defs::param::{BITS, NUMBERS, Params};
+use kt830::defs::program_error::ProgramError;
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::sim_fault::FAULTS;
 use kt830::defs::soft_key;
 use kt830::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
 use kt830::defs::text::Text;
-use kt830::defs::{kind::Kind, program_error::ProgramError};
 use kt830::machine::{interlock::RuleOutcome, rules::RULES};
+use kt830::nc::refused_words;
 
 /// One example of every request with its name.
 const REQUEST_EXAMPLES: &[(Request, Text)] = &[
@@ -56,6 +59,7 @@ fn tables() -> String {
     keys(&mut text);
     soft_keys(&mut text);
     codes(&mut text);
+    language(&mut text);
     variables(&mut text);
     alarms(&mut text);
     interlocks(&mut text);
@@ -111,6 +115,33 @@ fn codes(text: &mut String) {
     for row in G_CODES {
         let (name, help) = (row.text, row.help);
         writeln!(text, "| G{:02} | {} | {} | {} | {} |", row.code, name.zh, name.en, help.zh, help.en).unwrap();
+    }
+}
+
+/// Statements, operators and words beside the codes, by language.
+fn language(text: &mut String) {
+    let languages = [
+        ("外圆磨 GC", Dialect::LatheA),
+        ("平磨、圆台磨 GS GA", Dialect::Mill),
+        ("立车磨 802D", Dialect::Sinumerik),
+        ("超人车床 lathe", Dialect::SuperMan),
+    ];
+    text.push_str("\n## 语句和地址 Statements and words\n\n全部代码：`kt830 codes --kind gc`。All codes: `kt830 codes --kind gc`.\n");
+    for (title, dialect) in languages {
+        write!(text, "\n### {title}\n\n| 写法 written | 状态 state | 含义 | meaning |\n|---|---|---|---|\n").unwrap();
+        for row in dialect.language_rows() {
+            let state = match row.state {
+                LanguageState::Supported => "可用 supported",
+                LanguageState::NoEffect => "无作用 no effect",
+                LanguageState::Refused => "拒绝 refused",
+            };
+            writeln!(text, "| {} | {state} | {} | {} |", row.word, row.text.zh, row.text.en).unwrap();
+        }
+        let refused = refused_words(dialect);
+        if !refused.is_empty() {
+            writeln!(text, "| {} | 拒绝 refused | 较大系统的词 | words of larger controls |", refused.join(" "))
+                .unwrap();
+        }
     }
 }
 

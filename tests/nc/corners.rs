@@ -349,7 +349,10 @@ fn b1_a_check_reads_on_behind_a_corner_that_is_refused() {
     let source = Arc::new(Source::new(1001, "O1001.NC", text, Dialect::LatheA));
     let report = check(&source, &(Arc::new(EmptyLibrary) as _), &settings);
     let found: Vec<_> = report.faults.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
-    assert_eq!(found, [(2, "corner-without-move"), (4, "unknown-word"), (5, "unknown-g"), (6, "corner-without-move")]);
+    assert_eq!(
+        found,
+        [(2, "corner-without-move"), (4, "unknown-word"), (5, "cycle-by-table"), (6, "corner-without-move")]
+    );
 }
 
 proptest! {

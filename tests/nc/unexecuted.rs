@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use kt830::defs::kind::Dialect;
 use kt830::defs::program_kind;
+use kt830::defs::text::Lang;
 use kt830::nc::{CheckReport, EmptyLibrary, Library, NcSettings, SharedLibrary, Source, check};
 use proptest::prelude::*;
 
@@ -177,6 +178,36 @@ fn b3_called_programs_are_checked_with_the_values_of_each_call() {
     // A call that the run does not reach has its values, too.
     let called = [(8100, "G01 X#1 F#2\nM99\n".to_owned())];
     assert_eq!(faults(&check_with("M30\nG65 P8100 A2 B5\n", &called)), []);
+}
+
+/// An alarm that the program raises in any case is told; not one that values decide which nobody knows yet.
+#[test]
+fn b3_an_alarm_that_the_values_of_the_call_raise_is_told() {
+    let warned = |text: &str, called: &[(u32, String)]| -> Vec<(u32, u32, &'static str)> {
+        let found = check_with(text, called).warnings;
+        found.iter().map(|fault| (fault.location.program, fault.location.line, fault.error.id())).collect()
+    };
+    let called = [(8100, "IF[#1EQ#0]THEN #3000=1(NO A)\nM99\n".to_owned())];
+    assert_eq!(warned("G65 P8100\nM30\n", &called), [(8100, 1, "alarm-reached")]);
+    assert_eq!(warned("G65 P8100 A1\nM30\n", &called), []);
+    // The operator sets #500, the machine the input, a program before #100.
+    for text in [
+        "IF[#500EQ#0]THEN #3000=1(A)\nM30\n",
+        "IF[#5821EQ0]THEN #3000=1(A)\nM30\n",
+        "IF[#100LT1]THEN #3000=1(A)\nM30\n",
+    ] {
+        assert!(!warned(text, &[]).iter().any(|(.., name)| *name == "alarm-reached"), "{text}");
+    }
+    let told = check_with("G65 P8100\nM30\n", &called).warnings[0].text(Lang::En);
+    assert!(told.contains("ends here with alarm 3001: NO A"), "{told}");
+}
+
+/// The number of a variable that is computed from an argument which the call does not give.
+#[test]
+fn b3_a_variable_of_an_argument_that_is_not_given_is_no_mistake() {
+    let called = [(8100, "IF[#16EQ#0]GOTO 2\nIF[#[5820+#16]EQ1]THEN #3000=9(A)\nN2 M99\n".to_owned())];
+    let report = check_with("G65 P8100 A1\nM30\n", &called);
+    assert_eq!((faults(&report), report.warnings.len()), (vec![], 0), "{:?}", report.warnings);
 }
 
 /// Behind the `%` that ends a text nothing is read.

@@ -38,7 +38,7 @@ impl DuplicateNumber {
     }
 }
 
-/// The place of a program in a file that begins with another one.
+/// The place of a program in a file that holds several.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FilePart {
     /// The name of the file.
@@ -64,7 +64,7 @@ pub struct StoredProgram {
     pub kinds: Vec<Kind>,
     /// Some bytes are not valid characters: the program can be shown but not edited.
     pub has_invalid_bytes: bool,
-    /// Its place, if it is not the first program of its file.
+    /// Its place, if its number is not that of its file.
     pub part: Option<FilePart>,
 }
 

@@ -116,6 +116,15 @@ pub fn new_program_text(dialect: Dialect, number: u32) -> String {
     (rules(dialect).new_program_text)(number)
 }
 
+/// The words of larger controls that a dialect refuses by name.
+#[must_use]
+pub const fn refused_words(dialect: Dialect) -> &'static [&'static str] {
+    match dialect {
+        Dialect::Sinumerik => &sinumerik::FOREIGN_WORDS,
+        Dialect::LatheA | Dialect::Mill | Dialect::SuperMan => &[],
+    }
+}
+
 /// The names of the functions of a dialect.
 pub fn function_names(dialect: Dialect) -> impl Iterator<Item = &'static str> {
     let sinumerik = dialect == Dialect::Sinumerik;

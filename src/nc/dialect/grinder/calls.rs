@@ -1,5 +1,7 @@
 //! G65 and G66 with their arguments. Source: spec B3.
 
+use std::ops::RangeInclusive;
+
 use super::auxiliary::MAX_REPEATS;
 use super::{integer, macro_a};
 use crate::nc::dialect::codes::BlockCodes;
@@ -70,6 +72,8 @@ pub(super) fn code_macro(running: &BlockContext<'_, '_>) -> Option<(Code, u32)> 
     (!is_within).then_some(called)
 }
 
+/// The shipped grinding cycles.
+const GRINDING_CYCLES: RangeInclusive<u32> = 9071..=9079;
 /// The argument of P in a call by a code.
 const P_ARGUMENT: usize = 16;
 
@@ -80,7 +84,12 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
     if let Some(other) = words.g.iter().chain(words.m.iter()).find(|other| other.at != code.at) {
         return fail2(other.at as usize, E::NotTogether, name(code), name(*other));
     }
-    let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
+    let repeats = words.take(b'L');
+    if let Some(word) = repeats.filter(|_| GRINDING_CYCLES.contains(&program)) {
+        // FANUC names a wheel-wear compensation by it; a repetition would grind the same stock again.
+        return fail2(word.at as usize, E::ForeignCycle, name(code), "L");
+    }
+    let times = repeats.map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
     *running.arguments = arguments(&words.list)?;
     // Here P names no program: the gauge signal of a grinding cycle, a dwell.
     running.arguments[P_ARGUMENT - 1] = words.take(b'P').map(|word| word.value);

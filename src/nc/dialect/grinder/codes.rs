@@ -78,13 +78,20 @@ pub(super) fn extra_work_offset(running: &mut BlockContext<'_, '_>, plan: &Block
 pub(super) fn look_up(code: Code, mill: bool) -> ReadResult<&'static GCode> {
     let (at, name) = (code.at as usize, || code.name('G', 2));
     let Some(row) = GCode::find(code.number) else {
-        return fail1(at, if matches!(code.number, 43 | 44) { E::LengthByT } else { E::UnknownG }, name());
+        let error = match code.number {
+            43 | 44 => E::LengthByT,
+            // Grinding cycles of FANUC and Allen-Bradley, drilling cycles.
+            77 | 79 | 81..=89 => E::CycleByTable,
+            _ => E::UnknownG,
+        };
+        return fail1(at, error, name());
     };
     match row.availability_on(mill) {
         Availability::Yes => Ok(row),
         Availability::NoEncoder => fail1(at, E::NoEncoderG, name()),
         Availability::No if code.number == 91 => fail(at, E::IncrementalG91),
         Availability::No if code.number == 95 => fail(at, E::FeedPerRevByG99),
+        Availability::No if mill && matches!(code.number, 71..=75) => fail1(at, E::CycleByTable, name()),
         Availability::No => fail1(at, E::WrongKindG, name()),
     }
 }

@@ -13,6 +13,7 @@ mod motion;
 mod read;
 
 pub(super) use expression::function_names;
+pub(super) use read::FOREIGN_WORDS;
 
 use super::codes::{self as shared_codes, BlockCodes};
 use super::common;

@@ -16,9 +16,11 @@ use crate::nc::words::{Assignment, BlockWords, Code, ValueKind, Word};
 use crate::units::Axis;
 
 /// Statements of larger controls of the same maker.
-const FOREIGN_WORDS: [&str; 24] = [
-    "DEF", "PROC", "ENDPROC", "EXTERN", "IF", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP",
-    "REPEAT", "REPEATB", "UNTIL", "CASE", "ROT", "AROT", "MIRROR", "SCALE", "SETAL", "SUPA", "MCALL",
+pub(in crate::nc::dialect) const FOREIGN_WORDS: [&str; 46] = [
+    "DEF", "PROC", "ENDPROC", "EXTERN", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP",
+    "REPEAT", "REPEATB", "UNTIL", "CASE", "ROT", "AROT", "MIRROR", "SCALE", "SETAL", "SUPA", "MCALL", "AR", "AP", "RP",
+    "RPL", "CT", "CIP", "TURN", "OFFN", "DISC", "DISR", "DISCL", "FAD", "FP", "SF", "POS", "POSA", "ACC", "MEAS",
+    "MEAW", "CFC", "CFTCP", "CFIN", "SPI",
 ];
 
 const IF_SYNTAX: &str = "IF a<b GOTOF …";
