@@ -38,6 +38,10 @@ pub struct WatchedMachine {
     pub written: OutputImage,
     /// Outputs that a bug keeps on.
     stuck: OutputSet,
+    /// Outputs that a bug has taken from the control.
+    forced: &'static [(Output, bool)],
+    /// The drives were on in the last tick.
+    drives_were_on: bool,
     /// A bug keeps the tailstock's valve off.
     released: bool,
     /// RESET is among the commands of this tick.
@@ -68,6 +72,8 @@ impl WatchedMachine {
             read: InputImage::default(),
             written: OutputImage::default(),
             stuck: OutputSet::NONE,
+            forced: &[],
+            drives_were_on: false,
             released: false,
             was_reset: false,
             wanted_mm: 0.0,
@@ -90,6 +96,7 @@ impl WatchedMachine {
     pub fn set_powered(&mut self, powered: bool) {
         self.powered = powered;
         (self.stuck, self.released, self.offset_mm) = (OutputSet::NONE, false, 0.0);
+        (self.forced, self.ticks) = (&[], 0);
     }
 
     /// What the operator asks for in this tick; some bugs act on it.
@@ -98,6 +105,7 @@ impl WatchedMachine {
         for command in commands {
             let Command::Press(key) = command else { continue };
             match (self.bug, key) {
+                (Some(PlantedBug::KeyForces(own, outputs)), key) if own == *key => self.forced = outputs,
                 (Some(PlantedBug::WheelIgnoresHydraulics), Key::WheelStart) if !self.is_on(Output::Hydraulic) => {
                     self.stuck.set(Output::Wheel, true);
                 }
@@ -180,6 +188,10 @@ impl WatchedMachine {
             Some(PlantedBug::OutputsOutliveThePower) if !self.powered => image.terminals = before,
             _ => {}
         }
+        if self.bug == Some(PlantedBug::PumpStartsByPowerOn) && self.powered && self.ticks > 500 {
+            image.terminals.set(port(Output::Hydraulic), true);
+        }
+        self.forced.iter().for_each(|(output, on)| image.terminals.set(port(*output), *on));
         for output in self.stuck.iter() {
             let inverts = output == Output::Hydraulic;
             let on = !(inverts && image.terminals.is_closed(port(output)));
@@ -197,7 +209,10 @@ impl WatchedMachine {
         if !image.drives_on {
             self.offset_mm = 0.0;
         }
+        let were_on = std::mem::replace(&mut self.drives_were_on, image.drives_on);
+        let goes_on = image.drives_on && !were_on;
         match self.bug {
+            Some(PlantedBug::DrivesGoOnElsewhere) if goes_on => self.offset_mm = 2.0 * JUMP_MM,
             Some(PlantedBug::AxisCreeps) if image.drives_on => self.offset_mm += 1e-5,
             Some(PlantedBug::AxisJumps) if image.drives_on && self.ticks % 30_000 == 29_999 => {
                 self.offset_mm += JUMP_MM

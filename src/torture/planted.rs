@@ -1,5 +1,24 @@
 //! Bugs that are planted at the borders of the control, to show that the invariants notice them.
 
+use crate::defs::key::{Key, Mode};
+use crate::defs::signal::Output;
+use crate::link::snapshot::{RunState, Snapshot};
+
+/// What a control says of itself in a tick; some bugs act here.
+#[derive(Clone, Copy, Debug)]
+pub struct Reported {
+    /// The state of the run.
+    pub state: RunState,
+    /// The mode.
+    pub mode: Mode,
+    /// An axis oscillates that the key has started.
+    pub oscillates_by_key: bool,
+    /// Units of work of the last tick.
+    pub work: usize,
+    /// Requests that storage has not taken.
+    pub waiting_requests: usize,
+}
+
 /// A bug. Each is a mistake that control, machine logic, storage or disk could have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantedBug {
@@ -81,13 +100,57 @@ pub enum PlantedBug {
     TableIgnoresMagnet,
     /// The outputs stay on when the bus is lost.
     OutputsOutliveTheBus,
+    /// A key acts on outputs at once: no interlock is asked.
+    KeyForces(Key, &'static [(Output, bool)]),
+    /// The hydraulic pump starts by itself after power-on.
+    PumpStartsByPowerOn,
+    /// The set-points are not where the axes are when the drives go on.
+    DrivesGoOnElsewhere,
+    /// The mode changes in a run.
+    ModeChangesInRun,
+    /// Cycle start does not ask whether an axis oscillates.
+    StartIgnoresOscillation,
+    /// RESET does not end the run.
+    RunOutlivesReset,
+    /// A tick does all the work at once.
+    TickDoesTooMuch,
+    /// Requests for storage pile up.
+    RequestsPileUp,
+    /// A lamp does not follow its output.
+    LampLies,
+    /// A position is no number.
+    PositionIsNoNumber,
+    /// An alarm has no text.
+    AlarmHasNoText,
+    /// A value that is in force was never handed over to storage.
+    ValueIsNotHandedOver,
+    /// The database is damaged in operation.
+    DatabaseIsTorn,
+    /// The copy of the data is damaged in operation.
+    CopyIsTorn,
+    /// The lock of the data outlives a power cut.
+    LockOutlivesThePower,
+    /// A power cut damages the data.
+    PowerCutDamages,
     /// The same story gives another course.
     CourseIsRandom,
 }
 
+/// The release of the part while the wheel runs: the chuck is switched off.
+const RELEASE: PlantedBug = PlantedBug::KeyForces(Key::Demagnetise, &[(Output::Magnetise, false)]);
+/// The same by a current in the other direction.
+const DEMAGNETISE: PlantedBug =
+    PlantedBug::KeyForces(Key::Demagnetise, &[(Output::Magnetise, false), (Output::Demagnetise, true)]);
+/// The wheel starts by its key alone.
+const WHEEL: PlantedBug = PlantedBug::KeyForces(Key::WheelStart, &[(Output::Wheel, true)]);
+/// The headstock starts by its key alone.
+const HEADSTOCK: PlantedBug = PlantedBug::KeyForces(Key::HeadstockHigh, &[(Output::HeadstockHigh, true)]);
+/// The coolant starts by its key alone.
+const COOLANT: PlantedBug = PlantedBug::KeyForces(Key::Coolant, &[(Output::Coolant, true)]);
+
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 40] = [
+    pub const ALL: [Self; 60] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -127,6 +190,50 @@ impl PlantedBug {
         Self::HeadstockIgnoresGuard,
         Self::TableIgnoresMagnet,
         Self::OutputsOutliveTheBus,
+        RELEASE,
+        DEMAGNETISE,
+        WHEEL,
+        HEADSTOCK,
+        COOLANT,
+        Self::PumpStartsByPowerOn,
+        Self::DrivesGoOnElsewhere,
+        Self::ModeChangesInRun,
+        Self::StartIgnoresOscillation,
+        Self::RunOutlivesReset,
+        Self::TickDoesTooMuch,
+        Self::RequestsPileUp,
+        Self::LampLies,
+        Self::PositionIsNoNumber,
+        Self::AlarmHasNoText,
+        Self::ValueIsNotHandedOver,
+        Self::DatabaseIsTorn,
+        Self::CopyIsTorn,
+        Self::LockOutlivesThePower,
+        Self::PowerCutDamages,
         Self::CourseIsRandom,
     ];
+
+    /// Changes what the control says of itself: in which tick, and whether a run was seen before.
+    pub(super) const fn tamper_reported(self, (tick, was_running): (u64, bool), reported: &mut Reported) {
+        match self {
+            Self::ModeChangesInRun if matches!(reported.state, RunState::Running) => {
+                reported.mode = if tick.is_multiple_of(2) { Mode::Manual } else { Mode::Auto };
+            }
+            Self::StartIgnoresOscillation => reported.oscillates_by_key = true,
+            Self::RunOutlivesReset if was_running => reported.state = RunState::Running,
+            Self::TickDoesTooMuch => reported.work *= 1_000_000,
+            Self::RequestsPileUp => reported.waiting_requests += 10_000,
+            _ => {}
+        }
+    }
+
+    /// Changes what the pages show.
+    pub(super) fn tamper_shown(self, shown: &mut Snapshot) {
+        match self {
+            Self::LampLies => shown.keys.iter_mut().for_each(|key| key.lamp = true),
+            Self::PositionIsNoNumber => shown.axes.0.iter_mut().for_each(|axis| axis.work = f64::NAN),
+            Self::AlarmHasNoText => shown.alarms.iter_mut().for_each(|alarm| alarm.text = Default::default()),
+            _ => {}
+        }
+    }
 }

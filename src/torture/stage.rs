@@ -1,13 +1,14 @@
 //! The stage of a tortured control: every tick is checked, and a power cut takes what was not flushed.
 
 use std::cell::RefCell;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::invariants::{Invariants, Moment};
 use super::ledger::{Ledger, first_difference, rows};
 use super::machine::WatchedMachine;
-use super::planted::PlantedBug;
+use super::planted::{PlantedBug, Reported};
 use super::simulated_disk::{DiskFaults, SimulatedDisk};
 use super::storage::DelayedStorage;
 use super::{TortureError, TraceHash};
@@ -28,13 +29,13 @@ use crate::io::random::SplitMix64;
 use crate::io::sim::{MachineFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::link::page_command::{DataChoice, PageCommand};
-use crate::link::snapshot::RunState;
+use crate::link::snapshot::{RunState, Snapshot};
 use crate::nc::CommonVariables;
 use crate::store::disk::{ObservationGuard, observe};
-use crate::store::{DataDir, Folder};
+use crate::store::{DATABASE_FILE, DataDir, Folder, RetainedDatabase};
 use crate::story::Stage;
 use crate::story::statement::DiskCondition;
-use crate::units::Micros;
+use crate::units::{Axis, Micros};
 
 /// How often pages are looked at.
 const LOOK_INTERVAL: Micros = Micros::from_millis(500);
@@ -219,22 +220,40 @@ impl TortureStage {
         is_heard
     }
 
+    /// What the pages show.
+    fn shown(&mut self) -> Snapshot {
+        let mut shown = self.host.snapshot().clone();
+        self.bug.into_iter().for_each(|bug| bug.tamper_shown(&mut shown));
+        shown
+    }
+
+    /// What the control says of itself.
+    fn reported(&self, waiting_requests: usize) -> Reported {
+        let controller = self.host.controller();
+        let mut reported = Reported {
+            state: controller.state(),
+            mode: controller.mode(),
+            oscillates_by_key: controller.oscillates_by_key(),
+            work: controller.work_of_last_tick(),
+            waiting_requests,
+        };
+        self.bug
+            .into_iter()
+            .for_each(|bug| bug.tamper_reported((self.counts.ticks, self.counts.runs > 0), &mut reported));
+        reported
+    }
+
     fn check_tick(&mut self, commands: &[Command], screen_heard: bool) {
         if self.violation.is_some() {
             return;
         }
         let (powered, waiting, now) = (self.host.is_powered(), self.host.waiting_requests(), self.host.now());
         let looks = powered && now.since(self.looked_at) >= LOOK_INTERVAL;
-        let shown = looks.then(|| self.host.snapshot().clone());
-        let moment = Moment {
-            now,
-            commands,
-            screen_heard,
-            machine: self.host.machine_side_ref(),
-            controller: self.host.controller(),
-            powered,
-            waiting_requests: waiting,
-        };
+        let shown = looks.then(|| self.shown());
+        let reported = self.reported(waiting);
+        let controller = self.host.controller();
+        let machine = self.host.machine_side_ref();
+        let moment = Moment { now, commands, screen_heard, machine, controller, reported, powered };
         let mut holds = self.invariants.check(&moment);
         if let Some(shown) = &shown {
             holds = holds.and_then(|()| self.invariants.check_shown(shown, &moment));
@@ -265,6 +284,9 @@ impl TortureStage {
         in_force.params = controller.params().clone();
         in_force.work_offsets = controller.work_offsets().clone();
         in_force.dress_points = *controller.dress_points();
+        if self.bug == Some(PlantedBug::ValueIsNotHandedOver) {
+            in_force.dress_points[Axis::X] = Some(-1.0);
+        }
         for number in (0..1_000).filter(|number| CommonVariables::is_retained(*number)) {
             // Cannot fail: the number is retained, and the control holds only valid values.
             let _ = in_force.variables.set(number, controller.variable(number));
@@ -275,16 +297,28 @@ impl TortureStage {
         if !self.host.storage().is_quiet() {
             return Ok(());
         }
-        let Some(stored) = RetainedStore::read_only(self.data.root(), self.kind) else {
+        let root = self.data.root();
+        if self.bug == Some(PlantedBug::DatabaseIsTorn) {
+            drop(std::fs::write(root.join(DATABASE_FILE), "torn"));
+        }
+        if self.bug == Some(PlantedBug::CopyIsTorn) {
+            drop(std::fs::write(root.join("retained.journal"), "torn"));
+        }
+        let (Some(whole), Some(stored)) = (RetainedDatabase::peek(root), RetainedStore::read_only(root, self.kind))
+        else {
             return Err("the database is not whole".to_owned());
         };
-        let what = first_difference(&kept, &rows(&stored));
-        what.map_or(Ok(()), |what| Err(format!("stored is not what is in force: {what}")))
+        let copy = RetainedDatabase::newest_copy(root).map(|(_, copy)| copy);
+        match first_difference(&kept, &rows(&stored)) {
+            Some(what) => Err(format!("stored is not what is in force: {what}")),
+            None if copy.as_ref() != Some(&whole) => Err("the copy is not what is stored".to_owned()),
+            None => Ok(()),
+        }
     }
 
     /// Flips bits of the database, as a failing disk does. True if there was something to flip.
     fn flip_bits(&mut self) -> bool {
-        let path = self.data.root().join("retained.redb");
+        let path = self.data.root().join(DATABASE_FILE);
         let Ok(mut bytes) = std::fs::read(&path) else { return false };
         for _ in 0..self.flips {
             let at = (self.chance.next_unit() * bytes.len() as f64) as usize;
@@ -303,6 +337,13 @@ impl TortureStage {
             drop(std::fs::write(self.data.root().join("retained.journal"), ""));
         }
         let flipped = self.flips > 0 && self.flip_bits();
+        let lock = self.data.root().join("retained.lock");
+        let held = (self.bug == Some(PlantedBug::LockOutlivesThePower))
+            .then(|| File::options().create(true).truncate(false).write(true).open(lock));
+        held.iter().flatten().for_each(|file| drop(file.lock()));
+        if self.bug == Some(PlantedBug::PowerCutDamages) {
+            drop(std::fs::write(self.data.root().join(DATABASE_FILE), "damaged"));
+        }
         let OpenedStorage { storage, retained, standing } = open_storage(&self.data, self.kind)
             .map_err(|error| format!("the control does not start again: {error}"))?;
         let was_damaged = self.damaged;

@@ -27,8 +27,8 @@ impl CourseRules {
             return Ok(());
         }
         let controller = moment.controller;
-        let now = (controller.state(), controller.mode(), moment.outputs_on());
-        let oscillated = std::mem::replace(&mut self.oscillated, controller.oscillates_by_key());
+        let now = (moment.reported.state, moment.reported.mode, moment.outputs_on());
+        let oscillated = std::mem::replace(&mut self.oscillated, moment.reported.oscillates_by_key);
         if moment.machine.read.bus_alive {
             self.bus_seen = moment.now;
         }
@@ -54,7 +54,7 @@ impl CourseRules {
         before: (RunState, Mode, OutputSet),
         oscillated: bool,
     ) -> Result<(), String> {
-        let (state, mode) = (moment.controller.state(), moment.controller.mode());
+        let (state, mode) = (moment.reported.state, moment.reported.mode);
         let runs_on = before.0 == RunState::Running && state == RunState::Running;
         hold("the mode changes in a run", !runs_on || mode == before.1)?;
         let starts =
@@ -73,7 +73,7 @@ impl CourseRules {
             }
             // An alarm of the same tick stops more than RESET does.
             let undisturbed =
-                !moment.is_e_stopped() && moment.machine.read.bus_alive && moment.controller.state() != RunState::Alarm;
+                !moment.is_e_stopped() && moment.machine.read.bus_alive && moment.reported.state != RunState::Alarm;
             for output in LEFT_BY_RESET.into_iter().filter(|_| undisturbed) {
                 hold_output("changes by RESET", output, before.has(output) == on.has(output))?;
             }
@@ -81,6 +81,6 @@ impl CourseRules {
             self.reset_at = None;
         }
         let over = self.reset_at.is_none_or(|at| moment.now.since(at) <= BRAKING);
-        hold("a run goes on after RESET", over || !moment.controller.state().is_active())
+        hold("a run goes on after RESET", over || !moment.reported.state.is_active())
     }
 }

@@ -7,6 +7,7 @@ mod outputs;
 mod screen;
 
 use super::machine::WatchedMachine;
+use super::planted::Reported;
 use crate::controller::{Controller, WORK_PER_TICK};
 use crate::defs::key::{Key, Lamp};
 use crate::defs::signal::{Input, Output, OutputSet};
@@ -38,10 +39,10 @@ pub struct Moment<'a> {
     pub machine: &'a WatchedMachine,
     /// The control.
     pub controller: &'a Controller,
+    /// What it says of itself.
+    pub reported: Reported,
     /// Whether the control has power.
     pub powered: bool,
-    /// Requests that storage has not taken.
-    pub waiting_requests: usize,
 }
 
 impl Moment<'_> {
@@ -118,12 +119,12 @@ impl Invariants {
             return Ok(());
         }
         self.check_start_of_run(moment)?;
-        let controller = moment.controller;
-        if controller.work_of_last_tick() > MAX_WORK {
-            return Err(format!("a tick has cost {} units of work", controller.work_of_last_tick()));
+        let Reported { work, waiting_requests, .. } = moment.reported;
+        if work > MAX_WORK {
+            return Err(format!("a tick has cost {work} units of work"));
         }
-        if moment.waiting_requests > MAX_WAITING_REQUESTS {
-            return Err(format!("{} requests wait for storage", moment.waiting_requests));
+        if waiting_requests > MAX_WAITING_REQUESTS {
+            return Err(format!("{waiting_requests} requests wait for storage"));
         }
         Ok(())
     }
@@ -144,7 +145,7 @@ impl Invariants {
             self.asked_to_start = Some(moment.now);
         }
         self.external_start = external;
-        let before = std::mem::replace(&mut self.state, moment.controller.state());
+        let before = std::mem::replace(&mut self.state, moment.reported.state);
         let asked = self.asked_to_start.is_some_and(|asked| moment.now.since(asked) <= START_TIME);
         match (before.is_active(), self.state.is_active()) {
             (false, true) if !asked => Err(format!("{} after {} without the operator", self.state.id(), before.id())),

@@ -101,7 +101,7 @@ impl OutputRules {
                 (self.asked, self.asked_since_power_on) = (Some(moment.now), true);
             }
         }
-        if matches!(moment.controller.state(), RunState::Running | RunState::Waiting) {
+        if matches!(moment.reported.state, RunState::Running | RunState::Waiting) {
             self.asked = Some(moment.now);
         }
         self.waits_for_reset |= moment.is_e_stopped() || self.screen_e_stop;
@@ -211,7 +211,7 @@ impl OutputRules {
         let latest = params.millis(param::INPUT_FILTER) + REACTION;
         let open = params.input_port(Input::GuardClosed) != 0
             && self.guard_seen.is_none_or(|seen| moment.now.since(seen) > latest);
-        let runs = matches!(moment.controller.state(), RunState::Running | RunState::Waiting);
+        let runs = matches!(moment.reported.state, RunState::Running | RunState::Waiting);
         for output in WORK_DRIVES {
             hold_output("starts with the guard open", output, !(open && on.has(output) && !before.has(output)))?;
             hold_output("turns in a run with the guard open", output, !(open && runs && on.has(output)))?;

@@ -3,7 +3,21 @@
 use super::outputs::OFF_IN_AN_EMERGENCY;
 use super::{BRAKING, Moment, REACTION, hold, hold_output};
 use crate::defs::param;
+use crate::link::command::Command;
+use crate::link::page_command::PageCommand;
 use crate::units::Micros;
+
+/// Whether the disk tells something: that is no word of the screen.
+const fn is_of_storage(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::Stored(_)
+            | Command::DiskFailed(_)
+            | Command::ScreensLoaded(_)
+            | Command::WallClock(_)
+            | Command::Page(PageCommand::StorageAnswered(_))
+    )
+}
 
 /// Since when the screen is silent, while nothing else was asked for.
 #[derive(Default)]
@@ -19,7 +33,7 @@ impl ScreenRules {
         }
         if moment.screen_heard {
             self.heard = Some(moment.now);
-        } else if !moment.commands.is_empty() {
+        } else if !moment.commands.iter().all(is_of_storage) {
             // A screen that hangs asks for nothing.
             self.heard = None;
         }
