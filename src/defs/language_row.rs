@@ -1,5 +1,5 @@
 //! Statements, operators and words of the languages, beside their codes: what the control does with each. Every row has a
-//! program of a few lines that proves it. Source: spec B1, B3, L2, S1; FANUC B-64304 (custom macro); issue of each word.
+//! program of a few lines that proves it. Source: spec B1, B3, L2, S1; FANUC B-64304 (custom macro).
 
 use super::text::Text;
 
@@ -82,7 +82,7 @@ language! {
     "word", "S", Supported, "转速", "speed", "S100";
     "word", "T", Supported, "刀具和刀补 T0101", "tool and offset T0101", "T0101";
     "word", "M", Supported, "辅助功能", "auxiliary function", "M08";
-    "word", "P Q L", Supported, "程序号、段号、次数、暂停", "program, block, number of times, dwell", "G04 P100";
+    "word", "P", Supported, "程序号、段号、暂停 ms", "program, block, dwell in ms", "G04 P100";
     "word", "N", Supported, "段号", "block number", "N10 G04 P1";
     "word", "O", Supported, "程序号，1–8 位", "program number of 1 to 8 digits", "O2001";
     "word", ":n", Supported, "程序号，同 O", "program number as O", ":2001";
@@ -120,7 +120,6 @@ language! {
     "word", "X Z", Supported, "坐标", "coordinates", "G0 X1 Z1";
     "word", "I K", Supported, "圆心，从起点量", "centre of an arc from its start", "G0 X10 Z0\nG2 X20 Z-5 I0 K-5 F10";
     "word", "F S M N", Supported, "进给、转速、辅助功能、段号", "feed, speed, auxiliary function, block number", "N10 G94 G1 X1 F10 S100 M8";
-    "word", "P", Supported, "子程序次数", "number of runs of a subprogram", "R1=0";
     "word", "D", Supported, "刀补号", "number of the tool offset", "T1 D1";
     "word", "/", Supported, "跳段", "block skip", "/G4 F1";
     "word", ";", Supported, "注释", "comment", "G4 F1 ; TEXT";

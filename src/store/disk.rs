@@ -117,10 +117,7 @@ pub(super) fn append(file: &mut File, path: &Path, length: u64, bytes: &[u8]) ->
     tell(DiskChange::Write { file: path, offset: length, bytes })?;
     file.seek(SeekFrom::Start(length))?;
     file.write_all(bytes)?;
-    match tell(DiskChange::FlushFile(path))? {
-        true => Ok(()),
-        false => file.sync_data(),
-    }
+    flush_file(file, path)
 }
 
 /// Makes what was written to a file durable.

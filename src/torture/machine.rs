@@ -23,6 +23,8 @@ use crate::units::{Axis, Micros};
 /// How far a planted jump goes, mm.
 const JUMP_MM: f64 = 0.05;
 
+/// Ticks after power-on before a bug acts: the inputs are read by then.
+const QUIET_TICKS: u64 = 500;
 /// In so many ticks the axes are homed.
 const HOMING_TICKS: u64 = 10_000;
 
@@ -186,10 +188,10 @@ impl WatchedMachine {
             Some(PlantedBug::ResetStopsCoolant) if self.was_reset => image.terminals.set(port(Output::Coolant), false),
             Some(PlantedBug::OutputsOutliveTheBus) if !self.read.bus_alive => keep(&mut image.terminals, Output::Wheel),
             Some(PlantedBug::OutputsOutliveThePower) if !self.powered => image.terminals = before,
+            Some(PlantedBug::PumpStartsByPowerOn) if self.powered && self.ticks > QUIET_TICKS => {
+                image.terminals.set(port(Output::Hydraulic), true);
+            }
             _ => {}
-        }
-        if self.bug == Some(PlantedBug::PumpStartsByPowerOn) && self.powered && self.ticks > 500 {
-            image.terminals.set(port(Output::Hydraulic), true);
         }
         self.forced.iter().for_each(|(output, on)| image.terminals.set(port(*output), *on));
         for output in self.stuck.iter() {

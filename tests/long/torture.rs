@@ -292,15 +292,17 @@ fn every_rule_is_broken_by_a_planted_bug() {
     let mut rules = 0;
     for file in files.chain([stage]) {
         let text = std::fs::read_to_string(&file).unwrap();
-        let calls = ["hold(\"", "hold_output(\"", "Err(\"", "Err(format!(\"", "format!(\"", "=> Err(\""];
-        for call in calls {
+        for call in ["hold(\"", "hold_output(\"", "Err(\"", "format!(\""] {
             for behind in text.split(call).skip(1) {
                 let rule = behind.split('"').next().unwrap();
-                // The longest part without a value.
-                let part = rule.split(['{', '}']).filter(|part| part.len() > 7).max_by_key(|part| part.len());
-                let Some(part) = part.map(str::trim).filter(|part| !NO_RULES.contains(part)) else { continue };
+                // A part without a value is enough.
+                let mut parts = rule.split(['{', '}']).map(str::trim).filter(|part| part.len() > 7).peekable();
+                if parts.peek().is_none() || NO_RULES.iter().any(|none| rule.contains(none)) {
+                    continue;
+                }
                 rules += 1;
-                assert!(shown.iter().any(|shown| shown.contains(part) || part.contains(shown)), "{part:?} of {rule:?}");
+                let is_shown = |part: &str| shown.iter().any(|shown| shown.contains(part) || part.contains(shown));
+                assert!(parts.any(is_shown), "{rule:?}");
             }
         }
     }
@@ -308,8 +310,7 @@ fn every_rule_is_broken_by_a_planted_bug() {
 }
 
 /// Texts that tell of no rule of their own, and the rapid speed: the rule of acceleration comes before it.
-const NO_RULES: [&str; 4] =
-    ["simulated disk:", "mm/s², more than", "does not show its output", "mm/s, above its rapid speed"];
+const NO_RULES: [&str; 2] = ["simulated disk:", "above its rapid speed"];
 
 fn missed((bug, rule, kind, story): (PlantedBug, &'static str, Kind, &'static str)) -> Result<(), String> {
     if story.is_empty() {

@@ -119,10 +119,7 @@ pub fn new_program_text(dialect: Dialect, number: u32) -> String {
 /// The words of larger controls that a dialect refuses by name.
 #[must_use]
 pub const fn refused_words(dialect: Dialect) -> &'static [&'static str] {
-    match dialect {
-        Dialect::Sinumerik => &sinumerik::FOREIGN_WORDS,
-        Dialect::LatheA | Dialect::Mill | Dialect::SuperMan => &[],
-    }
+    rules(dialect).refused_words
 }
 
 /// The names of the functions of a dialect.

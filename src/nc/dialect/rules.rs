@@ -118,6 +118,8 @@ pub(crate) struct DialectRow {
     pub preflight_scope: PreflightScope,
     /// The code that ends a program, if a program without blocks is a mistake; not for a single MDI line (L1).
     pub required_end_code: Option<&'static str>,
+    /// Words of larger controls that are refused by name.
+    pub refused_words: &'static [&'static str],
     /// There are labels (`AA1:`), each unique in a program.
     pub has_labels: bool,
     /// There are macro statements (`#1=…`, IF, WHILE, GOTO).

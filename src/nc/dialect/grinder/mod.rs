@@ -52,6 +52,7 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
         },
         preflight_scope: PreflightScope::Unsupported,
         required_end_code: None,
+        refused_words: &[],
         has_labels: false,
         has_macros: true,
     };

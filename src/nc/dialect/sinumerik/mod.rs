@@ -13,7 +13,6 @@ mod motion;
 mod read;
 
 pub(super) use expression::function_names;
-pub(super) use read::FOREIGN_WORDS;
 
 use super::codes::{self as shared_codes, BlockCodes};
 use super::common;
@@ -59,6 +58,7 @@ impl DialectRules for Sinumerik {
         call_limit: |_| CallLimit { depth: L_DEPTH, name: "L" },
         preflight_scope: PreflightScope::TextOnly,
         required_end_code: None,
+        refused_words: &read::FOREIGN_WORDS,
         has_labels: true,
         has_macros: true,
     };

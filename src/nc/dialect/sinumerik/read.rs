@@ -16,7 +16,7 @@ use crate::nc::words::{Assignment, BlockWords, Code, ValueKind, Word};
 use crate::units::Axis;
 
 /// Statements of larger controls of the same maker.
-pub(in crate::nc::dialect) const FOREIGN_WORDS: [&str; 46] = [
+pub(super) const FOREIGN_WORDS: [&str; 46] = [
     "DEF", "PROC", "ENDPROC", "EXTERN", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP",
     "REPEAT", "REPEATB", "UNTIL", "CASE", "ROT", "AROT", "MIRROR", "SCALE", "SETAL", "SUPA", "MCALL", "AR", "AP", "RP",
     "RPL", "CT", "CIP", "TURN", "OFFN", "DISC", "DISR", "DISCL", "FAD", "FP", "SF", "POS", "POSA", "ACC", "MEAS",

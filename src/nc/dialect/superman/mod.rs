@@ -48,6 +48,7 @@ impl DialectRules for SuperMan {
         call_limit: |_| CallLimit { depth: COUNTED_DEPTH, name: "M98" },
         preflight_scope: PreflightScope::FullRun,
         required_end_code: Some("M02"),
+        refused_words: &[],
         has_labels: false,
         has_macros: false,
     };
