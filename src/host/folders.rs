@@ -24,8 +24,9 @@ use crate::link::snapshot::DirectoryRow;
 use crate::nc::program_uses::UnitUse;
 use crate::nc::{ProgramPart, Source, program_parts};
 use crate::store::{
-    DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
-    PICTURE_LABELS, PROGRAM, ProgramFolder, decode, folder_of, list_named_programs, program_stem, stamp,
+    DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, ListedFile, NamedProgram, PAGE_TEXT,
+    PAGE_TEXT_EN, PICTURE, PICTURE_LABELS, PROGRAM, PROGRAMS_LIMIT, ProgramFolder, decode, folder_of,
+    list_named_programs, program_stem, stamp,
 };
 
 /// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
@@ -118,14 +119,21 @@ impl Folders {
     /// The folder cannot be listed.
     pub fn read_programs(&self) -> Result<(Programs, Vec<DirectoryRow>), FolderError> {
         if self.by_name {
-            return Ok(self.read_named());
+            return self.read_named();
         }
         let folder = Folder::new(&self.programs);
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
+        let mut budget = ReadBudget(PROGRAMS_LIMIT);
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
             let programs = read
                 .map(|read| programs_from_file(row.number, &read.name, read.bytes, self.dialect, ProgramUse::Pages));
-            for program in programs.unwrap_or_default() {
+            let programs = match programs {
+                Ok(programs) => programs,
+                // Deleted since it was listed.
+                Err(FolderError::Missing { .. }) => return,
+                Err(error) => return directory.push((false, unread_row(row, &error))),
+            };
+            for program in programs {
                 let (english, kinds) = (english_title(&program), program.kinds.clone());
                 let own = match &program.part {
                     None => DirectoryRow { english, kinds, ..row.clone() },
@@ -139,13 +147,13 @@ impl Folders {
             let (name, modified) = (program_number::name_of(number), time_text(modified));
             let (english, kinds) = (None, Vec::new());
             let row = DirectoryRow { number, name, size, comment, english, modified, kinds };
-            add(folder.read(&PROGRAM, number), row);
+            add(budget.read(folder.path(), &row, || folder.read(&PROGRAM, number)), row);
         }
         for NamedProgram { stem, name: file, size, modified, comment } in list_named_programs(&self.programs)? {
             let (number, modified) = (program_number::from_name(&stem), time_text(modified));
             let (english, kinds) = (None, Vec::new());
             let row = DirectoryRow { number, name: stem, size, comment, english, modified, kinds };
-            add(folder.read_named(&PROGRAM, &file), row);
+            add(budget.read(folder.path(), &row, || folder.read_named(&PROGRAM, &file)), row);
         }
         // The parts of files stand among the numbers; one row for each. Names follow in their order.
         let place = |row: &DirectoryRow| if program_number::is_o_number(row.number) { row.number } else { u32::MAX };
@@ -162,23 +170,34 @@ impl Folders {
         Ok((programs, directory))
     }
 
-    /// Reads programs with names in alphabetical order (L1). Skips a file that cannot be read.
-    fn read_named(&self) -> (Programs, Vec<DirectoryRow>) {
+    /// Reads programs with names in alphabetical order (L1).
+    fn read_named(&self) -> Result<(Programs, Vec<DirectoryRow>), FolderError> {
         let shelf = self.program_folder();
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
-        for file in shelf.list().unwrap_or_default() {
-            let Ok(FileContent { name, bytes }) = shelf.read(&file.name) else { continue };
-            let size = bytes.len() as u64;
+        let mut budget = ReadBudget(PROGRAMS_LIMIT);
+        for ListedFile { name, size } in shelf.list()? {
             let stem = program_number::stem(&name).to_ascii_uppercase();
-            let program = program_from_bytes(program_number::from_name(&stem), &name, bytes, self.dialect);
-            let comment = program.source.comment_title().unwrap_or_default();
             let told = self.programs.join(&name).metadata().ok();
             let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
-            let (number, english, kinds) = (program.number, english_title(&program), program.kinds.clone());
-            directory.push(DirectoryRow { number, name: stem, size, comment, english, modified, kinds });
+            let number = program_number::from_name(&stem);
+            let (comment, english, kinds) = (String::new(), None, Vec::new());
+            let row = DirectoryRow { number, name: stem, size, comment, english, modified, kinds };
+            let FileContent { name, bytes } = match budget.read(&self.programs, &row, || shelf.read(&name)) {
+                Ok(read) => read,
+                Err(FolderError::Missing { .. }) => continue,
+                Err(error) => {
+                    directory.push(unread_row(row, &error));
+                    continue;
+                }
+            };
+            let size = bytes.len() as u64;
+            let program = program_from_bytes(number, &name, bytes, self.dialect);
+            let comment = program.source.comment_title().unwrap_or_default();
+            let (english, kinds) = (english_title(&program), program.kinds.clone());
+            directory.push(DirectoryRow { size, comment, english, kinds, ..row });
             rows.push(program);
         }
-        (Programs::new(rows), directory)
+        Ok((Programs::new(rows), directory))
     }
 
     /// Reads every page text and picture.
@@ -208,6 +227,33 @@ pub enum ProgramUse {
     Pages,
     /// To be executed or checked: the text that pages show is left out. It would take the memory of the file once more.
     Execution,
+}
+
+/// What may still be read of a folder, bytes.
+struct ReadBudget(u64);
+
+impl ReadBudget {
+    /// Reads the file of a row, if it fits.
+    fn read(
+        &mut self,
+        folder: &Path,
+        row: &DirectoryRow,
+        read: impl FnOnce() -> Result<FileContent, FolderError>,
+    ) -> Result<FileContent, FolderError> {
+        // A file that is too large by itself says so.
+        if row.size > self.0 && row.size <= PROGRAM.limit {
+            return Err(FolderError::FolderTooLarge { path: folder.join(&row.name), limit: PROGRAMS_LIMIT });
+        }
+        let found = read()?;
+        self.0 = self.0.saturating_sub(found.bytes.len() as u64);
+        Ok(found)
+    }
+}
+
+/// The row of a file that was not read: why. It cannot be loaded.
+fn unread_row(row: DirectoryRow, error: &FolderError) -> DirectoryRow {
+    let why = error.message();
+    DirectoryRow { comment: why.zh().into_owned(), english: Some(why.en().into_owned()), ..row }
 }
 
 /// The kinds that a program names in its first lines.
@@ -487,4 +533,31 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
     decoded.to_rgb8().write_to(&mut Cursor::new(&mut png), ImageFormat::Png).map_err(damaged)?;
     png.shrink_to_fit();
     Ok(Picture(png))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, size: u64) -> DirectoryRow {
+        DirectoryRow { name: name.to_owned(), size, ..DirectoryRow::default() }
+    }
+
+    #[test]
+    fn b1_a_program_beyond_the_limit_of_the_folder_is_not_read_and_a_smaller_one_is() {
+        let mut budget = ReadBudget(10);
+        let mut read = |name: &str, size: u64| {
+            let bytes = vec![b' '; size as usize];
+            budget.read(Path::new("programs"), &row(name, size), || Ok(FileContent { name: name.to_owned(), bytes }))
+        };
+        assert!(read("O0001", 6).is_ok());
+        let refused = read("O0002", 5).unwrap_err();
+        let told = unread_row(row("O0002", 5), &refused);
+        assert_eq!(
+            told.english.unwrap(),
+            "O0002 is not read: all programs together are larger than 256 MB: delete some"
+        );
+        assert!(read("O0003", 4).is_ok());
+        assert!(read("O0004", 1).is_err());
+    }
 }

@@ -20,6 +20,28 @@ const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
     }
 }
 
+/// What is known of data that were lost and that nobody has accepted yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LostData {
+    /// Nothing was lost.
+    None,
+    /// A copy took their place: it holds the passwords of its time.
+    Restored,
+    /// No copy was whole.
+    Whole,
+}
+
+/// State of the copy of the passwords beside the database.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CopyState {
+    /// Whole; without rows nothing was changed.
+    Whole,
+    /// Damaged.
+    Damaged,
+    /// There is none.
+    Missing,
+}
+
 /// Hashes of the changed passwords, and the folder of the settings.
 #[derive(Clone, Debug, Default)]
 pub struct PasswordStore {
@@ -31,16 +53,38 @@ pub struct PasswordStore {
 
 impl PasswordStore {
     /// Takes the passwords from retained data, where they lack one from the copy beside them; settings are stored in
-    /// `folder`. With data that were lost and a damaged copy, what has no password is locked.
+    /// `folder`. With data that were lost and a damaged copy, or with neither, what has no password is locked.
     #[must_use]
-    pub fn new(loaded: &RetainedData, is_lost: bool, folder: PathBuf) -> Self {
-        let (copy, is_damaged) = Self::copy_in(&folder);
+    pub fn new(loaded: &RetainedData, lost: LostData, folder: PathBuf) -> Self {
+        let (copy, state) = Self::copy_in(&folder);
+        let is_locked = match lost {
+            LostData::None => false,
+            LostData::Restored => state == CopyState::Damaged,
+            LostData::Whole => state != CopyState::Whole,
+        };
         let found = |guard: PasswordScope| {
             let row = password_row(guard).0;
             Some((guard, loaded.texts.get(row).or_else(|| copy.get(row))?.clone()))
         };
         let hashes: BTreeMap<_, _> = PasswordScope::ALL.into_iter().filter_map(found).collect();
-        Self { is_locked: is_damaged && is_lost, hashes, folder: Some(folder) }
+        Self { is_locked, hashes, folder: Some(folder) }
+    }
+
+    /// Writes the copy beside the database, if it lacks something that is known. What is locked stays as it is.
+    ///
+    /// # Errors
+    /// A disk error; the old copy stays.
+    pub(super) fn complete_copy(&self) -> Result<(), RonError> {
+        let is_complete = |folder: &Path| Self::copy_in(folder) == (self.rows(), CopyState::Whole);
+        match self.is_locked || self.folder.as_deref().is_none_or(is_complete) {
+            true => Ok(()),
+            false => self.write_copy(),
+        }
+    }
+
+    /// The rows of the copy.
+    fn rows(&self) -> BTreeMap<String, String> {
+        self.hashes.iter().map(|(guard, hash)| (password_row(*guard).0.to_owned(), hash.clone())).collect()
     }
 
     /// The rows of the passwords in retained data.
@@ -50,16 +94,16 @@ impl PasswordStore {
         rows.map(|(key, hash)| (key.clone(), hash.clone())).collect()
     }
 
-    /// The rows of the copy beside the database, and whether it is damaged: an older copy lacks the last change.
-    pub(super) fn copy_in(folder: &Path) -> (BTreeMap<String, String>, bool) {
+    /// The rows of the copy beside the database, and its state: an older copy lacks the last change.
+    pub(super) fn copy_in(folder: &Path) -> (BTreeMap<String, String>, CopyState) {
         let read = ron_file::read::<BTreeMap<String, String>>(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict);
         match read {
             Ok(found) => {
                 let is_damaged = found.warnings.iter().any(RonWarning::is_damage);
-                (found.value, is_damaged)
+                (found.value, if is_damaged { CopyState::Damaged } else { CopyState::Whole })
             }
-            Err(RonError::Missing(_)) => (BTreeMap::new(), false),
-            Err(_) => (BTreeMap::new(), true),
+            Err(RonError::Missing(_)) => (BTreeMap::new(), CopyState::Missing),
+            Err(_) => (BTreeMap::new(), CopyState::Damaged),
         }
     }
 
@@ -124,15 +168,13 @@ impl PasswordStore {
             store.commit(&[change]).map_err(error_text)?;
         }
         self.hashes.insert(guard, hash);
-        self.write_copy()
+        self.write_copy().map_err(error_text)
     }
 
     /// Writes the hashes beside the database.
-    fn write_copy(&self) -> Result<(), LocalizedText> {
+    fn write_copy(&self) -> Result<(), RonError> {
         let Some(folder) = &self.folder else { return Ok(()) };
-        let rows: BTreeMap<String, String> =
-            self.hashes.iter().map(|(guard, hash)| (password_row(*guard).0.to_owned(), hash.clone())).collect();
-        ron_file::write(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict, &rows).map_err(error_text)
+        ron_file::write(&folder.join(PASSWORD_FILE), ChecksumPolicy::Strict, &self.rows())
     }
 
     fn update_settings(&self, change: impl FnOnce(&mut StoredSettings)) -> Result<(), LocalizedText> {

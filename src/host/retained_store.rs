@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime};
 use chrono::{DateTime, Local};
 
 use super::folders::time_text;
-use super::password_store::PasswordStore;
+use super::password_store::{LostData, PasswordStore};
 use crate::controller::{PowerOnState, StorageRequest};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
@@ -130,11 +130,18 @@ impl RetainedStore {
         if loss.is_some() {
             retained.kept_states = kept_states(folder, kind).into();
         }
-        let passwords = PasswordStore::new(&loaded, loss.is_some(), folder.to_path_buf());
+        let lost = match &loss {
+            None => LostData::None,
+            Some(loss) if loss.state_of.is_some() => LostData::Restored,
+            Some(_) => LostData::Whole,
+        };
+        let passwords = PasswordStore::new(&loaded, lost, folder.to_path_buf());
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
         let mut store = Self { database: opened.database, passwords, unsaved, refused, folder, kept_at };
         let bound = if store.unsaved.is_empty() { Ok(0) } else { store.commit(&[]) };
         let bound = bound.and_then(|_| store.write_kind(kind));
+        let copied = store.passwords.complete_copy();
+        let bound = bound.and(copied.map_err(|error| RetainedError::Copy(error.to_string())));
         // A disk that takes nothing is an alarm, not a dead panel: the values are whole, and each commit tries again.
         let unwritable = opened.unwritable.map_or(Ok(()), Err).and(replaced).and(raised).and(bound);
         let unkept = unwritable.and_then(|_| store.keep_generation()).err().map(|error| error.to_string());
@@ -156,7 +163,7 @@ impl RetainedStore {
             return Ok(());
         }
         let written = ron_file::write(&self.folder.join(KIND_FILE), ChecksumPolicy::Strict, &kind);
-        written.map_err(|error| RetainedError::Generation(error.to_string()))
+        written.map_err(|error| RetainedError::Copy(error.to_string()))
     }
 
     /// The data of a directory for a check: nothing is written, and a running control is not disturbed. `None` without
@@ -175,7 +182,7 @@ impl RetainedStore {
         self.kept_at = Instant::now();
         // What nobody has accepted never takes the place of a good state.
         if !data.texts.contains_key(LOSS) && data.generation.0 > 0 {
-            generations::keep(&self.folder, &data).map_err(|error| RetainedError::Generation(error.to_string()))?;
+            generations::keep(&self.folder, &data).map_err(|error| RetainedError::Copy(error.to_string()))?;
         }
         Ok(())
     }

@@ -4,6 +4,8 @@ use crate::defs::program_number;
 
 /// Maximum size of a part program, bytes: some five million blocks.
 pub const PROGRAM_LIMIT: u64 = 128 * 1024 * 1024;
+/// Maximum size of all programs of a folder together, bytes: they stay in memory, with text and index.
+pub const PROGRAMS_LIMIT: u64 = 2 * PROGRAM_LIMIT;
 /// Maximum size of a text named in a call or a story (story, part, leadscrew table), bytes.
 pub const TEXT_LIMIT: u64 = 16 * 1024 * 1024;
 /// Maximum size of a page text, bytes; a real one has 22 short lines.

@@ -48,6 +48,14 @@ pub enum FolderError {
         /// The largest size in bytes.
         limit: u64,
     },
+    /// With it the files of the folder are together larger than allowed.
+    #[error("{}: not read: all files of the folder together are larger than {} MB; delete some", .path.display(), .limit >> 20)]
+    FolderTooLarge {
+        /// The path of the file.
+        path: PathBuf,
+        /// The largest size of all files together, bytes.
+        limit: u64,
+    },
     /// It changed while it was read.
     #[error("{}: still being written; wait until it is copied and try again", .0.display())]
     BeingWritten(PathBuf),
@@ -67,7 +75,7 @@ impl FolderError {
             Self::Missing { name, .. } | Self::BadName { name, .. } => name.clone(),
             Self::BadNumber(number, _) => number.to_string(),
             Self::NotRegular(path) | Self::BeingWritten(path) | Self::Exists(path) => file_name(path),
-            Self::TooLarge { path, .. } => file_name(path),
+            Self::TooLarge { path, .. } | Self::FolderTooLarge { path, .. } => file_name(path),
             Self::Io(fault) => return LocalizedText::new(fault.zh(), fault.en()),
         };
         let of = |zh: &str, en: &str| LocalizedText::new(format!("{name} {zh}"), format!("{name} {en}"));
@@ -76,6 +84,10 @@ impl FolderError {
             Self::TooLarge { size, limit, .. } => {
                 of(&format!("太大：{size} 字节，最多 {limit}"), &format!("is too large: {size} bytes, {limit} at most"))
             }
+            Self::FolderTooLarge { limit, .. } => of(
+                &format!("未读入：全部程序超过 {} MB，请删除不用的", limit >> 20),
+                &format!("is not read: all programs together are larger than {} MB: delete some", limit >> 20),
+            ),
             Self::NotRegular(_) => {
                 of("是链接或目录，请换成文件本身", "is a link or a folder: put the file itself there")
             }

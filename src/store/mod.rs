@@ -36,7 +36,7 @@ pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode, encode};
 pub use file_class::{
     CommentSource, FileClass, PAGE_FILES, PAGE_TEXT, PAGE_TEXT_EN, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LABELS,
-    PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT, TEXT_LIMIT,
+    PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT, PROGRAMS_LIMIT, TEXT_LIMIT,
 };
 pub use folder::{FileContent, Folder, FolderError, read_regular_file};
 pub use folder_watch::{FolderChange, FolderWatch, POLL_INTERVAL};

@@ -10,7 +10,7 @@ use crate::defs::kind::Kind;
 use crate::defs::text::Lang;
 
 /// The file's name.
-const FILE: &str = "settings.ron";
+pub(super) const SETTINGS_FILE: &str = "settings.ron";
 
 /// The settings; the caller provides defaults for `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ impl StoredSettings {
     /// # Errors
     /// As [`Self::read`].
     pub fn read_with_warnings(folder: &Path) -> Result<(Self, Vec<RonWarning>), RonError> {
-        match ron_file::read(&folder.join(FILE), ChecksumPolicy::Lenient) {
+        match ron_file::read(&folder.join(SETTINGS_FILE), ChecksumPolicy::Lenient) {
             Ok(found) => Ok((found.value, found.warnings)),
             Err(RonError::Missing(_)) => Ok((Self::default(), Vec::new())),
             Err(error) => Err(error),
@@ -54,6 +54,6 @@ impl StoredSettings {
     /// # Errors
     /// A disk error; the old file stays.
     pub fn write(&self, folder: &Path) -> Result<(), RonError> {
-        ron_file::write(&folder.join(FILE), ChecksumPolicy::Lenient, self)
+        ron_file::write(&folder.join(SETTINGS_FILE), ChecksumPolicy::Lenient, self)
     }
 }

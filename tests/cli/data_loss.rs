@@ -232,17 +232,6 @@ fn b6_without_a_whole_generation_factory_values_stand_under_an_alarm_and_passwor
 }
 
 #[test]
-fn b6_damaged_passwords_open_nothing() {
-    let folder = session();
-    fs::remove_file(folder.path().join(DATABASE)).unwrap();
-    remove_copies(folder.path());
-    fs::write(folder.path().join("passwords.ron"), "{}").unwrap();
-    let _ = fs::remove_file(folder.path().join("passwords.ron.bak"));
-    let (mut store, _) = open(folder.path());
-    assert!(["830830", "4711", "123456", ""].iter().all(|password| !matches(&mut store, password)));
-}
-
-#[test]
 fn b6_a_damaged_generation_gives_way_to_the_one_before() {
     let folder = session();
     let (mut store, _) = open(folder.path());
@@ -567,35 +556,6 @@ fn b6_states_that_cannot_be_kept_do_not_keep_the_control_from_starting() {
     fs::write(folder.path().join("generations"), "in the way").unwrap();
     let (_, found) = open(folder.path());
     assert!(found.unkept.is_some_and(|why| why.contains("generations")) && found.loss.is_none());
-}
-
-/// The password changed last is valid after a loss, not the one of the last generation.
-#[test]
-fn k6_2_the_newest_password_outlives_an_older_generation() {
-    let folder = session();
-    drop(open(folder.path()));
-    let (mut store, _) = open(folder.path());
-    let change = SettingsRequest::ChangePassword {
-        scope: PasswordScope::Builder,
-        old: Secret::new("4711".into()),
-        new: Secret::new("4712".into()),
-    };
-    assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
-    std::mem::forget(store); // A crash: no generation is kept.
-    let copy = tempfile::tempdir().unwrap();
-    for name in ["passwords.ron", "generations"] {
-        let (from, to) = (folder.path().join(name), copy.path().join(name));
-        if from.is_dir() {
-            fs::create_dir(&to).unwrap();
-            for entry in fs::read_dir(&from).unwrap().map(Result::unwrap) {
-                fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
-            }
-        } else {
-            fs::copy(from, to).unwrap();
-        }
-    }
-    let (mut store, found) = open(copy.path());
-    assert!(found.loss.is_some() && matches(&mut store, "4712") && !matches(&mut store, "4711"));
 }
 
 #[test]

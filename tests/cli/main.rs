@@ -18,6 +18,7 @@ mod fuzz_corpus;
 mod host;
 mod modbus;
 mod pace;
+mod password_loss;
 mod program_parts;
 mod requirements;
 #[cfg(unix)]

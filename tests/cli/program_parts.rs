@@ -332,6 +332,25 @@ fn k7_8_an_import_of_one_program_from_two_files_is_refused_and_other_texts_do_no
     assert_eq!((shop.text("O0031.NC"), shop.text("O0032.NC")), (EXPORT.to_owned(), "O0032\nM99\n".to_owned()));
 }
 
+/// What is in the folder and cannot be used is listed, with the reason.
+#[test]
+fn b1_a_program_that_is_too_large_to_be_read_is_listed_with_the_reason() {
+    let shop = Shop::new(&[("O0031.NC", "O0031(ONE)\nM30\n")]);
+    let large = std::fs::File::create(shop.folders.programs.join("O0032.NC")).unwrap();
+    large.set_len(200 * 1024 * 1024).unwrap();
+    let too_large = "O0032.NC 太大：209715200 字节，最多 134217728".to_owned();
+    let numbered = [(31, "O0031".to_owned(), "ONE".to_owned()), (32, "O0032".to_owned(), too_large)];
+    assert_eq!(shop.directory(), numbered);
+    assert!(shop.programs().get(32).is_none());
+    // The same with names instead of numbers.
+    let named = Folders { by_name: true, ..shop.folders.clone() };
+    std::fs::rename(named.programs.join("O0032.NC"), named.programs.join("SHAFT.NC")).unwrap();
+    let (programs, rows) = named.read_programs().unwrap();
+    let told: Vec<_> = rows.iter().map(|row| row.english.as_deref().unwrap_or_default()).collect();
+    assert_eq!(told, ["", "SHAFT.NC is too large: 209715200 bytes, 134217728 at most"]);
+    assert!(programs.get(rows[1].number).is_none());
+}
+
 /// A subprogram stands before the program that calls it; alone it has no feed.
 #[test]
 fn b1_a_program_that_another_one_of_the_file_calls_is_checked_with_that_one() {

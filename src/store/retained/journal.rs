@@ -108,7 +108,7 @@ fn open_file(path: &Path) -> Result<(File, u64), IoFault> {
 
 /// A line with its checksum.
 fn line(value: &impl Serialize) -> Result<String, RetainedError> {
-    let text = ron::to_string(value).map_err(|wrong| RetainedError::Generation(wrong.to_string()))?;
+    let text = ron::to_string(value).map_err(|wrong| RetainedError::Copy(wrong.to_string()))?;
     Ok(format!("{:016x} {text}\n", checksum(text.as_bytes())))
 }
 

@@ -19,6 +19,7 @@ use redb::{Database, DatabaseError};
 use super::atomic_file;
 use super::disk::{self, DatabaseFile};
 use super::io_fault::IoFault;
+use super::settings::SETTINGS_FILE;
 use serde::{Deserialize, Serialize};
 
 use crate::defs::alarm_history::PastAlarm;
@@ -252,9 +253,9 @@ pub enum RetainedError {
         "the data are those of kind {0}, not {1}; start with that kind, choose the kind on the settings page, or take another --data FOLDER"
     )]
     OtherKind(String, String),
-    /// A generation could not be kept; the data themselves are stored.
-    #[error("{0}; the earlier states of the data are not kept")]
-    Generation(String),
+    /// A copy or an earlier state could not be written; the data themselves are stored.
+    #[error("{0}; a copy of the data is not kept")]
+    Copy(String),
     /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
@@ -486,7 +487,8 @@ fn has_traces(folder: &Path) -> bool {
         fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
     generations::highest(folder).is_some()
         || names.any(|name| {
-            name.starts_with("retained.damaged-") || [PASSWORD_FILE, KIND_FILE, JOURNAL_FILE].contains(&name.as_str())
+            let of_control = [PASSWORD_FILE, KIND_FILE, JOURNAL_FILE, SETTINGS_FILE];
+            name.starts_with("retained.damaged-") || of_control.contains(&name.as_str())
         })
 }
 

@@ -1,0 +1,100 @@
+//! Passwords whose files are damaged or gone: they survive, or nothing opens. Source: safety stance; spec B6, K6.2.
+
+use std::fs;
+
+use kt830::link::page_command::{PasswordScope, Secret, SettingsRequest, StorageAnswer};
+
+use crate::data_loss::{DATABASE, answer, matches, open, remove_copies, session};
+
+#[test]
+fn b6_damaged_passwords_open_nothing() {
+    let folder = session();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    remove_copies(folder.path());
+    fs::write(folder.path().join("passwords.ron"), "{}").unwrap();
+    let _ = fs::remove_file(folder.path().join("passwords.ron.bak"));
+    let (mut store, _) = open(folder.path());
+    assert!(["830830", "4711", "123456", ""].iter().all(|password| !matches(&mut store, password)));
+}
+
+/// What was lost with every copy is not known to be the initial password.
+#[test]
+fn k6_2_passwords_that_are_lost_with_all_data_open_nothing_at_any_start() {
+    for left in ["machine-kind.ron", "settings.ron"] {
+        let folder = session();
+        fs::write(folder.path().join("settings.ron"), "(kind: Some(Gc))").unwrap();
+        for file in fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap()) {
+            match file.file_name().to_string_lossy() == left {
+                true => {}
+                false if file.path().is_dir() => fs::remove_dir_all(file.path()).unwrap(),
+                false => fs::remove_file(file.path()).unwrap(),
+            }
+        }
+        for start in 1..=3 {
+            let (mut store, found) = open(folder.path());
+            assert!(found.loss.is_some_and(|loss| loss.state_of.is_none()), "{left}, start {start}");
+            let opens = ["830830", "4711", ""].iter().any(|password| matches(&mut store, password));
+            assert!(!opens, "{left}, start {start}");
+        }
+    }
+}
+
+/// Passwords that nobody has changed are known to be the initial ones: the file beside the data says so.
+#[test]
+fn k6_2_initial_passwords_are_not_locked_by_a_loss_of_the_values() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(open(folder.path()));
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    remove_copies(folder.path());
+    for start in 1..=3 {
+        let (mut store, found) = open(folder.path());
+        assert!(found.loss.is_some() && matches(&mut store, "830830"), "start {start}");
+    }
+}
+
+/// A copy beside whole data is made anew before the data are lost, too.
+#[test]
+fn k6_2_a_copy_of_the_passwords_that_is_damaged_or_gone_is_made_anew_by_the_next_start() {
+    for damage in ["gone", "damaged"] {
+        let folder = session();
+        let copy = folder.path().join("passwords.ron");
+        let whole = fs::read(&copy).unwrap();
+        match damage {
+            "gone" => fs::remove_file(&copy).unwrap(),
+            _ => fs::write(&copy, "{}").unwrap(),
+        }
+        let _ = fs::remove_file(folder.path().join("passwords.ron.bak"));
+        let (_, found) = open(folder.path());
+        assert!(found.loss.is_none(), "{damage}");
+        assert_eq!(fs::read(&copy).unwrap(), whole, "{damage}");
+    }
+}
+
+/// The password changed last is valid after a loss, not the one of the last generation.
+#[test]
+fn k6_2_the_newest_password_outlives_an_older_generation() {
+    let folder = session();
+    drop(open(folder.path()));
+    let (mut store, _) = open(folder.path());
+    let change = SettingsRequest::ChangePassword {
+        scope: PasswordScope::Builder,
+        old: Secret::new("4711".into()),
+        new: Secret::new("4712".into()),
+    };
+    assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+    std::mem::forget(store); // A crash: no generation is kept.
+    let copy = tempfile::tempdir().unwrap();
+    for name in ["passwords.ron", "generations"] {
+        let (from, to) = (folder.path().join(name), copy.path().join(name));
+        if from.is_dir() {
+            fs::create_dir(&to).unwrap();
+            for entry in fs::read_dir(&from).unwrap().map(Result::unwrap) {
+                fs::copy(entry.path(), to.join(entry.file_name())).unwrap();
+            }
+        } else {
+            fs::copy(from, to).unwrap();
+        }
+    }
+    let (mut store, found) = open(copy.path());
+    assert!(found.loss.is_some() && matches(&mut store, "4712") && !matches(&mut store, "4711"));
+}
