@@ -6,9 +6,10 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::defs::signal::Output;
-use kt830::defs::text::Text;
+use kt830::defs::text::{LocalizedText, Text};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::command::Command;
@@ -27,6 +28,11 @@ const FILTERED_MS: usize = 10 + 3;
 /// Longest time to brake: 166 mm/s at 800 mm/s² are 0.21 s, jerk adds 0.04 s, the lag of the drives 0.1 s.
 const BRAKING_MS: usize = 400;
 
+/// The screen is heard again, every ten seconds.
+const SCREEN_BACK: &str = "screen back";
+/// Between the limit switches of X, machine coordinates.
+const HALF_WAY_MM: f64 = -100.0;
+
 /// What can go wrong, and what must come of it while the machine works.
 struct Fault {
     name: Text,
@@ -38,18 +44,35 @@ struct Fault {
     quiet: &'static [&'static str],
     /// Phases in which an axis moves on, with the reason.
     moves_on: &'static [&'static str],
+    /// How long the reaction is looked at, ms.
+    look: usize,
 }
 
 const fn fault(name: Text, story: [&'static str; 2], alarm: (u16, usize)) -> Fault {
-    Fault { name, story, alarm, quiet: &[], moves_on: &[] }
+    Fault { name, story, alarm, quiet: &[], moves_on: &[], look: LOOK }
 }
 
 /// Nothing asks the axis to move.
 const Z_RESTS: &[&str] = &["standing", "homing", "dwell (G04)", "held"];
 /// No program runs (K5.13, K5.14): the operator is at the machine and moves one axis by hand.
-const NO_RUN: &[&str] = &["standing", "jog", "homing"];
+const NO_RUN: &[&str] = &["standing", "jog", "homing", "return to the dressing point"];
 
-const FAULTS: [Fault; 16] = [
+const ALL_BUT_HOMING: &[&str] =
+    &["standing", "jog", "rapid", "feed", "oscillation", "dwell (G04)", "held", "return to the dressing point", "G78"];
+const ALL_PHASES: &[&str] = &[
+    "standing",
+    "jog",
+    "homing",
+    "rapid",
+    "feed",
+    "oscillation",
+    "dwell (G04)",
+    "held",
+    "return to the dressing point",
+    "G78",
+];
+
+const FAULTS: [Fault; 21] = [
     fault(Text::new("急停", "emergency stop"), ["input emergency-stop on", "input emergency-stop free"], (0, 1)),
     fault(Text::new("屏幕急停", "emergency stop on the screen"), ["key emergency-stop", "key emergency-stop"], (0, 1)),
     fault(
@@ -86,7 +109,7 @@ const FAULTS: [Fault; 16] = [
         ..fault(Text::new("计算机停顿超过 1 秒", "computer held up for more than 1 s"), ["stall", ""], (404, 1))
     },
     Fault {
-        moves_on: &["homing", "oscillation"],
+        moves_on: &["homing", "oscillation", "return to the dressing point"],
         // The pressure falls with its time constant, then the filter.
         ..fault(
             Text::new("液压压力丢失", "hydraulic pressure lost"),
@@ -108,7 +131,7 @@ const FAULTS: [Fault; 16] = [
         )
     },
     Fault {
-        moves_on: &["jog", "homing", "oscillation"],
+        moves_on: &["jog", "homing", "oscillation", "return to the dressing point"],
         // P83: 3 s.
         ..fault(
             Text::new("冷却无流量", "no coolant flow"),
@@ -117,13 +140,44 @@ const FAULTS: [Fault; 16] = [
         )
     },
     Fault {
-        moves_on: &["jog", "homing", "oscillation"],
+        moves_on: &["jog", "homing", "oscillation", "return to the dressing point"],
         // P84: 5 s.
         ..fault(
             Text::new("润滑液位低", "lubrication low"),
             ["fault lubrication-missing", "fault lubrication-missing off"],
             (193, 5_000 + FILTERED_MS),
         )
+    },
+    Fault {
+        quiet: ALL_BUT_HOMING,
+        ..fault(
+            Text::new("X 零点开关一直断开", "home switch of X stays off"),
+            ["fault stuck-off home-x", "fault stuck-off home-x off"],
+            // The axis goes on to the limit switch behind the home switch.
+            (102, LOOK),
+        )
+    },
+    Fault {
+        quiet: ALL_BUT_HOMING,
+        look: 100_000,
+        ..fault(
+            Text::new("X 零点开关一直接通", "home switch of X stays on"),
+            ["fault stuck-on home-x", "fault stuck-on home-x off"],
+            // The axis leaves the switch for the other side, up to the limit switch there.
+            (102, 100_000),
+        )
+    },
+    // It opens and closes at random: after a while it is open for as long as the filter takes.
+    fault(
+        Text::new("尾座到位开关抖动", "switch of the tailstock bounces"),
+        ["fault bounce tailstock-advanced", "fault bounce tailstock-advanced off"],
+        (201, LOOK),
+    ),
+    // P76: 2 s.
+    fault(Text::new("屏幕失去响应", "screen lost"), ["screen lost", SCREEN_BACK], (400, 2_000 + 3)),
+    Fault {
+        moves_on: ALL_PHASES,
+        ..fault(Text::new("磁盘不能保存", "disk stores nothing"), ["disk failed", ""], (301, 1))
     },
 ];
 
@@ -141,7 +195,7 @@ const fn phase(name: Text, program: &'static str, story: &'static str) -> Phase 
 
 const START: &str = "load O7000\nmode auto\nkey cycle-start\nwait until Z<-153 max 20 s";
 
-const PHASES: [Phase; 8] = [
+const PHASES: [Phase; 10] = [
     phase(Text::new("待机", "standing"), "M30", "key wheel-start\nkey coolant\nwait 2 s"),
     phase(
         Text::new("手动", "jog"),
@@ -166,6 +220,12 @@ const PHASES: [Phase; 8] = [
         "M03\nM08\nG04 X2\nG98 G01 W-60 F300\nM30",
         "load O7000\nmode auto\nkey cycle-start\nwait until Z<-153 max 20 s\nkey feed-hold\nwait 1 s\nexpect state held",
     ),
+    phase(
+        Text::new("回修整点", "return to the dressing point"),
+        "M30",
+        "mode jog\npage position\nkey f1\nkey address-z\nkey input\nhold Z- 9 s\nwait 1 s\nkey wheel-start\nkey coolant\nwait 2 s\nkey dress-return\nkey z-plus\nwait 0.3 s",
+    ),
+    phase(Text::new("量仪找端面 (G78)", "G78"), "M03\nM08\nM78\nG04 X2\nG98 G78 Z-400 F300 J20 P4 L1\nM30", START),
 ];
 
 /// What has come of a fault.
@@ -215,7 +275,8 @@ fn react(phase: &Phase, fault: &Fault) -> Reaction {
         Reaction { alarm: None, stand: Some(0), drives_off: None, off: BTreeSet::new(), way_back: Vec::new() };
     let mut place = player.host().controller().set_point();
     make(player.host(), fault.story[0]);
-    for _ in 0..LOOK {
+    let look = if fault.quiet.contains(&phase.name.en) { LOOK } else { fault.look };
+    for _ in 0..look {
         play(&mut player, "wait 1 ms");
         let host = player.host();
         let ms = (host.now().since(made_at).0 / 1_000) as usize;
@@ -230,7 +291,7 @@ fn react(phase: &Phase, fault: &Fault) -> Reaction {
         }
         seen.drives_off = seen.drives_off.or((!drives_on).then_some(ms));
     }
-    if seen.stand.is_some_and(|ms| ms + 5 >= LOOK) {
+    if seen.stand.is_some_and(|ms| ms + 5 >= look) {
         seen.stand = None;
     }
     seen.off = before.difference(&outputs(player.host())).copied().filter(|id| is_told(id)).collect();
@@ -244,9 +305,19 @@ fn make(rig: &mut HeadlessHost, story: &str) {
     match words[..] {
         ["input", name, level] => rig.simulation().unwrap().force_input(name, Some(level == "on")).unwrap(),
         ["fault", ..] => rig.simulation().unwrap().inject_fault(&words[1..].join(" ")).unwrap(),
+        ["disk", "failed"] => rig.send(Command::DiskFailed(LocalizedText::new("没有空间", "no space"))),
+        // It was heard, and is not heard any more.
+        ["screen", "lost"] => rig.send(Command::KeepAlive),
         ["stall"] => rig.report_stall(),
         ["key", "emergency-stop"] => rig.send(Command::EmergencyStop(true)),
         _ => panic!("{story}"),
+    }
+}
+
+/// A screen that is back sends its keep-alive.
+fn hear_screen(player: &mut Player<'_, HeadlessHost>, fault: &Fault) {
+    if fault.story[1] == SCREEN_BACK {
+        player.host().send(Command::KeepAlive);
     }
 }
 
@@ -254,12 +325,23 @@ fn make(rig: &mut HeadlessHost, story: &str) {
 fn go_back(player: &mut Player<'_, HeadlessHost>, fault: &Fault) -> Vec<&'static str> {
     let mut steps = Vec::new();
     play(player, "release z-minus");
-    play(player, fault.story[1]);
+    hear_screen(player, fault);
+    if fault.story[1] == SCREEN_BACK {
+        play(player, "param P76 10000");
+    } else {
+        play(player, fault.story[1]);
+    }
     play(player, "wait 4 s");
     let works = |player: &mut Player<'_, HeadlessHost>| player.host().snapshot().alarms.is_empty();
     if !works(player) || player.host().controller().state() != RunState::Idle {
         play(player, "key reset\nwait 1 s");
         steps.push("RESET");
+    }
+    if player.host().snapshot().alarms.iter().any(|alarm| alarm.number == alarm::HARD_LIMIT) {
+        let is_at_minus = player.host().controller().set_point()[Axis::X] < HALF_WAY_MM;
+        let inwards = if is_at_minus { "X+" } else { "X-" };
+        play(player, &format!("mode jog\nhold {inwards} 3 s\nkey reset\nwait 1 s"));
+        steps.push("手动离开限位 jog off the switch");
     }
     assert!(
         works(player),
@@ -272,9 +354,13 @@ fn go_back(player: &mut Player<'_, HeadlessHost>, fault: &Fault) -> Vec<&'static
         steps.push("液压 hydraulics");
     }
     if !player.host().controller().axes_present().all(|axis| player.host().controller().is_homed(axis)) {
-        play(player, "home all");
+        for key in ["x-plus", "z-plus"] {
+            hear_screen(player, fault);
+            play(player, &format!("mode home\nkey {key}\nwait 9 s"));
+        }
         steps.push("回零 homing");
     }
+    hear_screen(player, fault);
     play(
         player,
         "load O7001\nmode auto\nkey cycle-start\nwait 1 s\nexpect state running\nexpect no alarm\nkey reset\nwait 1 s",
