@@ -14,7 +14,7 @@ use super::io_fault::IoFault;
 const TEMPORARY_NAME: (&str, &str) = (".kt830-", ".part");
 
 /// Whether a file is a replacement that was not completed.
-pub(super) fn is_temporary(name: &str) -> bool {
+pub fn is_temporary(name: &str) -> bool {
     name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1)
 }
 

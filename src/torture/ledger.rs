@@ -80,13 +80,15 @@ pub struct Ledger {
     acknowledged: PowerOnState,
     /// What was handed over since.
     open: VecDeque<Batch>,
+    /// The newest mark that the control is told of in this tick.
+    told: Option<u64>,
 }
 
 impl Ledger {
     /// An account that begins with what the control has started with.
     #[must_use]
     pub const fn new(start: PowerOnState) -> Self {
-        Self { acknowledged: start, open: VecDeque::new() }
+        Self { acknowledged: start, open: VecDeque::new(), told: None }
     }
 
     /// The control hands requests over.
@@ -101,8 +103,19 @@ impl Ledger {
         }
     }
 
-    /// The control is told that everything up to a mark is stored.
+    /// The control is told that everything up to a mark is stored. It counts from the end of the tick.
     pub fn acknowledge(&mut self, mark: u64) {
+        self.told = self.told.max(Some(mark));
+    }
+
+    /// The power went within the tick: the control was told of nothing.
+    pub const fn forget_told(&mut self) {
+        self.told = None;
+    }
+
+    /// The tick is over.
+    pub fn end_tick(&mut self) {
+        let Some(mark) = self.told.take() else { return };
         let upto = self.open.iter().rposition(|batch| batch.mark.is_some_and(|other| other <= mark));
         for batch in self.open.drain(..upto.map_or(0, |last| last + 1)) {
             batch.requests.iter().for_each(|request| apply_request(&mut self.acknowledged, request));

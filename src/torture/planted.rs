@@ -128,6 +128,8 @@ pub enum PlantedBug {
     DatabaseIsTorn,
     /// The copy of the data is damaged in operation.
     CopyIsTorn,
+    /// A program that was saved is gone after a power cut.
+    SavedProgramIsLost,
     /// The lock of the data outlives a power cut.
     LockOutlivesThePower,
     /// A power cut damages the data.
@@ -150,7 +152,7 @@ const COOLANT: PlantedBug = PlantedBug::KeyForces(Key::Coolant, &[(Output::Coola
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 60] = [
+    pub const ALL: [Self; 61] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -208,6 +210,7 @@ impl PlantedBug {
         Self::ValueIsNotHandedOver,
         Self::DatabaseIsTorn,
         Self::CopyIsTorn,
+        Self::SavedProgramIsLost,
         Self::LockOutlivesThePower,
         Self::PowerCutDamages,
         Self::CourseIsRandom,

@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 use crate::io::random::SplitMix64;
 use crate::store::disk::{DiskChange, DiskObserver};
 
+/// Files by their paths, and their bytes.
+pub type Files = BTreeMap<PathBuf, Vec<u8>>;
+
 /// Bytes that are written as one.
 const SECTOR: usize = 512;
 
@@ -181,8 +184,18 @@ impl Contents {
         self.unflushed.entry(folder).or_default().push(change);
     }
 
+    /// The bytes of each file by its path, as programs see them.
+    fn visible(&self) -> Files {
+        let bytes = |file: usize| {
+            let FileState { mut flushed, unflushed } = self.files.get(file).cloned().unwrap_or_default();
+            unflushed.iter().for_each(|change| change.apply(&mut flushed));
+            flushed
+        };
+        self.current.files.iter().map(|(path, file)| (path.clone(), bytes(*file))).collect()
+    }
+
     /// What a power cut leaves: the bytes of each file by its path, and the folders.
-    fn after_power_cut(mut self, chance: &mut SplitMix64) -> (BTreeMap<PathBuf, Vec<u8>>, Vec<PathBuf>) {
+    fn after_power_cut(mut self, chance: &mut SplitMix64) -> (Files, Vec<PathBuf>) {
         for changes in std::mem::take(&mut self.unflushed).into_values() {
             let kept = (chance.next_unit() * (changes.len() + 1) as f64) as usize;
             changes.iter().take(kept).for_each(|change| change.apply(&mut self.durable));
@@ -263,13 +276,27 @@ impl SimulatedDisk {
         }
     }
 
+    /// Whether something was changed in this tick.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        !self.tick.is_empty()
+    }
+
+    /// The files as programs see them, without the changes of this tick.
+    #[must_use]
+    pub fn files(&self) -> Files {
+        self.contents.visible()
+    }
+
     /// The power is cut now: behind some of the changes of this tick. Nothing is written any more until
-    /// [`Self::power_on`].
-    pub fn power_cut(&mut self, chance: &mut SplitMix64) {
+    /// [`Self::power_on`]. True if all changes of the tick were made.
+    pub fn power_cut(&mut self, chance: &mut SplitMix64) -> bool {
         let made = (chance.next_unit() * (self.tick.len() + 1) as f64) as usize;
+        let is_whole = made >= self.tick.len();
         self.tick.truncate(made);
         self.end_tick();
         self.is_off = true;
+        is_whole
     }
 
     /// Puts what the power cut has left into the folder; the disk has it, flushed.

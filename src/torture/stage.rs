@@ -9,7 +9,7 @@ use super::invariants::{Invariants, Moment};
 use super::ledger::{Ledger, first_difference, rows};
 use super::machine::WatchedMachine;
 use super::planted::{PlantedBug, Reported};
-use super::simulated_disk::{DiskFaults, SimulatedDisk};
+use super::simulated_disk::{DiskFaults, Files, SimulatedDisk};
 use super::storage::DelayedStorage;
 use super::{TortureError, TraceHash};
 use crate::controller::PowerOnState;
@@ -32,7 +32,7 @@ use crate::link::page_command::{DataChoice, PageCommand};
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::nc::CommonVariables;
 use crate::store::disk::{ObservationGuard, observe};
-use crate::store::{DATABASE_FILE, DataDir, Folder, RetainedDatabase};
+use crate::store::{DATABASE_FILE, DataDir, Folder, RetainedDatabase, is_temporary};
 use crate::story::Stage;
 use crate::story::statement::DiskCondition;
 use crate::units::{Axis, Micros};
@@ -43,6 +43,8 @@ const LOOK_INTERVAL: Micros = Micros::from_millis(500);
 const COMPARE_INTERVAL: Micros = Micros::from_millis(60_000);
 /// The control has gathered and stored what was written so long ago.
 const SETTLING: Micros = Micros::from_millis(2_000);
+/// A power cut that is to come while the disk writes waits for it so long.
+const MOST_TICKS_TO_A_WRITE: u32 = 2_000;
 /// How often the screen sends its keep-alive.
 const KEEP_ALIVE_INTERVAL: Micros = Micros::from_millis(100);
 
@@ -84,6 +86,8 @@ pub struct TortureStage {
     counts: Counts,
     looked_at: Micros,
     compared_at: Micros,
+    /// The files before the tick in which the power went, and after the part of it that was still made.
+    cut_files: [Files; 2],
     /// Bits that flip in the next power cut.
     flips: u32,
     /// The data were damaged at the last start: alarm 300 must stand.
@@ -139,6 +143,7 @@ impl TortureStage {
             counts: Counts::default(),
             looked_at: Micros::ZERO,
             compared_at: Micros::ZERO,
+            cut_files: Default::default(),
             flips: 0,
             damaged: false,
             is_accepted: false,
@@ -331,8 +336,37 @@ impl TortureStage {
         std::fs::write(path, bytes).is_ok()
     }
 
+    /// Goes on until the disk is writing, so that the power goes in between.
+    fn wait_for_the_disk(&mut self) {
+        for _ in 0..MOST_TICKS_TO_A_WRITE {
+            if self.disk.borrow().is_busy() || self.violation.is_some() {
+                return;
+            }
+            self.step();
+        }
+    }
+
+    /// Files other than the database and its journal are after a power cut what they were: before the tick in which it
+    /// came, or after the changes that were made in it.
+    fn check_files(&self) -> Result<(), String> {
+        let [before, after] = &self.cut_files;
+        let paths = before.keys().chain(after.keys()).filter(|path| is_kept(path));
+        for path in paths {
+            let found = std::fs::read(path).ok();
+            if found.as_ref() != before.get(path) && found.as_ref() != after.get(path) {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                return Err(format!("{name} is lost or altered after the power cut"));
+            }
+        }
+        Ok(())
+    }
+
     fn restart(&mut self) -> Result<(), String> {
         self.disk.borrow_mut().power_on(&mut self.chance).map_err(|error| format!("simulated disk: {error}"))?;
+        if self.bug == Some(PlantedBug::SavedProgramIsLost) {
+            drop(std::fs::remove_file(self.data.programs().join("O2001.NC")));
+        }
+        self.check_files()?;
         if self.bug == Some(PlantedBug::CopyLagsBehind) {
             drop(std::fs::write(self.data.root().join("retained.journal"), ""));
         }
@@ -379,6 +413,13 @@ struct OpenedStorage {
     standing: Vec<(u16, LocalizedText)>,
 }
 
+/// Whether a file is stored as a whole: a program, a page file, settings, passwords.
+fn is_kept(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let is_state = path.parent().is_some_and(|folder| folder.ends_with("generations"));
+    !is_state && !name.starts_with("retained.") && !is_temporary(&name)
+}
+
 /// Folder that stands for the USB stick, beside the data: it is no part of the simulated disk.
 fn usb_drive(data: &DataDir) -> PathBuf {
     data.root().with_file_name("usb")
@@ -423,8 +464,10 @@ impl Stage for TortureStage {
             self.is_accepted = true;
         }
         let screen_heard = self.keep_alive();
-        self.host.step();
+        // The changes of the last tick are made: no power cut has come between them.
         self.disk.borrow_mut().end_tick();
+        self.host.storage().ledger.end_tick();
+        self.host.step();
         self.count_runs();
         let machine = self.host.machine_side_ref();
         self.trace.add(&machine.read, &machine.written);
@@ -435,8 +478,17 @@ impl Stage for TortureStage {
         if !self.host.is_powered() {
             return;
         }
+        if self.chance.next_unit() < 0.5 {
+            self.wait_for_the_disk();
+        }
         self.counts.power_cuts += 1;
-        self.disk.borrow_mut().power_cut(&mut self.chance);
+        let before = self.disk.borrow().files();
+        let is_whole = self.disk.borrow_mut().power_cut(&mut self.chance);
+        self.cut_files = [before, self.disk.borrow().files()];
+        match is_whole {
+            true => self.host.storage().ledger.end_tick(),
+            false => self.host.storage().ledger.forget_told(),
+        }
         self.host.machine_side().set_powered(false);
         self.host.power_cut();
         self.host.storage().power_cut();

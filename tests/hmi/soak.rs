@@ -47,6 +47,8 @@ struct Production {
     usb: PathBuf,
     /// Simulated time from each cycle start to its end, µs: without the time that the disk took, which has its own.
     in_cycle: AtomicU64,
+    /// The longest of them: a part with dressing, µs.
+    longest: AtomicU64,
     ticks: AtomicU64,
 }
 
@@ -110,7 +112,9 @@ fn produce(thread: &mut Thread, span: Micros, (programs, made): (&Path, &Product
         thread.host().send(Command::Simulate(SimCommand::NewPart));
         let start = thread.host().now();
         tell(thread, "key cycle-start\nwait until idle max 600 s");
-        made.in_cycle.fetch_add(thread.host().now().since(start).0, Ordering::Relaxed);
+        let cycle = thread.host().now().since(start).0;
+        made.longest.fetch_max(cycle, Ordering::Relaxed);
+        made.in_cycle.fetch_add(cycle, Ordering::Relaxed);
         let parts = made.parts.fetch_add(1, Ordering::Relaxed) + 1;
         if parts.is_multiple_of(PARTS_PER_EDIT) {
             let comment = format!("(PART {parts})");
@@ -209,7 +213,8 @@ fn b6_hours_of_production_leave_memory_time_and_counts_as_they_must_be() {
     // Time: the control's clock has counted every cycle, and the last one has ended soon after the span.
     let in_cycle = Micros(made.in_cycle.load(Ordering::Relaxed));
     assert!(shown.now >= in_cycle && in_cycle >= span, "{:?}, {in_cycle:?} of it in cycles", shown.now);
-    assert!(in_cycle.since(span) < Micros::from_millis(60_000), "{in_cycle:?}");
+    let longest = Micros(made.longest.load(Ordering::Relaxed));
+    assert!(in_cycle.since(span) < longest && longest < Micros::from_millis(120_000), "{in_cycle:?} {longest:?}");
     // Counts: M30 of every part.
     assert_eq!(shown.parts_counted, parts);
     assert!(f64::from(parts) > hours * 3_600.0 / 60.0, "{parts} parts of under a minute in {hours} h");

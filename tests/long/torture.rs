@@ -258,6 +258,11 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
         Bug::CopyIsTorn => {
             ("the copy is not what is stored", Kind::Gc, "key hydraulic\nwait 4 s\nkey reset\nset #500 = 1\nwait 90 s")
         }
+        Bug::SavedProgramIsLost => (
+            "is lost or altered after the power cut",
+            Kind::Gc,
+            "unlock program 187350\nmode edit\nwait 1 s\nwrite O2001 \"M08\\nM30\"\nwait 1 s\npower cut\nwait 1 s\npower on\nwait 1 s",
+        ),
         Bug::LockOutlivesThePower => {
             ("the control does not start again", Kind::Gc, "wait 1 s\npower cut\nwait 1 s\npower on\nwait 1 s")
         }
