@@ -534,3 +534,36 @@ impl Stage for TortureStage {
         self.violation.is_some()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::story::{Player, parse};
+
+    fn tell(stage: &mut TortureStage, text: &str) {
+        let (_, lines) = parse::parse(text, Kind::Gc).unwrap();
+        let mut player = Player::new(stage, None, Path::new("."), false);
+        for line in &lines {
+            assert_eq!(player.play(line), Ok(()), "{}", line.text);
+        }
+        drop(player);
+        assert_eq!(stage.violation(), None);
+    }
+
+    #[test]
+    fn b6_a_disk_that_hangs_for_20_s_is_an_alarm_after_one_and_nothing_shown_as_stored_is_lost() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut stage = TortureStage::new(&folder.path().join("data"), Kind::Gc, 1, None).unwrap();
+        tell(&mut stage, "set #500 = 7\nwait 2 s\nexpect no alarm");
+        assert!(!stage.host.snapshot().is_storing);
+        // In force at once, marked as pending, an alarm after a second; the machine works.
+        tell(&mut stage, "disk hangs 20 s\nset #500 = 8\nwait 0.9 s\nexpect #500 8\nexpect no alarm");
+        assert!(stage.host.snapshot().is_storing);
+        tell(&mut stage, "wait 0.3 s\nexpect alarm 306\nkey hydraulic\nwait 4 s\nhome all\nexpect alarm 306");
+        // The disk goes on: stored, and the alarm goes by itself.
+        tell(&mut stage, "wait 15 s\nexpect no alarm\npower cut\nwait 1 s\npower on\nwait 1 s\nexpect #500 8");
+        // The power goes while it hangs: what was never shown as stored is the value before.
+        tell(&mut stage, "disk hangs 20 s\nset #500 = 9\nwait 5 s\nexpect alarm 306\npower cut\nwait 1 s\npower on");
+        tell(&mut stage, "wait 1 s\nexpect #500 8\nexpect no alarm");
+    }
+}
