@@ -4,6 +4,7 @@
 use super::Host;
 use super::simulated::HostedSimulation;
 use super::storage::Storage;
+use crate::controller::WORK_PER_TICK;
 use crate::defs::key::Key;
 use crate::link::command::Command;
 use crate::link::snapshot::RunState;
@@ -15,6 +16,10 @@ const START_TICKS: u32 = 5;
 /// dwell, 9 999.99 s (L2); a program may have several of them, one after the other.
 const MAX_STALLED_TIME: Micros = Micros::from_millis(10_000_000);
 const MAX_STALLED_BLOCKS: u64 = 1_000;
+/// Work of a tick that reads statements all the time.
+const COMPUTING_WORK: usize = WORK_PER_TICK / 100;
+/// After so much time in which it only computes, it counts as one, too: some hundred million statements without a move.
+const MAX_COMPUTING_TIME: Micros = Micros::from_millis(1_800_000);
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,14 +77,20 @@ impl<S: Storage> Host<HostedSimulation, S> {
     /// `goes_on` is called after every tick.
     pub fn run_program(&mut self, limits: &RunLimits, goes_on: &mut dyn FnMut(&Self) -> bool) -> RunEnd {
         let started = self.now();
-        let mut moved = (started, self.controller().block_count());
+        let mut still = Standstill { since: started, blocks: self.controller().block_count(), computing: Micros::ZERO };
         let mut refused = false;
         self.controller.set_runs_once(limits.once);
         self.send(Command::Press(Key::CycleStart));
         loop {
             self.step();
             if !self.controller().is_at_rest() {
-                moved = (self.now(), self.controller().block_count());
+                still = Standstill {
+                    since: self.now(),
+                    blocks: self.controller().block_count(),
+                    computing: Micros::ZERO,
+                };
+            } else if self.controller().work_of_last_tick() > COMPUTING_WORK {
+                still.computing = still.computing + self.tick_time();
             }
             if !goes_on(self) {
                 return RunEnd::TimedOut;
@@ -95,7 +106,7 @@ impl<S: Storage> Host<HostedSimulation, S> {
                 // A headless run has no operator who gives the input.
                 RunState::Waiting => return RunEnd::Waiting,
                 RunState::Running if self.now().since(started) > limits.longest => return RunEnd::TimedOut,
-                RunState::Running if self.has_stalled(moved) => return RunEnd::Stalled,
+                RunState::Running if still.is_endless(self.now(), self.controller().block_count()) => return RunEnd::Stalled,
                 RunState::Running if self.controller().is_in_endless_loop() && self.controller().is_at_rest() => {
                     return RunEnd::Endless;
                 }
@@ -103,10 +114,42 @@ impl<S: Storage> Host<HostedSimulation, S> {
             }
         }
     }
+}
 
-    /// Whether it is long since an axis has moved: the time, and the blocks executed until then.
-    fn has_stalled(&self, (moved, blocks): (Micros, u64)) -> bool {
-        let since = self.controller().block_count().saturating_sub(blocks);
-        self.now().since(moved) > MAX_STALLED_TIME && since > MAX_STALLED_BLOCKS
+/// The time without a move.
+struct Standstill {
+    /// When an axis has moved last.
+    since: Micros,
+    /// Blocks that were executed until then.
+    blocks: u64,
+    /// How much of the time since then went into computing alone.
+    computing: Micros,
+}
+
+impl Standstill {
+    /// Whether it is too long for a program that goes on.
+    fn is_endless(&self, now: Micros, blocks: u64) -> bool {
+        let is_long = now.since(self.since) > MAX_STALLED_TIME && blocks - self.blocks > MAX_STALLED_BLOCKS;
+        is_long || self.computing > MAX_COMPUTING_TIME
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn t3_a_loop_ends_by_the_time_that_it_computes_or_repeats_without_a_move() {
+        let still = |computing_s: u64| Standstill {
+            since: Micros::from_millis(1_000),
+            blocks: 5,
+            computing: Micros::from_millis(computing_s * 1_000),
+        };
+        let after = |seconds: u64| Micros::from_millis(1_000 + seconds * 1_000);
+        // Half an hour of computing is too long, however few blocks have effects.
+        assert!(!still(1_800).is_endless(after(1_900), 5) && still(1_801).is_endless(after(1_900), 5));
+        // Dwells: some long ones are a program, a thousand short ones are a loop.
+        assert!(!still(0).is_endless(after(60_000), 5 + 1_000) && still(0).is_endless(after(10_001), 5 + 1_001));
+        assert!(!still(0).is_endless(after(10_000), 5 + 5_000));
     }
 }
