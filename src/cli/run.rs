@@ -7,6 +7,7 @@ use super::args::{OutputFormat, RunArgs, SharedArgs};
 use super::setup::ProgramToRun;
 use super::trace_file::TraceFile;
 use super::{CallError, FAILED, SUCCESS, print_line, setup};
+use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::defs::variable_name;
@@ -14,7 +15,7 @@ use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::io::sim::PartReport;
 use crate::link::part_result::PartVerdict;
-use crate::link::snapshot::{AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
+use crate::link::snapshot::{AlarmView, AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
 use crate::units::{MachinePos, Micros};
 
 /// So many hours.
@@ -210,8 +211,17 @@ impl RunReport {
         let snapshot = host.snapshot().clone();
         let alarms = snapshot.alarms.iter().map(|alarm| {
             let (program, line) = alarm.place.unwrap_or_default();
-            let program = program_json(host, program);
-            json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
+            let (file, file_line) = file_place(host, (program, line)).unzip();
+            json!({
+                "number": alarm.number,
+                "text": alarm.text.get(lang),
+                "cause": alarm.cause.get(lang),
+                "remedy": alarm.remedy.get(lang),
+                "program": program_json(host, program),
+                "line": line,
+                "file": file,
+                "file_line": file_line,
+            })
         });
         let variables: Map<String, Value> =
             self.changed(&snapshot, host.kind()).map(|(name, value)| (name, json!(value))).collect();
@@ -258,7 +268,7 @@ impl RunReport {
         let (end, seconds, blocks, parts) = (self.end.report_word(), self.seconds, self.blocks, snapshot.parts_counted);
         let mut lines = vec![format!("{end}  {seconds:.3} s  {blocks} blocks  {parts} parts")];
         for alarm in &snapshot.alarms {
-            lines.push(format!("alarm {:03}  {}  {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang)));
+            lines.push(alarm_line(host, alarm, lang));
         }
         let told = self.stop_reason.as_ref().or(snapshot.waiting_for.as_ref());
         let message = &snapshot.message.text;
@@ -306,6 +316,30 @@ pub fn size_lines(part: &PartReport) -> impl Iterator<Item = String> {
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).
 fn turns_part(host: &HeadlessHost) -> bool {
     host.kind().is_lathe()
+}
+
+/// An alarm with its remedy; of a program that is not the first one of its file the line of the file, and who called it.
+fn alarm_line(host: &HeadlessHost, alarm: &AlarmView, lang: Lang) -> String {
+    let mut line = format!("alarm {:03}  {}", alarm.number, alarm.text.get(lang));
+    let remedy = alarm.remedy.get(lang);
+    if !remedy.is_empty() {
+        line = format!("{line} – {remedy}");
+    }
+    let is_part = |number: u32| host.programs().get(number).is_some_and(|program| program.part.is_some());
+    if let Some(place) = alarm.place.filter(|(number, _)| is_part(*number))
+        && let Some((file, at)) = file_place(host, place)
+    {
+        line = format!("{line}  {file}:{at}");
+    }
+    // The cause of a mistake of the program: who called it.
+    let calls = alarm.cause.get(lang);
+    if alarm::find(alarm.number).is_none() && !calls.is_empty() { format!("{line}  {calls}") } else { line }
+}
+
+/// File and line of a line of a program.
+fn file_place(host: &HeadlessHost, (number, line): (u32, u32)) -> Option<(String, u32)> {
+    let (file, first) = host.programs().get(number)?.place();
+    Some((file, first + line.checked_sub(1)?))
 }
 
 /// A program in a report: its number, or its name if it has one (L53 of the 802D, too).

@@ -84,11 +84,8 @@ impl<S: Storage> Host<HostedSimulation, S> {
         loop {
             self.step();
             if !self.controller().is_at_rest() {
-                still = Standstill {
-                    since: self.now(),
-                    blocks: self.controller().block_count(),
-                    computing: Micros::ZERO,
-                };
+                still =
+                    Standstill { since: self.now(), blocks: self.controller().block_count(), computing: Micros::ZERO };
             } else if self.controller().work_of_last_tick() > COMPUTING_WORK {
                 still.computing = still.computing + self.tick_time();
             }
@@ -106,7 +103,9 @@ impl<S: Storage> Host<HostedSimulation, S> {
                 // A headless run has no operator who gives the input.
                 RunState::Waiting => return RunEnd::Waiting,
                 RunState::Running if self.now().since(started) > limits.longest => return RunEnd::TimedOut,
-                RunState::Running if still.is_endless(self.now(), self.controller().block_count()) => return RunEnd::Stalled,
+                RunState::Running if still.is_endless(self.now(), self.controller().block_count()) => {
+                    return RunEnd::Stalled;
+                }
                 RunState::Running if self.controller().is_in_endless_loop() && self.controller().is_at_rest() => {
                     return RunEnd::Endless;
                 }

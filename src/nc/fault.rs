@@ -21,6 +21,22 @@ pub struct BlockLocation {
 /// Most calls that a mistake names.
 const MAX_CALLS: usize = 8;
 
+/// Most calls that an alarm shows.
+const SHOWN_CALLS: usize = 3;
+/// The calls of an alarm, by their number.
+const CALLS: [&Template; SHOWN_CALLS] = {
+    const NAMES: &[&str] = &["a", "b", "c", "d", "e", "f"];
+    const ONE: Template = Template::new("由 {a} 第{b}行调用", "called by {a} line {b}", NAMES.split_at(2).0);
+    const TWO: Template =
+        Template::new("由 {a} 第{b}行调用 ← {c} 第{d}行", "called by {a} line {b} ← {c} line {d}", NAMES.split_at(4).0);
+    const THREE: Template = Template::new(
+        "由 {a} 第{b}行调用 ← {c} 第{d}行 ← {e} 第{f}行",
+        "called by {a} line {b} ← {c} line {d} ← {e} line {f}",
+        NAMES,
+    );
+    [&ONE, &TWO, &THREE]
+};
+
 /// The calls that led to a block: program and line (from 1) of each, the last one first. Longer chains are cut off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CallChain {
@@ -104,7 +120,7 @@ impl ProgramFault {
     /// The remedy.
     #[must_use]
     pub fn remedy(&self, lang: Lang) -> String {
-        LocalizedText::phrase(self.error.remedy_template(), self.details.clone()).get(lang).into_owned()
+        self.remedy_phrase().get(lang).into_owned()
     }
 
     /// Program, line, column, cause and remedy in one line.
@@ -117,6 +133,37 @@ impl ProgramFault {
     #[must_use]
     pub fn cause_phrase(&self) -> LocalizedText {
         LocalizedText::phrase(self.error.template(), self.cause_details())
+    }
+
+    /// Program, line, column and cause: the text of an alarm, whose remedy is beside it.
+    #[must_use]
+    pub fn place_and_cause(&self) -> LocalizedText {
+        let template = const {
+            &Template::new("{program} {place}：{cause}", "{program} {place}: {cause}", &["program", "place", "cause"])
+        };
+        let [first, second] = self.cause_details();
+        let (place, cause) = (Arg::Place(self.location.line, self.column), Arg::Phrase(self.error.template(), 3));
+        LocalizedText::phrase(template, [self.program_title.clone(), place, cause, first, second])
+    }
+
+    /// [`Self::remedy`] as a phrase.
+    #[must_use]
+    pub fn remedy_phrase(&self) -> LocalizedText {
+        LocalizedText::phrase(self.error.remedy_template(), self.details.clone())
+    }
+
+    /// The calls that led to the block, the last one first; blank if it is in the started program.
+    #[must_use]
+    pub fn calls_phrase(&self) -> LocalizedText {
+        let mut calls = self.calls.iter();
+        let mut args = [const { Arg::None }; 2 * SHOWN_CALLS];
+        let mut shown = 0_usize;
+        for ((program, line), place) in calls.by_ref().zip(args.chunks_exact_mut(2)) {
+            place.clone_from_slice(&[Arg::Program(program), Arg::Integer(i64::from(line))]);
+            shown += 1;
+        }
+        let template = shown.checked_sub(1).and_then(|index| CALLS.get(index));
+        template.map_or_else(LocalizedText::default, |template| LocalizedText::phrase(template, args))
     }
 
     /// [`Self::text`] as a phrase.

@@ -332,6 +332,20 @@ fn k7_8_an_import_of_one_program_from_two_files_is_refused_and_other_texts_do_no
     assert_eq!((shop.text("O0031.NC"), shop.text("O0032.NC")), (EXPORT.to_owned(), "O0032\nM99\n".to_owned()));
 }
 
+/// A run says the same place as a check: file and line, and who called.
+#[test]
+fn t3_a_mistake_in_a_called_program_of_a_file_is_told_with_its_line_and_its_calls() {
+    let shop = Shop::new(&[("O0031.NC", "O0031\nM98 P0032\nM30\nO0032\n(SUB)\n#1=1/0\nM99\n")]);
+    let (status, told) = shop.run(&["run", "O0031.NC"]);
+    assert_eq!(status, Some(1), "{told}");
+    let line = "O0032 line 3, column 5: division by zero – check the variable of the divisor  O0031.NC:6  called by O0031 line 2";
+    assert!(told.contains(line), "{told}");
+    let (_, told) = shop.run(&["run", "O0031.NC", "--format", "json"]);
+    for part in [r#""file":"O0031.NC""#, r#""file_line":6"#, r#""line":3"#, r#""cause":"called by O0031 line 2""#] {
+        assert!(told.contains(part), "{part} in {told}");
+    }
+}
+
 /// What is in the folder and cannot be used is listed, with the reason.
 #[test]
 fn b1_a_program_that_is_too_large_to_be_read_is_listed_with_the_reason() {

@@ -5,6 +5,7 @@ use kt830::defs::alarm;
 use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use kt830::defs::date::DateTime;
 use kt830::defs::text::LocalizedText;
+use kt830::host::folders::program_from_bytes;
 use kt830::units::Micros;
 
 /// The entries that the disk has to be told.
@@ -147,4 +148,24 @@ fn b6_the_history_on_the_screen_follows_a_power_cut_even_if_nobody_looked_meanwh
     let history = &host.snapshot().alarm_history;
     assert!(history.version() > before, "no version comes twice");
     assert_eq!(history[0].ended.map(|(how, _)| how), Some(AlarmEnd::PowerOff));
+}
+
+/// The text names place and mistake; what to do and who called it have their own lines (B8).
+#[test]
+fn b8_a_mistake_in_a_called_program_has_its_remedy_and_its_calls() {
+    let mut rig = crate::stories::ready();
+    for (number, text) in [(7_000, "G04X1\nM98P7001\nM30"), (7_001, "M98P7002\nM99"), (7_002, "#1=1/#2\nM99")] {
+        let name = format!("O{number}.NC");
+        rig.add_program(program_from_bytes(number, &name, text.into(), rig.kind().dialect()));
+    }
+    crate::stories::tell(&mut rig, "load O7000\nmode auto\nkey cycle-start\nwait until alarm max 5 s");
+    let alarm = &rig.snapshot().alarms[0];
+    assert_eq!(alarm.text.en(), "O7002 line 1, column 5: division by zero");
+    assert_eq!(alarm.remedy.en(), "check the variable of the divisor");
+    assert_eq!(alarm.cause.en(), "called by O7001 line 1 ← O7000 line 2");
+    assert_eq!(alarm.cause.zh(), "由 O7001 第1行调用 ← O7000 第2行");
+    // In the started program itself nobody has called it.
+    crate::stories::tell(&mut rig, "key reset\nload O7002\nkey cycle-start\nwait until alarm max 5 s");
+    let alarm = &rig.snapshot().alarms[0];
+    assert!(alarm.cause.is_blank() && !alarm.remedy.is_blank(), "{alarm:?}");
 }

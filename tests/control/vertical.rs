@@ -808,8 +808,9 @@ fn s1_a_program_with_a_mistake_does_not_start() {
         assert_eq!(rig.controller().set_point(), before, "{block}");
         let told = &rig.snapshot().alarms[0];
         let (said_en, said_zh) = (told.text.en().to_string(), told.text.zh().to_string());
-        assert!(said_en.starts_with(&format!("WRONG line 3, column {column}: {en} – ")), "{block}: {said_en}");
-        assert!(said_zh.starts_with(&format!("WRONG 第3行 第{column}列：{zh} – ")), "{block}: {said_zh}");
+        assert_eq!(said_en, format!("WRONG line 3, column {column}: {en}"), "{block}");
+        assert_eq!(said_zh, format!("WRONG 第3行 第{column}列：{zh}"), "{block}");
+        assert!(!told.remedy.is_blank() && told.cause.is_blank(), "{block}");
         assert_eq!(told.number, *alarm, "{block}");
     }
     let mut rig = vgrind(1, "");

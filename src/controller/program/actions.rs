@@ -19,7 +19,7 @@ use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::RequestResult;
 use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
-use crate::nc::{CONTACT_SKIP_SIGNAL, CoordinateChange};
+use crate::nc::{BlockLocation, CONTACT_SKIP_SIGNAL, CoordinateChange};
 use crate::units::{MachinePos, Micros};
 
 const CONTINUE: &Template = &Template::new("{text}：按循环启动继续", "{text}: cycle start continues", &["text"]);
@@ -58,11 +58,7 @@ impl ProgramRun {
                 ActionStatus::Done
             }
             QueuedAction::Skip(planned, signal) => self.step_skip(plant, planned, *signal),
-            QueuedAction::Alarm(number, text, place) => {
-                plant.execution.enter_block(*place);
-                raise_program_alarm(plant, *number, text, place.program);
-                ActionStatus::Wait
-            }
+            QueuedAction::Alarm(number, text, place) => self.raise_alarm(plant, (*number, text), *place),
             QueuedAction::Note(text) => {
                 plant.show_program_message(text);
                 ActionStatus::Done
@@ -87,6 +83,21 @@ impl ProgramRun {
     }
 
     /// Changes the work coordinates; G50 once all motion is over, at the position reached.
+    /// Raises an alarm of the program: one of `#3000`, a refused block, or a mistake with its remedy and its calls.
+    fn raise_alarm(
+        &mut self,
+        plant: &mut Plant,
+        (number, text): (u16, &LocalizedText),
+        place: BlockLocation,
+    ) -> ActionStatus {
+        plant.execution.enter_block(place);
+        raise_program_alarm(plant, number, text, place.program);
+        if let Some(fault) = self.fault.take_if(|fault| fault.location == place) {
+            plant.alarms.complete_words(number, fault.calls_phrase(), fault.remedy_phrase());
+        }
+        ActionStatus::Wait
+    }
+
     fn change_coordinates(&mut self, plant: &mut Plant, change: CoordinateChange) -> ActionStatus {
         let at_rest = matches!(change, CoordinateChange::Set(_));
         if at_rest && !self.is_settled(plant) {

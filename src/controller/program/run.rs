@@ -91,6 +91,8 @@ pub struct ProgramRun {
     pub lookahead: LookaheadState,
     /// State of read-ahead.
     pub read_ahead: ReadAheadStatus,
+    /// The mistake that has ended read-ahead; its alarm is at the end of the queue.
+    pub fault: Option<nc::ProgramFault>,
     /// The idle pass of a loop in which it asked the machine last.
     pub asked_at_pass: u32,
     /// What the executor is in the middle of.
@@ -176,6 +178,7 @@ impl RunPool {
             next_tag: 1,
             lookahead: LookaheadState::new(WorkOffsets::default(), MachinePos::default(), PerAxis::default(), path),
             read_ahead: ReadAheadStatus::Finished,
+            fault: None,
             asked_at_pass: 0,
             activity: Activity::Idle,
             origin: Origin::Program,
@@ -201,6 +204,7 @@ impl RunPool {
         run.interpreter.set_modals(modals);
         run.lookahead = lookahead;
         (run.handed_over, run.next_tag, run.started_at) = (0, 1, now);
+        run.fault = None;
         (run.read_ahead, run.activity) = (ReadAheadStatus::Open, Activity::Idle);
         (run.origin, run.handover) = (Origin::Program, Handover::Feeding);
         run
@@ -231,7 +235,9 @@ impl ProgramRun {
     /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
     pub fn end_with_fault(&mut self, fault: &nc::ProgramFault) {
         self.read_ahead = ReadAheadStatus::Finished;
-        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(fault.alarm(), fault.phrase(), fault.location)));
+        let alarm = QueuedAction::Alarm(fault.alarm(), fault.place_and_cause(), fault.location);
+        self.queue.push_back(QueueItem::Action(alarm));
+        self.fault = Some(fault.clone());
     }
 
     /// Converts the block just read to queue items.

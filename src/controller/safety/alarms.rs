@@ -152,6 +152,14 @@ impl AlarmList {
         }
     }
 
+    /// Adds cause and remedy to an alarm raised in this tick.
+    pub fn complete_words(&mut self, number: u16, cause: LocalizedText, remedy: LocalizedText) {
+        let now = self.now;
+        if let Some(alarm) = self.present.last_mut().filter(|alarm| alarm.number == number && alarm.since == now) {
+            (alarm.cause, alarm.remedy) = (cause, remedy);
+        }
+    }
+
     /// Writes an alarm into the history.
     fn record(&mut self, alarm: &AlarmView) {
         let text = alarm.text.clone().cut(MAX_TEXT_CHARS);
