@@ -17,7 +17,9 @@ use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::interlock::RuleOutcome;
 use crate::machine::{ControlState, Machine};
-use crate::nc::{AxisSet, Block, BlockLocation, Feed, Op, OpEffect, OscillationChange, SpeedMode};
+use crate::nc::{
+    AxisSet, Block, BlockLocation, CutterRangeError, Feed, Op, OpEffect, OscillationChange, SpeedMode, WorkOffsets,
+};
 use crate::units::{Axis, Micros};
 
 /// Longer than the response time of any unit.
@@ -238,6 +240,12 @@ impl<'a> InterlockCheck<'a> {
         if let Some(index) = system_variable::OUTPUTS.index(number) {
             let request = Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD);
             return self.request(request, format_args!("#{number}").into());
+        }
+        if let Some(Err(CutterRangeError)) = WorkOffsets::default().set_cutter_variable(number, value) {
+            return Some(with_alarm(
+                alarm::OFFSET_RANGE,
+                phrase!("#{number} = {value}", "#{number} = {value}", number, value),
+            ));
         }
         if let Some(part) = offset_part_of_variable(number).filter(|part| !offset_in_range(*part, value)) {
             let most = part.max_abs();

@@ -387,6 +387,9 @@ program_errors! {
     /// Allowed, but the program ends there.
     AlarmReached = 555, "alarm-reached", "按现有数值，程序在这里以报警 {} 结束：{2}", "with these values the program ends here with alarm {}: {2}",
         "检查调用的参数和变量", "check the arguments of the call and the variables";
+    /// Nothing is known to be wrong, and not all could be looked at.
+    PositionUnknown = 557, "position-unknown", "检查没有走到这里，不知道各轴的位置：这里和其后的圆弧、轮廓没有检查", "the check does not come here and does not know where the axes stand: arcs and contours from here on are not checked",
+        "用能走到这里的数值检查，或用 kt830 run 试运行", "check it with values that lead here, or try it with kt830 run";
     /// Allowed, but the feed is very slow.
     FeedUnitUnnamed = 543, "feed-unit-unnamed", "没有写明 {} 的单位：按 mm/min 走", "the unit of {} is not named: it is taken as mm/min",
         "写明 {2}", "write {2}";

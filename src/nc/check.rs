@@ -451,6 +451,10 @@ impl ProgramCheck {
                 match certainty {
                     Certainty::Sure => add_once(&mut report.faults, reported, fault),
                     Certainty::Possible => add_once(&mut report.warnings, reported, fault),
+                    Certainty::NoPosition if !std::mem::replace(&mut blocks.position_missed, true) => {
+                        add_once(&mut report.warnings, reported, fault.into_position_unknown());
+                    }
+                    Certainty::NoPosition => {}
                     Certainty::Unknown => {}
                 }
             }

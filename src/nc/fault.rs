@@ -95,6 +95,11 @@ impl ProgramFault {
         Self { calls, ..self }
     }
 
+    /// At the same place: nothing is known of its position.
+    pub(crate) fn into_position_unknown(self) -> Self {
+        Self { error: E::PositionUnknown, details: Default::default(), ..self }
+    }
+
     /// The displayed name of the program.
     #[must_use]
     pub fn program_title(&self) -> String {

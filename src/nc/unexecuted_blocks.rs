@@ -1,7 +1,8 @@
 //! Blocks that a run did not execute: executes each by itself, as if it were reached, to find what is wrong with it.
 //!
 //! Position, modal state and variables there are those of the lines above, not those of a run. A mistake that they
-//! could explain is a warning, or nothing if the lines above do not say where the axes are. Source: spec B1, B3, T4.
+//! could explain is a warning. Where the lines above do not say where the axes are, the warning is that arcs and contours
+//! are not checked, once for each program. Source: spec B1, B3, T4.
 
 use std::sync::Arc;
 
@@ -29,7 +30,9 @@ pub(super) enum Certainty {
     Sure,
     /// Values or modes of a run decide.
     Possible,
-    /// Nothing is known that it could be measured by.
+    /// Nothing is known that it could be measured by: the lines above do not say where the axes stand.
+    NoPosition,
+    /// The same of the values of a call, of the feed and the like.
     Unknown,
 }
 
@@ -47,6 +50,8 @@ pub(super) struct LoneBlocks {
     known: [bool; 3],
     /// The lines above say which function of group 01 acts.
     motion_known: bool,
+    /// A block of this text could not be checked without a position.
+    pub position_missed: bool,
     /// The programs that the last line calls, with the arguments.
     pub calls: Vec<(Arc<Source>, Locals)>,
     /// The mistakes of the last line.
@@ -57,12 +62,14 @@ impl LoneBlocks {
     /// Begins with a text and #1–#33. The machine and the block are its own.
     pub fn new((source, locals): (Arc<Source>, Locals), world: OfflineMachine, block: Block) -> Self {
         let (known, motion_known, calls, found) = ([false; 3], false, Vec::new(), Vec::new());
-        Self { source, locals, world, block, next_line: u32::MAX, known, motion_known, calls, found }
+        let (next_line, position_missed) = (u32::MAX, false);
+        Self { source, locals, world, block, next_line, known, motion_known, position_missed, calls, found }
     }
 
     /// Begins with another text.
     pub fn begin(&mut self, source: Arc<Source>, locals: Locals) {
         (self.source, self.locals, self.next_line) = (source, locals, u32::MAX);
+        self.position_missed = false;
     }
 
     /// Executes the blocks of a line (from 0).
@@ -76,6 +83,8 @@ impl LoneBlocks {
         while let Some(at) = next {
             interpreter.begin_alone(&self.source, at, &self.locals);
             let stepped = interpreter.step_whole_block(&mut self.world, &mut self.block);
+            // The words of the block say where it ends, not where it begins.
+            let known_before = self.known;
             self.note_words(interpreter);
             match stepped {
                 Ok(_) => {
@@ -90,7 +99,7 @@ impl LoneBlocks {
                 Err(ReadStop::Error(wrong)) => {
                     let at = wrong.at;
                     let fault = self.source.fault(interpreter.block_words.block_number, wrong);
-                    let certainty = self.certainty(at, &fault, interpreter);
+                    let certainty = self.certainty(at, &fault, (interpreter, known_before));
                     self.found.push((fault, certainty));
                 }
             }
@@ -127,21 +136,20 @@ impl LoneBlocks {
         })
     }
 
-    /// How sure a mistake at a byte is.
-    fn certainty(&self, at: usize, fault: &ProgramFault, interpreter: &Interpreter) -> Certainty {
+    /// How sure a mistake at a byte is; with what was known of the position before the block.
+    fn certainty(
+        &self,
+        at: usize,
+        fault: &ProgramFault,
+        (interpreter, known_before): (&Interpreter, [bool; 3]),
+    ) -> Certainty {
         let (text, words) = (self.source.bytes(), &interpreter.block_words);
         let literal = is_literal(text, at);
         let without_values = self.block.used_variables.is_empty() && !interpreter.has_null_use();
         let has_group = |group| words.g.iter().any(|code| is_in_group(code.number, group));
         let sure = |holds: bool| if holds { Certainty::Sure } else { Certainty::Possible };
         match fault.error {
-            error if depends_on_position(error) => {
-                let axes = Axis::ALL.into_iter().filter(|axis| interpreter.settings.axes[*axis]);
-                match axes.zip(self.known).all(|(_, known)| known) {
-                    true => Certainty::Possible,
-                    false => Certainty::Unknown,
-                }
-            }
+            error if depends_on_position(error) => by_position(interpreter, known_before),
             // The word is there; its local variable has a value only in a run.
             E::MissingWord | E::EmptyWord if interpreter.block_words.has_null() && self.names_empty_local(at) => {
                 Certainty::Unknown
@@ -184,6 +192,15 @@ impl LoneBlocks {
             }
             _ => Certainty::Sure,
         }
+    }
+}
+
+/// How sure a mistake is that comes from positions.
+fn by_position(interpreter: &Interpreter, known: [bool; 3]) -> Certainty {
+    let axes = Axis::ALL.into_iter().zip(known);
+    match axes.filter(|(axis, _)| interpreter.settings.axes[*axis]).all(|(_, known)| known) {
+        true => Certainty::Possible,
+        false => Certainty::NoPosition,
     }
 }
 

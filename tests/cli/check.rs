@@ -560,3 +560,47 @@ fn k7_3_the_numbers_of_a_picture_are_checked() {
     let told = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
     assert!(!out.status.success() && told.contains("200×400"), "{told}");
 }
+
+/// Behind an end nothing is known of the position: arcs and contours there are not silently right, once for each program.
+#[test]
+fn t4_arcs_that_the_check_does_not_come_to_are_named_as_not_checked() {
+    let text = "O0001\nG98 G01 X1 F100\nM30\nG02 X2 Z-5 R0.1\nG02 X4 Z-9 R0.1\n";
+    let out = check("gc", "O0001.NC", text, &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(0), "{}", said(&out));
+    let warning = "O0001.NC:4:12: warning: the check does not come here and does not know where the axes stand";
+    assert!(warned(&out).contains(warning), "{}", warned(&out));
+    // It says where the next one begins.
+    assert!(warned(&out).contains("O0001.NC:5:12: warning: arc radius"), "{}", warned(&out));
+    let text = "O0001\nM30\nG02 X2 Z-5 R0.1 F100\nGOTO 8\nG02 X4 Z-9 R0.1 F100\nN8 M99\n";
+    let out = check("gc", "O0001.NC", text, &["--lang", "en"]);
+    assert_eq!(warned(&out).matches("warning").count(), 1, "once: {}", warned(&out));
+    // Lines above that say where the axes stand: the arc itself is named. Without arcs nothing is.
+    let text = "O0001\nM30\nG98 G00 X1 Z0\nG02 X2 Z-5 R0.1 F100\n";
+    let warning = "O0001.NC:4:12: warning: arc radius";
+    let out = check("gc", "O0001.NC", text, &["--lang", "en"]);
+    assert!(warned(&out).contains(warning) && !warned(&out).contains("does not come"), "{}", warned(&out));
+    let out = check("gc", "O0001.NC", "O0001\nM30\nG98 G01 X1 Z0 F100\n", &["--lang", "en"]);
+    assert_eq!(warned(&out), "");
+}
+
+/// What a program writes into offsets and origins is checked as the run takes it.
+#[test]
+fn t4_k4_4_offsets_and_origins_that_a_run_would_refuse_are_named() {
+    for (write, place) in [
+        ("#2001=-1000", "#2001 = -1000 (±999.999)"),
+        ("#5221=999999", "#5221 = 999999 (±9999.999)"),
+        ("#5203=10000", "#5203"),
+        ("#7001=-10000", "#7001 = -10000 (±9999.999)"),
+        ("#2901=1000", "#2901 = 1000"),
+        ("#2901=-0.1", "#2901 = -0.1"),
+        ("#2301=10", "#2301 = 10"),
+    ] {
+        let out = check("gc", "O0001.NC", &format!("O0001\n{write}\nM30\n"), &["--lang", "en"]);
+        assert_eq!(out.status.code(), Some(2), "{write}: {}", said(&out));
+        assert!(said(&out).contains(place), "{write}: {}", said(&out));
+    }
+    for write in ["#5221=9999", "#2901=2", "#2301=9", "#2001=-0.1"] {
+        let out = check("gc", "O0001.NC", &format!("O0001\n{write}\nM30\n"), &[]);
+        assert_eq!(out.status.code(), Some(0), "{write}: {}", said(&out));
+    }
+}

@@ -208,10 +208,13 @@ impl Plant {
     }
 }
 
-/// The offset table that a variable belongs to.
+/// The offset table that a variable belongs to; origins of work coordinates have the range of the geometry.
 pub fn offset_part_of_variable(number: u32) -> Option<OffsetPart> {
     let of = |table| offset_and_axis(table, number).is_some();
-    if of(&WEAR) { Some(OffsetPart::Wear) } else { of(&GEOMETRY).then_some(OffsetPart::Geometry) }
+    match of(&WEAR) {
+        true => Some(OffsetPart::Wear),
+        false => (of(&GEOMETRY) || OriginPlace::of_variable(number).is_some()).then_some(OffsetPart::Geometry),
+    }
 }
 
 /// The offset index and axis of a variable number.
