@@ -294,7 +294,9 @@ impl<'a> FileCheck<'a> {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         self.programs.duplicates().iter().filter_map(move |twice| {
             let (_, line) = twice.places.iter().rfind(|(file, _)| *file == name)?;
-            let details = [program_number::name_of(twice.number).into(), twice.text.as_str().into()];
+            let name = self.programs.get(twice.number).map(|program| program.source.title());
+            let name = name.unwrap_or_else(|| program_number::name_of(twice.number));
+            let details = [name.as_str().into(), twice.text.as_str().into()];
             let cause = LocalizedText::phrase(ProgramError::DuplicateProgram.template(), details.clone());
             let remedy = LocalizedText::phrase(ProgramError::DuplicateProgram.remedy_template(), details);
             let lang = self.shared.lang;
@@ -392,10 +394,13 @@ impl<'a> FileCheck<'a> {
     }
 
     /// Checks the programs of the file that the first one does not call, each by itself. One that another of them calls was
-    /// checked with that one.
+    /// checked with that one; one whose number stands before it in the file has its error already, and no place of its own.
     fn check_others(&self, mut checked: CheckReport, library: &SharedLibrary) -> CheckReport {
         let is_left = |source: &&Arc<Source>, checked: &CheckReport| !checked.called.contains(&source.number());
-        let left = self.others.iter().filter(|source| is_left(source, &checked));
+        let all: Vec<u32> = [&self.source].into_iter().chain(&self.others).map(|source| source.number()).collect();
+        let is_first = |index: usize, number: u32| !all[..=index].contains(&number);
+        let others = self.others.iter().enumerate().filter(|(index, source)| is_first(*index, source.number()));
+        let left = others.map(|(_, source)| source).filter(|source| is_left(source, &checked));
         let found: Vec<_> = left
             .map(|source| {
                 let check = ProgramCheck::new(source, library, &self.settings, self.retained.variables.clone());

@@ -387,6 +387,24 @@ program_errors! {
     /// Allowed, but the program ends there.
     AlarmReached = 555, "alarm-reached", "按现有数值，程序在这里以报警 {} 结束：{2}", "with these values the program ends here with alarm {}: {2}",
         "检查调用的参数和变量", "check the arguments of the call and the variables";
+    DwellPoint = 558, "dwell-point", "{}：G04 的 P 以毫秒计，不带小数点", "{}: P of G04 counts milliseconds and takes no decimal point",
+        "秒写 X{2}，毫秒写整数 P", "write seconds as X{2}, or whole milliseconds as P";
+    PortWordMissing = 559, "port-word-missing", "{} 在本机是输入输出口指令，缺少 {2}", "{} is a function of an input or output port here and lacks {2}",
+        "写出端口号；别的机床的 {} 请在 M 代码表中另找", "name the port; for the {} of another machine look at the table of M codes";
+    MCodeWord = 560, "m-code-word", "{} 不带 {2}", "{} takes no {2}",
+        "先看 M 代码表中 {} 在本机的作用，再决定删去 {2} 或改用别的 M 代码", "see the table of M codes for what {} does here before {2} is deleted or another code is taken";
+    ArgumentsByG65 = 561, "arguments-by-g65", "M98 不能传递参数 {}", "M98 passes no argument {}",
+        "带参数调用用 G65 P_", "call with arguments by G65 P_";
+    NumberWithoutLetter = 562, "number-without-letter", "数 {} 前没有地址字母", "the number {} has no address letter",
+        "写出字母：G、M、X、Z 等", "write the letter before it: G, M, X, Z and the like";
+    PresetEmpty = 563, "preset-empty", "G50 没有 X、Z、S", "G50 has no X, Z or S",
+        "G50 设定坐标或限制转速；本机没有比例缩放，程序开头的 G50 请删去", "G50 sets coordinates or limits the speed; there is no scaling here: delete it from a safety line";
+    NoLoopStatement = 564, "no-loop-statement", "没有 {} 循环语句", "there is no loop with {}",
+        "用标号和 IF … GOTOB 标号 写循环", "write the loop with a label and IF … GOTOB label";
+    NoLogicOperator = 565, "no-logic-operator", "条件中没有 {}", "conditions have no {}",
+        "分成两个 IF：两个都要成立，用相反的条件跳过", "use two IF: to need both, jump away by the opposite of each";
+    RadiusMode = 566, "radius-mode", "没有 {}", "there is no {}",
+        "X 是直径还是半径由参数 P6.0 决定；LinuxCNC 的 G08 程序 X 是半径，不能只删去该字", "parameter P6.0 says whether X is a diameter or a radius; in a LinuxCNC program behind G08 X is a radius: do not just delete the word";
     /// Nothing is known to be wrong, and not all could be looked at.
     PositionUnknown = 557, "position-unknown", "检查没有走到这里，不知道各轴的位置：这里和其后的圆弧、轮廓没有检查", "the check does not come here and does not know where the axes stand: arcs and contours from here on are not checked",
         "用能走到这里的数值检查，或用 kt830 run 试运行", "check it with values that lead here, or try it with kt830 run";

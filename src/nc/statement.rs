@@ -210,13 +210,25 @@ fn read_goto<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, at: usize) -> Con
 fn unexpected_in_block<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
     match cursor.peek() {
         b'[' => fail1(cursor.at, E::UnexpectedCharacter, "["),
+        b'0'..=b'9' if has_word_before(cursor) => {
+            let digits =
+                cursor.text[cursor.at..].iter().take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
+            fail1(cursor.at, E::NumberWithoutLetter, Capitals(&cursor.text[cursor.at..cursor.at + digits]))
+        }
         digit @ b'0'..=b'9' => fail1(cursor.at, E::BlockOfDigits, char::from(digit)),
         _ => cursor.unexpected(),
     }
 }
 
-/// The statement behind an O word, as LinuxCNC writes it: `o100 while`, `o<name> call`.
+/// Whether something stands before the cursor in its line.
+fn has_word_before(cursor: &Cursor<'_>) -> bool {
+    let before = cursor.text[..cursor.at].iter().rev().find(|byte| !matches!(byte, b' ' | b'\t'));
+    before.is_some_and(|byte| !matches!(byte, b'\r' | b'\n' | b';' | b'/'))
+}
+
+/// An O word and the statement behind it, as LinuxCNC writes it: `o100 while`, `o<name> call`.
 fn o_word_statement<'a>(mut cursor: Cursor<'a>) -> Option<&'a [u8]> {
+    let start = cursor.at;
     cursor.at += 1;
     while matches!(cursor.peek(), b' ' | b'\t') {
         cursor.at += 1;
@@ -229,7 +241,10 @@ fn o_word_statement<'a>(mut cursor: Cursor<'a>) -> Option<&'a [u8]> {
     while cursor.peek().is_ascii_digit() {
         cursor.at += 1;
     }
-    foreign_statement(cursor.text.get(cursor.at..)?)
+    let statement = foreign_statement(cursor.text.get(cursor.at..)?)?;
+    let blanks = cursor.text[cursor.at..].iter().take_while(|byte| matches!(byte, b' ' | b'\t')).count();
+    let end = cursor.at + blanks + statement.len();
+    Some(&cursor.text[start..end.min(start + MAX_WORD)])
 }
 
 fn is_true(value: Value) -> bool {

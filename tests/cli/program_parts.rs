@@ -332,6 +332,22 @@ fn k7_8_an_import_of_one_program_from_two_files_is_refused_and_other_texts_do_no
     assert_eq!((shop.text("O0031.NC"), shop.text("O0032.NC")), (EXPORT.to_owned(), "O0032\nM99\n".to_owned()));
 }
 
+/// Of two programs with one number in a file the mistakes of the second have no place of their own: its error is the number.
+#[test]
+fn b1_a_number_that_stands_twice_in_a_file_does_not_shift_the_lines_of_a_mistake() {
+    let shop = Shop::new(&[("O0100.NC", "%\nO0100\nG199\nO0100\nM19\nM30\nO0101\nG198\nM30\n%\n")]);
+    let (status, told) = shop.run(&["check", "O0100.NC"]);
+    assert_eq!(status, Some(2));
+    for wanted in [
+        "O0100.NC:4:1: program O0100 exists twice",
+        "O0100.NC:3:1: unknown code G199",
+        "O0100.NC:8:1: O0101: unknown code G198",
+    ] {
+        assert!(told.contains(wanted), "{wanted} in {told}");
+    }
+    assert!(!told.contains("M19"), "{told}");
+}
+
 /// A run says the same place as a check: file and line, and who called.
 #[test]
 fn t3_a_mistake_in_a_called_program_of_a_file_is_told_with_its_line_and_its_calls() {

@@ -120,7 +120,7 @@ fn b8_messages_speak_of_the_right_thing() {
             2,
             "G73 P Q has no block G73 U W R before it",
         ),
-        ("G00 X9\no100 while [#1 GT 2]\nM30\n", 2, "there is no statement WHILE"),
+        ("G00 X9\no100 while [#1 GT 2]\nM30\n", 2, "there is no statement O100 WHILE"),
         ("G00 X9\n#<depth>=5\nM30\n", 2, "there is no variable #<…>"),
     ] {
         let report = check(&source(1001, text), &(Arc::new(Shelf::default()) as _), &NcSettings::lathe_a());

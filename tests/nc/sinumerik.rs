@@ -166,9 +166,25 @@ fn s1_what_programs_of_others_have() {
     assert_eq!(wrong, wanted);
     assert_eq!(check("M3 S100\nG0 X120 M9 M30 M5\n"), [""; 0]);
     assert_eq!(check("M2 M30\n"), ["1:4 M2 and M30 cannot be combined in one block"]);
-    for word in ["DEF REAL X", "PROC GRIND", "ENDIF", "WHILE R1<3", "CYCLE406(1,2)"] {
-        let found = check(&format!("{word}\nM2\n"));
-        let named = word.split([' ', '(']).next().unwrap();
-        assert!(found[0].ends_with(&format!("this control has no {named}")), "{word}: {found:?}");
+    for (line, wanted) in [
+        ("DEF REAL X", "1:1 this control has no DEF"),
+        ("PROC GRIND", "1:1 this control has no PROC"),
+        ("CYCLE406(1,2)", "1:1 this control has no CYCLE406"),
+        ("SOFT", "1:1 this control has no SOFT"),
+        // What to do instead is another thing for each.
+        ("ENDIF", "1:1 there is no IF … ENDIF"),
+        ("ELSE", "1:1 there is no IF … ENDIF"),
+        ("WHILE R1<3", "1:1 there is no loop with WHILE"),
+        ("REPEAT", "1:1 there is no loop with REPEAT"),
+        ("IF R1>2 AND R2>1 GOTOF AA", "1:9 conditions have no AND"),
+        // A name alone is a call of another program.
+        ("PAR_INI", "1:1 there is no call PAR_INI(…)"),
+        ("N30 S_PAR_INI ; values", "1:5 there is no call S_PAR_INI(…)"),
+        ("C=R17", "1:1 this machine has no axis C"),
+        ("G0 V-1", "1:4 this machine has no axis V"),
+        ("G17", "1:1 G17 (XY plane) does not exist on this machine"),
+    ] {
+        let found = check(&format!("{line}\nM2\n"));
+        assert_eq!(found.first().map(String::as_str), Some(wanted), "{line}: {found:?}");
     }
 }

@@ -35,7 +35,11 @@ pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     }
     if tool > count || offset > count || (tool == 0 && offset != 0) {
         let expected = format_args!("Txxyy xx 1–{count} yy 0–{count}");
-        return fail2(word.at as usize, E::OutOfRange, format_args!("T{value:04}"), expected);
+        let name: Arg = match tool {
+            0 => format_args!("T{}", word.value).into(),
+            _ => format_args!("T{value:04}").into(),
+        };
+        return fail2(word.at as usize, E::OutOfRange, name, expected);
     }
     let modals = &mut *running.modals;
     let tool = tool as u16;
@@ -126,11 +130,13 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()>
     let (mut p, mut l) = (None, None);
     if (20..=22).contains(&number) {
         let name = || Arg::from(format_args!("M{number}"));
-        let Some(port) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name(), "P") };
+        let Some(port) = words.take(b'P') else { return fail2(code.at as usize, E::PortWordMissing, name(), "P") };
         p = Some(f64::from(integer(port, 1, PORT_COUNT)?));
         if number == 20 {
             // B4: a pulse of L milliseconds.
-            let Some(millis) = words.take(b'L') else { return fail2(code.at as usize, E::MissingWord, name(), "L") };
+            let Some(millis) = words.take(b'L') else {
+                return fail2(code.at as usize, E::MissingWord, name(), "L");
+            };
             l = Some(in_range(millis, (0.0, MAX_VALUE), "")?);
         }
     }
@@ -142,7 +148,7 @@ fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()>
 fn input_jump(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
     let name = || Arg::from(format_args!("M{}", code.number));
     let words = running.words;
-    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name(), "P") };
+    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::PortWordMissing, name(), "P") };
     let (port, target) = match words.take(b'L') {
         Some(block) => (integer(p, 1, PORT_COUNT)?, block),
         None if running.settings.jump_input == 0 => return fail1(code.at as usize, E::InputNotAssigned, name()),

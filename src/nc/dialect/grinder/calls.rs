@@ -53,6 +53,20 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     })
 }
 
+/// Refuses `M98 P1000 A5`: the words beside P and L belong to no code of the block, and would reach no variable.
+pub(super) fn refuse_arguments_of_m98(running: &BlockContext<'_, '_>) -> ReadResult<()> {
+    let words = running.words;
+    if !(words.g.is_empty() && words.m.iter().any(|code| code.number == 98)) {
+        return Ok(());
+    }
+    match words.list.iter().find(|word| matches!(word.letter, b'A'..=b'E' | b'H'..=b'K' | b'Q')) {
+        Some(word) => {
+            fail1(word.at as usize, E::ArgumentsByG65, format_args!("{}{}", char::from(word.letter), word.value))
+        }
+        None => Ok(()),
+    }
+}
+
 /// The code of the block that calls a macro by its table (P420 …, P440 …), and the program.
 ///
 /// As on FANUC, no code calls a macro within a program that a code has called: there it is the control's own. G65, G66, and

@@ -74,7 +74,10 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
             return calls::macro_call(running, &plan);
         }
         common::refuse_duplicate_address(running)?;
-        running.words.take(b'O');
+        if let Some(word) = running.words.take(b'O').filter(|word| word.value < 1.0) {
+            return out_of_range(word, format_args!("1–{}", running.settings.program_limit));
+        }
+        calls::refuse_arguments_of_m98(running)?;
         apply_modes(running, &plan)?;
         running.words.take(b'T');
         if running.second_half {
@@ -234,7 +237,7 @@ fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &BlockCodes, word: Word
     let has_corners = running.modals.motion == MotionMode::Feed && plan.one_shot.is_none();
     let size = match word.letter {
         // A rotary axis, not an angle or a chamfer.
-        b'A' | b'C' if !has_corners || running.settings.is_mill() || word.value <= 0.0 => {
+        b'A' | b'C' if !has_corners || running.settings.is_mill() || word.letter == b'C' && word.value <= 0.0 => {
             return fail1(word.at as usize, E::NoAxis, char::from(word.letter));
         }
         b'B' => return fail1(word.at as usize, E::NoAxis, "B"),
@@ -251,7 +254,18 @@ fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &BlockCodes, word: Word
             format_args!(",{letter}{size}"),
         );
     }
+    if let Some(code) =
+        running.words.m.first().filter(|_| running.words.g.is_empty() && !is_axis_or_motion(word.letter))
+    {
+        let text = format_args!("{}{}", char::from(word.letter), word.value);
+        return fail2(word.at as usize, E::MCodeWord, code.name('M', 2), text);
+    }
     common::unknown_word(running.text, word)
+}
+
+/// Letters of moves: the function of group 01 that acts would have them.
+const fn is_axis_or_motion(letter: u8) -> bool {
+    (AXIS_WORDS | letter_mask(b"IJKRF")) & letter_mask(&[letter]) != 0
 }
 
 /// The address letters of an axis: absolute and incremental.

@@ -61,12 +61,22 @@ fn dwell(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
         (_, ValueKind::Integer, Some(least)) => least,
         _ => 1.0,
     };
+    if word.letter == b'P' && is_written_with_point(running.text, word) {
+        return fail2(word.at as usize, E::DwellPoint, format_args!("P{}", word.value), format_args!("{}", word.value));
+    }
     let s = word.value * scale;
     if !(0.0..=MAX_VALUE).contains(&s) {
         return out_of_range(word, "0–99999.999 s");
     }
     running.ops.push(Op::Dwell { s });
     Ok(())
+}
+
+/// Whether the value of a word is a number with a decimal point in the text, and not computed.
+fn is_written_with_point(text: &[u8], word: Word) -> bool {
+    let behind = text.get(word.at as usize + 1..).unwrap_or_default();
+    word.kind == ValueKind::Decimal
+        && behind.iter().find(|byte| **byte != b' ').is_some_and(|byte| !matches!(byte, b'#' | b'['))
 }
 
 /// The error for a function without an axis of this machine: none is named, or another one as in `G28 C0`.
@@ -129,7 +139,12 @@ fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> Read
         running.ops.push(Op::SpeedLimit { rpm: in_range(word, (0.0, MAX_VALUE), "")? });
     }
     if words.is_empty() {
-        return if limit.is_some() { Ok(()) } else { missing_axis(running, code, "X / Z / S") };
+        return match limit {
+            Some(_) => Ok(()),
+            // Behind no axis that this machine lacks.
+            None if running.words.list.is_empty() => fail(code.at as usize, E::PresetEmpty),
+            None => missing_axis(running, code, "X / Z / S"),
+        };
     }
     if running.modals.several_tools {
         return fail(code.at as usize, E::G50WithTools);

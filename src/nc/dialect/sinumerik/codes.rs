@@ -4,7 +4,7 @@ use super::RETURN_M_CODE;
 use crate::defs::gcode::GCodeGroup;
 use crate::nc::dialect::codes::{self, BlockCodes};
 use crate::nc::dialect::rules::BlockContext;
-use crate::nc::fault::{E, ReadResult, fail2};
+use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::words::{BlockWords, Code};
 use crate::nc::work_offsets::{EXTRA_G, EXTRA_WORK_OFFSETS};
 
@@ -50,6 +50,7 @@ fn look_up(code: Code) -> ReadResult<GCodeGroup> {
         // Other dialects select the unit of F by these codes.
         None if code.number == 98 => fail2(code.at as usize, E::UnknownCode, "G98", "G94 (mm/min) G95 (mm/r)"),
         None if code.number == 99 => fail2(code.at as usize, E::UnknownCode, "G99", "G95 (mm/r) G94 (mm/min)"),
+        None if matches!(code.number, 17 | 19) => fail1(code.at as usize, E::WrongKindG, code.name('G', 2)),
         None => codes::refuse_unknown(code, 'G', 0, (0..1_000).filter(is_named)),
     }
 }

@@ -300,6 +300,9 @@ fn out_of_range<T>(word: Word, range: impl Into<Arg>) -> ReadResult<T> {
 #[cold]
 fn unknown_word<T>(text: &[u8], word: Word) -> ReadResult<T> {
     let at = word.at as usize;
+    if matches!(word.letter, b'A' | b'B' | b'C' | b'U' | b'V' | b'W') {
+        return fail1(at, E::NoAxis, char::from(word.letter));
+    }
     let rest = text.get(at..).unwrap_or_default();
     let length = rest.iter().position(|byte| matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | b';')).unwrap_or(rest.len());
     fail1(at, E::UnknownWord, Capitals(&rest[..length]))

@@ -16,11 +16,11 @@ use crate::nc::words::{Assignment, BlockWords, Code, ValueKind, Word};
 use crate::units::Axis;
 
 /// Statements of larger controls of the same maker.
-pub(super) const FOREIGN_WORDS: [&str; 46] = [
+pub(super) const FOREIGN_WORDS: [&str; 53] = [
     "DEF", "PROC", "ENDPROC", "EXTERN", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP",
     "REPEAT", "REPEATB", "UNTIL", "CASE", "ROT", "AROT", "MIRROR", "SCALE", "SETAL", "SUPA", "MCALL", "AR", "AP", "RP",
     "RPL", "CT", "CIP", "TURN", "OFFN", "DISC", "DISR", "DISCL", "FAD", "FP", "SF", "POS", "POSA", "ACC", "MEAS",
-    "MEAW", "CFC", "CFTCP", "CFIN", "SPI",
+    "MEAW", "CFC", "CFTCP", "CFIN", "SPI", "SOFT", "BRISK", "DRIVE", "FFWON", "FFWOF", "COMPON", "COMPOF",
 ];
 
 const IF_SYNTAX: &str = "IF a<b GOTOF …";
@@ -153,7 +153,7 @@ fn refuse_logic(cursor: &Cursor<'_>) -> ReadResult<()> {
         let word = line[at..end].iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
         let name = &line[at..at + word];
         if [&b"AND"[..], b"OR", b"XOR", b"NOT"].iter().any(|logic| name.eq_ignore_ascii_case(logic)) {
-            return fail1(cursor.at + at, E::BadCondition, upper_text(name));
+            return fail1(cursor.at + at, E::NoLogicOperator, upper_text(name));
         }
         at += word.max(1);
     }
@@ -415,8 +415,21 @@ fn read_long_word<S: Scope>(
     if ["SPOS", "SPOSA"].iter().any(|word| found.eq_ignore_ascii_case(word.as_bytes())) {
         return fail1(at, E::NoSpindlePosition, upper_text(found));
     }
+    refuse_long_word(cursor, at, found)
+}
+
+/// Refuses a word of several letters that is none of this control.
+#[cold]
+fn refuse_long_word(cursor: &Cursor<'_>, at: usize, found: &[u8]) -> ReadResult<()> {
     let name = upper_text(found);
     let is_cycle = name.strip_prefix("CYCLE").is_some_and(|number| is_number(number.as_bytes()));
+    match name.as_str() {
+        "ELSE" | "ENDIF" => return fail(at, E::NoBlockIf),
+        "WHILE" | "ENDWHILE" | "FOR" | "ENDFOR" | "LOOP" | "ENDLOOP" | "REPEAT" | "REPEATB" | "UNTIL" => {
+            return fail1(at, E::NoLoopStatement, name);
+        }
+        _ => {}
+    }
     if is_cycle || FOREIGN_WORDS.contains(&name.as_str()) {
         return fail1(at, E::ForeignWord, name);
     }
@@ -434,7 +447,25 @@ fn read_long_word<S: Scope>(
     }
     // A word of this language in the wrong place.
     let own = is_reserved(found) || found.get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GOTO"));
-    fail1(at, if own { E::UnknownWord } else { E::ForeignWord }, name)
+    // A name alone in its block calls a program of that name.
+    let is_alone = matches!(behind.peek(), b'\r' | b'\n' | b';') && is_first_word(cursor.text, at);
+    fail1(
+        at,
+        if own {
+            E::UnknownWord
+        } else if is_alone {
+            E::NoCallByName
+        } else {
+            E::ForeignWord
+        },
+        name,
+    )
+}
+
+/// Whether a byte is the first one of its block, behind its number.
+fn is_first_word(text: &[u8], at: usize) -> bool {
+    let line = text[..at].rsplit(|byte| matches!(byte, b'\r' | b'\n')).next().unwrap_or_default().trim_ascii();
+    matches!(line, [] | [b'N' | b'n', ..]) && line.iter().skip(1).all(u8::is_ascii_digit)
 }
 
 /// Refuses `R5` without `=` in an arc block: in other dialects it is the radius.
