@@ -50,6 +50,8 @@ pub(super) struct LoneBlocks {
     known: [bool; 3],
     /// The lines above say which function of group 01 acts.
     motion_known: bool,
+    /// The text is the program that is started; others are called.
+    is_started: bool,
     /// A block of this text could not be checked without a position.
     pub position_missed: bool,
     /// The programs that the last line calls, with the arguments.
@@ -63,13 +65,25 @@ impl LoneBlocks {
     pub fn new((source, locals): (Arc<Source>, Locals), world: OfflineMachine, block: Block) -> Self {
         let (known, motion_known, calls, found) = ([false; 3], false, Vec::new(), Vec::new());
         let (next_line, position_missed) = (u32::MAX, false);
-        Self { source, locals, world, block, next_line, known, motion_known, position_missed, calls, found }
+        Self {
+            source,
+            locals,
+            world,
+            block,
+            next_line,
+            known,
+            motion_known,
+            is_started: true,
+            position_missed,
+            calls,
+            found,
+        }
     }
 
     /// Begins with another text.
     pub fn begin(&mut self, source: Arc<Source>, locals: Locals) {
         (self.source, self.locals, self.next_line) = (source, locals, u32::MAX);
-        self.position_missed = false;
+        (self.position_missed, self.is_started) = (false, false);
     }
 
     /// Executes the blocks of a line (from 0).
@@ -154,6 +168,8 @@ impl LoneBlocks {
             E::MissingWord | E::EmptyWord if interpreter.block_words.has_null() && self.names_empty_local(at) => {
                 Certainty::Unknown
             }
+            // No caller has an F for a program that is started, and no line above has one.
+            E::FeedMissing if self.is_started && !has_feed_word(&text[..at.min(text.len())]) => Certainty::Possible,
             E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed | E::TooDeep => Certainty::Unknown,
             // A program for several machines asks which one it runs on.
             E::NoAxis => Certainty::Possible,
@@ -235,6 +251,11 @@ const fn depends_on_motion(error: E) -> bool {
             | E::AxisUnused
             | E::ArcWithoutCentre
     )
+}
+
+/// Whether an F with a value stands in a text.
+fn has_feed_word(text: &[u8]) -> bool {
+    text.windows(2).any(|pair| matches!(pair, [b'F' | b'f', b'0'..=b'9' | b'.' | b'#' | b'[' | b' ' | b'=']))
 }
 
 /// Whether a G code belongs to a group on any kind of machine.

@@ -586,6 +586,19 @@ fn t4_arcs_that_the_check_does_not_come_to_are_named_as_not_checked() {
     assert_eq!(warned(&out), "");
 }
 
+/// A feed that no line gives is missed, also where the check does not come.
+#[test]
+fn t4_a_feed_that_is_missing_behind_a_jump_is_warned_of() {
+    let out = check("gc", "O0001.NC", "O0001\nG98\nGOTO 9\nG01 X5\nN9 M30\n", &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(0), "{}", said(&out));
+    assert!(warned(&out).contains("O0001.NC:4:") && warned(&out).contains("F"), "{}", warned(&out));
+    let out = check("gc", "O0001.NC", "O0001\nG98\nG01 X4 F100\nGOTO 9\nG01 X5\nN9 M30\n", &[]);
+    assert_eq!(warned(&out), "");
+    // The caller of a subprogram may have it.
+    let out = check("gc", "O0001.NC", "O0001\nG98 F100\nGOTO 9\nM98 P2\nN9 M30\nO0002\nG01 X5\nM99\n", &[]);
+    assert_eq!((out.status.code(), warned(&out)), (Some(0), String::new()), "{}", said(&out));
+}
+
 /// What a program writes into offsets and origins is checked as the run takes it.
 #[test]
 fn t4_k4_4_offsets_and_origins_that_a_run_would_refuse_are_named() {
