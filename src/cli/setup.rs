@@ -4,6 +4,9 @@ use std::path::Path;
 #[cfg(feature = "hmi")]
 use std::path::PathBuf;
 
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Deserializer};
+
 use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::{PowerOnState, Programs};
@@ -287,7 +290,25 @@ fn simulated_machine(shared: &SharedArgs) -> Result<MachineFile, CallError> {
 
 /// Whether a file is the description of a real machine.
 fn describes_real_machine(text: &str) -> bool {
-    text.lines().any(|line| line.trim_start_matches(['(', ' ', '\t']).starts_with("ethercat:"))
+    /// There, whatever it holds.
+    #[derive(Default)]
+    struct Present(bool);
+
+    impl<'de> Deserialize<'de> for Present {
+        fn deserialize<D: Deserializer<'de>>(field: D) -> Result<Self, D::Error> {
+            IgnoredAny::deserialize(field).map(|_| Self(true))
+        }
+    }
+
+    #[derive(Deserialize)]
+    struct Head {
+        #[serde(default)]
+        ethercat: Present,
+    }
+
+    // A text that is not to be read says so as what its words say it is.
+    let by_words = || text.lines().any(|line| line.trim_start_matches(['(', ' ', '\t']).starts_with("ethercat:"));
+    ron::from_str(text).map_or_else(|_| by_words(), |head: Head| head.ethercat.0)
 }
 
 /// The simulated machine of the call. The view of the simulator page is built anew at most every `view_interval`.
@@ -500,5 +521,22 @@ mod tests {
         assert_eq!(of(Some(Kind::Gs)), folder.path().join("gs"));
         drop(RetainedStore::open(&of(Some(Kind::Gs)), Kind::Gs).unwrap());
         assert_eq!(of(Some(Kind::Gs)), folder.path().join("gs"));
+    }
+
+    #[test]
+    fn k1_a_real_machine_is_told_by_its_field_wherever_it_stands() {
+        let real = [
+            "(kind: Gc, ethercat: (interface: \"eth1\"), devices: [])",
+            "(\n  kind: Gc,\n  ethercat: (interface: 5",
+            "(ethercat: 1)",
+        ];
+        let simulated = [
+            "(kind: Gc)",
+            "(kind: Gc, // ethercat: (\n name: \"ethercat: 1\")",
+            include_str!("../../assets/machines/gc.ron"),
+        ];
+        assert!(real.into_iter().all(describes_real_machine));
+        assert!(!simulated.into_iter().any(describes_real_machine));
+        assert!(describes_real_machine(include_str!("../../assets/machines/gs_ethercat.ron")));
     }
 }

@@ -209,7 +209,10 @@ fn b2_words_of_programs_that_others_wrote() {
     assert!(ok("G21 G96 S660", Dialect::LatheA).iter().any(|op| op.contains("value=660")));
     // 0.0002 in/rev.
     assert!(ok("G20 G99 F0.0002\nG01 X1.", Dialect::LatheA).iter().any(|op| op.contains("f=0.00508")));
-    assert_eq!(refused("G21 G99 F0.0002\nG01 X1."), "out-of-range");
+    // FANUC, increment system IS-B: 0.0001 mm/r. A feed per minute has three decimals.
+    assert!(ok("G21 G99 F0.0002\nG01 X1.", Dialect::LatheA).iter().any(|op| op.contains("f=0.0002")));
+    assert_eq!(refused("G21 G99 F0.00002\nG01 X1."), "out-of-range");
+    assert_eq!(refused("G21 G98 F0.0002\nG01 X1."), "out-of-range");
     assert!((value_of("#3101").unwrap() - std::f64::consts::PI).abs() < 1e-15 && value_of("#3100").is_none());
     assert_eq!(value_of("0\nWH[#100 LT 3]DO1\n#100=#100+1\nEND1"), Some(3.0));
     for (text, name) in [

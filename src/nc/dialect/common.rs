@@ -20,10 +20,10 @@ use crate::nc::words::{BlockWords, ValueKind, Word};
 
 /// Greatest coordinate, feed or speed that can be programmed.
 pub(super) const MAX_VALUE: f64 = 99_999.999;
-/// Least feed, mm/min or mm/rev: three decimals.
+/// Least feed, mm/min: three decimals.
 const MIN_FEED: f64 = 0.001;
-/// Least feed in inches: four decimals.
-const MIN_FEED_INCH: f64 = 0.0001;
+/// Least feed in inches, and per revolution: four decimals.
+const MIN_FINE_FEED: f64 = 0.0001;
 /// Below this feed, mm/min, a program that does not name the unit of F may mean mm/r.
 const SLOW_FEED: f64 = 2.0;
 const METRES_PER_FOOT: f64 = 0.3048;
@@ -73,7 +73,7 @@ pub(super) fn missing_word<T>(words: &BlockWords, at: u32, name: &'static str, l
 #[inline]
 pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
     let Some(word) = running.words.take(b'F') else { return Ok(()) };
-    let least = if mm > 1.0 { MIN_FEED_INCH } else { MIN_FEED };
+    let least = if mm > 1.0 || running.modals.per_rev { MIN_FINE_FEED } else { MIN_FEED };
     let feed = in_range(word, (least, MAX_VALUE), "")? * mm;
     running.modals.feed = Some(feed);
     if feed < SLOW_FEED && !running.modals.feed_unit_named && !running.modals.per_rev {
