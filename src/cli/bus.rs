@@ -48,7 +48,7 @@ pub fn bus(shared: &SharedArgs, call: &BusArgs) -> Result<u8, CallError> {
     let mut machine = setup::open_bus(description)?;
     machine.connect();
     if machine.fault() == Some(BusFault::NoPermission) {
-        eprintln!(
+        warn_line!(
             "kt830: no permission for the network: `sudo setcap cap_net_raw,cap_sys_nice,cap_ipc_lock=ep {}` gives it without root",
             std::env::current_exe().unwrap_or_default().display()
         );

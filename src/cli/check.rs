@@ -140,7 +140,7 @@ fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>, warnin
 fn print_warning(shared: &SharedArgs, file: &str, at: &CheckError) {
     let program = at.program.as_ref().map_or_else(String::new, |program| format!("{program}: "));
     let message = format!("{}{program}{}", WARNING.get(shared.lang), at.message);
-    eprintln!("{}", CheckError { message, program: None, ..at.clone() }.text(file));
+    warn_line!("{}", CheckError { message, program: None, ..at.clone() }.text(file));
 }
 
 fn errors_json(wrong: &[CheckError]) -> Value {

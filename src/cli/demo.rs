@@ -46,7 +46,7 @@ fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8
             Ok(()) => print_line(format!("{seconds:10.3}  {}", line.text)),
             Err(why) => {
                 print_line(format!("{seconds:10.3}  FAIL  {}: {why}", line.text));
-                eprintln!("{}", state_report(player.host()));
+                warn_line!("{}", state_report(player.host()));
                 return Ok(FAILED);
             }
         }
@@ -130,7 +130,7 @@ mod live {
             }
             // A demo goes on: what fails is told to whoever wrote the story.
             if let Err(why) = player.play(line) {
-                eprintln!("FAIL  line {}, {}: {why}", line.number, line.text);
+                warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
             }
         }
         drop(player);

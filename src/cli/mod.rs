@@ -1,6 +1,11 @@
 //! The command line. Results go to standard output, messages to standard error.
 //! Source: spec tools.md T1–T6.
 
+/// Writes a line to standard error, as `eprintln!` does; one that cannot be written, on a full disk, is ignored.
+macro_rules! warn_line {
+    ($($text:tt)*) => { $crate::cli::print_warning_line(format_args!($($text)*)) };
+}
+
 mod args;
 #[cfg(target_os = "linux")]
 mod bus;
@@ -57,7 +62,7 @@ pub fn main() -> ExitCode {
         }
     };
     ExitCode::from(execute(args).unwrap_or_else(|error| {
-        eprintln!("kt830: {error}");
+        warn_line!("kt830: {error}");
         USAGE_ERROR
     }))
 }
@@ -105,6 +110,11 @@ impl CallError {
     fn at<E: Display>(place: impl Display) -> impl FnOnce(E) -> Self {
         move |error| Self(format!("{place}: {error}"))
     }
+}
+
+fn print_warning_line(text: std::fmt::Arguments<'_>) {
+    use std::io::Write;
+    drop(writeln!(std::io::stderr().lock(), "{text}"));
 }
 
 /// Writes a line to standard output; a closed pipe is ignored.

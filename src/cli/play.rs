@@ -146,7 +146,7 @@ fn play_lines(shared: &SharedArgs, lines: &[StoryLine], player: &mut Player<'_, 
             }
         }
         if done.is_err() {
-            eprintln!("{}", state_report(player.host()));
+            warn_line!("{}", state_report(player.host()));
             return FAILED;
         }
     }

@@ -73,10 +73,10 @@ pub fn plot_path(shared: &SharedArgs, call: &PlotPathArgs) -> Result<u8, CallErr
     let most_um = motion.deviation.iter().copied().fold(0.0, f64::max) * 1_000.0;
     print_line(format!("{}: {seconds:.3} s, deviation up to {most_um:.1} µm", out.display()));
     if let Some(why) = stop_reason(&mut host, end, LONGEST) {
-        eprintln!("kt830: stopped: {}", why.get(shared.lang));
+        warn_line!("kt830: stopped: {}", why.get(shared.lang));
     }
     for alarm in &host.snapshot().alarms {
-        eprintln!("kt830: {}", alarm.text.get(shared.lang));
+        warn_line!("kt830: {}", alarm.text.get(shared.lang));
     }
     Ok(if end == RunEnd::Finished { SUCCESS } else { FAILED })
 }

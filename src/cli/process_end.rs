@@ -12,8 +12,8 @@ static CONTROL: OnceLock<ControlEnd> = OnceLock::new();
 /// How long the window may take to close after a signal, before the process ends without it.
 const MAX_CLOSING: Duration = Duration::from_secs(3);
 
-/// From now on, every end of this process ends the control first: SIGINT, SIGTERM, SIGHUP (Windows: Ctrl+C, log-off,
-/// shutdown), and a library that calls `exit` – Xlib does when the display is lost.
+/// From now on, every end of this process ends the control first: SIGINT, SIGTERM, SIGHUP, SIGQUIT and the like (Windows:
+/// Ctrl+C, log-off, shutdown), and a library that calls `exit` – Xlib does when the display is lost.
 ///
 /// # Errors
 /// The system takes no handler; a signal would end the process at once.
@@ -22,7 +22,26 @@ pub fn guard_process(control: ControlEnd) -> std::io::Result<()> {
         return Ok(());
     }
     guard_exit()?;
+    #[cfg(unix)]
+    guard_other_signals()?;
     ctrlc::set_handler(end_by_signal).map_err(std::io::Error::other)
+}
+
+/// The other signals that end a process by themselves, sent by hand or by a timer, end the control first, too.
+///
+/// # Errors
+/// The system takes no handler.
+#[cfg(unix)]
+fn guard_other_signals() -> std::io::Result<()> {
+    use signal_hook::consts::{SIGALRM, SIGPROF, SIGQUIT, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU};
+    let mut signals =
+        signal_hook::iterator::Signals::new([SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU])?;
+    let end = move || {
+        if signals.forever().next().is_some() {
+            end_by_signal();
+        }
+    };
+    std::thread::Builder::new().name("kt830-signals".to_owned()).spawn(end).map(drop)
 }
 
 /// Exit handlers run in reverse order: those that a library has registered since would come before ours, and may fail.

@@ -94,7 +94,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
     host.close();
     let why = stop_reason(&mut host, end, hours(call.hours));
     if let Some(why) = &why {
-        eprintln!("kt830: stopped: {}", why.get(shared.lang));
+        warn_line!("kt830: stopped: {}", why.get(shared.lang));
     }
     let flag = variable_name::error_variable(host.kind());
     let refused_itself = flag.and_then(|flag| host.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);

@@ -38,7 +38,7 @@ use crate::io::fieldbus::description::MachineDescription;
 use crate::io::fieldbus::station::StationLink;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file};
+use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file, write_atomic};
 use crate::story::parse;
 use crate::units::Micros;
 
@@ -132,7 +132,7 @@ pub fn check_retained(shared: &SharedArgs) -> Result<PowerOnState, CallError> {
     let read = |data: DataDir| {
         let found = RetainedStore::read_only(data.root(), shared.kind);
         if found.is_none() {
-            eprintln!("kt830: {}: no whole data; the check uses factory values", data.root().display());
+            warn_line!("kt830: {}: no whole data; the check uses factory values", data.root().display());
         }
         found
     };
@@ -175,13 +175,13 @@ fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, C
     };
     let (store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
     for value in &found.dropped {
-        eprintln!("kt830: retained value {value} is no longer allowed and was ignored");
+        warn_line!("kt830: retained value {value} is no longer allowed and was ignored");
     }
     if let Some(loss) = &found.loss {
-        eprintln!("kt830: the retained data were damaged or gone and are not accepted yet: {}", loss.message().en());
+        warn_line!("kt830: the retained data were damaged or gone and are not accepted yet: {}", loss.message().en());
     }
     if let Some(fault) = &shared.settings_fault {
-        eprintln!("kt830: settings: {}", fault.en());
+        warn_line!("kt830: settings: {}", fault.en());
     }
     let settings = shared.settings_fault.clone().map(|what| (alarm::SETTINGS_INVALID, what));
     let mut standing = found.standing();
@@ -200,6 +200,8 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
 
 /// Name of the description of the machine in a data directory.
 const MACHINE_FILE: &str = "machine.ron";
+/// Stands in a data directory that a real machine was started with whose description lies elsewhere.
+const REAL_MACHINE_MARK: &str = "real-machine.txt";
 /// Why a simulation is refused on the data of a real machine.
 const SIMULATION_WRITES: &str = "a simulation would count its parts and store its values in them";
 
@@ -208,12 +210,15 @@ const SIMULATION_WRITES: &str = "a simulation would count its parts and store it
 /// # Errors
 /// A description of a machine is installed in the directory.
 pub fn refuse_real_data(data: &DataDir, what: &str) -> Result<(), CallError> {
-    let installed = data.root().join(MACHINE_FILE);
-    match installed.symlink_metadata() {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        Ok(_) | Err(_) => Err(CallError::new(format!(
-            "{}: the data of a real machine; {what}. Copy the folder without machine.ron and name the copy with --data",
-            installed.display()
+    let is_there = |name: &&str| match data.root().join(name).symlink_metadata() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => false,
+        Ok(_) | Err(_) => true,
+    };
+    match [MACHINE_FILE, REAL_MACHINE_MARK].iter().find(|name| is_there(name)) {
+        None => Ok(()),
+        Some(name) => Err(CallError::new(format!(
+            "{}: the data of a real machine; {what}. Copy the folder without {name} and name the copy with --data",
+            data.root().join(name).display()
         ))),
     }
 }
@@ -237,6 +242,10 @@ pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
     if let Some(file) = &shared.machine {
         let text = read_text("machine", file)?;
         if describes_real_machine(&text) {
+            let mark = data_dir(shared)?.root().join(REAL_MACHINE_MARK);
+            let told =
+                format!("The data of a real machine, described in {}. No simulation uses them.\n", file.display());
+            write_atomic(&mark, told.as_bytes()).map_err(CallError::new)?;
             return Ok(Some(file.clone()));
         }
         simulated_machine(shared)?;

@@ -31,7 +31,7 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
             for line in &told.lines {
                 if let Err(why) = player.play(line) {
                     let (path, state) = (call.story.as_deref().unwrap_or(Path::new(".")), state_report(player.host()));
-                    eprintln!("{}:{}: {}: {why}\n{state}", path.display(), line.number, line.text);
+                    warn_line!("{}:{}: {}: {why}\n{state}", path.display(), line.number, line.text);
                     return Ok(FAILED);
                 }
             }

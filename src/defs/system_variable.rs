@@ -97,6 +97,12 @@ ranges! {
 /// Distance of the numbers of consecutive work offsets.
 pub const ORIGIN_STEP: u32 = 20;
 
+/// Whether a variable is an origin of the work coordinates; after G20 it reads and is written in inches, as positions are.
+#[must_use]
+pub fn is_origin(number: u32) -> bool {
+    [EXTERNAL_ORIGIN, ORIGINS, EXTRA_ORIGINS].iter().any(|range| range.index(number).is_some())
+}
+
 /// Whether a variable is a position or a distance; programs read it in the active unit (mm or inch).
 #[must_use]
 pub fn is_position(number: u32) -> bool {

@@ -25,8 +25,10 @@ const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
 pub enum LostData {
     /// Nothing was lost.
     None,
-    /// A copy took their place: it holds the passwords of its time.
+    /// The last state took their place, with its passwords.
     Restored,
+    /// An earlier state took their place: a password may have been changed since.
+    Earlier,
     /// No copy was whole.
     Whole,
 }
@@ -60,7 +62,7 @@ impl PasswordStore {
         let is_locked = match lost {
             LostData::None => false,
             LostData::Restored => state == CopyState::Damaged,
-            LostData::Whole => state != CopyState::Whole,
+            LostData::Earlier | LostData::Whole => state != CopyState::Whole,
         };
         let found = |guard: PasswordScope| {
             let row = password_row(guard).0;
@@ -92,6 +94,18 @@ impl PasswordStore {
         let row = |guard| data.texts.get_key_value(password_row(guard).0);
         let rows = PasswordScope::ALL.into_iter().filter_map(row);
         rows.map(|(key, hash)| (key.clone(), hash.clone())).collect()
+    }
+
+    /// Adds the passwords of the copy to data that take the place of lost ones. A damaged copy is an earlier one: it adds
+    /// what is missing.
+    pub(super) fn add_copy(folder: &Path, data: &mut RetainedData) {
+        let (rows, state) = Self::copy_in(folder);
+        for (key, hash) in rows {
+            match state {
+                CopyState::Whole => drop(data.texts.insert(key, hash)),
+                CopyState::Damaged | CopyState::Missing => drop(data.texts.entry(key).or_insert(hash)),
+            }
+        }
     }
 
     /// The rows of the copy beside the database, and its state: an older copy lacks the last change.

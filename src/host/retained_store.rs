@@ -43,6 +43,9 @@ const FACTORY: &str = "factory";
 /// In the row of a loss: a person has chosen what took the place, or what was chosen could not be used.
 const CHOSEN: &str = "chosen";
 const MISSED: &str = "missed";
+/// In the row of a loss: what took its place.
+const JOURNAL: &str = "journal";
+const EARLIER: &str = "earlier";
 const NOTHING_LOST: Text = Text::new("数据已接受，不能再更换", "the data are accepted: they are not replaced any more");
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
@@ -57,6 +60,8 @@ pub struct StoreReport {
     pub unkept: Option<String>,
     /// Stored values that are no longer allowed; factory values are used instead.
     pub dropped: Vec<String>,
+    /// The kind of machine beside the data, if it is another one: one of them was put there.
+    pub other_kind: Option<(Kind, Kind)>,
 }
 
 impl StoreReport {
@@ -67,7 +72,12 @@ impl StoreReport {
         let unkept = self.unkept.as_ref().map(|why| (alarm::STORE_FAILED, LocalizedText::same(why)));
         let dropped = Some(self.dropped.join(", ")).filter(|values| !values.is_empty());
         let dropped = dropped.map(|values| (alarm::VALUES_DROPPED, LocalizedText::same(&values)));
-        loss.into_iter().chain(unkept).chain(dropped).collect()
+        let mismatch = self.other_kind.map(|(of_data, beside)| {
+            let (of_data, beside) = (of_data.short_name(), beside.short_name());
+            let zh = format!("数据为 {of_data}，{KIND_FILE} 为 {beside}");
+            (alarm::SETTINGS_INVALID, LocalizedText::new(zh, format!("data {of_data}, {KIND_FILE} {beside}")))
+        });
+        loss.into_iter().chain(unkept).chain(dropped).chain(mismatch).collect()
     }
 }
 
@@ -118,9 +128,6 @@ impl RetainedStore {
             loaded = opened.database.load()?;
             done
         });
-        // A database that was put back is older than states that are kept.
-        let older = generations::highest(folder).filter(|highest| *highest > loaded.generation);
-        let raised = older.map_or(Ok(()), |highest| opened.database.raise_generation(highest));
         let unbound = stored_kind.is_none().then(|| text(KIND, Some(kind.id().to_owned())));
         let unsaved = unbound.into_iter().chain(disarm(&mut loaded)).collect();
         let (mut retained, dropped) = retained_from_data(kind, &loaded);
@@ -132,20 +139,23 @@ impl RetainedStore {
         }
         let lost = match &loss {
             None => LostData::None,
-            Some(loss) if loss.state_of.is_some() => LostData::Restored,
+            Some(DataLoss { source: LossSource::Journal, .. }) => LostData::Restored,
+            Some(DataLoss { source: LossSource::EarlierState, .. }) => LostData::Earlier,
             Some(_) => LostData::Whole,
         };
         let passwords = PasswordStore::new(&loaded, lost, folder.to_path_buf());
         let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
         let mut store = Self { database: opened.database, passwords, unsaved, refused, folder, kept_at };
         let bound = if store.unsaved.is_empty() { Ok(0) } else { store.commit(&[]) };
-        let bound = bound.and_then(|_| store.write_kind(kind));
+        let other_kind = kind_beside(&store.folder).filter(|beside| *beside != kind).map(|beside| (kind, beside));
+        // Another one there stands until a person has chosen the kind.
+        let bound = if other_kind.is_some() { bound.map(drop) } else { bound.and_then(|_| store.write_kind(kind)) };
         let copied = store.passwords.complete_copy();
         let bound = bound.and(copied.map_err(|error| RetainedError::Copy(error.to_string())));
         // A disk that takes nothing is an alarm, not a dead panel: the values are whole, and each commit tries again.
-        let unwritable = opened.unwritable.map_or(Ok(()), Err).and(replaced).and(raised).and(bound);
+        let unwritable = opened.unwritable.map_or(Ok(()), Err).and(replaced).and(bound);
         let unkept = unwritable.and_then(|_| store.keep_generation()).err().map(|error| error.to_string());
-        let report = StoreReport { retained, loss, unkept, dropped };
+        let report = StoreReport { retained, loss, unkept, dropped, other_kind };
         Ok((store, report))
     }
 
@@ -178,6 +188,8 @@ impl RetainedStore {
     /// # Errors
     /// The disk reports an error.
     pub fn keep_generation(&mut self) -> Result<(), RetainedError> {
+        // A folder that was put in the place of ours has states of its own.
+        self.database.check_present()?;
         let data = self.database.load()?;
         self.kept_at = Instant::now();
         // What nobody has accepted never takes the place of a good state.
@@ -187,12 +199,12 @@ impl RetainedStore {
         Ok(())
     }
 
-    /// Whether the data are still where they were opened.
+    /// Whether the data are still where they were opened; their journal is made anew if it was removed.
     ///
     /// # Errors
     /// They were removed or replaced.
-    pub fn check_present(&self) -> Result<(), RetainedError> {
-        self.database.check_present()
+    pub fn check_files(&mut self) -> Result<(), RetainedError> {
+        self.database.check_files()
     }
 
     /// Answers a request of a page.
@@ -277,9 +289,14 @@ fn kind_beside(folder: &Path) -> Option<Kind> {
     ron_file::read::<Kind>(&folder.join(KIND_FILE), ChecksumPolicy::Strict).ok().map(|found| found.value)
 }
 
-/// The data of a directory, or their newest whole copy.
+/// The data of a directory, or their newest whole copy: what a control starts with.
 fn peek(folder: &Path) -> Option<RetainedData> {
-    RetainedDatabase::peek(folder).or_else(|| RetainedDatabase::newest_copy(folder).map(|(_, data)| data))
+    let database = RetainedDatabase::peek(folder);
+    let copy = RetainedDatabase::newest_copy(folder).map(|copy| copy.data);
+    match (database, copy) {
+        (Some(data), Some(copy)) if copy.generation > data.generation => Some(copy),
+        (data, copy) => data.or(copy),
+    }
 }
 
 impl Drop for RetainedStore {
@@ -292,16 +309,16 @@ impl Drop for RetainedStore {
 /// What takes the place of data that are damaged or gone: their newest whole copy, the newest passwords, and the record
 /// of what happened, until a person has accepted it.
 fn replacement(folder: &Path, damaged: Option<&DamageReport>) -> RetainedData {
-    let (mut data, mut state_of) = (RetainedData::default(), None);
-    if let Some((time, whole)) = RetainedDatabase::newest_copy(folder) {
-        (data, state_of) = (whole, Some(time_text(time)));
+    let (mut data, mut state_of, mut source) = (RetainedData::default(), None, LossSource::None);
+    if let Some(copy) = RetainedDatabase::newest_copy(folder) {
+        source = if copy.is_last { LossSource::Journal } else { LossSource::EarlierState };
+        (data, state_of) = (copy.data, Some(time_text(copy.modified)));
     }
-    data.generation = data.generation.max(generations::highest(folder).unwrap_or_default());
-    data.texts.extend(PasswordStore::copy_in(folder).0);
+    PasswordStore::add_copy(folder, &mut data);
     let copy = damaged.and_then(|report| Some(report.kept_as.file_name()?.to_string_lossy().into_owned()));
     // The place of a run is that of the state, not of the loss.
     [CHOICE, RUNNING_AT].into_iter().for_each(|key| drop(data.texts.remove(key)));
-    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of, choice: LossChoice::None }.row());
+    data.texts.insert(LOSS.to_owned(), DataLoss { copy, state_of, choice: LossChoice::None, source }.row());
     data
 }
 
@@ -319,7 +336,7 @@ fn chosen_state(folder: &Path, choice: &str, present: &RetainedData) -> Option<R
     let loss = DataLoss { state_of: time, choice: LossChoice::Made, ..DataLoss::from_row(present.texts.get(LOSS)?) };
     chosen.texts.insert(LOSS.to_owned(), loss.row());
     // The copy lacks a change that was made since the loss.
-    chosen.texts.extend(PasswordStore::copy_in(folder).0);
+    PasswordStore::add_copy(folder, &mut chosen);
     chosen.texts.extend(PasswordStore::rows_of(present));
     chosen.texts.extend(present.texts.get(KIND).map(|kind| (KIND.to_owned(), kind.clone())));
     Some(chosen)
@@ -385,6 +402,19 @@ pub struct DataLoss {
     pub state_of: Option<String>,
     /// What a person has chosen in its place.
     pub choice: LossChoice,
+    /// What took its place at first.
+    pub source: LossSource,
+}
+
+/// What takes the place of lost data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LossSource {
+    /// Nothing: factory values.
+    None,
+    /// The journal: the last acknowledged values.
+    Journal,
+    /// An earlier state.
+    EarlierState,
 }
 
 /// Whether a person has chosen the data that took the place of lost ones.
@@ -407,19 +437,31 @@ impl DataLoss {
             LossChoice::Made => CHOSEN,
             LossChoice::Missed => MISSED,
         };
-        format!("{}|{}|{choice}", word(&self.copy), word(&self.state_of))
+        let source = match self.source {
+            LossSource::None => "",
+            LossSource::Journal => JOURNAL,
+            LossSource::EarlierState => EARLIER,
+        };
+        format!("{}|{}|{choice}|{source}", word(&self.copy), word(&self.state_of))
     }
 
     fn from_row(row: &str) -> Self {
         let mut words = row.split('|');
         let mut next = || words.next().map(str::to_owned).filter(|word| !word.is_empty());
-        let (copy, state_of, choice) = (next(), next(), next());
+        let (copy, state_of, choice, source) = (next(), next(), next(), next());
+        let source = match source.as_deref() {
+            Some(JOURNAL) => LossSource::Journal,
+            Some(EARLIER) => LossSource::EarlierState,
+            // Rows of earlier versions do not say it.
+            Some(_) | None if state_of.is_some() => LossSource::EarlierState,
+            Some(_) | None => LossSource::None,
+        };
         let choice = match choice.as_deref() {
             Some(CHOSEN) => LossChoice::Made,
             Some(MISSED) => LossChoice::Missed,
             Some(_) | None => LossChoice::None,
         };
-        Self { copy, state_of, choice }
+        Self { copy, state_of, choice, source }
     }
 
     /// What happened and what is used, for the alarm.

@@ -13,6 +13,7 @@ use super::op::Op;
 use crate::defs::grinding_phase::GrindingPhase;
 use crate::defs::system_variable::{self, VariableAccess};
 use crate::defs::text::arg::Arg;
+use crate::units::MM_PER_INCH;
 
 impl Interpreter {
     /// Sets a variable. `comment` is the text of #3000 and #3006.
@@ -59,6 +60,8 @@ impl Interpreter {
             _ => match system_variable::find(variable).map(|range| range.access) {
                 Some(VariableAccess::Read) => return fail1(at, E::ReadOnly, name()),
                 Some(VariableAccess::ReadWrite | VariableAccess::Write) => {
+                    let is_in_inches = self.modals.inch && system_variable::is_origin(variable);
+                    let value = if is_in_inches { value.map(|inches| inches * MM_PER_INCH) } else { value };
                     block.ops.push(Op::SetSystemVariable { number: variable, value });
                 }
                 None => return fail1(at, E::BadVariable, name()),

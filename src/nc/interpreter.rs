@@ -437,7 +437,10 @@ impl Interpreter {
                 // The G66 macro would have to run between the move and the jump.
                 return fail2(at, E::NotTogether, "G66", "M");
             }
-            FlowAction::Next => self.call_modal_macro(moves, next)?,
+            FlowAction::GotoNotTaken { n, at } if self.flow.source.find_block(n, at).is_none() => {
+                return fail1(at, E::MissingTarget, format_args!("N{n}"));
+            }
+            FlowAction::Next | FlowAction::GotoNotTaken { .. } => self.call_modal_macro(moves, next)?,
             FlowAction::SecondHalf => {
                 self.second_half = true;
                 block.complete = false;
@@ -539,7 +542,10 @@ impl Interpreter {
                 }
                 self.flow.return_to(target, at)?;
             }
-            FlowAction::Next | FlowAction::SecondHalf | FlowAction::SetModalCall(_) => {}
+            FlowAction::Next
+            | FlowAction::GotoNotTaken { .. }
+            | FlowAction::SecondHalf
+            | FlowAction::SetModalCall(_) => {}
             FlowAction::Assign { .. } | FlowAction::End => {}
         }
         Ok(())

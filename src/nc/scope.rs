@@ -109,7 +109,10 @@ impl LiveScope<'_> {
                 .variable(number, self.settings.is_mill())
                 .map_or_else(|| fail1(at, E::BadVariable, format_args!("#{number}")), Ok),
             434..=439 | 1000.. => match self.world.system_variable(number) {
-                LiveValue::Value(Some(length)) if self.modals.inch && system_variable::is_position(number) => {
+                LiveValue::Value(Some(length))
+                    if self.modals.inch
+                        && (system_variable::is_position(number) || system_variable::is_origin(number)) =>
+                {
                     Ok(Some(length / MM_PER_INCH))
                 }
                 LiveValue::Value(value) => Ok(value),

@@ -20,6 +20,8 @@ use crate::units::Axis;
 /// Most texts that are read for one program.
 pub(super) const MAX_TEXTS: usize = 100;
 
+/// The feed of a called program whose caller is not known, mm/min.
+const ASSUMED_FEED: f64 = 100.0;
 /// The first characters of the words that moves and cycles of group 01 have.
 const MOTION_LETTERS: &[u8] = b"XYZUVWRIJK,";
 
@@ -110,6 +112,13 @@ impl LoneBlocks {
                     }
                 }
                 Err(ReadStop::Drain) => {}
+                // The feed of a caller is not known: what else is wrong with the block is.
+                Err(ReadStop::Error(wrong))
+                    if wrong.error == E::FeedMissing && interpreter.modals.feed.is_none() && !self.is_started =>
+                {
+                    interpreter.modals.feed = Some(ASSUMED_FEED);
+                    continue;
+                }
                 Err(ReadStop::Error(wrong)) => {
                     let at = wrong.at;
                     let fault = self.source.fault(interpreter.block_words.block_number, wrong);

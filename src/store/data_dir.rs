@@ -6,7 +6,7 @@ use directories::ProjectDirs;
 
 use super::disk;
 use super::io_fault::IoFault;
-use super::retained::DATABASE_FILE;
+use super::retained::has_traces;
 use crate::defs::text::LocalizedText;
 
 /// Why there is no usable data directory.
@@ -40,7 +40,7 @@ impl DataDir {
             None => ProjectDirs::from("", "", "kt830").ok_or(DataDirError::NoPlace)?.data_dir().to_path_buf(),
         };
         let mut found = Self { root, fault: None };
-        let has_data = found.root.join(DATABASE_FILE).exists();
+        let has_data = has_traces(&found.root);
         for folder in [found.root.clone(), found.programs(), found.screens(), found.backups(), found.screenshots()] {
             match Self::make_writable(&folder) {
                 Err(fault) if has_data => found.fault = Some(LocalizedText::new(fault.zh(), fault.en())),

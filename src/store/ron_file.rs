@@ -110,6 +110,12 @@ pub fn read<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<Lo
     })
 }
 
+/// Whether a previous version of a file is there, readable or not.
+#[must_use]
+pub fn has_backup(path: &Path) -> bool {
+    with_suffix(path, "bak").symlink_metadata().is_ok()
+}
+
 /// Writes a file: after a power cut it is the old or the new one. A valid old file becomes `NAME.bak`; an invalid one
 /// is renamed to `NAME.damaged`, so that it never replaces a valid previous version.
 ///

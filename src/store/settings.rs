@@ -44,6 +44,8 @@ impl StoredSettings {
     pub fn read_with_warnings(folder: &Path) -> Result<(Self, Vec<RonWarning>), RonError> {
         match ron_file::read(&folder.join(SETTINGS_FILE), ChecksumPolicy::Lenient) {
             Ok(found) => Ok((found.value, found.warnings)),
+            // A backup that is no more readable than the file is damage, not a first start.
+            Err(error @ RonError::Missing(_)) if ron_file::has_backup(&folder.join(SETTINGS_FILE)) => Err(error),
             Err(RonError::Missing(_)) => Ok((Self::default(), Vec::new())),
             Err(error) => Err(error),
         }

@@ -313,7 +313,7 @@ impl TortureStage {
         else {
             return Err("the database is not whole".to_owned());
         };
-        let copy = RetainedDatabase::newest_copy(root).map(|(_, copy)| copy);
+        let copy = RetainedDatabase::newest_copy(root).map(|copy| copy.data);
         match first_difference(&kept, &rows(&stored)) {
             Some(what) => Err(format!("stored is not what is in force: {what}")),
             None if copy.as_ref() != Some(&whole) => Err("the copy is not what is stored".to_owned()),

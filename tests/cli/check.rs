@@ -599,6 +599,24 @@ fn t4_a_feed_that_is_missing_behind_a_jump_is_warned_of() {
     assert_eq!((out.status.code(), warned(&out)), (Some(0), String::new()), "{}", said(&out));
 }
 
+/// A jump that the inputs or a condition do not ask for needs its target all the same, in a check as in a run.
+#[test]
+fn t4_b4_the_target_of_a_jump_that_is_not_taken_must_be_there() {
+    for (block, n) in [("M91 P3 L77", 77), ("M92 P3 L78", 78), ("G65 H81 P79 Q1 R2", 79)] {
+        let out = check("gc", "O0001.NC", &format!("O0001\n{block}\nM30\n"), &["--lang", "en"]);
+        assert!(said(&out).contains(&format!("there is no block N{n}")), "{block}: {}", said(&out));
+    }
+}
+
+/// Behind an unknown feed other mistakes of the block are found.
+#[test]
+fn t4_a_called_program_without_its_feed_is_checked_for_all_else() {
+    let text = "O0001\nIF[#500EQ1]GOTO 5\nM30\nN5 M98 P2\nM30\nO0002\nG02 X-90 Z-105\nM99\n";
+    let out = check("gc", "O0001.NC", text, &["--lang", "en"]);
+    let all = format!("{}{}", said(&out), warned(&out));
+    assert!(all.contains("O0001.NC:7:") && all.contains("centre"), "{all}");
+}
+
 /// What a program writes into offsets and origins is checked as the run takes it.
 #[test]
 fn t4_k4_4_offsets_and_origins_that_a_run_would_refuse_are_named() {

@@ -168,22 +168,132 @@ fn b6_what_was_acknowledged_just_before_the_power_went_survives_a_bad_bit() {
     assert!(told > 1, "some bits are in used pages");
 }
 
-/// An older database that is put back is what the person wanted: the journal of the newer one is not mixed into it.
+/// An older database in its place is a rolled-back disk or a copy that was put there: nothing of what was acknowledged since
+/// goes without a word, no kind of machine and no password comes back. The older one is put aside.
 #[test]
-fn b6_a_database_that_is_put_back_goes_on_alone() {
+fn b6_an_older_database_that_is_put_back_is_told_and_loses_nothing() {
     let folder = session();
     let older = fs::read(folder.path().join(DATABASE)).unwrap();
     let (mut store, _) = open(folder.path());
-    store.commit(&[StorageRequest::Variable(860, Some(1.0)), StorageRequest::Variable(861, Some(1.0))]).unwrap();
+    store.commit(&[StorageRequest::Variable(861, Some(1.0))]).unwrap();
     drop(store);
-    fs::write(folder.path().join(DATABASE), older).unwrap();
-    let (mut store, found) = open(folder.path());
-    assert!(found.loss.is_none() && has_values(&found));
-    store.commit(&[StorageRequest::Variable(860, Some(3.0))]).unwrap();
+    for passwords in ["whole", "gone", "of the first start"] {
+        let copy = cut_off(folder.path());
+        fs::write(copy.path().join(DATABASE), &older).unwrap();
+        match passwords {
+            "gone" => fs::remove_file(copy.path().join("passwords.ron")).unwrap(),
+            "of the first start" => {
+                let first = tempfile::tempdir().unwrap();
+                drop(open(first.path()));
+                fs::copy(first.path().join("passwords.ron"), copy.path().join("passwords.ron")).map(drop).unwrap();
+            }
+            _ => {}
+        }
+        for start in 1..=2 {
+            let (mut store, found) = open(copy.path());
+            assert!(found.loss.as_ref().is_some_and(|loss| loss.copy.is_some()), "{passwords}, start {start}");
+            assert_eq!([860, 861].map(|number| value(&found, number)), [Some(860.0 / 8.0), Some(1.0)], "{passwords}");
+            assert!(matches(&mut store, "4711") && !matches(&mut store, "830830"), "{passwords}, start {start}");
+        }
+        assert_eq!(fs::read(copy.path().join("retained.damaged-1.redb")).unwrap(), older);
+    }
+    // Without the journal the kept state is the newer one.
     let copy = cut_off(folder.path());
-    fs::remove_file(copy.path().join(DATABASE)).unwrap();
+    fs::write(copy.path().join(DATABASE), &older).unwrap();
+    fs::remove_file(copy.path().join("retained.journal")).unwrap();
     let (_, found) = open(copy.path());
-    assert_eq!([860, 861].map(|number| value(&found, number)), [Some(3.0), Some(861.0 / 8.0)]);
+    assert_eq!((found.loss.is_some(), value(&found, 861)), (true, Some(1.0)));
+}
+
+/// The data of another machine in the place of ours: the kind is told until a person has chosen it.
+#[test]
+fn k1_a_database_of_another_kind_is_told() {
+    let folder = session();
+    let other = tempfile::tempdir().unwrap();
+    let (mut store, _) = RetainedStore::open(other.path(), Kind::Gs).unwrap();
+    for value in 0..50 {
+        store.commit(&[StorageRequest::Variable(860, Some(f64::from(value)))]).unwrap();
+    }
+    drop(store);
+    fs::copy(other.path().join(DATABASE), folder.path().join(DATABASE)).unwrap();
+    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gs));
+    for start in 1..=2 {
+        let (_, found) = RetainedStore::open(folder.path(), Kind::Gs).unwrap();
+        assert!(found.standing().iter().any(|(number, _)| *number == alarm::SETTINGS_INVALID), "start {start}");
+    }
+    // Choosing the kind settles it.
+    let (mut store, _) = RetainedStore::open(folder.path(), Kind::Gs).unwrap();
+    assert_eq!(answer(&mut store, &SettingsRequest::SaveKind(Kind::Gs)), StorageAnswer::KindSaved(Kind::Gs));
+    drop(store);
+    assert_eq!(RetainedStore::open(folder.path(), Kind::Gs).unwrap().1.standing(), []);
+}
+
+/// What removes or cuts the journal while the control runs does not take the second copy away.
+#[test]
+fn b6_a_journal_that_is_removed_or_cut_in_operation_is_made_anew() {
+    for damage in ["removed", "cut", "replaced"] {
+        for check in [false, true] {
+            let folder = session();
+            let (mut store, _) = open(folder.path());
+            store.commit(&[StorageRequest::Variable(860, Some(1.0))]).unwrap();
+            let journal = folder.path().join("retained.journal");
+            match damage {
+                "removed" => fs::remove_file(&journal).unwrap(),
+                "cut" => fs::write(&journal, "").unwrap(),
+                _ => {
+                    let copy = fs::read(&journal).unwrap();
+                    fs::remove_file(&journal).unwrap();
+                    fs::write(&journal, copy).unwrap();
+                }
+            }
+            if check {
+                store.check_files().unwrap();
+            } else {
+                store.commit(&[StorageRequest::Variable(861, Some(2.0))]).unwrap();
+            }
+            let copy = cut_off(folder.path());
+            fs::remove_file(copy.path().join(DATABASE)).unwrap();
+            fs::remove_dir_all(copy.path().join("generations")).unwrap();
+            let (_, found) = open(copy.path());
+            let wanted = if check { 861.0 / 8.0 } else { 2.0 };
+            assert_eq!([860, 861].map(|number| value(&found, number)), [Some(1.0), Some(wanted)], "{damage} {check}");
+        }
+    }
+}
+
+/// Another folder in the place of ours, such as a backup: its states stay as they are.
+#[test]
+fn b6_a_folder_that_is_put_in_the_place_of_the_data_is_not_written_into() {
+    let folder = session();
+    let (mut store, _) = open(folder.path());
+    store.commit(&[StorageRequest::Variable(860, Some(1.0))]).unwrap();
+    let backup = cut_off(folder.path());
+    let listed = |folder: &Path| -> Vec<_> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder.join("generations")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = listed(backup.path());
+    let aside = folder.path().with_extension("aside");
+    fs::rename(folder.path(), &aside).unwrap();
+    fs::rename(backup.path(), folder.path()).unwrap();
+    assert!(store.commit(&[StorageRequest::Variable(860, Some(2.0))]).is_err());
+    drop(store);
+    assert_eq!(listed(folder.path()), before);
+    fs::remove_dir_all(aside).unwrap();
+}
+
+/// A database that belongs to somebody else, or lies in a bad sector.
+#[cfg(unix)]
+#[test]
+fn b6_a_database_that_cannot_be_read_is_restored_from_its_copies() {
+    let folder = session();
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    // As root every file can be read: a socket cannot be opened by anybody.
+    let _socket = std::os::unix::net::UnixListener::bind(folder.path().join(DATABASE)).unwrap();
+    let (_, found) = open(folder.path());
+    assert!(found.loss.is_some() && has_values(&found), "{:?}", found.loss);
 }
 
 #[test]
@@ -493,8 +603,15 @@ fn b6_data_whose_folder_cannot_be_written_start_under_alarm_301() {
     fs::write(story.path(), "wait 1 s\nexpect alarm 301\nexpect alarm \"backups\"\nexpect #860 107.5\n").unwrap();
     let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
     assert!(out.status.success(), "{}{}", String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr));
-    // A first start there is refused: nothing is lost, and the place is wrong.
+    // Also with the database gone: that is a loss, not a first start.
     fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    fs::write(story.path(), "wait 1 s\nexpect alarm 300\nexpect alarm 301\nexpect #860 107.5\n").unwrap();
+    let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
+    assert!(out.status.success(), "{}{}", String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr));
+    // A first start there is refused: nothing is lost, and the place is wrong.
+    let first = tempfile::tempdir().unwrap();
+    fs::write(first.path().join("backups"), "no folder").unwrap();
+    let data = first.path().to_string_lossy().into_owned();
     let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
     assert_eq!(out.status.code(), Some(2));
 }
@@ -543,6 +660,7 @@ fn b6_states_after_an_old_database_was_put_back_are_kept() {
     }
     fs::write(folder.path().join(DATABASE), old).unwrap();
     let (mut store, _) = open(folder.path());
+    choose(&mut store, DataChoice::Present);
     store.commit(&[StorageRequest::Variable(860, Some(77.0))]).unwrap();
     drop(store);
     fs::remove_file(folder.path().join(DATABASE)).unwrap();

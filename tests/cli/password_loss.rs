@@ -98,3 +98,71 @@ fn k6_2_the_newest_password_outlives_an_older_generation() {
     let (mut store, found) = open(copy.path());
     assert!(found.loss.is_some() && matches(&mut store, "4712") && !matches(&mut store, "4711"));
 }
+
+/// The copy before the last change never takes the place of a newer password.
+#[test]
+fn k6_2_an_earlier_copy_of_the_passwords_brings_no_old_password_back() {
+    for damage in ["flipped", "gone", "empty"] {
+        let folder = session();
+        let (mut store, _) = open(folder.path());
+        let change = SettingsRequest::ChangePassword {
+            scope: PasswordScope::Builder,
+            old: Secret::new("4711".into()),
+            new: Secret::new("5822".into()),
+        };
+        assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+        drop(store);
+        let copy = folder.path().join("passwords.ron");
+        assert!(copy.with_extension("ron.bak").exists());
+        match damage {
+            "flipped" => {
+                let mut bytes = fs::read(&copy).unwrap();
+                bytes[10] ^= 1;
+                fs::write(&copy, bytes).unwrap();
+            }
+            "gone" => fs::remove_file(&copy).unwrap(),
+            _ => fs::write(&copy, "").unwrap(),
+        }
+        fs::write(folder.path().join(DATABASE), "damaged").unwrap();
+        for start in 1..=2 {
+            let (mut store, found) = open(folder.path());
+            assert!(found.loss.is_some(), "{damage}");
+            let opens = |store: &mut _| ["5822", "4711", "830830"].map(|password| matches(store, password));
+            assert_eq!(opens(&mut store), [true, false, false], "{damage}, start {start}");
+        }
+    }
+}
+
+/// Kept states may be older than a change of a password: without its copy nothing opens.
+#[test]
+fn k6_2_states_from_before_a_change_do_not_open_with_the_initial_password() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(open(folder.path()));
+    let (mut store, _) = open(folder.path());
+    store.commit(&[kt830::controller::StorageRequest::Variable(860, Some(1.0))]).unwrap();
+    drop(store);
+    fs::remove_file(folder.path().join(DATABASE)).unwrap();
+    fs::remove_file(folder.path().join("retained.journal")).unwrap();
+    fs::remove_file(folder.path().join("passwords.ron")).unwrap();
+    let (mut store, found) = open(folder.path());
+    assert!(found.loss.is_some_and(|loss| loss.state_of.is_some()));
+    assert!(!matches(&mut store, "830830"));
+}
+
+/// A lock that says that there were data, and the files before the last ones, are traces, too.
+#[test]
+fn k6_2_a_lock_in_use_or_an_earlier_file_is_no_first_start() {
+    for left in ["retained.lock", "passwords.ron.bak"] {
+        let folder = session();
+        fs::write(folder.path().join("passwords.ron.bak"), "{}").unwrap();
+        for file in fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap()) {
+            match file.file_name().to_string_lossy() == left {
+                true => {}
+                false if file.path().is_dir() => fs::remove_dir_all(file.path()).unwrap(),
+                false => fs::remove_file(file.path()).unwrap(),
+            }
+        }
+        let (mut store, found) = open(folder.path());
+        assert!(found.loss.is_some() && !matches(&mut store, "830830"), "{left}");
+    }
+}

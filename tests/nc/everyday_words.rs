@@ -209,6 +209,13 @@ fn b2_words_of_programs_that_others_wrote() {
     assert!(ok("G21 G96 S660", Dialect::LatheA).iter().any(|op| op.contains("value=660")));
     // 0.0002 in/rev.
     assert!(ok("G20 G99 F0.0002\nG01 X1.", Dialect::LatheA).iter().any(|op| op.contains("f=0.00508")));
+    // An origin taken from a position: both in inches. 0.5 in are 12.7 mm, also when G10 writes them.
+    let origins = ok("G20\n#5221=0.5\nG10 L2 P2 Z0.5\n#5242=#5242*2\n#500=#5221", Dialect::LatheA);
+    for wanted in
+        ["variable=5221 value=12.7", "variable=5242 value=12.7", "variable=5242 value=25.4", "variable=500 value=0.5"]
+    {
+        assert!(origins.iter().any(|op| op.ends_with(wanted)), "{wanted}: {origins:?}");
+    }
     // FANUC, increment system IS-B: 0.0001 mm/r. A feed per minute has three decimals.
     assert!(ok("G21 G99 F0.0002\nG01 X1.", Dialect::LatheA).iter().any(|op| op.contains("f=0.0002")));
     assert_eq!(refused("G21 G99 F0.00002\nG01 X1."), "out-of-range");

@@ -55,7 +55,7 @@ open_in() {
 
 apply() {
   case $1 in
-    TERM | INT | HUP) kill "-$1" "$pid" ;;
+    TERM | INT | HUP | QUIT | USR1 | ALRM) kill "-$1" "$pid" ;;
     Ctrl+Q) xdotool key ctrl+q ;;
     Alt+F4) xdotool key alt+F4 ;;
     close) wmctrl -c KT-830 ;;
@@ -86,7 +86,7 @@ starts_again() {
 }
 
 for state in idle run held; do
-  for end in TERM INT HUP Ctrl+Q Alt+F4 close X-killed; do
+  for end in TERM INT HUP QUIT USR1 ALRM Ctrl+Q Alt+F4 close X-killed; do
     open_in "$state"
     apply "$end"
     asks=no

@@ -57,9 +57,9 @@ impl RetainedWorker {
     }
 
     /// What to tell of data that were removed or replaced; nothing is stored that would notice it.
-    pub(super) fn absence(&self) -> Option<Command> {
+    pub(super) fn absence(&mut self) -> Option<Command> {
         let Self::Disk(store) = self else { return None };
-        store.check_present().err().map(|error| Command::DiskFailed(LocalizedText::same(&error)))
+        store.check_files().err().map(|error| Command::DiskFailed(LocalizedText::same(&error)))
     }
 
     fn answer(&mut self, request: &SettingsRequest) -> Command {

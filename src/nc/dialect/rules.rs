@@ -47,6 +47,8 @@ pub(crate) enum FlowAction {
     SecondHalf,
     /// Goes to a block.
     Goto { n: u32, at: usize },
+    /// The next block; the block to which it would have gone must be there, too.
+    GotoNotTaken { n: u32, at: usize },
     /// Goes to the only block with the number; an error if there are several, or if it is this block (L1, L7).
     GotoUnique { n: u32, at: usize },
     /// Calls a subprogram of the same text; it begins at the only block with the number (L7).

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::{Generation, RetainedData};
+use super::RetainedData;
 use crate::store::disk;
 use crate::store::io_fault::IoFault;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
@@ -32,7 +32,11 @@ struct GenerationFile {
 /// A disk error; the other states stay.
 pub fn keep(folder: &Path, data: &RetainedData) -> Result<(), RonError> {
     let number = data.generation.0;
-    let kept = list(folder);
+    // What has a higher number is none of these data.
+    let own = |folder: &Path| -> Vec<GenerationFile> {
+        list(folder).into_iter().filter(|file| file.number <= number).collect()
+    };
+    let kept = own(folder);
     if kept.iter().any(|file| file.number == number) {
         return Ok(());
     }
@@ -40,16 +44,16 @@ pub fn keep(folder: &Path, data: &RetainedData) -> Result<(), RonError> {
     disk::create_folders(&generations).map_err(IoFault::at(&generations, "create"))?;
     let path = generations.join(format!("{PREFIX}{number:010}{EXTENSION}"));
     ron_file::write(&path, ChecksumPolicy::Strict, data)?;
-    for path in superfluous(&list(folder)) {
+    for path in superfluous(&own(folder)) {
         disk::remove(path).map_err(IoFault::at(path, "delete"))?;
     }
     Ok(())
 }
 
-/// The highest number of a kept state, whole or not.
+/// Whether there is a kept state, whole or not.
 #[must_use]
-pub fn highest(folder: &Path) -> Option<Generation> {
-    list(folder).first().map(|file| Generation(file.number))
+pub(super) fn has_any(folder: &Path) -> bool {
+    !list(folder).is_empty()
 }
 
 /// The newest state that is whole, with the time of its file.

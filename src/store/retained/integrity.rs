@@ -18,7 +18,8 @@ const FILE_LIMIT: u64 = 256 * 1024 * 1024;
 pub(super) fn read_intact(path: &Path) -> Result<Result<Box<RetainedData>, String>, RetainedError> {
     let bytes = match atomic_file::read(path, FILE_LIMIT) {
         Ok(bytes) => bytes,
-        Err(ReadError::Io(fault)) => return Err(fault.into()),
+        // A bad sector, or a file that belongs to somebody else: the copies are whole.
+        Err(ReadError::Io(fault)) => return Ok(Err(fault.to_string())),
         Err(odd @ (ReadError::NotRegular | ReadError::TooLarge { .. } | ReadError::BeingWritten)) => {
             return Ok(Err(odd.to_string()));
         }

@@ -48,6 +48,13 @@ impl Journal {
         self.open.as_ref().is_none_or(|(_, length)| *length >= USUAL_BYTES)
     }
 
+    /// Whether the file that is open is still there, with what was appended.
+    pub fn is_present(&self) -> bool {
+        let Some((file, length)) = &self.open else { return true };
+        let is_same = super::identity(&self.path).is_some_and(|named| Some(named) == super::identity_of(file));
+        is_same && file.metadata().is_ok_and(|metadata| metadata.len() == *length)
+    }
+
     /// Appends a commit to a journal that goes on.
     ///
     /// # Errors
@@ -78,7 +85,7 @@ pub(super) struct Replayed {
     /// When its last commit was appended.
     pub modified: Option<SystemTime>,
     /// Every line was whole.
-    is_whole: bool,
+    pub is_whole: bool,
 }
 
 /// The data that the journal of a folder leads to, up to its first line that is not whole.

@@ -11,6 +11,7 @@ mod tables;
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -41,6 +42,8 @@ const LOCK_PAUSE: Duration = Duration::from_millis(50);
 pub const KIND_FILE: &str = "machine-kind.ron";
 /// Locked while a control uses the data.
 const LOCK_FILE: &str = "retained.lock";
+/// What the lock holds once there are data.
+const USED_MARK: &[u8] = b"used\n";
 /// Maximum number of damaged files kept; then the newest replaces the one before.
 const MAX_DAMAGED_FILES: u32 = 99;
 /// Page cache, bytes; the whole database has some hundred kilobytes.
@@ -206,6 +209,17 @@ pub struct DamageReport {
     pub cause: String,
 }
 
+/// A copy of the data beside their database.
+#[derive(Debug)]
+pub struct DataCopy {
+    /// When it was written last.
+    pub modified: Option<SystemTime>,
+    /// The data.
+    pub data: RetainedData,
+    /// It has every commit; otherwise later ones may be missing.
+    pub is_last: bool,
+}
+
 /// Result of opening.
 #[derive(Debug)]
 pub struct OpenedDatabase {
@@ -273,7 +287,7 @@ pub struct RetainedDatabase {
     to_create: Option<Box<RetainedData>>,
     /// The same data once more.
     journal: Journal,
-    _lock: File,
+    lock: File,
 }
 
 impl RetainedDatabase {
@@ -302,6 +316,11 @@ impl RetainedDatabase {
         let present = fs::symlink_metadata(&path).is_ok();
         if present {
             match integrity::read_intact(&path)? {
+                // The database is written before its copies: it was put back, or has lost its last commits.
+                Ok(data) if is_older_than_copy(folder, &data) => {
+                    let cause = "older than the copies beside it".to_owned();
+                    damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause });
+                }
                 Ok(data) => intact = Some(*data),
                 Err(cause) => damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause }),
             }
@@ -314,7 +333,7 @@ impl RetainedDatabase {
         let data = intact.unwrap_or_else(replaced);
         let to_create = fresh.then(|| Box::new(data.clone()));
         let journal = Journal::open(folder, &data);
-        let mut database = Self { path, opened: None, database: None, to_create, journal, _lock: lock };
+        let mut database = Self { path, opened: None, database: None, to_create, journal, lock };
         let unwritable = match database.open_file() {
             Ok(opened) => {
                 database.database = Some(opened);
@@ -335,6 +354,10 @@ impl RetainedDatabase {
             create_database(atomic_file::folder_of(&self.path), &self.path, content)?;
         }
         self.to_create = None;
+        // From now on this is no first start, whatever is removed.
+        if self.lock.metadata().is_ok_and(|lock| lock.len() == 0) {
+            let _ = (&self.lock).write_all(USED_MARK);
+        }
         let database = open_database(&self.path)?;
         tables::upgrade(&database).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
         self.opened = self.opened.or_else(|| identity(&self.path));
@@ -351,9 +374,9 @@ impl RetainedDatabase {
             tables::check_change(change)?;
         }
         let generation = self.with_database(|database| tables::commit_changes(database, changes))?;
-        self.note(generation, changes)?;
         // A removed folder takes its name from the file, not the file from us: commits would go on into nothing.
         self.check_present()?;
+        self.note(generation, changes)?;
         Ok(generation)
     }
 
@@ -368,30 +391,38 @@ impl RetainedDatabase {
         }
     }
 
-    /// Raises the number of the last commit, so that later states are newer than all that are kept.
+    /// As [`Self::check_present`]; writes the journal anew if it was removed, cut or replaced.
     ///
     /// # Errors
-    /// As [`Self::commit`].
-    pub fn raise_generation(&mut self, generation: Generation) -> Result<(), RetainedError> {
-        self.with_database(|database| tables::restore(database, &[], generation))?;
-        self.note(generation, &[])
+    /// As [`Self::check_present`], or a disk error.
+    pub fn check_files(&mut self) -> Result<(), RetainedError> {
+        self.check_present()?;
+        match self.database.is_some() && !self.journal.is_present() {
+            true => self.load().and_then(|data| self.journal.begin(&data)),
+            false => Ok(()),
+        }
     }
 
     /// Notes a commit in the journal.
     fn note(&mut self, generation: Generation, changes: &[RetainedChange]) -> Result<(), RetainedError> {
-        match self.journal.begins_anew() {
+        match self.journal.begins_anew() || !self.journal.is_present() {
             true => self.load().and_then(|data| self.journal.begin(&data)),
             false => self.journal.append(generation, changes),
         }
     }
 
-    /// The newest copy of the data of a directory beside its database, and its time.
+    /// The newest copy of the data of a directory beside its database.
     #[must_use]
-    pub fn newest_copy(folder: &Path) -> Option<(Option<SystemTime>, RetainedData)> {
-        let journal = journal::read(folder).map(|found| (found.modified, found.data));
+    pub fn newest_copy(folder: &Path) -> Option<DataCopy> {
+        let journal = journal::read(folder).map(|found| DataCopy {
+            modified: found.modified,
+            data: found.data,
+            is_last: found.is_whole,
+        });
         let kept = generations::newest_whole(folder);
+        let kept = kept.map(|(modified, data)| DataCopy { modified, data, is_last: false });
         let copies = journal.into_iter().chain(kept);
-        copies.reduce(|newest, other| if other.1.generation > newest.1.generation { other } else { newest })
+        copies.reduce(|newest, other| if other.data.generation > newest.data.generation { other } else { newest })
     }
 
     /// All data of a directory that nobody opens; `None` if there are none, or they are damaged. Nothing is written.
@@ -434,7 +465,15 @@ type FileIdentity = (u64, u64);
 
 /// The identity of the file that a path names now.
 fn identity(path: &Path) -> Option<FileIdentity> {
-    let metadata = fs::metadata(path).ok()?;
+    identity_from(&fs::metadata(path).ok()?)
+}
+
+/// The identity of an open file.
+fn identity_of(file: &File) -> Option<FileIdentity> {
+    identity_from(&file.metadata().ok()?)
+}
+
+fn identity_from(metadata: &fs::Metadata) -> Option<FileIdentity> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
@@ -481,14 +520,23 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
     Ok(kept)
 }
 
+/// Whether the copies beside a database are of a later commit.
+fn is_older_than_copy(folder: &Path, data: &RetainedData) -> bool {
+    RetainedDatabase::newest_copy(folder).is_some_and(|copy| copy.data.generation > data.generation)
+}
+
 /// Whether a control has stored data in this directory before.
-fn has_traces(folder: &Path) -> bool {
+#[must_use]
+pub fn has_traces(folder: &Path) -> bool {
     let mut names =
         fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
-    generations::highest(folder).is_some()
+    let was_used = folder.join(LOCK_FILE).metadata().is_ok_and(|lock| lock.len() > 0);
+    was_used
+        || generations::has_any(folder)
         || names.any(|name| {
+            let name = name.strip_suffix(".bak").unwrap_or(&name);
             let of_control = [PASSWORD_FILE, KIND_FILE, JOURNAL_FILE, SETTINGS_FILE];
-            name.starts_with("retained.damaged-") || of_control.contains(&name.as_str())
+            name == DATABASE_FILE || name.starts_with("retained.damaged-") || of_control.contains(&name)
         })
 }
 

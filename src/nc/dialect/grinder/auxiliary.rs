@@ -157,7 +157,8 @@ fn input_jump(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<Flow
     let n = integer(target, 0, MAX_BLOCK_NUMBER)?;
     let value = running.scope.read(999 + port, code.at as usize)?;
     let active = value.is_some_and(|value| value.abs() > 0.5);
-    Ok(if active == (code.number == 91) { FlowAction::Goto { n, at: target.at as usize } } else { FlowAction::Next })
+    let at = target.at as usize;
+    Ok(if active == (code.number == 91) { FlowAction::Goto { n, at } } else { FlowAction::GotoNotTaken { n, at } })
 }
 
 /// `M98 P○○○○ L□□□□`, or both in P: `P×××○○○○`; the number has the digits of P418.

@@ -52,7 +52,8 @@ fn conditional_jump(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadR
         Some(compare) => compare.holds(operand_value(running, h, b'Q')?, operand_value(running, h, b'R')?),
         None => true,
     };
-    Ok(if jumps { FlowAction::Goto { n, at: p.at as usize } } else { FlowAction::Next })
+    let at = p.at as usize;
+    Ok(if jumps { FlowAction::Goto { n, at } } else { FlowAction::GotoNotTaken { n, at } })
 }
 
 fn calculate(running: &BlockContext<'_, '_>, h: Word, code: u32) -> ReadResult<f64> {
