@@ -38,7 +38,7 @@ use crate::io::fieldbus::description::MachineDescription;
 use crate::io::fieldbus::station::StationLink;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file, write_atomic};
+use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file};
 use crate::story::parse;
 use crate::units::Micros;
 
@@ -245,7 +245,7 @@ pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
             let mark = data_dir(shared)?.root().join(REAL_MACHINE_MARK);
             let told =
                 format!("The data of a real machine, described in {}. No simulation uses them.\n", file.display());
-            write_atomic(&mark, told.as_bytes()).map_err(CallError::new)?;
+            crate::store::write_atomic(&mark, told.as_bytes()).map_err(CallError::new)?;
             return Ok(Some(file.clone()));
         }
         simulated_machine(shared)?;

@@ -7,6 +7,7 @@ pub mod bar;
 pub mod clock;
 pub mod control_end;
 pub mod cycle_time;
+pub mod data_loss;
 pub mod field_machine;
 pub mod folders;
 pub mod headless;

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use chrono::{DateTime, Local};
 
+use super::data_loss::{DataLoss, LossChoice, LossSource};
 use super::folders::time_text;
 use super::password_store::{LostData, PasswordStore};
 use crate::controller::{PowerOnState, StorageRequest};
@@ -40,12 +41,6 @@ const LOSS: &str = "data-loss";
 /// What takes the place of lost data at the next start: the number of a kept state, or [`FACTORY`].
 const CHOICE: &str = "data-choice";
 const FACTORY: &str = "factory";
-/// In the row of a loss: a person has chosen what took the place, or what was chosen could not be used.
-const CHOSEN: &str = "chosen";
-const MISSED: &str = "missed";
-/// In the row of a loss: what took its place.
-const JOURNAL: &str = "journal";
-const EARLIER: &str = "earlier";
 const NOTHING_LOST: Text = Text::new("数据已接受，不能再更换", "the data are accepted: they are not replaced any more");
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
@@ -391,97 +386,6 @@ fn unreadable(state: &KeptState) -> LocalizedText {
         format!("{} 的数据读不出：请选其他的", state.time),
         format!("the values of {} cannot be read: choose others", state.time),
     )
-}
-
-/// What happened to the retained data.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DataLoss {
-    /// The copy of a damaged file; none: the file was gone.
-    pub copy: Option<String>,
-    /// Time of the state that took its place; none: factory values.
-    pub state_of: Option<String>,
-    /// What a person has chosen in its place.
-    pub choice: LossChoice,
-    /// What took its place at first.
-    pub source: LossSource,
-}
-
-/// What takes the place of lost data.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LossSource {
-    /// Nothing: factory values.
-    None,
-    /// The journal: the last acknowledged values.
-    Journal,
-    /// An earlier state.
-    EarlierState,
-}
-
-/// Whether a person has chosen the data that took the place of lost ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LossChoice {
-    /// Nobody has chosen.
-    None,
-    /// They are those that were chosen.
-    Made,
-    /// What was chosen could not be read or written.
-    Missed,
-}
-
-impl DataLoss {
-    /// The text of the database row.
-    fn row(&self) -> String {
-        let word = |of: &Option<String>| of.clone().unwrap_or_default();
-        let choice = match self.choice {
-            LossChoice::None => "",
-            LossChoice::Made => CHOSEN,
-            LossChoice::Missed => MISSED,
-        };
-        let source = match self.source {
-            LossSource::None => "",
-            LossSource::Journal => JOURNAL,
-            LossSource::EarlierState => EARLIER,
-        };
-        format!("{}|{}|{choice}|{source}", word(&self.copy), word(&self.state_of))
-    }
-
-    fn from_row(row: &str) -> Self {
-        let mut words = row.split('|');
-        let mut next = || words.next().map(str::to_owned).filter(|word| !word.is_empty());
-        let (copy, state_of, choice, source) = (next(), next(), next(), next());
-        let source = match source.as_deref() {
-            Some(JOURNAL) => LossSource::Journal,
-            Some(EARLIER) => LossSource::EarlierState,
-            // Rows of earlier versions do not say it.
-            Some(_) | None if state_of.is_some() => LossSource::EarlierState,
-            Some(_) | None => LossSource::None,
-        };
-        let choice = match choice.as_deref() {
-            Some(CHOSEN) => LossChoice::Made,
-            Some(MISSED) => LossChoice::Missed,
-            Some(_) | None => LossChoice::None,
-        };
-        Self { copy, state_of, choice, source }
-    }
-
-    /// What happened and what is used, for the alarm.
-    #[must_use]
-    pub fn message(&self) -> LocalizedText {
-        let (what_zh, what) = match &self.copy {
-            Some(copy) => (format!("文件损坏（副本 {copy}）"), format!("file damaged (copy {copy})")),
-            None => ("文件被删除".to_owned(), "file gone".to_owned()),
-        };
-        let (used_zh, used) = match &self.state_of {
-            Some(time) => (format!("用 {time} 的数据"), format!("values of {time}")),
-            None => ("用出厂值".to_owned(), "factory values".to_owned()),
-        };
-        let (by_zh, by) = match self.choice {
-            LossChoice::None => ("", ""),
-            LossChoice::Made => ("已选", "chosen: "),
-            LossChoice::Missed => ("所选数据不能用，", "the chosen data could not be used; "),
-        };
-        LocalizedText::new(format!("{what_zh}，{by_zh}{used_zh}"), format!("{what}; {by}{used}"))
-    }
 }
 
 fn text(key: &str, value: Option<String>) -> RetainedChange {

@@ -49,7 +49,7 @@ impl DialectRules for Sinumerik {
         },
         index: index::index,
         check_unexecuted: |words, block| check_unexecuted(words, block.source.bytes()),
-        executes_lone_blocks: false,
+        executes_lone_blocks: true,
         called_program,
         call_in_text: |_| Vec::new(),
         call_text: |program| program_number::is_l_number(program).then(|| program_number::name_of(program)),
