@@ -534,10 +534,12 @@ impl ProgramCheck {
         if let Some(holds) = self.interpreter.block_words.condition {
             self.mark_condition(holds);
         }
-        self.word_left_out = self.word_left_out || self.interpreter.has_null_use();
+        self.word_left_out = self.word_left_out || self.interpreter.may_have_left_out_feed();
         let memory = self.interpreter.common_variables();
         let is_unset = |number: &u32| matches!(memory.get(*number), Ok(None));
-        self.reads_unset = self.reads_unset || self.block.used_variables.iter().any(is_unset);
+        let reads_unset = self.block.used_variables.iter().any(is_unset);
+        self.word_left_out |= reads_unset && self.interpreter.block_words.condition.is_some();
+        self.reads_unset |= reads_unset;
     }
 
     /// Warns of an alarm that the program raises, if neither a value of a machine nor one that is not set yet has decided

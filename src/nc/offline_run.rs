@@ -113,6 +113,13 @@ impl Interpreter {
             || self.null_uses.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
+    /// Whether an unknown value may have left out an F: its own word, or what a condition or a jump decides.
+    pub(crate) fn may_have_left_out_feed(&self) -> bool {
+        let words = &self.block_words;
+        let is_plain = words.condition.is_none() && !words.is_empty();
+        words.is_left_out(b'F') || self.has_null_use() && !is_plain
+    }
+
     /// Whether the last block used a null variable.
     #[inline]
     pub(crate) fn has_null_use(&self) -> bool {

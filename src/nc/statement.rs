@@ -201,6 +201,9 @@ fn read_goto<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, at: usize) -> Con
     if target.is_none() && !S::HAS_VALUES {
         return Ok(BlockContent::Goto { n: 0, at });
     }
+    if target.is_none() {
+        scope.null_used(at);
+    }
     let n = whole_u32(target.unwrap_or(0.0)).map_or_else(|| fail1(at, E::NotWhole, "GOTO"), Ok)?;
     Ok(BlockContent::Goto { n, at })
 }

@@ -189,6 +189,11 @@ impl BlockWords {
         self.nulls & !result != 0
     }
 
+    /// Whether the word of a letter was skipped because its variable is null.
+    pub fn is_left_out(&self, letter: u8) -> bool {
+        self.nulls & letter_bit(letter) != 0
+    }
+
     /// Whether the block has neither words nor codes.
     pub fn is_empty(&self) -> bool {
         let has_codes = !self.g.is_empty() || !self.m.is_empty() || !self.keywords.is_empty();

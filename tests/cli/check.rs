@@ -608,6 +608,28 @@ fn t4_b4_the_target_of_a_jump_that_is_not_taken_must_be_there() {
     }
 }
 
+/// What a value that only a run has cannot mend is an error; what it decides is a warning.
+#[test]
+fn t4_an_unknown_value_hides_only_what_it_decides() {
+    let certain = "O0001\nG98\nG00 X[-80-#500]\nG01 Z-100\nM30\n";
+    assert!(said(&check("gc", "O0001.NC", certain, &["--lang", "en"])).contains("O0001.NC:4:"));
+    for open in ["F#500\nG01 Z-100", "IF[#500EQ1]THEN F100\nG01 Z-100", "GOTO#500\nN5 M30", "GOTO[#500]\nN5 M30"] {
+        let out = check("gc", "O0001.NC", &format!("O0001\nG98\n{open}\nM30\n"), &["--lang", "en"]);
+        assert_eq!(out.status.code(), Some(0), "{open}: {}", said(&out));
+        assert!(!warned(&out).is_empty(), "{open}");
+    }
+}
+
+/// A contour that no G40 ends, with an end of the program behind it or none.
+#[test]
+fn t4_a_program_that_ends_during_compensation_is_warned_of() {
+    let text = "O0001\nG98 G00 X-80 Z-100\n#2903=2\nT0303\nG42 G01 X-90 F500\nZ-110\n";
+    for (end, count) in [("", 1), ("M30\n", 1), ("G40 X-80\nM30\n", 0)] {
+        let out = check("gc", "O0001.NC", &format!("{text}{end}"), &["--lang", "en"]);
+        assert_eq!(warned(&out).matches("ends during compensation G42").count(), count, "{end}: {}", warned(&out));
+    }
+}
+
 /// Behind an unknown feed other mistakes of the block are found.
 #[test]
 fn t4_a_called_program_without_its_feed_is_checked_for_all_else() {

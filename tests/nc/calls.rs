@@ -174,7 +174,7 @@ fn b3_a_code_of_the_table_calls_its_macro_with_the_words_as_arguments() {
     // L of the shipped grinding cycles names something else on FANUC: nothing is ground twice.
     settings.g_macros[3] = (77, 9075);
     let cycle = [(9075, "#505=1\nM99\n")];
-    assert_eq!(run_with(&settings, "G77 X9 L5\nM30\n", &cycle).unwrap_err().error.id(), "foreign-cycle");
+    assert_eq!(run_with(&settings, "G77 X9 L5\nM30\n", &cycle).unwrap_err().error.id(), "cycle-repeated");
     assert_eq!(value(&run_with(&settings, "G77 X9\nM30\n", &cycle).unwrap(), 505), Some(1.0));
     // The codes that change the flow of a program stay the control's own.
     settings.m_macros[4] = (30, 9030);

@@ -115,6 +115,8 @@ impl Interpreter {
         if let Err(wrong) = self.compensation.check_unchanged(modals, place) {
             return self.fail_compensation(wrong, true);
         }
+        // The block that ends the program ends the contour, too.
+        let was_open = self.compensation.is_open();
         if matches!(stepped, StepStatus::Block)
             && let Err(wrong) = self.compensation.accept(block, from, place)
         {
@@ -122,7 +124,9 @@ impl Interpreter {
         }
         let restarts = self.flow.is_main() && self.flow.place.line == 0 && place.location.line > 1;
         if (self.ended || restarts) && self.corners.is_idle() || matches!(stepped, StepStatus::End) {
-            self.warn_at_end(place.at);
+            if was_open {
+                self.warn_at_end(place.at);
+            }
             if let Err(wrong) = self.compensation.end_contour(None, place) {
                 return self.fail_compensation(wrong, true);
             }
@@ -137,9 +141,7 @@ impl Interpreter {
 
     /// A program that ends beside the contour.
     fn warn_at_end(&mut self, at: usize) {
-        if self.compensation.is_open()
-            && let (Some(on), Some(notes)) = (self.modals.compensation, &mut self.warnings)
-        {
+        if let (Some(on), Some(notes)) = (self.modals.compensation, &mut self.warnings) {
             let details = [Arg::from(format_args!("G{}", on.g())), Arg::None];
             notes.push(ErrorAt { at, error: E::CompensationNotEnded, details });
         }

@@ -101,7 +101,7 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
     let repeats = words.take(b'L');
     if let Some(word) = repeats.filter(|_| GRINDING_CYCLES.contains(&program)) {
         // FANUC names a wheel-wear compensation by it; a repetition would grind the same stock again.
-        return fail2(word.at as usize, E::ForeignCycle, name(code), "L");
+        return fail2(word.at as usize, E::CycleRepeated, name(code), "L");
     }
     let times = repeats.map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
     *running.arguments = arguments(&words.list)?;
