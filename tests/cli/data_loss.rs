@@ -36,13 +36,15 @@ pub fn session() -> TempDir {
     let values: Vec<_> =
         (860..900).map(|number| StorageRequest::Variable(number, Some(f64::from(number) / 8.0))).collect();
     store.commit(&values).unwrap();
-    let change = SettingsRequest::ChangePassword {
-        scope: PasswordScope::Builder,
-        old: Secret::new("830830".into()),
-        new: Secret::new("4711".into()),
-    };
-    assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+    change_password(&mut store, "830830", "4711");
     folder
+}
+
+/// Changes the builder's password.
+pub fn change_password(store: &mut RetainedStore, old: &str, new: &str) {
+    let [old, new] = [old, new].map(|password| Secret::new(password.into()));
+    let change = SettingsRequest::ChangePassword { scope: PasswordScope::Builder, old, new };
+    assert_eq!(answer(store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
 }
 
 pub fn answer(store: &mut RetainedStore, request: &SettingsRequest) -> StorageAnswer {

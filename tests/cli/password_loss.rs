@@ -2,9 +2,7 @@
 
 use std::fs;
 
-use kt830::link::page_command::{PasswordScope, Secret, SettingsRequest, StorageAnswer};
-
-use crate::data_loss::{DATABASE, answer, matches, open, remove_copies, session};
+use crate::data_loss::{DATABASE, change_password, matches, open, remove_copies, session};
 
 #[test]
 fn b6_damaged_passwords_open_nothing() {
@@ -76,12 +74,7 @@ fn k6_2_the_newest_password_outlives_an_older_generation() {
     let folder = session();
     drop(open(folder.path()));
     let (mut store, _) = open(folder.path());
-    let change = SettingsRequest::ChangePassword {
-        scope: PasswordScope::Builder,
-        old: Secret::new("4711".into()),
-        new: Secret::new("4712".into()),
-    };
-    assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+    change_password(&mut store, "4711", "4712");
     std::mem::forget(store); // A crash: no generation is kept.
     let copy = tempfile::tempdir().unwrap();
     for name in ["passwords.ron", "generations"] {
@@ -105,12 +98,7 @@ fn k6_2_an_earlier_copy_of_the_passwords_brings_no_old_password_back() {
     for damage in ["flipped", "gone", "empty"] {
         let folder = session();
         let (mut store, _) = open(folder.path());
-        let change = SettingsRequest::ChangePassword {
-            scope: PasswordScope::Builder,
-            old: Secret::new("4711".into()),
-            new: Secret::new("5822".into()),
-        };
-        assert_eq!(answer(&mut store, &change), StorageAnswer::PasswordChanged(PasswordScope::Builder, true));
+        change_password(&mut store, "4711", "5822");
         drop(store);
         let copy = folder.path().join("passwords.ron");
         assert!(copy.with_extension("ron.bak").exists());
