@@ -160,10 +160,9 @@ impl ProgramFault {
     /// The calls that led to the block, the last one first; blank if it is in the started program.
     #[must_use]
     pub fn calls_phrase(&self) -> LocalizedText {
-        let mut calls = self.calls.iter();
         let mut args = [const { Arg::None }; 2 * SHOWN_CALLS];
         let mut shown = 0_usize;
-        for ((program, line), place) in calls.by_ref().zip(args.chunks_exact_mut(2)) {
+        for ((program, line), place) in self.calls.iter().zip(args.chunks_exact_mut(2)) {
             place.clone_from_slice(&[Arg::Program(program), Arg::Integer(i64::from(line))]);
             shown += 1;
         }

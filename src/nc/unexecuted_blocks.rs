@@ -52,8 +52,9 @@ pub(super) struct LoneBlocks {
     known: [bool; 3],
     /// The lines above say which function of group 01 acts.
     motion_known: bool,
-    /// The text is the program that is started; others are called.
-    is_started: bool,
+    /// The byte of the first F of the program that is started, or the end of its text. `None`: a called program, to which
+    /// its caller may give one.
+    first_feed: Option<usize>,
     /// A block of this text could not be checked without a position.
     pub position_missed: bool,
     /// The programs that the last line calls, with the arguments.
@@ -67,25 +68,14 @@ impl LoneBlocks {
     pub fn new((source, locals): (Arc<Source>, Locals), world: OfflineMachine, block: Block) -> Self {
         let (known, motion_known, calls, found) = ([false; 3], false, Vec::new(), Vec::new());
         let (next_line, position_missed) = (u32::MAX, false);
-        Self {
-            source,
-            locals,
-            world,
-            block,
-            next_line,
-            known,
-            motion_known,
-            is_started: true,
-            position_missed,
-            calls,
-            found,
-        }
+        let first_feed = Some(first_feed_word(source.bytes()));
+        Self { source, locals, world, block, next_line, known, motion_known, first_feed, position_missed, calls, found }
     }
 
     /// Begins with another text.
     pub fn begin(&mut self, source: Arc<Source>, locals: Locals) {
         (self.source, self.locals, self.next_line) = (source, locals, u32::MAX);
-        (self.position_missed, self.is_started) = (false, false);
+        (self.position_missed, self.first_feed) = (false, None);
     }
 
     /// Executes the blocks of a line (from 0).
@@ -95,7 +85,7 @@ impl LoneBlocks {
         }
         self.next_line = line + 1;
         let (start, end) = (self.source.line_start(line), self.source.line_start(line + 1));
-        let mut next = Some(start);
+        let (mut next, mut has_assumed_feed) = (Some(start), false);
         while let Some(at) = next {
             interpreter.begin_alone(&self.source, at, &self.locals);
             let stepped = interpreter.step_whole_block(&mut self.world, &mut self.block);
@@ -114,9 +104,10 @@ impl LoneBlocks {
                 Err(ReadStop::Drain) => {}
                 // The feed of a caller is not known: what else is wrong with the block is.
                 Err(ReadStop::Error(wrong))
-                    if wrong.error == E::FeedMissing && interpreter.modals.feed.is_none() && !self.is_started =>
+                    if wrong.error == E::FeedMissing && self.first_feed.is_none() && !has_assumed_feed =>
                 {
-                    interpreter.modals.feed = Some(ASSUMED_FEED);
+                    (interpreter.modals.feed, has_assumed_feed) = (Some(ASSUMED_FEED), true);
+                    self.known = known_before;
                     continue;
                 }
                 Err(ReadStop::Error(wrong)) => {
@@ -178,7 +169,7 @@ impl LoneBlocks {
                 Certainty::Unknown
             }
             // No caller has an F for a program that is started, and no line above has one.
-            E::FeedMissing if self.is_started && !has_feed_word(&text[..at.min(text.len())]) => Certainty::Possible,
+            E::FeedMissing if self.first_feed.is_some_and(|first| at <= first) => Certainty::Possible,
             E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed | E::TooDeep => Certainty::Unknown,
             // A program for several machines asks which one it runs on.
             E::NoAxis => Certainty::Possible,
@@ -262,9 +253,10 @@ const fn depends_on_motion(error: E) -> bool {
     )
 }
 
-/// Whether an F with a value stands in a text.
-fn has_feed_word(text: &[u8]) -> bool {
-    text.windows(2).any(|pair| matches!(pair, [b'F' | b'f', b'0'..=b'9' | b'.' | b'#' | b'[' | b' ' | b'=']))
+/// The byte of the first F with a value in a text, or its end.
+fn first_feed_word(text: &[u8]) -> usize {
+    let is_feed = |pair: &[u8]| matches!(pair, [b'F' | b'f', b'0'..=b'9' | b'.' | b'#' | b'[' | b' ' | b'=']);
+    text.windows(2).position(is_feed).unwrap_or(text.len())
 }
 
 /// Whether a G code belongs to a group on any kind of machine.

@@ -449,17 +449,12 @@ fn refuse_long_word(cursor: &Cursor<'_>, at: usize, found: &[u8]) -> ReadResult<
     let own = is_reserved(found) || found.get(..4).is_some_and(|word| word.eq_ignore_ascii_case(b"GOTO"));
     // A name alone in its block calls a program of that name.
     let is_alone = matches!(behind.peek(), b'\r' | b'\n' | b';') && is_first_word(cursor.text, at);
-    fail1(
-        at,
-        if own {
-            E::UnknownWord
-        } else if is_alone {
-            E::NoCallByName
-        } else {
-            E::ForeignWord
-        },
-        name,
-    )
+    let error = match (own, is_alone) {
+        (true, _) => E::UnknownWord,
+        (false, true) => E::NoCallByName,
+        (false, false) => E::ForeignWord,
+    };
+    fail1(at, error, name)
 }
 
 /// Whether a byte is the first one of its block, behind its number.
