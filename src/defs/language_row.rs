@@ -84,6 +84,11 @@ language! {
     "word", "M", Supported, "辅助功能", "auxiliary function", "M08";
     "word", "P", Supported, "程序号、段号、暂停 ms", "program, block, dwell in ms", "G04 P100";
     "word", "N", Supported, "段号", "block number", "N10 G04 P1";
+    "word", "L", Supported, "次数；G10 的坐标系种类", "number of times; kind of offset of G10", "G10 L2 P1 X1.";
+    "word", "Q", Supported, "循环最后一段的段号；G70–G76 的数值", "last block of a cycle; values of G70 to G76", "G65 H01 P#100 Q5";
+    "word", "H", Supported, "G65 的计算种类，宏的参数", "calculation of G65, argument of a macro", "G65 H01 P#100 Q5";
+    "word", "D E", Refused, "只作宏的参数（G65、G66）", "arguments of a macro alone (G65, G66)", "G00 X1. D5.";
+    "word", "A C", Refused, "没有 A、C 轴；,A 是直线角度，,C 是倒角", "there is no axis A or C; ,A is an angle, ,C a chamfer", "G00 A90.";
     "word", "O", Supported, "程序号，1–8 位", "program number of 1 to 8 digits", "O2001";
     "word", ":n", Supported, "程序号，同 O", "program number as O", ":2001";
     "word", "/ /1–/9", Supported, "跳段，一个开关", "block skip, one switch for all", "/G04 P1\n/2G04 P1";

@@ -407,6 +407,10 @@ program_errors! {
         "X 是直径还是半径由参数 P6.0 决定；LinuxCNC 的 G08 程序 X 是半径，不能只删去该字", "parameter P6.0 says whether X is a diameter or a radius; in a LinuxCNC program behind G08 X is a radius: do not just delete the word";
     CycleRepeated = 567, "cycle-repeated", "磨削循环 {} 不能带 {2}", "the grinding cycle {} takes no {2}",
         "重复同一循环会再磨一次：需要时另写一段；FANUC 的 L 是砂轮磨损补偿号，本机没有", "a repetition would grind the same stock again: write the block again if that is meant; L of FANUC names a wheel-wear compensation, which is missing here";
+    SkipWithinBlock = 568, "skip-within-block", "'/' 在程序段中间", "'/' within a block",
+        "跳段符 / 写在段首；只跳过一部分时分成两段", "block skip stands at the start of a block: divide the block to skip a part of it";
+    LookAheadCode = 569, "look-ahead-code", "没有 {}", "there is no {}",
+        "连续方式 G64 总是预读，不需要高速高精指令：删去本字", "path mode G64 always reads ahead and needs no code for high speed or accuracy: delete the word";
     /// Nothing is known to be wrong, and not all could be looked at.
     PositionUnknown = 557, "position-unknown", "检查没有走到这里，不知道各轴的位置：这里和其后的圆弧、轮廓没有检查", "the check does not come here and does not know where the axes stand: arcs and contours from here on are not checked",
         "用能走到这里的数值检查，或用 kt830 run 试运行", "check it with values that lead here, or try it with kt830 run";

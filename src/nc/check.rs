@@ -5,18 +5,19 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::block::Block;
+use super::called_texts::{CalledTexts, TextLine};
 use super::common_variables::CommonVariables;
 use super::dialect;
-use super::expression::Locals;
 use super::external_state::{OfflineMachine, RunTotals};
 use super::fault::{BlockLocation, CallChain, E, ErrorAt, ProgramFault};
+use super::flow::CallDepth;
 use super::idle_passes::IdlePasses;
 use super::interpreter::{BLOCK_WORK, Interpreter};
 use super::op::Op;
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
-use super::unexecuted_blocks::{Certainty, LoneBlocks, MAX_TEXTS};
-use super::unexecuted_lines::{self, ExecutedLines, UnexecutedLines};
+use super::unexecuted_blocks::{Certainty, LoneBlocks};
+use super::unexecuted_lines::{self, UnexecutedLines};
 use crate::defs::text::arg::Arg;
 use crate::units::{WorkBudget, WorkPos};
 
@@ -117,25 +118,6 @@ impl LoopCheckpoint {
     }
 }
 
-/// A program that the checked one calls.
-struct CalledText {
-    source: Arc<Source>,
-    marks: ExecutedLines,
-    /// #1–#33 of its first call.
-    locals: Locals,
-    /// How the check came to it first.
-    calls: CallChain,
-}
-
-/// A line of a text of the check.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct TextLine {
-    /// 0 for the program; those that it calls follow.
-    text: usize,
-    /// From 0.
-    line: u32,
-}
-
 /// A check in progress: follows the program without a machine, then reads the lines that were not executed.
 pub struct ProgramCheck {
     source: Arc<Source>,
@@ -146,7 +128,7 @@ pub struct ProgramCheck {
     /// The lines that were not executed; read when the run is over.
     unread: UnexecutedLines,
     /// The programs that it calls, in the order of the first calls.
-    called: Vec<CalledText>,
+    called: CalledTexts,
     /// The line that the run has reached, later that whose blocks are executed by themselves.
     place: TextLine,
     run_over: bool,
@@ -186,7 +168,7 @@ impl ProgramCheck {
             block: Block::new(settings),
             report: CheckReport::default(),
             unread: UnexecutedLines::new(source.line_count()),
-            called: Vec::new(),
+            called: CalledTexts::default(),
             place: TextLine::default(),
             run_over: false,
             lone: None,
@@ -275,7 +257,7 @@ impl ProgramCheck {
         found.blocks =
             self.shown_blocks - found.repeated_blocks.iter().map(|range| range.end - range.start).sum::<u64>();
         found.lines = self.source.line_count();
-        found.called = self.called.iter().map(|text| text.source.number()).collect();
+        found.called = self.called.numbers().collect();
         found
     }
 
@@ -368,28 +350,23 @@ impl ProgramCheck {
 
     /// Marks a line of a called program; true if it is new.
     fn mark_called(&mut self, line: u32) -> (TextLine, bool) {
-        let flow = &self.interpreter.flow;
-        let is_there = |text: &CalledText| Arc::ptr_eq(&text.source, &flow.source);
-        let same = self.place.text.checked_sub(1).filter(|index| self.called.get(*index).is_some_and(is_there));
-        let index = same.or_else(|| self.called.iter().position(is_there)).unwrap_or_else(|| {
-            add_called(&mut self.called, Arc::clone(&flow.source), *flow.locals(), flow.calls());
-            self.called.iter().position(is_there).unwrap_or(usize::MAX - 1)
+        let (flow, likely) = (&self.interpreter.flow, self.place.text);
+        let text = self.called.find(&flow.source, likely).unwrap_or_else(|| {
+            self.called.add((Arc::clone(&flow.source), *flow.locals(), flow.call_depth()), flow.calls());
+            self.called.find(&flow.source, likely).unwrap_or(usize::MAX)
         });
-        let new = self.called.get_mut(index).is_some_and(|text| text.marks.mark(line));
-        (TextLine { text: index + 1, line }, new)
+        let new = self.called.get_mut(text).is_some_and(|text| text.marks.mark(line));
+        (TextLine { text, line }, new)
     }
 
     /// Notes the result of the IF in the line that was read last.
     fn mark_condition(&mut self, holds: bool) {
         let TextLine { text, line } = self.place;
-        match text.checked_sub(1) {
-            None => self.unread.marks.mark_condition(line, holds),
-            Some(index) => {
-                if let Some(text) = self.called.get_mut(index) {
-                    text.marks.mark_condition(line, holds);
-                }
-            }
-        }
+        let marks = match text {
+            0 => Some(&mut self.unread.marks),
+            _ => self.called.get_mut(text).map(|text| &mut text.marks),
+        };
+        marks.into_iter().for_each(|marks| marks.mark_condition(line, holds));
     }
 
     /// Checks what the run did not reach until the budget is spent; `false` when all is checked.
@@ -399,17 +376,17 @@ impl ProgramCheck {
         }
         let Self { source, settings, interpreter, unread, called, place, report, reported, .. } = self;
         let mut found = |fault| add_once(&mut report.faults, reported, fault);
-        let text = place.text.checked_sub(1).and_then(|index| called.get(index)).map_or(&*source, |text| &text.source);
+        let text = called.get(place.text).map_or(&*source, |text| &text.source);
         if unread.advance(text, settings, Some(&*interpreter.library), budget, &mut found) {
             return true;
         }
         // The programs that the run has called, and those that the lines call which it did not reach.
         for number in unread.calls.drain(..).map(|(number, _)| number) {
             if let Some(found) = interpreter.library.find(number).filter(|found| !Arc::ptr_eq(found, source)) {
-                add_called(called, found, [None; 33], CallChain::default());
+                called.add((found, [None; 33], CallDepth::default()), CallChain::default());
             }
         }
-        let Some(next) = called.get_mut(place.text) else { return false };
+        let Some(next) = called.get_mut(place.text + 1) else { return false };
         unread.continue_with(std::mem::take(&mut next.marks));
         place.text += 1;
         let text = Arc::clone(&next.source);
@@ -431,21 +408,22 @@ impl ProgramCheck {
             budget.spend(BLOCK_WORK);
             let line = place.line;
             if line as usize >= blocks.source.line_count() || blocks.source.ends_in_line(line) {
-                let Some(next) = called.get(place.text) else { return false };
-                blocks.begin(Arc::clone(&next.source), next.locals);
+                let Some(next) = called.get(place.text + 1) else { return false };
+                blocks.begin((Arc::clone(&next.source), next.locals, next.depth));
                 *place = TextLine { text: place.text + 1, line: 0 };
                 continue;
             }
             place.line += 1;
-            let lines = place.text.checked_sub(1).map_or(&unread.marks, |index| &called[index].marks);
+            let text = called.get(place.text);
+            let lines = text.map_or(&unread.marks, |text| &text.marks);
             if lines.is_executed(line) {
                 continue;
             }
             blocks.execute(line, interpreter);
             interpreter.charge_blocks(budget);
-            let calls = place.text.checked_sub(1).map_or_else(CallChain::default, |index| called[index].calls);
-            let here = std::iter::once((blocks.source.number(), line + 1)).chain(calls.iter()).collect();
-            blocks.calls.drain(..).for_each(|(source, locals)| add_called(called, source, locals, here));
+            let calls = text.map_or_else(CallChain::default, |text| text.calls);
+            let here = calls.within((blocks.source.number(), line + 1));
+            blocks.calls.drain(..).for_each(|call| called.add(call, here));
             for (fault, certainty) in blocks.found.drain(..) {
                 let fault = fault.with_calls(calls);
                 match certainty {
@@ -466,11 +444,8 @@ impl ProgramCheck {
     fn leave_wait(&mut self) -> bool {
         self.interpreter.passes = IdlePasses::default();
         let TextLine { text, line } = self.place;
-        let source =
-            text.checked_sub(1).map_or(Some(&self.source), |index| self.called.get(index).map(|text| &text.source));
-        if let Some(source) = source.map(Arc::clone) {
-            self.warn_of_loop(&source, line);
-        }
+        let source = Arc::clone(self.called.get(text).map_or(&self.source, |text| &text.source));
+        self.warn_of_loop(&source, line);
         self.incomplete = true;
         if self.max_left_loops > 0 {
             self.interpreter.flow.go_behind_line(line);
@@ -540,6 +515,18 @@ impl ProgramCheck {
         let reads_unset = self.block.used_variables.iter().any(is_unset);
         self.word_left_out |= reads_unset && self.interpreter.block_words.condition.is_some();
         self.reads_unset |= reads_unset;
+        if self.interpreter.flow.modal_calls.is_active() {
+            self.note_modal_macro();
+        }
+    }
+
+    /// Adds the macro of the G66 that acts: no move may call it.
+    fn note_modal_macro(&mut self) {
+        let (flow, TextLine { text, line }) = (&self.interpreter.flow, self.place);
+        let number = self.called.get(text).map_or_else(|| self.source.number(), |text| text.source.number());
+        if let Some(call) = self.interpreter.modal_macro() {
+            self.called.add(call, flow.calls().within((number, line + 1)));
+        }
     }
 
     /// Warns of an alarm that the program raises, if neither a value of a machine nor one that is not set yet has decided
@@ -580,14 +567,6 @@ impl ProgramCheck {
 
     fn add_warning(&mut self, fault: ProgramFault) {
         add_once(&mut self.report.warnings, &mut self.reported, fault);
-    }
-}
-
-/// Adds a program that is called, unless it is there already.
-fn add_called(called: &mut Vec<CalledText>, source: Arc<Source>, locals: Locals, calls: CallChain) {
-    if called.len() < MAX_TEXTS && !called.iter().any(|text| Arc::ptr_eq(&text.source, &source)) {
-        let marks = ExecutedLines::new(source.line_count());
-        called.push(CalledText { source, marks, locals, calls });
     }
 }
 

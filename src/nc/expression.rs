@@ -1,11 +1,13 @@
 //! Expressions, evaluated while they are read, without a syntax tree. Null is `None` and counts as 0 in arithmetic.
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
-use super::fault::{E, ReadResult, fail, fail1, fail2};
+use super::fault::{Capitals, E, ReadResult, fail, fail1, fail2};
 use super::functions::{self, Comparison, FUNCTIONS, whole_number, whole_u32};
 use super::lexer::Cursor;
 use crate::units::Axis;
 
+/// Letters of an unknown function that a message shows.
+const LONGEST_NAME: usize = 16;
 /// Deepest nesting of brackets, signs and indices.
 const MAX_DEPTH: usize = 32;
 
@@ -323,7 +325,7 @@ impl<S: Scope> ExpressionParser<'_, '_, S> {
             return self.function_of_two("POW", at);
         }
         let Some((name, act)) = FUNCTIONS.into_iter().find(|(name, _)| self.cursor.accept_keyword(name)) else {
-            return self.cursor.unexpected();
+            return unknown_function(self.cursor);
         };
         if name == "ATAN" && self.has_two_arguments() {
             return self.function_of_two(name, at);
@@ -396,4 +398,16 @@ fn comparison_holds(compare: Comparison, left: Value, right: Value) -> bool {
         (Some(_), None, Comparison::Ne) | (None, Some(_), Comparison::Ne) => true,
         _ => compare.holds(left.unwrap_or(0.0), right.unwrap_or(0.0)),
     }
+}
+
+/// The error for letters that are no function.
+#[cold]
+fn unknown_function<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
+    let word = &cursor.text[cursor.at..cursor.text.len().min(cursor.at + LONGEST_NAME)];
+    let letters = word.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    if letters < 2 {
+        return cursor.unexpected();
+    }
+    let known = FUNCTIONS.map(|(name, _)| name).join(" ");
+    fail2(cursor.at, E::UnknownFunction, Capitals(&word[..letters]), format_args!("{known} POW"))
 }

@@ -51,6 +51,13 @@ impl CallChain {
     }
 }
 
+impl CallChain {
+    /// The chain of what is called in a line of a program that this chain leads to.
+    pub(super) fn within(self, place: (u32, u32)) -> Self {
+        std::iter::once(place).chain(self.iter()).collect()
+    }
+}
+
 impl FromIterator<(u32, u32)> for CallChain {
     fn from_iter<I: IntoIterator<Item = (u32, u32)>>(calls: I) -> Self {
         let mut chain = Self::default();

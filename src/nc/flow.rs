@@ -25,6 +25,30 @@ pub(crate) enum Callee {
     Macro,
 }
 
+/// How many calls of each kind are open.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CallDepth {
+    subs: usize,
+    macros: usize,
+}
+
+impl CallDepth {
+    const fn of(self, callee: Callee) -> usize {
+        match callee {
+            Callee::Sub => self.subs,
+            Callee::Macro => self.macros,
+        }
+    }
+
+    /// Inside one more call.
+    pub const fn within(self, callee: Callee) -> Self {
+        match callee {
+            Callee::Sub => Self { subs: self.subs + 1, ..self },
+            Callee::Macro => Self { macros: self.macros + 1, ..self },
+        }
+    }
+}
+
 /// Deepest nesting of a kind of call, and its name.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CallLimit {
@@ -118,6 +142,8 @@ pub(crate) struct Flow {
     loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
     call_stack: Vec<CallFrame>,
+    /// The calls around a text that was begun by itself.
+    calls_around: CallDepth,
     locals: Vec<Locals>,
     counted_loops: Vec<OpenCountedLoop>,
     /// How many of `counted` belong to callers.
@@ -134,6 +160,7 @@ impl Flow {
             loops: [OpenLoop::default(); LOOP_DEPTH],
             depth: 0,
             call_stack: Vec::with_capacity(USUAL_DEPTH),
+            calls_around: CallDepth::default(),
             locals: first_level(Vec::with_capacity(USUAL_DEPTH)),
             counted_loops: Vec::with_capacity(USUAL_DEPTH),
             counted_base: 0,
@@ -149,11 +176,14 @@ impl Flow {
         self.locals = first_level(std::mem::take(&mut self.locals));
         self.counted_loops.clear();
         (self.restarted, self.depth, self.counted_base) = (false, 0, 0);
+        self.calls_around = CallDepth::default();
     }
 
-    /// Goes to the block at a byte of a text that no block calls, within the WHILE loops around it.
-    pub fn begin_at(&mut self, source: Arc<Source>, at: usize, locals: &Locals) {
+    /// Goes to the block at a byte of a text without its caller, within the WHILE loops around it and as deep in calls as
+    /// it would be.
+    pub fn begin_at(&mut self, source: Arc<Source>, at: usize, locals: &Locals, calls_around: CallDepth) {
         self.begin(source);
+        self.calls_around = calls_around;
         self.locals.iter_mut().for_each(|level| *level = *locals);
         self.go_to(at);
         let around = self.source.while_loops_around(at);
@@ -175,7 +205,8 @@ impl Flow {
     /// Takes over the position and the stacks of another flow, in the memory of this one.
     pub fn copy_from(&mut self, other: &Self) {
         let Self { source, place, restarted, modal_calls, loops, depth, .. } = other;
-        let Self { call_stack, locals, counted_loops, counted_base, .. } = other;
+        let Self { call_stack, calls_around, locals, counted_loops, counted_base, .. } = other;
+        self.calls_around = *calls_around;
         self.source.clone_from(source);
         self.call_stack.clone_from(call_stack);
         self.locals.clone_from(locals);
@@ -208,6 +239,11 @@ impl Flow {
         // The first frame is that of the started program.
         let callers = self.call_stack.iter().skip(1).map(|frame| &frame.source);
         !self.is_main() && callers.chain([&self.source]).any(|source| source.number() == program)
+    }
+
+    /// How deep in calls the present program is.
+    pub fn call_depth(&self) -> CallDepth {
+        self.call_stack.iter().fold(self.calls_around, |depth, frame| depth.within(frame.callee))
     }
 
     /// The calls that led to the present program, the last one first.
@@ -325,8 +361,7 @@ impl Flow {
     /// Calls a program, as deep as the limit. `arguments` are those of a macro. The flow is already past the calling
     /// block.
     pub fn call(&mut self, source: Arc<Source>, call: Call, arguments: &Locals, limit: CallLimit) -> ReadResult<()> {
-        let same = |level: &&CallFrame| level.callee == call.callee;
-        if self.call_stack.iter().filter(same).count() >= limit.depth {
+        if self.call_depth().of(call.callee) >= limit.depth {
             return fail2(call.at, E::TooDeep, limit.name, format_args!("{}", limit.depth));
         }
         if call.callee == Callee::Macro {

@@ -9,6 +9,7 @@
 
 mod assignment;
 mod block;
+mod called_texts;
 pub mod check;
 pub mod common_variables;
 mod compensation;
@@ -28,7 +29,8 @@ mod idle_passes;
 pub mod interpreter;
 mod lexer;
 mod message_texts;
-pub mod modal;
+pub mod misread_text;
+mod modal;
 mod modal_calls;
 mod offline_run;
 pub mod op;

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use super::block::Block;
+use super::called_texts::FoundCall;
 use super::expression::Locals;
 use super::external_state::{ExternalState, OfflineMachine};
 use super::fault::{E, ErrorAt, ProgramFault, ReadResult, StepStop};
+use super::flow::{CallDepth, Callee};
 use super::interpreter::{Interpreter, NextStatus, StepStatus};
 use super::modal::{CycleWords, MotionMode};
 use super::source::Source;
@@ -43,8 +45,8 @@ impl Interpreter {
     }
 
     /// Goes to the block at a byte of a text, as if the program came there from the line above it.
-    pub(super) fn begin_alone(&mut self, source: &Arc<Source>, at: usize, locals: &Locals) {
-        self.flow.begin_at(Arc::clone(source), at, locals);
+    pub(super) fn begin_alone(&mut self, source: &Arc<Source>, at: usize, (locals, depth): (&Locals, CallDepth)) {
+        self.flow.begin_at(Arc::clone(source), at, locals, depth);
         (self.ended, self.second_half, self.pending_cycle, self.corner_words) = (false, false, None, None);
         (self.modals.modal_call, self.modals.compensation) = (false, None);
         self.null_uses.iter_mut().for_each(Vec::clear);
@@ -62,16 +64,19 @@ impl Interpreter {
         }
     }
 
-    /// The programs that the last block calls, with their arguments.
-    pub(super) fn take_called_programs(&mut self, calls: &mut Vec<(Arc<Source>, Locals)>) {
+    /// The programs that the last block calls.
+    pub(super) fn take_called_programs(&mut self, calls: &mut Vec<FoundCall>) {
         if !self.flow.is_main() {
-            calls.push((Arc::clone(&self.flow.source), *self.flow.locals()));
+            calls.push((Arc::clone(&self.flow.source), *self.flow.locals(), self.flow.call_depth()));
         }
-        if let Some((modal, arguments)) = self.flow.modal_calls.active()
-            && let Some(source) = self.library.find(modal.program)
-        {
-            calls.push((source, *arguments));
-        }
+        calls.extend(self.modal_macro());
+    }
+
+    /// The call of the macro of the G66 that acts.
+    pub(super) fn modal_macro(&self) -> Option<FoundCall> {
+        let (modal, arguments) = self.flow.modal_calls.active()?;
+        let source = self.library.find(modal.program)?;
+        Some((source, *arguments, self.flow.call_depth().within(Callee::Macro)))
     }
 
     /// Skips a faulty block, so that a check can read on without consequential errors.
@@ -99,6 +104,11 @@ impl Interpreter {
         }
         if matches!(error, E::SubWithoutReturn | E::EndInSub) {
             let _ = self.flow.return_to(None, 0); // without a target it always succeeds
+            return;
+        }
+        // Nothing is known of a loop with a faulty condition: its blocks are read by themselves.
+        if let Some(end) = self.flow.source.while_loop_at(self.flow.place.at).and_then(|found| found.end) {
+            self.flow.go_to(end.after as usize);
             return;
         }
         self.flow.enter_faulty_loop();

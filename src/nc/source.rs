@@ -8,7 +8,8 @@ use encoding_rs::{CoderResult, GB18030};
 
 use super::fault::{BlockLocation, Capitals, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
 use super::message_texts::{self, AlarmHelp, MessageTexts};
-use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks, block_head};
+use super::misread_text;
+use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
 use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
@@ -378,71 +379,9 @@ impl Source {
                 [character.into(), instead]
             };
         }
-        if wrong.error == E::MissingNumber && self.dialect.is_kt830() {
-            self.name_misread_word(&mut wrong);
-        }
-        if matches!(
-            wrong.error,
-            E::UnexpectedCharacter | E::ForeignStatement | E::MissingNumber | E::UnknownWord | E::NumberWithoutLetter
-        ) && let Some(inner) = self.nested_comment(wrong.at)
-        {
-            (wrong.at, wrong.error, wrong.details) = (inner, E::UnbalancedComment, Default::default());
-        }
+        misread_text::name_misread_text(&self.bytes, self.dialect, &mut wrong);
         let (place, column) = self.locate(wrong.at, n);
         ProgramFault::new(self.title_arg(), place, column, wrong)
-    }
-
-    /// The bracket within a comment before a byte of its line: the first `)` has ended the comment, and what follows is
-    /// read as words.
-    #[cold]
-    fn nested_comment(&self, at: usize) -> Option<usize> {
-        let before = self.bytes.get(..at).filter(|_| self.dialect.has_bracket_comments())?;
-        let start = before.iter().rposition(|byte| matches!(byte, b'\r' | b'\n')).map_or(0, |end| end + 1);
-        let mut is_comment = false;
-        for (index, byte) in before.iter().enumerate().skip(start) {
-            match byte {
-                b'(' if is_comment => return Some(index),
-                b'(' => is_comment = true,
-                b')' => is_comment = false,
-                _ => {}
-            }
-        }
-        None
-    }
-
-    /// Names what really stands where a number is missing behind an address: a statement of another language (`ELSE`), or
-    /// the letter O in place of a zero (`GO1`).
-    #[cold]
-    fn name_misread_word(&self, wrong: &mut ErrorAt) {
-        if wrong.details[0].to_text().len() > 1 {
-            return; // the number of a GOTO, or of an address that is named already
-        }
-        let is_letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
-        let (before, behind) = self.bytes.split_at(wrong.at.min(self.bytes.len()));
-        let start = before.len() - before.iter().rev().take_while(|byte| is_letter(byte)).count();
-        let end = before.len() + behind.iter().take_while(|byte| is_letter(byte)).count();
-        match &self.bytes[start..end] {
-            [letter, b'O' | b'o'] => {
-                (wrong.error, wrong.details) = (E::LetterForZero, [char::from(*letter).into(), Arg::None]);
-            }
-            word @ [_, _, _, ..] => {
-                // `SUB NAME`: the statement comes first.
-                let (start, word) = self.first_word_of_block(start).unwrap_or((start, word));
-                (wrong.at, wrong.error) = (start, E::ForeignStatement);
-                wrong.details = [Capitals(word).into(), Arg::None];
-            }
-            _ => {}
-        }
-    }
-
-    /// The letters with which the block of a byte begins, if they are no single address.
-    fn first_word_of_block(&self, at: usize) -> Option<(usize, &[u8])> {
-        let line_start =
-            self.bytes[..at].iter().rposition(|byte| matches!(byte, b'\r' | b'\n')).map_or(0, |end| end + 1);
-        let (_, block) = block_head(&self.bytes[line_start..at], self.dialect.has_bracket_comments());
-        let letters = block.iter().take_while(|byte| byte.is_ascii_alphabetic() || **byte == b'_').count();
-        let start = at - block.len();
-        (letters >= 3).then(|| (start, &block[..letters]))
     }
 
     /// Whether only `%`, blanks and comments precede a byte.

@@ -7,18 +7,17 @@
 use std::sync::Arc;
 
 use super::block::Block;
+use super::called_texts::FoundCall;
 use super::expression::Locals;
 use super::external_state::OfflineMachine;
 use super::fault::{E, ProgramFault, ReadStop};
+use super::flow::CallDepth;
 use super::interpreter::Interpreter;
 use super::lexer::Cursor;
 use super::source::Source;
 use super::statement;
 use crate::defs::gcode::{GCode, GCodeGroup};
 use crate::units::Axis;
-
-/// Most texts that are read for one program.
-pub(super) const MAX_TEXTS: usize = 100;
 
 /// The feed of a called program whose caller is not known, mm/min.
 const ASSUMED_FEED: f64 = 100.0;
@@ -44,6 +43,8 @@ pub(super) struct LoneBlocks {
     pub source: Arc<Source>,
     /// #1–#33 of the call; null in a program that no block calls.
     locals: Locals,
+    /// How deep in calls the text is.
+    depth: CallDepth,
     world: OfflineMachine,
     block: Block,
     /// Behind the last line.
@@ -57,8 +58,8 @@ pub(super) struct LoneBlocks {
     first_feed: Option<usize>,
     /// A block of this text could not be checked without a position.
     pub position_missed: bool,
-    /// The programs that the last line calls, with the arguments.
-    pub calls: Vec<(Arc<Source>, Locals)>,
+    /// The programs that the last line calls.
+    pub calls: Vec<FoundCall>,
     /// The mistakes of the last line.
     pub found: Vec<(ProgramFault, Certainty)>,
 }
@@ -69,12 +70,26 @@ impl LoneBlocks {
         let (known, motion_known, calls, found) = ([false; 3], false, Vec::new(), Vec::new());
         let (next_line, position_missed) = (u32::MAX, false);
         let first_feed = Some(first_feed_word(source.bytes()));
-        Self { source, locals, world, block, next_line, known, motion_known, first_feed, position_missed, calls, found }
+        let depth = CallDepth::default();
+        Self {
+            source,
+            locals,
+            depth,
+            world,
+            block,
+            next_line,
+            known,
+            motion_known,
+            first_feed,
+            position_missed,
+            calls,
+            found,
+        }
     }
 
     /// Begins with another text.
-    pub fn begin(&mut self, source: Arc<Source>, locals: Locals) {
-        (self.source, self.locals, self.next_line) = (source, locals, u32::MAX);
+    pub fn begin(&mut self, (source, locals, depth): FoundCall) {
+        (self.source, self.locals, self.depth, self.next_line) = (source, locals, depth, u32::MAX);
         (self.position_missed, self.first_feed) = (false, None);
     }
 
@@ -87,7 +102,7 @@ impl LoneBlocks {
         let (start, end) = (self.source.line_start(line), self.source.line_start(line + 1));
         let (mut next, mut has_assumed_feed) = (Some(start), false);
         while let Some(at) = next {
-            interpreter.begin_alone(&self.source, at, &self.locals);
+            interpreter.begin_alone(&self.source, at, (&self.locals, self.depth));
             let stepped = interpreter.step_whole_block(&mut self.world, &mut self.block);
             // The words of the block say where it ends, not where it begins.
             let known_before = self.known;
@@ -170,9 +185,9 @@ impl LoneBlocks {
             }
             // No caller has an F for a program that is started, and no line above has one.
             E::FeedMissing if self.first_feed.is_some_and(|first| at <= first) => Certainty::Possible,
-            E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed | E::TooDeep => Certainty::Unknown,
-            // A program for several machines asks which one it runs on.
-            E::NoAxis => Certainty::Possible,
+            E::FeedMissing | E::G50WithTools | E::DwellWithoutSpeed => Certainty::Unknown,
+            // The calls by which the check came here; a program for several machines asks which one it runs on.
+            E::TooDeep | E::NoAxis => Certainty::Possible,
             // The caller has the block.
             E::MissingTarget if words.m.iter().any(|code| code.number == 99) => Certainty::Possible,
             E::OutOfRange
@@ -187,6 +202,7 @@ impl LoneBlocks {
             E::BadVariable if !is_literal(text, at + 1) && self.names_empty_local(at) => Certainty::Unknown,
             E::BadVariable | E::ReadOnly => sure(is_literal(text, at + 1) || without_values),
             E::DivisionByZero if fault.has_detail() => Certainty::Sure,
+            E::FunctionDomain if has_literal_argument(text, at) => Certainty::Sure,
             // An IF guards against it.
             E::DivisionByZero | E::FunctionDomain | E::Overflow if words.condition.is_some() => Certainty::Unknown,
             E::DivisionByZero | E::FunctionDomain | E::Overflow | E::SwitchVariable => sure(without_values),
@@ -271,4 +287,13 @@ fn is_literal(text: &[u8], at: usize) -> bool {
         cursor.at += 1;
     }
     cursor.skip_blanks().is_ok() && (cursor.at_number() || matches!(cursor.peek(), b'-' | b'+'))
+}
+
+/// Whether the argument of the function at a byte is a number that is written there.
+fn has_literal_argument(text: &[u8], at: usize) -> bool {
+    let rest = &text[at.min(text.len())..];
+    let argument = rest.split(|byte| *byte == b']').next().unwrap_or_default();
+    let name = argument.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    let number = argument[name..].strip_prefix(b"[").unwrap_or_default();
+    std::str::from_utf8(number).is_ok_and(|number| number.trim().parse::<f64>().is_ok())
 }

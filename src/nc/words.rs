@@ -393,7 +393,12 @@ fn push_code<const N: usize>(
         None => return Ok(()),
         Some(value) => whole_u32(value).map_or_else(
             || {
-                let unknown = if letter == b'G' { E::UnknownG } else { E::UnknownM };
+                let unknown = match letter {
+                    // G05.1
+                    b'G' if (5.0..6.0).contains(&value) => E::LookAheadCode,
+                    b'G' => E::UnknownG,
+                    _ => E::UnknownM,
+                };
                 fail1(at as usize, unknown, format_args!("{name}{value}"))
             },
             Ok,

@@ -1,15 +1,15 @@
-//! Programs with names: `VGRIND.MPF`, `L10.SPF`, or `L10` without extension. Source: spec S1.
+//! Programs with names: `VGRIND.MPF`, `L10.SPF`, `L10` without extension, or `EXPORT.NC`. Source: spec B1, S1.
 
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
 
-use super::file_class::first_comment;
+use super::file_class::{PROGRAM, first_comment};
 use super::io_fault::IoFault;
 use super::listing::{LISTING_LIMIT, read_head, shown_comment};
 
-/// Extensions of main programs and subprograms.
-const EXTENSIONS: [&str; 2] = ["MPF", "SPF"];
+/// Extensions of main programs and subprograms, and of what other controls export.
+const EXTENSIONS: [&str; 3] = ["MPF", "SPF", "NC"];
 /// The longest name, in characters.
 const NAME_LIMIT: usize = 24;
 
@@ -28,9 +28,12 @@ pub struct NamedProgram {
     pub comment: String,
 }
 
-/// The name used in calls, upper case; `None` for files that are not named programs.
+/// The name used in calls, upper case; `None` for files that are not named programs, such as `O1001.NC`.
 #[must_use]
 pub fn program_stem(name: &str) -> Option<String> {
+    if PROGRAM.parse(name).is_some() {
+        return None;
+    }
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let known = |extension: &str| EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(extension));
     let stem = match name.rsplit_once('.') {

@@ -118,27 +118,36 @@ fn b1_all_programs_of_a_file_are_listed_and_called() {
 #[test]
 fn b1_all_programs_of_a_file_with_a_name_have_their_numbers() {
     let export = "%\n(FROM THE OLD CONTROL)\nO0031\nG00 U-1.\n#500=#500+1\nM99\nO0032\nM98 P31\nM30\n%\n";
-    let shop = Shop::new(&[("EXPORT.MPF", export)]);
-    let rows: Vec<_> = shop.directory().into_iter().map(|(number, name, _)| (number, name)).collect();
-    assert_eq!(rows, [(31, "O0031".to_owned()), (32, "O0032".to_owned())]);
-    let (status, told) = shop.run(&["run", "O0032", "--set", "#500=6"]);
-    assert!(status == Some(0) && told.contains("#500 = 7"), "{told}");
-    // From a stick, under a name that is none for the folder, and as a file of the folder.
-    let stick = shop.files.path().join("stick/EXPORT.NC");
-    std::fs::write(&stick, export).unwrap();
-    for file in [shop.folders.programs.join("EXPORT.MPF"), stick] {
-        let (status, told) = shop.run(&["check", &file.display().to_string()]);
-        assert_eq!(status, Some(0), "{told}");
+    for name in ["EXPORT.MPF", "EXPORT.NC"] {
+        let shop = Shop::new(&[(name, export), ("O0040.NC", "O0040\nM98 P32\nM30\n")]);
+        let rows: Vec<_> = shop.directory().into_iter().map(|(number, name, _)| (number, name)).collect();
+        assert_eq!(rows, [31, 32, 40].map(|number| (number, format!("O00{number}"))));
+        for program in ["O0032", "O0040"] {
+            let (status, told) = shop.run(&["run", program, "--set", "#500=6"]);
+            assert!(status == Some(0) && told.contains("#500 = 7"), "{program}: {told}");
+        }
+        // From a stick, under a name that is none for the folder, and as a file of the folder.
+        let stick = shop.files.path().join("stick/ALL PROGRAMS.TXT");
+        std::fs::write(&stick, export).unwrap();
+        for file in [shop.folders.programs.join(name), stick] {
+            let (status, told) = shop.run(&["check", &file.display().to_string()]);
+            assert_eq!(status, Some(0), "{told}");
+        }
+        // It is edited in its place.
+        let text = "%\n(FROM THE OLD CONTROL)\nO0031\nG00 U-2.\nM99\n";
+        assert!(matches!(shop.save(31, text), FileAnswer::Saved { .. }));
+        assert_eq!(shop.text(name), format!("{text}O0032\nM98 P31\nM30\n%\n"));
     }
-    // It is edited in its place.
-    let text = "%\n(FROM THE OLD CONTROL)\nO0031\nG00 U-2.\nM99\n";
-    assert!(matches!(shop.save(31, text), FileAnswer::Saved { .. }));
-    assert_eq!(shop.text("EXPORT.MPF"), format!("{text}O0032\nM98 P31\nM30\n%\n"));
     // A number that is there twice is an error with both places, as a warning of the directory and in a check.
     let shop = Shop::new(&[("ALL.MPF", "O0031\nM30\nO0032\nM99\nO0031\nM98 P32\nM30\n")]);
     let file = shop.folders.programs.join("ALL.MPF").display().to_string();
     let (status, told) = shop.run(&["check", &file]);
     assert!(status == Some(2) && told.contains("ALL.MPF:1, ALL.MPF:5"), "{told}");
+    // It does not start, from its file or from the folder.
+    for program in [&file, "O0031"] {
+        let (status, told) = shop.run(&["run", program]);
+        assert!(status == Some(1) && told.contains("O0031 exists twice: ALL.MPF:1, ALL.MPF:5"), "{program}: {told}");
+    }
     assert!(shop.directory()[0].2.contains("ALL.MPF:1, ALL.MPF:5"), "{:?}", shop.directory());
 }
 

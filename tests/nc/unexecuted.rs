@@ -80,6 +80,7 @@ const PLACES: &[(Texts, u32, u32)] = &[
     (("G65 P8100 A1\nM30\n", &[(8100, "IF[#1EQ1]GOTO 9\n{}\nN9 M99\n")]), 8100, 2),
     (("M30\nM98 P8100\n", &[(8100, "{}\nM99\n")]), 8100, 1),
     (("M30\nG66 P8100 A2\n", &[(8100, "{}\nM99\n")]), 8100, 1),
+    (("G66 P8100 A2\nG67\nM30\n", &[(8100, "{}\nM99\n")]), 8100, 1),
     (("M98 P8000\nM30\n", &[(8000, "M99\nM98 P8100\n"), (8100, "M99\n{}\n")]), 8100, 2),
 ];
 
@@ -106,6 +107,7 @@ fn b3_what_stands_behind_a_false_condition_is_checked() {
         ("IF[#1EQ2]GOTO 78", "missing-target"),
         ("IF[#1EQ2]THEN #99=1", "bad-variable"),
         ("IF[#1EQ2]THEN #2=5/0", "division-by-zero"),
+        ("IF[#1EQ2]THEN #2=SQRT[-4]", "domain"),
         ("IF[#1EQ2]THEN M98 P7777", "missing-program"),
         ("IF[#1EQ2]THEN G00 X1 X2", "double-word"),
         ("IF[#1EQ2]THEN IF[#1EQ3]THEN G01 X1 F0", "out-of-range"),
@@ -149,6 +151,30 @@ fn b1_what_a_run_decides_is_no_error_of_a_block_that_it_does_not_reach() {
     // The caller of the program has the block.
     let called = [(8100, "G00 X5\nM99\nM99 P100\n".to_owned())];
     assert_eq!(faults(&check_with("M98 P8100\nM30\n", &called)), []);
+}
+
+/// Calls are counted through the blocks that the run does not reach: four of M98 or of G65, one inside the other.
+#[test]
+fn b3_calls_that_nest_too_deep_behind_the_run_are_a_warning() {
+    for (call, name) in [("M98 P", "M98"), ("G65 P", "G65")] {
+        let chain = |depth: u32| -> Vec<(u32, String)> {
+            let call_next =
+                |step| if step < depth { format!("{call}{}\nM99\n", 8101 + step) } else { "M99\n".to_owned() };
+            (1..=depth).map(|step| (8100 + step, call_next(step))).collect()
+        };
+        let main = format!("M30\n{call}8101\n");
+        assert!(check_with(&main, &chain(4)).warnings.is_empty(), "{name}");
+        let report = check_with(&main, &chain(5));
+        let told: Vec<_> = report
+            .warnings
+            .iter()
+            .map(|fault| (fault.location.program, fault.error.id(), fault.calls.iter().count()))
+            .collect();
+        assert_eq!((faults(&report), told), (vec![], vec![(8104, "too-deep", 4)]), "{name}");
+        // A program that calls itself under a condition is not followed round and round.
+        let own = [(8101, format!("IF[#1GT0]GOTO 9\n{call}8101\nN9 M99\n"))];
+        assert!(check_with(&main, &own).warnings.is_empty(), "{name}");
+    }
 }
 
 /// An IF guards against a division by zero.

@@ -11,6 +11,7 @@ use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{Text, phrase};
+use crate::nc::Library as _;
 
 /// A start in the tick of a reset.
 pub const START_VOID: Text =
@@ -54,6 +55,16 @@ impl Program {
             return;
         }
         if matches!(plant.execution.phase, ControlPhase::Idle) {
+            let number = plant.execution.current_program;
+            if let Some(places) = plant.work.programs.places_of_duplicate(number) {
+                let (title, places) = (plant.program_title(number), places.to_owned());
+                return plant.refuse(phrase!(
+                    "程序 {title} 有两个：{places}。改掉其中一个的程序号，或删除一个",
+                    "program {title} exists twice: {places}. Change the number of one of them, or delete one",
+                    title,
+                    places
+                ));
+            }
             if self.start_restart(plant) {
                 return;
             }

@@ -79,6 +79,7 @@ pub(super) fn look_up(code: Code, mill: bool) -> ReadResult<&'static GCode> {
     let (at, name) = (code.at as usize, || code.name('G', 2));
     let Some(row) = GCode::find(code.number) else {
         let error = match code.number {
+            5 => E::LookAheadCode,
             7 | 8 => E::RadiusMode,
             43 | 44 => E::LengthByT,
             // Grinding cycles of FANUC and Allen-Bradley, drilling cycles.

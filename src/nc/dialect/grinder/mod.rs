@@ -18,7 +18,7 @@ use super::codes::BlockCodes;
 use super::common::{self, MAX_VALUE, out_of_range};
 use super::rules::{BlockContext, DialectRow, DialectRules, FlowAction, PreflightScope, UnexecutedBlock};
 use crate::defs::kind::Dialect;
-use crate::defs::program_number::{O_DIGITS, O_MAX_DIGITS, o_limit};
+use crate::defs::program_number::{self, O_DIGITS, O_MAX_DIGITS, o_limit};
 use crate::nc::contour::PendingCycle;
 use crate::nc::fault::{Capitals, E, ReadResult, fail1, fail2};
 use crate::nc::flow::{CallLimit, Callee};
@@ -74,8 +74,8 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
             return calls::macro_call(running, &plan);
         }
         common::refuse_duplicate_address(running)?;
-        if let Some(word) = running.words.take(b'O').filter(|word| word.value < 1.0) {
-            return out_of_range(word, format_args!("1–{}", running.settings.program_limit));
+        if let Some(word) = running.words.take(b'O').filter(|word| !is_program_number(word.value)) {
+            return out_of_range(word, format_args!("1–{}", program_number::O_MAX));
         }
         calls::refuse_arguments_of_m98(running)?;
         apply_modes(running, &plan)?;
@@ -276,6 +276,11 @@ const fn axis_letters(axis: Axis) -> [u8; 2] {
         Axis::Y => [b'Y', b'V'],
         Axis::Z => [b'Z', b'W'],
     }
+}
+
+/// Whether an O word can name a program.
+fn is_program_number(value: f64) -> bool {
+    (1.0..=f64::from(program_number::O_MAX)).contains(&value)
 }
 
 #[cfg(test)]
