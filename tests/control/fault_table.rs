@@ -72,7 +72,19 @@ const ALL_PHASES: &[&str] = &[
     "G78",
 ];
 
-const FAULTS: [Fault; 21] = [
+const ALL_BUT_GAUGING: &[&str] = &[
+    "standing",
+    "jog",
+    "homing",
+    "rapid",
+    "feed",
+    "oscillation",
+    "dwell (G04)",
+    "held",
+    "return to the dressing point",
+];
+
+const FAULTS: [Fault; 22] = [
     fault(Text::new("急停", "emergency stop"), ["input emergency-stop on", "input emergency-stop free"], (0, 1)),
     fault(Text::new("屏幕急停", "emergency stop on the screen"), ["key emergency-stop", "key emergency-stop"], (0, 1)),
     fault(
@@ -165,6 +177,16 @@ const FAULTS: [Fault; 21] = [
             ["fault stuck-on home-x", "fault stuck-on home-x off"],
             // The axis leaves the switch for the other side, up to the limit switch there.
             (102, 100_000),
+        )
+    },
+    Fault {
+        quiet: ALL_BUT_GAUGING,
+        look: 100_000,
+        ..fault(
+            Text::new("量仪无信号", "no gauge signal"),
+            ["fault gauge-dead", "fault gauge-dead off"],
+            // The axis goes on to the end of its stroke: 250 mm at 5 mm/s.
+            (183, 60_000),
         )
     },
     // It opens and closes at random: after a while it is open for as long as the filter takes.
