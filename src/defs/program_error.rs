@@ -397,8 +397,8 @@ program_errors! {
         "带参数调用用 G65 P_", "call with arguments by G65 P_";
     NumberWithoutLetter = 562, "number-without-letter", "数 {} 前没有地址字母", "the number {} has no address letter",
         "写出字母：G、M、X、Z 等", "write the letter before it: G, M, X, Z and the like";
-    PresetEmpty = 563, "preset-empty", "G50 没有 X、Z、S", "G50 has no X, Z or S",
-        "G50 设定坐标或限制转速；本机没有比例缩放，程序开头的 G50 请删去", "G50 sets coordinates or limits the speed; there is no scaling here: delete it from a safety line";
+    PresetEmpty = 563, "preset-empty", "{} 没有坐标或 S", "{} has no coordinate and no S",
+        "{} 设定坐标或限制转速；本机没有比例缩放，程序开头的 {} 请删去", "{} sets coordinates or limits the speed; there is no scaling here: delete it from a safety line";
     NoLoopStatement = 564, "no-loop-statement", "没有 {} 循环语句", "there is no loop with {}",
         "用标号和 IF … GOTOB 标号 写循环", "write the loop with a label and IF … GOTOB label";
     NoLogicOperator = 565, "no-logic-operator", "条件中没有 {}", "conditions have no {}",
@@ -411,6 +411,11 @@ program_errors! {
         "跳段符 / 写在段首；只跳过一部分时分成两段", "block skip stands at the start of a block: divide the block to skip a part of it";
     LookAheadCode = 569, "look-ahead-code", "没有 {}", "there is no {}",
         "连续方式 G64 总是预读，不需要高速高精指令：删去本字", "path mode G64 always reads ahead and needs no code for high speed or accuracy: delete the word";
+    JumpIntoWhile = 570, "jump-into-while", "跳转进入了循环：{} 之前没有经过第 {2} 行的 WHILE", "a jump entered the loop: {} was reached without the WHILE in line {2}",
+        "GOTO 只能跳到循环外，或同一循环内", "GOTO may leave a loop or stay in it: jump to a block before the WHILE";
+    /// Nothing is known to be wrong, and not all could be looked at.
+    ContourUnread = 571, "contour-unread", "检查没有走到这里：这里的补偿轮廓、倒角没有检查", "the check does not come here: the compensated contour or corner is not checked",
+        "用能走到这里的数值检查，或用 kt830 run 试运行", "check it with values that lead here, or try it with kt830 run";
     /// Nothing is known to be wrong, and not all could be looked at.
     PositionUnknown = 557, "position-unknown", "检查没有走到这里，不知道各轴的位置：这里和其后的圆弧、轮廓没有检查", "the check does not come here and does not know where the axes stand: arcs and contours from here on are not checked",
         "用能走到这里的数值检查，或用 kt830 run 试运行", "check it with values that lead here, or try it with kt830 run";

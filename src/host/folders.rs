@@ -125,8 +125,7 @@ impl Folders {
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
         let mut budget = ReadBudget(PROGRAMS_LIMIT);
         let mut add = |read: Result<FileContent, FolderError>, row: DirectoryRow| {
-            let programs = read
-                .map(|read| programs_from_file(row.number, &read.name, read.bytes, self.dialect, ProgramUse::Pages));
+            let programs = read.map(|read| programs_of_folder(row.number, &read.name, read.bytes, self.dialect));
             let programs = match programs {
                 Ok(programs) => programs,
                 // Deleted since it was listed.
@@ -273,6 +272,22 @@ fn part_row(program: &StoredProgram, modified: &str) -> DirectoryRow {
         english: english_title(program),
         modified: modified.to_owned(),
         kinds: program.kinds.clone(),
+    }
+}
+
+/// The programs of a file of the folder. The only program of a file with a name has the number that its text gives, as those
+/// of an export have.
+fn programs_of_folder(number: u32, name: &str, bytes: Vec<u8>, dialect: Dialect) -> Vec<StoredProgram> {
+    let own = match program_parts(&bytes, dialect).as_slice() {
+        [only] if program_number::is_named(number) => only.number.filter(|own| program_number::is_o_number(*own)),
+        _ => None,
+    };
+    match own {
+        Some(own) => {
+            let part = Some(FilePart { file: name.to_owned(), lines_before: 0 });
+            vec![StoredProgram { part, ..create_program(own, name, bytes, dialect, ProgramUse::Pages) }]
+        }
+        None => programs_from_file(number, name, bytes, dialect, ProgramUse::Pages),
     }
 }
 

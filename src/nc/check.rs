@@ -410,6 +410,8 @@ impl ProgramCheck {
             if line as usize >= blocks.source.line_count() || blocks.source.ends_in_line(line) {
                 let Some(next) = called.get(place.text + 1) else { return false };
                 blocks.begin((Arc::clone(&next.source), next.locals, next.depth));
+                unexecuted_lines::check_whole_text(&next.source, &interpreter.settings)
+                    .for_each(|fault| add_once(&mut report.faults, reported, fault.with_calls(next.calls)));
                 *place = TextLine { text: place.text + 1, line: 0 };
                 continue;
             }
@@ -430,10 +432,9 @@ impl ProgramCheck {
                     Certainty::Sure => add_once(&mut report.faults, reported, fault),
                     Certainty::Possible => add_once(&mut report.warnings, reported, fault),
                     Certainty::NoPosition if !std::mem::replace(&mut blocks.position_missed, true) => {
-                        add_once(&mut report.warnings, reported, fault.into_position_unknown());
+                        add_once(&mut report.warnings, reported, fault.into_unchecked(E::PositionUnknown));
                     }
-                    Certainty::NoPosition => {}
-                    Certainty::Unknown => {}
+                    Certainty::NoPosition | Certainty::Unknown => {}
                 }
             }
         }
@@ -550,7 +551,8 @@ impl ProgramCheck {
             E::MissingWord | E::TurningCycleWord | E::EmptyWord | E::ArcWithoutCentre => null_here,
             E::ArcEndOffCircle | E::ArcRadius => null_here || self.left_loops > 0,
             E::DivisionByZero => null_here && !fault.has_detail(),
-            E::FunctionDomain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
+            E::OutOfRange => null_here && !self.interpreter.flow.source.is_literal_at(&fault),
+            E::FunctionDomain | E::BadVariable | E::SwitchVariable => null_here,
             // The number is computed from a value that only a run has.
             E::MissingTarget | E::ReadOnly => null_here,
             E::FeedMissing => left_out,

@@ -4,7 +4,7 @@ use super::cutter::CutterShape;
 use super::op::{Feed, Op, REFERENCE_POINTS, SpeedMode};
 use super::op_effect::{ArcMove, MotionSegment, OpEffect, OscillationChange, SegmentSpeed};
 use super::settings::NcSettings;
-use super::work_offsets::{OriginPlace, WorkOffsets};
+use super::work_offsets::{OriginPlace, ToolOffsetPlace, WorkOffsets};
 use crate::defs::system_variable::{self, VariableAccess};
 use crate::units::{Axis, MachinePos, PerAxis, WorkPos};
 
@@ -346,7 +346,7 @@ impl OfflineMachine {
                 let shown = value.unwrap_or(0.0);
                 // A value out of range changes nothing: the run refuses it.
                 let is_cutter = self.work_offsets.set_cutter_variable(number, shown).is_some();
-                if !is_cutter && !self.set_origin(number, shown) {
+                if !is_cutter && !self.set_offset(number, shown) {
                     self.set_system(number, value);
                 }
             }
@@ -355,14 +355,22 @@ impl OfflineMachine {
         }
     }
 
-    /// Sets an origin by its variable, mm as displayed; the slides stand still. False: the variable is none.
-    fn set_origin(&mut self, number: u32, value: f64) -> bool {
-        let Some((place, index)) = OriginPlace::of_variable(number) else { return false };
-        let Some(axis) = Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index) else { return true };
+    /// Sets an origin or a tool offset by its variable, mm as displayed; the slides stand still. False: the variable is
+    /// neither.
+    fn set_offset(&mut self, number: u32, value: f64) -> bool {
         let machine = self.machine_position();
-        let mut origin = self.work_offsets.origin(place);
-        origin[axis] = if self.diameter && axis == Axis::X { value / 2.0 } else { value };
-        self.work_offsets.set_origin(place, origin);
+        let radius = |axis: Axis| if self.diameter && axis == Axis::X { value / 2.0 } else { value };
+        if let Some(place) = ToolOffsetPlace::of_variable(number) {
+            let value = radius(place.axis);
+            self.work_offsets.set_tool_offset_value(place, value);
+        } else if let Some((place, index)) = OriginPlace::of_variable(number) {
+            let Some(axis) = Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index) else { return true };
+            let mut origin = self.work_offsets.origin(place);
+            origin[axis] = radius(axis);
+            self.work_offsets.set_origin(place, origin);
+        } else {
+            return false;
+        }
         self.totals.position = self.work_offsets.work_from_machine(machine);
         true
     }
@@ -403,6 +411,11 @@ impl ExternalState for OfflineMachine {
         let none = LiveValue::Value(None);
         if let Some(value) = self.work_offsets.cutter_variable(number) {
             return LiveValue::Value(Some(value));
+        }
+        if let Some(place) = ToolOffsetPlace::of_variable(number) {
+            // The operator has set offsets that a check does not know.
+            self.guesses = true;
+            return shown(place.axis, self.work_offsets.tool_offset_value(place));
         }
         if let Some((place, index)) = OriginPlace::of_variable(number) {
             let origin = self.work_offsets.origin(place);

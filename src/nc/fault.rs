@@ -102,9 +102,9 @@ impl ProgramFault {
         Self { calls, ..self }
     }
 
-    /// At the same place: nothing is known of its position.
-    pub(crate) fn into_position_unknown(self) -> Self {
-        Self { error: E::PositionUnknown, details: Default::default(), ..self }
+    /// At the same place: what could not be looked at there.
+    pub(crate) fn into_unchecked(self, error: E) -> Self {
+        Self { error, details: Default::default(), ..self }
     }
 
     /// The displayed name of the program.

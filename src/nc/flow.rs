@@ -317,7 +317,16 @@ impl Flow {
                 self.go_to(top.while_at);
                 Ok(())
             }
-            Some(_) | None => fail1(at, E::LoopMismatch, format_args!("END{number}")),
+            // A jump went into the loop, past its WHILE.
+            Some(_) | None => match self.source.while_loop_of_end(self.place.at) {
+                Some(found) => fail2(
+                    at,
+                    E::JumpIntoWhile,
+                    format_args!("END{number}"),
+                    format_args!("{}", self.source.line_of(found.while_at as usize) + 1),
+                ),
+                None => fail1(at, E::LoopMismatch, format_args!("END{number}")),
+            },
         }
     }
 

@@ -70,4 +70,4 @@ pub use program_parts::{ProgramPart, program_parts};
 pub use settings::{CodeMacros, CutterSource, Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
 pub use source_index::o_number;
-pub use work_offsets::{OriginPlace, WorkOffsets};
+pub use work_offsets::{OriginPlace, ToolOffsetPlace, WorkOffsets};

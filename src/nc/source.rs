@@ -7,6 +7,7 @@ use std::sync::Arc;
 use encoding_rs::{CoderResult, GB18030};
 
 use super::fault::{BlockLocation, Capitals, E, ErrorAt, ProgramFault, ReadResult, fail1, fail2};
+use super::lexer;
 use super::message_texts::{self, AlarmHelp, MessageTexts};
 use super::misread_text;
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
@@ -346,6 +347,12 @@ impl Source {
         self.index.while_loops.get(index).copied()
     }
 
+    /// The WHILE loop whose END block begins at a byte.
+    pub(crate) fn while_loop_of_end(&self, at: usize) -> Option<WhileLoop> {
+        let ends_here = |found: &&WhileLoop| found.end.is_some_and(|end| end.at as usize == at);
+        self.index.while_loops.iter().find(ends_here).copied()
+    }
+
     /// The WHILE loops around the block that begins at a byte, from the inside.
     pub(crate) fn while_loops_around(&self, at: usize) -> impl Iterator<Item = WhileLoop> {
         let loops = &self.index.while_loops;
@@ -363,6 +370,14 @@ impl Source {
         let mut column = 1;
         self.decode_chars(&self.bytes[start.min(at)..at], |_| column += 1);
         (BlockLocation { program: self.number, line: line as u32, n }, column)
+    }
+
+    /// Whether the word of a mistake has a number that is written there.
+    pub(crate) fn is_literal_at(&self, fault: &ProgramFault) -> bool {
+        let start = self.line_start(fault.location.line.saturating_sub(1));
+        let line = self.bytes.get(start..).unwrap_or_default();
+        // Columns count characters: behind others than ASCII the word is not found.
+        lexer::is_literal(line, line.len().min(fault.column.saturating_sub(1) as usize))
     }
 
     /// The mistake with its line and column; `n` is the number of its block.

@@ -10,10 +10,10 @@ use super::block::Block;
 use super::called_texts::FoundCall;
 use super::expression::Locals;
 use super::external_state::OfflineMachine;
-use super::fault::{E, ProgramFault, ReadStop};
+use super::fault::{E, ErrorAt, ProgramFault, ReadStop};
 use super::flow::CallDepth;
 use super::interpreter::Interpreter;
-use super::lexer::Cursor;
+use super::lexer;
 use super::source::Source;
 use super::statement;
 use crate::defs::gcode::{GCode, GCodeGroup};
@@ -58,6 +58,8 @@ pub(super) struct LoneBlocks {
     first_feed: Option<usize>,
     /// A block of this text could not be checked without a position.
     pub position_missed: bool,
+    /// A compensated contour or a corner of this text was not checked.
+    contour_missed: bool,
     /// The programs that the last line calls.
     pub calls: Vec<FoundCall>,
     /// The mistakes of the last line.
@@ -82,6 +84,7 @@ impl LoneBlocks {
             motion_known,
             first_feed,
             position_missed,
+            contour_missed: false,
             calls,
             found,
         }
@@ -90,7 +93,7 @@ impl LoneBlocks {
     /// Begins with another text.
     pub fn begin(&mut self, (source, locals, depth): FoundCall) {
         (self.source, self.locals, self.depth, self.next_line) = (source, locals, depth, u32::MAX);
-        (self.position_missed, self.first_feed) = (false, None);
+        (self.position_missed, self.contour_missed, self.first_feed) = (false, false, None);
     }
 
     /// Executes the blocks of a line (from 0).
@@ -109,6 +112,7 @@ impl LoneBlocks {
             self.note_words(interpreter);
             match stepped {
                 Ok(_) => {
+                    self.note_contour(at, interpreter);
                     interpreter.take_called_programs(&mut self.calls);
                     self.block.ops.iter().for_each(|op| self.world.apply(op));
                     // Behind a jump or an end the lines above say nothing.
@@ -134,6 +138,16 @@ impl LoneBlocks {
             }
             self.locals = *interpreter.flow.first_locals();
             next = statement::next_block_on_line(&self.source.bytes()[..end], at, at > start);
+        }
+    }
+
+    /// Notes a block whose path depends on those behind it: the first one of a text is named.
+    fn note_contour(&mut self, at: usize, interpreter: &mut Interpreter) {
+        let has_corner = interpreter.corner_words.take().is_some();
+        if (has_corner || interpreter.modals.compensation.is_some()) && !std::mem::replace(&mut self.contour_missed, true) {
+            let wrong = ErrorAt { at, error: E::ContourUnread, details: Default::default() };
+            let fault = self.source.fault(interpreter.block_words.block_number, wrong);
+            self.found.push((fault, Certainty::Possible));
         }
     }
 
@@ -173,7 +187,7 @@ impl LoneBlocks {
         (interpreter, known_before): (&Interpreter, [bool; 3]),
     ) -> Certainty {
         let (text, words) = (self.source.bytes(), &interpreter.block_words);
-        let literal = is_literal(text, at);
+        let literal = lexer::is_literal(text, at);
         let without_values = self.block.used_variables.is_empty() && !interpreter.has_null_use();
         let has_group = |group| words.g.iter().any(|code| is_in_group(code.number, group));
         let sure = |holds: bool| if holds { Certainty::Sure } else { Certainty::Possible };
@@ -199,8 +213,8 @@ impl LoneBlocks {
             | E::UnknownM
             | E::UnknownH => sure(literal || without_values),
             // Its number is computed from a local variable that has a value only in a run.
-            E::BadVariable if !is_literal(text, at + 1) && self.names_empty_local(at) => Certainty::Unknown,
-            E::BadVariable | E::ReadOnly => sure(is_literal(text, at + 1) || without_values),
+            E::BadVariable if !lexer::is_literal(text, at + 1) && self.names_empty_local(at) => Certainty::Unknown,
+            E::BadVariable | E::ReadOnly => sure(lexer::is_literal(text, at + 1) || without_values),
             E::DivisionByZero if fault.has_detail() => Certainty::Sure,
             E::FunctionDomain if has_literal_argument(text, at) => Certainty::Sure,
             // An IF guards against it.
@@ -218,8 +232,9 @@ impl LoneBlocks {
             }
             // The function of group 01 that acts decides about the words.
             error if depends_on_motion(error) => {
-                let by_m = matches!(fault.error, E::MissingWord | E::EmptyWord) && !words.m.is_empty();
-                let named = has_group(GCodeGroup::Motion) || has_group(GCodeGroup::NonModal) || by_m;
+                let lacks_word = matches!(fault.error, E::MissingWord | E::EmptyWord);
+                let has_own = !words.m.is_empty() || words.g.iter().any(|code| matches!(code.number, 54 | 66));
+                let named = has_group(GCodeGroup::Motion) || has_group(GCodeGroup::NonModal) || lacks_word && has_own;
                 sure(without_values && (self.motion_known || named))
             }
             _ => Certainty::Sure,
@@ -278,15 +293,6 @@ fn first_feed_word(text: &[u8]) -> usize {
 /// Whether a G code belongs to a group on any kind of machine.
 fn is_in_group(code: u32, group: GCodeGroup) -> bool {
     GCode::find(code).is_some_and(|row| row.group_on(false) == group || row.group_on(true) == group)
-}
-
-/// Whether the word at a byte has a number that is written there.
-fn is_literal(text: &[u8], at: usize) -> bool {
-    let mut cursor = Cursor::window(text, at);
-    while cursor.peek().is_ascii_alphabetic() {
-        cursor.at += 1;
-    }
-    cursor.skip_blanks().is_ok() && (cursor.at_number() || matches!(cursor.peek(), b'-' | b'+'))
 }
 
 /// Whether the argument of the function at a byte is a number that is written there.

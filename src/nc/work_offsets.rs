@@ -106,6 +106,29 @@ impl OriginPlace {
     }
 }
 
+/// A value of a tool offset that a page or a program can set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ToolOffsetPlace {
+    /// Wear, else geometry.
+    pub is_wear: bool,
+    /// The offset, from 0.
+    pub index: usize,
+    /// The axis.
+    pub axis: Axis,
+}
+
+impl ToolOffsetPlace {
+    /// The place of #2001 … #2816.
+    #[must_use]
+    pub fn of_variable(number: u32) -> Option<Self> {
+        use system_variable::{GEOMETRY_X, GEOMETRY_Y, GEOMETRY_Z, WEAR_X, WEAR_Y, WEAR_Z};
+        let wear = [(WEAR_X, Axis::X), (WEAR_Y, Axis::Y), (WEAR_Z, Axis::Z)].map(|row| (row, true));
+        let geometry = [(GEOMETRY_X, Axis::X), (GEOMETRY_Y, Axis::Y), (GEOMETRY_Z, Axis::Z)].map(|row| (row, false));
+        let mut rows = wear.into_iter().chain(geometry);
+        rows.find_map(|((range, axis), is_wear)| Some(Self { is_wear, index: range.index(number)?, axis }))
+    }
+}
+
 /// All offsets, and which of them are active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkOffsets {
@@ -231,6 +254,19 @@ impl WorkOffsets {
     #[must_use]
     pub fn cutter_of(&self, offset: usize) -> CutterShape {
         offset.checked_sub(1).and_then(|index| self.cutter.get(index)).copied().unwrap_or_default()
+    }
+
+    /// Wear or geometry of an offset, radius mm.
+    #[must_use]
+    pub fn tool_offset_value(&self, ToolOffsetPlace { is_wear, index, axis }: ToolOffsetPlace) -> f64 {
+        let table = if is_wear { &self.wear } else { &self.geometry };
+        table[index][axis]
+    }
+
+    /// Sets wear or geometry of an offset, radius mm.
+    pub fn set_tool_offset_value(&mut self, ToolOffsetPlace { is_wear, index, axis }: ToolOffsetPlace, value: f64) {
+        let table = if is_wear { &mut self.wear } else { &mut self.geometry };
+        table[index][axis] = value;
     }
 
     /// R or T of an offset by its system variable.

@@ -138,6 +138,17 @@ fn b1_all_programs_of_a_file_with_a_name_have_their_numbers() {
         assert!(matches!(shop.save(31, text), FileAnswer::Saved { .. }));
         assert_eq!(shop.text(name), format!("{text}O0032\nM98 P31\nM30\n%\n"));
     }
+    // The only program of such a file has its number, too.
+    let shop = Shop::new(&[("SHAFT.NC", "O0600 (SHAFT)\n#500=#500+1\nM99\n"), ("O0500.NC", "M98 P600\nM30\n")]);
+    let rows: Vec<_> = shop.directory().into_iter().map(|(number, name, _)| (number, name)).collect();
+    assert_eq!(rows, [(500, "O0500".to_owned()), (600, "O0600".to_owned())]);
+    let (status, told) = shop.run(&["run", "O0500", "--set", "#500=6"]);
+    assert!(status == Some(0) && told.contains("#500 = 7"), "{told}");
+    assert!(matches!(shop.save(600, "O0600\nM99\n"), FileAnswer::Saved { .. }));
+    assert_eq!(shop.text("SHAFT.NC"), "O0600\nM99\n");
+    let shop = Shop::new(&[("SHAFT.NC", "O0600\nM99\n"), ("O0600.NC", "M99\n"), ("O0500.NC", "M98 P600\nM30\n")]);
+    let (status, told) = shop.run(&["run", "O0500"]);
+    assert!(status == Some(1) && told.contains("O0600 exists twice: O0600.NC:1, SHAFT.NC:1"), "{told}");
     // A number that is there twice is an error with both places, as a warning of the directory and in a check.
     let shop = Shop::new(&[("ALL.MPF", "O0031\nM30\nO0032\nM99\nO0031\nM98 P32\nM30\n")]);
     let file = shop.folders.programs.join("ALL.MPF").display().to_string();

@@ -64,6 +64,9 @@ const MISTAKES: &[(&str, &str)] = &[
     ("END2", "loop-mismatch"),
     ("#1==5", "assignment-sign"),
     ("G70 P71 Q72", "missing-target"),
+    ("G66 A1", "missing-word"),
+    ("T9999 X#500", "out-of-range"),
+    ("G01 X5 F0 Z#500", "out-of-range"),
 ];
 
 /// A program, and the programs that it calls.
@@ -175,6 +178,27 @@ fn b3_calls_that_nest_too_deep_behind_the_run_are_a_warning() {
         let own = [(8101, format!("IF[#1GT0]GOTO 9\n{call}8101\nN9 M99\n"))];
         assert!(check_with(&main, &own).warnings.is_empty(), "{name}");
     }
+}
+
+/// Of a contour with compensation and of a corner the check says that it has not looked at them, once for a program.
+#[test]
+fn b1_contours_and_corners_that_the_run_does_not_reach_are_named_as_not_checked() {
+    for (text, line) in [
+        ("G00 X5 Z5\nM30\nG42 G01 X-20 Z-20 F100 D1\nZ-30\nG28 U0\nG40 X-10\nM30\n", 3),
+        ("G00 X5 Z5\nM30\nG01 X-15 F100 ,C1\nG28 U0\nG01 Z-15 F100 ,R1\nM30\n", 3),
+    ] {
+        let report = check_with(text, &[]);
+        let told: Vec<_> = report.warnings.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
+        assert_eq!((faults(&report), told), (vec![], vec![(line, "contour-unread")]), "{text}");
+    }
+}
+
+/// A jump into a loop is named with the line of its WHILE, not as a loop without a partner.
+#[test]
+fn b3_a_jump_into_a_loop_names_the_while() {
+    let report = check_with("GOTO 10\nWHILE[1EQ2]DO1\nN10 #500=1\nEND1\nM30\n", &[]);
+    assert_eq!(faults(&report), [(1001, 4, "jump-into-while")]);
+    assert!(report.faults[0].text(Lang::En).contains("END1 was reached without the WHILE in line 2"));
 }
 
 /// An IF guards against a division by zero.

@@ -10,7 +10,7 @@ use crate::defs::signal::Input;
 use crate::defs::system_variable::{self, SystemVariableRange};
 use crate::link::edit::OffsetPart;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
-use crate::nc::{CodeMacros, CutterSource, NcSettings, OriginPlace, SpeedUnit, SuperManSettings};
+use crate::nc::{CodeMacros, CutterSource, NcSettings, OriginPlace, SpeedUnit, SuperManSettings, ToolOffsetPlace};
 use crate::units::{Axis, PerAxis};
 
 /// System variables mapped to parameters.
@@ -24,14 +24,6 @@ pub const PARAM_VARIABLES: [(SystemVariableRange, NumberParam); 7] = [
     (system_variable::DRESSER_SIDE, param::DRESSING_POINT_SIDE),
 ];
 const SECONDS_PER_HOUR: f64 = 3_600.0;
-/// The offset tables: variable range and axis.
-pub const WEAR: [(SystemVariableRange, Axis); 3] =
-    [(system_variable::WEAR_X, Axis::X), (system_variable::WEAR_Z, Axis::Z), (system_variable::WEAR_Y, Axis::Y)];
-pub const GEOMETRY: [(SystemVariableRange, Axis); 3] = [
-    (system_variable::GEOMETRY_X, Axis::X),
-    (system_variable::GEOMETRY_Z, Axis::Z),
-    (system_variable::GEOMETRY_Y, Axis::Y),
-];
 
 /// The axes of #5811 to #5813, whatever is fitted.
 const POINT_AXES: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
@@ -165,12 +157,9 @@ impl Plant {
     }
 
     pub fn read_offset(&self, number: u32) -> Option<f64> {
-        let of = |table: &[(SystemVariableRange, Axis)], values: &[PerAxis<f64>; TOOL_OFFSET_COUNT]| {
-            let (index, axis) = offset_and_axis(table, number)?;
-            Some(values[index][axis] * self.displayed_per_mm(axis))
-        };
-        of(&WEAR, &self.work.offsets.wear)
-            .or_else(|| of(&GEOMETRY, &self.work.offsets.geometry))
+        let place = ToolOffsetPlace::of_variable(number);
+        place
+            .map(|place| self.work.offsets.tool_offset_value(place) * self.displayed_per_mm(place.axis))
             .or_else(|| self.work.offsets.cutter_variable(number))
             .or_else(|| self.read_origin(number))
     }
@@ -210,14 +199,9 @@ impl Plant {
 
 /// The offset table that a variable belongs to; origins of work coordinates have the range of the geometry.
 pub fn offset_part_of_variable(number: u32) -> Option<OffsetPart> {
-    let of = |table| offset_and_axis(table, number).is_some();
-    match of(&WEAR) {
-        true => Some(OffsetPart::Wear),
-        false => (of(&GEOMETRY) || OriginPlace::of_variable(number).is_some()).then_some(OffsetPart::Geometry),
+    match ToolOffsetPlace::of_variable(number) {
+        Some(ToolOffsetPlace { is_wear: true, .. }) => Some(OffsetPart::Wear),
+        Some(_) => Some(OffsetPart::Geometry),
+        None => OriginPlace::of_variable(number).is_some().then_some(OffsetPart::Geometry),
     }
-}
-
-/// The offset index and axis of a variable number.
-pub fn offset_and_axis(table: &[(SystemVariableRange, Axis)], number: u32) -> Option<(usize, Axis)> {
-    table.iter().find_map(|(range, axis)| Some((range.index(number)?, *axis)))
 }

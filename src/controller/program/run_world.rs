@@ -3,7 +3,6 @@
 
 use super::lookahead_state::LookaheadState;
 use super::run::{Origin, ProgramRun};
-use crate::controller::plant::system_variables::{GEOMETRY, WEAR, offset_and_axis};
 use crate::controller::plant::{Plant, offset_in_range};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
@@ -14,7 +13,7 @@ use crate::defs::system_variable;
 use crate::defs::text::phrase;
 use crate::link::edit::OffsetPart;
 use crate::machine::RequestResult;
-use crate::nc::{self, ExternalState, LiveValue, OriginPlace};
+use crate::nc::{self, ExternalState, LiveValue, OriginPlace, ToolOffsetPlace};
 use crate::units::{PerAxis, WorkPos};
 
 /// Threshold between off (0) and on (1) when a program writes an output.
@@ -134,19 +133,15 @@ impl ProgramRun {
             self.lookahead.work_offsets.clone_from(&plant.work.offsets);
             return true;
         }
-        for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
-            if let Some((index, axis)) = offset_and_axis(table, number) {
-                if !offset_in_range(if wear { OffsetPart::Wear } else { OffsetPart::Geometry }, value) {
-                    let message = phrase!("#{number} = {value}", "#{number} = {value}", number, value);
-                    plant.raise(alarm::OFFSET_RANGE, Some(message));
-                    return false;
-                }
-                let value = value / plant.displayed_per_mm(axis);
-                let place = if wear { &mut plant.work.offsets.wear } else { &mut plant.work.offsets.geometry };
-                place[index][axis] = value;
-                plant.note_offset(index);
-                self.lookahead.work_offsets.clone_from(&plant.work.offsets);
+        if let Some(place) = ToolOffsetPlace::of_variable(number) {
+            if !offset_in_range(if place.is_wear { OffsetPart::Wear } else { OffsetPart::Geometry }, value) {
+                let message = phrase!("#{number} = {value}", "#{number} = {value}", number, value);
+                plant.raise(alarm::OFFSET_RANGE, Some(message));
+                return false;
             }
+            plant.work.offsets.set_tool_offset_value(place, value / plant.displayed_per_mm(place.axis));
+            plant.note_offset(place.index);
+            self.lookahead.work_offsets.clone_from(&plant.work.offsets);
         }
         true
     }

@@ -142,7 +142,7 @@ fn set_coordinate_system(running: &mut BlockContext<'_, '_>, code: Code) -> Read
         return match limit {
             Some(_) => Ok(()),
             // Behind no axis that this machine lacks.
-            None if running.words.list.is_empty() => fail(code.at as usize, E::PresetEmpty),
+            None if running.words.list.is_empty() => fail1(code.at as usize, E::PresetEmpty, code.name('G', 2)),
             None => missing_axis(running, code, "X / Z / S"),
         };
     }
