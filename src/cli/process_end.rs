@@ -27,17 +27,25 @@ pub fn guard_process(control: ControlEnd) -> std::io::Result<()> {
     ctrlc::set_handler(end_by_signal).map_err(std::io::Error::other)
 }
 
+/// SIGPWR and SIGSTKFLT, which only Linux has, and the first of the real-time signals for programs.
+#[cfg(target_os = "linux")]
+const LINUX_SIGNALS: [i32; 3] = [30, 16, 34];
+
 /// The other signals that end a process by themselves, sent by hand or by a timer, end the control first, too.
 ///
 /// # Errors
 /// The system takes no handler.
 #[cfg(unix)]
 fn guard_other_signals() -> std::io::Result<()> {
-    use signal_hook::consts::{SIGALRM, SIGPROF, SIGQUIT, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU};
-    let mut signals =
-        signal_hook::iterator::Signals::new([SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU])?;
+    use signal_hook::consts::{SIGALRM, SIGIO, SIGPROF, SIGQUIT, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ};
+    let ending = [SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGIO];
+    let mut signals = signal_hook::iterator::Signals::new(ending)?;
+    #[cfg(target_os = "linux")]
+    LINUX_SIGNALS.into_iter().try_for_each(|signal| signals.add_signal(signal))?;
+    // A file beyond its limit is a disk that takes nothing, with its alarm.
+    signals.add_signal(SIGXFSZ)?;
     let end = move || {
-        if signals.forever().next().is_some() {
+        if signals.forever().any(|signal| signal != SIGXFSZ) {
             end_by_signal();
         }
     };

@@ -38,7 +38,7 @@ use crate::io::fieldbus::description::MachineDescription;
 use crate::io::fieldbus::station::StationLink;
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
-use crate::store::{DataDir, PROGRAM_LIMIT, StoredSettings, TEXT_LIMIT, read_regular_file};
+use crate::store::{DataDir, PROGRAM_LIMIT, REAL_MACHINE_MARK, StoredSettings, TEXT_LIMIT, read_regular_file};
 use crate::story::parse;
 use crate::units::Micros;
 
@@ -200,8 +200,7 @@ fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
 
 /// Name of the description of the machine in a data directory.
 const MACHINE_FILE: &str = "machine.ron";
-/// Stands in a data directory that a real machine was started with whose description lies elsewhere.
-const REAL_MACHINE_MARK: &str = "real-machine.txt";
+
 /// Why a simulation is refused on the data of a real machine.
 const SIMULATION_WRITES: &str = "a simulation would count its parts and store its values in them";
 
@@ -210,11 +209,7 @@ const SIMULATION_WRITES: &str = "a simulation would count its parts and store it
 /// # Errors
 /// A description of a machine is installed in the directory.
 pub fn refuse_real_data(data: &DataDir, what: &str) -> Result<(), CallError> {
-    let is_there = |name: &&str| match data.root().join(name).symlink_metadata() {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => false,
-        Ok(_) | Err(_) => true,
-    };
-    match [MACHINE_FILE, REAL_MACHINE_MARK].iter().find(|name| is_there(name)) {
+    match [MACHINE_FILE, REAL_MACHINE_MARK].iter().find(|name| is_there(&data.root().join(name))) {
         None => Ok(()),
         Some(name) => Err(CallError::new(format!(
             "{}: the data of a real machine; {what}. Copy the folder without {name} and name the copy with --data",
@@ -242,22 +237,48 @@ pub fn real_machine(shared: &SharedArgs) -> Result<Option<PathBuf>, CallError> {
     if let Some(file) = &shared.machine {
         let text = read_text("machine", file)?;
         if describes_real_machine(&text) {
-            let mark = data_dir(shared)?.root().join(REAL_MACHINE_MARK);
-            let told =
-                format!("The data of a real machine, described in {}. No simulation uses them.\n", file.display());
-            crate::store::write_atomic(&mark, told.as_bytes()).map_err(CallError::new)?;
             return Ok(Some(file.clone()));
         }
         simulated_machine(shared)?;
         refuse_real_data(&data_dir(shared)?, SIMULATION_WRITES)?;
         return Ok(None);
     }
-    let installed = data_dir(shared)?.root().join(MACHINE_FILE);
-    // A file that is there and cannot be read is an error, not a simulated machine.
-    match installed.symlink_metadata() {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Ok(_) | Err(_) => Ok(Some(installed)),
+    let root = data_dir(shared)?.root().to_path_buf();
+    // A file that is there and cannot be read is no simulated machine, nor is one that was there.
+    let is_real = [MACHINE_FILE, REAL_MACHINE_MARK].iter().any(|name| is_there(&root.join(name)));
+    Ok(is_real.then(|| root.join(MACHINE_FILE)))
+}
+
+/// Notes in the data directory that its data are those of a real machine: no simulation uses them from now on.
+///
+/// # Errors
+/// The data directory cannot be read. A disk that takes nothing has its alarm already.
+#[cfg(feature = "hmi")]
+pub fn mark_real_machine(shared: &SharedArgs, file: &Path) -> Result<(), CallError> {
+    let mark = data_dir(shared)?.root().join(REAL_MACHINE_MARK);
+    if is_there(&mark) {
+        return Ok(());
     }
+    let told = format!("The data of a real machine, described in {}. No simulation uses them.\n", file.display());
+    if let Err(error) = crate::store::write_atomic(&mark, told.as_bytes()) {
+        warn_line!("kt830: {error}");
+    }
+    Ok(())
+}
+
+/// The parameters in the data directory, or the factory ones. Nothing is written.
+///
+/// # Errors
+/// The data directory cannot be read.
+#[cfg(feature = "hmi")]
+pub fn kept_params(shared: &SharedArgs) -> Result<Params, CallError> {
+    let kept = RetainedStore::read_only(data_dir(shared)?.root(), shared.kind);
+    Ok(kept.unwrap_or_else(|| PowerOnState::factory(shared.kind)).params)
+}
+
+/// Whether something has this name, whether it can be read or not.
+fn is_there(path: &Path) -> bool {
+    !path.symlink_metadata().is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound)
 }
 
 /// Reads the description of a real machine.

@@ -22,7 +22,12 @@ impl TraceFile {
     /// The file cannot be created.
     pub fn create(path: &Path, header: impl Display) -> Result<Self, CallError> {
         let name = path.display().to_string();
-        let file = File::create(path).map_err(CallError::at(format!("--trace {name}")))?;
+        let what = || format!("--trace {name}");
+        // A pipe would wait for a reader for ever.
+        if is_pipe(path) {
+            return Err(CallError::new(format!("{}: a pipe; name a file", what())));
+        }
+        let file = File::create(path).map_err(CallError::at(what()))?;
         let mut trace = Self { file: BufWriter::new(file), path: name, error: None };
         trace.write(header);
         Ok(trace)
@@ -43,4 +48,16 @@ impl TraceFile {
         let written = self.error.take().map_or(Ok(()), Err).and_then(|()| self.file.flush());
         written.map_err(CallError::at(format!("--trace {}", self.path)))
     }
+}
+
+/// Whether a path is a named pipe; what the shell has opened for this process is none.
+#[cfg(unix)]
+fn is_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    path.symlink_metadata().is_ok_and(|found| found.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+const fn is_pipe(_path: &Path) -> bool {
+    false
 }

@@ -6,15 +6,21 @@ use std::sync::atomic::Ordering;
 use super::args::SharedArgs;
 use super::process_end::{guard_exit, guard_process};
 use super::{CallError, SUCCESS, setup};
+use crate::defs::alarm;
 use crate::defs::param::Params;
+use crate::defs::text::LocalizedText;
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
+#[cfg(target_os = "linux")]
+use crate::host::absent_machine::AbsentMachine;
 #[cfg(target_os = "linux")]
 use crate::host::field_machine::HostedFieldBus;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::link::HostLink;
 use crate::host::part::PartRule;
 use crate::host::thread::{run_until_stopped, start};
+#[cfg(target_os = "linux")]
+use crate::io::fieldbus::description::MachineDescription;
 use crate::link::{Command, Snapshot};
 
 /// Opens the control (T1); returns when the window is closed. The machine is chosen here: that of a description, never
@@ -23,13 +29,14 @@ use crate::link::{Command, Snapshot};
 /// # Errors
 /// There is no display, data and folders cannot be opened, or the description of the machine is wrong.
 pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
-    let Some(file) = setup::real_machine(shared)? else {
-        return open_with(setup::simulated_for_display, shared, fullscreen);
-    };
-    open_real(shared, &file, fullscreen)
+    match setup::real_machine(shared)? {
+        Some(file) => open_real(shared, &file, fullscreen),
+        None => open_with(setup::simulated_for_display, None, shared, fullscreen),
+    }
 }
 
-/// Opens the control on a real machine.
+/// Opens the control on a real machine. A description that cannot be used is an alarm that stands: the pages work, the bus is
+/// not started.
 #[cfg(target_os = "linux")]
 fn open_real(shared: &SharedArgs, file: &Path, fullscreen: bool) -> Result<u8, CallError> {
     if !shared.params.is_empty() || !shared.sets.is_empty() {
@@ -37,21 +44,38 @@ fn open_real(shared: &SharedArgs, file: &Path, fullscreen: bool) -> Result<u8, C
             "--param and --set: the values of a real machine are changed on its pages, with their passwords",
         ));
     }
+    let mark = || setup::mark_real_machine(shared, file);
+    match usable_description(shared, file) {
+        Ok(description) => {
+            let opened = move |_: &SharedArgs, params: &Params| {
+                mark()?;
+                description.check_against(params).map_err(CallError::at(file.display()))?;
+                setup::open_bus(description).map(HostedFieldBus::new)
+            };
+            open_with(opened, None, shared, fullscreen)
+        }
+        Err(why) => {
+            warn_line!("kt830: {why}");
+            let opened = |_: &SharedArgs, _: &Params| mark().map(|()| AbsentMachine);
+            open_with(opened, Some(&LocalizedText::same(&why)), shared, fullscreen)
+        }
+    }
+}
+
+/// The description of the real machine, if it fits the data.
+#[cfg(target_os = "linux")]
+fn usable_description(shared: &SharedArgs, file: &Path) -> Result<MachineDescription, CallError> {
     let description = setup::read_description(file)?;
     if description.kind != shared.kind {
         return Err(CallError::new(format!(
-            "{}: a machine of kind {}; the control is set to {}: call it with --kind {}",
+            "{}: a machine of kind {}; the control is set to {}",
             file.display(),
             description.kind.id(),
             shared.kind.id(),
-            description.kind.id()
         )));
     }
-    let opened = move |_: &SharedArgs, params: &Params| {
-        description.check_against(params).map_err(CallError::at(file.display()))?;
-        setup::open_bus(description).map(HostedFieldBus::new)
-    };
-    open_with(opened, shared, fullscreen)
+    description.check_against(&setup::kept_params(shared)?).map_err(CallError::at(file.display()))?;
+    Ok(description)
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -62,10 +86,12 @@ fn open_real(_shared: &SharedArgs, file: &Path, _fullscreen: bool) -> Result<u8,
 /// Opens the control on a machine.
 fn open_with<P: HostedMachine + Send + 'static>(
     machine: impl FnOnce(&SharedArgs, &Params) -> Result<P, CallError>,
+    unusable: Option<&LocalizedText>,
     shared: &SharedArgs,
     fullscreen: bool,
 ) -> Result<u8, CallError> {
     let mut host = setup::threaded_host(shared, true, machine)?;
+    unusable.into_iter().for_each(|why| host.report_standing(alarm::MACHINE_UNUSABLE, why));
     // The retained work offset and tool geometry hold; they may be the operator's own.
     if let Some(part) = setup::part(&host, shared, host.retained().current_program)? {
         host.place_part(&part);

@@ -283,6 +283,9 @@ alarms! {
     STATION_SILENT = 405, StopAll, Reset, "远程站没有应答", "remote station not responding",
         "Modbus TCP 站没有应答、拒绝请求或断开", "a Modbus TCP station does not answer, refuses requests, or is cut off",
         "检查该站的电源、网线、地址和寄存器", "check its supply, network cable, address and registers";
+    MACHINE_UNUSABLE = 406, StopAll, SelfClearing, "机床描述不能用", "machine description cannot be used",
+        "machine.ron 丢失、损坏，或与数据、参数不符：总线没有启动", "machine.ron is gone or damaged, or contradicts data or parameters: the bus was not started",
+        "恢复或改正该文件，或改正参数，再重新启动", "restore or correct the file, or correct the parameter, then restart";
 }
 
 /// The alarms of the RS232 line.

@@ -3,6 +3,8 @@
 //! The only room with a clock and threads.
 //! Source: spec tools.md T1–T6; simulator.md; notes "reliability".
 
+#[cfg(all(feature = "hmi", target_os = "linux"))]
+pub mod absent_machine;
 pub mod bar;
 pub mod clock;
 pub mod control_end;

@@ -20,6 +20,9 @@ const fn password_row(guard: PasswordScope) -> (&'static str, &'static str) {
     }
 }
 
+/// The key of the number of changes of passwords: of a database and a copy that differ it says which one is newer.
+const CHANGES: &str = "password-changes";
+
 /// What is known of data that were lost and that nobody has accepted yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LostData {
@@ -48,6 +51,8 @@ pub(super) enum CopyState {
 #[derive(Clone, Debug, Default)]
 pub struct PasswordStore {
     hashes: BTreeMap<PasswordScope, String>,
+    /// How often a password was changed.
+    changes: u64,
     /// Nobody knows whether a password without a hash was changed: none matches.
     is_locked: bool,
     folder: Option<PathBuf>,
@@ -55,7 +60,8 @@ pub struct PasswordStore {
 
 impl PasswordStore {
     /// Takes the passwords from retained data, where they lack one from the copy beside them; settings are stored in
-    /// `folder`. With data that were lost and a damaged copy, or with neither, what has no password is locked.
+    /// `folder`. A whole copy that is not older than the data holds: a database was put back, or is that of another
+    /// machine. With data that were lost and a damaged copy, or with neither, what has no password is locked.
     #[must_use]
     pub fn new(loaded: &RetainedData, lost: LostData, folder: PathBuf) -> Self {
         let (copy, state) = Self::copy_in(&folder);
@@ -64,12 +70,16 @@ impl PasswordStore {
             LostData::Restored => state == CopyState::Damaged,
             LostData::Earlier | LostData::Whole => state != CopyState::Whole,
         };
+        let counts = [changes_in(&loaded.texts), changes_in(&copy)];
+        // Changes are committed before they are copied.
+        let copy_holds = state == CopyState::Whole && !copy.is_empty() && counts[1] >= counts[0];
+        let (first, second) = if copy_holds { (&copy, &loaded.texts) } else { (&loaded.texts, &copy) };
         let found = |guard: PasswordScope| {
             let row = password_row(guard).0;
-            Some((guard, loaded.texts.get(row).or_else(|| copy.get(row))?.clone()))
+            Some((guard, first.get(row).or_else(|| second.get(row))?.clone()))
         };
         let hashes: BTreeMap<_, _> = PasswordScope::ALL.into_iter().filter_map(found).collect();
-        Self { is_locked, hashes, folder: Some(folder) }
+        Self { is_locked, hashes, changes: counts.into_iter().max().unwrap_or_default(), folder: Some(folder) }
     }
 
     /// Writes the copy beside the database, if it lacks something that is known. What is locked stays as it is.
@@ -86,13 +96,15 @@ impl PasswordStore {
 
     /// The rows of the copy.
     fn rows(&self) -> BTreeMap<String, String> {
-        self.hashes.iter().map(|(guard, hash)| (password_row(*guard).0.to_owned(), hash.clone())).collect()
+        let hashes = self.hashes.iter().map(|(guard, hash)| (password_row(*guard).0.to_owned(), hash.clone()));
+        let changes = (self.changes > 0).then(|| (CHANGES.to_owned(), self.changes.to_string()));
+        hashes.chain(changes).collect()
     }
 
     /// The rows of the passwords in retained data.
     pub(super) fn rows_of(data: &RetainedData) -> BTreeMap<String, String> {
-        let row = |guard| data.texts.get_key_value(password_row(guard).0);
-        let rows = PasswordScope::ALL.into_iter().filter_map(row);
+        let keys = PasswordScope::ALL.into_iter().map(|guard| password_row(guard).0).chain([CHANGES]);
+        let rows = keys.filter_map(|key| data.texts.get_key_value(key));
         rows.map(|(key, hash)| (key.clone(), hash.clone())).collect()
     }
 
@@ -177,11 +189,14 @@ impl PasswordStore {
         store: Option<&mut RetainedDatabase>,
     ) -> Result<(), LocalizedText> {
         let hash = password::hash(new.reveal()).map_err(error_text)?;
+        let changes = self.changes + 1;
         if let Some(store) = store {
-            let change = RetainedChange::Text { key: password_row(guard).0.to_owned(), value: Some(hash.clone()) };
-            store.commit(&[change]).map_err(error_text)?;
+            let row = |key: &str, value: String| RetainedChange::Text { key: key.to_owned(), value: Some(value) };
+            let rows = [row(password_row(guard).0, hash.clone()), row(CHANGES, changes.to_string())];
+            store.commit(&rows).map_err(error_text)?;
         }
         self.hashes.insert(guard, hash);
+        self.changes = changes;
         self.write_copy().map_err(error_text)
     }
 
@@ -198,6 +213,11 @@ impl PasswordStore {
         change(&mut settings);
         settings.write(folder).map_err(error_text)
     }
+}
+
+/// The number of changes among rows; 0 without it.
+fn changes_in(rows: &BTreeMap<String, String>) -> u64 {
+    rows.get(CHANGES).and_then(|number| number.parse().ok()).unwrap_or_default()
 }
 
 fn error_text(error: impl std::fmt::Display) -> LocalizedText {

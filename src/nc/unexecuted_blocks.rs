@@ -144,7 +144,9 @@ impl LoneBlocks {
     /// Notes a block whose path depends on those behind it: the first one of a text is named.
     fn note_contour(&mut self, at: usize, interpreter: &mut Interpreter) {
         let has_corner = interpreter.corner_words.take().is_some();
-        if (has_corner || interpreter.modals.compensation.is_some()) && !std::mem::replace(&mut self.contour_missed, true) {
+        if (has_corner || interpreter.modals.compensation.is_some())
+            && !std::mem::replace(&mut self.contour_missed, true)
+        {
             let wrong = ErrorAt { at, error: E::ContourUnread, details: Default::default() };
             let fault = self.source.fault(interpreter.block_words.block_number, wrong);
             self.found.push((fault, Certainty::Possible));

@@ -45,8 +45,9 @@ pub use listing::{FolderEntry, FolderListing, IgnoredFile, LISTING_LIMIT};
 pub use named_program::{NamedProgram, list_named_programs, program_stem};
 pub use program_folder::{ProgramFolder, STEM_LIMIT};
 pub use retained::{
-    DATABASE_FILE, DamageReport, Generation, KIND_FILE, OpenedDatabase, PASSWORD_FILE, RetainedChange, RetainedData,
-    RetainedDatabase, RetainedError, StorageFault, ToolOffset, generations, silence_database_check,
+    DATABASE_FILE, DamageReport, Generation, KIND_FILE, OpenedDatabase, PASSWORD_FILE, REAL_MACHINE_MARK,
+    RetainedChange, RetainedData, RetainedDatabase, RetainedError, StorageFault, ToolOffset, generations,
+    silence_database_check,
 };
 pub use settings::StoredSettings;
 pub use usb_drive::{ListedFile, UsbDrive};

@@ -539,9 +539,13 @@ fn b6_options_that_change_values_are_refused_on_a_real_machine() {
     let machine = format!("{}/assets/machines/gc_ethercat.ron", env!("CARGO_MANIFEST_DIR"));
     std::fs::copy(&machine, data.path().join("machine.ron")).unwrap();
     let folder = data.path().to_string_lossy().into_owned();
+    // The description is gone; the data are still those of a real machine.
+    let marked = tempfile::tempdir().unwrap();
+    std::fs::write(marked.path().join("real-machine.txt"), "").unwrap();
+    let left = marked.path().to_string_lossy().into_owned();
     for option in [["--param", "P71=1"], ["--set", "#520=1"]] {
         // Named in the call, or installed in the data folder.
-        for place in [vec!["--machine", &machine], vec!["--data", &folder]] {
+        for place in [vec!["--machine", &machine], vec!["--data", &folder], vec!["--data", &left]] {
             let out = kt830(&[&place[..], &option[..]].concat());
             assert!(status(&out) == 2 && errors(&out).contains("with their passwords"), "{option:?}: {}", errors(&out));
         }

@@ -207,6 +207,35 @@ fn b6_an_older_database_that_is_put_back_is_told_and_loses_nothing() {
     assert_eq!((found.loss.is_some(), value(&found, 861)), (true, Some(1.0)));
 }
 
+/// The database of another machine with as many commits: the journal beside it does not lead to it.
+#[test]
+fn b6_a_database_that_its_journal_does_not_lead_to_is_told_and_put_aside() {
+    let value_of = |folder: &Path, number: f64| {
+        let (mut store, _) = open(folder);
+        store.commit(&[StorageRequest::Variable(860, Some(number))]).unwrap();
+    };
+    let [ours, other] = [1.25, 99.5].map(|number| {
+        let folder = tempfile::tempdir().unwrap();
+        value_of(folder.path(), number);
+        folder
+    });
+    fs::copy(other.path().join(DATABASE), ours.path().join(DATABASE)).unwrap();
+    for start in 1..=2 {
+        let (_, found) = open(ours.path());
+        assert!(found.loss.as_ref().is_some_and(|loss| loss.copy.is_some()), "start {start}: {:?}", found.loss);
+        assert_eq!(value(&found, 860), Some(1.25), "start {start}");
+    }
+}
+
+/// The data of a real machine are gone but for their mark: no first start.
+#[test]
+fn b6_the_mark_of_a_real_machine_alone_is_no_first_start() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("real-machine.txt"), "").unwrap();
+    let (mut store, found) = open(folder.path());
+    assert!(found.loss.is_some_and(|loss| loss.state_of.is_none()) && !matches(&mut store, "830830"));
+}
+
 /// The data of another machine in the place of ours: the kind is told until a person has chosen it.
 #[test]
 fn k1_a_database_of_another_kind_is_told() {
@@ -593,6 +622,10 @@ fn t4_devices_and_pipes_are_refused_by_every_command() {
             assert_eq!(out.status.code(), Some(2), "{words:?}: {told}");
         }
     }
+    // A trace does not wait for a reader either.
+    let out = kt830(&["run", "O1002", "--trace", &pipe.to_string_lossy()]);
+    let told = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert!(out.status.code() == Some(2) && told.contains("a pipe; name a file"), "{told}");
 }
 
 /// A folder that cannot be written, or a disk that is mounted read-only after a fault, is no dead panel.

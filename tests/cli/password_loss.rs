@@ -154,3 +154,53 @@ fn k6_2_a_lock_in_use_or_an_earlier_file_is_no_first_start() {
         assert!(found.loss.is_some() && !matches(&mut store, "830830"), "{left}");
     }
 }
+
+/// A database from before the change, with all that belongs to it, and that of another machine: the copy beside it holds.
+#[test]
+fn k6_2_an_old_or_foreign_database_brings_no_other_password() {
+    let old = session();
+    let earlier = tempfile::tempdir().unwrap();
+    for name in [DATABASE, "retained.journal"] {
+        fs::copy(old.path().join(name), earlier.path().join(name)).unwrap();
+    }
+    let (mut store, _) = open(old.path());
+    change_password(&mut store, "4711", "5822");
+    drop(store);
+    let foreign = tempfile::tempdir().unwrap();
+    let (mut store, _) = open(foreign.path());
+    change_password(&mut store, "830830", "1111");
+    for value in 0..200 {
+        store.commit(&[kt830::controller::StorageRequest::Variable(860, Some(f64::from(value)))]).unwrap();
+    }
+    drop(store);
+    for from in [earlier.path(), foreign.path()] {
+        let _ = fs::remove_dir_all(old.path().join("generations"));
+        for name in [DATABASE, "retained.journal"] {
+            fs::copy(from.join(name), old.path().join(name)).unwrap();
+        }
+        for start in 1..=2 {
+            let (mut store, _) = open(old.path());
+            let opens = ["5822", "4711", "1111", "830830"].map(|password| matches(&mut store, password));
+            assert_eq!(opens, [true, false, false, false], "{}, start {start}", from.display());
+        }
+    }
+    // The next change is newer than all of them.
+    let (mut store, _) = open(old.path());
+    change_password(&mut store, "5822", "6933");
+    drop(store);
+    let (mut store, _) = open(old.path());
+    assert!(matches(&mut store, "6933") && !matches(&mut store, "5822"));
+}
+
+/// The power goes after the commit and before its copy: the new password holds.
+#[test]
+fn k6_2_a_change_that_was_not_copied_yet_holds() {
+    let folder = session();
+    let copy = fs::read(folder.path().join("passwords.ron")).unwrap();
+    let (mut store, _) = open(folder.path());
+    change_password(&mut store, "4711", "5822");
+    drop(store);
+    fs::write(folder.path().join("passwords.ron"), copy).unwrap();
+    let (mut store, found) = open(folder.path());
+    assert!(found.loss.is_none() && matches(&mut store, "5822") && !matches(&mut store, "4711"));
+}

@@ -316,12 +316,13 @@ impl RetainedDatabase {
         let present = fs::symlink_metadata(&path).is_ok();
         if present {
             match integrity::read_intact(&path)? {
-                // The database is written before its copies: it was put back, or has lost its last commits.
-                Ok(data) if is_older_than_copy(folder, &data) => {
-                    let cause = "older than the copies beside it".to_owned();
-                    damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause });
-                }
-                Ok(data) => intact = Some(*data),
+                Ok(data) => match contradiction(folder, &data) {
+                    Some(cause) => {
+                        damaged =
+                            Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause: cause.to_owned() });
+                    }
+                    None => intact = Some(*data),
+                },
                 Err(cause) => damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause }),
             }
         }
@@ -496,7 +497,15 @@ fn lock(folder: &Path) -> Result<File, RetainedError> {
     }
     let file = disk::private(File::options().create(true).truncate(false).write(true)).open(&path);
     // A file system that is mounted read-only after a fault of the disk still locks.
-    let file = file.or_else(|failed| File::open(&path).map_err(|_| failed)).map_err(IoFault::at(&path, "open"))?;
+    let file = file.or_else(|failed| File::open(&path).map_err(|_| failed));
+    // That of another owner gives way in a folder that is ours.
+    let file = file.or_else(|failed| {
+        let aside = folder.join(format!("{LOCK_FILE}.damaged"));
+        let moved = disk::rename(&path, &aside).is_ok();
+        let made = moved.then(|| disk::private(File::options().create_new(true).write(true)).open(&path).ok());
+        made.flatten().ok_or(failed)
+    });
+    let file = file.map_err(IoFault::at(&path, "open"))?;
     for tries_left in (0..LOCK_TRIES).rev() {
         match file.try_lock() {
             Ok(()) => return Ok(file),
@@ -520,10 +529,19 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
     Ok(kept)
 }
 
-/// Whether the copies beside a database are of a later commit.
-fn is_older_than_copy(folder: &Path, data: &RetainedData) -> bool {
-    RetainedDatabase::newest_copy(folder).is_some_and(|copy| copy.data.generation > data.generation)
+/// What says that a whole database is not the last one of its folder; none if nothing does.
+fn contradiction(folder: &Path, data: &RetainedData) -> Option<&'static str> {
+    // The database is written before its copies: it was put back, or has lost its last commits.
+    if RetainedDatabase::newest_copy(folder).is_some_and(|copy| copy.data.generation > data.generation) {
+        return Some("older than the copies beside it");
+    }
+    let is_other =
+        |found: journal::Replayed| found.is_whole && found.data.generation == data.generation && found.data != *data;
+    journal::read(folder).is_some_and(is_other).then_some("not the one that its journal was written with")
 }
+
+/// Stands in a data directory that a real machine was started with: no simulation uses its data.
+pub const REAL_MACHINE_MARK: &str = "real-machine.txt";
 
 /// Whether a control has stored data in this directory before.
 #[must_use]
@@ -535,7 +553,7 @@ pub fn has_traces(folder: &Path) -> bool {
         || generations::has_any(folder)
         || names.any(|name| {
             let name = name.strip_suffix(".bak").unwrap_or(&name);
-            let of_control = [PASSWORD_FILE, KIND_FILE, JOURNAL_FILE, SETTINGS_FILE];
+            let of_control = [PASSWORD_FILE, KIND_FILE, JOURNAL_FILE, SETTINGS_FILE, REAL_MACHINE_MARK];
             name == DATABASE_FILE || name.starts_with("retained.damaged-") || of_control.contains(&name)
         })
 }
