@@ -7,7 +7,7 @@ use crate::defs::kind::Dialect;
 use crate::defs::text::arg::Arg;
 
 /// The statements with which a block may begin.
-const STATEMENTS: [&[u8]; 6] = [b"WHILE", b"GOTO", b"DPRNT", b"POPEN", b"PCLOS", b"BPRNT"];
+const STATEMENTS: [&[u8]; 7] = [b"WHILE", b"END", b"GOTO", b"DPRNT", b"POPEN", b"PCLOS", b"BPRNT"];
 
 /// Replaces a mistake by the one that it comes from.
 #[cold]

@@ -72,17 +72,8 @@ const ALL_PHASES: &[&str] = &[
     "G78",
 ];
 
-const ALL_BUT_GAUGING: &[&str] = &[
-    "standing",
-    "jog",
-    "homing",
-    "rapid",
-    "feed",
-    "oscillation",
-    "dwell (G04)",
-    "held",
-    "return to the dressing point",
-];
+/// Gauging is the last one.
+const ALL_BUT_GAUGING: &[&str] = ALL_PHASES.split_at(ALL_PHASES.len() - 1).0;
 
 const FAULTS: [Fault; 22] = [
     fault(Text::new("急停", "emergency stop"), ["input emergency-stop on", "input emergency-stop free"], (0, 1)),
