@@ -276,14 +276,26 @@ impl BlockWords {
     /// The word of a letter, not marked as used.
     #[inline]
     pub fn peek(&self, letter: u8) -> Option<Word> {
-        self.has(letter).then(|| self.list.items[usize::from(self.first[usize::from(letter - b'A')])])
+        self.find(letter).copied()
+    }
+
+    #[inline]
+    fn find(&self, letter: u8) -> Option<&Word> {
+        self.has(letter).then(|| &self.list.items[usize::from(self.first[usize::from(letter - b'A')])])
     }
 
     /// The word of a letter, marked as used.
     #[inline]
     pub fn take(&self, letter: u8) -> Option<Word> {
+        self.take_in_place(letter).copied()
+    }
+
+    /// As [`Self::take`], without a copy: a copy of a word that was just written waits for its bytes to be stored.
+    #[inline]
+    pub fn take_in_place(&self, letter: u8) -> Option<&Word> {
+        let word = self.find(letter)?;
         self.used.set(self.used.get() | letter_bit(letter));
-        self.peek(letter)
+        Some(word)
     }
 
     /// Marks every word as used.

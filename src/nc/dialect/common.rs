@@ -72,12 +72,12 @@ pub(super) fn missing_word<T>(words: &BlockWords, at: u32, name: &'static str, l
 /// Makes F the modal feed; `mm` is millimetres per programmed unit.
 #[inline]
 pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
-    let Some(word) = running.words.take(b'F') else { return Ok(()) };
+    let Some(word) = running.words.take_in_place(b'F') else { return Ok(()) };
     let least = if mm > 1.0 || running.modals.per_rev { MIN_FINE_FEED } else { MIN_FEED };
-    let feed = in_range(word, (least, MAX_VALUE), "")? * mm;
+    let feed = in_range(*word, (least, MAX_VALUE), "")? * mm;
     running.modals.feed = Some(feed);
     if feed < SLOW_FEED && !running.modals.feed_unit_named && !running.modals.per_rev {
-        warn_of_slow_feed(running, word);
+        warn_of_slow_feed(running, *word);
     }
     Ok(())
 }

@@ -65,27 +65,26 @@ pub(super) fn modal_move(
             Some(_) | None => Ok(true),
         };
     }
-    let op = match running.modals.motion {
-        MotionMode::Rapid => {
-            let MoveTarget { to, words, incremental, .. } = target(running)?;
-            Op::Rapid { to, feed: None, words, incremental }
-        }
-        MotionMode::Feed => {
-            let mut target = target(running)?;
-            let angle = line_angle(running, syntax, &mut target)?;
-            note_corner(running, syntax, &target, angle)?;
-            let MoveTarget { to, words, incremental, .. } = target;
-            Op::Feed { to, feed: modal_feed(running, syntax)?, words, incremental }
-        }
-        MotionMode::ArcClockwise | MotionMode::ArcCounterClockwise => {
-            let target = target(running)?;
-            note_corner(running, syntax, &target, LineAngle::None)?;
-            let turn = if running.modals.motion == MotionMode::ArcClockwise { -1 } else { 1 };
-            arc_move(running, syntax, target, turn)?
-        }
-        _ => return Ok(false),
-    };
-    running.ops.push(op);
+    let motion = running.modals.motion;
+    if !(is_arc || matches!(motion, MotionMode::Rapid | MotionMode::Feed)) {
+        return Ok(false);
+    }
+    let mut target = target(running)?;
+    if is_arc {
+        note_corner(running, syntax, &target, LineAngle::None)?;
+        let turn = if motion == MotionMode::ArcClockwise { -1 } else { 1 };
+        let arc = arc_move(running, syntax, target, turn)?;
+        running.ops.push(arc);
+    } else if motion == MotionMode::Feed {
+        let angle = line_angle(running, syntax, &mut target)?;
+        note_corner(running, syntax, &target, angle)?;
+        let MoveTarget { to, words, incremental, .. } = target;
+        let feed = modal_feed(running, syntax)?;
+        running.ops.push(Op::Feed { to, feed, words, incremental });
+    } else {
+        let MoveTarget { to, words, incremental, .. } = target;
+        running.ops.push(Op::Rapid { to, feed: None, words, incremental });
+    }
     Ok(true)
 }
 

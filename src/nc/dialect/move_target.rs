@@ -60,15 +60,15 @@ impl MoveTarget {
                 }
                 [false, true] => (distance, true),
             };
-            let Some(word) = running.words.take(letter) else { continue };
-            let value = value(axis, word)?;
+            let Some(word) = running.words.take_in_place(letter) else { continue };
+            let value = value(axis, *word)?;
             target.words.insert(axis);
             if incremental {
                 target.incremental.insert(axis);
             }
             target.to[axis] = if incremental { target.to[axis] + value } else { value };
             if target.to[axis].abs() > most {
-                return out_of_range(word, format_args!("±{most}"));
+                return out_of_range(*word, format_args!("±{most}"));
             }
         }
         Ok(target)

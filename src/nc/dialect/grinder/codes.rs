@@ -9,6 +9,7 @@ use crate::nc::words::{BlockWords, Code};
 use crate::nc::work_offsets::{EXTRA_G, EXTRA_WORK_OFFSETS};
 
 /// Reads the G codes.
+#[inline]
 pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<BlockCodes> {
     let mill = running.settings.is_mill();
     let mut plan = BlockCodes::default();

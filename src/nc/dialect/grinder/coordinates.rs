@@ -22,6 +22,7 @@ pub(super) const SYNTAX: MoveSyntax = MoveSyntax {
 };
 
 /// The end of the move by the axis words of the block.
+#[inline]
 pub(super) fn target(running: &BlockContext<'_, '_>) -> ReadResult<MoveTarget> {
     MoveTarget::read(running, axis_letters, |axis, word| axis_value(running, axis, word), MAX_VALUE)
 }
