@@ -8,11 +8,12 @@ use super::contour::{ContourCycle, ContourMemory, CycleKind, MAX_CONTOUR_BLOCKS,
 use super::contour_compensation::ContourCutter;
 use super::corner::{CornerWord, CornerWords, LineAngle};
 use super::external_state::{AheadState, ExternalState};
-use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1};
+use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1, fail2};
 use super::flow::Flow;
 use super::interpreter::{Interpreter, StepStatus};
 use super::modal::ModalState;
 use super::op::Op;
+use crate::defs::text::arg::Arg;
 use crate::units::WorkPos;
 
 impl Interpreter {
@@ -29,6 +30,7 @@ impl Interpreter {
         });
         memory.flow.copy_from(&self.flow);
         let (modals, last_n, n) = (self.modals, self.last_block_number, self.block_words.block_number);
+        self.flow.place = *begin;
         let read = self.read_contour(cycle, world, &mut memory);
         let end_line = self.flow.place.line;
         std::mem::swap(&mut self.flow, &mut memory.flow);
@@ -52,17 +54,29 @@ impl Interpreter {
         Ok(StepStatus::Block)
     }
 
-    /// Reads the operations of the contour's blocks. Afterwards the flow is past the last one.
+    /// Reads the operations of the contour's blocks, from the block of the cycle. Afterwards the flow is past the last one.
     fn read_contour(
         &mut self,
         cycle: &ContourCycle,
         world: &mut dyn ExternalState,
         memory: &mut ContourMemory,
     ) -> ReadResult<()> {
-        if self.flow.source.find_block(cycle.last_block, self.flow.place.at).is_none() {
+        let (source, at) = (&self.flow.source, self.flow.place.at);
+        if source.find_block(cycle.last_block, at).is_none() {
             return fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block));
         }
-        self.flow.go_to_block(cycle.first_block, cycle.at)?;
+        // DECISION: of several blocks with the number, G70 takes the last one before it, the others the next one behind.
+        let before = matches!(cycle.kind, CycleKind::Finish).then(|| source.find_block_before(cycle.first_block, at));
+        match before.flatten() {
+            Some(first) => self.flow.go_to(first),
+            None => self.flow.go_to_block(cycle.first_block, cycle.at)?,
+        }
+        let first = self.flow.place.at;
+        let ends_before = |found: usize| cycle.last_block != cycle.first_block && found < first;
+        if self.flow.source.find_block(cycle.last_block, first).is_some_and(ends_before) {
+            let [last, first] = [cycle.last_block, cycle.first_block].map(|n| Arg::from(format_args!("N{n}")));
+            return fail2(cycle.at, E::ContourReversed, last, first);
+        }
         let mut ahead = AheadState { position: world.position(), inner: world, reads_machine: true };
         let ContourMemory { block: inner, ops, cutter, .. } = memory;
         ops.clear();

@@ -274,6 +274,15 @@ impl Source {
         from(at as u32 + 1).or_else(|| from(0)).map(|found| found as usize)
     }
 
+    /// The last block with this number that begins before byte `at`.
+    pub(crate) fn find_block_before(&self, n: u32, at: usize) -> Option<usize> {
+        let last = |labels: &[(u32, u32)]| {
+            let end = labels.partition_point(|label| *label < (n, at as u32));
+            labels[..end].last().filter(|label| label.0 == n).map(|label| label.1)
+        };
+        last(&self.index.block_numbers).max(last(&self.index.inner_block_numbers)).map(|found| found as usize)
+    }
+
     /// The line of the nearest label, or block with this number, after `line` (forward), or at or before it. `name` is the
     /// byte range of `AA1` or `N100` in the text.
     pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> ReadResult<u32> {

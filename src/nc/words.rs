@@ -15,6 +15,8 @@ pub(crate) const MAX_WORDS: usize = 48;
 const MAX_G_CODES: usize = 10;
 /// The code of the additional work offsets, and the rounding of a code that a program computes.
 const EXTRA_OFFSET_G: f64 = 54.1;
+/// FANUC's look-ahead control. G05.2 and G05.3 of LinuxCNC are curves.
+const LOOK_AHEAD_G: f64 = 5.1;
 const EXTRA_OFFSET_ROUNDING: f64 = 1e-6;
 /// Most M codes of a block (DECISION: three, in the order written).
 const MAX_M_CODES: usize = 3;
@@ -406,8 +408,7 @@ fn push_code<const N: usize>(
         Some(value) => whole_u32(value).map_or_else(
             || {
                 let unknown = match letter {
-                    // G05.1
-                    b'G' if (5.0..6.0).contains(&value) => E::LookAheadCode,
+                    b'G' if (value - LOOK_AHEAD_G).abs() < EXTRA_OFFSET_ROUNDING => E::LookAheadCode,
                     b'G' => E::UnknownG,
                     _ => E::UnknownM,
                 };

@@ -108,6 +108,25 @@ fn b2_an_arc_may_fall_and_rise() {
     assert_eq!(found[..7], ["+2 30", "+-11 30", "+-11 30", "-11 18", "-29 18", "-28.5 18.5", "+-28.5 30"]);
 }
 
+/// Two contours whose blocks have the same numbers, each roughed and finished.
+const REUSED_NUMBERS: &str = "G00 X30. Z2.\nG71 U5. R1.\nG71 P10 Q20 U0 W0 F100\nN10 G00 X20.\nG01 Z-10. F50\nN20 X30.\n\
+                              G70 P10 Q20\nG00 X30. Z2.\nG71 P10 Q20 U0 W0 F100\nN10 G00 X25.\nG01 Z-5. F50\nN20 X30.\n\
+                              G70 P10 Q20\nM30\n";
+
+#[test]
+fn b2_a_contour_with_reused_block_numbers_is_the_one_beside_its_cycle() {
+    let passes_by = |line: u32, point: &str| {
+        let found = shown(&moves_of_line(REUSED_NUMBERS, line).unwrap());
+        assert!(found.iter().any(|shown| shown == point), "line {line}: {found:?}");
+    };
+    // The corner at the root of each contour.
+    passes_by(3, "-10 20");
+    passes_by(9, "-5 25");
+    for (line, contour) in [(7, ["+2 20", "-10 20", "-10 30"]), (13, ["+2 25", "-5 25", "-5 30"])] {
+        assert_eq!(shown(&moves_of_line(REUSED_NUMBERS, line).unwrap())[..3], contour, "line {line}");
+    }
+}
+
 #[test]
 fn b2_a_contour_that_its_allowance_puts_above_the_start_is_refused() {
     // 40 + 20 > 30; −22 + … the face allowance is longer than the contour.

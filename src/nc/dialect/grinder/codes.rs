@@ -22,6 +22,10 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
         if code.number == 92 && !mill && presets {
             return fail(code.at as usize, E::PresetByG50);
         }
+        // G05 with an end point is a curve of LinuxCNC.
+        if code.number == 5 && words.has_any(AXIS_WORDS) {
+            return fail1(code.at as usize, E::UnknownG, code.name('G', 2));
+        }
         let row = look_up(*code, mill)?;
         // K1: on GC `G90` with another motion code means absolute, which is always active there.
         if code.number == 90 && !mill {
