@@ -13,11 +13,12 @@ use crate::defs::text::arg::Arg;
 pub(crate) const MAX_WORDS: usize = 48;
 /// Most G codes of a block.
 const MAX_G_CODES: usize = 10;
-/// The code of the additional work offsets, and the rounding of a code that a program computes.
+/// The code of the additional work offsets.
 const EXTRA_OFFSET_G: f64 = 54.1;
 /// FANUC's look-ahead control. G05.2 and G05.3 of LinuxCNC are curves.
 const LOOK_AHEAD_G: f64 = 5.1;
-const EXTRA_OFFSET_ROUNDING: f64 = 1e-6;
+/// The rounding of a code that a program computes.
+const CODE_ROUNDING: f64 = 1e-6;
 /// Most M codes of a block (DECISION: three, in the order written).
 const MAX_M_CODES: usize = 3;
 /// Most words of several letters of a block.
@@ -242,7 +243,7 @@ impl BlockWords {
     #[inline]
     fn add_value(&mut self, letter: u8, value: Value, kind: ValueKind, at: u32) -> ReadResult<()> {
         match (letter, value) {
-            (b'G', Some(value)) if (value - EXTRA_OFFSET_G).abs() < EXTRA_OFFSET_ROUNDING => {
+            (b'G', Some(value)) if (value - EXTRA_OFFSET_G).abs() < CODE_ROUNDING => {
                 self.has_extra_offset = true;
                 push_code(&mut self.g, letter, Some(EXTRA_OFFSET_G.trunc()), kind, at)
             }
@@ -408,7 +409,7 @@ fn push_code<const N: usize>(
         Some(value) => whole_u32(value).map_or_else(
             || {
                 let unknown = match letter {
-                    b'G' if (value - LOOK_AHEAD_G).abs() < EXTRA_OFFSET_ROUNDING => E::LookAheadCode,
+                    b'G' if (value - LOOK_AHEAD_G).abs() < CODE_ROUNDING => E::LookAheadCode,
                     b'G' => E::UnknownG,
                     _ => E::UnknownM,
                 };
