@@ -412,7 +412,7 @@ program_errors! {
     LookAheadCode = 569, "look-ahead-code", "没有 {}", "there is no {}",
         "连续方式 G64 总是预读，不需要高速高精指令：删去本字", "path mode G64 always reads ahead and needs no code for high speed or accuracy: delete the word";
     ContourReversed = 572, "contour-reversed", "{} 不在 {2} 之后", "{} does not stand behind {2}",
-        "P 是轮廓的第一段，Q 是最后一段：对调 P 和 Q，或改段号", "P names the first block of the contour, Q its last one: exchange P and Q, or number the blocks anew";
+        "P 是轮廓的第一段，Q 是最后一段：对调 P 和 Q，或改段号", "P is the first block, Q the last: exchange them";
     JumpIntoWhile = 570, "jump-into-while", "跳转进入了循环：{} 之前没有经过第 {2} 行的 WHILE", "a jump entered the loop: {} was reached without the WHILE in line {2}",
         "GOTO 只能跳到循环外，或同一循环内", "GOTO may leave a loop or stay in it: jump to a block before the WHILE";
     /// Nothing is known to be wrong, and not all could be looked at.
