@@ -415,6 +415,10 @@ program_errors! {
         "P 是轮廓的第一段，Q 是最后一段：对调 P 和 Q，或改段号", "P is the first block, Q the last: exchange them";
     JumpIntoWhile = 570, "jump-into-while", "跳转进入了循环：{} 之前没有经过第 {2} 行的 WHILE", "a jump entered the loop: {} was reached without the WHILE in line {2}",
         "GOTO 只能跳到循环外，或同一循环内", "GOTO may leave a loop or stay in it: jump to a block before the WHILE";
+    ConditionBrackets = 573, "condition-brackets", "{} 的条件写在圆括号里，圆括号是注释", "the condition of {} stands in round brackets, which are a comment",
+        "用方括号：{}[#1 EQ 1]", "use square brackets, as in {}[#1 EQ 1]";
+    OffsetWithoutAxis = 574, "offset-without-axis", "{} 属于本机没有的轴", "{} belongs to an axis that this machine does not have",
+        "删去该段；各轴的编号按已有的轴排列", "delete the block; the numbers count the fitted axes";
     /// Nothing is known to be wrong, and not all could be looked at.
     ContourUnread = 571, "contour-unread", "检查没有走到这里：这里的补偿轮廓、倒角没有检查", "the check does not come here: the compensated contour or corner is not checked",
         "用能走到这里的数值检查，或用 kt830 run 试运行", "check it with values that lead here, or try it with kt830 run";

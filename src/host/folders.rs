@@ -378,6 +378,9 @@ const INSTALLING: &str = ".installing";
 /// files that are there stay as they are.
 fn install_shipped(shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(own)?;
+    // Another process that begins on the same folder waits, and finds it filled. Where folders have no locks, it does not.
+    let folder = std::fs::File::open(own);
+    let _filling = folder.and_then(|folder| folder.lock().map(|()| folder));
     let marker = own.join(INSTALLING);
     if std::fs::read_dir(own)?.next().is_some() && !marker.exists() {
         return Ok(());

@@ -10,10 +10,11 @@ use super::fault::{E, ErrorAt, ReadResult, fail, fail1, fail2};
 use super::functions::whole_number;
 use super::interpreter::Interpreter;
 use super::op::Op;
+use super::work_offsets::{OriginPlace, ToolOffsetPlace};
 use crate::defs::grinding_phase::GrindingPhase;
 use crate::defs::system_variable::{self, VariableAccess};
 use crate::defs::text::arg::Arg;
-use crate::units::MM_PER_INCH;
+use crate::units::{Axis, MM_PER_INCH};
 
 impl Interpreter {
     /// Sets a variable. `comment` is the text of #3000 and #3006.
@@ -60,6 +61,7 @@ impl Interpreter {
             _ => match system_variable::find(variable).map(|range| range.access) {
                 Some(VariableAccess::Read) => return fail1(at, E::ReadOnly, name()),
                 Some(VariableAccess::ReadWrite | VariableAccess::Write) => {
+                    self.check_offset_axis(variable, at)?;
                     let is_in_inches = self.modals.inch && system_variable::is_origin(variable);
                     let value = if is_in_inches { value.map(|inches| inches * MM_PER_INCH) } else { value };
                     block.ops.push(Op::SetSystemVariable { number: variable, value });
@@ -68,6 +70,21 @@ impl Interpreter {
             },
         }
         Ok(())
+    }
+
+    /// An origin or a tool offset has an axis, which must be fitted.
+    fn check_offset_axis(&self, variable: u32, at: usize) -> ReadResult<()> {
+        let axes = self.settings.axes;
+        let is_fitted = if let Some(place) = ToolOffsetPlace::of_variable(variable) {
+            axes[place.axis]
+        } else if let Some((_, index)) = OriginPlace::of_variable(variable) {
+            index < Axis::ALL.into_iter().filter(|axis| axes[*axis]).count()
+        } else if system_variable::is_origin(variable) {
+            return fail1(at, E::BadVariable, format_args!("#{variable}"));
+        } else {
+            true
+        };
+        if is_fitted { Ok(()) } else { fail1(at, E::OffsetWithoutAxis, format_args!("#{variable}")) }
     }
 }
 

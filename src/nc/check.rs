@@ -149,6 +149,8 @@ pub struct ProgramCheck {
     word_left_out: bool,
     /// A common variable without a value was read: the operator, or a program before, sets it.
     reads_unset: bool,
+    /// The program has raised an alarm, which ends a run: the values behind it are those that it refuses.
+    alarm_passed: bool,
     /// Number of blocks passed to `sink`.
     shown_blocks: u64,
 }
@@ -181,6 +183,7 @@ impl ProgramCheck {
             incomplete: false,
             word_left_out: false,
             reads_unset: false,
+            alarm_passed: false,
             shown_blocks: 0,
         }
     }
@@ -199,7 +202,7 @@ impl ProgramCheck {
         (self.place, self.lone) = (TextLine::default(), None);
         (self.run_over, self.word_left_out, self.reads_unset) = (false, false, false);
         (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
-        self.incomplete = false;
+        (self.incomplete, self.alarm_passed) = (false, false);
     }
 
     /// Takes memory for a program of this many lines, and for some findings.
@@ -535,6 +538,7 @@ impl ProgramCheck {
     #[inline]
     fn note_alarm(&mut self, world: &OfflineMachine) {
         let Some(Op::Alarm { number, text }) = self.block.ops.last() else { return };
+        self.alarm_passed = true;
         if world.guesses() || self.reads_unset || self.left_loops > 0 || self.incomplete {
             return;
         }
@@ -544,15 +548,19 @@ impl ProgramCheck {
         self.add_warning(fault);
     }
 
-    /// A consequence of null variables is only a warning: the operator sets them before the real run.
+    /// A consequence of null variables is only a warning: the operator sets them before the real run. So is one of values
+    /// that an alarm of the program has refused.
     fn classify(&mut self, fault: ProgramFault) {
         let (null_here, left_out) = (self.interpreter.has_null_use(), self.word_left_out);
+        let unsure = null_here || self.alarm_passed;
+        let is_literal = self.interpreter.flow.source.is_literal_at(&fault);
         let by_null = match fault.error {
             E::MissingWord | E::TurningCycleWord | E::EmptyWord | E::ArcWithoutCentre => null_here,
             E::ArcEndOffCircle | E::ArcRadius => null_here || self.left_loops > 0,
             E::DivisionByZero => null_here && !fault.has_detail(),
-            E::OutOfRange => null_here && !self.interpreter.flow.source.is_literal_at(&fault),
-            E::FunctionDomain | E::BadVariable | E::SwitchVariable => null_here,
+            E::OutOfRange => unsure && !is_literal,
+            E::BadVariable => null_here || unsure && !is_literal,
+            E::FunctionDomain | E::SwitchVariable => null_here,
             // The number is computed from a value that only a run has.
             E::MissingTarget | E::ReadOnly => null_here,
             E::FeedMissing => left_out,

@@ -208,11 +208,13 @@ impl<'a> Cursor<'a> {
     }
 }
 
-/// Whether the word at a byte has a number that is written there.
+/// Whether the word or variable at a byte has a number that is written there.
 pub(super) fn is_literal(text: &[u8], at: usize) -> bool {
     let mut cursor = Cursor::window(text, at);
-    while cursor.peek().is_ascii_alphabetic() {
-        cursor.at += 1;
+    if !cursor.accept(b'#') {
+        while cursor.peek().is_ascii_alphabetic() {
+            cursor.at += 1;
+        }
     }
     cursor.skip_blanks().is_ok() && (cursor.at_number() || matches!(cursor.peek(), b'-' | b'+'))
 }

@@ -16,6 +16,7 @@ pub(super) fn name_misread_text(text: &[u8], dialect: Dialect, wrong: &mut Error
         match wrong.error {
             E::MissingNumber => name_misread_word(text, wrong),
             E::UnexpectedCharacter => name_unexpected_character(text, wrong),
+            E::UnknownFunction => name_condition_brackets(text, wrong),
             _ => {}
         }
     }
@@ -84,6 +85,21 @@ fn name_unexpected_character(text: &[u8], wrong: &mut ErrorAt) {
         wrong.details = [Capitals(word).into(), Arg::None];
     } else if text.get(at) == Some(&b'/') && text[line_start(text, at)..at].iter().any(u8::is_ascii_alphanumeric) {
         (wrong.error, wrong.details) = (E::SkipWithinBlock, Default::default());
+    }
+}
+
+/// Where `IF (…) THEN` or `WHILE (…) DO` of another language was read as a comment and a function.
+fn name_condition_brackets(text: &[u8], wrong: &mut ErrorAt) {
+    let start = line_start(text, wrong.at);
+    let line = &text[start..wrong.at.min(text.len())];
+    let Some(open) = line.iter().position(|byte| *byte == b'(') else { return };
+    let word = line[..open].trim_ascii_end();
+    let keyword = [b"IF".as_slice(), b"WHILE"]
+        .into_iter()
+        .find(|known| word.len().checked_sub(known.len()).is_some_and(|at| word[at..].eq_ignore_ascii_case(known)));
+    if let Some(keyword) = keyword {
+        (wrong.at, wrong.error) = (start + open, E::ConditionBrackets);
+        wrong.details = [Capitals(keyword).into(), Arg::None];
     }
 }
 

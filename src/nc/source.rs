@@ -381,7 +381,7 @@ impl Source {
         (BlockLocation { program: self.number, line: line as u32, n }, column)
     }
 
-    /// Whether the word of a mistake has a number that is written there.
+    /// Whether the word or variable of a mistake has a number that is written there.
     pub(crate) fn is_literal_at(&self, fault: &ProgramFault) -> bool {
         let start = self.line_start(fault.location.line.saturating_sub(1));
         let line = self.bytes.get(start..).unwrap_or_default();

@@ -215,8 +215,8 @@ impl LoneBlocks {
             | E::UnknownM
             | E::UnknownH => sure(literal || without_values),
             // Its number is computed from a local variable that has a value only in a run.
-            E::BadVariable if !lexer::is_literal(text, at + 1) && self.names_empty_local(at) => Certainty::Unknown,
-            E::BadVariable | E::ReadOnly => sure(lexer::is_literal(text, at + 1) || without_values),
+            E::BadVariable if !literal && self.names_empty_local(at) => Certainty::Unknown,
+            E::BadVariable | E::ReadOnly => sure(literal || without_values),
             E::DivisionByZero if fault.has_detail() => Certainty::Sure,
             E::FunctionDomain if has_literal_argument(text, at) => Certainty::Sure,
             // An IF guards against it.

@@ -103,6 +103,27 @@ fn b5_the_place_of_a_run_is_kept_exactly_whatever_its_program_is_called() {
     }
 }
 
+/// A check and a run on one new folder at the same moment: each found the other's half of the files.
+#[test]
+fn b6_first_starts_at_the_same_moment_install_one_whole_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = DataDir::resolve(Some(folder.path())).unwrap();
+    let starts: Vec<_> = (0..8)
+        .map(|_| {
+            std::thread::spawn({
+                let data = data.clone();
+                move || Folders::of_data(&data, Kind::Gc).map(|_| ()).map_err(|error| error.to_string())
+            })
+        })
+        .collect();
+    for start in starts {
+        start.join().unwrap().unwrap();
+    }
+    let left: Vec<_> = std::fs::read_dir(data.screens()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.len() > 40 && left.iter().all(|name| !name.to_string_lossy().ends_with("part")), "{left:?}");
+    assert!(!data.screens().join(".installing").exists());
+}
+
 /// A first start on a disk that was full, or one that was cut off, left half of the pages away for ever.
 #[test]
 fn b6_an_installation_that_was_cut_off_goes_on_at_the_next_start() {

@@ -208,6 +208,11 @@ fn b2_a_corner_needs_a_move_behind_it() {
     assert_eq!(refused("G00 X0 Z0\nG01 Z10. F100 ,R-2.\nX5.\nM30\n", Dialect::LatheA), ("out-of-range", 2));
     assert_eq!(refused("G00 X0 Z0\nG00 Z10. ,R2.\nG01 X5. F100\nM30\n", Dialect::LatheA), ("unknown-word", 2));
     assert_eq!(refused("G00 X0 Z0\nG01 Z10. F100 ,B2.\nX5.\nM30\n", Dialect::LatheA), ("unexpected-character", 2));
+    // The corner before it leaves nothing of the line: it is that line which is too short.
+    assert_eq!(
+        refused("G00 X0 Z0\nG01 Z10. F100 ,R2.\nX2. ,R2.\nZ20.\nM30\n", Dialect::LatheA),
+        ("corner-does-not-fit", 3)
+    );
     // Turning back has no corner, 0 none either.
     assert_eq!(refused("G00 X0 Z0\nG01 Z10. F100 ,R2.\nZ0\nM30\n", Dialect::LatheA), ("corner-does-not-fit", 2));
     expect(

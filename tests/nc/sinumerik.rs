@@ -158,6 +158,10 @@ fn s1_what_programs_of_others_have() {
         mistakes(&check.run(&mut OfflineMachine::new(&settings), &mut |_| {}))
     };
     assert_eq!(check("R3=5\nMARK1:\nR3=R3-1\nIF(R3>2)GOTOB MARK1\nIF (R3+1)*2>100 GOTOB MARK1\nM2\n\u{1a}"), [""; 0]);
+    // 1500, 0.000001 and 20 by their exponents: a run that goes on to an error would say so.
+    let exponents = "R1=1.5EX3 R2=1EX-6 R3=2ex+1\nIF R1<>1500 GOTOF EE\nIF R2<>0.000001 GOTOF EE\nIF R3==20 GOTOF AA\nEE: G1 X800\nAA: M2\n";
+    assert_eq!(check(exponents), [""; 0]);
+    assert_eq!(check(&exponents.replace("ex+1", "ex+0")), ["5:8 no feed F has been given"]);
     assert!(!check("R3=5\nIF(R3>2 GOTOF A1\nA1:\nM2\n").is_empty());
     // A jump goes to a block number, too, and a label may begin with N.
     assert_eq!(check("R1=0\nN5 R1=R1+1\nIF R1<3 GOTOB N5\nGOTOF N0020\nN20 GOTOF NEXT\nN30\nNEXT: M2\n"), [""; 0]);

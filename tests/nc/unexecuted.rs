@@ -253,6 +253,18 @@ fn b3_an_alarm_that_the_values_of_the_call_raise_is_told() {
 }
 
 /// The number of a variable that is computed from an argument which the call does not give.
+/// O9071 in force as G71, and `G71 P10 Q20`: behind the alarm about P it read #5830.
+#[test]
+fn b3_values_that_an_alarm_has_refused_are_no_mistakes_of_the_text() {
+    let report = check_with(
+        "#1=10\nIF[#1 GT 6]THEN #3000=9(TOO MUCH)\n#2=#[5820+#1]\nG04 P[#1-20]\n#440=1\nG04 P-3\nM30\n",
+        &[],
+    );
+    assert_eq!(faults(&report), [(1001, 5, "bad-variable"), (1001, 6, "out-of-range")]);
+    let warned: Vec<_> = report.warnings.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
+    assert_eq!(warned, [(2, "alarm-reached"), (3, "bad-variable"), (4, "out-of-range")]);
+}
+
 #[test]
 fn b3_a_variable_of_an_argument_that_is_not_given_is_no_mistake() {
     let called = [(8100, "IF[#16EQ#0]GOTO 2\nIF[#[5820+#16]EQ1]THEN #3000=9(A)\nN2 M99\n".to_owned())];

@@ -97,7 +97,9 @@ impl CornerWords {
             (_, LineAngle::None) => {}
         }
         let corner = self.corner.map_or(Ok(None), |corner| {
-            let (one, other) = (self.segment(self.from, &first)?, self.segment(first.to, &second)?);
+            // What is left of the first one, if the corner before it has taken from it.
+            let one = self.segment(self.from, &first)?.ok_or(E::CornerDoesNotFit)?;
+            let other = self.segment(first.to, &second)?.ok_or(E::CornerWithoutMove)?;
             corner.between(&one, &other).map_err(|mistake| match mistake {
                 CornerMistake::DoesNotFit => E::CornerDoesNotFit,
                 CornerMistake::ChamferAtArc => E::ChamferAtArc,
@@ -137,16 +139,17 @@ impl CornerWords {
         }
     }
 
-    /// The segment of a move in the plane. A move across the plane has none.
-    fn segment(&self, from: WorkPos, by: &WorkMove) -> Result<PlaneSegment, E> {
+    /// The segment of a move in the plane, if it has a length. A move across the plane has none.
+    fn segment(&self, from: WorkPos, by: &WorkMove) -> Result<Option<PlaneSegment>, E> {
         let normal = self.plane.normal_axis();
         let (start, end) = (self.point(from), self.point(by.to));
         let segment = match by.arc {
             None => Some(PlaneSegment::line(start, end)),
             Some(arc) => PlaneSegment::arc(start, end, self.point(arc.center), arc.turn > 0),
         };
-        let stays = (by.to[normal] - from[normal]).abs() <= MIN_LENGTH_MM;
-        segment.filter(|segment| stays && segment.length() > MIN_LENGTH_MM).ok_or(E::CornerWithoutMove)
+        let in_plane = (by.to[normal] - from[normal]).abs() <= MIN_LENGTH_MM;
+        let segment = segment.filter(|_| in_plane).ok_or(E::CornerWithoutMove)?;
+        Ok(Some(segment).filter(|segment| segment.length() > MIN_LENGTH_MM))
     }
 
     /// Where a line from the start of this move meets the line that ends at a place; each has its angle.

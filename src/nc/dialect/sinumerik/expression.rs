@@ -1,6 +1,8 @@
 //! SINUMERIK expressions, evaluated while they are read: `+ − * / DIV MOD`, round brackets, functions, R parameters
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
+use std::ops::Range;
+
 use crate::defs::variable_name;
 use crate::nc::expression::{CoordinateFrame, Scope, enter, finite, function_value, signs};
 use crate::nc::fault::{Capitals, E, ReadResult, fail, fail1, fail2};
@@ -132,7 +134,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
 
     fn factor(&mut self) -> ReadResult<f64> {
         match self.cursor.peek() {
-            b'0'..=b'9' | b'.' => Ok(self.cursor.read_number()?.value),
+            b'0'..=b'9' | b'.' => self.number(),
             b'(' => self.bracket(),
             b'$' => self.position_variable(),
             b'R' | b'r' if matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'[' | b'-') => {
@@ -187,6 +189,31 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         }
     }
 
+    /// A number, also with an exponent: `1.5EX3`.
+    fn number(&mut self) -> ReadResult<f64> {
+        let start = self.cursor.at;
+        let number = self.cursor.read_number()?;
+        let mantissa = start..self.cursor.at;
+        let mut ahead = *self.cursor;
+        if !ahead.accept_keyword("EX") {
+            return Ok(number.value);
+        }
+        let exponent = ahead.at;
+        ahead.at += usize::from(matches!(ahead.peek(), b'+' | b'-'));
+        let digits = ahead.at;
+        while ahead.peek().is_ascii_digit() {
+            ahead.at += 1;
+        }
+        let written = |range: Range<usize>| String::from_utf8_lossy(&self.cursor.text[range]);
+        if digits == ahead.at {
+            return fail1(exponent, E::MissingNumber, "EX");
+        }
+        let value = format!("{}e{}", written(mantissa), written(exponent..ahead.at)).parse();
+        let value = value.ok().filter(|value: &f64| value.is_finite());
+        self.cursor.at = ahead.at;
+        value.map_or_else(|| fail(start, E::Overflow), Ok)
+    }
+
     fn parameter_number(&mut self) -> ReadResult<u32> {
         let at = self.cursor.at;
         self.cursor.at += 1;
@@ -235,7 +262,7 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
         skip_blanks(self.cursor);
         let open = self.cursor.at;
         if !self.cursor.accept(b'[') {
-            return fail1(open, E::MissingNumber, "$AA_IW");
+            return fail1(open, E::MissingNumber, format_args!("${}", Capitals(word)));
         }
         skip_blanks(self.cursor);
         let letter = self.cursor.peek().to_ascii_uppercase();
