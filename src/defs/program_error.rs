@@ -413,6 +413,14 @@ program_errors! {
         "连续方式 G64 总是预读，不需要高速高精指令：删去本字", "path mode G64 always reads ahead and needs no code for high speed or accuracy: delete the word";
     ContourReversed = 572, "contour-reversed", "{} 不在 {2} 之后", "{} does not stand behind {2}",
         "P 是轮廓的第一段，Q 是最后一段：对调 P 和 Q，或改段号", "P is the first block, Q the last: exchange them";
+    ContourReturn = 575, "contour-return", "从轮廓终点沿 X、沿 Z 都不能不碰工件地退回起点", "neither along X nor along Z does the way from the contour's end back to the start keep clear of the contour",
+        "让轮廓的最后一段离开工件", "let the contour's last block lead away from the part";
+    ContourApart = 576, "contour-apart", "循环和它的轮廓 {} 之间有别的程序段，循环后从 {2} 之后继续，会跳过它", "this block stands between a cycle and its contour {} and would be skipped: the program goes on behind {2}",
+        "轮廓紧接在循环之后写", "write the contour directly behind the cycle";
+    ContourTooLong = 577, "contour-too-long", "轮廓读了 {} 段还没有到最后一段 Q", "after {} blocks the contour has not come to its last block Q",
+        "减少轮廓的段数；轮廓中不能有不停的循环", "write it with fewer blocks, and without a loop that does not end";
+    ContourLeft = 578, "contour-left", "轮廓段中不能调用、返回，也不能跳到 P–Q 之外", "a contour has no calls, and no jump out of P to Q",
+        "把 M98、G65、G66、M99 和 GOTO 移到 P–Q 段以外", "move M98, G65, G66, M99 and the jump outside P to Q";
     JumpIntoWhile = 570, "jump-into-while", "跳转进入了循环：{} 之前没有经过第 {2} 行的 WHILE", "a jump entered the loop: {} was reached without the WHILE in line {2}",
         "GOTO 只能跳到循环外，或同一循环内", "GOTO may leave a loop or stay in it: jump to a block before the WHILE";
     ConditionBrackets = 573, "condition-brackets", "{} 的条件写在圆括号里，圆括号是注释", "the condition of {} stands in round brackets, which are a comment",

@@ -76,23 +76,6 @@ pub fn check(source: &Arc<Source>, library: &SharedLibrary, settings: &NcSetting
     ProgramCheck::new(source, library, settings, CommonVariables::default()).run(&mut world, &mut |_| {})
 }
 
-/// Checks only the syntax of some lines, without the rest of the program: jump targets are not checked.
-#[must_use]
-pub fn check_syntax(source: &Arc<Source>, settings: &NcSettings) -> Vec<ProgramFault> {
-    const ELSEWHERE: [E; 6] = [
-        E::MissingTarget,
-        E::SeveralTargets,
-        E::MissingLabel,
-        E::SeveralLabels,
-        E::LabelInOtherDirection,
-        E::LoopUnpaired,
-    ];
-    let (mut unread, mut faults) = (UnexecutedLines::new(source.line_count()), Vec::new());
-    while unread.advance(source, settings, None, &mut WorkBudget::unlimited(), &mut |fault| faults.push(fault)) {}
-    faults.retain(|fault: &ProgramFault| !ELSEWHERE.contains(&fault.error));
-    faults
-}
-
 /// The state of a run when it began to repeat lines; restored if the repetition turns out to be endless.
 #[derive(Clone, Debug, Default)]
 struct LoopCheckpoint {
@@ -362,6 +345,21 @@ impl ProgramCheck {
         (TextLine { text, line }, new)
     }
 
+    /// Marks the lines that a cycle has read for its contour.
+    #[cold]
+    fn mark_contour(&mut self) {
+        let marks = match self.place.text {
+            0 => Some(&mut self.unread.marks),
+            text => self.called.get_mut(text).map(|text| &mut text.marks),
+        };
+        let lines = self.interpreter.contour_memory.iter().flat_map(|memory| memory.ops.iter().map(|(_, line)| *line));
+        if let Some(marks) = marks {
+            lines.for_each(|line| {
+                marks.mark(line - 1);
+            });
+        }
+    }
+
     /// Notes the result of the IF in the line that was read last.
     fn mark_condition(&mut self, holds: bool) {
         let TextLine { text, line } = self.place;
@@ -507,9 +505,12 @@ impl ProgramCheck {
         true
     }
 
-    /// Notes the result of an IF, and what the block has read without a value.
+    /// Notes the result of an IF, what the block has read without a value, and the contour that it has read.
     #[inline]
     fn note_values(&mut self) {
+        if std::mem::take(&mut self.interpreter.contour_was_read) {
+            self.mark_contour();
+        }
         if let Some(holds) = self.interpreter.block_words.condition {
             self.mark_condition(holds);
         }

@@ -2,13 +2,17 @@
 //! Works on the operations of the contour's blocks, in work coordinates, radius mm; does not read text.
 //! Source: spec B2 (G70–G73).
 
+use std::sync::Arc;
+
 use super::block::Block;
 use super::contour_compensation::{ContourCutter, ContourMistake, offset_segments};
+use super::contour_return::{is_return_free, return_axis};
 use super::contour_segment::{ContourSegment, MIN_LENGTH_MM, other_axis, rapid_to, return_to_start};
 use super::flow::{Flow, Place};
 use super::op::{Feed, Op};
 use super::op_effect::{OpEffect, OpMotion, WorkMove};
 use super::roughing::{PocketMemory, RoughingCycle};
+use super::source::Source;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::text::arg::Arg;
 use crate::geometry::CutterPath;
@@ -55,6 +59,10 @@ pub(crate) struct ContourMemory {
     pub block: Block,
     /// The operations of the contour's blocks, each with the line of its block (from 1).
     pub ops: Vec<(Op, u32)>,
+    /// Program and byte of the contour's first block.
+    pub place: (u32, usize),
+    /// The contour that was roughed last, and along which axis the infeeds were.
+    roughed: Option<((u32, usize), Axis)>,
     /// The cutter that runs beside the contour.
     pub cutter: Option<ContourCutter>,
     segments: Vec<ContourSegment>,
@@ -66,7 +74,14 @@ impl ContourMemory {
     pub fn new(flow: Flow, block: Block) -> Self {
         let (ops, segments) = (Vec::with_capacity(MAX_CONTOUR_BLOCKS), Vec::with_capacity(MAX_CONTOUR_BLOCKS));
         let path = CutterPath::with_look_ahead(MAX_CONTOUR_BLOCKS);
-        Self { flow, block, ops, cutter: None, segments, path, pockets: PocketMemory::default() }
+        let (place, roughed, pockets) = ((0, 0), None, PocketMemory::default());
+        Self { flow, block, ops, place, roughed, cutter: None, segments, path, pockets }
+    }
+
+    /// Forgets the program before: another one begins.
+    pub fn begin(&mut self, source: Arc<Source>) {
+        self.flow.begin(source);
+        self.roughed = None;
     }
 
     /// Appends the operations of the cycle from a starting point to `ops`.
@@ -75,6 +90,8 @@ impl ContourMemory {
     /// The mistake in the contour; `ops` may hold a part of the cycle then.
     pub fn expand(&mut self, cycle: &ContourCycle, start: WorkPos, ops: &mut Vec<Op>) -> Result<(), ContourMistake> {
         let wrong = |error: E| (error, Default::default());
+        let is_finish = matches!(cycle.kind, CycleKind::Finish);
+        let is_roughing = matches!(cycle.kind, CycleKind::Roughing { .. });
         self.read_segments(start).map_err(wrong)?;
         let Some(first) = self.segments.first().copied() else { return Err(wrong(E::ContourEmpty)) };
         let has_pockets = self.names_both_axes();
@@ -90,8 +107,12 @@ impl ContourMemory {
             offset_segments(segments, cutter, path, line)?;
         }
         let segments = &self.segments;
-        // The axis that approaches the contour first also retracts first.
-        let across = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
+        let first_axis = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
+        let roughed = self.roughed.filter(|(place, _)| is_finish && *place == self.place);
+        let across = roughed.map_or_else(|| return_axis(segments, first_axis), |(_, infeed)| infeed);
+        if !is_roughing && !is_return_free(segments, start, across) {
+            return Err(wrong(E::ContourReturn));
+        }
         match cycle.kind {
             CycleKind::Finish => {
                 self.push_finishing_pass(ops);
@@ -104,6 +125,7 @@ impl ContourMemory {
                     .map_err(|(error, of)| {
                         (error, [of.map_or(Arg::None, |of| Arg::from(line(of.source))), Arg::None])
                     })?;
+                self.roughed = Some((self.place, infeed));
             }
             CycleKind::Pattern { shift, passes, feed } => {
                 for pass in 0..passes {

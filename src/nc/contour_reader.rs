@@ -1,5 +1,8 @@
 //! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
+//!
+//! They are those between P and Q in the text of the cycle: no call leads into them or out of them, no jump out of them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::block::Block;
@@ -9,12 +12,17 @@ use super::contour_compensation::ContourCutter;
 use super::corner::{CornerWord, CornerWords, LineAngle};
 use super::external_state::{AheadState, ExternalState};
 use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail, fail1, fail2};
-use super::flow::Flow;
+use super::flow::{Flow, Place};
 use super::interpreter::{Interpreter, StepStatus};
+use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::op::Op;
+use super::statement;
 use crate::defs::text::arg::Arg;
 use crate::units::WorkPos;
+
+/// The G codes of contour blocks: moves, compensation, path mode, feed and speed.
+const CONTOUR_G: [u32; 16] = [0, 1, 2, 3, 9, 18, 40, 41, 42, 61, 64, 80, 96, 97, 98, 99];
 
 impl Interpreter {
     /// Expands a cycle into operations. The program continues after the contour, or after the cycle if that is later.
@@ -32,7 +40,7 @@ impl Interpreter {
         let (modals, last_n, n) = (self.modals, self.last_block_number, self.block_words.block_number);
         self.flow.place = *begin;
         let read = self.read_contour(cycle, world, &mut memory);
-        let end_line = self.flow.place.line;
+        let (end, read_modals) = (self.flow.place, self.modals);
         std::mem::swap(&mut self.flow, &mut memory.flow);
         (self.modals, self.last_block_number, self.block_words.block_number, self.second_half) =
             (modals, last_n, n, false);
@@ -47,10 +55,15 @@ impl Interpreter {
             self.flow.place = *begin;
             return Err(stop);
         }
-        (block.modals, block.is_cycle) = (self.modals, true);
-        if !matches!(cycle.kind, CycleKind::Finish) && end_line > self.flow.place.line {
-            self.flow.go_to_line(end_line);
+        if matches!(cycle.kind, CycleKind::Finish) {
+            // Speed and path mode of the contour act in this pass, and from then on.
+            let ModalState { speed_mode, g97_mode, speed, path_mode, .. } = read_modals;
+            self.modals = ModalState { speed_mode, g97_mode, speed, path_mode, ..self.modals };
+        } else if end.at > self.flow.place.at {
+            self.flow.go_behind(end);
         }
+        (block.modals, block.is_cycle) = (self.modals, true);
+        self.contour_was_read = true;
         Ok(StepStatus::Block)
     }
 
@@ -61,22 +74,9 @@ impl Interpreter {
         world: &mut dyn ExternalState,
         memory: &mut ContourMemory,
     ) -> ReadResult<()> {
-        let (source, at) = (&self.flow.source, self.flow.place.at);
-        if source.find_block(cycle.last_block, at).is_none() {
-            return fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block));
-        }
-        // DECISION: of several blocks with the number, G70 takes the last one before it, the others the next one behind.
-        let before = matches!(cycle.kind, CycleKind::Finish).then(|| source.find_block_before(cycle.first_block, at));
-        match before.flatten() {
-            Some(first) => self.flow.go_to(first),
-            None => self.flow.go_to_block(cycle.first_block, cycle.at)?,
-        }
-        let first = self.flow.place.at;
-        let ends_before = |found: usize| cycle.last_block != cycle.first_block && found < first;
-        if self.flow.source.find_block(cycle.last_block, first).is_some_and(ends_before) {
-            let [last, first] = [cycle.last_block, cycle.first_block].map(|n| Arg::from(format_args!("N{n}")));
-            return fail2(cycle.at, E::ContourReversed, last, first);
-        }
+        let last = self.go_to_contour(cycle, memory.flow.place)?;
+        let (first, level) = (self.flow.place.at, self.flow.call_depth());
+        memory.place = (self.flow.source.number(), first);
         let mut ahead = AheadState { position: world.position(), inner: world, reads_machine: true };
         let ContourMemory { block: inner, ops, cutter, .. } = memory;
         ops.clear();
@@ -90,8 +90,12 @@ impl Interpreter {
                 StepStatus::End => break,
                 StepStatus::Empty | StepStatus::Block => {}
             }
-            if self.pending_cycle.take().is_some() {
-                return fail(at, E::ContourCode);
+            if self.flow.call_depth() != level || self.flow.modal_calls.is_active() {
+                return fail(at, E::ContourLeft);
+            }
+            let foreign = self.block_words.g.iter().find(|code| !CONTOUR_G.contains(&code.number));
+            if self.pending_cycle.take().is_some() || foreign.is_some() || inner.modals.motion.is_cycle() {
+                return fail(foreign.map_or(at, |code| code.at as usize), E::ContourCode);
             }
             let (line, mut asked) = (inner.location.line, self.corner_words.take());
             for op in inner.ops.drain(..) {
@@ -112,8 +116,36 @@ impl Interpreter {
                 let left = open.filter(|(_, words)| !words.is_optional());
                 return left.map_or(Ok(()), |(_, words)| refuse_corner(&words, words.without_move()));
             }
+            if !(first..=last).contains(&self.flow.place.at) {
+                return fail(at, E::ContourLeft);
+            }
         }
-        fail1(cycle.at, E::MissingTarget, format_args!("N{}", cycle.last_block))
+        fail1(cycle.at, E::ContourTooLong, format_args!("{MAX_CONTOUR_BLOCKS}"))
+    }
+
+    /// Goes to the first block of a contour; returns where the last one begins. `cycle_end` is behind the cycle.
+    fn go_to_contour(&mut self, cycle: &ContourCycle, cycle_end: Place) -> ReadResult<usize> {
+        let name = |n: u32| Arg::from(format_args!("N{n}"));
+        let (source, at) = (&self.flow.source, self.flow.place.at);
+        if source.find_block(cycle.last_block, at).is_none() {
+            return fail1(cycle.at, E::MissingTarget, name(cycle.last_block));
+        }
+        // DECISION: of several blocks with the number, G70 takes the last one before it, the others the next one behind.
+        let is_finish = matches!(cycle.kind, CycleKind::Finish);
+        let before = is_finish.then(|| source.find_block_before(cycle.first_block, at)).flatten();
+        match before {
+            Some(first) => self.flow.go_to(first),
+            None => self.flow.go_to_block(cycle.first_block, cycle.at)?,
+        }
+        let (source, first) = (&self.flow.source, self.flow.place.at);
+        let Some(last) = source.find_block(cycle.last_block, first).filter(|last| *last >= first) else {
+            return fail2(cycle.at, E::ContourReversed, name(cycle.last_block), name(cycle.first_block));
+        };
+        // They would be skipped: the program goes on behind the contour.
+        if !is_finish && let Some(between) = first_content(source.bytes(), cycle_end.at..first) {
+            return fail2(between, E::ContourApart, name(cycle.first_block), name(cycle.last_block));
+        }
+        Ok(last)
     }
 
     /// Puts the corner between the open move of the contour and the next one, which has words of its own. Returns where the
@@ -156,6 +188,25 @@ impl Interpreter {
         }
         Ok(())
     }
+}
+
+/// The first block of a stretch of text that holds anything but its number or a comment.
+#[cold]
+fn first_content(text: &[u8], stretch: Range<usize>) -> Option<usize> {
+    let mut at = stretch.start;
+    while at < stretch.end {
+        let mut cursor = Cursor::window(text, at);
+        // Behind another block of its line.
+        let is_inner = cursor.accept(b';');
+        if statement::has_content(&mut cursor) {
+            return Some(at);
+        }
+        at = statement::next_block_on_line(text, at, is_inner).unwrap_or_else(|| {
+            cursor.skip_rest_of_line();
+            Place::behind(cursor, 0).at
+        });
+    }
+    None
 }
 
 /// Refuses a corner of the contour, at its word.

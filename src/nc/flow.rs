@@ -26,7 +26,7 @@ pub(crate) enum Callee {
 }
 
 /// How many calls of each kind are open.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct CallDepth {
     subs: usize,
     macros: usize,
@@ -277,14 +277,20 @@ impl Flow {
         self.place = Place { at, line, mid_line: at != self.source.line_start(line) };
     }
 
+    /// Goes to a place of this text. Leaves loops that do not contain it.
+    pub fn go_behind(&mut self, place: Place) {
+        self.place = place;
+        let stays = |open: &OpenLoop| open.while_at < place.at && place.at <= open.end.at as usize;
+        self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
+    }
+
     /// GOTO: goes to the next block with the number, else to the first. Leaves loops that do not contain it.
     pub fn go_to_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
         let Some(target) = self.source.find_block(n, self.place.at) else {
             return fail1(at, E::MissingTarget, format!("N{n}"));
         };
-        let stays = |open: &OpenLoop| open.while_at < target && target <= open.end.at as usize;
-        self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
         self.go_to(target);
+        self.go_behind(self.place);
         Ok(())
     }
 
@@ -333,9 +339,7 @@ impl Flow {
     /// Goes to the line (from 0) behind another one. Leaves loops that do not contain it.
     pub fn go_behind_line(&mut self, line: u32) {
         self.go_to_line(line + 1);
-        let at = self.place.at;
-        let stays = |open: &OpenLoop| open.while_at < at && at <= open.end.at as usize;
-        self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
+        self.go_behind(self.place);
     }
 
     /// Returns to the started program, however many repetitions of its calls are left.

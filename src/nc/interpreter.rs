@@ -57,6 +57,8 @@ pub struct Interpreter {
     pub(super) second_half: bool,
     /// Blocks of a contour that the last step has read besides its own.
     pub(super) contour_blocks: usize,
+    /// The last step was a cycle, which has read a contour.
+    pub(super) contour_was_read: bool,
     /// The arguments of the macro call that the present block makes.
     call_arguments: Locals,
     /// The block number read last (#4114).
@@ -113,6 +115,7 @@ impl Interpreter {
             ended: false,
             second_half: false,
             contour_blocks: 0,
+            contour_was_read: false,
             call_arguments: [None; 33],
             last_block_number: None,
             passes: IdlePasses::default(),
@@ -129,6 +132,7 @@ impl Interpreter {
 
     /// Starts at the head of another program, in the memory of this interpreter.
     pub fn begin(&mut self, program: (Arc<Source>, SharedLibrary), settings: NcSettings, memory: &CommonVariables) {
+        self.contour_memory.iter_mut().for_each(|memory| memory.begin(Arc::clone(&program.0)));
         self.flow.begin(program.0);
         self.library = program.1;
         self.common_variables.clone_from(memory);
@@ -144,7 +148,7 @@ impl Interpreter {
 
     /// Lets go of the program and its library; others take their place.
     pub fn leave(&mut self, (source, library): (Arc<Source>, SharedLibrary)) {
-        self.contour_memory.iter_mut().for_each(|memory| memory.flow.begin(Arc::clone(&source)));
+        self.contour_memory.iter_mut().for_each(|memory| memory.begin(Arc::clone(&source)));
         self.flow.begin(source);
         self.library = library;
         self.forget_blocks();
@@ -153,7 +157,7 @@ impl Interpreter {
 
     /// Forgets what was read and waits.
     fn forget_blocks(&mut self) {
-        (self.pending_cycle, self.corner_words) = (None, None);
+        (self.pending_cycle, self.corner_words, self.contour_was_read) = (None, None, false);
         self.corners.reset();
         self.compensation.reset();
     }

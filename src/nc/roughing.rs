@@ -195,11 +195,15 @@ impl RoughingCycle {
         let level = self.level(number, directions);
         let is_free = |at: f64| (at - level) * down >= -MIN_LENGTH_MM;
         let first = waiting.len();
+        // At the start there is air down to where the contour begins. An allowance may put its beginning before the start.
+        let is_air_at_start = parts.first().is_none_or(|part| (level - part.from[a]) * down <= MIN_LENGTH_MM);
+        let from_start = |at: f64| if (at - self.start[b]) * along < 0.0 { self.start[b] } else { at };
         let add = |begin: f64, end: f64, waiting: &mut Vec<RoughingStroke>| {
+            let begin = from_start(begin);
             let is_within =
                 (begin - above.begin) * along >= -MIN_LENGTH_MM && (above.end - end) * along >= -MIN_LENGTH_MM;
             if is_within && (end - begin) * along > MIN_LENGTH_MM {
-                let is_open = above.is_open && (begin - self.start[b]).abs() <= MIN_LENGTH_MM;
+                let is_open = above.is_open && is_air_at_start && (begin - self.start[b]).abs() <= MIN_LENGTH_MM;
                 waiting.push(RoughingStroke { number, begin, end, is_open });
             }
         };

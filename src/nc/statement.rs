@@ -399,6 +399,12 @@ fn read_syntax_only(cursor: &mut Cursor<'_>, words: &mut BlockWords) -> ReadResu
     Ok(cursor.at > at)
 }
 
+/// Whether the block at a cursor holds anything but its number or a comment; the cursor is then somewhere in its line.
+#[cold]
+pub(super) fn has_content(cursor: &mut Cursor<'_>) -> bool {
+    !matches!(read_syntax_only(cursor, &mut BlockWords::default()), Ok(false))
+}
+
 /// The start of the block after the next `;`, for the block that begins at `at`; `text` ends with its line.
 pub(crate) fn next_block_on_line(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
     let mut cursor = Cursor::window(text, at);

@@ -1,6 +1,8 @@
 //! Lines that a run does not execute: checks their syntax, and what else can be checked without a run.
 //! Source: spec B1, T4, L1, L4, L7.
 
+use std::sync::Arc;
+
 use super::dialect::{self, UnexecutedBlock};
 use super::fault::{E, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1};
 use super::interpreter::BLOCK_WORK;
@@ -192,4 +194,21 @@ const LABEL_SEARCH_BYTES: usize = 256;
 /// Whether a line has no block.
 fn has_no_block(line: &[u8]) -> bool {
     line.trim_ascii_start().first().is_none_or(|first| matches!(first, b';' | b'%' | b'('))
+}
+
+/// Checks only the syntax of some lines, without the rest of the program: jump targets are not checked.
+#[must_use]
+pub fn check_syntax(source: &Arc<Source>, settings: &NcSettings) -> Vec<ProgramFault> {
+    const ELSEWHERE: [E; 6] = [
+        E::MissingTarget,
+        E::SeveralTargets,
+        E::MissingLabel,
+        E::SeveralLabels,
+        E::LabelInOtherDirection,
+        E::LoopUnpaired,
+    ];
+    let (mut unread, mut faults) = (UnexecutedLines::new(source.line_count()), Vec::new());
+    while unread.advance(source, settings, None, &mut WorkBudget::unlimited(), &mut |fault| faults.push(fault)) {}
+    faults.retain(|fault: &ProgramFault| !ELSEWHERE.contains(&fault.error));
+    faults
 }

@@ -110,7 +110,7 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
 
 #[test]
 fn b6_the_help_knows_the_g_codes_that_the_language_knows() {
-    use kt830::nc::{NcSettings, Source, check::check_syntax};
+    use kt830::nc::{NcSettings, Source, check_syntax};
     // G17 of other machines is refused by its name.
     let unknown =
         [ProgramError::UnknownG, ProgramError::UnknownCode, ProgramError::WrongKindG].map(ProgramError::number);

@@ -5,6 +5,7 @@
 mod calls;
 mod common_variables;
 mod compensation;
+mod contour_cycles;
 mod corners;
 mod cutter_compensation;
 mod everyday_words;

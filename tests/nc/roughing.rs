@@ -186,9 +186,14 @@ proptest! {
     fn b2_strokes_of_random_contours_keep_off_the_contour(
         points in prop::collection::vec((0.5..15.0_f64, 3.0..29.0_f64), 2..25),
         depth in 0.5..6.0_f64,
+        across in prop_oneof![Just(0.0), 0.0..0.9_f64],
+        along in prop_oneof![Just(0.0), -0.4..0.4_f64],
     ) {
         let mut corners = vec![[0.0, points[0].1]];
-        let mut text = format!("G00 X30. Z0\nG71 U{depth:.9} R0.3\nG71 P10 Q20 U0 W0 F100\nN10 G00 X{:.9} W0\n", points[0].1);
+        let mut text = format!(
+            "G00 X30. Z0\nG71 U{depth:.9} R0.3\nG71 P10 Q20 U{across:.9} W{along:.9} F100\nN10 G00 X{:.9} W0\n",
+            points[0].1
+        );
         for (index, (length, x)) in points.iter().enumerate() {
             let z = corners[corners.len() - 1][0] - length;
             corners.push([z, *x]);
@@ -198,10 +203,12 @@ proptest! {
         text.push_str("M30\n");
         let moves = moves_of_line(&text, 3).unwrap();
         let strokes = &moves[..moves.len() - corners.len() - 3];
-        let end = corners[corners.len() - 1][0];
+        corners.iter_mut().for_each(|corner| *corner = [corner[0] + along, corner[1] + across]);
+        // From where both the stock and the contour are to where they are no more.
+        let (begin, end) = (along.min(0.0), corners[corners.len() - 1][0]);
         // What stands at each place along Z: at first all up to the start.
         const STEPS: usize = 2_000;
-        let place = |step: usize| end * (step as f64 + 0.5) / STEPS as f64;
+        let place = |step: usize| begin + (end - begin) * (step as f64 + 0.5) / STEPS as f64;
         let mut stock = vec![30.0_f64; STEPS];
         let mut from = [0.0_f64, 30.0];
         for (rapid, to) in strokes {

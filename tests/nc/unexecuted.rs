@@ -22,7 +22,7 @@ impl Library for Shelf {
 }
 
 /// The check of O1001 on GC, with the other programs at hand.
-fn check_with(text: &str, others: &[(u32, String)]) -> CheckReport {
+pub fn check_with(text: &str, others: &[(u32, String)]) -> CheckReport {
     let source =
         |number: u32, text: &str| Arc::new(Source::new(number, format!("O{number:04}.NC"), text, Dialect::LatheA));
     let shelf = others.iter().map(|(number, text)| (*number, source(*number, text))).collect();
@@ -30,7 +30,7 @@ fn check_with(text: &str, others: &[(u32, String)]) -> CheckReport {
 }
 
 /// The mistakes: program, line, stable name.
-fn faults(report: &CheckReport) -> Vec<(u32, u32, &'static str)> {
+pub fn faults(report: &CheckReport) -> Vec<(u32, u32, &'static str)> {
     report.faults.iter().map(|fault| (fault.location.program, fault.location.line, fault.error.id())).collect()
 }
 

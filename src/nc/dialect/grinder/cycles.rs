@@ -217,6 +217,12 @@ fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<
         let letter = if code == 74 { "P" } else { "Q" };
         return fail2(at, E::MissingWord, format_args!("G{code}"), letter);
     }
+    if let (Some(word), Some(step)) = (relief, groove.step_width.filter(|_| moves_aside))
+        && groove.relief.abs() > step.min((to[groove.step] - from[groove.step]).abs())
+    {
+        // It would go at rapid beyond what is cut.
+        return out_of_range(word, if code == 74 { "≤P" } else { "≤Q" });
+    }
     groove.push_ops(running, at)
 }
 
