@@ -414,7 +414,7 @@ program_errors! {
     ContourReversed = 572, "contour-reversed", "{} 不在 {2} 之后", "{} does not stand behind {2}",
         "P 是轮廓的第一段，Q 是最后一段：对调 P 和 Q，或改段号", "P is the first block, Q the last: exchange them";
     ContourReturn = 575, "contour-return", "从轮廓终点沿 X、沿 Z 都不能不碰工件地退回起点", "neither along X nor along Z does the way from the contour's end back to the start keep clear of the contour",
-        "让轮廓的最后一段离开工件", "let the contour's last block lead away from the part";
+        "循环从轮廓以外的点开始（与粗加工同一起点），或让轮廓的最后一段离开工件", "begin the cycle outside the contour, as the roughing does, or let its last block lead away from the part";
     ContourApart = 576, "contour-apart", "循环和它的轮廓 {} 之间有别的程序段，循环后从 {2} 之后继续，会跳过它", "this block stands between a cycle and its contour {} and would be skipped: the program goes on behind {2}",
         "轮廓紧接在循环之后写", "write the contour directly behind the cycle";
     ContourTooLong = 577, "contour-too-long", "轮廓读了 {} 段还没有到最后一段 Q", "after {} blocks the contour has not come to its last block Q",
