@@ -6,7 +6,9 @@
 
 use std::cell::RefCell;
 use std::fs::{self, File, OpenOptions};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Seek, SeekFrom, Write};
+use std::num::NonZeroU64;
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -91,6 +93,12 @@ fn tell(change: DiskChange<'_>) -> io::Result<bool> {
         Some(observer) => observer.borrow_mut().before(change).map(|()| true),
         None => Ok(false),
     })
+}
+
+/// A number that no other machine has. Under an observer it is always the same one: a story gives the same files.
+pub(super) fn new_identity() -> Option<NonZeroU64> {
+    let is_observed = OBSERVER.with_borrow(Option::is_some);
+    NonZeroU64::new(if is_observed { 1 } else { RandomState::new().hash_one(std::process::id()) })
 }
 
 /// Creates a folder, and those above it that are missing.

@@ -236,7 +236,38 @@ fn b6_the_mark_of_a_real_machine_alone_is_no_first_start() {
     assert!(found.loss.is_some_and(|loss| loss.state_of.is_none()) && !matches(&mut store, "830830"));
 }
 
-/// The data of another machine in the place of ours: the kind is told until a person has chosen it.
+/// The database of another machine is a loss, whatever its number of commits: ours come from the copies. So is one whose
+/// journal and states of another machine stand beside it; a state that somebody has put there is none of ours.
+#[test]
+fn b6_the_data_of_another_machine_are_not_taken_for_ours() {
+    let other = tempfile::tempdir().unwrap();
+    let (mut store, _) = open(other.path());
+    for number in 0..200 {
+        store.commit(&[StorageRequest::Variable(860, Some(f64::from(number)))]).unwrap();
+    }
+    drop(store);
+    let take = |folder: &Path, name: &str| fs::copy(other.path().join(name), folder.join(name)).map(|_| ()).unwrap();
+    let folder = session();
+    take(folder.path(), DATABASE);
+    assert_restored(folder.path(), "database");
+    // The lock is lost, too: the journal says whose the data are.
+    let folder = session();
+    take(folder.path(), DATABASE);
+    fs::remove_file(folder.path().join("retained.lock")).unwrap();
+    assert_restored(folder.path(), "database, lock gone");
+    let folder = session();
+    take(folder.path(), DATABASE);
+    take(folder.path(), "retained.journal");
+    assert_restored(folder.path(), "database and journal");
+    // A newer state of theirs among ours.
+    let folder = session();
+    let state = fs::read_dir(other.path().join("generations")).unwrap().next().unwrap().unwrap();
+    fs::copy(state.path(), folder.path().join("generations/retained-0000999999.ron")).unwrap();
+    let (_, found) = open(folder.path());
+    assert!(found.loss.is_none() && has_values(&found), "{:?}", found.loss);
+}
+
+/// The data of a machine of another kind that were put here whole: the kind is told until a person has chosen it.
 #[test]
 fn k1_a_database_of_another_kind_is_told() {
     let folder = session();
@@ -247,6 +278,10 @@ fn k1_a_database_of_another_kind_is_told() {
     }
     drop(store);
     fs::copy(other.path().join(DATABASE), folder.path().join(DATABASE)).unwrap();
+    // The database alone is a loss of ours.
+    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gc));
+    fs::copy(other.path().join("retained.journal"), folder.path().join("retained.journal")).unwrap();
+    fs::remove_file(folder.path().join("retained.lock")).unwrap();
     assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gs));
     for start in 1..=2 {
         let (_, found) = RetainedStore::open(folder.path(), Kind::Gs).unwrap();

@@ -60,6 +60,11 @@ fn alarm(count: u64, text: &str) -> PastAlarm {
     }
 }
 
+/// The same machine without any value.
+fn none_of(data: &RetainedData) -> RetainedData {
+    RetainedData { identity: data.identity, ..RetainedData::default() }
+}
+
 /// A file of 400 variables, closed; returns what was in it.
 fn filled(folder: &Path) -> RetainedData {
     let mut retained = open(folder).database;
@@ -75,7 +80,7 @@ fn what_was_committed_is_there_after_a_restart() {
     let first = open(folder.path());
     assert!(first.fresh && first.damaged.is_none());
     let mut retained = first.database;
-    assert_eq!(retained.load().unwrap(), RetainedData::default());
+    assert_eq!(retained.load().unwrap(), none_of(&retained.load().unwrap()));
     assert_eq!(retained.commit(&one_of_each()).unwrap(), Generation(1));
     let before = retained.load().unwrap();
     drop(retained);
@@ -129,7 +134,7 @@ fn a_bad_change_refuses_the_whole_commit() {
         let refused = retained.commit(&[variable(501, 1.0), change.clone()]);
         assert!(matches!(refused, Err(RetainedError::BadChange { .. })), "{change:?}: {refused:?}");
     }
-    assert_eq!(retained.load().unwrap(), RetainedData::default());
+    assert_eq!(retained.load().unwrap(), none_of(&retained.load().unwrap()));
 }
 
 #[test]
@@ -154,7 +159,7 @@ fn check_damage(what: &str, bytes: &[u8]) {
     assert_eq!(report.kept_as, folder.path().join("retained.damaged-1.redb"), "{what}");
     assert!(fs::read(&report.kept_as).unwrap() == bytes, "{what}: not kept as it was");
     let mut retained = opened.database;
-    assert_eq!(retained.load().unwrap(), RetainedData::default(), "{what}");
+    assert_eq!(retained.load().unwrap(), none_of(&retained.load().unwrap()), "{what}");
     retained.commit(&[variable(500, 1.0)]).unwrap();
     drop(retained);
     let again = open(folder.path());
@@ -274,15 +279,22 @@ fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
     assert!(transaction.delete_table(redb::TableDefinition::<u16, &str>::new("alarms")).unwrap());
     let meta = redb::TableDefinition::<&str, u64>::new("meta");
     transaction.open_table(meta).unwrap().insert("kt830 retained format", 1).unwrap();
+    transaction.open_table(meta).unwrap().remove("identity").unwrap();
     transaction.commit().unwrap();
     drop(database);
+    // Nothing said whose the data are.
+    fs::write(folder.path().join("retained.lock"), "used\n").unwrap();
+    fs::remove_file(folder.path().join("retained.journal")).unwrap();
     let opened = open(folder.path());
     assert!(opened.damaged.is_none() && !opened.fresh);
     let mut retained = opened.database;
     assert_eq!(retained.load().unwrap().variables[&500].to_bits(), 1.5_f64.to_bits());
     retained.commit(&[RetainedChange::Alarm(alarm(1, "急停"))]).unwrap();
+    let identity = retained.load().unwrap().identity;
     drop(retained);
-    assert_eq!(open(folder.path()).database.load().unwrap().alarms.len(), 1);
+    let data = open(folder.path()).database.load().unwrap();
+    assert_eq!((data.alarms.len(), data.identity), (1, identity));
+    assert!(identity.is_some());
 }
 
 #[test]

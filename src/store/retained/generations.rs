@@ -2,10 +2,11 @@
 //! database is damaged or gone, the newest whole one takes its place. Source: spec K4.2, B6; safety stance.
 
 use std::fs;
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use super::RetainedData;
+use super::{RetainedData, is_own, own_identity};
 use crate::store::disk;
 use crate::store::io_fault::IoFault;
 use crate::store::ron_file::{self, ChecksumPolicy, RonError};
@@ -59,13 +60,15 @@ pub(super) fn has_any(folder: &Path) -> bool {
 /// The newest state that is whole, with the time of its file.
 #[must_use]
 pub(super) fn newest_whole(folder: &Path) -> Option<(Option<SystemTime>, RetainedData)> {
-    list(folder).into_iter().find_map(|file| read(&file).map(|data| (modified(&file.path), data)))
+    let own = own_identity(folder);
+    list(folder).into_iter().find_map(|file| read(&file, own).map(|data| (modified(&file.path), data)))
 }
 
 /// The kept states that are whole, the newest first, with the time of their file.
 #[must_use]
 pub fn whole(folder: &Path) -> Vec<(Option<SystemTime>, RetainedData)> {
-    list(folder).iter().filter_map(|file| Some((modified(&file.path), read(file)?))).collect()
+    let own = own_identity(folder);
+    list(folder).iter().filter_map(|file| Some((modified(&file.path), read(file, own)?))).collect()
 }
 
 /// The kept state with a number, if it is whole, with the time of its file.
@@ -73,15 +76,17 @@ pub fn whole(folder: &Path) -> Vec<(Option<SystemTime>, RetainedData)> {
 pub fn find(folder: &Path, number: u64) -> Option<(Option<SystemTime>, RetainedData)> {
     let files = list(folder);
     let file = files.iter().find(|file| file.number == number)?;
-    Some((modified(&file.path), read(file)?))
+    Some((modified(&file.path), read(file, own_identity(folder))?))
 }
 
 fn modified(path: &Path) -> Option<SystemTime> {
     path.metadata().ok().and_then(|metadata| metadata.modified().ok())
 }
 
-fn read(file: &GenerationFile) -> Option<RetainedData> {
-    ron_file::read::<RetainedData>(&file.path, ChecksumPolicy::Strict).ok().map(|found| found.value)
+/// A kept state, if it is whole and not that of another machine.
+fn read(file: &GenerationFile, own: Option<NonZeroU64>) -> Option<RetainedData> {
+    let found = ron_file::read::<RetainedData>(&file.path, ChecksumPolicy::Strict).ok()?.value;
+    is_own(own, &found).then_some(found)
 }
 
 /// Numbers of commits are below: a thousand a second for thirty years. A file with another one is none of ours.

@@ -7,13 +7,14 @@
 pub mod generations;
 mod integrity;
 mod journal;
+mod lock;
 mod tables;
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, TryLockError};
-use std::io::Write;
+use std::fs::{self, File};
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 use redb::{Database, DatabaseError};
 
@@ -35,15 +36,8 @@ pub const DATABASE_FILE: &str = "retained.redb";
 const NEW_DATABASE_FILE: &str = "retained.fresh.redb";
 /// The passwords once more, beside the database: they outlive it.
 pub const PASSWORD_FILE: &str = "passwords.ron";
-/// How often the lock is tried, and the pause between: half a second in all.
-const LOCK_TRIES: u32 = 10;
-const LOCK_PAUSE: Duration = Duration::from_millis(50);
 /// The kind of machine of the data, once more beside the database: it outlives it.
 pub const KIND_FILE: &str = "machine-kind.ron";
-/// Locked while a control uses the data.
-const LOCK_FILE: &str = "retained.lock";
-/// What the lock holds once there are data.
-const USED_MARK: &[u8] = b"used\n";
 /// Maximum number of damaged files kept; then the newest replaces the one before.
 const MAX_DAMAGED_FILES: u32 = 99;
 /// Page cache, bytes; the whole database has some hundred kilobytes.
@@ -114,6 +108,9 @@ pub enum RetainedChange {
 /// All retained data at once.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RetainedData {
+    /// Which machine's they are: a random number of its first start; `None` in data of an older control.
+    #[serde(default)]
+    pub identity: Option<NonZeroU64>,
     /// Number of the last commit.
     pub generation: Generation,
     /// Macro variables by number; absent is null.
@@ -285,6 +282,8 @@ pub struct RetainedDatabase {
     database: Option<Database>,
     /// What a new file is to hold, until it is made.
     to_create: Option<Box<RetainedData>>,
+    /// Which machine's data they are.
+    identity: Option<NonZeroU64>,
     /// The same data once more.
     journal: Journal,
     lock: File,
@@ -309,14 +308,15 @@ impl RetainedDatabase {
         folder: &Path,
         replacement: impl FnOnce(Option<&DamageReport>) -> RetainedData,
     ) -> Result<OpenedDatabase, RetainedError> {
-        let lock = lock(folder)?;
+        let lock = lock::take(folder)?;
+        let own = own_identity(folder);
         let path = folder.join(DATABASE_FILE);
         let mut damaged = None;
         let mut intact = None;
         let present = fs::symlink_metadata(&path).is_ok();
         if present {
             match integrity::read_intact(&path)? {
-                Ok(data) => match contradiction(folder, &data) {
+                Ok(data) => match contradiction(folder, own, &data) {
                     Some(cause) => {
                         damaged =
                             Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause: cause.to_owned() });
@@ -331,10 +331,12 @@ impl RetainedDatabase {
             true => replacement(damaged.as_ref()),
             false => RetainedData::default(),
         };
-        let data = intact.unwrap_or_else(replaced);
+        let mut data = intact.unwrap_or_else(replaced);
+        data.identity = own.or(data.identity).or_else(disk::new_identity);
         let to_create = fresh.then(|| Box::new(data.clone()));
         let journal = Journal::open(folder, &data);
-        let mut database = Self { path, opened: None, database: None, to_create, journal, lock };
+        let identity = data.identity;
+        let mut database = Self { path, opened: None, database: None, to_create, identity, journal, lock };
         let unwritable = match database.open_file() {
             Ok(opened) => {
                 database.database = Some(opened);
@@ -356,11 +358,9 @@ impl RetainedDatabase {
         }
         self.to_create = None;
         // From now on this is no first start, whatever is removed.
-        if self.lock.metadata().is_ok_and(|lock| lock.len() == 0) {
-            let _ = (&self.lock).write_all(USED_MARK);
-        }
+        lock::mark_as_used(&self.lock, self.identity);
         let database = open_database(&self.path)?;
-        tables::upgrade(&database).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
+        tables::upgrade(&database, self.identity).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
         self.opened = self.opened.or_else(|| identity(&self.path));
         Ok(database)
     }
@@ -422,14 +422,16 @@ impl RetainedDatabase {
         });
         let kept = generations::newest_whole(folder);
         let kept = kept.map(|(modified, data)| DataCopy { modified, data, is_last: false });
-        let copies = journal.into_iter().chain(kept);
+        let own = own_identity(folder);
+        let copies = journal.into_iter().chain(kept).filter(|copy| is_own(own, &copy.data));
         copies.reduce(|newest, other| if other.data.generation > newest.data.generation { other } else { newest })
     }
 
-    /// All data of a directory that nobody opens; `None` if there are none, or they are damaged. Nothing is written.
+    /// All data of a directory that nobody opens; `None` if there are none, or they are damaged or another machine's.
+    /// Nothing is written.
     #[must_use]
     pub fn peek(folder: &Path) -> Option<RetainedData> {
-        integrity::read_whole(&folder.join(DATABASE_FILE))
+        integrity::read_whole(&folder.join(DATABASE_FILE)).filter(|data| is_own(own_identity(folder), data))
     }
 
     /// Whether a change is valid.
@@ -487,37 +489,6 @@ fn identity_from(metadata: &fs::Metadata) -> Option<FileIdentity> {
     }
 }
 
-/// Locks the data directory for this process.
-fn lock(folder: &Path) -> Result<File, RetainedError> {
-    let path = folder.join(LOCK_FILE);
-    // A pipe would make the start wait for ever, a folder or a broken link refuse it.
-    if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
-        let aside = folder.join(format!("{LOCK_FILE}.damaged"));
-        disk::rename(&path, &aside).map_err(IoFault::at(&path, "put aside"))?;
-    }
-    let file = disk::private(File::options().create(true).truncate(false).write(true)).open(&path);
-    // A file system that is mounted read-only after a fault of the disk still locks.
-    let file = file.or_else(|failed| File::open(&path).map_err(|_| failed));
-    // That of another owner gives way in a folder that is ours.
-    let file = file.or_else(|failed| {
-        let aside = folder.join(format!("{LOCK_FILE}.damaged"));
-        let moved = disk::rename(&path, &aside).is_ok();
-        let made = moved.then(|| disk::private(File::options().create_new(true).write(true)).open(&path).ok());
-        made.flatten().ok_or(failed)
-    });
-    let file = file.map_err(IoFault::at(&path, "open"))?;
-    for tries_left in (0..LOCK_TRIES).rev() {
-        match file.try_lock() {
-            Ok(()) => return Ok(file),
-            // A control that is ending, or a program that it has just started, has the lock for some milliseconds.
-            Err(TryLockError::WouldBlock) if tries_left > 0 => std::thread::sleep(LOCK_PAUSE),
-            Err(TryLockError::WouldBlock) => break,
-            Err(TryLockError::Error(cause)) => return Err(IoFault::at(&path, "lock")(cause).into()),
-        }
-    }
-    Err(RetainedError::AlreadyRunning(folder.to_path_buf()))
-}
-
 /// Renames a damaged file to the first free `retained.damaged-N.redb`, or to the last.
 fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> {
     let name = |number| folder.join(format!("retained.damaged-{number}.redb"));
@@ -529,8 +500,21 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
     Ok(kept)
 }
 
+/// The machine to which the data of a folder belong: its lock says so, else its journal.
+fn own_identity(folder: &Path) -> Option<NonZeroU64> {
+    lock::identity_in(folder).or_else(|| journal::read(folder)?.data.identity)
+}
+
+/// Whether data can be those of a machine. Older ones do not say.
+fn is_own(own: Option<NonZeroU64>, data: &RetainedData) -> bool {
+    own.zip(data.identity).is_none_or(|(own, stated)| own == stated)
+}
+
 /// What says that a whole database is not the last one of its folder; none if nothing does.
-fn contradiction(folder: &Path, data: &RetainedData) -> Option<&'static str> {
+fn contradiction(folder: &Path, own: Option<NonZeroU64>, data: &RetainedData) -> Option<&'static str> {
+    if !is_own(own, data) {
+        return Some("of another machine");
+    }
     // The database is written before its copies: it was put back, or has lost its last commits.
     if RetainedDatabase::newest_copy(folder).is_some_and(|copy| copy.data.generation > data.generation) {
         return Some("older than the copies beside it");
@@ -548,8 +532,7 @@ pub const REAL_MACHINE_MARK: &str = "real-machine.txt";
 pub fn has_traces(folder: &Path) -> bool {
     let mut names =
         fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
-    let was_used = folder.join(LOCK_FILE).metadata().is_ok_and(|lock| lock.len() > 0);
-    was_used
+    lock::was_used(folder)
         || generations::has_any(folder)
         || names.any(|name| {
             let name = name.strip_suffix(".bak").unwrap_or(&name);
@@ -571,7 +554,7 @@ fn create_database(folder: &Path, path: &Path, content: &RetainedData) -> Result
         .and_then(|file| builder().create_with_backend(file))
         .map_err(|wrong| refused(wrong.into()))?;
     tables::create_tables(&database).map_err(refused)?;
-    tables::restore(&database, &changes, content.generation).map_err(refused)?;
+    tables::restore(&database, &changes, content).map_err(refused)?;
     drop(database);
     // Closing has written the header again.
     let file = File::open(&fresh).map_err(IoFault::at(&fresh, "open"))?;

@@ -3,6 +3,8 @@
 //! Every row has a checksum over table, key and value. The `meta` table holds their sum and is updated with each
 //! change: the cost of a commit depends on its changes only, and opening detects lost or altered rows.
 
+use std::num::NonZeroU64;
+
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError, WriteTransaction};
 
 use super::{Generation, RetainedChange, RetainedData, RetainedError, ToolOffset};
@@ -36,6 +38,7 @@ const ALARMS: TableDefinition<u16, &str> = TableDefinition::new("alarms");
 const META_FORMAT: &str = "kt830 retained format";
 const META_GENERATION: &str = "generation";
 const META_ROWS: &str = "rows";
+const META_IDENTITY: &str = "identity";
 
 /// An error of the database.
 #[derive(Debug, thiserror::Error)]
@@ -122,16 +125,20 @@ pub(super) fn create_tables(database: &Database) -> Result<(), StorageFault> {
     Ok(transaction.commit()?)
 }
 
-/// Upgrades the tables of an older control to this format.
-pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
+/// Upgrades the tables of an older control to this format, and notes whose data they are.
+pub(super) fn upgrade(database: &Database, identity: Option<NonZeroU64>) -> Result<(), StorageFault> {
+    let identity = identity.map_or(0, NonZeroU64::get);
     let transaction = database.begin_read()?;
-    if meta_value(&transaction.open_table(META)?, META_FORMAT)? == FORMAT {
+    let meta = transaction.open_table(META)?;
+    if meta_value(&meta, META_FORMAT)? == FORMAT && meta_value(&meta, META_IDENTITY)? == identity {
         return Ok(());
     }
-    drop(transaction);
+    drop((meta, transaction));
     let transaction = begin_commit(database)?;
     transaction.open_table(ALARMS)?;
-    transaction.open_table(META)?.insert(META_FORMAT, FORMAT)?;
+    for (key, value) in [(META_FORMAT, FORMAT), (META_IDENTITY, identity)] {
+        transaction.open_table(META)?.insert(key, value)?;
+    }
     Ok(transaction.commit()?)
 }
 
@@ -152,11 +159,11 @@ pub(super) fn commit_changes(database: &Database, changes: &[RetainedChange]) ->
     Ok(generation)
 }
 
-/// Writes all rows of an earlier state with the number of its commit, in one durable transaction.
+/// Writes all rows of an earlier state with its identity and the number of its commit, in one durable transaction.
 pub(super) fn restore(
     database: &Database,
     changes: &[RetainedChange],
-    generation: Generation,
+    state: &RetainedData,
 ) -> Result<(), StorageFault> {
     let transaction = begin_commit(database)?;
     let moved = apply_rows(&transaction, changes)?;
@@ -164,7 +171,8 @@ pub(super) fn restore(
         let mut meta = transaction.open_table(META)?;
         let rows = meta_value(&meta, META_ROWS)?.wrapping_add(moved);
         meta.insert(META_ROWS, rows)?;
-        meta.insert(META_GENERATION, generation.0)?;
+        meta.insert(META_GENERATION, state.generation.0)?;
+        meta.insert(META_IDENTITY, state.identity.map_or(0, NonZeroU64::get))?;
     }
     Ok(transaction.commit()?)
 }
@@ -230,8 +238,9 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
 pub(super) fn load(database: &Database) -> Result<DatabaseContent, StorageFault> {
     let transaction = database.begin_read()?;
     let meta = transaction.open_table(META)?;
-    let mut loaded =
-        RetainedData { generation: Generation(meta_value(&meta, META_GENERATION)?), ..RetainedData::default() };
+    let generation = Generation(meta_value(&meta, META_GENERATION)?);
+    let identity = NonZeroU64::new(meta_value(&meta, META_IDENTITY)?);
+    let mut loaded = RetainedData { identity, generation, ..RetainedData::default() };
     let mut counted = 0_u64;
     for row in transaction.open_table(VARIABLES)?.iter()? {
         let (number, value) = row?;
