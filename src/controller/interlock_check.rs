@@ -119,11 +119,16 @@ impl<'a> InterlockCheck<'a> {
         if !per_turn || self.machine.drive_is_on() || std::mem::replace(&mut self.told_of_turns, true) {
             return None;
         }
-        self.kind.dialect().is_kt830().then(|| {
-            phrase!(
+        let turned_by_head = self.kind.row().has(Equipment::Headstock);
+        self.kind.dialect().is_kt830().then(|| match turned_by_head {
+            true => phrase!(
                 "每转进给 (G99) 需要工件转动：先用 M63 启动",
                 "the feed per revolution (G99) counts turns of the workpiece: start it with M63 before"
-            )
+            ),
+            false => phrase!(
+                "每转进给 (G95) 需要 M63 的驱动转动：先启动",
+                "the feed per revolution (G95) counts turns of the drive of M63: start it before"
+            ),
         })
     }
 

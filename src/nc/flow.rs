@@ -118,6 +118,8 @@ struct CallFrame {
     arguments: Locals,
     /// The G66 calls of the caller, in the call of their macro.
     modal_mark: Option<ModalMark>,
+    /// How many G66 calls there were before a macro was called.
+    modal_count: usize,
     /// Number of counted loops that belong to the caller's callers.
     counted_base: usize,
     /// The first block number of a subprogram in the same text.
@@ -408,6 +410,7 @@ impl Flow {
             callee,
             arguments: [None; 33],
             modal_mark: None,
+            modal_count: self.modal_calls.count(),
             counted_base: self.counted_base,
             local_entry: None,
         }
@@ -522,6 +525,7 @@ impl Flow {
                 && let Some(locals) = self.locals.last_mut()
             {
                 *locals = level.arguments;
+                self.modal_calls.end_since(level.modal_count);
             }
             self.depth = 0;
             self.go_to_line(0);
@@ -530,6 +534,7 @@ impl Flow {
         let Some(level) = self.call_stack.pop() else { return Ok(()) };
         if level.callee == Callee::Macro {
             self.locals.pop();
+            self.modal_calls.end_since(level.modal_count);
         }
         self.counted_loops.truncate(self.counted_base);
         self.counted_base = level.counted_base;

@@ -4,7 +4,7 @@ use super::cutter::Compensation;
 use super::op::{Feed, PathMode, SpeedMode};
 use super::settings::{NcSettings, SpeedUnit};
 use super::work_offsets::EXTRA_G;
-use crate::units::{PerAxis, Plane};
+use crate::units::{MM_PER_INCH, PerAxis, Plane};
 
 /// The active function of group 01, by its G code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -251,7 +251,8 @@ impl ModalState {
             4130 => code(self.work_offset.saturating_sub(EXTRA_G)),
             4015 => code(if self.path_mode == PathMode::ExactStop { 61 } else { 64 }),
             4016 => code(self.plane.g()),
-            4109 => Some(self.feed),
+            // As programmed: a macro gives it back with `F#4109`.
+            4109 => Some(self.feed.map(|feed| if self.inch_feed { feed / MM_PER_INCH } else { feed })),
             4113 => Some(self.m_code.map(f64::from)),
             4119 => Some(self.speed),
             4120 => Some(Some(f64::from(self.tool) * 100.0 + f64::from(self.offset))),

@@ -89,6 +89,19 @@ impl ModalCalls {
         mark
     }
 
+    /// How many were begun and not ended.
+    pub fn count(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// A macro that G65 has called has returned: what it began ends. What it ended stays so.
+    pub fn end_since(&mut self, count: usize) {
+        while let Some(index) = self.active.filter(|index| *index >= count) {
+            self.active = self.entries.get(index).and_then(|entry| entry.before);
+        }
+        self.entries.truncate(count);
+    }
+
     /// The macro has returned: what it began ends.
     pub fn leave(&mut self, mark: ModalMark) {
         self.entries.truncate(mark.entries);

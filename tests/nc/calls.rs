@@ -75,6 +75,21 @@ fn b3_what_a_macro_begins_with_g66_ends_with_it() {
     assert_eq!(value(&variables, 101), Some(2.0));
 }
 
+/// The macro of a G65 is one, too, in each of its repetitions; the G66 of its caller acts on, or stays ended if it ends it.
+#[test]
+fn b3_what_a_macro_of_g65_begins_with_g66_ends_with_it() {
+    let macros = [(8001, "#101=#101+1\nM99\n"), (8002, "G66 P8001\nG00 W1\nM99\n"), (8003, "G67\nM99\n")];
+    let count = |text: &str| value(&run(text, &macros).unwrap(), 101);
+    assert_eq!(count("G65 P8002\nG00 X5\nM30\n"), Some(1.0));
+    assert_eq!(count("G65 P8002 L6\nG65 P8002\nG00 X5\nM30\n"), Some(7.0));
+    // Within it the macro's own one and then that of the caller: W1 and X5.
+    let outer = "G66 P8004\nG65 P8002\nG00 X5\nG67\nG00 X6\nM30\n";
+    let both = [(8001, "#101=#101+1\nM99\n"), (8002, "G66 P8001\nG00 W1\nM99\n"), (8004, "#104=#104+1\nM99\n")];
+    let variables = run(outer, &both).unwrap();
+    assert_eq!([101, 104].map(|number| value(&variables, number)), [Some(1.0), Some(1.0)]);
+    assert_eq!(count("G66 P8001\nG00 X5\nG65 P8003\nG00 X6\nM30\n"), Some(1.0));
+}
+
 #[test]
 fn b3_g66_is_refused_deeper_than_macros_nest() {
     let macros = [(8001, "M99\n")];

@@ -297,12 +297,12 @@ fn b2_a_plunge_cycle_to_a_size_or_to_the_signal() {
         Some((Axis::X, 20.0)),
         &["skip X40.1 Z0 F(0.6)", "skip X39.9 Z0 F(0.2)", "dwell 3", "X40.4 Z0", AFTER],
     );
-    // It counts in roughing as well.
+    // In roughing it is no good part: back, then the alarm.
     expect(
         "G176 X39.9 A0.2 F0.6 E0.2 U3. P1",
         Dialect::LatheA,
         Some((Axis::X, 20.15)),
-        &["skip X40.1 Z0 F(0.6)", "dwell 3", "X40.4 Z0", AFTER],
+        &["skip X40.1 Z0 F(0.6)", "X40.4 Z0", "alarm 3077"],
     );
     // Without a signal the wheel is taken back first.
     expect(

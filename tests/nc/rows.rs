@@ -347,6 +347,18 @@ fn b3_modal_system_variables_are_what_is_in_force() {
     assert_eq!(found, [1.0, 0.5, 8.0, 30.0 + 1001.0, 99.0]);
 }
 
+/// A macro saves F in #4109 and gives it back with `F#4109`: in inches it was 25.4 times as fast afterwards.
+#[test]
+fn b3_the_modal_feed_is_read_in_the_unit_in_which_it_is_written() {
+    let text = "G20 G98\nG01 X1 F10\n#100=#4109\nF99\nF#100\nX2\n#101=#4109\nM30";
+    let ops = run_with(text, NcSettings::lathe_a()).unwrap();
+    let feeds: Vec<_> =
+        ops.iter().filter_map(|op| if let Op::Feed { feed, .. } = op { Some(*feed) } else { None }).collect();
+    let values: Vec<_> =
+        ops.iter().filter_map(|op| if let Op::SetVariable { value, .. } = op { *value } else { None }).collect();
+    assert_eq!((feeds, values), (vec![Feed::PerMinute(254.0); 2], vec![10.0, 10.0]));
+}
+
 #[test]
 fn k5_11_g50_and_several_tools_refuse_each_other_in_both_orders() {
     assert!(refused("T0101\nG50 X1\nT0202").contains("line 3, column 1: G50 in a program with several tools"));
