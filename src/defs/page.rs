@@ -142,6 +142,6 @@ pages! {
         "操作面板：各键和灯。", "The operator panel with its keys and lamps.",
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";
     Help = "help", ANY, "帮助", "help", row 3, key 3 5 "帮助" "HELP",
-        "按键、软键、报警、G 和 M 代码、参数的说明，可以查找。", "Help on keys, soft keys, alarms, G and M codes and parameters, with search.",
-        "上面选类别，左边选条目，右边长的说明可以拖动；任何页面按 ? 或 F12 打开，先显示该页面。", "Choose a section above and an entry on the left. ? or F12 opens the help on any page, starting with that page.";
+        "按键、软键、报警、G 和 M 代码、参数的说明；查找也找变量和程序。", "Help on keys, soft keys, alarms, G and M codes and parameters; its search also finds variables and programs.",
+        "上面选类别，左边选条目，右边长的说明可以拖动；打开 转到所在的页面。任何页面按 ? 或 F12 打开，先显示该页面；放大镜直接查找。", "Choose a section above and an entry on the left; OPEN goes to its page. ? or F12 opens the help on any page, starting with that page; the magnifier opens its search.";
 }

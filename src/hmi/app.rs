@@ -22,7 +22,7 @@ use crate::defs::param;
 use crate::defs::soft_key::SoftKeyAction;
 use crate::defs::text::{Lang, Text};
 use crate::hmi::page::grinding::GrindingPage;
-use crate::hmi::page::help::Help;
+use crate::hmi::page::help::{Help, HelpTouch};
 use crate::hmi::page::program::ProgramPage;
 use crate::hmi::page::{PageSet, PageUi};
 use crate::link::command::Picture;
@@ -179,7 +179,15 @@ impl Hmi {
             frame.entry.set(None);
         }
         if self.help_open {
-            self.help_open = !self.help.overlay(&view, content.shrink(theme::GAP), &asked);
+            let touch = self.help.overlay(&view, content.shrink(theme::GAP), &asked);
+            self.help_open = touch.is_none();
+            if let Some(HelpTouch::Open((page, what))) = touch {
+                self.pages.hand_over(what);
+                match page == snapshot.page {
+                    true => self.pages.open(&view),
+                    false => out.push(Command::OpenPage(page)),
+                }
+            }
         } else {
             self.draw_page(content, &view, &asked, &mut out);
         }
@@ -264,6 +272,7 @@ impl Hmi {
         let status = page_frame::status_line(view, regions.status);
         match header.or(message).or(status) {
             Some(FrameTouch::Help) => self.toggle_help(view),
+            Some(FrameTouch::Search) => self.open_search(view),
             Some(FrameTouch::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
             Some(FrameTouch::InterruptedRun) => out.push(Command::OpenPage(Page::Program)),
             None => {}
@@ -289,6 +298,12 @@ impl Hmi {
             let page = view.snapshot.page;
             self.help.open_at(view, page, self.pages.page(page).help_alarm(view));
         }
+    }
+
+    /// Opens the help overlay with its search.
+    fn open_search(&mut self, view: &View<'_>) {
+        self.help_open = true;
+        self.help.open_search(view, view.snapshot.page);
     }
 
     fn run_soft_key(&mut self, ui: &Ui, action: SoftKeyAction, out: &mut Vec<Command>) {

@@ -3,6 +3,7 @@
 
 use egui::{Color32, Rect, pos2, vec2};
 
+use super::pictogram::{self, PictogramShape};
 use super::{Area, View, format_feed, format_whole, keycap, theme, widget};
 use crate::defs::alarm;
 use crate::defs::page::Page;
@@ -15,11 +16,17 @@ use crate::units::Micros;
 /// How long a message stays in the message line.
 const MESSAGE_DURATION: Micros = Micros::from_millis(5_000);
 
+/// The magnifier of the search.
+const MAGNIFIER: [PictogramShape; 2] =
+    [PictogramShape::Ring(10.0, 10.0, 6.5), PictogramShape::Line(&[(15.0, 15.0), (21.0, 21.0)])];
+
 /// What was touched in the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameTouch {
     /// The key `?`.
     Help,
+    /// The magnifier: the search over everything.
+    Search,
     /// The alarm chip, or the message line while it shows an alarm.
     Alarm,
     /// The offer to resume the run that a power cut has ended.
@@ -36,7 +43,16 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     let key = keycap::plain(view, help, "header-help", "? help");
     view.line_centre(help, "?", theme::SECONDARY, view.theme.text);
     let mut touched = key.clicked().then_some(FrameTouch::Help);
-    let mut right = help.min.x - theme::GAP;
+    let search = help.translate(vec2(-help.width() - 4.0, 0.0));
+    let key = keycap::plain(view, search, "header-search", "全部查找 header-search");
+    pictogram::draw(
+        &view.painter,
+        Rect::from_center_size(search.center(), vec2(26.0, 26.0)),
+        &MAGNIFIER,
+        view.theme.text,
+    );
+    touched = touched.or(key.clicked().then_some(FrameTouch::Search));
+    let mut right = search.min.x - theme::GAP;
     let clock = Rect::from_min_max(pos2(right - 66.0, row.min.y), pos2(right, row.max.y));
     view.line_right(clock, view.clock, theme::LABEL, view.theme.muted);
     right = clock.min.x - theme::PAD;
@@ -58,8 +74,11 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     let mut letters = kind.chars();
     let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
     let kind = first + letters.as_str();
-    let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
-    view.fit_left(title, &word, theme::TITLE, view.theme.text);
+    let page = view.snapshot.page.title_on(view.snapshot.kind).get(view.lang);
+    let with_kind = format!("{kind} · {page}");
+    // The kind makes way for a long title.
+    let fits = view.layout_line(&with_kind, theme::TITLE, view.theme.text, f32::INFINITY).size().x <= title.width();
+    view.fit_left(title, if fits { &with_kind } else { page }, theme::TITLE, view.theme.text);
     touched
 }
 

@@ -1,6 +1,8 @@
 //! Help on every page: every page, soft key, key, alarm and code has its text in both languages, found by touch and by
 //! keyboard. Source: spec B6 (everything by touch and by keyboard), K2.4, B8.
 
+use std::sync::Arc;
+
 use crate::sample::{alarm, snapshot};
 use crate::screen::{Screen, open, painted};
 use egui_kittest::kittest::Queryable;
@@ -17,6 +19,7 @@ use kt830::defs::soft_key::{ROWS as SOFT_ROWS, row as soft_row};
 use kt830::defs::text::{Lang, Text};
 use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::{HelpSection, Hmi, help_entries};
+use kt830::link::snapshot::DirectoryRow;
 
 fn touch(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
@@ -176,6 +179,60 @@ fn b6_help_is_found_by_touch() {
     touch(&mut screen, "键盘 help-map");
     touch(&mut screen, "关闭帮助 close-help");
     assert!(sent(&mut screen).is_empty(), "help asks nothing of the machine");
+}
+
+/// From any page: the magnifier, a number or word, OPEN. The page shows what was found.
+#[test]
+fn b6_the_search_goes_to_what_it_finds() {
+    let machine = || {
+        let mut machine = snapshot(Page::Position);
+        let row =
+            DirectoryRow {
+                number: 1_005, name: "O1005".into(), comment: "锥面磨削".into(), ..DirectoryRow::default()
+            };
+        machine.directory = Arc::new(vec![row]);
+        machine
+    };
+    // By touch: five touches for a parameter.
+    let mut screen = open(machine());
+    for label in ["全部查找 header-search", "P letter-P", "2 letter-2", "7 letter-7", "0 letter-0"] {
+        touch(&mut screen, label);
+    }
+    touch(&mut screen, "打开 参数 help-open");
+    assert_eq!(sent(&mut screen), ["OpenPage(Params)"]);
+    assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    screen.state_mut().snapshot.page = Page::Params;
+    screen.step();
+    screen.step();
+    assert!(painted(&screen).iter().any(|text| text.starts_with("数据输入: P270=")), "{:?}", painted(&screen));
+    // By keyboard: a program, a variable, a page, an alarm that is present, a code without a page.
+    for (words, wanted) in [
+        ("1005", Some("OpenPage(Directory)")),
+        ("#777", Some("OpenPage(Macro)")),
+        ("page-graphic", Some("OpenPage(Graphic)")),
+        ("g33", None),
+        ("#99", None),
+    ] {
+        let mut screen = open(machine());
+        press(&mut screen, egui::Key::F12);
+        write(&mut screen, words);
+        press(&mut screen, egui::Key::Enter);
+        press(&mut screen, egui::Key::Enter);
+        assert_eq!(sent(&mut screen).first().map(String::as_str), wanted, "{words}");
+        let is_open = screen.query_by_label("关闭帮助 close-help").is_some();
+        assert_eq!(is_open, wanted.is_none(), "{words}");
+    }
+    // The page that is open shows it at once.
+    let mut machine = machine();
+    machine.page = Page::Params;
+    let mut screen = open(machine);
+    press(&mut screen, egui::Key::F12);
+    write(&mut screen, "p64");
+    press(&mut screen, egui::Key::Enter);
+    press(&mut screen, egui::Key::Enter);
+    screen.step();
+    assert!(sent(&mut screen).is_empty());
+    assert!(painted(&screen).iter().any(|text| text.starts_with("数据输入: P64=")), "{:?}", painted(&screen));
 }
 
 #[test]

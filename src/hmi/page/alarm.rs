@@ -9,10 +9,10 @@ use egui::{Align2, Rect, pos2, vec2};
 
 use super::accept_data::AcceptData;
 use super::help::{self, CAUSE, HelpEntry, REMEDY};
-use super::{PageContext, PageUi, Scroll, ScrollList, empty};
+use super::variables::entry_page;
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::alarm;
 use crate::defs::alarm_history::PastAlarm;
-use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::hmi::{Area, EditKey, KeyboardInput, PageKey, View, file_command, format_date_time, theme, widget};
 use crate::link::Command;
@@ -48,7 +48,7 @@ pub struct AlarmPage {
 
 impl PageUi for AlarmPage {
     /// Shows the active alarms from the top.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         *self = Self::default();
     }
 
@@ -68,7 +68,13 @@ impl PageUi for AlarmPage {
 
 impl AlarmPage {
     /// The tabs and the rows.
-    fn list(&mut self, rect: Rect, view: &View<'_>, typed: &KeyboardInput, to: (&mut Option<u32>, &mut Vec<Command>)) {
+    fn list(
+        &mut self,
+        rect: Rect,
+        view: &View<'_>,
+        typed: &KeyboardInput,
+        to: (&mut Option<HandOver>, &mut Vec<Command>),
+    ) {
         let (hand_over, out) = to;
         let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         out.extend(self.bar(bar, view, typed));
@@ -103,7 +109,7 @@ impl AlarmPage {
         let touched = places.into_iter().filter_map(|(index, place)| self.row(&clipped, place, rows[index])).last();
         let entered = entered.and_then(|row| find_present(view, row)).and_then(|alarm| alarm.variable);
         if let Some(variable) = touched.or(entered) {
-            *hand_over = Some(u32::from(variable));
+            *hand_over = Some(HandOver::Variable(variable));
             out.push(Command::OpenPage(entry_page(view, variable)));
         }
     }
@@ -235,15 +241,6 @@ fn is_remedy(caption: &str) -> bool {
 fn find_present<'v>(view: &View<'v>, row: AlarmRef) -> Option<&'v AlarmView> {
     let AlarmRef::Present(number, since) = row else { return None };
     view.snapshot.alarms.iter().find(|alarm| alarm.number == number && alarm.since == since)
-}
-
-/// The page on which a variable is entered: the grinding page if it has the variable, else the list of all variables.
-fn entry_page(view: &View<'_>, variable: u16) -> Page {
-    let text = view.snapshot.page_files().and_then(|files| files.text.as_ref().ok());
-    match text.is_some_and(|text| text.rows().any(|row| row.variable == variable)) {
-        true => Page::Grinding,
-        false => Page::Macro,
-    }
 }
 
 /// The key of an alarm that opens the entry of its variable; true if it is touched.

@@ -4,7 +4,7 @@
 
 use egui::{Rect, vec2};
 
-use super::{PageContext, PageUi, Scroll, ScrollList, VisibleRows, empty};
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, VisibleRows, empty};
 use crate::defs::key::{Key, KeyGroup};
 use crate::defs::port_conflict;
 use crate::defs::signal::{Input, Output};
@@ -55,7 +55,7 @@ struct PortLine {
 }
 
 impl PageUi for DiagnosisPage {
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         *self = Self::default();
     }
 

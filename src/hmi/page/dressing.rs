@@ -8,7 +8,7 @@ use egui::Rect;
 
 use super::offset::table::{EntryMode, OffsetTable, OffsetTableSpec, TOOL_OFFSET_ROWS, columns};
 use super::position::{self, PositionGroup};
-use super::{PageContext, PageUi, empty, input_line};
+use super::{HandOver, PageContext, PageUi, empty, input_line};
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{
@@ -31,7 +31,7 @@ pub struct DressingPage {
 }
 
 impl PageUi for DressingPage {
-    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<HandOver>) {
         self.table.open(view.snapshot.offsets.active_tool);
     }
 

@@ -12,7 +12,7 @@ use egui::{Rect, Stroke, TextureId, pos2, vec2};
 
 use super::position::{self, PositionGroup};
 use super::start_strip::{self, StartStrip};
-use super::{PageContext, PageUi, empty, input_line};
+use super::{HandOver, PageContext, PageUi, empty, input_line};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::Lang;
@@ -65,8 +65,8 @@ pub struct GrindingPage {
 
 impl PageUi for GrindingPage {
     /// The cursor is at the variable that was handed over, else at that of the latest alarm.
-    fn open(&mut self, view: &View<'_>, handed_over: Option<u32>) {
-        let handed_over = handed_over.and_then(|variable| u16::try_from(variable).ok());
+    fn open(&mut self, view: &View<'_>, handed_over: Option<HandOver>) {
+        let handed_over = handed_over.and_then(HandOver::variable);
         let variable = handed_over.or(wrong_value(view.snapshot).and_then(|alarm| alarm.variable));
         self.entry = VariableEntry::default();
         self.entry.cursor = variable.and_then(|variable| field_of(view.snapshot, variable)).unwrap_or_default();

@@ -4,7 +4,7 @@
 use egui::accesskit::Role;
 use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 
-use super::{PageContext, PageUi, Scroll, ScrollList};
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::key::Mode;
 use crate::hmi::{
     Area, CoreAnswer, EditKey, FieldEditor, KeycapState, LetterKey, TypedInput, View, keycap, letter_pad,
@@ -34,7 +34,7 @@ pub struct MdiPage {
 
 impl PageUi for MdiPage {
     /// History and typed text stay.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         self.recalled = None;
         self.scroll = Scroll::default();
     }

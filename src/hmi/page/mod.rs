@@ -38,6 +38,7 @@ use std::sync::Arc;
 use egui::{Rect, TextureId};
 
 use crate::defs::page::Page;
+use crate::defs::param::ParamAddress;
 use crate::defs::text::Lang;
 use crate::hmi::{FieldEditor, KeyboardInput, Login, View};
 use crate::link::command::Picture;
@@ -57,11 +58,38 @@ pub struct PageContext<'a> {
     pub picture: Option<TextureId>,
     /// The password dialog; it is drawn over the page.
     pub login: &'a mut Login,
-    /// What this page hands to the page that it opens: a program to the page designer, a variable to a page that shows
-    /// variables.
-    pub hand_over: &'a mut Option<u32>,
+    /// What this page hands to the page that it opens.
+    pub hand_over: &'a mut Option<HandOver>,
     /// The operator's commands.
     pub out: &'a mut Vec<Command>,
+}
+
+/// What a page hands to the page that it opens: that page shows it first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HandOver {
+    /// A program.
+    Program(u32),
+    /// A variable.
+    Variable(u16),
+    /// A parameter.
+    Param(ParamAddress),
+}
+
+impl HandOver {
+    /// The program.
+    pub const fn program(self) -> Option<u32> {
+        if let Self::Program(number) = self { Some(number) } else { None }
+    }
+
+    /// The variable.
+    pub const fn variable(self) -> Option<u16> {
+        if let Self::Variable(number) = self { Some(number) } else { None }
+    }
+
+    /// The parameter.
+    pub const fn param(self) -> Option<ParamAddress> {
+        if let Self::Param(address) = self { Some(address) } else { None }
+    }
 }
 
 /// A page of the control screen.
@@ -69,8 +97,8 @@ pub trait PageUi: Any + fmt::Debug + Send {
     /// Draws the page and handles its input.
     fn ui(&mut self, ctx: PageContext<'_>);
 
-    /// The page was opened; the page before may have handed over a program or a variable.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {}
+    /// The page was opened; the page before may have handed something over.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {}
 
     /// Another page was opened in its place.
     fn close(&mut self) {}
@@ -203,8 +231,8 @@ pub struct PageSet {
     pages: Vec<Box<dyn PageUi>>,
     /// The open page.
     open: Option<Page>,
-    /// Program or variable handed over to the next page.
-    hand_over: Option<u32>,
+    /// Handed over to the next page.
+    hand_over: Option<HandOver>,
     login: Login,
 }
 
@@ -235,6 +263,11 @@ impl PageSet {
         }
         self.login.close();
         self.pages[page as usize].open(view, self.hand_over.take());
+    }
+
+    /// Hands something over to the page that is opened next.
+    pub const fn hand_over(&mut self, what: Option<HandOver>) {
+        self.hand_over = what;
     }
 
     /// Every page records what it needs of a snapshot, open or closed.

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use egui::{Rect, pos2, vec2};
 
-use super::{PageContext, PageUi, empty};
+use super::{HandOver, PageContext, PageUi, empty};
 use crate::defs::signal::Input;
 use crate::defs::sim_fault;
 use crate::defs::text::Text;
@@ -42,7 +42,7 @@ const PART_TAB: usize = 2;
 
 impl PageUi for SimulatorPage {
     /// The tab stays.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         *self = Self { tab: self.tab, ..Self::default() };
     }
 

@@ -4,7 +4,7 @@
 
 use egui::{Color32, Rect, Stroke, pos2, vec2};
 
-use super::{FieldGroup, PageContext, run_bar, shown_fields};
+use super::{FieldGroup, HandOver, PageContext, run_bar, shown_fields};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::start_step::StartStep;
@@ -93,7 +93,7 @@ fn act(state: &StepView, ctx: &mut PageContext<'_>) -> Option<u16> {
         Some(StepAction::Press(key)) => ctx.out.extend([Command::Press(key), Command::Release(key)]),
         Some(StepAction::Open(page, variable)) if page == ctx.view.snapshot.page => return variable,
         Some(StepAction::Open(page, variable)) => {
-            *ctx.hand_over = variable.map(u32::from);
+            *ctx.hand_over = variable.map(HandOver::Variable);
             ctx.out.push(Command::OpenPage(page));
         }
         Some(StepAction::PressOnPanel(_)) | None => {}

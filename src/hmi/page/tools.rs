@@ -3,7 +3,7 @@
 
 use egui::{Pos2, Rect, Shape as Drawn, Stroke, pos2, vec2};
 
-use super::{InputPrompt, PageContext, PageUi, input_line};
+use super::{HandOver, InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::Text;
 use crate::defs::turning_tool::{TOOL_PARAMS, TurningTool, TurningToolShape};
@@ -47,7 +47,7 @@ const fn is_shape(field: usize) -> bool {
 }
 
 impl PageUi for ToolsPage {
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         *self = Self::default();
     }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use egui::{Rect, vec2};
 
 use super::serial::{SerialPane, change_port};
-use super::{PageContext, PageUi, Scroll, ScrollList};
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::kind::Kind;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::{
@@ -60,7 +60,7 @@ pub struct TransferPage {
 
 impl PageUi for TransferPage {
     /// The kind of files stays.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         let asking = std::mem::take(&mut self.asking);
         *self = Self { set: self.set, asking, last_poll: f64::NEG_INFINITY, ..Self::default() };
     }

@@ -3,7 +3,8 @@
 
 use egui::{Rect, vec2};
 
-use super::{InputPrompt, PageContext, PageUi, Scroll, ScrollList, input_line};
+use super::{HandOver, InputPrompt, PageContext, PageUi, Scroll, ScrollList, input_line};
+use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::text::Text;
 use crate::hmi::{
@@ -13,7 +14,7 @@ use crate::link::Command;
 use crate::link::edit::LOCKED_IN_RUN;
 
 /// Ranges of the list: first and last variable.
-const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)];
+pub const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)];
 
 /// State of the page.
 #[derive(Debug, Default)]
@@ -38,8 +39,8 @@ const fn is_read_only(variable: u16) -> bool {
 
 impl PageUi for VariablesPage {
     /// Selection and filter stay, unless a variable was handed over.
-    fn open(&mut self, _view: &View<'_>, handed_over: Option<u32>) {
-        let handed_over = handed_over.and_then(|variable| u16::try_from(variable).ok());
+    fn open(&mut self, _view: &View<'_>, handed_over: Option<HandOver>) {
+        let handed_over = handed_over.and_then(HandOver::variable);
         let (selected, only_labelled) =
             handed_over.map_or((self.selected, self.only_labelled), |variable| (variable, false));
         *self = Self { selected, only_labelled, ..Self::default() };
@@ -256,9 +257,14 @@ fn head(rect: Rect, view: &View<'_>) {
     view.fit_left(rest, &words, theme::LABEL, view.theme.muted);
 }
 
-fn page_rows<'a>(view: &View<'a>) -> impl Iterator<Item = &'a crate::defs::page_text::PageTextRow> {
+pub fn page_rows<'a>(view: &View<'a>) -> impl Iterator<Item = &'a crate::defs::page_text::PageTextRow> {
     let files = view.snapshot.page_files();
     files.and_then(|files| files.text.as_ref().ok()).into_iter().flat_map(|text| text.rows())
+}
+
+/// The page where a variable is entered: the grinding page if it is on it.
+pub fn entry_page(view: &View<'_>, variable: u16) -> Page {
+    if page_rows(view).any(|row| row.variable == variable) { Page::Grinding } else { Page::Macro }
 }
 
 fn label_of<'a>(view: &View<'a>, variable: u16) -> &'a str {

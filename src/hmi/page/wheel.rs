@@ -4,7 +4,7 @@
 
 use egui::{Rect, pos2, vec2};
 
-use super::{InputPrompt, PageContext, PageUi, input_line};
+use super::{HandOver, InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{
@@ -39,7 +39,7 @@ pub struct WheelPage {
 }
 
 impl PageUi for WheelPage {
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         *self = Self::default();
     }
 

@@ -12,7 +12,7 @@ use egui::{Rect, TextureId, vec2};
 use super::program::actions::{SAVE_FIRST, UNKNOWN_ENCODING};
 use super::program::document::Document;
 use super::program::listing;
-use super::{PageContext, PageUi, Scroll, empty};
+use super::{HandOver, PageContext, PageUi, Scroll, empty};
 use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
 use crate::defs::text::Lang;
@@ -104,8 +104,8 @@ pub struct DesignerPage {
 
 impl PageUi for DesignerPage {
     /// `handed_over` was selected in the directory.
-    fn open(&mut self, _view: &View<'_>, handed_over: Option<u32>) {
-        (self.requested_program, self.stale) = (handed_over, true);
+    fn open(&mut self, _view: &View<'_>, handed_over: Option<HandOver>) {
+        (self.requested_program, self.stale) = (handed_over.and_then(HandOver::program), true);
     }
 
     fn close(&mut self) {

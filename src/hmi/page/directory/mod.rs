@@ -6,7 +6,7 @@ mod list;
 
 use egui::Rect;
 
-use super::{InputPrompt, PageContext, PageUi, input_line};
+use super::{HandOver, InputPrompt, PageContext, PageUi, input_line};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, LocalizedText, Text};
@@ -58,9 +58,9 @@ pub struct DirectoryPage {
 }
 
 impl PageUi for DirectoryPage {
-    /// Selects the current program and scrolls to it; every program is shown.
-    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
-        self.list.select(view.snapshot.program.number);
+    /// Selects the program that was handed over, else the current one, and scrolls to it; every program is shown.
+    fn open(&mut self, view: &View<'_>, handed_over: Option<HandOver>) {
+        self.list.select(handed_over.and_then(HandOver::program).unwrap_or(view.snapshot.program.number));
         self.list.search = Search::default();
         (self.request, self.keys_focused) = (None, false);
         self.message.clear();
@@ -88,7 +88,7 @@ impl PageUi for DirectoryPage {
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, login, hand_over, out, .. } = ctx;
         if let Some(number) = self.handle_answer(view, login, out) {
-            *hand_over = Some(number);
+            *hand_over = Some(HandOver::Program(number));
             out.extend([Command::LoadProgram(number), Command::OpenPage(Page::Program)]);
         }
         self.list.update(&view.snapshot.directory);
@@ -121,7 +121,7 @@ impl PageUi for DirectoryPage {
                 self.list.search.handle_letter(&letter, MAX_SEARCH_CHARS);
             }
         } else if self.keys(below.trim_sides(theme::PAD), view, &edits) {
-            *hand_over = self.list.selected().map(|row| row.number);
+            *hand_over = self.list.selected().map(|row| HandOver::Program(row.number));
             out.push(Command::OpenPage(Page::Designer));
         }
         match self.question.ui(rect, view, &typed.edits) {

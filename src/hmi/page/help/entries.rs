@@ -10,6 +10,7 @@ use crate::defs::key::{self, Key};
 use crate::defs::kind::Kind;
 use crate::defs::mcode;
 use crate::defs::page::Page;
+use crate::defs::page_text::PageTextRow;
 use crate::defs::param::ParamAddress;
 use crate::defs::param_row::{self, ParamRow};
 use crate::defs::program_error::ProgramError;
@@ -17,6 +18,8 @@ use crate::defs::soft_key::{self, SoftKeyAction};
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::keyboard::SHORTCUTS;
 use crate::hmi::widget::page_keys;
+use crate::link::Snapshot;
+use crate::link::snapshot::DirectoryRow;
 
 page_keys! {
     /// A section of the help.
@@ -26,7 +29,7 @@ page_keys! {
         #[default]
         Pages = "help-pages", "页面", "PAGES";
         /// The soft keys.
-        SoftKeys = "help-soft", "软键", "SOFT KEYS";
+        SoftKeys = "help-soft", "软键", "F KEYS";
         /// The keys of the panel.
         Keys = "help-keys", "按键", "KEYS";
         /// The alarms.
@@ -37,11 +40,15 @@ page_keys! {
         MCodes = "help-m", "M 代码", "M CODES";
         /// The parameters.
         Params = "help-params", "参数", "PARAMS";
+        /// The variables of the page text; found by a search alone.
+        Variables = "help-variables", "变量", "VARIABLES";
+        /// The programs of the folder; found by a search alone.
+        Programs = "help-programs", "程序", "PROGRAMS";
     }
 }
 
 impl Section {
-    /// All sections.
+    /// The sections with a tab.
     pub const ALL: [Self; 7] =
         [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes, Self::Params];
 }
@@ -63,6 +70,10 @@ pub enum HelpTopic {
     MCode,
     /// A parameter.
     Param(ParamAddress),
+    /// A variable.
+    Variable(u16),
+    /// A program.
+    Program(u32),
 }
 
 impl HelpTopic {
@@ -76,6 +87,8 @@ impl HelpTopic {
             Self::GCode => Section::GCodes,
             Self::MCode => Section::MCodes,
             Self::Param(_) => Section::Params,
+            Self::Variable(_) => Section::Variables,
+            Self::Program(_) => Section::Programs,
         }
     }
 
@@ -156,6 +169,30 @@ fn contains_word(text: &str, word: &str) -> bool {
         let (before, after) = (text[..at].chars().next_back(), text[at + word.len()..].chars().next());
         !joins(before, word.chars().next()) && !joins(after, word.chars().next_back())
     })
+}
+
+/// The entries that change with the program and the folder: variables of the page text, programs.
+pub fn changing_entries(snapshot: &Snapshot) -> Vec<HelpEntry> {
+    let text = snapshot.page_files().and_then(|files| files.text.as_ref().ok());
+    let named = text.into_iter().flat_map(|text| text.rows());
+    let names = |row: &PageTextRow| LocalizedText::new(row.label_in(Lang::Zh), row.label_in(Lang::En));
+    let variables = named.map(|row| variable_entry(row.variable, names(row)));
+    variables.chain(snapshot.directory.iter().map(program_entry)).collect()
+}
+
+/// The entry of a variable.
+pub fn variable_entry(number: u16, name: LocalizedText) -> HelpEntry {
+    let sign = format!("#{number}");
+    let parts = vec![(PURPOSE, Text::new("宏变量", "macro variable").into())];
+    HelpEntry::new(HelpTopic::Variable(number), format!("variable-{number}"), sign, name, parts)
+}
+
+fn program_entry(row: &DirectoryRow) -> HelpEntry {
+    let name = LocalizedText::new(row.comment_in(Lang::Zh), row.comment_in(Lang::En));
+    let details = format!("{} B · {}", row.size, row.modified);
+    let load = Text::new("在目录页按装入成为当前程序", "LOAD on the page directory makes it the current program");
+    let parts = vec![(Text::new("文件", "file"), LocalizedText::same(&details)), (USAGE, load.into())];
+    HelpEntry::new(HelpTopic::Program(row.number), format!("program-{}", row.number), row.name.clone(), name, parts)
 }
 
 const PURPOSE: Text = Text::new("作用", "what it does");

@@ -1,5 +1,6 @@
-//! The help for pages, keys, alarms, G and M codes and parameters, searched by number or word. It is a page of its own
-//! and an overlay over any other page. All texts are from the tables in `defs`.
+//! The help for pages, keys, alarms, G and M codes and parameters. Its search also finds programs and variables, and its
+//! key OPEN goes to the page where the found thing is. It is a page of its own and an overlay over any other page. All
+//! texts are from the tables in `defs`.
 //! Source: spec B6, H6, K2.1, K2.4.
 
 mod entries;
@@ -10,26 +11,49 @@ use egui::{Align2, Color32, Id, Rect, Sense, WidgetInfo, vec2};
 
 pub use entries::{CAUSE, HelpEntry, HelpTopic, REMEDY, Section, alarm_entry, entries};
 
-use super::{PageContext, PageUi, Scroll, ScrollList};
+use super::variables::{RANGES, entry_page};
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::fitted::Fitted;
 use crate::defs::page::Page;
+use crate::defs::soft_key::SoftKeyAction;
+use crate::defs::text::LocalizedText;
 use crate::hmi::{
     Area, EditKey, KeyboardInput, LetterKey, PageKey, Search, SearchTouch, View, letter_pad, round_to_lines, theme,
     widget,
 };
+use crate::link::Command;
 
 /// Height of a line of an entry's text, points.
 const TEXT_LINE: f32 = 23.0;
 /// Width of the key that closes the overlay, points.
 const CLOSE_WIDTH: f32 = 92.0;
+/// Width of the name of a section in a row, points.
+const SECTION_WIDTH: f32 = 66.0;
+/// Width of the codes among the found entries, points.
+const SEARCH_SIGN_WIDTH: f32 = 82.0;
 /// Maximum number of characters of a search.
 const MAX_SEARCH_CHARS: usize = 20;
+
+/// Where an entry leads: a page, and what it shows first.
+pub type HelpTarget = (Page, Option<HandOver>);
+
+/// What the overlay of the help asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HelpTouch {
+    /// It closes.
+    Close,
+    /// It closes, and a page opens.
+    Open(HelpTarget),
+}
 
 /// State of the help.
 #[derive(Debug, Default)]
 pub struct Help {
-    /// The entries of this machine.
+    /// The entries of this machine, then those of program and folder, then that of a number that is searched.
     entries: Vec<HelpEntry>,
+    /// How many are of the machine; how many do not hang on the search.
+    fixed: usize,
+    known: usize,
     machine: Option<Fitted>,
     section: Section,
     /// The keyboard map is shown instead of a section.
@@ -44,7 +68,7 @@ pub struct Help {
 }
 
 impl PageUi for Help {
-    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<HandOver>) {
         self.open_at(view, Page::Help, None);
     }
 
@@ -53,7 +77,10 @@ impl PageUi for Help {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        self.draw(ctx.view, ctx.rect, ctx.typed, 0.0);
+        if let Some((page, what)) = self.draw(ctx.view, ctx.rect, ctx.typed, 0.0) {
+            *ctx.hand_over = what;
+            ctx.out.push(Command::OpenPage(page));
+        }
     }
 }
 
@@ -63,6 +90,9 @@ impl Help {
         self.load_entries(view);
         (self.keyboard_map_open, self.search.open) = (false, false);
         self.search.text.clear();
+        self.entries.truncate(self.fixed);
+        self.entries.extend(entries::changing_entries(view.snapshot));
+        self.known = self.entries.len();
         let (section, about) = match alarm {
             Some(number) => (Section::Alarms, HelpTopic::for_alarm(number)),
             None => (Section::Pages, HelpTopic::Page(page)),
@@ -71,11 +101,18 @@ impl Help {
         self.cursor = self.visible.iter().position(|index| self.entries[*index].topic == about).unwrap_or(0);
     }
 
+    /// Opens with the search.
+    pub fn open_search(&mut self, view: &View<'_>, page: Page) {
+        self.open_at(view, page, None);
+        self.search.open = true;
+    }
+
     fn load_entries(&mut self, view: &View<'_>) {
         let machine = view.snapshot.fitted();
         if self.machine != Some(machine) {
             self.machine = Some(machine);
             self.entries = entries(machine);
+            (self.fixed, self.known) = (self.entries.len(), self.entries.len());
             self.refresh_list();
         }
     }
@@ -89,6 +126,8 @@ impl Help {
     /// Rebuilds the list: the entries of the section, or the search results of all sections.
     fn refresh_list(&mut self) {
         (self.cursor, self.scroll) = (0, Scroll::default());
+        self.entries.truncate(self.known);
+        self.entries.extend(self.searched_variable());
         let found = |entry: &HelpEntry| match self.search.text.as_str() {
             "" => entry.section == self.section,
             search => entry.matches(search),
@@ -99,24 +138,37 @@ impl Help {
         }
     }
 
-    /// Draws the help as an overlay; true if it closes.
-    pub fn overlay(&mut self, view: &View<'_>, rect: Rect, typed: &KeyboardInput) -> bool {
+    /// The variable whose number is searched, if it has no entry: it has no name on the page.
+    fn searched_variable(&self) -> Option<HelpEntry> {
+        let number: u16 = self.search.text.trim().strip_prefix('#')?.parse().ok()?;
+        let is_variable = RANGES.iter().any(|(first, last)| (*first..=*last).contains(&number));
+        let has_entry = self.entries.iter().any(|entry| entry.topic == HelpTopic::Variable(number));
+        let has_page = self.machine.is_some_and(|machine| Page::Macro.exists_on(machine));
+        (is_variable && has_page && !has_entry).then(|| entries::variable_entry(number, LocalizedText::default()))
+    }
+
+    /// Draws the help as an overlay; what was asked for.
+    pub fn overlay(&mut self, view: &View<'_>, rect: Rect, typed: &KeyboardInput) -> Option<HelpTouch> {
         let cancelled = !self.search.open && self.search.text.is_empty() && typed.edits.contains(&EditKey::Cancel);
         view.ui.interact(rect, Id::unique("help"), Sense::CLICK | Sense::DRAG);
         view.filled_card(rect, view.theme.background, view.theme.focus);
         let (_, close) = rect.shrink(theme::PAD).band(0.0, widget::KEYS_HEIGHT).split_right(CLOSE_WIDTH);
-        self.draw(view, rect, typed, CLOSE_WIDTH + theme::GAP);
-        widget::button(view, close, PageKey::new("close-help", view.text("关闭帮助", "CLOSE"))) || cancelled
+        let target = self.draw(view, rect, typed, CLOSE_WIDTH + theme::GAP);
+        let closed =
+            widget::button(view, close, PageKey::new("close-help", view.text("关闭帮助", "CLOSE"))) || cancelled;
+        target.map(HelpTouch::Open).or(closed.then_some(HelpTouch::Close))
     }
 
-    fn draw(&mut self, view: &View<'_>, rect: Rect, typed: &KeyboardInput, room: f32) {
+    /// Draws the help; returns where the operator wants to go.
+    fn draw(&mut self, view: &View<'_>, rect: Rect, typed: &KeyboardInput, room: f32) -> Option<HelpTarget> {
         self.load_entries(view);
-        self.handle_typed(typed);
+        let entered = self.handle_typed(typed);
         let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         self.tabs(view, bar.trim_right(room));
         let rest = rest.trim_top(theme::GAP);
         if self.keyboard_map_open {
-            return keyboard_map::ui(view, rest);
+            keyboard_map::ui(view, rest);
+            return None;
         }
         let board = if self.search.open { letter_pad::HEIGHT } else { 0.0 };
         let (body, board) = rest.split_bottom(board);
@@ -127,18 +179,24 @@ impl Help {
             self.refresh_list();
         }
         self.rows(view, round_to_lines(list.trim_top(theme::GAP), widget::ROW_HEIGHT), typed.scroll_pages);
-        self.detail(view, right);
+        let target = self.visible.get(self.cursor).and_then(|index| target_of(view, self.entries[*index].topic));
+        let room = theme::GAP * if self.search.open { 2.0 } else { 1.0 };
+        let (card, key) = right.split_bottom(if target.is_some() { widget::KEYS_HEIGHT + room } else { 0.0 });
+        self.detail(view, card);
+        let key = key.trim_top(theme::GAP).trim_bottom(if self.search.open { theme::GAP } else { 0.0 });
+        let touched = target.filter(|target| open_key(view, key, *target) || entered);
         if self.search.open
             && let Some(letter) = letter_pad::ui(view, board, &letter_pad::SEARCH_LAYOUT)
         {
             self.handle_letter(&letter);
         }
+        touched
     }
 
     fn tabs(&mut self, view: &View<'_>, bar: Rect) {
         let mut keys: Vec<_> =
             Section::ALL.iter().map(|section| (section.id(), section.label().get(view.lang).to_owned())).collect();
-        keys.push(("help-map", view.text("键盘", "KEYBOARD").to_owned()));
+        keys.push(("help-map", view.text("键盘", "KEYBD").to_owned()));
         let here = Section::ALL.iter().position(|section| *section == self.section).unwrap_or(0);
         let chosen = match (self.keyboard_map_open, self.search.text.is_empty()) {
             (true, _) => Section::ALL.len(),
@@ -153,9 +211,10 @@ impl Help {
         }
     }
 
-    fn handle_typed(&mut self, typed: &KeyboardInput) {
+    /// Handles typed input; true if ENTER chooses the selected entry.
+    fn handle_typed(&mut self, typed: &KeyboardInput) -> bool {
         let mut text = typed.text.as_str();
-        if !self.search.open && text.starts_with(|sign: char| sign == '/' || sign.is_alphanumeric()) {
+        if !self.search.open && text.starts_with(|sign: char| matches!(sign, '/' | '#') || sign.is_alphanumeric()) {
             (self.search.open, self.keyboard_map_open) = (true, false);
             self.search.text.clear();
             text = text.strip_prefix('/').unwrap_or(text);
@@ -165,7 +224,11 @@ impl Help {
             self.search.text.extend(text.chars().filter(|sign| !sign.is_control()).take(room));
             self.refresh_list();
         }
-        typed.edits.iter().for_each(|edit| self.handle_key(*edit));
+        typed.edits.iter().fold(false, |entered, edit| {
+            let chooses = *edit == EditKey::Enter && !self.search.open;
+            self.handle_key(*edit);
+            entered || chooses
+        })
     }
 
     fn handle_key(&mut self, edit: EditKey) {
@@ -231,15 +294,23 @@ impl Help {
         let response = view.touch_row(place, ("help-entry", row), chosen, name);
         view.row_card(place, chosen);
         let inside = place.shrink2(vec2(10.0, 2.0));
+        let searches = !self.search.text.is_empty();
         let sign_width = match entry.section {
+            // A search mixes the sections.
+            _ if searches => SEARCH_SIGN_WIDTH,
             Section::Pages => 0.0,
             Section::Keys => 92.0,
-            Section::Alarms => 82.0,
-            Section::SoftKeys | Section::GCodes | Section::MCodes | Section::Params => 64.0,
+            Section::Alarms | Section::Programs => SEARCH_SIGN_WIDTH,
+            Section::Variables | Section::SoftKeys | Section::GCodes | Section::MCodes | Section::Params => 64.0,
         };
         let (sign, words) = inside.split_left(sign_width);
         let ink = if is_present(view, entry.topic) { view.theme.alarm_text } else { view.theme.info };
         view.fit_left(sign.trim_right(theme::GAP.min(sign_width)), &entry.code, theme::LABEL, ink);
+        // A search covers all sections: what the entry is stands beside it.
+        let (words, of) = words.split_right(if searches { SECTION_WIDTH } else { 0.0 });
+        if searches {
+            view.fit_right(of, entry.section.label().get(view.lang), theme::SMALL, view.theme.muted);
+        }
         paint_name(view, words, &entry.name.get(view.lang), theme::LABEL, view.theme.text);
         if response.clicked() {
             self.cursor = row;
@@ -275,6 +346,28 @@ impl Help {
             clipped.fit(place, align, words, *size, *ink);
         }
     }
+}
+
+/// The page of an entry, and what it shows first; none for what has no page.
+fn target_of(view: &View<'_>, topic: HelpTopic) -> Option<HelpTarget> {
+    let target = match topic {
+        HelpTopic::Page(page) => (page, None),
+        HelpTopic::SoftKey(SoftKeyAction::Open(page)) => (page, None),
+        HelpTopic::Param(address) => (Page::Params, Some(HandOver::Param(address))),
+        HelpTopic::Variable(number) => (entry_page(view, number), Some(HandOver::Variable(number))),
+        HelpTopic::Program(number) => (Page::Directory, Some(HandOver::Program(number))),
+        HelpTopic::Alarm(_) if is_present(view, topic) => (Page::Alarm, None),
+        HelpTopic::SoftKey(_) | HelpTopic::Key(_) | HelpTopic::Alarm(_) | HelpTopic::GCode | HelpTopic::MCode => {
+            return None;
+        }
+    };
+    Some(target).filter(|(page, _)| *page != Page::Help)
+}
+
+/// The key that goes to the page of an entry.
+fn open_key(view: &View<'_>, rect: Rect, (page, _): HelpTarget) -> bool {
+    let label = format!("{} {}", view.text("打开", "OPEN"), page.title_on(view.snapshot.kind).get(view.lang));
+    widget::button(view, rect, PageKey::new("help-open", &label))
 }
 
 /// The lines of an entry: a caption, then its text wrapped to a width.
@@ -318,6 +411,11 @@ fn live_text(view: &View<'_>, about: HelpTopic) -> Option<String> {
             Some(alarm.text.get(view.lang).into_owned())
         }
         HelpTopic::Param(at) => view.snapshot.params.read(at).ok().map(|value| value.to_string()),
-        HelpTopic::Page(_) | HelpTopic::SoftKey(_) | HelpTopic::GCode | HelpTopic::MCode => None,
+        HelpTopic::Page(_)
+        | HelpTopic::SoftKey(_)
+        | HelpTopic::Variable(_)
+        | HelpTopic::Program(_)
+        | HelpTopic::GCode
+        | HelpTopic::MCode => None,
     }
 }

@@ -6,7 +6,7 @@ pub mod table;
 
 use egui::Rect;
 
-use super::{PageContext, PageUi, input_line};
+use super::{HandOver, PageContext, PageUi, input_line};
 use crate::defs::equipment::Equipment;
 use crate::defs::param;
 use crate::defs::text::Text;
@@ -63,7 +63,7 @@ impl OffsetPage {
 }
 
 impl PageUi for OffsetPage {
-    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<HandOver>) {
         self.table.open(self.line_in_force(view).unwrap_or(0));
     }
 

@@ -7,7 +7,7 @@ mod paint;
 
 use egui::{Rect, vec2};
 
-use super::{PageContext, PageUi, Scroll, ScrollList};
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList};
 use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
 use crate::defs::text::{Lang, LocalizedText};
@@ -42,10 +42,17 @@ pub struct ParamPage {
 }
 
 impl PageUi for ParamPage {
-    /// Tab and row stay; nothing is being typed.
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    /// Tab and row stay, unless a parameter was handed over; nothing is being typed.
+    fn open(&mut self, view: &View<'_>, handed_over: Option<HandOver>) {
         let (part, cursor, screws) = (self.filter, self.cursor, self.shows_leadscrews);
         *self = Self { filter: part, cursor, shows_leadscrews: screws, ..Self::default() };
+        if let Some(address) = handed_over.and_then(HandOver::param) {
+            // All parameters are shown: the row is there whatever the tab was.
+            (self.filter, self.shows_leadscrews) = (0, false);
+            self.list.update(view.snapshot.fitted(), self.filter, "");
+            let row = self.list.rows.iter().position(|row| row.address == address);
+            self.go(row);
+        }
     }
 
     fn typing(&self) -> Option<&FieldEditor> {

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 use egui::{Rect, Ui, pos2, vec2};
 
-use super::{PageContext, PageUi, ScrollList, VisibleRows, empty};
+use super::{HandOver, PageContext, PageUi, ScrollList, VisibleRows, empty};
 use crate::defs::key::Mode;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::hmi::{
@@ -99,8 +99,8 @@ pub struct ProgramPage {
 
 impl PageUi for ProgramPage {
     /// A program that was handed over is new: it is edited at once.
-    fn open(&mut self, _view: &View<'_>, handed_over: Option<u32>) {
-        self.edit_when_current = handed_over;
+    fn open(&mut self, _view: &View<'_>, handed_over: Option<HandOver>) {
+        self.edit_when_current = handed_over.and_then(HandOver::program);
     }
 
     /// Typed text stays; editing must be requested again.

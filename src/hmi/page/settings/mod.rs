@@ -5,7 +5,7 @@ mod clock;
 
 use egui::{Align2, Rect, pos2, vec2};
 
-use super::{PageContext, PageUi, input_line};
+use super::{HandOver, PageContext, PageUi, input_line};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, AccessLevel, BitParam};
 use crate::defs::text::{Lang, Text};
@@ -106,7 +106,7 @@ impl<'a> SettingsGroup<'a> {
 }
 
 impl PageUi for SettingsPage {
-    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
         *self = Self::default();
     }
 
