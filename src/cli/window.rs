@@ -57,9 +57,20 @@ fn open_real(shared: &SharedArgs, file: &Path, fullscreen: bool) -> Result<u8, C
         Err(why) => {
             warn_line!("kt830: {why}");
             let opened = |_: &SharedArgs, _: &Params| mark().map(|()| AbsentMachine);
-            open_with(opened, Some(&LocalizedText::same(&why)), shared, fullscreen)
+            open_with(opened, Some(&unusable_text(file, &why)), shared, fullscreen)
         }
     }
+}
+
+/// What the alarm page says of a description that cannot be used; the name of the file comes first.
+#[cfg(target_os = "linux")]
+fn unusable_text(file: &Path, why: &CallError) -> LocalizedText {
+    if file.exists() {
+        return LocalizedText::same(why);
+    }
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let folder = file.parent().unwrap_or(file).display();
+    LocalizedText::new(format!("{name} 不存在（{folder}）"), format!("{name} is missing ({folder})"))
 }
 
 /// The description of the real machine, if it fits the data.
