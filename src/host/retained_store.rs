@@ -194,12 +194,18 @@ impl RetainedStore {
         Ok(())
     }
 
-    /// Whether the data are still where they were opened; their journal is made anew if it was removed.
+    /// Whether the data are still where they were opened. Journal, passwords and kept states are made anew if they were
+    /// removed.
     ///
     /// # Errors
-    /// They were removed or replaced.
+    /// The data were removed or replaced, or a disk error.
     pub fn check_files(&mut self) -> Result<(), RetainedError> {
-        self.database.check_files()
+        self.database.check_files()?;
+        self.passwords.complete_copy().map_err(|error| RetainedError::Copy(error.to_string()))?;
+        match generations::has_any(&self.folder) {
+            true => Ok(()),
+            false => self.keep_generation(),
+        }
     }
 
     /// Answers a request of a page.

@@ -327,6 +327,21 @@ fn b6_a_journal_that_is_removed_or_cut_in_operation_is_made_anew() {
     }
 }
 
+/// What outlives the database is there again after it was removed, while the control runs.
+#[test]
+fn b6_passwords_and_states_that_are_removed_in_operation_are_made_anew() {
+    let folder = session();
+    let (mut store, _) = open(folder.path());
+    fs::remove_file(folder.path().join("passwords.ron")).unwrap();
+    fs::remove_dir_all(folder.path().join("generations")).unwrap();
+    store.check_files().unwrap();
+    let copy = cut_off(folder.path());
+    for name in [DATABASE, "retained.journal"] {
+        fs::remove_file(copy.path().join(name)).unwrap();
+    }
+    assert_restored(copy.path(), "from what was made anew");
+}
+
 /// Another folder in the place of ours, such as a backup: its states stay as they are.
 #[test]
 fn b6_a_folder_that_is_put_in_the_place_of_the_data_is_not_written_into() {

@@ -53,7 +53,7 @@ pub fn keep(folder: &Path, data: &RetainedData) -> Result<(), RonError> {
 
 /// Whether there is a kept state, whole or not.
 #[must_use]
-pub(super) fn has_any(folder: &Path) -> bool {
+pub fn has_any(folder: &Path) -> bool {
     !list(folder).is_empty()
 }
 
