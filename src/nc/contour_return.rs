@@ -27,10 +27,11 @@ pub(super) fn return_axis(segments: &[ContourSegment], first_axis: Axis) -> Axis
 /// Whether the way back from the end of the contour, along an axis first, keeps to one side of the contour.
 pub(super) fn is_return_free(segments: &[ContourSegment], start: WorkPos, first: Axis) -> bool {
     let contour = segments.get(1..).unwrap_or_default();
-    let Some(last) = contour.last() else { return true };
+    let Some((last, rest)) = contour.split_last() else { return true };
     let mut corner = last.to;
     corner[first] = start[first];
-    !crosses(contour, (last.to, corner), first) && !crosses(contour, (corner, start), other_axis(first))
+    // The end of the contour may rise above the start, which lies outside of the stock.
+    !crosses(contour, (last.to, corner), first) && !crosses(rest, (corner, start), other_axis(first))
 }
 
 /// Whether a way along an axis goes from one side of the contour to the other one, between its ends.

@@ -130,6 +130,12 @@ impl Interpreter {
         }
     }
 
+    /// Whether M99 has led back to the head of the started program.
+    #[must_use]
+    pub const fn has_begun_anew(&self) -> bool {
+        self.flow.restarted
+    }
+
     /// Starts at the head of another program, in the memory of this interpreter.
     pub fn begin(&mut self, program: (Arc<Source>, SharedLibrary), settings: NcSettings, memory: &CommonVariables) {
         self.contour_memory.iter_mut().for_each(|memory| memory.begin(Arc::clone(&program.0)));

@@ -308,7 +308,7 @@ fn t5_the_tick_allocates_nothing_for_cycles_over_a_contour() {
 
 #[test]
 fn t5_the_tick_allocates_nothing_for_a_start_from_a_block() {
-    let mut host = ready_with("G98 G01 U-1 F600\n#500=3\nU1\nU-1\nU1\nM30");
+    let mut host = ready_with("G98 G01 X-81 F600\n#500=3\nU1\nU-1\nU1\nM30");
     host.send(Command::Press(Mode::Auto.key()));
     (0..10).for_each(|_| host.step());
     for _ in 0..2 {

@@ -47,9 +47,9 @@ impl Plant {
     pub fn apply_zero(&mut self, axis: Axis, edge: f64) {
         let coordinate = self.params.get_axis(param::HOME_X, axis);
         self.axes.set_zero(axis, edge, coordinate);
-        if let Some(start) = &mut self.work.tool_change_point {
-            start[axis] += coordinate - edge;
-        }
+        let work = &mut self.work;
+        let starts = work.tool_change_point.iter_mut().chain(work.program_start.iter_mut().map(|(_, start)| start));
+        starts.for_each(|start| start[axis] += coordinate - edge);
     }
 
     /// Raises the alarm of a failed homing.

@@ -251,7 +251,11 @@ impl Plant {
         let answer = self.machine.request(request, self.now, self.inputs.filtered, &self.params);
         match answer {
             RequestResult::Accepted => {
-                if let Request::WorkDriveHigh | Request::WorkDriveLow | Request::WorkDriveStop = request {
+                // In a program the speed of `M63 S` holds until the next M63 or M64, also if a key starts the drive again.
+                let by_key = matches!(self.execution.phase, ControlPhase::Idle);
+                if let Request::WorkDriveHigh | Request::WorkDriveLow | Request::WorkDriveStop = request
+                    && by_key
+                {
                     self.spindles.analog_2_rpm = 0.0;
                 }
             }

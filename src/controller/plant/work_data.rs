@@ -47,6 +47,9 @@ pub struct WorkData {
     pub gauge_positions: GaugePositions,
     /// The tool-change point: tip position at the start of the last program, machine coordinates (L3).
     pub tool_change_point: Option<MachinePos>,
+    /// The program that was started last, and where the axes stood then: a run from a chosen block reckons from there.
+    /// None since power-on, and once the program has begun anew elsewhere.
+    pub program_start: Option<(u32, MachinePos)>,
 }
 
 /// Whether an offset value, mm as displayed, is within the range for pages and programs.
@@ -78,9 +81,10 @@ impl Plant {
     /// Changes to the tool of a turret station. The tool-change point moves with the slides (L8).
     pub fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
         self.work.offsets.change_tool(station, by);
-        if let (Some(start), Some(by)) = (&mut self.work.tool_change_point, by) {
-            *start = *start + by;
-        }
+        let Some(by) = by else { return };
+        let WorkData { tool_change_point, program_start, .. } = &mut self.work;
+        let starts = tool_change_point.iter_mut().chain(program_start.iter_mut().map(|(_, start)| start));
+        starts.for_each(|start| *start = *start + by);
     }
 
     /// Stores a changed offset (index from 0) on disk.

@@ -165,10 +165,12 @@ impl ProgramRun {
             return ActionStatus::Done;
         }
         let answer = plant.request(request);
+        if let (RequestResult::Accepted, Request::WorkDriveHigh | Request::WorkDriveLow) = (answer, request) {
+            plant.spindles.analog_2_rpm = call.s.unwrap_or(0.0); // K3.4: M63 S
+        }
         if let (Some(rpm), RequestResult::Accepted, Request::WorkDriveHigh | Request::WorkDriveLow) =
             (call.s, answer, request)
         {
-            plant.spindles.analog_2_rpm = rpm; // K3.4: M63 S
             let most = plant.params.get(param::ANALOG_2_RPM_MAX);
             if rpm > most {
                 plant.refuse(phrase!(

@@ -166,6 +166,7 @@ impl Program {
         run.origin = origin;
         if origin == Origin::Program {
             (plant.execution.part_finished, plant.execution.finished_cycle) = (false, None);
+            plant.work.program_start = Some((plant.execution.current_program, at));
         }
         if origin != Origin::Retract {
             plant.execution.begin_cycle(plant.work.offsets.tool_offset);
@@ -227,6 +228,9 @@ impl Program {
     pub fn close_run(&mut self, plant: &mut Plant) {
         if let Some(run) = self.run.take() {
             if run.origin == Origin::Program {
+                if run.interpreter.has_begun_anew() {
+                    plant.work.program_start = None;
+                }
                 // The local zero (G52) ends with its program: later measurements must not contain it.
                 plant.work.offsets.local = PerAxis::default();
                 self.clear_run_position(plant);

@@ -27,8 +27,8 @@ use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
 use crate::motion::MoveShape;
 use crate::nc::{
-    self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect, OriginPlace,
-    OscillationChange, ProgramMessage, SpeedMode,
+    self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect, OpMotion,
+    OriginPlace, OscillationChange, ProgramMessage, SpeedMode,
 };
 use crate::units::{Axis, Micros, PerAxis, WorkBudget};
 
@@ -64,21 +64,29 @@ struct StateBeforeBlock {
     oscillates: bool,
     /// G50, G27, G31 or G78 is among them: the resulting position cannot be computed.
     position_unknown: bool,
+    /// Axes whose place the blocks have named; those that they have only moved by increments hang on the start.
+    placed: AxisSet,
+    moved: AxisSet,
     /// First alarm raised by the program before the block.
     alarm: Option<LocalizedText>,
     /// The last S, and the limit of G50 S, rpm.
     speed: Option<(f64, SpeedMode)>,
     rpm_limit: Option<f64>,
+    /// S of the last M63 or M64, rpm.
+    drive_rpm: f64,
 }
 
 impl StateBeforeBlock {
     fn apply(&mut self, op: &Op, dialect: Dialect) {
         let effect = op.effect();
         self.position_unknown |= !effect.leaves_position_known();
+        self.note_places(&effect);
         match effect {
             OpEffect::MCode(words) => match words.switched_unit(dialect) {
                 Some((SwitchedUnit::Wheel, on)) => self.wheel = on,
-                Some((SwitchedUnit::WorkDrive, on)) => self.drive = on,
+                Some((SwitchedUnit::WorkDrive, on)) => {
+                    (self.drive, self.drive_rpm) = (on, words.s.unwrap_or(0.0));
+                }
                 Some((SwitchedUnit::Coolant, on)) => self.coolant = on,
                 None => {}
             },
@@ -97,8 +105,29 @@ impl StateBeforeBlock {
     }
 }
 
+impl StateBeforeBlock {
+    /// Notes which axes a move has placed, and which it has moved.
+    fn note_places(&mut self, effect: &OpEffect<'_>) {
+        let OpEffect::Motion(motion) = effect else { return };
+        let increments = if let OpMotion::Work(by) = motion { by.incremental } else { AxisSet::NONE };
+        for axis in motion.named_axes().iter() {
+            self.moved.insert(axis);
+            if !increments.contains(axis) {
+                self.placed.insert(axis);
+            }
+        }
+    }
+
+    /// An axis that the blocks have only moved by increments.
+    fn unplaced(&self) -> Option<Axis> {
+        self.moved.iter().find(|axis| !self.placed.contains(*axis))
+    }
+}
+
 /// A restart in preparation.
 pub struct Restart {
+    /// The place of the program's start is known: it was started since power-on.
+    start_is_known: bool,
     line: u32,
     run: Box<ProgramRun>,
     world: OfflineMachine,
@@ -174,6 +203,14 @@ impl Restart {
                 line
             ));
         }
+        if let Some(axis) = state.unplaced().filter(|_| !self.start_is_known) {
+            return Err(phrase!(
+                "第 {line} 行之前 {axis} 只有增量移动，起点不知道，不能从该行开始：从头启动",
+                "before line {line} {axis} moves by increments alone, and the start is not known: start the program at its head",
+                line,
+                axis
+            ));
+        }
         can_start_here(&run.interpreter, line)?;
         if state.oscillates {
             return Err(phrase!(
@@ -184,6 +221,30 @@ impl Restart {
         }
         self.block_found = true;
         Ok(SearchStatus::Found)
+    }
+
+    /// Whether origins and tool post are those of the block.
+    fn check_machine(&self, plant: &Plant) -> Result<(), LocalizedText> {
+        let there = self.world.work_offsets();
+        // The interrupted run has done it already, and an increment must not be added twice.
+        let is_other = |place: &OriginPlace| there.origin(*place) != plant.work.offsets.origin(*place);
+        if let Some(place) = (0..OriginPlace::COUNT).filter_map(OriginPlace::at).find(is_other) {
+            let number = place.first_variable();
+            return Err(phrase!(
+                "该行之前的程序段改变工件原点 (#{number})：从头启动，或先使原点与该段一致",
+                "blocks before change a work origin (#{number}): start the program at its head, or set the origin as they do",
+                number
+            ));
+        }
+        let station = plant.turret_station().map(u32::from).filter(|_| there.tool > 0);
+        match station.is_some_and(|station| station != there.tool) {
+            true => Err(phrase!(
+                "该行需要 {tool} 号刀：先用刀架键换到 {tool} 号，再选择该行",
+                "this line needs tool {tool}: turn the tool post to it with its key, then choose the line again",
+                tool = there.tool
+            )),
+            false => Ok(()),
+        }
     }
 
     /// What the message line says when the block is found. The program page shows all of its state.
@@ -261,6 +322,7 @@ impl Program {
                 line
             ));
         }
+        let started = plant.work.program_start.filter(|(number, _)| *number == plant.execution.current_program);
         let source = Arc::clone(&program.source);
         let settings = nc::NcSettings { axes: plant.axes.fitted(), ..nc_settings(plant.kind, &plant.params) };
         let modals = ModalState::new(&settings);
@@ -270,7 +332,7 @@ impl Program {
         let world = OfflineMachine::new(&settings)
             .with_references(reference_points(&plant.params))
             .with_work_offsets(offsets.clone())
-            .with_position(offsets.work_from_machine(plant.axes.set_point()))
+            .with_position(offsets.work_from_machine(started.map_or(plant.axes.set_point(), |(_, start)| start)))
             .with_block_skip(plant.operator.switches.block_skip)
             .with_system_variables(std::mem::take(&mut self.pool.search_memory))
             .with_known_values_only();
@@ -284,7 +346,9 @@ impl Program {
         let start = RunStart { program, settings, modals, memory, lookahead, preflight };
         let run = self.pool.open(start, plant.now);
         let switched = StateBeforeBlock::default();
-        self.restart = Some(Restart { line, run, world, state: switched, ticks: 0, block_found: false });
+        let start_is_known = started.is_some();
+        self.restart =
+            Some(Restart { start_is_known, line, run, world, state: switched, ticks: 0, block_found: false });
         plant.show_note(phrase!("正在查找第 {line} 行…", "searching for line {line} …", line));
     }
 
@@ -303,7 +367,16 @@ impl Program {
         if plant.operator.mode != Mode::Auto {
             return Some(Text::new("自动方式下才能选择起始段", "choose a block in mode AUTO"));
         }
-        (!plant.axes.all_homed()).then_some(Text::new("先回零，再选择起始段", "home the axes before choosing a block"))
+        if !plant.axes.all_homed() {
+            return Some(Text::new("先回零，再选择起始段", "home the axes before choosing a block"));
+        }
+        // L3: without G92 the work zero is where the program was started.
+        let starts_at_zero = nc_settings(plant.kind, &plant.params).start_is_work_zero;
+        let is_started = plant.work.program_start.is_some_and(|(number, _)| number == plant.execution.current_program);
+        (starts_at_zero && !is_started).then_some(Text::new(
+            "通电后没有启动过该程序，起点不知道：从头启动",
+            "the program was not started since power-on and its start point is not known: start it at its head",
+        ))
     }
 
     /// One tick of the search; shows the result.
@@ -317,12 +390,16 @@ impl Program {
         plant.charge_reading(budget);
         match found {
             Ok(SearchStatus::Searching) => {}
-            Ok(SearchStatus::Found) => {
-                self.finish_search(plant);
-                if let Some(restart) = &self.restart {
+            Ok(SearchStatus::Found) => match restart.check_machine(plant) {
+                Ok(()) => {
                     plant.show_note(restart.found_note(plant));
+                    self.finish_search(plant);
                 }
-            }
+                Err(why) => {
+                    self.abandon_restart();
+                    plant.refuse(why);
+                }
+            },
             Err(why) => {
                 self.abandon_restart();
                 plant.refuse(why);
@@ -336,8 +413,8 @@ impl Program {
         let mut offsets = plant.work.offsets.clone();
         let there = world.work_offsets();
         (offsets.active, offsets.tool, offsets.tool_offset) = (there.active, there.tool, there.tool_offset);
-        // Origins that the blocks before have set.
-        (offsets.local, offsets.work, offsets.external) = (there.local, there.work, there.external);
+        // The compensation of the tools on a post (L8) is part of the shift.
+        (offsets.local, offsets.shift) = (there.local, there.shift);
         run.lookahead = LookaheadState::new(
             offsets.clone(),
             offsets.machine_from_work(world.work_position()),
@@ -410,15 +487,13 @@ impl Program {
                 let _ = plant.store_variable(number, there);
             }
         }
-        for place in (0..OriginPlace::COUNT).filter_map(OriginPlace::at) {
-            if plant.work.offsets.origin(place) != run.lookahead.work_offsets.origin(place) {
-                plant.note_origin(place);
-            }
-        }
         plant.work.offsets.clone_from(&run.lookahead.work_offsets);
         plant.work.tool_change_point = Some(tool_change_point);
         plant.spindles.wheel_speed = switched.speed.unwrap_or(plant.spindles.wheel_speed);
         plant.spindles.wheel_rpm_limit = switched.rpm_limit.or(plant.spindles.wheel_rpm_limit);
+        if switched.drive {
+            plant.spindles.analog_2_rpm = switched.drive_rpm;
+        }
         let speed = ProgrammedFeed::PerMinute(plant.params.get(param::WHEEL_ON_INFEED_SPEED));
         for (target, speed) in [(beside, ProgrammedFeed::Rapid), (to, speed)] {
             let planned = PlannedMove::new(target, MoveShape::Line, speed, (all_axes(), AxisSet::NONE));
