@@ -267,6 +267,22 @@ fn b6_the_data_of_another_machine_are_not_taken_for_ours() {
     assert!(found.loss.is_none() && has_values(&found), "{:?}", found.loss);
 }
 
+/// The lock says whose the data are. One flipped bit of it makes them nobody else's.
+#[test]
+fn b6_no_bit_of_the_lock_makes_our_data_those_of_another_machine() {
+    let folder = session();
+    let lock = folder.path().join("retained.lock");
+    let whole = fs::read(&lock).unwrap();
+    for bit in 0..whole.len() * 8 {
+        let mut bytes = whole.clone();
+        bytes[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&lock, bytes).unwrap();
+        let (_, found) = open(folder.path());
+        assert!(found.loss.is_none() && has_values(&found), "bit {bit}: {:?}", found.loss);
+        assert_eq!(fs::read(&lock).unwrap(), whole, "bit {bit}: written anew");
+    }
+}
+
 /// The data of a machine of another kind that were put here whole: the kind is told until a person has chosen it.
 #[test]
 fn k1_a_database_of_another_kind_is_told() {

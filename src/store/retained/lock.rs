@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::RetainedError;
 use crate::store::atomic_file;
+use crate::store::checksum::checksum;
 use crate::store::disk;
 use crate::store::io_fault::IoFault;
 
@@ -17,7 +18,7 @@ const LOCK_FILE: &str = "retained.lock";
 /// How often the lock is tried, and the pause between: half a second in all.
 const LOCK_TRIES: u32 = 10;
 const LOCK_PAUSE: Duration = Duration::from_millis(50);
-/// What the lock holds once there are data, before the identity of their machine.
+/// What the lock holds once there are data, before the identity of their machine and its checksum.
 const USED_MARK: &str = "used";
 /// Longest lock that is read, bytes.
 const READ_LIMIT: u64 = 64;
@@ -58,18 +59,26 @@ pub(super) fn was_used(folder: &Path) -> bool {
     folder.join(LOCK_FILE).metadata().is_ok_and(|lock| lock.len() > 0)
 }
 
-/// The identity of the machine to which the data of a folder belong, if its lock says so.
+/// The identity of the machine to which the data of a folder belong, if its lock says so and is whole.
 pub(super) fn identity_in(folder: &Path) -> Option<NonZeroU64> {
     let bytes = atomic_file::read(&folder.join(LOCK_FILE), READ_LIMIT).ok()?;
-    let digits = std::str::from_utf8(&bytes).ok()?.strip_prefix(USED_MARK)?.strip_suffix('\n')?.trim_start();
-    u64::from_str_radix(digits, 16).ok().and_then(NonZeroU64::new)
+    let text = std::str::from_utf8(&bytes).ok()?;
+    let digits = text.strip_prefix(USED_MARK)?.split_whitespace().next()?;
+    let identity = u64::from_str_radix(digits, 16).ok().and_then(NonZeroU64::new)?;
+    (mark_of(identity) == text).then_some(identity)
+}
+
+/// What the lock holds. A flipped bit must not make the data those of another machine.
+fn mark_of(identity: NonZeroU64) -> String {
+    format!("{USED_MARK} {identity:016x} {:016x}\n", checksum(&identity.get().to_le_bytes()))
 }
 
 /// Notes that there are data, and whose. A lock that cannot be written says nothing: the database says it, too.
-pub(super) fn mark_as_used(mut lock: &File, identity: Option<NonZeroU64>) {
-    let text = identity.map_or_else(|| format!("{USED_MARK}\n"), |identity| format!("{USED_MARK} {identity:016x}\n"));
-    if lock.metadata().is_ok_and(|found| found.len() != text.len() as u64) {
-        let _ =
-            lock.rewind().and_then(|()| lock.write_all(text.as_bytes())).and_then(|()| lock.set_len(text.len() as u64));
+pub(super) fn mark_as_used(mut lock: &File, folder: &Path, identity: Option<NonZeroU64>) {
+    let is_marked = identity_in(folder) == identity && was_used(folder);
+    if !is_marked {
+        let text = identity.map_or_else(|| format!("{USED_MARK}\n"), mark_of);
+        let written = lock.rewind().and_then(|()| lock.write_all(text.as_bytes()));
+        let _ = written.and_then(|()| lock.set_len(text.len() as u64));
     }
 }

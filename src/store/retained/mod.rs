@@ -358,7 +358,7 @@ impl RetainedDatabase {
         }
         self.to_create = None;
         // From now on this is no first start, whatever is removed.
-        lock::mark_as_used(&self.lock, self.identity);
+        lock::mark_as_used(&self.lock, atomic_file::folder_of(&self.path), self.identity);
         let database = open_database(&self.path)?;
         tables::upgrade(&database, self.identity).map_err(|fault| RetainedError::Storage(self.path.clone(), fault))?;
         self.opened = self.opened.or_else(|| identity(&self.path));
