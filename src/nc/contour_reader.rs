@@ -94,7 +94,8 @@ impl Interpreter {
                 return fail(at, E::ContourLeft);
             }
             let foreign = self.block_words.g.iter().find(|code| !CONTOUR_G.contains(&code.number));
-            if self.pending_cycle.take().is_some() || foreign.is_some() || inner.modals.motion.is_cycle() {
+            let is_cycle = !inner.ops.is_empty() && inner.modals.motion.is_cycle();
+            if self.pending_cycle.take().is_some() || foreign.is_some() || is_cycle {
                 return fail(foreign.map_or(at, |code| code.at as usize), E::ContourCode);
             }
             let (line, mut asked) = (inner.location.line, self.corner_words.take());

@@ -8,7 +8,7 @@ use crate::defs::alarm;
 use crate::defs::param::{self, BitParam};
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::phrase;
-use crate::units::Axis;
+use crate::units::{Axis, PerAxis};
 
 impl Plant {
     pub fn home_direction(&self, axis: Axis) -> f64 {
@@ -47,9 +47,9 @@ impl Plant {
     pub fn apply_zero(&mut self, axis: Axis, edge: f64) {
         let coordinate = self.params.get_axis(param::HOME_X, axis);
         self.axes.set_zero(axis, edge, coordinate);
-        let work = &mut self.work;
-        let starts = work.tool_change_point.iter_mut().chain(work.program_start.iter_mut().map(|(_, start)| start));
-        starts.for_each(|start| start[axis] += coordinate - edge);
+        let mut by = PerAxis::default();
+        by[axis] = coordinate - edge;
+        self.work.move_starts(by);
     }
 
     /// Raises the alarm of a failed homing.

@@ -252,9 +252,12 @@ impl Plant {
         match answer {
             RequestResult::Accepted => {
                 // In a program the speed of `M63 S` holds until the next M63 or M64, also if a key starts the drive again.
-                let by_key = matches!(self.execution.phase, ControlPhase::Idle);
+                let in_program = matches!(
+                    self.execution.phase,
+                    ControlPhase::Running | ControlPhase::Holding | ControlPhase::Held | ControlPhase::Stopped
+                );
                 if let Request::WorkDriveHigh | Request::WorkDriveLow | Request::WorkDriveStop = request
-                    && by_key
+                    && !in_program
                 {
                     self.spindles.analog_2_rpm = 0.0;
                 }

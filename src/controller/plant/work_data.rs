@@ -7,7 +7,7 @@ use super::Plant;
 use crate::controller::program::library::Programs;
 use crate::controller::storage_request::StorageRequest;
 use crate::link::edit::OffsetPart;
-use crate::nc::{CommonVariables, CoordinateChange, CutterShape, OriginPlace, VariableError, WorkOffsets};
+use crate::nc::{CommonVariables, CoordinateChange, CutterShape, Interpreter, OriginPlace, VariableError, WorkOffsets};
 use crate::units::{MachinePos, PerAxis, WorkPos};
 
 /// Results of the last G78 for the program: #434 to #437, mm as displayed.
@@ -52,6 +52,20 @@ pub struct WorkData {
     pub program_start: Option<(u32, MachinePos)>,
 }
 
+impl WorkData {
+    /// Moves the places that count from a start of a program, with the slides or with the machine's zero.
+    pub fn move_starts(&mut self, by: PerAxis<f64>) {
+        let Self { tool_change_point, program_start, .. } = self;
+        let starts = tool_change_point.iter_mut().chain(program_start.iter_mut().map(|(_, start)| start));
+        starts.for_each(|start| *start = *start + by);
+    }
+
+    /// Where the axes stood when a program was started last; none if another one was, or if that is not known.
+    pub fn start_of(&self, program: u32) -> Option<MachinePos> {
+        self.program_start.filter(|(number, _)| *number == program).map(|(_, start)| start)
+    }
+}
+
 /// Whether an offset value, mm as displayed, is within the range for pages and programs.
 pub fn offset_in_range(part: OffsetPart, shown: f64) -> bool {
     shown.is_finite() && shown.abs() <= part.max_abs()
@@ -81,10 +95,14 @@ impl Plant {
     /// Changes to the tool of a turret station. The tool-change point moves with the slides (L8).
     pub fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
         self.work.offsets.change_tool(station, by);
-        let Some(by) = by else { return };
-        let WorkData { tool_change_point, program_start, .. } = &mut self.work;
-        let starts = tool_change_point.iter_mut().chain(program_start.iter_mut().map(|(_, start)| start));
-        starts.for_each(|start| *start = *start + by);
+        by.into_iter().for_each(|by| self.work.move_starts(by));
+    }
+
+    /// A program ends. One that M99 has led back to its head has begun elsewhere than it was started.
+    pub fn note_end_of(&mut self, program: &Interpreter) {
+        if program.has_begun_anew() {
+            self.work.program_start = None;
+        }
     }
 
     /// Stores a changed offset (index from 0) on disk.

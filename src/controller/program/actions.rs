@@ -166,11 +166,8 @@ impl ProgramRun {
         }
         let answer = plant.request(request);
         if let (RequestResult::Accepted, Request::WorkDriveHigh | Request::WorkDriveLow) = (answer, request) {
-            plant.spindles.analog_2_rpm = call.s.unwrap_or(0.0); // K3.4: M63 S
-        }
-        if let (Some(rpm), RequestResult::Accepted, Request::WorkDriveHigh | Request::WorkDriveLow) =
-            (call.s, answer, request)
-        {
+            let rpm = call.s.unwrap_or(0.0); // K3.4: M63 S
+            plant.spindles.analog_2_rpm = rpm;
             let most = plant.params.get(param::ANALOG_2_RPM_MAX);
             if rpm > most {
                 plant.refuse(phrase!(

@@ -228,9 +228,7 @@ impl Program {
     pub fn close_run(&mut self, plant: &mut Plant) {
         if let Some(run) = self.run.take() {
             if run.origin == Origin::Program {
-                if run.interpreter.has_begun_anew() {
-                    plant.work.program_start = None;
-                }
+                plant.note_end_of(&run.interpreter);
                 // The local zero (G52) ends with its program: later measurements must not contain it.
                 plant.work.offsets.local = PerAxis::default();
                 self.clear_run_position(plant);

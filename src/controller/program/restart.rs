@@ -103,9 +103,7 @@ impl StateBeforeBlock {
             | OpEffect::Message(ProgramMessage::Stop(..) | ProgramMessage::Show(_) | ProgramMessage::Print(_)) => {}
         }
     }
-}
 
-impl StateBeforeBlock {
     /// Notes which axes a move has placed, and which it has moved.
     fn note_places(&mut self, effect: &OpEffect<'_>) {
         let OpEffect::Motion(motion) = effect else { return };
@@ -322,7 +320,7 @@ impl Program {
                 line
             ));
         }
-        let started = plant.work.program_start.filter(|(number, _)| *number == plant.execution.current_program);
+        let started = plant.work.start_of(plant.execution.current_program);
         let source = Arc::clone(&program.source);
         let settings = nc::NcSettings { axes: plant.axes.fitted(), ..nc_settings(plant.kind, &plant.params) };
         let modals = ModalState::new(&settings);
@@ -332,7 +330,7 @@ impl Program {
         let world = OfflineMachine::new(&settings)
             .with_references(reference_points(&plant.params))
             .with_work_offsets(offsets.clone())
-            .with_position(offsets.work_from_machine(started.map_or(plant.axes.set_point(), |(_, start)| start)))
+            .with_position(offsets.work_from_machine(started.unwrap_or(plant.axes.set_point())))
             .with_block_skip(plant.operator.switches.block_skip)
             .with_system_variables(std::mem::take(&mut self.pool.search_memory))
             .with_known_values_only();
@@ -372,7 +370,7 @@ impl Program {
         }
         // L3: without G92 the work zero is where the program was started.
         let starts_at_zero = nc_settings(plant.kind, &plant.params).start_is_work_zero;
-        let is_started = plant.work.program_start.is_some_and(|(number, _)| number == plant.execution.current_program);
+        let is_started = plant.work.start_of(plant.execution.current_program).is_some();
         (starts_at_zero && !is_started).then_some(Text::new(
             "通电后没有启动过该程序，起点不知道：从头启动",
             "the program was not started since power-on and its start point is not known: start it at its head",

@@ -258,6 +258,7 @@ impl Program {
     /// RESET or an alarm that ends the run: drops the suspended run.
     pub fn abandon_retract(&mut self, plant: &mut Plant) {
         if let Some(waiting) = self.retract.suspended.take() {
+            plant.note_end_of(&waiting.run.interpreter);
             self.clear_run_position(plant);
             self.pool.close(waiting.run);
         }
