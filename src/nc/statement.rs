@@ -58,6 +58,7 @@ pub(crate) struct BlockReader<'r, 'a, S> {
 pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult<BlockContent> {
     let BlockReader { cursor, scope, words, mid_line, block_skip } = reader;
     words.clear();
+    let mut is_line_start = !mid_line;
     let content = loop {
         cursor.skip_blanks()?;
         match cursor.peek() {
@@ -69,6 +70,7 @@ pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
                     cursor.skip_rest_of_line();
                     return Ok(BlockContent::Empty);
                 }
+                is_line_start = false;
             }
             b':' if cursor.peek_at(1).is_ascii_digit() => {
                 read_program_number(cursor, words)?;
@@ -78,11 +80,14 @@ pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
                     BlockContent::Words
                 };
             }
-            b';' if !mid_line => {
+            b';' if is_line_start => {
                 cursor.skip_rest_of_line();
                 return Ok(BlockContent::Empty);
             }
-            b'N' | b'n' if words.block_number.is_none() => words.block_number = Some(block_number(cursor)?),
+            b'N' | b'n' if words.block_number.is_none() => {
+                words.block_number = Some(block_number(cursor)?);
+                is_line_start = false;
+            }
             _ => break read_body(cursor, scope, words, 0)?,
         }
     };
@@ -372,14 +377,24 @@ fn read_block_end(cursor: &mut Cursor<'_>) -> ReadResult<()> {
 }
 
 /// DECISION: the text after `;` is a block if all of it, up to the next `;`, is words or a statement.
-/// Everything else is a comment. A check warns of such a block.
+/// Everything else is a comment. A check warns of such a block. A block number or a comment alone hides no block behind it.
 #[cold]
 fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = BlockWords::default();
-    while cursor.accept(b';') || cursor.accept(b' ') {}
-    let read = read_syntax_only(&mut cursor, &mut words);
-    let closed = cursor.skip_blanks().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
-    closed && words.address_only.is_none() && matches!(read, Ok(true))
+    loop {
+        while cursor.accept(b';') || cursor.accept(b' ') {}
+        words.clear();
+        let read = read_syntax_only(&mut cursor, &mut words);
+        let closed = cursor.skip_blanks().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
+        match read {
+            Ok(has_words) if closed && words.address_only.is_none() => {
+                if has_words || cursor.peek() != b';' {
+                    return has_words;
+                }
+            }
+            _ => return false,
+        }
+    }
 }
 
 /// Checks the syntax of a block with its `/` and its number; returns whether it contains anything else. An IF counts

@@ -216,6 +216,13 @@ fn b2_words_of_programs_that_others_wrote() {
     {
         assert!(origins.iter().any(|op| op.ends_with(wanted)), "{wanted}: {origins:?}");
     }
+    // G10 adds in inches, too: −25.4 mm + 0.1 in = −22.86 mm; nothing added leaves the origin as it is.
+    // 10/25.4 = 0.393701.
+    let added = ok("G10 L2 P1 X10. Z-25.4\nG20\nG10 L2 P1 U0. W0.1\n#500=#5222\n#501=#5221", Dialect::LatheA);
+    for (variable, wanted) in [(5222, "-22.86"), (5221, "10"), (500, "-0.9"), (501, "0.393701")] {
+        let last = added.iter().rev().find(|op| op.contains(&format!("variable={variable} value=")));
+        assert!(last.is_some_and(|op| op.ends_with(&format!("value={wanted}"))), "{variable}: {added:?}");
+    }
     // FANUC, increment system IS-B: 0.0001 mm/r. A feed per minute has three decimals.
     assert!(ok("G21 G99 F0.0002\nG01 X1.", Dialect::LatheA).iter().any(|op| op.contains("f=0.0002")));
     assert_eq!(refused("G21 G99 F0.00002\nG01 X1."), "out-of-range");

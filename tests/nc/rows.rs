@@ -104,6 +104,12 @@ fn b1_blocks_end_at_cr_lf_crlf_and_semicolon_and_spaces_are_free() {
     {
         assert_eq!(lines(text, NcSettings::lathe_a()), ["rapid x=1 y=0 z=0 [X]", "rapid x=1 y=0 z=3 [Z]"], "{text:?}");
     }
+    // A number, a `/` or a comment before the `;` hides no block behind it.
+    for text in ["N1 ; G0X2 ; N2 ; G0Z3", "N1;N2G0X2;(c);Z3", "/;G0X2\n/ N4 ; ; Z3", "N1 (c) ; G0X2; N3 (d) ; ; N4 Z3"]
+    {
+        assert_eq!(lines(text, NcSettings::lathe_a()), ["rapid x=1 y=0 z=0 [X]", "rapid x=1 y=0 z=3 [Z]"], "{text:?}");
+    }
+    assert_eq!(lines("N1 ; text X5\nG0X2 ; N3 ; text", NcSettings::lathe_a()), ["rapid x=1 y=0 z=0 [X]"]);
     assert_eq!(lines("\u{feff}G0X2 // Z3\n; X3\n(X4) ; text X5\x1a", NcSettings::lathe_a()), ["rapid x=1 y=0 z=0 [X]"]);
 }
 

@@ -13,7 +13,7 @@ use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::Op;
 use crate::nc::words::{Code, Word};
 use crate::nc::work_offsets::{EXTRA_WORK_OFFSETS, OriginPlace};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
 /// Added to the number of an offset for its geometry.
 const GEOMETRY_P: u32 = 10_000;
@@ -120,12 +120,19 @@ fn write_axes(running: &mut BlockContext<'_, '_>, variable: impl Fn(Axis) -> u32
         };
         let mut value = displayed_mm(running, axis, word)?;
         if adds {
-            value += running.scope.read(variable(axis), word.at as usize)?.unwrap_or(0.0);
+            value += stored_mm(running, variable(axis), word)?;
         }
         write(running, variable(axis), value);
         named = true;
     }
     Ok(named)
+}
+
+/// The stored value of a variable in mm. A program under G20 reads origins in inches, offsets of tools in mm.
+fn stored_mm(running: &mut BlockContext<'_, '_>, number: u32, word: Word) -> ReadResult<f64> {
+    let read = running.scope.read(number, word.at as usize)?.unwrap_or(0.0);
+    let in_inches = running.modals.inch && variable::is_origin(number);
+    Ok(if in_inches { read * MM_PER_INCH } else { read })
 }
 
 /// The value of an axis word in mm as displayed: X a diameter where diameters are programmed.
