@@ -121,6 +121,9 @@ pub enum CliCommand {
     Torture(TortureArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
     Codes,
+    /// Inspect the database on standard input, with little memory and time: the control calls it before it opens one
+    #[command(hide = true)]
+    CheckDatabase,
 }
 
 /// `kt830 bus`

@@ -53,6 +53,11 @@ const USAGE_ERROR: u8 = 2;
 #[must_use]
 pub fn main() -> ExitCode {
     crate::store::silence_database_check();
+    // The program itself, also where an update has removed its file.
+    let program = if cfg!(target_os = "linux") { Ok("/proc/self/exe".into()) } else { std::env::current_exe() };
+    if let Ok(program) = program {
+        crate::store::set_check_program(program, ["check-database"]);
+    }
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(error) => {
@@ -77,6 +82,9 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Qualify(call)) => qualify::qualify(&shared, call),
         Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
         Some(CliCommand::Codes) => codes::codes(&shared),
+        Some(CliCommand::CheckDatabase) => {
+            crate::store::run_database_check().map_err(CallError::at("standard input")).map(|()| SUCCESS)
+        }
         #[cfg(target_os = "linux")]
         Some(CliCommand::Bus(call)) => bus::bus(&shared, call),
         #[cfg(not(target_os = "linux"))]

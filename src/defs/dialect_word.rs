@@ -99,7 +99,7 @@ words! {
     "STOPRE", "停止预读", "stop reading ahead",
         "等运动结束后再读下一段。R 参数总是按已执行的显示。", "Waits for the motion before the next block is read. R parameters are always shown as executed.";
     "$AA_IW", "实际位置", "actual position",
-        "R1=$AA_IW[X]：工件坐标；$AA_IM[X]：机床坐标。先等运动结束。", "R1=$AA_IW[X]: work coordinate; $AA_IM[X]: machine coordinate. Waits for the motion to end.";
+        "R1=$AA_IW[X]：工件坐标；$AA_IM[X]：机床坐标；DIAMOF 时为半径。先等运动结束。", "R1=$AA_IW[X]: work coordinate; $AA_IM[X]: machine coordinate; a radius under DIAMOF. Waits for the motion to end.";
     "G0", "快速定位", "rapid traverse",
         "G0 X_ Z_：各轴以快速到位。", "G0 X_ Z_: the named axes move at rapid speed.";
     "G1", "直线插补", "linear interpolation",
@@ -152,6 +152,6 @@ words! {
     "G91", "增量编程", "incremental", "以后的坐标为增量值。", "The following coordinates are incremental.";
     "G94", "每分进给", "feed per minute", "F 为每分钟毫米。", "F is in mm/min.";
     "G95", "每转进给", "feed per revolution", "F 为每转毫米；必须重新给 F。", "F is in mm/rev; a new F is required.";
-    "G96", "恒线速", "constant surface speed", "S 为砂轮圆周 m/min。", "S is the surface speed of the wheel in m/min.";
-    "G97", "恒转速", "constant spindle speed", "S 为转/分。", "S is in rpm.";
+    "G96", "恒线速", "constant surface speed", "S 为砂轮圆周 m/min，F 为 mm/r。", "S is the surface speed of the wheel in m/min, F is mm/rev.";
+    "G97", "恒转速", "constant spindle speed", "S 为转/分，F 为 mm/r。", "S is in rpm, F is mm/rev.";
 }

@@ -49,6 +49,10 @@ impl Interpreter {
                 .expand(cycle, start, &mut block.ops)
                 .map_err(|(error, details)| ReadStop::Error(ErrorAt { at: cycle.at, error, details }))
         });
+        if expanded.is_ok() {
+            // What the contour assigns holds behind it.
+            self.flow.take_locals(&memory.flow);
+        }
         self.contour_memory = Some(memory);
         if let Err(stop) = expanded {
             // The flow goes back to the block: it is read again, or its mistake is reported.

@@ -23,6 +23,14 @@ static NO_LOCALS: Locals = [None; 33];
 pub(crate) enum Callee {
     Sub,
     Macro,
+    /// A grinding cycle while no F was in force: its own feeds end with it.
+    CycleWithoutFeed,
+}
+
+impl Callee {
+    const fn is_macro(self) -> bool {
+        matches!(self, Self::Macro | Self::CycleWithoutFeed)
+    }
 }
 
 /// How many calls of each kind are open.
@@ -36,7 +44,7 @@ impl CallDepth {
     const fn of(self, callee: Callee) -> usize {
         match callee {
             Callee::Sub => self.subs,
-            Callee::Macro => self.macros,
+            Callee::Macro | Callee::CycleWithoutFeed => self.macros,
         }
     }
 
@@ -44,7 +52,7 @@ impl CallDepth {
     pub const fn within(self, callee: Callee) -> Self {
         match callee {
             Callee::Sub => Self { subs: self.subs + 1, ..self },
-            Callee::Macro => Self { macros: self.macros + 1, ..self },
+            Callee::Macro | Callee::CycleWithoutFeed => Self { macros: self.macros + 1, ..self },
         }
     }
 }
@@ -224,6 +232,13 @@ impl Flow {
         self.locals.last().unwrap_or(&NO_LOCALS)
     }
 
+    /// Takes over #1–#33 of the current call level from a flow that is as deep in calls.
+    pub fn take_locals(&mut self, other: &Self) {
+        if let Some(locals) = self.locals.last_mut() {
+            *locals = *other.locals();
+        }
+    }
+
     /// Sets one of #1–#33; returns whether its value has changed.
     pub fn set_local(&mut self, number: u32, value: Value) -> bool {
         let place = self.locals.last_mut().and_then(|locals| locals.get_mut((number as usize).wrapping_sub(1)));
@@ -241,6 +256,11 @@ impl Flow {
         // The first frame is that of the started program.
         let callers = self.call_stack.iter().skip(1).map(|frame| &frame.source);
         !self.is_main() && callers.chain([&self.source]).any(|source| source.number() == program)
+    }
+
+    /// Whether the present program is a cycle that leaves no F in force.
+    pub fn ends_without_feed(&self) -> bool {
+        self.call_stack.last().is_some_and(|level| level.callee == Callee::CycleWithoutFeed)
     }
 
     /// How deep in calls the present program is.
@@ -379,7 +399,7 @@ impl Flow {
         if self.call_depth().of(call.callee) >= limit.depth {
             return fail2(call.at, E::TooDeep, limit.name, format_args!("{}", limit.depth));
         }
-        if call.callee == Callee::Macro {
+        if call.callee.is_macro() {
             self.locals.push(*arguments);
         }
         let (repeats_left, arguments) = (call.times - 1, *arguments);
@@ -521,7 +541,7 @@ impl Flow {
         }
         if level.repeats_left > 0 && target.is_none() {
             level.repeats_left -= 1;
-            if level.callee == Callee::Macro
+            if level.callee.is_macro()
                 && let Some(locals) = self.locals.last_mut()
             {
                 *locals = level.arguments;
@@ -532,7 +552,7 @@ impl Flow {
             return Ok(());
         }
         let Some(level) = self.call_stack.pop() else { return Ok(()) };
-        if level.callee == Callee::Macro {
+        if level.callee.is_macro() {
             self.locals.pop();
             self.modal_calls.end_since(level.modal_count);
         }

@@ -374,8 +374,18 @@ impl Interpreter {
             return fail1(self.flow.source.last_line_start(), E::SubWithoutReturn, format_args!("N{n:04}"));
         }
         self.passes.changed = true;
-        self.flow.return_to(None, at)?;
+        self.return_from_call(None, at)?;
         Ok(StepStatus::Empty)
+    }
+
+    /// Returns to the caller. A cycle that was called without an F leaves none in force.
+    fn return_from_call(&mut self, target: Option<u32>, at: usize) -> ReadResult<()> {
+        let ends_without_feed = self.flow.ends_without_feed();
+        self.flow.return_to(target, at)?;
+        if ends_without_feed {
+            self.modals.feed = None;
+        }
+        Ok(())
     }
 
     fn run_statement(&mut self, content: BlockContent, next: Place, block: &mut Block) -> ReadResult<StepStatus> {
@@ -550,7 +560,7 @@ impl Interpreter {
                 if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros {
                     return fail(at, E::ReturnWithoutCall);
                 }
-                self.flow.return_to(target, at)?;
+                self.return_from_call(target, at)?;
             }
             FlowAction::Next
             | FlowAction::GotoNotTaken { .. }

@@ -183,7 +183,7 @@ impl ModalState {
             SpeedUnit::MetresPerSecond => SpeedMode::MetresPerSecond,
         };
         Self {
-            motion: MotionMode::Rapid,
+            motion: if settings.starts_with_feed { MotionMode::Feed } else { MotionMode::Rapid },
             plane: Plane::Zx,
             plane_named: false,
             incremental: false,

@@ -6,7 +6,7 @@ use super::common_variables::CommonVariables;
 use super::expression::{CoordinateFrame, Locals, Scope, Value};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{E, ErrorAt, ReadResult, ReadStop, fail1};
-use super::modal::ModalState;
+use super::modal::{DiameterProgramming, ModalState};
 use super::settings::NcSettings;
 use super::source::Source;
 use crate::defs::text::arg::Arg;
@@ -77,7 +77,10 @@ impl Scope for LiveScope<'_> {
             CoordinateFrame::Machine => FIRST_MACHINE_POSITION,
             CoordinateFrame::Work => FIRST_WORK_POSITION,
         };
-        self.look_up(first + index, at)
+        let position = self.look_up(first + index, at)?;
+        // As X words are read: `X=$AA_IW[X]` is no move.
+        let is_radius = axis == Axis::X && self.settings.diameter && self.modals.diameter == DiameterProgramming::Off;
+        Ok(if is_radius { position.map(|diameter| diameter / 2.0) } else { position })
     }
 
     fn assumes_conditions(&self) -> bool {

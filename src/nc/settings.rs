@@ -96,6 +96,8 @@ pub struct NcSettings {
     pub program_limit: u32,
     /// The initial path mode is exact stop (G61, G60), not G64.
     pub exact_stop: bool,
+    /// The initial function of group 01 is G1, not G00.
+    pub starts_with_feed: bool,
     /// The start position is the work zero until the program changes it (L3).
     pub start_is_work_zero: bool,
     /// 超人 lathe: every block begins with a four-digit number (L1). An MDI line needs none.
@@ -134,6 +136,7 @@ impl NcSettings {
             tool_count: 16,
             program_limit: program_number::o_limit(program_number::O_DIGITS),
             exact_stop: false,
+            starts_with_feed: false,
             start_is_work_zero: false,
             needs_block_numbers: false,
             runs_once: false,

@@ -295,13 +295,15 @@ impl WorkOffsets {
         }
     }
 
-    /// G50: assigns the work coordinates `values` to a machine position. K5.10: clears the wear of the active offset.
+    /// G50: assigns the work coordinates `values` to a machine position; the local zero of the named axes ends. K5.10:
+    /// clears the wear of the active offset.
     pub fn set_coordinates(&mut self, machine: MachinePos, values: &PerAxis<Option<f64>>) {
         if let Some(offset) = self.tool_offset.checked_sub(1) {
             self.wear[offset] = PerAxis::default();
         }
         for (axis, value) in values.iter() {
             if let Some(value) = value {
+                self.local[axis] = 0.0;
                 self.shift[axis] += machine[axis] - self.machine_minus_work(axis) - value;
             }
         }

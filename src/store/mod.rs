@@ -47,7 +47,7 @@ pub use program_folder::{ProgramFolder, STEM_LIMIT};
 pub use retained::{
     DATABASE_FILE, DamageReport, Generation, KIND_FILE, OpenedDatabase, PASSWORD_FILE, REAL_MACHINE_MARK,
     RetainedChange, RetainedData, RetainedDatabase, RetainedError, StorageFault, ToolOffset, generations,
-    silence_database_check,
+    run_database_check, set_check_program, silence_database_check,
 };
 pub use settings::StoredSettings;
 pub use usb_drive::{ListedFile, UsbDrive};

@@ -11,6 +11,7 @@ mod check;
 mod cli;
 mod data_choice;
 mod data_loss;
+mod database_check;
 mod defs;
 mod docs;
 mod foreign;

@@ -734,6 +734,10 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
         ("MSG(\"abc)", "WRONG 第3行 第5列：引号不匹配"),
         ("G0 X600 L10", "WRONG 第3行 第1列：L10 与 G0 不能同段"),
         ("L99", "WRONG 第3行 第1列：找不到程序 L99"),
+        ("G2 X650 Z-5 CR=50 I-2", "WRONG 第3行 第19列：CR 与 I 不能同段"),
+        ("G1 X650 F100 RND=1 CHF=2", "WRONG 第3行 第14列：CHF 与 RND 不能同段"),
+        ("G53 X=IC(-1)", "WRONG 第3行 第5列：G53 与 G91 / IC 不能同段"),
+        ("G91 G53 X-1", "WRONG 第3行 第9列：G53 与 G91 / IC 不能同段"),
     ] {
         let mut rig = wrong(block);
         let alarms = rig.snapshot().alarms.clone();

@@ -118,6 +118,15 @@ fn b2_a_contour_has_no_calls_no_jumps_and_no_other_cycles() {
     }
 }
 
+/// 1, and 20 in each reading of the contour, by G71 and by G70: 41; then X is 61.
+#[test]
+fn b2_what_a_contour_assigns_to_a_local_variable_holds_behind_it() {
+    let course = run(
+        "#2=1.\nG00 X50. Z2.\nG71 U20. R1.\nG71 P10 Q20 U0 W0 F100\nN10 G00 X20.\n#2=#2+20.\nN20 G01 Z-10.\nG70 P10 Q20\nG00 X[#2+20.]\nM30\n",
+    );
+    assert_eq!(course.moves.last().map(|(.., to)| *to), Some([2.0, 61.0]));
+}
+
 #[test]
 fn b2_the_program_goes_on_behind_the_block_q() {
     // Q's block and another one in a line: Q is not run again.

@@ -81,6 +81,14 @@ fn steps(text: &str, dialect: Dialect, signal: Option<(Axis, f64)>) -> Result<Ve
 }
 
 fn steps_with(settings: &NcSettings, text: &str, signal: Option<(Axis, f64)>) -> Result<Vec<String>, ProgramFault> {
+    steps_of_program(settings, format!("G98 F77\n{text}\nM30\n"), signal)
+}
+
+fn steps_of_program(
+    settings: &NcSettings,
+    text: String,
+    signal: Option<(Axis, f64)>,
+) -> Result<Vec<String>, ProgramFault> {
     let dialect = settings.dialect;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("programs");
     let of_file = |number: u32| {
@@ -97,7 +105,7 @@ fn steps_with(settings: &NcSettings, text: &str, signal: Option<(Axis, f64)>) ->
         _ => [20.2, 0.0, 0.0],
     });
     let mut world = Gauge { machine: OfflineMachine::new(settings).with_position(start), signal };
-    let source = Arc::new(Source::new(1001, "O1001.NC", format!("G98 F77\n{text}\nM30\n"), dialect));
+    let source = Arc::new(Source::new(1001, "O1001.NC", text, dialect));
     let mut block = Block::new(settings);
     let mut interpreter = Interpreter::new(source, Arc::new(shelf), settings.clone(), CommonVariables::default());
     let mut steps = Vec::new();
@@ -183,6 +191,24 @@ fn b2_g71_traverses_with_infeed_at_both_ends() {
         None,
         &["X40.44 Z0 F(50.0)", "dwell 0", "X40.44 Z30 F(400.0)", "dwell 0", "X40.44 Z0 F(400.0)", AFTER],
     );
+}
+
+/// The feeds of a cycle end with it: a program without an F has none behind it.
+#[test]
+fn b2_a_cycle_leaves_no_feed_where_there_was_none() {
+    for (dialect, cycle) in [
+        (Dialect::LatheA, "G71 A-0.1 B-0.05 W-60. U1.5 I600. K300. H2 S1"),
+        (Dialect::LatheA, "G176 X40. A0.1 F0.6 E0.2 U3."),
+        (Dialect::LatheA, "G73 A-0.05 B-0.025 W-60. K300. U2"),
+        (Dialect::Mill, "G75 I-0.02 J0 K-0.04 X30. R100. F9000."),
+        (Dialect::Mill, "G79 I-2. K-5. X80. R3000. F9000."),
+    ] {
+        let run = |text: &str| steps_of_program(&settings(dialect), text.to_owned(), None);
+        let done = run(&format!("G98\n{cycle}\nM30\n")).unwrap_or_else(|fault| panic!("{cycle}: {fault}"));
+        assert_eq!(done.last().unwrap(), "G00 FNone", "{cycle}: {done:?}");
+        let after = run(&format!("G98\n{cycle}\nG01 X1\nM30\n")).unwrap_err();
+        assert_eq!((after.location.line, after.error.id()), (3, "feed-missing"), "{cycle}");
+    }
 }
 
 #[test]

@@ -115,6 +115,19 @@ fn s1_remedies_name_what_this_language_has() {
     }
 }
 
+/// `X=$AA_IW[X]` is no move, whichever way X is read.
+#[test]
+fn s1_actual_positions_are_read_as_x_words_are() {
+    for (mode, read) in [("DIAMON", -20), ("DIAM90", -20), ("DIAMOF", -10)] {
+        let text = format!("G0 X-20\n{mode}\nR1=$AA_IW[X] R2=$AA_IM[X]\nG0 X=$AA_IW[X]\nM2\n");
+        let (ops, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", text.into_bytes(), Dialect::Sinumerik)));
+        assert_eq!(mistakes(&checked), [""; 0]);
+        let [one, two] = [601, 602].map(|number| format!("set variable={number} value={read}\n"));
+        assert!(ops.contains(&one) && ops.contains(&two), "{mode}: {ops}");
+        assert_eq!(ops.matches("rapid x=-10 ").count(), 2, "{mode}: {ops}");
+    }
+}
+
 #[test]
 fn s1_exp_is_the_inverse_of_ln() {
     let (ops, checked) =

@@ -17,6 +17,19 @@ fn b2_g50_calls_the_present_position_by_its_new_name() {
     assert!(close(work[Axis::X], 10.0) && close(work[Axis::Z], 20.0));
 }
 
+/// As on FANUC: G50 ends the local zero of the axes that it names, so that `G52 X0` does not move the coordinates again.
+#[test]
+fn b2_g50_ends_the_local_zero_of_its_axes() {
+    let mut offsets = WorkOffsets::default();
+    offsets.set_local(&PerAxis([Some(7.0), None, Some(3.0)]));
+    let machine = MachinePos::new([-75.0, 0.0, -180.0]);
+    offsets.set_coordinates(machine, &PerAxis([Some(10.0), None, None]));
+    assert_eq!(offsets.local, PerAxis([0.0, 0.0, 3.0]));
+    offsets.set_local(&PerAxis([Some(0.0), None, Some(0.0)]));
+    let work = offsets.work_from_machine(machine);
+    assert!(close(work[Axis::X], 10.0) && close(work[Axis::Z], -180.0), "{work:?}");
+}
+
 #[test]
 fn k5_10_g50_clears_the_wear_of_the_tool_in_force() {
     let mut offsets = WorkOffsets { tool_offset: 4, ..WorkOffsets::default() };

@@ -5,6 +5,7 @@ use std::path::Path;
 use redb::StorageBackend;
 use redb::backends::InMemoryBackend;
 
+use super::check_process;
 use super::tables::{self, FORMAT, OLDEST_FORMAT};
 use super::{RetainedData, RetainedError, builder};
 use crate::store::atomic_file::{self, ReadError};
@@ -31,7 +32,7 @@ pub(super) fn read_intact(path: &Path) -> Result<Result<Box<RetainedData>, Strin
         Ok(DatabaseState::Intact(data)) => Ok(Ok(data)),
         Ok(DatabaseState::Damaged(cause)) => Ok(Err(cause)),
         Ok(DatabaseState::Newer(found)) => Err(RetainedError::Newer { path: path.to_path_buf(), found, known: FORMAT }),
-        Err(_) => Ok(Err("the database cannot read its own file".to_owned())),
+        Err(_) => Ok(Err(UNREADABLE.to_owned())),
     }
 }
 
@@ -44,6 +45,9 @@ pub(super) fn read_whole(path: &Path) -> Option<RetainedData> {
     }
 }
 
+/// What is wrong with a file at which the inspection itself fails.
+const UNREADABLE: &str = "the database cannot read its own file";
+
 enum DatabaseState {
     Intact(Box<RetainedData>),
     Damaged(String),
@@ -53,9 +57,28 @@ enum DatabaseState {
 /// Name of the thread that inspects a database.
 pub const DATABASE_CHECK_THREAD: &str = "kt830-database-check";
 
-/// Inspects the bytes on a thread of its own. They are untrusted: a failed assertion of the database is a finding, not a
-/// crash. [`silence_database_check`] keeps it off the console.
+/// Inspects the bytes, which are untrusted: first in a process of its own, which memory without end cannot hurt; then on a
+/// thread of its own, as a failed assertion of the database is a finding, not a crash. [`silence_database_check`] keeps
+/// it off the console.
 fn inspect_apart(bytes: &[u8]) -> std::thread::Result<DatabaseState> {
+    if !check_process::comes_to_its_end(bytes) {
+        return Ok(DatabaseState::Damaged(UNREADABLE.to_owned()));
+    }
+    inspect_on_thread(bytes)
+}
+
+/// The work of the process that inspects a database: the bytes come on its standard input. It returns if the inspection
+/// comes to its end, whatever that finds.
+///
+/// # Errors
+/// The input cannot be read.
+pub fn run_database_check() -> std::io::Result<()> {
+    let bytes = check_process::receive(FILE_LIMIT)?;
+    drop(inspect_on_thread(&bytes));
+    Ok(())
+}
+
+fn inspect_on_thread(bytes: &[u8]) -> std::thread::Result<DatabaseState> {
     std::thread::scope(|scope| {
         let builder = std::thread::Builder::new().name(DATABASE_CHECK_THREAD.to_owned());
         match builder.spawn_scoped(scope, || inspect(bytes)) {

@@ -4,6 +4,7 @@
 //! power cut none of them is. A damaged or foreign file is detected before it is opened, renamed and reported; the
 //! caller raises an alarm and starts with an earlier state. Source: spec K4.2 (points kept over power-off), B3, B6.
 
+mod check_process;
 pub mod generations;
 mod integrity;
 mod journal;
@@ -26,7 +27,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::defs::alarm_history::PastAlarm;
 use crate::units::PerAxis;
-pub use integrity::silence_database_check;
+pub use check_process::set_check_program;
+pub use integrity::{run_database_check, silence_database_check};
 use journal::{JOURNAL_FILE, Journal};
 pub use tables::StorageFault;
 

@@ -108,7 +108,9 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
     // Here P names no program: the gauge signal of a grinding cycle, a dwell.
     running.arguments[P_ARGUMENT - 1] = words.take(b'P').map(|word| word.value);
     words.mark_all_used();
-    Ok(FlowAction::Call(Call { program, times, callee: Callee::Macro, at: code.at as usize }))
+    let is_without_feed = running.modals.feed.is_none() && GRINDING_CYCLES.contains(&program);
+    let callee = if is_without_feed { Callee::CycleWithoutFeed } else { Callee::Macro };
+    Ok(FlowAction::Call(Call { program, times, callee, at: code.at as usize }))
 }
 
 /// Whether `G65 Hm` calculates. DECISION: it does if it has only P, Q and R. H is the argument #11 if P precedes it

@@ -47,7 +47,7 @@ impl<const MILL: bool> DialectRules for Grinder<MILL> {
         program_heading: |line| o_number(line).map(|(number, _)| (number, None)),
         new_program_text: |number| format!("O{number:04}\r\n\r\nM30\r\n"),
         call_limit: |callee| match callee {
-            Callee::Macro => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },
+            Callee::Macro | Callee::CycleWithoutFeed => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },
             Callee::Sub => CallLimit { depth: SUB_DEPTH, name: "M98" },
         },
         preflight_scope: PreflightScope::Unsupported,

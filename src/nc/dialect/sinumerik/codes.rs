@@ -22,7 +22,7 @@ const fn work_offset_number(code: u32) -> u32 {
     }
 }
 
-/// The group of a code. G94 to G97 are one group on this control; here G96 and G97 do not change the unit of F.
+/// The group of a code. G94 to G97 are one group on this control: each selects the unit of F and the unit of S.
 const fn group_of(code: u32) -> Option<GCodeGroup> {
     Some(match code {
         0..=3 => GCodeGroup::Motion,
@@ -87,7 +87,18 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
     for (index, code) in words.g.iter().enumerate() {
         let group = exclusive_group(words, index)?;
         let code = &Code { number: work_offset_number(code.number), ..*code };
-        plan.apply(running, if matches!(code.number, 96 | 97) { GCodeGroup::SpindleSpeedMode } else { group }, *code);
+        if group == GCodeGroup::FeedMode {
+            plan.apply(running, GCodeGroup::SpindleSpeedMode, *code);
+        }
+        plan.apply(running, group, feed_code(*code));
     }
     Ok(plan)
+}
+
+/// The code that selects the unit of F: under G96 and G97 it is per revolution, as under G95.
+const fn feed_code(code: Code) -> Code {
+    match code.number {
+        96 | 97 => Code { number: 95, ..code },
+        _ => code,
+    }
 }

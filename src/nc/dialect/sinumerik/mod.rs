@@ -38,7 +38,11 @@ pub(super) struct Sinumerik;
 
 impl DialectRules for Sinumerik {
     const ROW: DialectRow = DialectRow {
-        settings: || NcSettings { exact_stop: true, ..NcSettings::two_axes(Dialect::Sinumerik) },
+        settings: || NcSettings {
+            exact_stop: true,
+            starts_with_feed: true,
+            ..NcSettings::two_axes(Dialect::Sinumerik)
+        },
         modal_codes: ModalCodes {
             distance_is_modal: true,
             per_minute: 94,
@@ -101,7 +105,32 @@ fn check_unexecuted(words: &BlockWords, text: &[u8]) -> ReadResult<()> {
         return check_call_alone(words, call);
     }
     let is_known = |letter: u8| ADDRESSES.contains(&letter) || LONG_ADDRESSES.iter().any(|(_, long)| *long == letter);
-    words.list.iter().find(|word| !is_known(word.letter)).map_or(Ok(()), |word| unknown_word(text, *word))
+    match words.list.iter().find(|word| !is_known(word.letter)) {
+        Some(word) => unknown_word(text, *word),
+        None => check_exclusive_words(words),
+    }
+}
+
+/// Words of a block that exclude each other: the radius and the centre of an arc, the words of a corner.
+const EXCLUSIVE_WORDS: [&[u8]; 3] = [&[CR_ADDRESS, b'I'], &[CR_ADDRESS, b'K'], &[CHAMFER, CHAMFER_LENGTH, ROUNDING]];
+
+/// Refuses words that exclude each other, and increments with G53 or G153, whose coordinates are the machine's.
+fn check_exclusive_words(words: &BlockWords) -> ReadResult<()> {
+    for letters in EXCLUSIVE_WORDS {
+        let mut found = letters.iter().filter_map(|letter| words.peek(*letter));
+        if let (Some(first), Some(second)) = (found.next(), found.next()) {
+            return fail2(second.at as usize, E::NotTogether, address_name(first), address_name(second));
+        }
+    }
+    let Some(machine) = words.g.iter().find(|code| matches!(code.number, 53 | 153)) else { return Ok(()) };
+    let is_incremental = |word: &&Word| {
+        b"XYZ".contains(&word.letter)
+            && words.is_incremental(word.letter).unwrap_or_else(|| words.g.iter().any(|code| code.number == 91))
+    };
+    match words.list.iter().find(is_incremental) {
+        Some(word) => fail2(word.at as usize, E::NotTogether, machine.name('G', 0), "G91 / IC"),
+        None => Ok(()),
+    }
 }
 
 /// The address letters of words, without N, G, M and L.
