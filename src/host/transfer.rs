@@ -302,7 +302,14 @@ impl UsbTransfer<'_> {
         if std::fs::symlink_metadata(&path).is_ok_and(|told| told.len() > VALUES_LIMIT) {
             return Err(refusal(format!("{name} 太大"), format!("{name} is too large")));
         }
-        let (_, part) = part_of(Values::read(&path).map_err(error_refusal)?, set);
+        let all = Values::read(&path).map_err(error_refusal)?;
+        if let Some((zh, en)) = value_set::foreign_section(&all, set) {
+            return Err(refusal(
+                format!("{name} 里还有{zh}，不从该文件读入；请删去该部分，或用备份恢复"),
+                format!("{name} also has {en}, which are not read from it: delete that part, or restore a backup"),
+            ));
+        }
+        let (_, part) = part_of(all, set);
         Ok(FileAnswer::Restored(Box::new(self.check_values(&part)?)))
     }
 

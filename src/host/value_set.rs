@@ -7,6 +7,7 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{ParamAddress, Params};
 use crate::defs::param_row;
 use crate::link::files::{Refusal, RestoredValues};
+use crate::link::media::TransferSet;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::nc::{CommonVariables, CutterShape, OriginPlace};
 use crate::store::Values;
@@ -32,6 +33,18 @@ pub fn from_holdings(holdings: &TransferValues) -> Values {
     let origins = (0..OriginPlace::COUNT).filter_map(OriginPlace::of_stored_index);
     values.work_offsets = origins.map(|place| (place.stored_index() as u8, offsets.origin(place))).collect();
     values
+}
+
+/// What a file of a set has that the set does not read: it would be ignored.
+pub fn foreign_section(all: &Values, set: TransferSet) -> Option<(&'static str, &'static str)> {
+    let params = set == TransferSet::Params;
+    let sections = [
+        (!all.params.is_empty() && !params, ("参数", "parameters")),
+        (!all.variables.is_empty() && params, ("宏变量", "macro variables")),
+        (!all.offsets.is_empty() || !all.cutters.is_empty(), ("刀补", "tool offsets")),
+        (!all.work_offsets.is_empty(), ("工件坐标系", "work offsets")),
+    ];
+    sections.into_iter().find_map(|(found, name)| found.then_some(name))
 }
 
 /// Checks the values of a file: if one is not allowed, none is taken.

@@ -78,7 +78,7 @@ pub struct NcSettings {
     pub diameter: bool,
     /// The axes of the machine.
     pub axes: PerAxis<bool>,
-    /// Unit of lengths without a decimal point, millimetres (or inches). `None`: `X100` is 100 mm.
+    /// Unit of lengths without a decimal point, millimetres; a tenth of it in inches. `None`: `X100` is 100 mm.
     pub least_increment_mm: Option<f64>,
     /// Start in inches (G20).
     pub inch: bool,

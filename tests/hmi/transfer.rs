@@ -189,6 +189,13 @@ fn k7_8_parameters_and_macro_values_go_both_ways() {
     shop.bring();
     assert!(shop.refusal().contains("P56"), "{}", shop.refusal());
     assert!(shop.bench.rig.retained().params == before);
+    // What the file has beside its own set would be ignored: it is named.
+    let text = text.replace("frames: {}", "frames: { 0: ((-1.0, 0.0, -2.0)) }");
+    assert!(text.contains("-2.0"), "{text}");
+    fs::write(&file, text).unwrap();
+    shop.bring();
+    assert!(shop.refusal().contains("工件坐标系"), "{}", shop.refusal());
+    assert!(shop.bench.rig.retained().params == before);
 }
 
 #[test]

@@ -55,6 +55,24 @@ fn b3_g66_calls_nest() {
     assert_eq!((value(&variables, 100), value(&variables, 101)), (Some(2.0), Some(1.0)));
 }
 
+/// P6.1: arguments that are lengths count thousandths (in inches tenths of them) without a decimal point; numbers, feeds
+/// and computed values are as they are.
+#[test]
+fn b3_least_increments_hold_in_the_arguments_of_a_macro() {
+    let least = NcSettings { least_increment_mm: Some(0.001), ..NcSettings::lathe_a() };
+    let macros = [(9100, "#101=#1\n#102=#7\n#103=#11\n#104=#6\n#105=#24\n#106=#9\n#107=#26\n#108=#19\nM99\n")];
+    let found = |text: &str| {
+        let variables = run_with(&least, text, &macros).unwrap();
+        [101, 102, 103, 104, 105, 106, 107, 108].map(|number| value(&variables, number))
+    };
+    let call = "#1=7\nG65 P9100 A100 D7 H3 K2.5 X-5000 F60 Z#1 S800\nM30\n";
+    assert_eq!(found(call), [0.1, 7.0, 3.0, 2.5, -5.0, 60.0, 7.0, 800.0].map(Some));
+    assert_eq!(found(&format!("G20\n{call}")), [0.01, 7.0, 3.0, 2.5, -0.5, 60.0, 7.0, 800.0].map(Some));
+    assert_eq!(found(&call.replace("#1=7\nG65", "#1=7\nG98\nG66").replace("M30", "G00 W1.\nG67\nM30"))[4], Some(-5.0));
+    let plain = run(call, &macros).unwrap();
+    assert_eq!([101, 105].map(|number| value(&plain, number)), [Some(100.0), Some(-5000.0)]);
+}
+
 /// Three deep, each with two moves: the innermost runs once, the middle twice, the outermost four times.
 #[test]
 fn b3_each_move_of_a_g66_macro_calls_the_one_before() {

@@ -193,6 +193,32 @@ fn b2_g71_traverses_with_infeed_at_both_ends() {
     );
 }
 
+/// P6.1: lengths and times without a decimal point are thousandths, in the arguments of a cycle too; feeds and numbers
+/// are as written.
+#[test]
+fn b2_least_increments_hold_in_the_arguments_of_a_cycle() {
+    for (dialect, with_points, in_thousandths) in [
+        (
+            Dialect::LatheA,
+            "G71 A-0.1 B-0.05 W-60. U1.5 I600. K300. H2 S1",
+            "G71 A-100 B-50 W-60000 U1500 I600 K300 H2 S1",
+        ),
+        (Dialect::LatheA, "G73 A-0.05 B-0.025 W-60. U2. K300.", "G73 A-50 B-25 W-60000 U2000 K300"),
+        (Dialect::LatheA, "G176 X40. A0.1 F0.6 E0.2 U3.", "G176 X40000 A100 F0.6 E0.2 U3000"),
+        (Dialect::Mill, "G75 I-0.02 J0 K-0.04 X30. R100. F9000. P500", "G75 I-20 J0 K-40 X30000 R100 F9000 P500"),
+        (Dialect::Mill, "G77 P1 I-0.02 K-0.04 Z-30. R100. F9000. U1.5", "G77 P1 I-20 K-40 Z-30000 R100 F9000 U1500"),
+        (Dialect::Mill, "G78 I-2. K-5. X80. F9000.", "G78 I-2000 K-5000 X80000 F9000"),
+        (Dialect::Mill, "G79 I-2. K-5. X80. R3000. F9000.", "G79 I-2000 K-5000 X80000 R3000 F9000"),
+    ] {
+        let least = NcSettings { least_increment_mm: Some(0.001), ..settings(dialect) };
+        let wanted = steps(with_points, dialect, None).unwrap_or_else(|fault| panic!("{with_points}: {fault}"));
+        let found =
+            steps_with(&least, in_thousandths, None).unwrap_or_else(|fault| panic!("{in_thousandths}: {fault}"));
+        assert_eq!(found, wanted, "{in_thousandths}");
+        assert_eq!(steps_with(&least, with_points, None).unwrap(), wanted, "{with_points}");
+    }
+}
+
 /// The feeds of a cycle end with it: a program without an F has none behind it.
 #[test]
 fn b2_a_cycle_leaves_no_feed_where_there_was_none() {

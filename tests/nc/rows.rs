@@ -94,7 +94,12 @@ fn k1_diameter_can_be_switched_to_radius_and_f_stays_true_travel() {
 #[test]
 fn b1_a_number_without_a_point_can_count_least_increments() {
     let least = NcSettings { least_increment_mm: Some(0.001), ..NcSettings::lathe_a() };
-    assert_eq!(lines("G0 X1000 Z1.5\nX#1", least), ["rapid x=0.5 y=0 z=1.5 [XZ]"]);
+    assert_eq!(lines("G0 X1000 Z1.5\nX#1", least.clone()), ["rapid x=0.5 y=0 z=1.5 [XZ]"]);
+    // In inches 0.0001: 1000 is 0.1 inch, 2.54 mm of diameter.
+    assert_eq!(lines("G20 G0 X1000 Z1.", least.clone()), ["rapid x=1.27 y=0 z=25.4 [XZ]"]);
+    // The angle of a line in 0.001 degrees: 45 degrees, X 2 mm of radius.
+    let line = lines("G98 G1 X4000 ,A45000 F60", least);
+    assert!(line.iter().all(|op| op.starts_with("feed x=2 y=0 z=2")) && line.len() == 1, "{line:?}");
     assert_eq!(lines("G0 X100", NcSettings::lathe_a()), ["rapid x=50 y=0 z=0 [X]"]);
 }
 

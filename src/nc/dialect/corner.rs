@@ -7,7 +7,7 @@ use crate::geometry::Corner;
 use crate::nc::corner::{CornerWord, CornerWords, LineAngle};
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::AxisSet;
-use crate::nc::words::{CHAMFER, CHAMFER_LENGTH, LINE_ANGLE, ROUNDING, letter_mask};
+use crate::nc::words::{CHAMFER, CHAMFER_LENGTH, LINE_ANGLE, ROUNDING, ValueKind, letter_mask};
 
 /// The words of a corner, as a mask.
 const CORNER_WORDS: u32 = letter_mask(&[CHAMFER, ROUNDING, CHAMFER_LENGTH]);
@@ -22,10 +22,12 @@ pub(super) fn line_angle(
     target: &mut MoveTarget,
 ) -> ReadResult<LineAngle> {
     let Some(word) = running.words.take(LINE_ANGLE) else { return Ok(LineAngle::None) };
-    if !(-360.0..=360.0).contains(&word.value) {
+    let least = running.settings.least_increment_mm.filter(|_| word.kind == ValueKind::Integer);
+    let degrees = word.value * least.unwrap_or(1.0);
+    if !(-360.0..=360.0).contains(&degrees) {
         return out_of_range_as(syntax.corner_names[2], word, "±360");
     }
-    let angle = word.value.to_radians();
+    let angle = degrees.to_radians();
     let (first, second) = running.modals.plane.axes();
     if let Some(outside) = target.words.iter().find(|axis| *axis != first && *axis != second) {
         return fail2(word.at as usize, E::NotTogether, syntax.corner_names[2], outside.letter());

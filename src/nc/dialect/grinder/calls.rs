@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::auxiliary::MAX_REPEATS;
-use super::{integer, macro_a};
+use super::{integer, least_increment, macro_a};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::common::missing_word;
 use crate::nc::dialect::rules::{BlockContext, FlowAction};
@@ -41,7 +41,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     let Some(p) = words.take(b'P') else { return missing_word(words, code.at, name, b'P') };
     let program = integer(p, 1, running.settings.program_limit)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
-    *running.arguments = arguments(&words.list)?;
+    *running.arguments = arguments(&words.list, |word| argument_value(running, program, word))?;
     if let Some(m) = words.m.first() {
         running.arguments[12] = Some(f64::from(m.number));
     }
@@ -104,7 +104,7 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
         return fail2(word.at as usize, E::CycleRepeated, name(code), "L");
     }
     let times = repeats.map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
-    *running.arguments = arguments(&words.list)?;
+    *running.arguments = arguments(&words.list, |word| argument_value(running, program, word))?;
     // Here P names no program: the gauge signal of a grinding cycle, a dwell.
     running.arguments[P_ARGUMENT - 1] = words.take(b'P').map(|word| word.value);
     words.mark_all_used();
@@ -133,7 +133,7 @@ fn is_macro_a_call(running: &BlockContext<'_, '_>) -> bool {
 
 /// System I: each letter has its own variable. System II: if I, J or K occurs twice, up to ten sets of them; a letter
 /// out of order (I after K) begins the next set. If both systems set a variable, the later word counts.
-fn arguments(words: &[Word]) -> ReadResult<Locals> {
+fn arguments(words: &[Word], value_of: impl Fn(&Word) -> f64) -> ReadResult<Locals> {
     let mut locals: Locals = [None; 33];
     let mut seen = 0_u32;
     let given = || {
@@ -173,9 +173,36 @@ fn arguments(words: &[Word]) -> ReadResult<Locals> {
                 }
             }
         };
-        locals[index - 1] = (word.kind != ValueKind::Null).then_some(word.value);
+        locals[index - 1] = (word.kind != ValueKind::Null).then(|| value_of(word));
     }
     Ok(locals)
+}
+
+/// Arguments that are lengths: without a decimal point they are in least increments, where P6.1 asks for it (FANUC).
+const LENGTH_ARGUMENTS: &[u8] = b"ABCIJKQRUVWXYZ";
+/// The same for the shipped grinding cycles, and their times in seconds; their other arguments are feeds and numbers.
+const CYCLE_ARGUMENTS: [(u32, &[u8], &[u8]); 7] = [
+    (9071, b"ABW", b"U"),
+    (9073, b"ABW", b"U"),
+    (9075, b"IJKXZ", b""),
+    (9076, b"AX", b"U"),
+    (9077, b"IJKXZ", b"U"),
+    (9078, b"IJKX", b""),
+    (9079, b"IJKX", b""),
+];
+
+/// The value that an argument of a macro passes on.
+fn argument_value(running: &BlockContext<'_, '_>, program: u32, word: &Word) -> f64 {
+    let Some(second_part) = running.settings.least_increment_mm.filter(|_| word.kind == ValueKind::Integer) else {
+        return word.value;
+    };
+    let cycle = CYCLE_ARGUMENTS.iter().find(|(number, ..)| *number == program);
+    let (lengths, times) = cycle.map_or((LENGTH_ARGUMENTS, &b""[..]), |(_, lengths, times)| (*lengths, *times));
+    if times.contains(&word.letter) {
+        return word.value * second_part;
+    }
+    let least = least_increment(running).filter(|_| lengths.contains(&word.letter));
+    word.value * least.unwrap_or(1.0)
 }
 
 /// The letters of the arguments #1 to #26; a point where there is none.
@@ -193,20 +220,24 @@ mod tests {
         Word { value, at: 0, letter, kind: ValueKind::Integer }
     }
 
+    fn passed(words: &[Word]) -> ReadResult<Locals> {
+        arguments(words, |word| word.value)
+    }
+
     #[test]
     fn b3_argument_system_1_gives_each_letter_its_variable() {
-        let locals = arguments(&[word(b'A', 1.0), word(b'X', 24.0), word(b'Z', 26.0), word(b'D', 7.0)]).unwrap();
+        let locals = passed(&[word(b'A', 1.0), word(b'X', 24.0), word(b'Z', 26.0), word(b'D', 7.0)]).unwrap();
         assert_eq!(
             (locals[0], locals[23], locals[25], locals[6], locals[3]),
             (Some(1.0), Some(24.0), Some(26.0), Some(7.0), None)
         );
-        assert!(arguments(&[word(b'X', 1.0), word(b'X', 2.0)]).is_err());
+        assert!(passed(&[word(b'X', 1.0), word(b'X', 2.0)]).is_err());
     }
 
     #[test]
     fn b3_argument_system_2_counts_sets_of_i_j_k() {
         let list = [(b'A', 1.0), (b'I', 4.0), (b'J', 5.0), (b'K', 6.0), (b'I', 7.0), (b'K', 9.0), (b'J', 11.0)];
-        let locals = arguments(&list.map(|(letter, value)| word(letter, value))).unwrap();
+        let locals = passed(&list.map(|(letter, value)| word(letter, value))).unwrap();
         for (index, value) in [(1, 1.0), (4, 4.0), (5, 5.0), (6, 6.0), (7, 7.0), (9, 9.0), (11, 11.0)] {
             assert_eq!(locals[index - 1], Some(value), "#{index}");
         }
@@ -216,7 +247,7 @@ mod tests {
     #[test]
     fn b3_of_both_argument_systems_the_later_word_counts() {
         let list = [(b'A', 1.0), (b'B', 2.0), (b'I', -3.0), (b'I', 4.0), (b'D', 5.0)];
-        let locals = arguments(&list.map(|(letter, value)| word(letter, value))).unwrap();
+        let locals = passed(&list.map(|(letter, value)| word(letter, value))).unwrap();
         // The second I is #7, which D then overwrites.
         assert_eq!((locals[0], locals[1], locals[3], locals[6]), (Some(1.0), Some(2.0), Some(-3.0), Some(5.0)));
     }

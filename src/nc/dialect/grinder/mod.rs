@@ -201,12 +201,19 @@ fn reading_of(code: u32) -> Option<OneShot> {
         .or_else(|| cycles::reading_of(code))
 }
 
+/// The unit of lengths without a decimal point, in the programmed unit; `None`: they are millimetres or inches.
+/// A least increment is 0.001 mm or 0.0001 inch (FANUC increment system IS-B).
+fn least_increment(running: &BlockContext<'_, '_>) -> Option<f64> {
+    let least = running.settings.least_increment_mm?;
+    Some(if running.modals.inch { least / 10.0 } else { least })
+}
+
 /// The length of a word in millimetres; applies inches and least increment.
 #[inline]
 fn length_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let mut value = word.value;
     if word.kind == ValueKind::Integer
-        && let Some(least) = running.settings.least_increment_mm
+        && let Some(least) = least_increment(running)
     {
         value *= least;
     }
