@@ -23,7 +23,8 @@
 //! | [`host`] | clock, threads, disk; [`host::Host`], the one way to run the core: stepped or on a thread | controller, machine, nc, io, store, link |
 //! | [`story`] | what an operator does, as text; its player | host, io, link |
 //! | [`torture`] | random operators, faults and power cuts, and what holds in every tick | story, host, controller |
-//! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link |
+//! | [`technology`] | proposed speeds, infeeds, spark-out and dressing, with the limits that set them | defs |
+//! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link, technology |
 //! | [`cli`] | the command line | all |
 //!
 //! # The path of a key press
@@ -71,5 +72,6 @@ pub mod motion;
 pub mod nc;
 pub mod store;
 pub mod story;
+pub mod technology;
 pub mod torture;
 pub mod units;

@@ -23,10 +23,9 @@ use crate::defs::program_error::ProgramError;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
-use crate::host::folders::{
-    ProgramUse, named_programs_beside, parse_page_text, parse_picture, parse_picture_labels, programs_from_file,
-};
+use crate::host::folders::{ProgramUse, named_programs_beside, parse_page_text, parse_picture, programs_from_file};
 use crate::host::headless_run::RunEnd;
+use crate::host::picture_labels::parse_picture_labels;
 use crate::io::sim::PartFile;
 use crate::link::command::FileFault;
 use crate::link::toolpath::CycleTime;

@@ -11,13 +11,11 @@ use chrono::{DateTime, Local};
 use image::{ImageError, ImageFormat, ImageReader};
 use ropey::Rope;
 
+use super::picture_labels::{PICTURE_SIZE, parse_picture_labels};
 use super::shipped::{SHIPPED, Shipped};
-use serde::Deserialize;
-
 use crate::controller::{FilePart, Programs, StoredProgram};
 use crate::defs::kind::{Dialect, Kind};
 use crate::defs::text::LocalizedText;
-use crate::defs::variable_name;
 use crate::defs::{page_text, program_kind, program_number};
 use crate::link::command::{FileFault, Picture, PictureLabel, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
@@ -38,8 +36,6 @@ const DRESSING_PICTURE: u32 = 100;
 /// Lines of a program that are searched for its kinds of machine, and characters of a line.
 const HEAD_LINES: usize = 10;
 const HEAD_CHARS: usize = 200;
-/// Size of a page picture, pixels.
-pub const PICTURE_SIZE: (u32, u32) = (200, 400);
 /// Size of a page picture, bytes: 54 of header, 3 per pixel (K5.12).
 pub const PICTURE_BYTES: usize = 54 + PIXEL_BYTES;
 /// Bytes of its pixels.
@@ -467,49 +463,6 @@ fn picture_labels(folder: &Folder, number: u32) -> Result<Vec<PictureLabel>, Fil
     }
     let found = read_page_file(folder, &PICTURE_LABELS, number)?;
     parse_picture_labels(&found.name, &found.bytes)
-}
-
-/// A row of D00nn.RON.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LabelRow {
-    /// `#520`, `R18`.
-    variable: String,
-    /// Left, top, right, bottom, pixels.
-    area: (u16, u16, u16, u16),
-}
-
-/// Parses the places of the variables in a picture: `[(variable: "#520", area: (left, top, right, bottom)), …]`, pixels.
-///
-/// # Errors
-/// The place in the file and what is wrong: no RON, no variable, an area without extent or outside the picture.
-pub fn parse_picture_labels(name: &str, bytes: &[u8]) -> Result<Vec<PictureLabel>, FileFault> {
-    let fault = |position: Option<(u32, u32)>, zh: String, en: String| FileFault {
-        file: name.to_owned(),
-        position,
-        message: LocalizedText::new(zh, en),
-    };
-    let rows: Vec<LabelRow> = ron::de::from_bytes(bytes).map_err(|wrong| {
-        let at = wrong.span.start;
-        let (zh, en) = (format!("格式错误：{}", wrong.code), format!("wrong format: {}", wrong.code));
-        fault(Some((at.line as u32, at.col as u32)), zh, en)
-    })?;
-    let (width, height) = PICTURE_SIZE;
-    let label = |LabelRow { variable: name, area }| {
-        let (left, top, right, bottom) = area;
-        if left >= right || top >= bottom || u32::from(right) > width || u32::from(bottom) > height {
-            let zh = format!("{name} 的区域应为 (左, 上, 右, 下)，在 {width}×{height} 点之内");
-            let en = format!("the area of {name} must be (left, top, right, bottom) within {width}×{height} pixels");
-            return Err(fault(None, zh, en));
-        }
-        let no_variable = || {
-            let (zh, en) =
-                (format!("{name} 不是变量，应如 #520、R18"), format!("{name} is no variable like #520 or R18"));
-            fault(None, zh, en)
-        };
-        variable_name::parse(&name).map(|variable| PictureLabel { variable, area }).ok_or_else(no_variable)
-    };
-    rows.into_iter().map(label).collect()
 }
 
 /// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed: 240 054 bytes, and padding behind

@@ -24,6 +24,7 @@ pub mod pace;
 mod page_file;
 pub mod part;
 pub mod password_store;
+pub mod picture_labels;
 mod print_file;
 mod program_file;
 mod program_split;

@@ -452,7 +452,7 @@ pub fn convert_picture(bytes: &[u8]) -> Result<Vec<u8>, image::ImageError> {
     (limits.max_image_width, limits.max_image_height) = (Some(PICTURE_SIDE_LIMIT), Some(PICTURE_SIDE_LIMIT));
     limits.max_alloc = Some(PICTURE_MEMORY_LIMIT);
     reader.limits(limits);
-    let (width, height) = super::folders::PICTURE_SIZE;
+    let (width, height) = super::picture_labels::PICTURE_SIZE;
     let fitted = reader.decode()?.resize(width, height, image::imageops::FilterType::Triangle).to_rgba8();
     let mut page = image::RgbaImage::from_pixel(width, height, image::Rgba([255; 4]));
     let corner = (i64::from(width - fitted.width()) / 2, i64::from(height - fitted.height()) / 2);

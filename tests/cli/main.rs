@@ -30,5 +30,6 @@ mod store_files;
 mod store_retained;
 mod story_lines;
 mod structure;
+mod technology;
 mod tidy;
 mod toolpath;

@@ -21,12 +21,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("host", &["units", "defs", "link", "nc", "machine", "io", "store", "controller"]),
     ("story", &["units", "defs", "link", "io", "host"]),
     ("torture", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story"]),
-    ("hmi", &["units", "defs", "link"]),
+    ("technology", &["defs"]),
+    ("hmi", &["units", "defs", "link", "technology"]),
     ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "torture", "hmi"]),
 ];
 
 /// Rooms without clock, file, thread or chance: time and hardware are arguments.
-const CORE: &[&str] = &["units", "defs", "link", "geometry", "nc", "motion", "machine", "io", "controller"];
+const CORE: &[&str] =
+    &["units", "defs", "link", "geometry", "nc", "motion", "machine", "io", "controller", "technology"];
 
 /// What the core never names.
 const NOT_IN_CORE: &[&str] = &[

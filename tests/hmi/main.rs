@@ -44,6 +44,7 @@ mod simulator;
 mod soak;
 mod soft_keys;
 mod start_guide;
+mod technology;
 mod text_editor;
 mod transfer;
 mod values;

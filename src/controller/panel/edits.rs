@@ -44,7 +44,7 @@ impl Panel {
     fn edit_variable(&mut self, parts: &mut Parts<'_>, variable: u16, value: Option<f64>) -> Edited {
         let name = Arg::Variable(u32::from(variable), parts.plant.kind.dialect());
         let shows = match parts.plant.operator.page {
-            Page::Grinding => self.page_shows(parts.view(), variable),
+            Page::Grinding | Page::Technology => self.page_shows(parts.view(), variable),
             Page::Macro => CommonVariables::contains(u32::from(variable)),
             _ => false,
         };

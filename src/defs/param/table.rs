@@ -210,6 +210,11 @@ numbers! {
     M_MACRO_8_PROGRAM = 457, 1 => 9_999, 9_048, "", Builder, "M 代码 8 的宏程序号", "program of M macro 8", Wheel;
     M_MACRO_9_CODE = 458, 0 => 99, 0, "", Builder, "调用宏程序 9 的 M 代码 (0 无)", "M code that calls macro 9, 0 none", Wheel;
     M_MACRO_9_PROGRAM = 459, 1 => 9_999, 9_049, "", Builder, "M 代码 9 的宏程序号", "program of M macro 9", Wheel;
+    GROUND_MATERIAL = 470, 1 => 5, 1, "", Operator, "工艺：材料 1 淬硬钢 2 软钢 3 不锈钢 4 高速钢 5 铸铁", "technology: material 1 hardened 2 soft 3 stainless 4 high-speed steel 5 cast iron", Headstock;
+    GROUND_WIDTH = 471, 0.1 => 1_000, 18, "mm", Operator, "工艺：磨削宽度", "technology: ground width", Headstock;
+    GROUND_ROUGHNESS = 472, 0.05 => 3.2, 0.4, "µm", Operator, "工艺：粗糙度 Ra", "technology: roughness Ra", Headstock;
+    WHEEL_MOTOR_POWER = 473, 0.1 => 200, 7.5, "kW", Builder, "工艺：砂轮电机功率", "technology: power of the wheel motor", Headstock;
+    CONTACT_TIME_CONSTANT = 474, 0.05 => 10, 0.8, "s", User, "工艺：磨削时间常数 (让刀)", "technology: time constant of the contact (deflection)", Headstock;
     PROGRAM_REPEATS = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "program repetitions per cycle start";
     SERIAL_BAUD = 370, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
     SERIAL_PAUSE_TIMEOUT = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";

@@ -26,6 +26,7 @@ pub mod settings;
 pub mod simulator;
 pub mod start_strip;
 pub mod teach;
+pub mod technology;
 pub mod tools;
 pub mod transfer;
 pub mod variables;
@@ -221,6 +222,7 @@ page_rows! {
     Settings => settings::SettingsPage;
     Bus => bus::BusPage, shows Bus;
     Simulator => simulator::SimulatorPage, shows Inputs Simulated Scene;
+    Technology => technology::TechnologyPage, shows Variables;
     Help => help::Help;
 }
 

@@ -1,0 +1,487 @@
+//! The proposal for a plunge: one roughing feed, one finishing feed, spark-out.
+//!
+//! With the depth of cut a of one turn of the part, its speed v_w, and the equivalent diameter d_e = d_s·d_w/(d_s + d_w),
+//! a steel burns where its specific energy exceeds
+//!
+//!   u* = u_0 + B·d_e^(1/4)·a^(−3/4)·v_w^(−1/2),
+//!
+//! so that the removal rate at the burn limit is Q'w = a·v_w with a from u = u*. The feed of the slide is
+//! v_f = Q'w/(π·d_w); the size lags behind it by v_f·τ.
+
+use std::f64::consts::PI;
+
+use super::material::GroundMaterial;
+use crate::defs::value_role::ValueRole;
+
+/// u_0 and B of the burn limit (Malkin and Lenz, 1978): J/mm³; lengths in mm, v_w in mm/s.
+const BURN_ENERGY_J_MM3: f64 = 6.2;
+const BURN_FACTOR: f64 = 7.2;
+/// Share of a limit that is used: the rest is for runout, a dulling wheel and the operator's coolant.
+const SAFE_SHARE: f64 = 0.8;
+/// Removal rate of finishing for a roughness Ra of 0.4 µm, mm³/(mm·s); it grows with Ra.
+const FINISH_MM2_S: f64 = 0.5;
+const FINISH_ROUGHNESS_UM: f64 = 0.4;
+/// Range of the removal rate of finishing, mm³/(mm·s).
+const FINISH_RANGE_MM2_S: (f64, f64) = (0.1, 1.0);
+/// Time constants in which the lag of roughing decays at the finishing feed: e^-3 is 5 %.
+const SETTLING: f64 = 3.0;
+/// PlungePart of the tolerance, on the diameter, that may be left behind the spark-out.
+const LEFT_OF_TOLERANCE: f64 = 0.1;
+/// Turns of the part in a spark-out at least: it evens out the lobes of the last turn of feed.
+const SPARK_OUT_TURNS: f64 = 5.0;
+/// Safety clearance in front of the stock, on the diameter, mm.
+const CLEARANCE_MM: f64 = 0.1;
+/// What a value may be beside a step of its rounding, in steps.
+const ROUNDING: f64 = 1e-6;
+/// Radius of the tip of a single-point diamond, mm.
+const DIAMOND_RADIUS_MM: f64 = 0.5;
+
+/// The part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlungePart {
+    /// GroundMaterial.
+    pub material: GroundMaterial,
+    /// Finished diameter, mm.
+    pub diameter_mm: f64,
+    /// Ground width, mm.
+    pub width_mm: f64,
+    /// Stock on the diameter, mm.
+    pub stock_mm: f64,
+    /// Tolerance of the diameter, from limit to limit, mm.
+    pub tolerance_mm: f64,
+    /// Roughness Ra, µm.
+    pub roughness_um: f64,
+}
+
+/// The wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MountedWheel {
+    /// Diameter, mm.
+    pub diameter_mm: f64,
+    /// Width, mm.
+    pub width_mm: f64,
+    /// Rated surface speed, m/s.
+    pub rated_m_s: f64,
+    /// Speed in force, rpm.
+    pub rpm: f64,
+}
+
+/// The machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrindingMachine {
+    /// Power of the wheel motor, kW.
+    pub wheel_kw: f64,
+    /// Time constant of the contact, s: by deflection the size lags behind the feed by v_f·τ.
+    pub time_constant_s: f64,
+}
+
+/// What is to be ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GrindingTask {
+    /// The part.
+    pub part: PlungePart,
+    /// The wheel.
+    pub wheel: MountedWheel,
+    /// The machine.
+    pub machine: GrindingMachine,
+}
+
+/// By what a value is set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProposalLimit {
+    /// The rated speed of the wheel.
+    WheelRating,
+    /// The speed of the wheel that is set (P73, S).
+    WheelSpeed,
+    /// The speed ratio of the material.
+    SpeedRatio,
+    /// Burn of the part.
+    Burn,
+    /// Power of the wheel motor.
+    Power,
+    /// Economical wear of the wheel.
+    WheelWear,
+    /// The roughness asked for.
+    Roughness,
+    /// Lag of the size behind the feed: deflection and contact.
+    Lag,
+    /// The tolerance asked for.
+    Tolerance,
+    /// Roundness: turns of the part.
+    Roundness,
+    /// The stock of the part.
+    Stock,
+}
+
+/// Roughing or finishing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlungeStage {
+    /// Removal rate per millimetre of width, mm³/(mm·s).
+    pub removal_mm2_s: f64,
+    /// Feed of the slide, mm/min.
+    pub feed_mm_min: f64,
+    /// Power of the wheel motor that it takes, kW.
+    pub power_kw: f64,
+    /// What sets it.
+    pub limit: ProposalLimit,
+}
+
+/// Dressing with a single-point diamond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dressing {
+    /// Depth of a pass, mm.
+    pub depth_mm: f64,
+    /// Overlap ratio: effective width of the diamond over the lead.
+    pub overlap: f64,
+    /// Lead, mm per turn of the wheel.
+    pub lead_mm: f64,
+    /// Traverse feed, mm/min.
+    pub feed_mm_min: f64,
+    /// Parts between two dressings.
+    pub every_parts: f64,
+}
+
+/// What is proposed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlungeProposal {
+    /// Surface speed of the wheel, m/s, and what sets it.
+    pub wheel_m_s: (f64, ProposalLimit),
+    /// Speed of the wheel, rpm.
+    pub wheel_rpm: f64,
+    /// Speed of the part, m/min.
+    pub work_m_min: f64,
+    /// Speed of the part, rpm.
+    pub work_rpm: f64,
+    /// Roughing.
+    pub rough: PlungeStage,
+    /// Finishing.
+    pub finish: PlungeStage,
+    /// Where roughing begins: left on the diameter, mm.
+    pub rough_from_mm: f64,
+    /// Left on the diameter for finishing, mm, and what sets it.
+    pub finish_allowance_mm: (f64, ProposalLimit),
+    /// Spark-out, s, and what sets it.
+    pub spark_out_s: (f64, ProposalLimit),
+    /// Dressing.
+    pub dressing: Dressing,
+    /// From the clearance to the end of the spark-out, s.
+    pub time_s: f64,
+}
+
+impl PlungeProposal {
+    /// The value of a role as a page takes it, rounded to the careful side; `None`: the role is not proposed.
+    #[must_use]
+    pub fn value_of(&self, role: ValueRole) -> Option<f64> {
+        let up = |value: f64, steps: f64| (value * steps - ROUNDING).ceil() / steps;
+        let down = |value: f64| {
+            let steps = if value < 0.1 { 1_000.0 } else { 100.0 };
+            (value * steps + ROUNDING).floor().max(1.0) / steps
+        };
+        match role {
+            ValueRole::RoughAllowance => Some(up(self.rough_from_mm, 100.0)),
+            ValueRole::FinishAllowance => Some(up(self.finish_allowance_mm.0, 200.0)),
+            ValueRole::RoughFeed => Some(down(self.rough.feed_mm_min)),
+            ValueRole::FinishFeed => Some(down(self.finish.feed_mm_min)),
+            ValueRole::SparkOut => Some(up(self.spark_out_s.0, 2.0)),
+            ValueRole::DressInterval => Some(self.dressing.every_parts),
+            ValueRole::BlankDiameter
+            | ValueRole::FinishedDiameter
+            | ValueRole::UpperDeviation
+            | ValueRole::LowerDeviation => None,
+        }
+    }
+}
+
+/// A value of the task from which nothing can be calculated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TaskError {
+    /// A value that must be above zero is not.
+    #[error("a diameter, width, stock, speed, power or time is not above zero")]
+    NotPositive,
+    /// The wheel is narrower than the ground width.
+    #[error("the wheel is narrower than the ground width: the part is not a plunge")]
+    WheelTooNarrow,
+}
+
+/// The proposal for a task.
+///
+/// # Errors
+/// See [`TaskError`].
+pub fn propose(task: &GrindingTask) -> Result<PlungeProposal, TaskError> {
+    check(task)?;
+    let GrindingTask { part, wheel, machine } = task;
+    let (wheel_m_s, wheel_rpm) = wheel_speed(wheel);
+    let work_m_min = wheel_m_s.0 * 60.0 / part.material.speed_ratio;
+    let work_rpm = work_m_min * 1_000.0 / (PI * part.diameter_mm);
+    let rough = roughing(task, work_m_min * 1_000.0 / 60.0);
+    let finish = finishing(task, &rough);
+    let (rough_mm_s, finish_mm_s) = (rough.feed_mm_min / 60.0, finish.feed_mm_min / 60.0);
+    let tau = machine.time_constant_s;
+    let finish_allowance_mm = finish_allowance(part, tau * (rough_mm_s + SETTLING * finish_mm_s));
+    let spark_out_s = spark_out(part, finish_mm_s * tau, (tau, work_rpm));
+    let rough_from_mm = part.stock_mm + CLEARANCE_MM;
+    let time_s = (rough_from_mm - finish_allowance_mm.0).max(0.0) / 2.0 / rough_mm_s
+        + finish_allowance_mm.0 / 2.0 / finish_mm_s
+        + spark_out_s.0;
+    let dressing = dressing(part, wheel_rpm);
+    Ok(PlungeProposal {
+        wheel_m_s,
+        wheel_rpm,
+        work_m_min,
+        work_rpm,
+        rough,
+        finish,
+        rough_from_mm,
+        finish_allowance_mm,
+        spark_out_s,
+        dressing,
+        time_s,
+    })
+}
+
+fn check(task: &GrindingTask) -> Result<(), TaskError> {
+    let GrindingTask { part, wheel, machine } = task;
+    let values = [
+        part.diameter_mm,
+        part.width_mm,
+        part.stock_mm,
+        part.tolerance_mm,
+        part.roughness_um,
+        wheel.diameter_mm,
+        wheel.width_mm,
+        wheel.rated_m_s,
+        wheel.rpm,
+        machine.wheel_kw,
+        machine.time_constant_s,
+    ];
+    if values.iter().any(|value| !value.is_finite() || *value <= 0.0) {
+        return Err(TaskError::NotPositive);
+    }
+    if wheel.width_mm < part.width_mm {
+        return Err(TaskError::WheelTooNarrow);
+    }
+    Ok(())
+}
+
+/// Surface speed and rpm: as set, at most as rated.
+fn wheel_speed(wheel: &MountedWheel) -> ((f64, ProposalLimit), f64) {
+    let girth_m = PI * wheel.diameter_mm / 1_000.0;
+    let as_set = girth_m * wheel.rpm / 60.0;
+    match as_set > wheel.rated_m_s {
+        true => ((wheel.rated_m_s, ProposalLimit::WheelRating), wheel.rated_m_s * 60.0 / girth_m),
+        false => ((as_set, ProposalLimit::WheelSpeed), wheel.rpm),
+    }
+}
+
+fn roughing(task: &GrindingTask, work_mm_s: f64) -> PlungeStage {
+    let GrindingTask { part, wheel, machine } = task;
+    let material = &part.material;
+    let power = SAFE_SHARE * machine.wheel_kw * 1_000.0 / (material.energy_j_mm3 * part.width_mm);
+    let burn = if material.burns { SAFE_SHARE * burn_limit_mm2_s(part, wheel, work_mm_s) } else { f64::INFINITY };
+    let limits = [
+        (power, ProposalLimit::Power),
+        (burn, ProposalLimit::Burn),
+        (material.economical_mm2_s, ProposalLimit::WheelWear),
+    ];
+    let least = limits.into_iter().reduce(|least, other| if other.0 < least.0 { other } else { least });
+    let (removal_mm2_s, limit) = least.unwrap_or((power, ProposalLimit::Power));
+    stage(part, removal_mm2_s, limit)
+}
+
+/// Q'w at which the specific energy of the material reaches that of the burn limit, mm³/(mm·s).
+fn burn_limit_mm2_s(part: &PlungePart, wheel: &MountedWheel, work_mm_s: f64) -> f64 {
+    let equivalent_mm = wheel.diameter_mm * part.diameter_mm / (wheel.diameter_mm + part.diameter_mm);
+    let above = part.material.energy_j_mm3 - BURN_ENERGY_J_MM3;
+    if above <= 0.0 {
+        return f64::INFINITY;
+    }
+    let depth_mm = (BURN_FACTOR * equivalent_mm.powf(0.25) / (work_mm_s.sqrt() * above)).powf(4.0 / 3.0);
+    depth_mm * work_mm_s
+}
+
+fn finishing(task: &GrindingTask, rough: &PlungeStage) -> PlungeStage {
+    let part = &task.part;
+    let wanted = FINISH_MM2_S * part.roughness_um / FINISH_ROUGHNESS_UM;
+    let wanted = wanted.clamp(FINISH_RANGE_MM2_S.0, FINISH_RANGE_MM2_S.1);
+    match wanted < rough.removal_mm2_s {
+        true => stage(part, wanted, ProposalLimit::Roughness),
+        false => *rough,
+    }
+}
+
+fn stage(part: &PlungePart, removal_mm2_s: f64, limit: ProposalLimit) -> PlungeStage {
+    PlungeStage {
+        removal_mm2_s,
+        feed_mm_min: removal_mm2_s * 60.0 / (PI * part.diameter_mm),
+        power_kw: removal_mm2_s * part.width_mm * part.material.energy_j_mm3 / 1_000.0,
+        limit,
+    }
+}
+
+/// The lag of roughing must decay within the finishing allowance; `lag_mm` is on the radius.
+fn finish_allowance(part: &PlungePart, lag_mm: f64) -> (f64, ProposalLimit) {
+    let wanted = 2.0 * lag_mm;
+    match wanted < part.stock_mm / 2.0 {
+        true => (wanted, ProposalLimit::Lag),
+        false => (part.stock_mm / 2.0, ProposalLimit::Stock),
+    }
+}
+
+/// Until a tenth of the tolerance is left of the lag, and some turns of the part.
+fn spark_out(part: &PlungePart, lag_mm: f64, (tau, work_rpm): (f64, f64)) -> (f64, ProposalLimit) {
+    let left = LEFT_OF_TOLERANCE * part.tolerance_mm / 2.0;
+    let for_size = tau * (lag_mm / left).max(1.0).ln();
+    let for_turns = SPARK_OUT_TURNS * 60.0 / work_rpm;
+    if for_size > for_turns { (for_size, ProposalLimit::Tolerance) } else { (for_turns, ProposalLimit::Roundness) }
+}
+
+/// The finer the surface, the finer the wheel is dressed.
+fn dressing(part: &PlungePart, wheel_rpm: f64) -> Dressing {
+    let (overlap, depth_mm) = match part.roughness_um {
+        ra if ra >= 0.8 => (3.0, 0.02),
+        ra if ra >= 0.4 => (4.0, 0.02),
+        ra if ra >= 0.2 => (6.0, 0.01),
+        _ => (8.0, 0.01),
+    };
+    // The chord of the diamond's tip at the depth of the pass.
+    let effective_mm = (8.0 * DIAMOND_RADIUS_MM * depth_mm).sqrt();
+    let lead_mm = effective_mm / overlap;
+    let of_a_part_mm2 = PI * part.diameter_mm * part.stock_mm / 2.0;
+    let every_parts = (part.material.dressed_after_mm2 / of_a_part_mm2).floor().max(1.0);
+    Dressing { depth_mm, overlap, lead_mm, feed_mm_min: lead_mm * wheel_rpm, every_parts }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MATERIALS;
+    use super::*;
+
+    /// The land of O1002 as shipped: Ø40.3 to Ø40, 18 mm, wheel Ø600 at 1100 rpm.
+    fn task(material: GroundMaterial) -> GrindingTask {
+        GrindingTask {
+            part: PlungePart {
+                material,
+                diameter_mm: 40.0,
+                width_mm: 18.0,
+                stock_mm: 0.3,
+                tolerance_mm: 0.02,
+                roughness_um: 0.4,
+            },
+            wheel: MountedWheel { diameter_mm: 600.0, width_mm: 20.0, rated_m_s: 35.0, rpm: 1_100.0 },
+            machine: GrindingMachine { wheel_kw: 7.5, time_constant_s: 0.8 },
+        }
+    }
+
+    fn close(found: f64, wanted: f64, within: f64) -> bool {
+        (found - wanted).abs() <= within
+    }
+
+    /// By hand: v_s = π·0.6·1100/60 = 34.558 m/s; v_w = 34.558·60/80 = 25.918 m/min = 431.97 mm/s; d_e = 37.5 mm,
+    /// d_e^(1/4) = 2.47461. a = (7.2·2.47461/(20.7838·38.8))^(4/3) = 0.0220952^(4/3) = 0.006200 mm;
+    /// Q'w = 0.006200·431.97 = 2.678; 0.8 of it is 2.143; v_f = 2.143·60/(π·40) = 1.0231 mm/min.
+    #[test]
+    fn hardened_steel_is_roughed_below_its_burn_limit() {
+        let found = propose(&task(MATERIALS[0])).unwrap();
+        assert!(close(found.wheel_m_s.0, 34.558, 0.001) && found.wheel_m_s.1 == ProposalLimit::WheelSpeed);
+        assert!(close(found.work_m_min, 25.918, 0.001) && close(found.work_rpm, 206.25, 0.01));
+        assert_eq!(found.rough.limit, ProposalLimit::Burn);
+        assert!(close(found.rough.removal_mm2_s, 2.143, 0.003), "{:?}", found.rough);
+        assert!(close(found.rough.feed_mm_min, 1.0231, 0.002), "{:?}", found.rough);
+        // 2.143·18·45 = 1.736 kW.
+        assert!(close(found.rough.power_kw, 1.736, 0.003));
+        // Finishing at 0.5: 0.5·60/125.664 = 0.23873 mm/min.
+        assert!(close(found.finish.feed_mm_min, 0.23873, 1e-4) && found.finish.limit == ProposalLimit::Roughness);
+        // 2·0.8·(1.0231 + 3·0.23873)/60 = 0.04638.
+        assert!(close(found.finish_allowance_mm.0, 0.04638, 1e-4) && found.finish_allowance_mm.1 == ProposalLimit::Lag);
+        // Lag 0.23873/60·0.8 = 3.183 µm over 1 µm: 0.8·ln 3.183 = 0.926 s; five turns at 206.25 rpm are 1.4545 s.
+        assert!(close(found.spark_out_s.0, 1.4545, 0.001) && found.spark_out_s.1 == ProposalLimit::Roundness);
+    }
+
+    /// Feeds are rounded down, allowances and times up.
+    #[test]
+    fn values_are_rounded_to_the_careful_side() {
+        let found = propose(&task(MATERIALS[0])).unwrap();
+        let rows = [
+            (ValueRole::RoughAllowance, 0.4),
+            (ValueRole::FinishAllowance, 0.05),
+            (ValueRole::RoughFeed, 1.02),
+            (ValueRole::FinishFeed, 0.23),
+            (ValueRole::SparkOut, 1.5),
+            (ValueRole::DressInterval, 26.0),
+        ];
+        for (role, wanted) in rows {
+            assert!(close(found.value_of(role).unwrap(), wanted, 1e-9), "{role:?}: {:?}", found.value_of(role));
+        }
+        assert_eq!(found.value_of(ValueRole::FinishedDiameter), None);
+    }
+
+    /// The other limits, each where it is the least.
+    #[test]
+    fn each_limit_sets_the_feed_where_it_is_the_least() {
+        let rough = |change: &dyn Fn(&mut GrindingTask)| {
+            let mut task = task(MATERIALS[4]);
+            change(&mut task);
+            propose(&task).unwrap()
+        };
+        let wear = rough(&|_| {});
+        assert_eq!(
+            (wear.rough.limit, wear.rough.removal_mm2_s.to_bits()),
+            (ProposalLimit::WheelWear, 4.0_f64.to_bits())
+        );
+        // 0.8·0.5 kW/(25·18) = 0.889.
+        let power = rough(&|task| task.machine.wheel_kw = 0.5);
+        assert!(power.rough.limit == ProposalLimit::Power && close(power.rough.removal_mm2_s, 0.8889, 1e-3));
+        assert!(power.rough.power_kw <= 0.4 + 1e-9);
+        let rated = rough(&|task| task.wheel.rated_m_s = 30.0);
+        assert!(rated.wheel_m_s == (30.0, ProposalLimit::WheelRating) && close(rated.wheel_rpm, 954.93, 0.01));
+        let tight = rough(&|task| (task.part.tolerance_mm, task.machine.time_constant_s) = (0.002, 3.0));
+        assert_eq!(
+            (tight.spark_out_s.1, tight.finish_allowance_mm.1),
+            (ProposalLimit::Tolerance, ProposalLimit::Stock)
+        );
+    }
+
+    /// More roughness, power, width of tolerance never make the proposal slower; every stage keeps its limits.
+    #[test]
+    fn a_wider_task_is_never_slower() {
+        for material in MATERIALS {
+            let mut last: Option<PlungeProposal> = None;
+            for step in 0..8 {
+                let mut task = task(material);
+                task.part.roughness_um = 0.1 + 0.1 * f64::from(step);
+                task.part.tolerance_mm = 0.004 + 0.002 * f64::from(step);
+                let found = propose(&task).unwrap();
+                assert!(found.finish.removal_mm2_s <= found.rough.removal_mm2_s + 1e-12);
+                assert!(found.rough.power_kw <= 0.8 * task.machine.wheel_kw + 1e-9);
+                assert!(found.finish_allowance_mm.0 <= task.part.stock_mm / 2.0 + 1e-12);
+                assert!(last.is_none_or(|last| found.finish.feed_mm_min >= last.finish.feed_mm_min - 1e-12));
+                last = Some(found);
+            }
+        }
+    }
+
+    /// Ra 0.2: overlap 6 at 0.01 mm: √(8·0.5·0.01) = 0.2 mm, lead 0.0333 mm, 36.67 mm/min at 1100 rpm. A part takes
+    /// π·40·0.15 = 18.85 mm² of width: 500 are 26 parts.
+    #[test]
+    fn a_finer_surface_is_dressed_finer() {
+        let mut task = task(MATERIALS[0]);
+        task.part.roughness_um = 0.2;
+        let found = propose(&task).unwrap().dressing;
+        assert!(close(found.lead_mm, 0.033_333, 1e-5) && close(found.feed_mm_min, 36.667, 0.01));
+        assert!(close(found.every_parts, 26.0, 1e-9));
+        assert!(propose(&super::tests::task(MATERIALS[0])).unwrap().dressing.lead_mm > found.lead_mm);
+    }
+
+    #[test]
+    fn a_task_without_a_size_has_no_proposal() {
+        let mut no_stock = task(MATERIALS[0]);
+        no_stock.part.stock_mm = 0.0;
+        assert_eq!(propose(&no_stock), Err(TaskError::NotPositive));
+        let mut wide = task(MATERIALS[0]);
+        wide.part.width_mm = 21.0;
+        assert_eq!(propose(&wide), Err(TaskError::WheelTooNarrow));
+        let mut odd = task(MATERIALS[0]);
+        odd.wheel.rpm = f64::NAN;
+        assert_eq!(propose(&odd), Err(TaskError::NotPositive));
+    }
+}
