@@ -16,8 +16,12 @@ fn read_table(path: &Path, lang: Lang) -> Result<LeadscrewCompensation, CallErro
     let read = setup::read_bounded(path, TEXT_LIMIT);
     let bytes = read.map_err(|error| CallError::new(format!("{name}: {error}; check the path")))?;
     let text = crate::store::decode(&bytes).map_err(CallError::at(name))?;
-    LeadscrewCompensation::parse(&text.text)
-        .map_err(|fault| CallError::new(format!("{}:{}: {}", path.display(), fault.line, fault.message.get(lang))))
+    let table = LeadscrewCompensation::parse(&text.text)
+        .map_err(|fault| CallError::new(format!("{}:{}: {}", path.display(), fault.line, fault.message.get(lang))))?;
+    if table.points().is_empty() {
+        return Err(CallError::new(format!("{}: contains no points; --clear removes a table", path.display())));
+    }
+    Ok(table)
 }
 
 /// Shows, imports or clears the table.

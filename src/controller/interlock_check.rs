@@ -18,7 +18,8 @@ use crate::defs::text::{LocalizedText, Template, phrase};
 use crate::machine::interlock::RuleOutcome;
 use crate::machine::{ControlState, Machine};
 use crate::nc::{
-    AxisSet, Block, BlockLocation, CutterRangeError, Feed, Op, OpEffect, OscillationChange, SpeedMode, WorkOffsets,
+    AxisSet, Block, BlockLocation, CoordinateChange, CutterRangeError, Feed, Op, OpEffect, OscillationChange,
+    SpeedMode, WorkOffsets,
 };
 use crate::units::{Axis, Micros};
 
@@ -186,6 +187,10 @@ impl<'a> InterlockCheck<'a> {
             OpEffect::Oscillation(OscillationChange::Off) => {
                 self.oscillating = None;
                 None
+            }
+            OpEffect::Coordinates(CoordinateChange::Set(values)) => {
+                let set = |axis: &Axis| values[*axis].is_some();
+                self.oscillating.filter(set).and_then(|axis| self.oscillating_refusal(axis))
             }
             OpEffect::Coordinates(_) | OpEffect::PathMode(_) | OpEffect::Dwell(_) => None,
             OpEffect::Variable(..) | OpEffect::Message(_) => None,

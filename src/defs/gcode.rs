@@ -110,7 +110,7 @@ g_codes! {
     21 "millimetre" Units Yes Yes "公制" "millimetre"
         "G21：以后的尺寸和速度按毫米读。" "G21: the following lengths and feeds are in millimetres.";
     27 "dressing-point" NonModal Yes Yes "回砂轮修整点" "return to the dressing point"
-        "G27 X Z F_：写出的轴（不带数值）回修整点，不写轴为 X；F 缺省为 P243。轴未回零或没有设修整点时报警 196。" "G27 X Z F_: the axes named (without numbers) move to their dressing points, X if none is named; without F, P243. Alarm 196 if an axis is not homed or has no dressing point.";
+        "G27 X Z F_：写出的轴（不带数值）回修整点，不写轴为 X；F 缺省为 P243。没有设修整点时报警 196，轴未回零时报警 100。" "G27 X Z F_: the axes named (without numbers) move to their dressing points, X if none is named; without F, P243. Alarm 196 without a dressing point, 100 if an axis is not homed.";
     28 "reference" NonModal Yes Yes "回机械零点" "return to the machine zero"
         "G28 X_ Z_：经过给定的中间点快速回机械零点（P45–P47）。" "G28 X_ Z_: through the given point to the machine zero (P45 to P47) at rapid speed.";
     30 "other-reference" NonModal Yes Yes "回第 2–4 参考点" "return to reference point 2, 3 or 4"
@@ -124,7 +124,7 @@ g_codes! {
     34 "variable-thread" Motion NoEncoder No "变螺距螺纹" "thread of variable lead"
         "变螺距螺纹，需要主轴编码器，本机没有：程序在该段前停止并说明。" "A thread of variable lead: it needs a spindle encoder, which this machine has not; the program stops before the block with a message.";
     35 "oscillation-on" NonModal Yes Yes "振荡开启" "oscillation on"
-        "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P240、P241。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between the current and the given position while the program continues; Q strokes per minute, D time constant in ms (default P240, P241). G36, the key, RESET or the emergency stop ends it.";
+        "G35 X_ 或 Z_ D_ Q_：该轴在当前位置与给定位置之间振荡，程序继续；Q 每分钟往复次数，D 加速时间常数 ms。缺省为 P241、P240。用 G36、振荡键、复位或急停结束。" "G35 X_ or Z_ D_ Q_: the axis oscillates between the current and the given position while the program continues; Q strokes per minute, D time constant in ms (default P241, P240). G36, the key, RESET or the emergency stop ends it.";
     36 "oscillation-off" NonModal Yes Yes "振荡关闭" "oscillation off"
         "G36：振荡回到起始端停止，然后执行下一段。" "G36: the oscillation stops at the position where it started, then the next block runs.";
     40 "compensation-off" Compensation Yes Yes "取消半径补偿" "wheel radius compensation off"

@@ -283,7 +283,7 @@ keys! {
     AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, Gauges, false, Out(Output::AxialGauge),
         "轴向（平磨、圆台磨：平面）量仪伸出、缩回，同 M78 M79。", "Axial (GS, GA: plane) gauge out and in, as M78, M79.";
     Oscillation = "oscillation", "振荡", "OSCILL", Dressing, Wheel, false, Control,
-        "振荡开关：轴 P238、位置 P239、次数 P240、时间常数 P241。灯亮时启动新程序报警 182。", "Oscillation on and off: axis P238, position P239, strokes P240, time constant P241. Starting a program while it is on: alarm 182.";
+        "振荡开关：轴 P238、位置 P239、时间常数 P240、次数 P241。灯亮时启动新程序报警 182。", "Oscillation on and off: axis P238, position P239, time constant P240, strokes P241. Starting a program while it is on: alarm 182.";
     DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, Wheel, false, Control,
         "灯亮后按轴键，该轴以 P243 回修整点；再按、换方式或复位灯灭。灯灭时轴键是手动。", "Lit: an axis key moves the axis to its dressing point at P243. Off: press again, another mode or RESET; axis keys then jog.";
     WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, Wheel, true, Control,

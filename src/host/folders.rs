@@ -65,7 +65,8 @@ fn is_same_folder(a: &Path, b: &Path) -> bool {
 
 impl Folders {
     /// The given folders; otherwise `./programs` and `./screens`; otherwise those of the data directory. Empty folders
-    /// of the data directory get the shipped files.
+    /// of the data directory get the shipped files. Where there are data, a folder that cannot be filled is no error: the
+    /// control starts, and says so when it reads the folder.
     ///
     /// # Errors
     /// The folder or a file in it cannot be created.
@@ -79,7 +80,7 @@ impl Folders {
             Some(path) => Ok(path),
             // A start within the data directory: its own folder gets the shipped files.
             None if Path::new(name).is_dir() && !is_same_folder(Path::new(name), &own) => Ok(PathBuf::from(name)),
-            None => install_shipped(shipped, &own).map(|()| own),
+            None => fill(data, shipped, &own).map(|()| own),
         };
         let of_kind = &kind.row().programs;
         let programs = match of_kind.folder {
@@ -90,7 +91,7 @@ impl Folders {
         Ok(Self { programs, screens, by_name: of_kind.by_name, dialect: kind.dialect() })
     }
 
-    /// The folders of a data directory, with the shipped files if they are new.
+    /// The folders of a data directory, as by [`Self::resolve`] without given ones.
     ///
     /// # Errors
     /// The folder or a file in it cannot be created.
@@ -98,8 +99,8 @@ impl Folders {
         let of_kind = &kind.row().programs;
         let programs = data.programs().join(of_kind.folder);
         let numbered = shipped_in("programs");
-        install_shipped(if of_kind.folder.is_empty() { &numbered } else { of_kind.shipped }, &programs)?;
-        install_shipped(&shipped_in("screens"), &data.screens())?;
+        fill(data, if of_kind.folder.is_empty() { &numbered } else { of_kind.shipped }, &programs)?;
+        fill(data, &shipped_in("screens"), &data.screens())?;
         Ok(Self { programs, screens: data.screens(), by_name: of_kind.by_name, dialect: kind.dialect() })
     }
 
@@ -138,11 +139,11 @@ impl Folders {
                 rows.push(program);
             }
         };
-        for FolderEntry { number, size, modified, comment, .. } in folder.list(&PROGRAM)?.entries {
+        for FolderEntry { number, name: file, size, modified, comment } in folder.list(&PROGRAM)?.entries {
             let (name, modified) = (program_number::name_of(number), time_text(modified));
             let (english, kinds) = (None, Vec::new());
             let row = DirectoryRow { number, name, size, comment, english, modified, kinds };
-            add(budget.read(folder.path(), &row, || folder.read(&PROGRAM, number)), row);
+            add(budget.read(folder.path(), &row, || folder.read_named(&PROGRAM, &file)), row);
         }
         for NamedProgram { stem, name: file, size, modified, comment } in list_named_programs(&self.programs)? {
             let (number, modified) = (program_number::from_name(&stem), time_text(modified));
@@ -177,7 +178,7 @@ impl Folders {
             let number = program_number::from_name(&stem);
             let (comment, english, kinds) = (String::new(), None, Vec::new());
             let row = DirectoryRow { number, name: stem, size, comment, english, modified, kinds };
-            let FileContent { name, bytes } = match budget.read(&self.programs, &row, || shelf.read(&name)) {
+            let FileContent { name, bytes } = match budget.read(&self.programs, &row, || shelf.read_listed(&name)) {
                 Ok(read) => read,
                 Err(FolderError::Missing { .. }) => continue,
                 Err(error) => {
@@ -373,12 +374,13 @@ const INSTALLING: &str = ".installing";
 /// Creates a folder and fills it if it is empty. What a full disk or a power cut has interrupted goes on at the next start;
 /// files that are there stay as they are.
 fn install_shipped(shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
-    std::fs::create_dir_all(own)?;
+    let named = |error: std::io::Error| std::io::Error::new(error.kind(), format!("{}: {error}", own.display()));
+    std::fs::create_dir_all(own).map_err(named)?;
     // Another process that begins on the same folder waits, and finds it filled. Where folders have no locks, it does not.
     let folder = std::fs::File::open(own);
     let _filling = folder.and_then(|folder| folder.lock().map(|()| folder));
     let marker = own.join(INSTALLING);
-    if std::fs::read_dir(own)?.next().is_some() && !marker.exists() {
+    if std::fs::read_dir(own).map_err(named)?.next().is_some() && !marker.exists() {
         return Ok(());
     }
     install_file(&marker, b"")?;
@@ -386,6 +388,14 @@ fn install_shipped(shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
         install_file(&own.join(file), bytes)?;
     }
     std::fs::remove_file(marker)
+}
+
+/// Fills a new folder of a data directory. Where there are data, one that cannot be filled is no error.
+fn fill(data: &DataDir, shipped: &[Shipped], own: &Path) -> std::io::Result<()> {
+    match install_shipped(shipped, own) {
+        Err(error) if !data.has_data() => Err(error),
+        Ok(()) | Err(_) => Ok(()),
+    }
 }
 
 /// Writes a file beside its place and moves it there once it is on the disk: it is there whole, or not at all.

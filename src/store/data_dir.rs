@@ -24,6 +24,8 @@ pub enum DataDirError {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataDir {
     root: PathBuf,
+    /// It had data before this start.
+    has_data: bool,
     /// It has data, and a folder is missing or cannot be written: which, and why.
     fault: Option<LocalizedText>,
 }
@@ -39,8 +41,8 @@ impl DataDir {
             Some(path) => path.to_path_buf(),
             None => ProjectDirs::from("", "", "kt830").ok_or(DataDirError::NoPlace)?.data_dir().to_path_buf(),
         };
-        let mut found = Self { root, fault: None };
-        let has_data = has_traces(&found.root);
+        let has_data = has_traces(&root);
+        let mut found = Self { root, has_data, fault: None };
         for folder in [found.root.clone(), found.programs(), found.screens(), found.backups(), found.screenshots()] {
             match Self::make_writable(&folder) {
                 Err(fault) if has_data => found.fault = Some(LocalizedText::new(fault.zh(), fault.en())),
@@ -55,6 +57,12 @@ impl DataDir {
         // Fail now rather than while a part is being ground.
         tempfile::tempfile_in(folder).map_err(IoFault::at(folder, "write in"))?;
         Ok(())
+    }
+
+    /// The directory had data before this start.
+    #[must_use]
+    pub const fn has_data(&self) -> bool {
+        self.has_data
     }
 
     /// A folder cannot be written, although the directory has data: an alarm.

@@ -89,6 +89,14 @@ impl ProgramFolder {
         self.folder.read_named(&PROGRAM, &self.stored_name(name)?)
     }
 
+    /// Reads a program by the name that [`Self::list`] has given.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_listed(&self, name: &str) -> Result<FileContent, FolderError> {
+        self.folder.read_named(&PROGRAM, name)
+    }
+
     /// Writes or replaces a program. After a power cut it is the old or the new file. Returns its name.
     ///
     /// # Errors

@@ -10,13 +10,16 @@ use std::rc::Rc;
 use kt830::controller::StorageRequest;
 use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
+use kt830::host::folders::Folders;
+use kt830::host::job_runner::JobRunner;
 use kt830::host::retained_store::{RetainedStore, StoreReport};
+use kt830::host::storage::{Arrival, RetainedWorker, Storage, StorageWorker, ThreadedStorage};
 use kt830::link::Command;
 use kt830::link::page_command::{
     DataChoice, PageCommand, PasswordCheck, PasswordScope, Secret, SettingsRequest, StorageAnswer,
 };
-use kt830::store::StoredSettings;
 use kt830::store::disk::{self, DiskChange, DiskObserver};
+use kt830::store::{DataDir, StoredSettings};
 use kt830::units::Axis;
 use tempfile::TempDir;
 
@@ -298,6 +301,9 @@ fn k1_a_database_of_another_kind_is_told() {
     assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gc));
     fs::copy(other.path().join("retained.journal"), folder.path().join("retained.journal")).unwrap();
     fs::remove_file(folder.path().join("retained.lock")).unwrap();
+    // The kept states say whose data they are.
+    assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gc));
+    fs::remove_dir_all(folder.path().join("generations")).unwrap();
     assert_eq!(RetainedStore::kind_of(folder.path()), Some(Kind::Gs));
     for start in 1..=2 {
         let (_, found) = RetainedStore::open(folder.path(), Kind::Gs).unwrap();
@@ -715,6 +721,85 @@ fn b6_data_whose_folder_cannot_be_written_start_under_alarm_301() {
     let data = first.path().to_string_lossy().into_owned();
     let out = kt830(&["--kind", "gc", "--data", &data, "play", &story.path().to_string_lossy()]);
     assert_eq!(out.status.code(), Some(2));
+}
+
+/// A damaged database that cannot be put aside stays where it is: the control starts with the copies, and says that it
+/// stores nothing. Once it can be put aside, the next start does it.
+#[test]
+fn b6_a_damaged_database_that_cannot_be_put_aside_is_no_dead_panel() {
+    let folder = session();
+    let names: Vec<_> = (1..=99).map(|number| folder.path().join(format!("retained.damaged-{number}.redb"))).collect();
+    names.iter().for_each(|name| fs::create_dir(name).unwrap());
+    fs::write(folder.path().join(DATABASE), [7; 20_000]).unwrap();
+    for start in 1..=2 {
+        let (_, found) = open(folder.path());
+        assert!(found.loss.is_some() && has_values(&found), "start {start}");
+        assert!(found.standing().iter().any(|(number, _)| *number == alarm::STORE_FAILED), "start {start}");
+        assert_eq!(fs::read(folder.path().join(DATABASE)).unwrap(), [7; 20_000], "start {start}: it is kept");
+    }
+    fs::remove_dir(&names[0]).unwrap();
+    assert_restored(folder.path(), "put aside");
+    assert_eq!(fs::read(&names[0]).unwrap(), [7; 20_000]);
+}
+
+/// A lock that cannot be made or moved: the folder itself is locked.
+#[test]
+fn b6_a_lock_that_cannot_be_made_is_no_dead_panel() {
+    let folder = session();
+    fs::remove_file(folder.path().join("retained.lock")).unwrap();
+    for name in ["retained.lock", "retained.lock.damaged"] {
+        fs::create_dir_all(folder.path().join(name).join("not empty")).unwrap();
+    }
+    let (store, found) = open(folder.path());
+    assert!(found.loss.is_none() && has_values(&found));
+    assert!(RetainedStore::open(folder.path(), Kind::Gc).is_err(), "two controls on one folder");
+    drop(store);
+    assert!(has_values(&open(folder.path()).1));
+}
+
+/// A control whose lock was deleted still has its database: a second one does not judge what the first one writes.
+#[test]
+fn b6_a_second_control_is_refused_although_the_lock_is_gone() {
+    let folder = session();
+    let (mut store, _) = open(folder.path());
+    fs::remove_file(folder.path().join("retained.lock")).unwrap();
+    for value in 0..20 {
+        store.commit(&[StorageRequest::Variable(859, Some(f64::from(value)))]).unwrap();
+        let second = RetainedStore::open(folder.path(), Kind::Gc);
+        assert!(second.is_err_and(|refused| refused.to_string().contains("another kt830")), "{value}");
+    }
+    drop(store);
+    let (_, found) = open(folder.path());
+    assert!(found.loss.is_none() && has_values(&found) && value(&found, 859) == Some(19.0));
+}
+
+/// A link to a share that is not mounted, or a file, in the place of a folder: with data it is told and no dead panel.
+#[test]
+fn b6_a_folder_of_programs_that_is_gone_refuses_no_start() {
+    let folder = session();
+    drop(DataDir::resolve(Some(folder.path())).unwrap());
+    for name in ["programs", "screens"] {
+        fs::remove_dir_all(folder.path().join(name)).unwrap();
+        fs::write(folder.path().join(name), "no folder").unwrap();
+    }
+    let data_again = DataDir::resolve(Some(folder.path())).unwrap();
+    assert!(data_again.fault().is_some_and(|what| what.en().contains("screens")), "alarm 301 names it");
+    let folders = Folders::of_data(&data_again, Kind::Gc).unwrap();
+    // The storage of the window starts and says which folder it is.
+    let told = folders.read_programs().unwrap_err().message();
+    assert!(told.en().contains("programs"), "{}", told.en());
+    let storage = ThreadedStorage::start(RetainedWorker::new(None), StorageWorker::new(JobRunner::new(folders)));
+    let mut told = Vec::new();
+    storage.unwrap().poll(&mut told);
+    let failed = |arrival: &Arrival| matches!(arrival, Arrival::Command(Command::DiskFailed(_)));
+    assert_eq!(told.iter().filter(|arrival| failed(arrival)).count(), 2, "programs and screens");
+    // A first start there is refused, with the name of the folder.
+    let first = tempfile::tempdir().unwrap();
+    let data = DataDir::resolve(Some(first.path())).unwrap();
+    fs::remove_dir_all(first.path().join("programs")).unwrap();
+    fs::write(first.path().join("programs"), "no folder").unwrap();
+    let refused = Folders::of_data(&data, Kind::Gc);
+    assert!(refused.is_err_and(|why| why.to_string().contains("programs")));
 }
 
 /// A start that was cut after the lock is a first start; whatever else a control leaves behind is not.

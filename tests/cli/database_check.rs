@@ -42,6 +42,25 @@ fn run_with_little_memory(data: &Path) -> Output {
         .unwrap()
 }
 
+/// What the control was started with is no damage: limits of its own, a parent that ignores its children.
+#[test]
+fn b6_a_whole_database_is_whole_whatever_the_control_is_started_with() {
+    let data = tempfile::tempdir().unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let first = kt830_in(Path::new(env!("CARGO_MANIFEST_DIR")), data.path(), &["run", "O1002", "--data", &folder]);
+    assert!(first.status.success(), "{first:?}");
+    for environment in ["trap '' CHLD", "ulimit -t 10", "ulimit -v 400000", "ulimit -c 0"] {
+        let run = format!(r#"{environment}; exec "$0" run O1002 --data "$1" --lang en"#);
+        let out = Command::new("sh")
+            .args(["-c", &run, env!("CARGO_BIN_EXE_kt830"), &folder])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .unwrap();
+        assert!(out.status.success(), "{environment}: {out:?}");
+        assert!(!data.path().join("retained.damaged-1.redb").exists(), "{environment}");
+    }
+}
+
 #[test]
 fn b6_a_database_that_would_take_all_memory_is_damage_and_no_end_of_the_control() {
     let data = tempfile::tempdir().unwrap();

@@ -271,7 +271,7 @@ fn k4_3_wrong_strokes_are_alarms_before_anything_moves() {
 
 #[test]
 fn k4_3_words_for_the_oscillating_axis_are_refused_before_their_block() {
-    for block in ["G01 Z-155 F60", "G00 W-1", "G90 X-90 Z-155 F60", "G53 Z-10", "G28 W0"] {
+    for block in ["G01 Z-155 F60", "G00 W-1", "G90 X-90 Z-155 F60", "G53 Z-10", "G28 W0", "G50 Z0"] {
         let mut rig = ready_with(&format!("G98 G35 Z-160 Q20\nG01 X-82 F300\n{block}\nM30"));
         tell(
             &mut rig,

@@ -496,6 +496,9 @@ fn k5_9_with_the_wheel_on_the_wheel_axis_takes_fine_steps_only() {
     let mut rig = story(HYDRAULICS);
     tell(&mut rig, "key wheel-start\nhandwheel X -5 x0.1\nexpect X 0 ±0.001\nexpect message \"0.01\"");
     tell(&mut rig, "handwheel X -5 x0.01\nexpect X -0.05 ±0.0015\nhandwheel Z -5 x0.1\nexpect Z -0.5 ±0.0015");
+    // Away from the part the handwheel is refused too; a step is not: only the slow direction is limited.
+    tell(&mut rig, "handwheel X 1 x0.1\nexpect X -0.05 ±0.0015\nmode step\nkey step-0.1\nkey x-minus\nwait 1 s");
+    tell(&mut rig, "expect X -0.05 ±0.0015\nexpect message \"0.01\"\nkey x-plus\nwait 1 s\nexpect X 0.05 ±0.0015");
 }
 
 #[test]

@@ -39,10 +39,15 @@ pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
     jog_by(plant, axis, distance);
 }
 
-/// A handwheel detent or a step. K5.9: with the wheel on, the wheel axis accepts no coarse steps.
+/// A handwheel detent or a step. K5.9: with the wheel on, the wheel axis accepts no coarse detents, and no coarse step in
+/// its slow direction.
 fn jog_by(plant: &mut Plant, axis: Axis, distance: f64) {
-    let coarse = plant.operator.step_mm > FINE_STEP_MM;
-    if coarse && axis == plant.kind.row().wheel_axis && plant.outputs.on.has(Output::Wheel) {
+    let is_limited = plant.operator.mode == Mode::Handwheel || distance < 0.0;
+    if is_limited
+        && plant.operator.step_mm > FINE_STEP_MM
+        && axis == plant.kind.row().wheel_axis
+        && plant.outputs.on.has(Output::Wheel)
+    {
         return plant.refuse(TOO_COARSE);
     }
     if plant.is_on_limit_switch(axis, distance) {

@@ -158,8 +158,13 @@ impl LookaheadState {
 
     /// G50 takes the position when it is executed; the other changes act at once.
     fn change_coordinates(&mut self, change: CoordinateChange, params: &Params) -> Checked<QueuedAction> {
-        if !matches!(change, CoordinateChange::Set(_)) {
-            change.apply(&mut self.work_offsets, self.machine_position);
+        match (&change, self.oscillating) {
+            // The place of an oscillating axis is by chance.
+            (CoordinateChange::Set(values), Some(axis)) if values[axis].is_some() => {
+                return Err(MoveRefusal::Oscillating(axis));
+            }
+            (CoordinateChange::Set(_), _) => {}
+            _ => change.apply(&mut self.work_offsets, self.machine_position),
         }
         if let CoordinateChange::AddWear { number, by } = change {
             // K4.1: the same range as on the offset page.

@@ -151,7 +151,7 @@ mod tests {
         }
         g.step(pressed(0.0), 0.001, &mut chance);
         assert!(g.touching() && !g.second_stage());
-        (0..10).for_each(|_| g.step(pressed(0.5), 0.001, &mut chance));
+        (0..10).for_each(|_| g.step(pressed(2.1), 0.001, &mut chance));
         assert!(g.second_stage());
         (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, &mut chance));
         assert!(!g.touching() && !g.second_stage());

@@ -28,8 +28,8 @@ pub fn set_check_program(program: PathBuf, arguments: impl IntoIterator<Item = &
     drop(PROGRAM.set((program, arguments.into_iter().map(OsString::from).collect())));
 }
 
-/// Whether the inspection of the bytes comes to its end, whatever it finds. It does if no process can be started: the
-/// inspection in this process then decides.
+/// Whether the inspection of the bytes comes to its end, whatever it finds. Only a process that is killed does not: by its
+/// own abort, or by a limit. Where none can be started, watched or limited, the inspection in this process decides.
 pub(super) fn comes_to_its_end(bytes: &[u8]) -> bool {
     let Some((program, arguments)) = PROGRAM.get() else { return true };
     let mut command = Command::new(program);
@@ -39,7 +39,8 @@ pub(super) fn comes_to_its_end(bytes: &[u8]) -> bool {
         // A process that ends early closes its input; its status tells.
         drop(input.write_all(bytes));
     }
-    process.wait().is_ok_and(|status| status.success())
+    // A process that is killed has no exit status on Unix, and one beyond a byte on Windows.
+    process.wait().map_or(true, |status| matches!(status.code(), Some(0..=255)))
 }
 
 /// In the process: the bytes of the standard input, and from then on the limits.
@@ -55,9 +56,11 @@ pub(super) fn receive(size_limit: u64) -> io::Result<Vec<u8>> {
 
 #[cfg(unix)]
 fn limit_this_process(file_bytes: u64) -> io::Result<()> {
-    use rustix::process::{Resource, Rlimit, setrlimit};
+    use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
     let memory = MEMORY.saturating_add(MEMORY_FACTOR.saturating_mul(file_bytes));
     for (resource, limit) in [(Resource::As, memory), (Resource::Cpu, CPU_SECONDS), (Resource::Core, 0)] {
+        // A limit that the process was started with cannot be raised.
+        let limit = getrlimit(resource).maximum.map_or(limit, |most| most.min(limit));
         setrlimit(resource, Rlimit { current: Some(limit), maximum: Some(limit) })?;
     }
     Ok(())

@@ -64,6 +64,11 @@ pub(super) fn newest_whole(folder: &Path) -> Option<(Option<SystemTime>, Retaine
     list(folder).into_iter().find_map(|file| read(&file, own).map(|data| (modified(&file.path), data)))
 }
 
+/// The machine whose data the newest state is that says so.
+pub(super) fn identity(folder: &Path) -> Option<NonZeroU64> {
+    list(folder).iter().find_map(|file| read(file, None)?.identity)
+}
+
 /// The kept states that are whole, the newest first, with the time of their file.
 #[must_use]
 pub fn whole(folder: &Path) -> Vec<(Option<SystemTime>, RetainedData)> {

@@ -27,31 +27,48 @@ const READ_LIMIT: u64 = 64;
 pub(super) fn take(folder: &Path) -> Result<File, RetainedError> {
     let path = folder.join(LOCK_FILE);
     // A pipe would make the start wait for ever, a folder or a broken link refuse it.
-    if fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file()) {
-        let aside = folder.join(format!("{LOCK_FILE}.damaged"));
-        disk::rename(&path, &aside).map_err(IoFault::at(&path, "put aside"))?;
-    }
-    let file = disk::private(File::options().create(true).truncate(false).write(true)).open(&path);
+    let is_odd = fs::symlink_metadata(&path).is_ok_and(|found| !found.is_file());
+    let file = match is_odd && disk::rename(&path, &folder.join(format!("{LOCK_FILE}.damaged"))).is_err() {
+        true => File::open(folder),
+        false => open_lock(folder, &path),
+    };
+    // Where no lock can be made, the folder itself is locked.
+    let file = file.or_else(|failed| File::open(folder).map_err(|_| failed)).map_err(IoFault::at(&path, "open"))?;
+    lock_file(file, folder)
+}
+
+/// Opens the lock, or makes it.
+fn open_lock(folder: &Path, path: &Path) -> std::io::Result<File> {
+    let file = disk::private(File::options().create(true).truncate(false).write(true)).open(path);
     // A file system that is mounted read-only after a fault of the disk still locks.
-    let file = file.or_else(|failed| File::open(&path).map_err(|_| failed));
+    let file = file.or_else(|failed| File::open(path).map_err(|_| failed));
     // That of another owner gives way in a folder that is ours.
-    let file = file.or_else(|failed| {
+    file.or_else(|failed| {
         let aside = folder.join(format!("{LOCK_FILE}.damaged"));
-        let moved = disk::rename(&path, &aside).is_ok();
-        let made = moved.then(|| disk::private(File::options().create_new(true).write(true)).open(&path).ok());
+        let moved = disk::rename(path, &aside).is_ok();
+        let made = moved.then(|| disk::private(File::options().create_new(true).write(true)).open(path).ok());
         made.flatten().ok_or(failed)
-    });
-    let file = file.map_err(IoFault::at(&path, "open"))?;
+    })
+}
+
+fn lock_file(file: File, folder: &Path) -> Result<File, RetainedError> {
     for tries_left in (0..LOCK_TRIES).rev() {
         match file.try_lock() {
             Ok(()) => return Ok(file),
             // A control that is ending, or a program that it has just started, has the lock for some milliseconds.
             Err(TryLockError::WouldBlock) if tries_left > 0 => std::thread::sleep(LOCK_PAUSE),
             Err(TryLockError::WouldBlock) => break,
-            Err(TryLockError::Error(cause)) => return Err(IoFault::at(&path, "lock")(cause).into()),
+            Err(TryLockError::Error(cause)) => return Err(IoFault::at(&folder.join(LOCK_FILE), "lock")(cause).into()),
         }
     }
     Err(RetainedError::AlreadyRunning(folder.to_path_buf()))
+}
+
+/// Whether another process has a database open although the lock of its folder is gone: one that it writes looks damaged.
+pub(super) fn is_in_use(database: &Path) -> bool {
+    let is_file = fs::symlink_metadata(database).is_ok_and(|found| found.is_file());
+    let file = is_file.then(|| File::open(database).ok()).flatten();
+    file.is_some_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 /// Whether a lock says that there are data.

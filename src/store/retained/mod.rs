@@ -316,16 +316,16 @@ impl RetainedDatabase {
         let mut damaged = None;
         let mut intact = None;
         let present = fs::symlink_metadata(&path).is_ok();
+        if lock::is_in_use(&path) {
+            return Err(RetainedError::AlreadyRunning(folder.to_path_buf()));
+        }
         if present {
             match integrity::read_intact(&path)? {
                 Ok(data) => match contradiction(folder, own, &data) {
-                    Some(cause) => {
-                        damaged =
-                            Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause: cause.to_owned() });
-                    }
+                    Some(cause) => damaged = Some(put_aside(folder, &path, cause.to_owned())),
                     None => intact = Some(*data),
                 },
-                Err(cause) => damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause }),
+                Err(cause) => damaged = Some(put_aside(folder, &path, cause)),
             }
         }
         let (fresh, gone) = (intact.is_none(), !present && has_traces(folder));
@@ -356,6 +356,10 @@ impl RetainedDatabase {
     /// Opens the file; makes it before, if it is new.
     fn open_file(&mut self) -> Result<Database, RetainedError> {
         if let Some(content) = &self.to_create {
+            // One that could not be put aside at the start.
+            if fs::symlink_metadata(&self.path).is_ok() {
+                rename_damaged(atomic_file::folder_of(&self.path), &self.path)?;
+            }
             create_database(atomic_file::folder_of(&self.path), &self.path, content)?;
         }
         self.to_create = None;
@@ -502,9 +506,15 @@ fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> 
     Ok(kept)
 }
 
-/// The machine to which the data of a folder belong: its lock says so, else its journal.
+/// Puts a damaged database aside. On a disk that takes nothing it stays where it is, until one can be made in its place.
+fn put_aside(folder: &Path, path: &Path, cause: String) -> DamageReport {
+    let kept_as = rename_damaged(folder, path).unwrap_or_else(|_| path.to_path_buf());
+    DamageReport { kept_as, cause }
+}
+
+/// The machine to which the data of a folder belong: its lock says so, else its kept states, else its journal.
 fn own_identity(folder: &Path) -> Option<NonZeroU64> {
-    lock::identity_in(folder).or_else(|| journal::read(folder)?.data.identity)
+    lock::identity_in(folder).or_else(|| generations::identity(folder)).or_else(|| journal::read(folder)?.data.identity)
 }
 
 /// Whether data can be those of a machine. Older ones do not say.
