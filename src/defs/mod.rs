@@ -38,5 +38,4 @@ pub mod system_variable;
 pub mod text;
 pub mod turning_tool;
 pub mod value_bound;
-pub mod value_role;
 pub mod variable_name;

@@ -141,6 +141,9 @@ pages! {
     Technology = "technology", Headstock, "工艺", "technology", row 4, key 4 3 "工艺" "TECHNOLOGY",
         "由材料、砂轮、余量、公差、粗糙度算出切入磨的速度、进给、光磨和修整，并说明各由什么限制。", "From material, wheel, stock, tolerance and roughness: speeds, feeds, spark-out and dressing of a plunge, and what limits each.",
         "点一项键入，按输入；材料点一下换下一种。采用 把建议值写到磨削页面，点一行只写一项。工件尺寸取自磨削页面。", "Touch a field, type, INPUT; a touch on the material takes the next one. TAKE OVER writes the proposals to the grinding page, a touch on a row only that one. The part's sizes are those of the grinding page.";
+    Home = "home", ANY, "总览", "overview", row 4, key 4 4 "总览" "OVERVIEW",
+        "一眼看到的：位置、程序、工件、砂轮、修整、报警，旁边是工作中的机床。", "At a glance: position, program, parts, wheel, dressing, alarms; beside them the machine at work.",
+        "点一块打开它的页面；触摸最上面的标题从任何页面到这里。", "Touch a tile to open its page; a touch of the title at the top comes here from any page.";
     Panel = "panel", ANY, "面板", "panel", row 0,
         "操作面板：各键和灯。", "The operator panel with its keys and lamps.",
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";

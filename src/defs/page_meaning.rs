@@ -30,6 +30,18 @@ pub enum PageMeaning {
     MeasuredSize,
     /// 修整间隔: parts between two dressings.
     DressingInterval,
+    /// 毛坯直径: diameter of the blank.
+    BlankDiameter,
+    /// 粗磨余量: where roughing begins, left on the diameter.
+    RoughAllowance,
+    /// 精磨余量: left on the diameter for finishing.
+    FinishAllowance,
+    /// 粗磨速度: feed of roughing.
+    RoughFeed,
+    /// 精磨速度: feed of finishing.
+    FinishFeed,
+    /// 光磨时间: spark-out.
+    SparkOut,
     /// 修整点 X: the dressing point of an axis by value; for a new wheel on the wheel axis.
     DressingPoint(Axis),
     /// 累计修整量: what was dressed off since the wheel was new.
@@ -37,7 +49,7 @@ pub enum PageMeaning {
 }
 
 /// The words of a label and what they mean.
-const WORDS: [(&str, PageMeaning); 8] = [
+const WORDS: [(&str, PageMeaning); 14] = [
     ("成品直径", PageMeaning::Nominal(SizeKind::Diameter)),
     ("成品高度", PageMeaning::Nominal(SizeKind::Height)),
     ("成品长度", PageMeaning::Nominal(SizeKind::Length)),
@@ -46,6 +58,12 @@ const WORDS: [(&str, PageMeaning); 8] = [
     ("实测尺寸", PageMeaning::MeasuredSize),
     ("修整间隔", PageMeaning::DressingInterval),
     ("累计修整量", PageMeaning::DressedAmount),
+    ("毛坯直径", PageMeaning::BlankDiameter),
+    ("粗磨余量", PageMeaning::RoughAllowance),
+    ("精磨余量", PageMeaning::FinishAllowance),
+    ("粗磨速度", PageMeaning::RoughFeed),
+    ("精磨速度", PageMeaning::FinishFeed),
+    ("光磨时间", PageMeaning::SparkOut),
 ];
 /// The word before the letter of an axis.
 const DRESSING_POINT: &str = "修整点";
@@ -55,7 +73,7 @@ const WHOLE_NUMBERS: [&str; 7] = ["次数", "方式", "件数", "计数", "刀�
 
 /// Units as a label may end with them, in Chinese and in English, and as the page shows them behind the value.
 const WRITTEN_UNITS: [(&str, &str, Text); 9] = [
-    ("mm/min", "mm/min", Text::new("mm/min", "mm/min")),
+    ("mm/min", "mm/min", MM_PER_MINUTE),
     ("mm/r", "mm/r", Text::new("mm/r", "mm/r")),
     ("r/min", "r/min", Text::new("r/min", "r/min")),
     ("m/s", "m/s", Text::new("m/s", "m/s")),
@@ -70,7 +88,7 @@ const WRITTEN_UNITS: [(&str, &str, Text); 9] = [
 const UNIT_WORDS: [(&[&str], Text); 7] = [
     (&["转速"], Text::new("r/min", "r/min")),
     (&["线速度"], Text::new("m/s", "m/s")),
-    (&["磨速度", "修速度", "修整速度", "工作台速度", "横向速度", "进给率"], Text::new("mm/min", "mm/min")),
+    (&["磨速度", "修速度", "修整速度", "工作台速度", "横向速度", "进给率"], MM_PER_MINUTE),
     (&["频率"], PER_MINUTE),
     (&["时间"], SECONDS),
     (&["角度"], Text::new("°", "°")),
@@ -78,6 +96,7 @@ const UNIT_WORDS: [(&[&str], Text); 7] = [
 ];
 
 const MILLIMETRES: Text = Text::new("mm", "mm");
+const MM_PER_MINUTE: Text = Text::new("mm/min", "mm/min");
 const SECONDS: Text = Text::new("s", "s");
 const PER_MINUTE: Text = Text::new("1/min", "1/min");
 
@@ -122,14 +141,20 @@ const LENGTH_WORDS: [&str; 36] = [
 
 impl PageMeaning {
     /// The unit of a value with this meaning; none for a count of parts.
-    const fn unit(self) -> Option<Text> {
+    #[must_use]
+    pub const fn unit(self) -> Option<Text> {
         match self {
             Self::DressingInterval => None,
+            Self::RoughFeed | Self::FinishFeed => Some(MM_PER_MINUTE),
+            Self::SparkOut => Some(SECONDS),
             Self::Nominal(_)
             | Self::UpperDeviation
             | Self::LowerDeviation
             | Self::MeasuredSize
             | Self::DressingPoint(_)
+            | Self::BlankDiameter
+            | Self::RoughAllowance
+            | Self::FinishAllowance
             | Self::DressedAmount => Some(MILLIMETRES),
         }
     }

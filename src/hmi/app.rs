@@ -273,6 +273,7 @@ impl Hmi {
         match header.or(message).or(status) {
             Some(FrameTouch::Help) => self.toggle_help(view),
             Some(FrameTouch::Search) => self.open_search(view),
+            Some(FrameTouch::Home) => out.push(Command::OpenPage(Page::Home)),
             Some(FrameTouch::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
             Some(FrameTouch::InterruptedRun) => out.push(Command::OpenPage(Page::Program)),
             None => {}

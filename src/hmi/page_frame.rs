@@ -25,6 +25,8 @@ const MAGNIFIER: [PictogramShape; 2] =
 pub enum FrameTouch {
     /// The key `?`.
     Help,
+    /// The title: the home page.
+    Home,
     /// The magnifier: the search over everything.
     Search,
     /// The alarm chip, or the message line while it shows an alarm.
@@ -78,8 +80,9 @@ pub fn header(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     let with_kind = format!("{kind} · {page}");
     // The kind makes way for a long title.
     let fits = view.layout_line(&with_kind, theme::TITLE, view.theme.text, f32::INFINITY).size().x <= title.width();
+    let home = view.touch(title.expand2(vec2(theme::PAD, 9.0)).intersect(rect), "header-home", "总览 header-home");
     view.fit_left(title, if fits { &with_kind } else { page }, theme::TITLE, view.theme.text);
-    touched
+    touched.or(home.clicked().then_some(FrameTouch::Home))
 }
 
 /// `O1001 N0040`; in a subprogram its number and block.

@@ -1,10 +1,9 @@
-//! D00nn.RON, the optional file beside the picture of a grinding page: where the picture shows the variables, and what
-//! their values are to the process. Source: spec K7.3, K7.4.
+//! D00nn.RON, the optional file beside the picture of a grinding page: where the picture shows the variables.
+//! Source: spec K7.3, K7.4.
 
 use serde::Deserialize;
 
 use crate::defs::text::LocalizedText;
-use crate::defs::value_role::ValueRole;
 use crate::defs::variable_name;
 use crate::link::command::{FileFault, PictureLabel};
 
@@ -18,39 +17,28 @@ struct LabelRow {
     /// `#520`, `R18`.
     variable: String,
     /// Left, top, right, bottom, pixels.
-    area: Option<(u16, u16, u16, u16)>,
-    /// What the value is to the process.
-    role: Option<ValueRole>,
+    area: (u16, u16, u16, u16),
 }
 
-/// Parses the places of the variables in a picture and their roles:
-/// `[(variable: "#520", area: (left, top, right, bottom), role: BlankDiameter), …]`, pixels; one of the two may be missing.
+/// Parses the places of the variables in a picture: `[(variable: "#520", area: (left, top, right, bottom)), …]`, pixels.
 ///
 /// # Errors
-/// The place in the file and what is wrong: no RON, no variable, an area without extent or outside the picture, a row
-/// that says nothing, a role that two variables have.
+/// The place in the file and what is wrong: no RON, no variable, an area without extent or outside the picture.
 pub fn parse_picture_labels(name: &str, bytes: &[u8]) -> Result<Vec<PictureLabel>, FileFault> {
     let fault = |position: Option<(u32, u32)>, zh: String, en: String| FileFault {
         file: name.to_owned(),
         position,
         message: LocalizedText::new(zh, en),
     };
-    let format = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let rows: Vec<LabelRow> = format.from_bytes(bytes).map_err(|wrong| {
+    let rows: Vec<LabelRow> = ron::de::from_bytes(bytes).map_err(|wrong| {
         let at = wrong.span.start;
         let (zh, en) = (format!("格式错误：{}", wrong.code), format!("wrong format: {}", wrong.code));
         fault(Some((at.line as u32, at.col as u32)), zh, en)
     })?;
     let (width, height) = PICTURE_SIZE;
-    let label = |LabelRow { variable: name, area, role }: LabelRow| {
-        if area.is_none() && role.is_none() {
-            let (zh, en) =
-                (format!("{name} 没有区域 area，也没有用途 role"), format!("{name} has neither area nor role"));
-            return Err(fault(None, zh, en));
-        }
-        if let Some((left, top, right, bottom)) = area
-            && (left >= right || top >= bottom || u32::from(right) > width || u32::from(bottom) > height)
-        {
+    let label = |LabelRow { variable: name, area }| {
+        let (left, top, right, bottom) = area;
+        if left >= right || top >= bottom || u32::from(right) > width || u32::from(bottom) > height {
             let zh = format!("{name} 的区域应为 (左, 上, 右, 下)，在 {width}×{height} 点之内");
             let en = format!("the area of {name} must be (left, top, right, bottom) within {width}×{height} pixels");
             return Err(fault(None, zh, en));
@@ -60,15 +48,7 @@ pub fn parse_picture_labels(name: &str, bytes: &[u8]) -> Result<Vec<PictureLabel
                 (format!("{name} 不是变量，应如 #520、R18"), format!("{name} is no variable like #520 or R18"));
             fault(None, zh, en)
         };
-        variable_name::parse(&name).map(|variable| PictureLabel { variable, area, role }).ok_or_else(no_variable)
+        variable_name::parse(&name).map(|variable| PictureLabel { variable, area }).ok_or_else(no_variable)
     };
-    let labels = rows.into_iter().map(label).collect::<Result<Vec<_>, _>>()?;
-    let twice = |role: &ValueRole| labels.iter().filter(|label| label.role == Some(*role)).count() > 1;
-    match ValueRole::ALL.iter().find(|role| twice(role)) {
-        Some(role) => {
-            let (zh, en) = (format!("用途 {role:?} 出现两次"), format!("two variables have the role {role:?}"));
-            Err(fault(None, zh, en))
-        }
-        None => Ok(labels),
-    }
+    rows.into_iter().map(label).collect()
 }

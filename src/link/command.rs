@@ -17,7 +17,6 @@ use crate::defs::param::ParamAddress;
 use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template};
-use crate::defs::value_role::ValueRole;
 use crate::units::{Axis, PerAxis};
 
 /// One request to the core. The tick that takes it either executes it or shows a message with the reason of the
@@ -139,29 +138,19 @@ pub struct ScreenFiles {
     pub english_fault: Option<FileFault>,
     /// The picture, or its fault.
     pub picture: Result<Arc<Picture>, FileFault>,
-    /// Where the picture shows variables, and their roles; empty without D00nn.RON.
+    /// Where the picture shows variables; empty without D00nn.RON.
     pub labels: Vec<PictureLabel>,
-    /// The fault of D00nn.RON, if it has one; the picture then answers no touch, and no value has a role.
+    /// The fault of D00nn.RON, if it has one; the picture then answers no touch.
     pub labels_fault: Option<FileFault>,
 }
 
-/// Where a picture shows the number of a variable, and what its value is to the process.
+/// Where a picture shows the number of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PictureLabel {
     /// The variable.
     pub variable: u16,
-    /// Left, top, right, bottom, pixels of the picture; `None`: it is not in the picture.
-    pub area: Option<(u16, u16, u16, u16)>,
-    /// The role of the value.
-    pub role: Option<ValueRole>,
-}
-
-impl ScreenFiles {
-    /// The variable with a role.
-    #[must_use]
-    pub fn variable_of(&self, role: ValueRole) -> Option<u16> {
-        self.labels.iter().find(|label| label.role == Some(role)).map(|label| label.variable)
-    }
+    /// Left, top, right, bottom, pixels of the picture.
+    pub area: (u16, u16, u16, u16),
 }
 
 /// A page picture, 200 × 400 px, 24 bit, as PNG bytes. The pictures of all programs stay in memory; one is painted.

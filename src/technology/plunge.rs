@@ -11,7 +11,7 @@
 use std::f64::consts::PI;
 
 use super::material::GroundMaterial;
-use crate::defs::value_role::ValueRole;
+use crate::defs::page_meaning::PageMeaning;
 
 /// u_0 and B of the burn limit (Malkin and Lenz, 1978): J/mm³; lengths in mm, v_w in mm/s.
 const BURN_ENERGY_J_MM3: f64 = 6.2;
@@ -169,25 +169,22 @@ pub struct PlungeProposal {
 }
 
 impl PlungeProposal {
-    /// The value of a role as a page takes it, rounded to the careful side; `None`: the role is not proposed.
+    /// The value of a grinding page with a meaning, rounded to the careful side; `None`: it is not proposed.
     #[must_use]
-    pub fn value_of(&self, role: ValueRole) -> Option<f64> {
+    pub fn value_of(&self, meaning: PageMeaning) -> Option<f64> {
         let up = |value: f64, steps: f64| (value * steps - ROUNDING).ceil() / steps;
         let down = |value: f64| {
             let steps = if value < 0.1 { 1_000.0 } else { 100.0 };
             (value * steps + ROUNDING).floor().max(1.0) / steps
         };
-        match role {
-            ValueRole::RoughAllowance => Some(up(self.rough_from_mm, 100.0)),
-            ValueRole::FinishAllowance => Some(up(self.finish_allowance_mm.0, 200.0)),
-            ValueRole::RoughFeed => Some(down(self.rough.feed_mm_min)),
-            ValueRole::FinishFeed => Some(down(self.finish.feed_mm_min)),
-            ValueRole::SparkOut => Some(up(self.spark_out_s.0, 2.0)),
-            ValueRole::DressInterval => Some(self.dressing.every_parts),
-            ValueRole::BlankDiameter
-            | ValueRole::FinishedDiameter
-            | ValueRole::UpperDeviation
-            | ValueRole::LowerDeviation => None,
+        match meaning {
+            PageMeaning::RoughAllowance => Some(up(self.rough_from_mm, 100.0)),
+            PageMeaning::FinishAllowance => Some(up(self.finish_allowance_mm.0, 200.0)),
+            PageMeaning::RoughFeed => Some(down(self.rough.feed_mm_min)),
+            PageMeaning::FinishFeed => Some(down(self.finish.feed_mm_min)),
+            PageMeaning::SparkOut => Some(up(self.spark_out_s.0, 2.0)),
+            PageMeaning::DressingInterval => Some(self.dressing.every_parts),
+            _ => None,
         }
     }
 }
@@ -402,17 +399,21 @@ mod tests {
     fn values_are_rounded_to_the_careful_side() {
         let found = propose(&task(MATERIALS[0])).unwrap();
         let rows = [
-            (ValueRole::RoughAllowance, 0.4),
-            (ValueRole::FinishAllowance, 0.05),
-            (ValueRole::RoughFeed, 1.02),
-            (ValueRole::FinishFeed, 0.23),
-            (ValueRole::SparkOut, 1.5),
-            (ValueRole::DressInterval, 26.0),
+            (PageMeaning::RoughAllowance, 0.4),
+            (PageMeaning::FinishAllowance, 0.05),
+            (PageMeaning::RoughFeed, 1.02),
+            (PageMeaning::FinishFeed, 0.23),
+            (PageMeaning::SparkOut, 1.5),
+            (PageMeaning::DressingInterval, 26.0),
         ];
-        for (role, wanted) in rows {
-            assert!(close(found.value_of(role).unwrap(), wanted, 1e-9), "{role:?}: {:?}", found.value_of(role));
+        for (meaning, wanted) in rows {
+            assert!(
+                close(found.value_of(meaning).unwrap(), wanted, 1e-9),
+                "{meaning:?}: {:?}",
+                found.value_of(meaning)
+            );
         }
-        assert_eq!(found.value_of(ValueRole::FinishedDiameter), None);
+        assert_eq!(found.value_of(PageMeaning::BlankDiameter), None);
     }
 
     /// The other limits, each where it is the least.

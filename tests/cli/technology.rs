@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use kt830::defs::value_role::ValueRole;
+use kt830::defs::page_meaning::PageMeaning;
 use kt830::technology::{GrindingMachine, GrindingTask, GroundMaterial, MATERIALS, MountedWheel, PlungePart, propose};
 use serde_json::Value;
 
@@ -62,14 +62,14 @@ fn p5_the_proposals_grind_three_materials_to_size_without_burn() {
     let mut by_hand = Vec::new();
     for material in &MATERIALS[..3] {
         let found = propose(&task(*material)).unwrap();
-        let roles = [
-            (524, ValueRole::RoughAllowance),
-            (525, ValueRole::FinishAllowance),
-            (526, ValueRole::RoughFeed),
-            (527, ValueRole::FinishFeed),
-            (528, ValueRole::SparkOut),
+        let meanings = [
+            (524, PageMeaning::RoughAllowance),
+            (525, PageMeaning::FinishAllowance),
+            (526, PageMeaning::RoughFeed),
+            (527, PageMeaning::FinishFeed),
+            (528, PageMeaning::SparkOut),
         ];
-        let values: Vec<_> = roles.map(|(number, role)| (number, found.value_of(role).unwrap())).to_vec();
+        let values: Vec<_> = meanings.map(|(number, meaning)| (number, found.value_of(meaning).unwrap())).to_vec();
         let report = run(*material, &values);
         let name = material.name.en;
         assert_eq!(report["end"], "finished", "{name}: {report}");

@@ -22,6 +22,7 @@ mod entry;
 mod fitted;
 mod graphic;
 mod help;
+mod home;
 mod lathe;
 mod live_screen;
 mod operators;

@@ -7,7 +7,6 @@ use egui::{Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::defs::value_role::ValueRole;
 use kt830::defs::variable_name;
 use kt830::host::folders::{Folders, parse_page_text};
 use kt830::host::headless::HeadlessHost;
@@ -28,7 +27,7 @@ fn number_in_picture(bench: &Bench, variable: u16) -> Pos2 {
     let image = bench.screen.get_by_label("picture-labels").rect();
     let files = bench.screen.state().snapshot.page_files().expect("the files of the page");
     let label = files.labels.iter().find(|label| label.variable == variable).expect("a label");
-    let (left, top, right, bottom) = label.area.expect("a place in the picture");
+    let (left, top, right, bottom) = label.area;
     let middle = vec2(f32::from(left + right) / 2.0, f32::from(top + bottom) / 2.0);
     image.min + middle * (image.width() / 200.0)
 }
@@ -146,19 +145,6 @@ fn b8_a_wrong_sidecar_names_its_line() {
     assert_eq!(wrong.position.map(|(line, _)| line), Some(2));
     assert!(parse_picture_labels("D0002.RON", b"[\xFF]").is_err());
     assert_eq!(parse_picture_labels("D0002.RON", b"[]"), Ok(Vec::new()));
-    for (text, says) in [
-        ("[(variable: \"#526\")]", "#526 has neither area nor role"),
-        (
-            "[(variable: \"#526\", role: RoughFeed), (variable: \"#527\", role: RoughFeed)]",
-            "two variables have the role",
-        ),
-        ("[(variable: \"#526\", role: Fast)]", "Fast"),
-    ] {
-        let wrong = parse_picture_labels("D0002.RON", text.as_bytes()).unwrap_err();
-        assert!(wrong.message.en().contains(says), "{text}: {}", wrong.message.en());
-    }
-    let labels = parse_picture_labels("D0002.RON", b"[(variable: \"#526\", role: RoughFeed)]").unwrap();
-    assert_eq!((labels[0].area, labels[0].role), (None, Some(ValueRole::RoughFeed)));
 }
 
 /// Every number that a shipped picture shows is a value of its page.

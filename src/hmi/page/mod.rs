@@ -12,6 +12,7 @@ pub mod empty;
 pub mod graphic;
 pub mod grinding;
 pub mod help;
+pub mod home;
 pub mod input_line;
 pub mod mdi;
 pub mod offset;
@@ -223,6 +224,7 @@ page_rows! {
     Bus => bus::BusPage, shows Bus;
     Simulator => simulator::SimulatorPage, shows Inputs Simulated Scene;
     Technology => technology::TechnologyPage, shows Variables;
+    Home => home::HomePage, shows PartResult Simulated Scene StartGuide;
     Help => help::Help;
 }
 

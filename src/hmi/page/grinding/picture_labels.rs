@@ -17,8 +17,7 @@ pub const CAPTION: f32 = 26.0;
 /// Draws the chosen value in the picture at `image`. Returns the variable whose number is touched.
 pub fn ui(image: Rect, view: &View<'_>, files: &ScreenFiles, text: &PageText, chosen: Option<u16>) -> Option<u16> {
     let on_page = |label: &&PictureLabel| text.rows().any(|row| row.variable == label.variable);
-    let labels =
-        || files.labels.iter().filter(on_page).filter_map(|label| Some((label.variable, place(image, label)?)));
+    let labels = || files.labels.iter().filter(on_page).map(|label| (label.variable, place(image, label)));
     labels().next()?;
     let response = view.touch(image, "picture", "picture-labels");
     for (_, area) in labels().filter(|(variable, _)| Some(*variable) == chosen) {
@@ -44,9 +43,9 @@ fn nearest(labels: impl Iterator<Item = (u16, Rect)>, at: Pos2) -> Option<u16> {
 }
 
 /// The place of a label on the screen.
-fn place(image: Rect, label: &PictureLabel) -> Option<Rect> {
-    let (left, top, right, bottom) = label.area?;
+fn place(image: Rect, label: &PictureLabel) -> Rect {
+    let (left, top, right, bottom) = label.area;
     let scale = image.width() / theme::PICTURE.x;
     let point = |x: u16, y: u16| image.min + vec2(f32::from(x), f32::from(y)) * scale;
-    Some(Rect::from_min_max(point(left, top), point(right, bottom)))
+    Rect::from_min_max(point(left, top), point(right, bottom))
 }

@@ -1,5 +1,5 @@
 //! Technology page: what a plunge should be ground with, and what limits each value; taken over to the grinding page.
-//! The sizes of the part are those of the grinding page, whose values have roles (D00nn.RON).
+//! The sizes of the part are those of the grinding page; the words of its labels tell what its values mean.
 //! Source: spec K7.5; issue "a good part, always", part D.
 
 mod proposal_table;
@@ -7,7 +7,8 @@ mod task;
 mod task_column;
 
 use super::{HandOver, InputPrompt, PageContext, PageUi, empty, input_line};
-use crate::defs::value_role::ValueRole;
+use crate::defs::page_meaning::PageMeaning;
+use crate::defs::text::Text;
 use crate::hmi::{Area, CoreAnswer, EditKey, FieldEditor, View, param_range, pictogram, theme};
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
@@ -34,10 +35,15 @@ impl PageUi for TechnologyPage {
 
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, out, .. } = ctx;
-        let Some(files) = view.snapshot.page_files().filter(|files| task::has_sizes(files)) else {
+        let Some(text) = view
+            .snapshot
+            .page_files()
+            .and_then(|files| files.text.as_deref().ok())
+            .filter(|text| task::is_plunge(text))
+        else {
             let remedy = view.text(
-                "装入一个切入磨程序，如 O1002、O1004；页面文件 D00nn.RON 说明各数值的用途。",
-                "Load a plunge program such as O1002 or O1004; D00nn.RON beside its page names the roles of its values.",
+                "装入一个切入磨程序，如 O1002、O1004：页面上有毛坯直径、成品直径、粗磨速度。",
+                "Load a plunge program such as O1002 or O1004: its page has blank diameter, finished diameter and roughing feed.",
             );
             let what = view.text("这个程序没有可建议的数值", "this program has no values to propose");
             return empty::show(view, rect, pictogram::NO_PAGE, what, remedy);
@@ -50,12 +56,11 @@ impl PageUi for TechnologyPage {
         typed.edits.iter().for_each(|edit| self.edit(*edit, view, out));
         let (page, input) = input_line::split(rect);
         let (left, right) = page.shrink(theme::PAD).split_left_right_at_fraction(TASK_SHARE);
-        if let Some(field) =
-            task_column::ui(left.trim_right(theme::PAD / 2.0), view, files, (self.cursor, &self.typing))
+        if let Some(field) = task_column::ui(left.trim_right(theme::PAD / 2.0), view, text, (self.cursor, &self.typing))
         {
             self.touch(field, view, out);
         }
-        let take = proposal_table::ui(right.trim_left(theme::PAD / 2.0), view, files);
+        let take = proposal_table::ui(right.trim_left(theme::PAD / 2.0), view, text);
         out.extend(take.into_iter().map(|(variable, value)| Command::EnterVariable(variable, Some(value))));
         self.input(input, view);
     }
@@ -120,12 +125,12 @@ fn next_material(view: &View<'_>, out: &mut Vec<Command>) {
     out.push(Command::Page(PageCommand::EditParam(row.address(), next)));
 }
 
-/// The roles that are proposed, in the order of the table.
-const PROPOSED: [ValueRole; 6] = [
-    ValueRole::RoughAllowance,
-    ValueRole::RoughFeed,
-    ValueRole::FinishAllowance,
-    ValueRole::FinishFeed,
-    ValueRole::SparkOut,
-    ValueRole::DressInterval,
+/// What is proposed, in the order of the table, with its name and unit.
+const PROPOSED: [(PageMeaning, Text); 6] = [
+    (PageMeaning::RoughAllowance, Text::new("粗磨余量", "roughing from")),
+    (PageMeaning::RoughFeed, Text::new("粗磨速度", "roughing feed")),
+    (PageMeaning::FinishAllowance, Text::new("精磨余量", "finishing from")),
+    (PageMeaning::FinishFeed, Text::new("精磨速度", "finishing feed")),
+    (PageMeaning::SparkOut, Text::new("光磨时间", "spark-out")),
+    (PageMeaning::DressingInterval, Text::new("修整间隔", "parts to dressing")),
 ];

@@ -4,10 +4,10 @@
 use egui::Rect;
 
 use super::{PROPOSED, task};
+use crate::defs::page_meaning::PageMeaning;
+use crate::defs::page_text::PageText;
 use crate::defs::text::Text;
-use crate::defs::value_role::ValueRole;
 use crate::hmi::{Area, PageKey, View, theme, widget};
-use crate::link::command::ScreenFiles;
 use crate::technology::{PlungeProposal, ProposalLimit, TaskError, propose};
 
 /// Height of a row of the table, of a line of figures, and of the key.
@@ -23,7 +23,8 @@ const SAME: f64 = 1e-9;
 
 /// A row: a value of the page that is proposed.
 struct ProposedValue {
-    role: ValueRole,
+    meaning: PageMeaning,
+    name: Text,
     variable: u16,
     /// The value in force; `None`: it is empty.
     now: Option<f64>,
@@ -38,17 +39,17 @@ impl ProposedValue {
 }
 
 /// Draws the table; returns the variables to set, with their values.
-pub fn ui(rect: Rect, view: &View<'_>, files: &ScreenFiles) -> Vec<(u16, f64)> {
+pub fn ui(rect: Rect, view: &View<'_>, text: &PageText) -> Vec<(u16, f64)> {
     view.card(rect);
     let inside = rect.shrink(theme::PAD);
-    let found = match propose(&task::task(view, files)) {
+    let found = match propose(&task::task(view, text)) {
         Ok(found) => found,
         Err(cause) => {
             view.paragraph(inside, no_proposal(cause).get(view.lang), theme::TITLE, view.theme.hold);
             return Vec::new();
         }
     };
-    let rows = proposed_values(view, files, &found);
+    let rows = proposed_values(view, text, &found);
     let (table, key) = inside.split_bottom(KEY_HEIGHT);
     let (heading, table) = table.split_top(LINE_HEIGHT);
     header(heading, view);
@@ -72,16 +73,11 @@ pub fn ui(rect: Rect, view: &View<'_>, files: &ScreenFiles) -> Vec<(u16, f64)> {
 }
 
 /// The values that the page has and that are proposed.
-fn proposed_values(view: &View<'_>, files: &ScreenFiles, found: &PlungeProposal) -> Vec<ProposedValue> {
-    let row = |role| {
-        let (variable, proposed) = (files.variable_of(role)?, found.value_of(role)?);
-        Some(ProposedValue {
-            role,
-            variable,
-            now: task::value(view, files, role),
-            proposed,
-            limit: limit_of(found, role),
-        })
+fn proposed_values(view: &View<'_>, text: &PageText, found: &PlungeProposal) -> Vec<ProposedValue> {
+    let row = |(meaning, name)| {
+        let (variable, proposed) = (task::variable_of(text, meaning)?, found.value_of(meaning)?);
+        let (now, limit) = (task::value(view, text, meaning), limit_of(found, meaning));
+        Some(ProposedValue { meaning, name, variable, now, proposed, limit })
     };
     PROPOSED.into_iter().filter_map(row).collect()
 }
@@ -99,14 +95,14 @@ fn no_proposal(cause: TaskError) -> Text {
     }
 }
 
-/// What sets the value of a role.
-fn limit_of(found: &PlungeProposal, role: ValueRole) -> ProposalLimit {
-    match role {
-        ValueRole::RoughFeed => found.rough.limit,
-        ValueRole::FinishFeed => found.finish.limit,
-        ValueRole::FinishAllowance => found.finish_allowance_mm.1,
-        ValueRole::SparkOut => found.spark_out_s.1,
-        ValueRole::DressInterval => ProposalLimit::WheelWear,
+/// What sets the value with a meaning.
+fn limit_of(found: &PlungeProposal, meaning: PageMeaning) -> ProposalLimit {
+    match meaning {
+        PageMeaning::RoughFeed => found.rough.limit,
+        PageMeaning::FinishFeed => found.finish.limit,
+        PageMeaning::FinishAllowance => found.finish_allowance_mm.1,
+        PageMeaning::SparkOut => found.spark_out_s.1,
+        PageMeaning::DressingInterval => ProposalLimit::WheelWear,
         _ => ProposalLimit::Stock,
     }
 }
@@ -151,8 +147,13 @@ fn row(line: Rect, view: &View<'_>, of_row: &ProposedValue) -> bool {
     view.row_card(line, false);
     let [name, now_place, proposed, limit_place] = columns(line.trim_sides(theme::GAP));
     let (above, below) = name.split_top_bottom_at_fraction(NAME_SHARE);
-    view.fit_left(above, of_row.role.name().get(view.lang), theme::LABEL, view.theme.text);
-    view.fit_left(below, &format!("{number}  {}", of_row.role.unit()), theme::SMALL, view.theme.muted);
+    view.fit_left(above, of_row.name.get(view.lang), theme::LABEL, view.theme.text);
+    view.fit_left(
+        below,
+        &format!("{number}  {}", of_row.meaning.unit().map_or("", |unit| unit.get(view.lang))),
+        theme::SMALL,
+        view.theme.muted,
+    );
     let before = of_row.now.map_or("–".to_owned(), |now| now.to_string());
     view.fit_right(now_place, &before, theme::TITLE, view.theme.muted);
     let ink = if of_row.differs() { view.theme.info } else { view.theme.text };

@@ -1,22 +1,31 @@
 //! The grinding task: sizes of the part from the values of the grinding page, the rest from parameters.
 
+use crate::defs::page_meaning::{PageMeaning, SizeKind};
+use crate::defs::page_text::PageText;
 use crate::defs::param;
-use crate::defs::value_role::ValueRole;
 use crate::hmi::View;
-use crate::link::command::ScreenFiles;
 use crate::technology::{GrindingMachine, GrindingTask, GroundMaterial, MATERIALS, MountedWheel, PlungePart};
 
 /// Tolerance of a page without deviations, mm.
 const USUAL_TOLERANCE_MM: f64 = 0.02;
 
-/// Whether the page has the sizes of a part.
-pub fn has_sizes(files: &ScreenFiles) -> bool {
-    [ValueRole::BlankDiameter, ValueRole::FinishedDiameter].iter().all(|role| files.variable_of(*role).is_some())
+/// The finished diameter.
+const FINISHED: PageMeaning = PageMeaning::Nominal(SizeKind::Diameter);
+
+/// Whether the page has the sizes of a part and the feed of a plunge.
+pub fn is_plunge(text: &PageText) -> bool {
+    let has = |meaning| variable_of(text, meaning).is_some();
+    has(PageMeaning::BlankDiameter) && has(FINISHED) && has(PageMeaning::RoughFeed)
 }
 
-/// The value of a role; `None`: the page has none, or it is empty.
-pub fn value(view: &View<'_>, files: &ScreenFiles, role: ValueRole) -> Option<f64> {
-    view.snapshot.variables.get(usize::from(files.variable_of(role)?)).copied().flatten()
+/// The variable of the page with a meaning.
+pub fn variable_of(text: &PageText, meaning: PageMeaning) -> Option<u16> {
+    text.variable(|found| found == meaning)
+}
+
+/// The value with a meaning; `None`: the page has none, or it is empty.
+pub fn value(view: &View<'_>, text: &PageText, meaning: PageMeaning) -> Option<f64> {
+    view.snapshot.variables.get(usize::from(variable_of(text, meaning)?)).copied().flatten()
 }
 
 /// The material of P470.
@@ -26,17 +35,17 @@ pub fn material(view: &View<'_>) -> GroundMaterial {
 }
 
 /// The task as it stands. A size that is empty is 0: there is no proposal then.
-pub fn task(view: &View<'_>, files: &ScreenFiles) -> GrindingTask {
+pub fn task(view: &View<'_>, text: &PageText) -> GrindingTask {
     let params = &view.snapshot.params;
-    let size = |role| value(view, files, role);
-    let finished = size(ValueRole::FinishedDiameter).unwrap_or(0.0);
-    let deviations = size(ValueRole::UpperDeviation).zip(size(ValueRole::LowerDeviation));
+    let size = |meaning| value(view, text, meaning);
+    let finished = size(FINISHED).unwrap_or(0.0);
+    let deviations = size(PageMeaning::UpperDeviation).zip(size(PageMeaning::LowerDeviation));
     GrindingTask {
         part: PlungePart {
             material: material(view),
             diameter_mm: finished,
             width_mm: params.get(param::GROUND_WIDTH),
-            stock_mm: size(ValueRole::BlankDiameter).unwrap_or(0.0) - finished,
+            stock_mm: size(PageMeaning::BlankDiameter).unwrap_or(0.0) - finished,
             tolerance_mm: deviations.map_or(USUAL_TOLERANCE_MM, |(upper, lower)| upper - lower),
             roughness_um: params.get(param::GROUND_ROUGHNESS),
         },

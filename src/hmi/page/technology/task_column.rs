@@ -3,10 +3,10 @@
 use egui::{Rect, vec2};
 
 use super::task;
+use crate::defs::page_text::PageText;
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::Text;
 use crate::hmi::{Area, FieldEditor, ValueField, View, keycap, theme};
-use crate::link::command::ScreenFiles;
 
 /// The fields: parameter and name.
 pub const FIELDS: [(NumberParam, Text); 5] = [
@@ -25,10 +25,10 @@ const LINE_HEIGHT: f32 = 28.0;
 const LINES: usize = 8;
 
 /// Draws the column; returns the field that is touched.
-pub fn ui(rect: Rect, view: &View<'_>, files: &ScreenFiles, typing: (usize, &FieldEditor)) -> Option<usize> {
+pub fn ui(rect: Rect, view: &View<'_>, text: &PageText, typing: (usize, &FieldEditor)) -> Option<usize> {
     view.card(rect);
     let inside = rect.shrink(theme::PAD);
-    let task = task::task(view, files);
+    let task = task::task(view, text);
     let length = |value: f64| format!("{value:.3}");
     let part = [
         (view.text("成品直径", "finished diameter"), length(task.part.diameter_mm), "mm"),
