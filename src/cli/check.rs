@@ -23,7 +23,7 @@ use crate::defs::program_error::ProgramError;
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, program_number, variable_name};
 use crate::host::bar;
-use crate::host::folders::{ProgramUse, named_programs_beside, parse_page_text, parse_picture, programs_from_file};
+use crate::host::folders::{ProgramUse, named_programs_beside, page_text_faults, parse_picture, programs_from_file};
 use crate::host::headless_run::RunEnd;
 use crate::host::picture_labels::parse_picture_labels;
 use crate::io::sim::PartFile;
@@ -99,10 +99,12 @@ pub fn check(shared: &SharedArgs, call: &CheckArgs) -> Result<u8, CallError> {
         let found = match file_kind(&name, &bytes) {
             CheckedFileKind::Program => FileCheck::new(shared, call, path, bytes)?.execute()?,
             CheckedFileKind::PageText => {
-                print_file(shared, path, parse_page_text(&name, &bytes).err(), &english_warnings(path, &name, &bytes))
+                print_file(shared, path, &page_text_faults(&name, &bytes), &english_warnings(path, &name, &bytes))
             }
-            CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err(), &[]),
-            CheckedFileKind::PictureLabels => print_file(shared, path, parse_picture_labels(&name, &bytes).err(), &[]),
+            CheckedFileKind::Picture => print_file(shared, path, parse_picture(&name, &bytes).err().as_slice(), &[]),
+            CheckedFileKind::PictureLabels => {
+                print_file(shared, path, parse_picture_labels(&name, &bytes).err().as_slice(), &[])
+            }
         };
         status = status.max(found);
     }
@@ -116,9 +118,9 @@ fn shared_error(shared: &SharedArgs, position: Option<(u32, u32)>, message: &Loc
 }
 
 /// Prints the result for a page text or picture; returns the exit status.
-fn print_file(shared: &SharedArgs, path: &Path, fault: Option<FileFault>, warnings: &[FileFault]) -> u8 {
+fn print_file(shared: &SharedArgs, path: &Path, faults: &[FileFault], warnings: &[FileFault]) -> u8 {
     let error = |fault: &FileFault| shared_error(shared, fault.position, &fault.message);
-    let wrong: Vec<_> = fault.iter().map(error).collect();
+    let wrong: Vec<_> = faults.iter().map(error).collect();
     let file = path.display().to_string();
     match shared.format {
         OutputFormat::Json => {

@@ -46,7 +46,7 @@ fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8
             Ok(()) => print_line(format!("{seconds:10.3}  {}", line.text)),
             Err(why) => {
                 print_line(format!("{seconds:10.3}  FAIL  {}: {why}", line.text));
-                warn_line!("{}", state_report(player.host()));
+                warn_line!("{}", state_report(player.host(), shared.lang));
                 return Ok(FAILED);
             }
         }

@@ -116,7 +116,7 @@ pub fn play(shared: &SharedArgs, call: &PlayArgs) -> Result<u8, CallError> {
             stage.step();
         }
         match shared.format {
-            OutputFormat::Text => print_line(state_report(&mut stage.host)),
+            OutputFormat::Text => print_line(state_report(&mut stage.host, shared.lang)),
             OutputFormat::Json => print_line(state_json(&mut stage.host, shared.lang)),
         }
     }
@@ -146,7 +146,7 @@ fn play_lines(shared: &SharedArgs, lines: &[StoryLine], player: &mut Player<'_, 
             }
         }
         if done.is_err() {
-            warn_line!("{}", state_report(player.host()));
+            warn_line!("{}", state_report(player.host(), shared.lang));
             return FAILED;
         }
     }

@@ -23,6 +23,9 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     let told = call.story.as_deref().map(|path| read_story(path, shared.kind)).transpose()?;
     let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
     let shared = SharedArgs { kind, ..shared.clone() };
+    if !call.page.exists_on(kind) {
+        return Err(CallError::new(format!("page {}: a machine of kind {} has none", call.page.id(), kind.id())));
+    }
     let mut host = setup::headless_host(&shared)?;
     host.send(Command::WallClock(call.clock));
     match &told {
@@ -30,7 +33,8 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
             let mut player = told.player(&mut host, shared.lang, shared.part.is_some());
             for line in &told.lines {
                 if let Err(why) = player.play(line) {
-                    let (path, state) = (call.story.as_deref().unwrap_or(Path::new(".")), state_report(player.host()));
+                    let (path, state) =
+                        (call.story.as_deref().unwrap_or(Path::new(".")), state_report(player.host(), shared.lang));
                     warn_line!("{}:{}: {}: {why}\n{state}", path.display(), line.number, line.text);
                     return Ok(FAILED);
                 }

@@ -4,6 +4,9 @@
 
 use super::text::Lang;
 
+/// Greatest magnitude of a value that is typed for a variable.
+pub const TYPED_VALUE_LIMIT: f64 = 99_999.999;
+
 /// Which side of a value is bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundSide {

@@ -452,13 +452,29 @@ fn screen_files(folder: &Folder, number: u32) -> ScreenFiles {
 /// # Errors
 /// The first position that does not match the format.
 pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<page_text::PageText, FileFault> {
-    let fault = |position, message| FileFault { file: name.to_owned(), position: Some(position), message };
+    page_text::parse(&decoded_page_text(name, bytes)?).map_err(|wrong| text_fault(name, wrong))
+}
+
+/// Every position of a page text that does not match the format.
+#[must_use]
+pub fn page_text_faults(name: &str, bytes: &[u8]) -> Vec<FileFault> {
+    match decoded_page_text(name, bytes) {
+        Ok(text) => page_text::parse_all(&text).faults.into_iter().map(|wrong| text_fault(name, wrong)).collect(),
+        Err(fault) => vec![fault],
+    }
+}
+
+fn text_fault(name: &str, wrong: page_text::PageTextFault) -> FileFault {
+    FileFault { file: name.to_owned(), position: Some((wrong.line, wrong.column)), message: wrong.message }
+}
+
+fn decoded_page_text(name: &str, bytes: &[u8]) -> Result<String, FileFault> {
     let decoded = decode(bytes).map_err(|error| {
         let en = "neither GBK nor UTF-8: save it again in an editor";
         let message = LocalizedText::new("不是 GBK 或 UTF-8 编码，请用记事本另存", en);
-        fault((error.line as u32, error.column as u32), message)
+        FileFault { file: name.to_owned(), position: Some((error.line as u32, error.column as u32)), message }
     })?;
-    page_text::parse(&decoded.text).map_err(|wrong| fault((wrong.line, wrong.column), wrong.message))
+    Ok(decoded.text.into_owned())
 }
 
 fn picture(folder: &Folder, number: u32) -> Result<Arc<Picture>, FileFault> {

@@ -18,6 +18,7 @@ use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
 use super::unexecuted_blocks::{Certainty, LoneBlocks};
 use super::unexecuted_lines::{self, UnexecutedLines};
+use crate::defs::program_number;
 use crate::defs::text::arg::Arg;
 use crate::units::{WorkBudget, WorkPos};
 
@@ -550,18 +551,20 @@ impl ProgramCheck {
     }
 
     /// A consequence of null variables is only a warning: the operator sets them before the real run. So is one of values
-    /// that an alarm of the program has refused.
+    /// that an alarm of the program has refused, and of those that the caller of a subprogram sets (R parameters).
     fn classify(&mut self, fault: ProgramFault) {
         let (null_here, left_out) = (self.interpreter.has_null_use(), self.word_left_out);
-        let unsure = null_here || self.alarm_passed;
+        let called = program_number::is_l_number(self.source.number());
+        let unsure = null_here || self.alarm_passed || called;
         let is_literal = self.interpreter.flow.source.is_literal_at(&fault);
         let by_null = match fault.error {
             E::MissingWord | E::TurningCycleWord | E::EmptyWord | E::ArcWithoutCentre => null_here,
             E::ArcEndOffCircle | E::ArcRadius => null_here || self.left_loops > 0,
-            E::DivisionByZero => null_here && !fault.has_detail(),
+            E::DivisionByZero => (null_here || called) && !fault.has_detail(),
             E::OutOfRange => unsure && !is_literal,
             E::BadVariable => null_here || unsure && !is_literal,
-            E::FunctionDomain | E::SwitchVariable => null_here,
+            E::FunctionDomain => null_here || called && !is_literal,
+            E::SwitchVariable => null_here,
             // The number is computed from a value that only a run has.
             E::MissingTarget | E::ReadOnly => null_here,
             E::FeedMissing => left_out,

@@ -7,6 +7,7 @@ use super::statement::{DiskCondition, Expectation, InputForce, Quantity, Stateme
 use crate::defs::key::{Key, Mode};
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
+use crate::defs::text::Lang;
 use crate::host::Host;
 use crate::host::headless::HeadlessHost;
 use crate::host::hosted_machine::HostedMachine;
@@ -574,14 +575,15 @@ impl<'a, G: Stage> Player<'a, G> {
 
 /// A report of the control's state after a failed line.
 #[must_use]
-pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> String {
+pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>, lang: Lang) -> String {
     let now = host.now().as_secs_f64();
     let snapshot = host.snapshot();
     let present = snapshot.axes.iter().filter(|(_, view)| view.present);
     let axes = present
         .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go));
     let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
-    let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh())).collect();
+    let alarms: Vec<_> =
+        snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.get(lang))).collect();
     format!(
         "  at {now:.3} s: state {}, mode {}, page {}, {} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
         snapshot.state.id(),
@@ -592,6 +594,6 @@ pub fn state_report<P: HostedMachine, S: Storage>(host: &mut Host<P, S>) -> Stri
         axes.collect::<Vec<_>>().join(", "),
         outputs.join(" "),
         alarms.join("; "),
-        snapshot.message.text.zh(),
+        snapshot.message.text.get(lang),
     )
 }

@@ -64,6 +64,27 @@ fn t4_a_text_file_that_begins_as_a_program_is_checked_as_one() {
     }
 }
 
+/// Every mistake of a page text, each with its place.
+#[test]
+fn t4_every_mistake_of_a_page_text_is_told() {
+    let out = check("gc", "C0005.TXT", "标题;\na #500;\nb #abc;\nc #5001;\n%\n", &["--lang", "en"]);
+    let told: Vec<_> = said(&out).lines().map(|line| line.rsplit_once("C0005.TXT").unwrap().1.to_owned()).collect();
+    assert_eq!(out.status.code(), Some(2));
+    assert!(told[0].starts_with(":3:4: 'abc'") && told[1].starts_with(":4:4: #5001") && told.len() == 2, "{told:?}");
+}
+
+/// A subprogram of the 802D that is checked alone: its caller sets the parameters that its words need.
+#[test]
+fn t4_values_of_a_subprogram_that_its_caller_sets_are_warnings() {
+    let out = check("vertical", "L77.SPF", "G1 X10 F=R51\nX=10/R52\nRET\n", &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(0), "{}", said(&out));
+    assert!(warned(&out).contains("warning: F0 is out of range") && warned(&out).contains("division by zero"));
+    let out = check("vertical", "L77.SPF", "G1 X10 F0\nRET\n", &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(2), "a literal is a mistake");
+    let out = check("vertical", "MAIN.MPF", "G1 X10 F=R51\nM2\n", &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(2), "nobody calls a main program");
+}
+
 #[test]
 fn l7_targets_of_blocks_that_the_run_does_not_reach_are_looked_for() {
     let text = "N0010M97L0100\nN0020M97L0990\nN0030M98L0990\nN0040M97L0040\nN0050M97L0060\nN0060G04F1\nN0060G04F1\n\

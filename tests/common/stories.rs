@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use kt830::controller::PowerOnState;
 use kt830::defs::kind::{Dialect, Kind};
+use kt830::defs::text::Lang;
 use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::story::{Player, parse, play::state_report};
@@ -65,7 +66,7 @@ pub fn tell(rig: &mut HeadlessHost, text: &str) {
     let mut player = Player::new(rig, None, &PathBuf::from("."), true);
     for line in &lines {
         if let Err(why) = player.play(line) {
-            panic!("{}: {why}\n{}", line.text, state_report(player.host()));
+            panic!("{}: {why}\n{}", line.text, state_report(player.host(), Lang::Zh));
         }
     }
 }

@@ -1017,3 +1017,13 @@ fn k2_1_a_key_that_a_story_presses_stays_held_until_it_is_let_go() {
     assert_eq!(rig.snapshot().message, before);
     assert!(!rig.snapshot().axes[kt830::units::Axis::Z].moving);
 }
+
+/// K7.5, H6: the range that the field shows holds in the control, whoever types.
+#[test]
+fn k7_5_a_value_beyond_the_range_of_a_field_is_refused() {
+    let mut rig = story("kind gc\npower on\nload O1001\npage grinding\ntype #500 12.5");
+    for typed in ["123456789", "-100000", "99999.9995"] {
+        tell(&mut rig, &format!("type #500 {typed}\nwait 0.1 s\nexpect message \"99999.999\"\nexpect #500 12.5"));
+    }
+    tell(&mut rig, "type #500 -99999.999\nwait 0.1 s\nexpect #500 -99999.999");
+}

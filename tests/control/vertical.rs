@@ -760,6 +760,21 @@ fn wrong(block: &str) -> HeadlessHost {
     rig
 }
 
+/// `R[…]` is read with the values of the run, not refused at the start with all of them 0.
+#[test]
+fn s1_a_computed_parameter_number_is_that_of_the_run() {
+    let mut rig = vgrind(1, "");
+    let text = "R1=10\nR[R1-1]=5\nR2=R[R1-1]\nR1=-1\nR[R1+300]=4\nM2\n";
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("INDEX"),
+        "INDEX.MPF",
+        text.as_bytes().to_vec(),
+        rig.kind().dialect(),
+    ));
+    tell(&mut rig, "load INDEX\nmode auto\nkey cycle-start\nwait until idle max 20 s\nexpect no alarm");
+    tell(&mut rig, "expect R9 5\nexpect R2 5\nexpect R299 4");
+}
+
 /// Jumps and conditions in a run as in the check; a message stays until MSG().
 #[test]
 fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {

@@ -7,6 +7,7 @@ use super::{Edited, Panel, Parts, PartsView, offsets};
 use crate::defs::page::Page;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::phrase;
+use crate::defs::value_bound::TYPED_VALUE_LIMIT;
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::OffsetView;
@@ -55,6 +56,9 @@ impl Panel {
             (true, _) => {}
         }
         check_not_running(parts.view())?;
+        if value.is_some_and(|value| value.is_nan() || value.abs() > TYPED_VALUE_LIMIT) {
+            return Err(phrase!("应为 ±{TYPED_VALUE_LIMIT}", "must be ±{TYPED_VALUE_LIMIT}", TYPED_VALUE_LIMIT));
+        }
         if !parts.program.set_variable(parts.plant, variable, value) {
             // The reason is already shown.
             return Err(parts.plant.outbox.message.text.clone());

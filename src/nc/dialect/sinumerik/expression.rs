@@ -234,7 +234,8 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
                 if !self.cursor.accept(b']') {
                     return fail(at + 1, E::UnbalancedBracket);
                 }
-                value
+                // Without values every R is 0: which parameter it is, is known in the run.
+                if S::HAS_VALUES { value } else { 0.0 }
             }
             b'-' if self.cursor.peek_at(1).is_ascii_digit() => {
                 self.cursor.at += 1;
