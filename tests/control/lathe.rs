@@ -199,9 +199,9 @@ fn l5_the_printed_two_start_thread_is_in_step_at_the_part() {
 }
 
 /// A thread of lead 4 at its limit speed of 1200/4 − 80 = 220 rpm runs at 14.67 mm/s. A lead of 0.75 mm at that speed is
-/// measured from 2.25 mm on: the check asks for 2.16 mm there (`l5_a_short_approach_is_warned_of_…`).
+/// measured from 2.25 mm, three leads, on.
 #[test]
-fn l5_z_is_in_step_where_the_check_says_so() {
+fn l5_z_is_in_step_behind_three_leads() {
     let cut = run("N0010G92X100Z50\nN0020M03S1173\nN0025G04F5\nN0030G01U-2F300\nN0040G33W-40F0.75\nN0050M02")
         .controller()
         .threads()[0];

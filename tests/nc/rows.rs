@@ -454,10 +454,9 @@ fn t4_the_check_leaves_a_loop_that_waits_for_the_machine() {
     assert!(checked.faults[0].text(Lang::En).starts_with("O0001 line 3, column 7: unknown word 'Q1'"));
 }
 
-/// The check warns of a short approach only where Z is not yet in step: lead 4 at its limit speed (1200/4 − 80 = 220 rpm,
-/// 14.67 mm/s) needs 0.40 mm of run-up (800 mm/s², 20 000 mm/s³) and 6 · 20 ms · 14.67 mm/s = 1.76 mm.
+/// Lead 4: three leads are 12 mm.
 #[test]
-fn l5_a_short_approach_is_warned_of_only_where_z_is_not_in_step() {
+fn l5_an_approach_below_three_leads_is_warned_of() {
     let settings = NcSettings::for_dialect(Dialect::SuperMan);
     let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let warnings = |rpm: u32, z: f64| {
@@ -466,10 +465,10 @@ fn l5_a_short_approach_is_warned_of_only_where_z_is_not_in_step() {
         assert!(checked.faults.is_empty() && checked.finished, "{:?}", checked.faults);
         checked.warnings.iter().map(|warning| warning.text(Lang::En)).collect::<Vec<_>>()
     };
-    for (rpm, z) in [(200, 6.0), (220, 6.0), (220, 2.2), (20, 1.0)] {
+    for (rpm, z) in [(200, 12.0), (220, 12.0), (20, 12.1)] {
         assert!(warnings(rpm, z).is_empty(), "{rpm} {z}: {:?}", warnings(rpm, z));
     }
-    for (rpm, z) in [(220, 2.1), (220, 0.3)] {
+    for (rpm, z) in [(220, 11.9), (200, 6.0), (20, 1.0), (220, 0.3)] {
         assert!(matches!(&warnings(rpm, z)[..], [one] if one.contains("less than three leads")), "{rpm} {z}");
     }
 }

@@ -19,9 +19,6 @@ const TURNS_PER_INCH_RANGE: (f64, f64) = (3.0, 33.5);
 const RUN_OUT_MM: f64 = 1.2;
 /// Approach length before the part, in leads.
 const APPROACH_LEADS: f64 = 3.0;
-/// Lag times T of the drives after the run-up until Z is in step. A critically damped position loop (T = 2/ω) that follows a
-/// ramp of speed v is off its steady state by v·T·e^(−ωt)·(1 + ωt/2): at t = 6 T and 20 mm/s · 200 ms less than 0.2 µm.
-const SETTLING_LAGS: f64 = 6.0;
 
 /// A thread from the present position.
 pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
@@ -95,10 +92,9 @@ fn run_up_mm(speed: f64, (accel, jerk): (f64, f64)) -> f64 {
 fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64, along: f64) {
     let z = running.scope.position()[Axis::Z];
     let speed = running.modals.speed.unwrap_or(running.settings.superman.spindle_rpm);
-    // Note 5: the approach is at least three leads, unless Z is in step before, and at least the run-up of the axis.
-    let (turning, mm_s) = (&running.settings.superman, lead * speed / 60.0);
-    let run_up = run_up_mm(mm_s, turning.z_accel_jerk);
-    let needed = (APPROACH_LEADS * lead).min(run_up + SETTLING_LAGS * turning.servo_lag_s * mm_s).max(run_up);
+    // Note 5: the approach is at least three leads, and at least the run-up of the axis.
+    let run_up = run_up_mm(lead * speed / 60.0, running.settings.superman.z_accel_jerk);
+    let needed = (APPROACH_LEADS * lead).max(run_up);
     // The part's face is at Z 0, if the thread crosses it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
     if enters && z.abs() < needed {
