@@ -42,6 +42,8 @@ pub enum PageMeaning {
     FinishFeed,
     /// 光磨时间: spark-out.
     SparkOut,
+    /// 头架 0低速 1高速: the speed of the headstock.
+    HeadstockSpeed,
     /// 修整点 X: the dressing point of an axis by value; for a new wheel on the wheel axis.
     DressingPoint(Axis),
     /// 累计修整量: what was dressed off since the wheel was new.
@@ -49,7 +51,7 @@ pub enum PageMeaning {
 }
 
 /// The words of a label and what they mean.
-const WORDS: [(&str, PageMeaning); 14] = [
+const WORDS: [(&str, PageMeaning); 15] = [
     ("成品直径", PageMeaning::Nominal(SizeKind::Diameter)),
     ("成品高度", PageMeaning::Nominal(SizeKind::Height)),
     ("成品长度", PageMeaning::Nominal(SizeKind::Length)),
@@ -64,7 +66,10 @@ const WORDS: [(&str, PageMeaning); 14] = [
     ("粗磨速度", PageMeaning::RoughFeed),
     ("精磨速度", PageMeaning::FinishFeed),
     ("光磨时间", PageMeaning::SparkOut),
+    ("头架 0低速 1高速", PageMeaning::HeadstockSpeed),
 ];
+/// A stage between roughing and finishing, which has no meaning of its own.
+const SEMI_FINISHING: &str = "半精";
 /// The word before the letter of an axis.
 const DRESSING_POINT: &str = "修整点";
 
@@ -144,7 +149,7 @@ impl PageMeaning {
     #[must_use]
     pub const fn unit(self) -> Option<Text> {
         match self {
-            Self::DressingInterval => None,
+            Self::DressingInterval | Self::HeadstockSpeed => None,
             Self::RoughFeed | Self::FinishFeed => Some(MM_PER_MINUTE),
             Self::SparkOut => Some(SECONDS),
             Self::Nominal(_)
@@ -167,7 +172,9 @@ impl PageTextRow {
         if let Some(rest) = self.label.strip_prefix(DRESSING_POINT) {
             return rest.trim_start().chars().next().and_then(Axis::from_letter).map(PageMeaning::DressingPoint);
         }
-        WORDS.iter().find(|(word, _)| self.label.contains(word)).map(|(_, meaning)| *meaning)
+        // 半精磨速度 is no 精磨速度.
+        let found = WORDS.iter().find(|(word, _)| self.label.contains(word) && !self.label.contains(SEMI_FINISHING));
+        found.map(|(_, meaning)| *meaning)
     }
 
     /// The unit of the value, as its label tells it; none for a count, a switch or a mode, and where it does not tell.

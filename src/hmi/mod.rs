@@ -53,6 +53,6 @@ pub(crate) use requests::{PendingRequests, RequestEvent, file_command};
 pub(crate) use search_field::{Search, SearchTouch};
 pub(crate) use view::{
     View, blink_phase, clock_time, format_cycle_time, format_date_time, format_feed, format_length, format_size,
-    format_strokes, format_volts, format_whole,
+    format_strokes, format_value, format_volts, format_whole,
 };
 pub(crate) use widget::{KeyboardFocus, PageKey, round_to_lines};

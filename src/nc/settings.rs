@@ -48,8 +48,6 @@ pub struct SuperManSettings {
     pub max_rpm: f64,
     /// Acceleration and jerk of Z, mm/s² and mm/s³, for the run-up of a thread.
     pub z_accel_jerk: (f64, f64),
-    /// Lag time of the drives (P391), s.
-    pub servo_lag_s: f64,
 }
 
 impl Default for SuperManSettings {
@@ -64,7 +62,6 @@ impl Default for SuperManSettings {
             spindle_rpm: 200.0,
             max_rpm: 5_000.0,
             z_accel_jerk: (800.0, 20_000.0),
-            servo_lag_s: 0.02,
         }
     }
 }

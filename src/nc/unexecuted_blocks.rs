@@ -16,6 +16,7 @@ use super::interpreter::Interpreter;
 use super::lexer;
 use super::source::Source;
 use super::statement;
+use super::words::BlockWords;
 use crate::defs::gcode::{GCode, GCodeGroup};
 use crate::units::Axis;
 
@@ -222,8 +223,8 @@ impl LoneBlocks {
             // An IF guards against it.
             E::DivisionByZero | E::FunctionDomain | E::Overflow if words.condition.is_some() => Certainty::Unknown,
             E::DivisionByZero | E::FunctionDomain | E::Overflow | E::SwitchVariable => sure(without_values),
-            // G90 or G91 acts, and a plane, that the lines above may not say.
-            E::NotTogether if words.g.iter().any(|code| code.number == 53) => Certainty::Possible,
+            // G90 or G91 acts that the lines above may not say, unless the block has it.
+            E::NotTogether if words.g.iter().any(|code| code.number == 53) => sure(is_written_incremental(words)),
             E::CycleInForce => Certainty::Possible,
             E::AxisOutsidePlane => sure(has_group(GCodeGroup::Plane) || !interpreter.settings.is_mill()),
             // No function of group 01 has the letter.
@@ -242,6 +243,12 @@ impl LoneBlocks {
             _ => Certainty::Sure,
         }
     }
+}
+
+/// Whether the block itself asks for increments.
+fn is_written_incremental(words: &BlockWords) -> bool {
+    words.g.iter().any(|code| code.number == 91)
+        || b"XYZ".iter().any(|letter| words.is_incremental(*letter) == Some(true))
 }
 
 /// How sure a mistake is that comes from positions.

@@ -5,7 +5,7 @@
 //!
 //! | value | from |
 //! |---|---|
-//! | work speed | the speed ratio q = v_s/v_w of the material |
+//! | advised work speed | the speed ratio q = v_s/v_w of the material; the headstock has two speeds |
 //! | roughing | the least of three removal rates: burn limit, motor power, economical wear of the wheel |
 //! | finishing | the removal rate of the roughness asked for |
 //! | finishing allowance, spark-out | the lag of the size behind the feed, v_f·τ, which decays with the time constant τ |

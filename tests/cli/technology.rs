@@ -23,7 +23,7 @@ fn task(material: GroundMaterial) -> GrindingTask {
             roughness_um: 0.4,
         },
         wheel: MountedWheel { diameter_mm: 600.0, width_mm: 20.0, rated_m_s: 35.0, rpm: 1_100.0 },
-        machine: GrindingMachine { wheel_kw: 7.5, time_constant_s: 0.8 },
+        machine: GrindingMachine { wheel_kw: 7.5, time_constant_s: 0.8, work_rpm: 200.0 },
     }
 }
 
@@ -75,18 +75,11 @@ fn p5_the_proposals_grind_three_materials_to_size_without_burn() {
         assert_eq!(report["end"], "finished", "{name}: {report}");
         assert!(!burns(&report), "{name}: {values:?} {report}");
         for at in report["part"]["diameters"].as_array().unwrap() {
-            // Tolerance ±10 µm; a fifth of it.
+            // A fifth of the tolerance of 20 µm.
             assert!((at["d"].as_f64().unwrap() - 40.0).abs() < 0.004, "{name}: {at}");
         }
         let shipped = run(*material, &[]);
         by_hand.push(burns(&shipped));
-        let seconds = |report: &Value| report["seconds"].as_f64().unwrap();
-        eprintln!(
-            "{name}: {values:?}, {:.1} s; shipped values {:.1} s, burn {}",
-            seconds(&report),
-            seconds(&shipped),
-            burns(&shipped)
-        );
     }
     // The values that the program is shipped with burn all but the soft steel.
     assert_eq!(by_hand, [true, false, true]);

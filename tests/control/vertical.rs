@@ -736,6 +736,7 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
         ("L99", "WRONG 第3行 第1列：找不到程序 L99"),
         ("G2 X650 Z-5 CR=50 I-2", "WRONG 第3行 第19列：CR 与 I 不能同段"),
         ("G1 X650 F100 RND=1 CHF=2", "WRONG 第3行 第14列：CHF 与 RND 不能同段"),
+        ("R[999]=5", "WRONG 第3行 第1列：没有参数 R999"),
         ("G53 X=IC(-1)", "WRONG 第3行 第5列：G53 与 G91 / IC 不能同段"),
         ("G91 G53 X-1", "WRONG 第3行 第9列：G53 与 G91 / IC 不能同段"),
     ] {

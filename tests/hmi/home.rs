@@ -39,6 +39,17 @@ fn h5_the_tiles_show_the_last_part_and_what_runs() {
     assert!(bench.shows("距下次修整 件") && bench.painted().iter().any(|words| words == "9"));
 }
 
+/// The tile shows the alarm that the header shows: what has stopped everything, not the latest.
+#[test]
+fn h7_the_alarm_of_the_tile_is_the_one_of_the_header() {
+    let mut rig = ready();
+    tell(&mut rig, "key emergency-stop\nwait 0.5 s\ninput hydraulic-pressure off\nwait 5 s");
+    let bench = Bench::new(rig, Page::Home);
+    let leading = bench.screen.state().snapshot.alarms.clone();
+    let number = kt830::defs::alarm::leading(&leading, |alarm| alarm.number).unwrap().number.to_string();
+    assert!(bench.painted().contains(&number), "{number}: {:?}", bench.painted());
+}
+
 #[test]
 fn l9_the_lathe_has_its_own_tiles() {
     let mut bench = Bench::new(ready_of(Kind::Lathe), Page::Home);

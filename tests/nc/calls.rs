@@ -69,6 +69,13 @@ fn b3_least_increments_hold_in_the_arguments_of_a_macro() {
     assert_eq!(found(call), [0.1, 7.0, 3.0, 2.5, -5.0, 60.0, 7.0, 800.0].map(Some));
     assert_eq!(found(&format!("G20\n{call}")), [0.01, 7.0, 3.0, 2.5, -0.5, 60.0, 7.0, 800.0].map(Some));
     assert_eq!(found(&call.replace("#1=7\nG65", "#1=7\nG98\nG66").replace("M30", "G00 W1.\nG67\nM30"))[4], Some(-5.0));
+    // The shipped programs that are no cycles take numbers as they are: `G65 P9020 K1`.
+    let shipped = [(9020, macros[0].1), (9012, macros[0].1)];
+    for program in [9020, 9012] {
+        let call = format!("G65 P{program} K1 A30 D2 X5 Z2 F60 H1 S1\nM30\n");
+        let variables = run_with(&least, &call, &shipped).unwrap();
+        assert_eq!([101, 104, 105].map(|number| value(&variables, number)), [30.0, 1.0, 5.0].map(Some), "O{program}");
+    }
     let plain = run(call, &macros).unwrap();
     assert_eq!([101, 105].map(|number| value(&plain, number)), [Some(100.0), Some(-5000.0)]);
 }

@@ -224,6 +224,7 @@ fn b2_least_increments_hold_in_the_arguments_of_a_cycle() {
 fn b2_a_cycle_leaves_no_feed_where_there_was_none() {
     for (dialect, cycle) in [
         (Dialect::LatheA, "G71 A-0.1 B-0.05 W-60. U1.5 I600. K300. H2 S1"),
+        (Dialect::LatheA, "G65 P9071 A-0.1 B-0.05 W-60. U1.5 I600. K300. H2 S1"),
         (Dialect::LatheA, "G176 X40. A0.1 F0.6 E0.2 U3."),
         (Dialect::LatheA, "G73 A-0.05 B-0.025 W-60. K300. U2"),
         (Dialect::Mill, "G75 I-0.02 J0 K-0.04 X30. R100. F9000."),

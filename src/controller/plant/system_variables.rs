@@ -76,7 +76,6 @@ pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
             spindle_rpm: params.get(param::WHEEL_RPM),
             max_rpm: params.get(param::WHEEL_RPM_MAX),
             z_accel_jerk: (params.get_axis(param::ACCELERATION_X, Axis::Z), params.get_axis(param::JERK_X, Axis::Z)),
-            servo_lag_s: params.millis(param::SERVO_LAG).as_secs_f64(),
         },
         ..NcSettings::for_dialect(row.dialect)
     }

@@ -5,6 +5,7 @@ use egui::{Color32, Rect};
 
 use super::start_strip::{self, StartStrip};
 use super::{PageContext, PageUi};
+use crate::defs::alarm;
 use crate::defs::equipment::Equipment;
 use crate::defs::page::Page;
 use crate::defs::param;
@@ -241,13 +242,13 @@ fn dressing(view: &View<'_>) -> Tile {
     }
 }
 
-/// The newest alarm; else that there is none.
+/// The alarm that leads, as in the header; else that there is none.
 fn alarms(view: &View<'_>) -> Tile {
     let alarms = &view.snapshot.alarms;
-    let (value, ink, lines) = match alarms.last() {
-        Some(newest) => {
-            let text = newest.text.get(view.lang).into_owned();
-            (newest.number.to_string(), view.theme.alarm_text, vec![(text, String::new())])
+    let (value, ink, lines) = match alarm::leading(alarms, |alarm| alarm.number) {
+        Some(leading) => {
+            let text = leading.text.get(view.lang).into_owned();
+            (leading.number.to_string(), view.theme.alarm_text, vec![(text, String::new())])
         }
         None => (view.text("没有", "none").to_owned(), view.theme.run, Vec::new()),
     };

@@ -1,4 +1,4 @@
-//! Inspects a database first in a process of its own, with little memory and time.
+//! Inspects a database first in a process of its own, on Unix with little memory and processor time.
 //!
 //! A damaged page number can make the database ask for gigabytes, or end its process, before it looks at its checksums.
 //! That must not end the control: neither at its start, nor in operation. Without a program that is named by

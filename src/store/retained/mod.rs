@@ -282,6 +282,8 @@ pub struct RetainedDatabase {
     opened: Option<FileIdentity>,
     /// `None` after a failed commit; the next use opens the file again.
     database: Option<Database>,
+    /// A damaged file could not be put aside, and is where the new one will be.
+    is_in_the_way: bool,
     /// What a new file is to hold, until it is made.
     to_create: Option<Box<RetainedData>>,
     /// Which machine's data they are.
@@ -338,7 +340,9 @@ impl RetainedDatabase {
         let to_create = fresh.then(|| Box::new(data.clone()));
         let journal = Journal::open(folder, &data);
         let identity = data.identity;
-        let mut database = Self { path, opened: None, database: None, to_create, identity, journal, lock };
+        let is_in_the_way = damaged.as_ref().is_some_and(|report| report.kept_as == path);
+        let mut database =
+            Self { path, opened: None, database: None, is_in_the_way, to_create, identity, journal, lock };
         let unwritable = match database.open_file() {
             Ok(opened) => {
                 database.database = Some(opened);
@@ -356,9 +360,9 @@ impl RetainedDatabase {
     /// Opens the file; makes it before, if it is new.
     fn open_file(&mut self) -> Result<Database, RetainedError> {
         if let Some(content) = &self.to_create {
-            // One that could not be put aside at the start.
-            if fs::symlink_metadata(&self.path).is_ok() {
+            if self.is_in_the_way {
                 rename_damaged(atomic_file::folder_of(&self.path), &self.path)?;
+                self.is_in_the_way = false;
             }
             create_database(atomic_file::folder_of(&self.path), &self.path, content)?;
         }

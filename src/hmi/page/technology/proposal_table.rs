@@ -7,7 +7,7 @@ use super::{PROPOSED, task};
 use crate::defs::page_meaning::PageMeaning;
 use crate::defs::page_text::PageText;
 use crate::defs::text::Text;
-use crate::hmi::{Area, PageKey, View, theme, widget};
+use crate::hmi::{Area, PageKey, View, format_value, theme, widget};
 use crate::technology::{PlungeProposal, ProposalLimit, TaskError, propose};
 
 /// Height of a row of the table, of a line of figures, and of the key.
@@ -84,7 +84,11 @@ fn proposed_values(view: &View<'_>, text: &PageText, found: &PlungeProposal) -> 
 
 fn no_proposal(cause: TaskError) -> Text {
     match cause {
-        TaskError::NotPositive => Text::new(
+        TaskError::WheelOrMachine => Text::new(
+            "砂轮的 P73、P77–P79、头架转速 P74 P75 必须大于 0。",
+            "P73 and P77 to P79 of the wheel and P74, P75 of the headstock must be above 0.",
+        ),
+        TaskError::PartSize => Text::new(
             "成品直径、余量、公差必须大于 0：先在磨削页面输入毛坯和成品直径。",
             "Finished diameter, stock and tolerance must be above 0: type blank and finished diameter on the grinding page.",
         ),
@@ -111,7 +115,6 @@ const fn limit_name(limit: ProposalLimit) -> Text {
     match limit {
         ProposalLimit::WheelRating => Text::new("砂轮额定 P79", "wheel rating P79"),
         ProposalLimit::WheelSpeed => Text::new("砂轮转速", "wheel speed"),
-        ProposalLimit::SpeedRatio => Text::new("速度比", "speed ratio"),
         ProposalLimit::Burn => Text::new("烧伤", "burn"),
         ProposalLimit::Power => Text::new("电机功率", "motor power"),
         ProposalLimit::WheelWear => Text::new("砂轮磨损", "wheel wear"),
@@ -154,7 +157,7 @@ fn row(line: Rect, view: &View<'_>, of_row: &ProposedValue) -> bool {
         theme::SMALL,
         view.theme.muted,
     );
-    let before = of_row.now.map_or("–".to_owned(), |now| now.to_string());
+    let before = of_row.now.map_or("–".to_owned(), |now| format_value(now, 0));
     view.fit_right(now_place, &before, theme::TITLE, view.theme.muted);
     let ink = if of_row.differs() { view.theme.info } else { view.theme.text };
     view.fit_right(proposed, &of_row.proposed.to_string(), theme::TITLE, ink);
@@ -176,7 +179,10 @@ fn figures(rect: Rect, view: &View<'_>, found: &PlungeProposal) {
                 limit_name(found.wheel_m_s.1).get(view.lang)
             ),
         ),
-        (view.text("工件", "part"), format!("{:.1} m/min  {:.0} r/min", found.work_m_min, found.work_rpm)),
+        (
+            view.text("工件", "part"),
+            format!("{:.1} m/min  {} {:.0} r/min", found.work_m_min, view.text("宜", "best"), found.advised_work_rpm),
+        ),
         (
             view.text("去除率 粗 / 精", "removal rate, rough / fine"),
             format!("{:.2} / {:.2} mm³/mm·s  {:.1} kW", rough.removal_mm2_s, finish.removal_mm2_s, rough.power_kw),

@@ -6,7 +6,7 @@ use crate::defs::param;
 use crate::hmi::View;
 use crate::technology::{GrindingMachine, GrindingTask, GroundMaterial, MATERIALS, MountedWheel, PlungePart};
 
-/// Tolerance of a page without deviations, mm.
+/// Tolerance where neither P376 to P378 nor the page has deviations, mm.
 const USUAL_TOLERANCE_MM: f64 = 0.02;
 
 /// The finished diameter.
@@ -39,14 +39,17 @@ pub fn task(view: &View<'_>, text: &PageText) -> GrindingTask {
     let params = &view.snapshot.params;
     let size = |meaning| value(view, text, meaning);
     let finished = size(FINISHED).unwrap_or(0.0);
-    let deviations = size(PageMeaning::UpperDeviation).zip(size(PageMeaning::LowerDeviation));
+    let limits = view.snapshot.size_values().nominal().and_then(|nominal| nominal.limits);
+    // 0 is low.
+    let is_low = size(PageMeaning::HeadstockSpeed).is_some_and(|speed| speed < 0.5);
+    let work_rpm = params.get(if is_low { param::HEADSTOCK_RPM_LOW } else { param::HEADSTOCK_RPM_HIGH });
     GrindingTask {
         part: PlungePart {
             material: material(view),
             diameter_mm: finished,
             width_mm: params.get(param::GROUND_WIDTH),
             stock_mm: size(PageMeaning::BlankDiameter).unwrap_or(0.0) - finished,
-            tolerance_mm: deviations.map_or(USUAL_TOLERANCE_MM, |(upper, lower)| upper - lower),
+            tolerance_mm: limits.map_or(USUAL_TOLERANCE_MM, |(low, high)| high - low),
             roughness_um: params.get(param::GROUND_ROUGHNESS),
         },
         wheel: MountedWheel {
@@ -58,6 +61,7 @@ pub fn task(view: &View<'_>, text: &PageText) -> GrindingTask {
         machine: GrindingMachine {
             wheel_kw: params.get(param::WHEEL_MOTOR_POWER),
             time_constant_s: params.get(param::CONTACT_TIME_CONSTANT),
+            work_rpm,
         },
     }
 }

@@ -6,7 +6,7 @@ use super::task;
 use crate::defs::page_text::PageText;
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::Text;
-use crate::hmi::{Area, FieldEditor, ValueField, View, keycap, theme};
+use crate::hmi::{Area, FieldEditor, ValueField, View, format_value, keycap, theme};
 
 /// The fields: parameter and name.
 pub const FIELDS: [(NumberParam, Text); 5] = [
@@ -16,6 +16,8 @@ pub const FIELDS: [(NumberParam, Text); 5] = [
     (param::WHEEL_MOTOR_POWER, Text::new("砂轮电机", "wheel motor")),
     (param::CONTACT_TIME_CONSTANT, Text::new("时间常数", "time constant")),
 ];
+/// Decimals of a size.
+const DECIMALS: usize = 3;
 /// The field of the material.
 pub const MATERIAL_FIELD: usize = 0;
 /// Greatest height of a field, and height of a line.
@@ -36,9 +38,9 @@ pub fn ui(rect: Rect, view: &View<'_>, text: &PageText, typing: (usize, &FieldEd
         (view.text("公差", "tolerance"), length(task.part.tolerance_mm), "mm"),
     ];
     let wheel = [
-        (view.text("直径 P77", "diameter P77"), task.wheel.diameter_mm.to_string(), "mm"),
-        (view.text("宽度 P78", "width P78"), task.wheel.width_mm.to_string(), "mm"),
-        (view.text("转速 P73", "speed P73"), task.wheel.rpm.to_string(), "r/min"),
+        (view.text("直径 P77", "diameter P77"), format_value(task.wheel.diameter_mm, DECIMALS), "mm"),
+        (view.text("宽度 P78", "width P78"), format_value(task.wheel.width_mm, DECIMALS), "mm"),
+        (view.text("转速 P73", "speed P73"), format_value(task.wheel.rpm, 1), "r/min"),
     ];
     let spare = inside.height() - LINES as f32 * LINE_HEIGHT - 2.0 * theme::GAP;
     let height = (spare / FIELDS.len() as f32).min(FIELD_HEIGHT);

@@ -1,7 +1,5 @@
 //! G65 and G66 with their arguments. Source: spec B3.
 
-use std::ops::RangeInclusive;
-
 use super::auxiliary::MAX_REPEATS;
 use super::{integer, least_increment, macro_a};
 use crate::nc::dialect::codes::BlockCodes;
@@ -47,7 +45,7 @@ pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &BlockCodes) 
     }
     words.mark_all_used();
     Ok(if name == "G65" {
-        FlowAction::Call(Call { program, times, callee: Callee::Macro, at: p.at as usize })
+        FlowAction::Call(Call { program, times, callee: callee_of(running, program), at: p.at as usize })
     } else {
         FlowAction::SetModalCall(Some(ModalCall { program, times }))
     })
@@ -86,8 +84,6 @@ pub(super) fn code_macro(running: &BlockContext<'_, '_>) -> Option<(Code, u32)> 
     (!is_within).then_some(called)
 }
 
-/// The shipped grinding cycles.
-const GRINDING_CYCLES: RangeInclusive<u32> = 9071..=9079;
 /// The argument of P in a call by a code.
 const P_ARGUMENT: usize = 16;
 
@@ -99,7 +95,7 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
         return fail2(other.at as usize, E::NotTogether, name(code), name(*other));
     }
     let repeats = words.take(b'L');
-    if let Some(word) = repeats.filter(|_| GRINDING_CYCLES.contains(&program)) {
+    if let Some(word) = repeats.filter(|_| is_grinding_cycle(program)) {
         // FANUC names a wheel-wear compensation by it; a repetition would grind the same stock again.
         return fail2(word.at as usize, E::CycleRepeated, name(code), "L");
     }
@@ -108,8 +104,7 @@ pub(super) fn call_by_code(running: &mut BlockContext<'_, '_>, code: Code, progr
     // Here P names no program: the gauge signal of a grinding cycle, a dwell.
     running.arguments[P_ARGUMENT - 1] = words.take(b'P').map(|word| word.value);
     words.mark_all_used();
-    let is_without_feed = running.modals.feed.is_none() && GRINDING_CYCLES.contains(&program);
-    let callee = if is_without_feed { Callee::CycleWithoutFeed } else { Callee::Macro };
+    let callee = callee_of(running, program);
     Ok(FlowAction::Call(Call { program, times, callee, at: code.at as usize }))
 }
 
@@ -190,16 +185,35 @@ const CYCLE_ARGUMENTS: [(u32, &[u8], &[u8]); 7] = [
     (9078, b"IJKX", b""),
     (9079, b"IJKX", b""),
 ];
+/// The other shipped programs: the shipped programs call them, with numbers as they are.
+const SHIPPED_PROGRAMS: [u32; 7] = [9000, 9001, 9010, 9011, 9012, 9013, 9020];
+
+/// Whether a program is a shipped grinding cycle.
+fn is_grinding_cycle(program: u32) -> bool {
+    CYCLE_ARGUMENTS.iter().any(|(number, ..)| *number == program)
+}
+
+/// How a macro is called. The feeds of a grinding cycle end with it where no F is in force.
+fn callee_of(running: &BlockContext<'_, '_>, program: u32) -> Callee {
+    match running.modals.feed.is_none() && is_grinding_cycle(program) {
+        true => Callee::CycleWithoutFeed,
+        false => Callee::Macro,
+    }
+}
 
 /// The value that an argument of a macro passes on.
 fn argument_value(running: &BlockContext<'_, '_>, program: u32, word: &Word) -> f64 {
-    let Some(second_part) = running.settings.least_increment_mm.filter(|_| word.kind == ValueKind::Integer) else {
+    let Some(thousandth) = running.settings.least_increment_mm.filter(|_| word.kind == ValueKind::Integer) else {
         return word.value;
     };
     let cycle = CYCLE_ARGUMENTS.iter().find(|(number, ..)| *number == program);
-    let (lengths, times) = cycle.map_or((LENGTH_ARGUMENTS, &b""[..]), |(_, lengths, times)| (*lengths, *times));
+    let (lengths, times) = match cycle {
+        Some((_, lengths, times)) => (*lengths, *times),
+        None if SHIPPED_PROGRAMS.contains(&program) => (&b""[..], &b""[..]),
+        None => (LENGTH_ARGUMENTS, &b""[..]),
+    };
     if times.contains(&word.letter) {
-        return word.value * second_part;
+        return word.value * thousandth;
     }
     let least = least_increment(running).filter(|_| lengths.contains(&word.letter));
     word.value * least.unwrap_or(1.0)

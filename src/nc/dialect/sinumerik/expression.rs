@@ -227,15 +227,17 @@ impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
             }
             b'[' => {
                 self.cursor.at += 1;
+                let from = self.cursor.at;
                 enter(&mut self.depth, at)?;
                 let value = self.sum()?;
                 self.depth -= 1;
                 skip_blanks(self.cursor);
+                let is_computed = self.cursor.text[from..self.cursor.at].iter().any(|sign| b"Rr$".contains(sign));
                 if !self.cursor.accept(b']') {
                     return fail(at + 1, E::UnbalancedBracket);
                 }
                 // Without values every R is 0: which parameter it is, is known in the run.
-                if S::HAS_VALUES { value } else { 0.0 }
+                if is_computed && !S::HAS_VALUES { 0.0 } else { value }
             }
             b'-' if self.cursor.peek_at(1).is_ascii_digit() => {
                 self.cursor.at += 1;
