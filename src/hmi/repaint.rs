@@ -61,9 +61,9 @@ compared_fields! {
     handwheel: differ;
     overrides: differ;
     feed_mm_min: |old, new, _| format_feed(*old) != format_feed(*new);
-    // The wheel page and the home page also show the speed of the rim.
+    // The wheel page also shows the speed of the rim; on the home page a whole turn is fine enough for it.
     wheel_rpm: |old, new, page| {
-        matches!(page, Page::Wheel | Page::Home) && old.to_bits() != new.to_bits() || format_whole(*old) != format_whole(*new)
+        page == Page::Wheel && old.to_bits() != new.to_bits() || format_whole(*old) != format_whole(*new)
     };
     tool_station: differ;
     teach: on(FieldGroup::Teach, differ);
