@@ -67,7 +67,7 @@ pub use op_effect::{
     ArcMove, CoordinateChange, MCodeWords, MotionSegment, OpEffect, OpMotion, OscillationChange, ProgramMessage,
 };
 pub use preflight::{PreflightStatus, ProgramPreflight};
-pub use program_parts::{ProgramPart, program_parts};
+pub use program_parts::{ProgramPart, lines_before_number, program_parts};
 pub use settings::{CodeMacros, CutterSource, Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, SharedLibrary, Source};
 pub use source_index::o_number;

@@ -53,6 +53,13 @@ pub fn program_parts(text: &[u8], dialect: Dialect) -> Vec<ProgramPart> {
     parts
 }
 
+/// The lines before the number of a program: `%`, blank lines and comments.
+#[must_use]
+pub fn lines_before_number(text: &[u8], dialect: Dialect) -> u32 {
+    let lines = text.split(|byte| *byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line));
+    lines.take_while(|line| is_before_block(line, dialect)).count() as u32
+}
+
 /// Whether a line may stand before the number of a program: `%`, blank, or a comment alone.
 fn is_before_block(line: &[u8], dialect: Dialect) -> bool {
     let line = line.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(line).trim_ascii();

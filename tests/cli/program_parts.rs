@@ -244,6 +244,10 @@ fn b8_a_number_that_two_programs_have_is_an_error_with_both_places_and_is_not_ca
     let (status, told) = shop.run(&["check", "O0050.NC"]);
     assert_eq!(status, Some(2));
     assert!(told.starts_with("O0050.NC:5:1: program O0051 exists twice: O0050.NC:3, O0050.NC:5"), "{told}");
+    // The place of the first one is that of its number, behind `%` and comments.
+    let shop = Shop::new(&[("O0031.NC", "%\n(EXPORT)\nO0031\nM30\nO0032\nM30\nO0031\nM30\n%\n")]);
+    let (_, told) = shop.run(&["check", "O0031.NC"]);
+    assert!(told.starts_with("O0031.NC:7:1: program O0031 exists twice: O0031.NC:3, O0031.NC:7"), "{told}");
 }
 
 #[test]

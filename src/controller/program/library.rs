@@ -7,7 +7,7 @@ use ropey::Rope;
 use crate::defs::kind::Kind;
 use crate::defs::program_kind;
 use crate::nc::program_uses::UnitUse;
-use crate::nc::{Library, Source};
+use crate::nc::{Library, Source, lines_before_number};
 
 /// Most programs that are followed from a program to those that it calls.
 const MAX_CALLED: usize = 32;
@@ -33,7 +33,13 @@ pub struct DuplicateNumber {
 impl DuplicateNumber {
     fn of(programs: &[StoredProgram]) -> Self {
         let places: Vec<_> = programs.iter().map(StoredProgram::place).collect();
-        let text: Vec<_> = places.iter().map(|(file, line)| format!("{file}:{line}")).collect();
+        // A file may begin with `%` and comments.
+        let number_line = |program: &StoredProgram, line: u32| {
+            line + lines_before_number(program.source.bytes(), program.source.dialect())
+        };
+        let named = places.iter().zip(programs);
+        let text: Vec<_> =
+            named.map(|((file, line), program)| format!("{file}:{}", number_line(program, *line))).collect();
         Self { number: programs.first().map_or(0, |program| program.number), places, text: text.join(", ") }
     }
 }
