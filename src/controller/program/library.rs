@@ -34,12 +34,12 @@ impl DuplicateNumber {
     fn of(programs: &[StoredProgram]) -> Self {
         let places: Vec<_> = programs.iter().map(StoredProgram::place).collect();
         // A file may begin with `%` and comments.
-        let number_line = |program: &StoredProgram, line: u32| {
-            line + lines_before_number(program.source.bytes(), program.source.dialect())
+        let number_line = |(place, program): (&(String, u32), &StoredProgram)| {
+            let before = lines_before_number(program.source.bytes(), program.source.dialect());
+            (place.0.clone(), place.1 + before)
         };
-        let named = places.iter().zip(programs);
-        let text: Vec<_> =
-            named.map(|((file, line), program)| format!("{file}:{}", number_line(program, *line))).collect();
+        let numbers = places.iter().zip(programs).map(number_line);
+        let text: Vec<_> = numbers.map(|(file, line)| format!("{file}:{line}")).collect();
         Self { number: programs.first().map_or(0, |program| program.number), places, text: text.join(", ") }
     }
 }
