@@ -556,6 +556,12 @@ impl Snapshot {
         Fitted { kind: self.kind, ..self.params.fitted() }
     }
 
+    /// Surface speed of the wheel as it turns now, m/s.
+    #[must_use]
+    pub fn wheel_rim_m_s(&self) -> f64 {
+        std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) * self.wheel_rpm / 60_000.0
+    }
+
     /// The values that the sizes of the part are taken from, as they are now.
     #[must_use]
     pub fn size_values(&self) -> SizeValues<'_, impl Fn(u16) -> Option<f64>> {

@@ -177,7 +177,6 @@ const fn verdict_ink(view: &View<'_>, verdict: PartVerdict) -> Color32 {
 
 fn wheel(view: &View<'_>) -> Tile {
     let (snapshot, diameter) = (view.snapshot, view.snapshot.params.get(param::WHEEL_DIAMETER));
-    let rim = std::f64::consts::PI * diameter * snapshot.wheel_rpm / 60_000.0;
     let mut lines = vec![
         line(view.text("转速", "speed"), format!("{} r/min", format_whole(snapshot.wheel_rpm))),
         line(view.text("直径", "diameter"), format!("{} mm", view.length(diameter))),
@@ -189,7 +188,7 @@ fn wheel(view: &View<'_>) -> Tile {
     Tile {
         page: Page::Process,
         heading: view.text("砂轮", "wheel"),
-        figures: figure(format!("{rim:.1} m/s")),
+        figures: figure(format!("{:.1} m/s", snapshot.wheel_rim_m_s())),
         ink,
         lines,
     }

@@ -258,7 +258,6 @@ fn mounted_wheel(rect: Rect, view: &View<'_>) {
     let params = &view.snapshot.params;
     let [diameter, width, rated] = FIELDS.map(|(row, _)| params.get(row));
     let rpm = view.snapshot.wheel_rpm;
-    let rim = std::f64::consts::PI * diameter * rpm / 60_000.0;
     let most = max_rpm(diameter, rated);
     let rows = [
         (view.text("直径 P77", "diameter P77"), diameter.to_string(), "mm"),
@@ -266,7 +265,7 @@ fn mounted_wheel(rect: Rect, view: &View<'_>) {
         (view.text("额定线速度 P79", "rated speed P79"), rated.to_string(), "m/s"),
         (view.text("允许最高转速", "maximum speed"), format!("{most:.0}"), "r/min"),
         (view.text("当前转速", "speed now"), format_whole(rpm), "r/min"),
-        (view.text("当前线速度", "surface speed"), format!("{rim:.1}"), "m/s"),
+        (view.text("当前线速度", "surface speed"), format!("{:.1}", view.snapshot.wheel_rim_m_s()), "m/s"),
     ];
     let mut at = body.min.y;
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
