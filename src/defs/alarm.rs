@@ -278,7 +278,7 @@ alarms! {
         "关机、断开显示或系统结束时程序或轴在运动", "a program ran or an axis moved when the control was ended, by a signal or a lost display",
         "检查工件和砂轮位置，回零；断点在程序页", "check part and wheel, home the axes; the program page has the place";
     CONTROL_STALLED = 404, HoldProgram, Reset, "控制停顿", "control stood still",
-        "程序或轴运动中系统停顿超过 1 秒：休眠、调试或计算机过载", "the system stood still for more than a second while a program ran or an axis moved: sleep, a debugger, an overloaded computer",
+        "程序或轴运动中系统停顿超过 P475：休眠、调试或计算机过载", "the system stood still for longer than P475 while a program ran or an axis moved: sleep, a debugger, an overloaded computer",
         "检查机床位置和计算机，复位；程序再循环启动继续，回零重新做", "check machine and computer, RESET; cycle start goes on with a program, homing begins anew";
     STATION_SILENT = 405, StopAll, Reset, "远程站没有应答", "remote station not responding",
         "Modbus TCP 站没有应答、拒绝请求或断开", "a Modbus TCP station does not answer, refuses requests, or is cut off",

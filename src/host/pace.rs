@@ -14,8 +14,6 @@ const MAX_CATCH_UP_TICKS: u32 = 50;
 const TICKS_PER_WAKE_UP: u32 = 16;
 /// Number of consecutive late ticks that raises an alarm on a real machine.
 const MAX_LATE_IN_A_ROW: u32 = 10;
-/// A process that stands still for longer, once, holds a program: nobody has watched machine and clock meanwhile.
-const MAX_STALL: Duration = Duration::from_millis(1_000);
 /// Part of the distance from the clock of the bus that is made up for in a tick: 1/16. At 100 ppm the ticks stay 1.6 µs
 /// behind, far below what a wake-up varies.
 const FOLLOWED_PART: i64 = 16;
@@ -117,7 +115,7 @@ pub enum WakeUp {
     Late,
     /// Late on a real machine so often in a row that the alarm is due.
     TooOftenLate,
-    /// So late that the process must have stood still.
+    /// Later than the longest stall that is allowed: nobody has watched machine and clock meanwhile.
     Stalled,
 }
 
@@ -152,8 +150,9 @@ impl TickSchedule {
         self.due = if step_ns > 0 { self.due.saturating_sub(step) } else { self.due + step };
     }
 
-    /// Notes the time of a wake-up. A thread that is too far behind starts again from now.
-    pub fn woke_up(&mut self, now: Duration, tick: Duration) -> WakeUp {
+    /// Notes the time of a wake-up. A thread that is too far behind starts again from now; one that stood still for longer
+    /// than `max_stall` (P475), once, has a name of its own.
+    pub fn woke_up(&mut self, now: Duration, tick: Duration, max_stall: Duration) -> WakeUp {
         let behind = now.saturating_sub(self.due);
         if behind > tick * self.pace.max_catch_up() {
             self.due = now;
@@ -163,7 +162,7 @@ impl TickSchedule {
             return WakeUp::OnTime;
         }
         self.late_in_a_row += 1;
-        if behind > MAX_STALL {
+        if behind > max_stall {
             return WakeUp::Stalled;
         }
         match self.pace {

@@ -17,7 +17,7 @@ use super::hosted_machine::HostedMachine;
 use super::link::{HostLink, ThreadHealth};
 use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
-use crate::defs::alarm;
+use crate::defs::{alarm, param};
 use crate::io::fieldbus::ClockReading;
 use crate::link::command::Command;
 use crate::link::snapshot::Snapshot;
@@ -170,7 +170,8 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         sleep_until(self.started + due);
         let woke = self.started.elapsed();
         self.host.times.wake_ups.add(Micros(woke.saturating_sub(due).as_micros() as u64));
-        match self.schedule.woke_up(woke, tick) {
+        let max_stall = Duration::from_micros(self.host.controller.params().millis(param::MAX_STALL).0);
+        match self.schedule.woke_up(woke, tick, max_stall) {
             WakeUp::OnTime => return,
             WakeUp::Late => {}
             WakeUp::TooOftenLate => self.host.controller.report_alarm(alarm::LATE_TICKS, None),

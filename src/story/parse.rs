@@ -12,7 +12,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::media::{Direction, TransferSet};
-use crate::link::page_command::PasswordScope;
+use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
@@ -168,8 +168,7 @@ impl LineParser {
             "export" => Statement::Transfer(Direction::Export, self.transfer_set()?),
             "import" => Statement::Transfer(Direction::Import, self.transfer_set()?),
             "stall" => Statement::Stall,
-            "unlock" => self.unlock()?,
-            "accept" => self.one_of("`data`", |word| (word == "data").then_some(Statement::AcceptData))?,
+            "unlock" | "password" | "accept" => Statement::Settings(self.settings(&verb)?),
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
@@ -200,9 +199,21 @@ impl LineParser {
         })
     }
 
-    fn unlock(&mut self) -> Result<Statement, StoryError> {
+    fn settings(&mut self, verb: &str) -> Result<PageCommand, StoryError> {
+        if verb == "accept" {
+            let choice = |word: &str| (word == "data").then_some(DataChoice::Present);
+            return Ok(PageCommand::AcceptData(self.one_of("`data`", choice)?));
+        }
         let scope = self.one_of("program, user or builder", PasswordScope::from_id)?;
-        Ok(Statement::Unlock(scope, self.word("a password")?))
+        if verb == "unlock" {
+            return Ok(PageCommand::Unlock(scope, self.password("a password")?));
+        }
+        let (old, new) = (self.password("the old password")?, self.password("the new password")?);
+        Ok(PageCommand::ChangePassword { scope, old, new })
+    }
+
+    fn password(&mut self, wanted: &str) -> Result<Secret, StoryError> {
+        self.word(wanted).map(Secret::new)
     }
 
     /// `load O1001` or the name of a program.

@@ -19,7 +19,7 @@ use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::media::{Direction, TransferRequest, TransferSet};
-use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
+use crate::link::page_command::PageCommand;
 use crate::link::snapshot::{AlarmView, RunState, Snapshot};
 use crate::units::{Axis, Micros};
 use ropey::Rope;
@@ -207,8 +207,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::DeleteProgram(number) => self.ask(FileRequest::Delete(*number)),
             Statement::Transfer(direction, set) => self.transfer(*direction, *set),
             Statement::Stall => self.stall(),
-            Statement::Unlock(scope, password) => self.unlock(*scope, password),
-            Statement::AcceptData => self.send(Command::Page(PageCommand::AcceptData(DataChoice::Present))),
+            Statement::Settings(command) => self.send(Command::Page(command.clone())),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::ScreenHangs(seconds) => self.stage.hang_screen(*seconds),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
@@ -235,10 +234,6 @@ impl<'a, G: Stage> Player<'a, G> {
     fn write_program(&mut self, number: u32, text: &str) -> Result<(), String> {
         let text = Rope::from_str(&format!("{}\r\n", text.replace("\\n", "\r\n")));
         self.ask(FileRequest::Save { number, text, base_stamp: 0, overwrite: true })
-    }
-
-    fn unlock(&mut self, scope: PasswordScope, password: &str) -> Result<(), String> {
-        self.send(Command::Page(PageCommand::Unlock(scope, Secret::new(password.to_owned()))))
     }
 
     /// Copies a whole set; what exists already is overwritten.

@@ -8,7 +8,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
 use crate::io::sim::EventKind;
 use crate::link::media::{Direction, TransferSet};
-use crate::link::page_command::PasswordScope;
+use crate::link::page_command::PageCommand;
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
@@ -189,12 +189,11 @@ pub enum Statement {
     ScreenHangs(f64),
     /// `export backup`, `import backup`: programs, screens, params, variables or backup, to or from the USB stick
     Transfer(Direction, TransferSet),
-    /// `stall`: the computer has held the control up for more than a second
+    /// `stall`: the computer has held the control up for longer than P475
     Stall,
-    /// `unlock builder 830830`: program, user or builder
-    Unlock(PasswordScope, String),
-    /// `accept data`: what took the place of damaged data is accepted
-    AcceptData,
+    /// `unlock builder 830830`: program, user or builder; `password user 123456 246810`: a password takes the place of
+    /// another; `accept data`: what took the place of damaged data is accepted
+    Settings(PageCommand),
     /// `teach start|stop|undo|keep`: records jogged moves (L9)
     Teach(TeachCommand),
     /// `part FILE`

@@ -23,6 +23,8 @@ use crate::units::{Axis, Micros};
 /// How far a planted jump goes, mm.
 const JUMP_MM: f64 = 0.05;
 
+/// Steps that differ by less belong to one speed, mm.
+const EVEN_MM: f64 = 1e-9;
 /// Ticks after power-on before a bug acts: the inputs are read by then.
 const QUIET_TICKS: u64 = 500;
 /// In so many ticks the axes are homed.
@@ -206,7 +208,8 @@ impl WatchedMachine {
         let port = |output| self.params.output_port(output);
         let wanted = image.set_point_mm[Axis::X];
         let step = wanted - std::mem::replace(&mut self.wanted_mm, wanted);
-        let slows = step.abs() < std::mem::replace(&mut self.step_mm, step).abs();
+        let step_before = std::mem::replace(&mut self.step_mm, step);
+        let (slows, is_even) = (step.abs() < step_before.abs(), (step - step_before).abs() < EVEN_MM);
         self.at_rest = if step.abs() > 0.0 { 0 } else { self.at_rest.saturating_add(1) };
         if !image.drives_on {
             self.offset_mm = 0.0;
@@ -219,6 +222,12 @@ impl WatchedMachine {
             Some(PlantedBug::AxisJumps) if image.drives_on && self.ticks % 30_000 == 29_999 => {
                 self.offset_mm += JUMP_MM
             }
+            // While its speed is even, the surplus grows by 20 mm/s², within what the rule of acceleration leaves.
+            Some(PlantedBug::AxisIsFast) if step < 0.0 && self.ticks > HOMING_TICKS => {
+                self.surplus_mm += if is_even { 2e-5 } else { 0.0 };
+                self.offset_mm -= self.surplus_mm;
+            }
+            Some(PlantedBug::AxisIsFast) => self.surplus_mm = 0.0,
             // What is left of the way to a stop is left out: below 10 mm/s.
             Some(PlantedBug::AxisStopsDead) if image.drives_on && slows && step.abs() < 0.01 => {
                 self.offset_mm -= step;

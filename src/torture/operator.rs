@@ -42,6 +42,10 @@ const FORCED_INPUTS: [Input; 9] = [
     Input::Gauge4,
 ];
 
+/// Passwords that the operator changes to and from, each as delivered first. The builder's stays, so that alarms of lost
+/// data can be accepted.
+const PASSWORDS: [(&str, [&str; 2]); 2] = [("program", ["187350", "246810"]), ("user", ["123456", "135790"])];
+
 /// A random operator of a kind of machine.
 pub struct RandomOperator {
     kind: Kind,
@@ -84,6 +88,7 @@ impl RandomOperator {
             89..=92 => self.edit_programs(),
             93..=94 => self.dressing_point(),
             95..=96 => self.open_page(),
+            97 => self.change_password(),
             _ => self.say("wait 20 s"),
         }
         std::mem::take(&mut self.lines)
@@ -408,7 +413,8 @@ impl RandomOperator {
     fn edit_programs(&mut self) {
         let program = self.pick(&OWN_PROGRAMS);
         if self.below(5) > 0 {
-            self.say("unlock program 187350");
+            let password = self.pick(&PASSWORDS[0].1);
+            self.say(format!("unlock program {password}"));
             self.say("mode edit");
             self.say("wait 50 ms");
         }
@@ -433,6 +439,14 @@ impl RandomOperator {
         }
         text.push(self.pick_text(&["M30", "M02", "M99"]));
         self.say(format!("write O{program} \"{}\"", text.join("\\n")));
+    }
+
+    /// The old password may be the wrong one: then nothing changes.
+    fn change_password(&mut self) {
+        let (scope, words) = self.pick(&PASSWORDS);
+        let [old, new] = if self.below(3) == 0 { [words[0], words[1]] } else { [words[1], words[0]] };
+        self.say(format!("password {scope} {old} {new}"));
+        self.wait(1.0);
     }
 
     fn usb_stick(&mut self) {

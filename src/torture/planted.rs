@@ -52,6 +52,8 @@ pub enum PlantedBug {
     AxisCreeps,
     /// An axis jumps now and then.
     AxisJumps,
+    /// An axis gets faster and faster.
+    AxisIsFast,
     /// An axis goes on for a while after everything has stopped.
     AxisRunsOn,
     /// An axis runs 1 mm beyond its soft limit.
@@ -152,7 +154,7 @@ const COOLANT: PlantedBug = PlantedBug::KeyForces(Key::Coolant, &[(Output::Coola
 
 impl PlantedBug {
     /// All of them.
-    pub const ALL: [Self; 61] = [
+    pub const ALL: [Self; 62] = [
         Self::BlindToEmergencyStop,
         Self::BlindToPressure,
         Self::BlindToGuard,
@@ -168,6 +170,7 @@ impl PlantedBug {
         Self::MagnetIgnoresWheel,
         Self::AxisCreeps,
         Self::AxisJumps,
+        Self::AxisIsFast,
         Self::AxisRunsOn,
         Self::SoftLimitIsLate,
         Self::HoldEndsByItself,

@@ -109,7 +109,7 @@ const FAULTS: [Fault; 22] = [
     ),
     Fault {
         quiet: &["standing", "held"],
-        ..fault(Text::new("计算机停顿超过 1 秒", "computer held up for more than 1 s"), ["stall", ""], (404, 1))
+        ..fault(Text::new("计算机停顿超过 P475", "computer held up for longer than P475"), ["stall", ""], (404, 1))
     },
     Fault {
         moves_on: &["homing", "oscillation", "return to the dressing point"],

@@ -117,6 +117,9 @@ fn expected(bug: PlantedBug) -> (&'static str, Kind, &'static str) {
             "key hydraulic\nkey magnetise\nwait 4 s\nkey wheel-start\nwait 1 s\nkey demagnetise\nwait 1 s",
         ),
         Bug::AxisCreeps | Bug::AxisRunsOn => ("without a cause", Kind::Gc, "mode jog\nhold X- 500 ms\nwait 4 s"),
+        Bug::AxisIsFast => {
+            ("above its rapid speed", Kind::Gc, "home all\nwait 10 s\nmode jog\nkey rapid-100\nkey rapid\nhold X- 3 s")
+        }
         Bug::AxisJumps => in_courses("X accelerates by"),
         Bug::SoftLimitIsLate => {
             ("beyond its soft limit", Kind::Gc, "param P42 -10\nhome all\nwait 10 s\nmode jog\nhold X- 60 s")
@@ -314,8 +317,8 @@ fn every_rule_is_broken_by_a_planted_bug() {
     assert!(rules >= 45, "{rules} rules");
 }
 
-/// Texts that tell of no rule of their own, and the rapid speed: the rule of acceleration comes before it.
-const NO_RULES: [&str; 2] = ["simulated disk:", "above its rapid speed"];
+/// Texts that tell of no rule of their own.
+const NO_RULES: [&str; 1] = ["simulated disk:"];
 
 fn missed((bug, rule, kind, story): (PlantedBug, &'static str, Kind, &'static str)) -> Result<(), String> {
     if story.is_empty() {
