@@ -342,7 +342,7 @@ fn english_title(program: &StoredProgram) -> Option<String> {
     program.source.english_title().map(str::to_owned)
 }
 
-/// The named programs in the folder of a named program. A call such as `L10` is searched there first.
+/// The other named programs in the folder of a named program. A call such as `L10` is searched there first.
 #[must_use]
 pub fn named_programs_beside(file: &Path, dialect: Dialect, purpose: ProgramUse) -> Vec<StoredProgram> {
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -354,7 +354,8 @@ pub fn named_programs_beside(file: &Path, dialect: Dialect, purpose: ProgramUse)
         let read = folder.read_named(&PROGRAM, &entry.name).ok()?;
         Some(create_program(program_number::from_name(&entry.stem), &read.name, read.bytes, dialect, purpose))
     };
-    list_named_programs(folder_of(file)).unwrap_or_default().into_iter().filter_map(read).collect()
+    let beside = list_named_programs(folder_of(file)).unwrap_or_default().into_iter();
+    beside.filter(|entry| entry.name != name).filter_map(read).collect()
 }
 
 /// A time of the computer's clock as the pages show it; empty if unknown.
