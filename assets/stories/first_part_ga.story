@@ -46,7 +46,7 @@ expect part height at X145 Z0 25.000 ±0.003
 #! The diamond beside the table takes 25 µm of radius from the wheel.
 load O1014
 key 循环启动
-wait until idle max 120 s
+wait until idle max 900 s
 expect no event
 expect #828 0.025 ±0.0001
 expect wear 1 Z -0.025

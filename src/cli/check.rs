@@ -31,8 +31,8 @@ use crate::link::command::FileFault;
 use crate::link::toolpath::CycleTime;
 use crate::nc::program_uses::text_row_faults;
 use crate::nc::{
-    BlockLocation, CheckReport, CutterShape, Library, NcSettings, OfflineMachine, Op, OriginPlace, ProgramCheck,
-    ProgramFault, SharedLibrary, Source, WorkOffsets,
+    BlockLocation, CheckReport, CutterShape, Library, MAX_FAULTS, NcSettings, OfflineMachine, Op, OriginPlace,
+    ProgramCheck, ProgramFault, SharedLibrary, Source, WorkOffsets,
 };
 use crate::store::PROGRAM_LIMIT;
 use crate::units::{Axis, PerAxis};
@@ -153,6 +153,10 @@ fn print_errors(shared: &SharedArgs, file: &str, wrong: &[CheckError], verdict: 
     wrong.iter().for_each(|at| print_line(at.text(file)));
     if wrong.is_empty() {
         print_line(format!("{file}: {}", verdict.get(shared.lang)));
+    }
+    if wrong.len() >= MAX_FAULTS {
+        let more = Text::new("错误太多，其余没有列出", "too many mistakes: the others are not listed");
+        print_line(format!("{file}: {}", more.get(shared.lang)));
     }
 }
 
@@ -385,7 +389,7 @@ impl<'a> FileCheck<'a> {
         // An endless loop runs into the limits; only the endless loop is reported.
         let limits = limits.filter(|_| checked.repeated_blocks.is_empty());
         let beyond = limits.map(SoftLimitCheck::into_violations).unwrap_or_default();
-        let [refused, limited] = interlocks.into_findings();
+        let [refused, limited] = interlocks.into_findings(checked.finished);
         let foreseen = refused.into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
         let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
         move_errors.sort_by_key(|wrong| wrong.line);
@@ -509,6 +513,9 @@ impl<'a> FileCheck<'a> {
                            "finished": checked.finished, "seconds": found.time.seconds(),
                            "timing": timing_word(found.time), "length": checked.length_mm,
                            "extents": extents});
+                if wrong.len() >= MAX_FAULTS {
+                    told["truncated"] = json!(true);
+                }
                 if let Some((ran, _)) = ran {
                     told["simulated"] = json!(ran.end.report_word());
                 }

@@ -43,6 +43,16 @@ const FEEDBACK_INPUTS: [(Input, Output, bool); 7] = [
 /// Inputs that are active on a machine in order.
 const READY_INPUTS: [Input; 3] = [Input::GuardClosed, Input::CoolantFlow, Input::LubricationLevel];
 
+/// What M30 switches off.
+const ENDED_BY_M30: [Output; 6] = [
+    Output::Wheel,
+    Output::Coolant,
+    Output::HeadstockHigh,
+    Output::HeadstockLow,
+    Output::TableRotation,
+    Output::DresserRoll,
+];
+
 /// A block that the run would refuse, or carry out otherwise than it is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PredictedRefusal {
@@ -65,6 +75,9 @@ pub struct InterlockCheck<'a> {
     refusals: Vec<PredictedRefusal>,
     warnings: Vec<PredictedRefusal>,
     told_of_turns: bool,
+    /// The last block, and whether it or one before it has ended the program.
+    last: Option<BlockLocation>,
+    has_ended: bool,
 }
 
 impl<'a> InterlockCheck<'a> {
@@ -85,6 +98,8 @@ impl<'a> InterlockCheck<'a> {
             refusals: Vec::new(),
             warnings: Vec::new(),
             told_of_turns: false,
+            last: None,
+            has_ended: false,
         };
         check.settle();
         check
@@ -92,6 +107,7 @@ impl<'a> InterlockCheck<'a> {
 
     /// Checks a block that was read.
     pub fn check_block(&mut self, block: &Block) {
+        self.last = Some(block.location);
         for op in &block.ops {
             if let Some(text) = self.check_op(op) {
                 add(&mut self.refusals, block.location, text);
@@ -107,10 +123,24 @@ impl<'a> InterlockCheck<'a> {
         }
     }
 
-    /// The refusals, and the blocks that are carried out otherwise than written, both in program order.
+    /// The refusals, and the blocks that are carried out otherwise than written, both in program order. `is_complete`: the
+    /// program was followed to its end.
     #[must_use]
-    pub fn into_findings(self) -> [Vec<PredictedRefusal>; 2] {
+    pub fn into_findings(mut self, is_complete: bool) -> [Vec<PredictedRefusal>; 2] {
+        if let Some((at, text)) = self.end_warning().filter(|_| is_complete) {
+            add(&mut self.warnings, at, text);
+        }
         [self.refusals, self.warnings]
+    }
+
+    /// A text that ends without M30 leaves on what M30 switches off.
+    fn end_warning(&self) -> Option<(BlockLocation, LocalizedText)> {
+        let at = self.last.filter(|_| !self.has_ended)?;
+        let on = self.machine.outputs(self.params);
+        let output = ENDED_BY_M30.into_iter().find(|output| on.has(*output))?;
+        let text =
+            phrase!("程序没有 M30 就结束：{output} 不会关", "the program ends without M30: {output} stays on", output);
+        Some((at, text))
     }
 
     /// A feed per revolution counts the turns of the workpiece, which the program has not started: said once. The operator
@@ -121,7 +151,7 @@ impl<'a> InterlockCheck<'a> {
             return None;
         }
         let turned_by_head = self.kind.row().has(Equipment::Headstock);
-        self.kind.dialect().is_kt830().then(|| match turned_by_head {
+        self.kind.row().has(Equipment::Wheel).then(|| match turned_by_head {
             true => phrase!(
                 "每转进给 (G99) 需要工件转动：先用 M63 启动",
                 "the feed per revolution (G99) counts turns of the workpiece: start it with M63 before"
@@ -220,6 +250,7 @@ impl<'a> InterlockCheck<'a> {
                 Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, text))
             }
             MCodeAction::ProgramEnd => {
+                self.has_ended = true;
                 self.machine.program_end(self.params);
                 self.settle();
                 None

@@ -46,12 +46,16 @@ pub enum PageMeaning {
     HeadstockSpeed,
     /// 修整点 X: the dressing point of an axis by value; for a new wheel on the wheel axis.
     DressingPoint(Axis),
+    /// 精修量, 每层修整量: depth of the last pass of a dressing.
+    DressingDepth,
+    /// 精修速度, 修整速度: traverse feed of the last pass of a dressing.
+    DressingFeed,
     /// 累计修整量: what was dressed off since the wheel was new.
     DressedAmount,
 }
 
 /// The words of a label and what they mean.
-const WORDS: [(&str, PageMeaning); 15] = [
+const WORDS: [(&str, PageMeaning); 19] = [
     ("成品直径", PageMeaning::Nominal(SizeKind::Diameter)),
     ("成品高度", PageMeaning::Nominal(SizeKind::Height)),
     ("成品长度", PageMeaning::Nominal(SizeKind::Length)),
@@ -60,6 +64,10 @@ const WORDS: [(&str, PageMeaning); 15] = [
     ("实测尺寸", PageMeaning::MeasuredSize),
     ("修整间隔", PageMeaning::DressingInterval),
     ("累计修整量", PageMeaning::DressedAmount),
+    ("精修量", PageMeaning::DressingDepth),
+    ("每层修整量", PageMeaning::DressingDepth),
+    ("精修速度", PageMeaning::DressingFeed),
+    ("修整速度", PageMeaning::DressingFeed),
     ("毛坯直径", PageMeaning::BlankDiameter),
     ("粗磨余量", PageMeaning::RoughAllowance),
     ("精磨余量", PageMeaning::FinishAllowance),
@@ -150,7 +158,7 @@ impl PageMeaning {
     pub const fn unit(self) -> Option<Text> {
         match self {
             Self::DressingInterval | Self::HeadstockSpeed => None,
-            Self::RoughFeed | Self::FinishFeed => Some(MM_PER_MINUTE),
+            Self::RoughFeed | Self::FinishFeed | Self::DressingFeed => Some(MM_PER_MINUTE),
             Self::SparkOut => Some(SECONDS),
             Self::Nominal(_)
             | Self::UpperDeviation
@@ -160,6 +168,7 @@ impl PageMeaning {
             | Self::BlankDiameter
             | Self::RoughAllowance
             | Self::FinishAllowance
+            | Self::DressingDepth
             | Self::DressedAmount => Some(MILLIMETRES),
         }
     }

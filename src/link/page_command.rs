@@ -153,6 +153,8 @@ pub enum PageCommand {
     SetBrightness(u8),
     /// Selects the RS232 port, from now on.
     SetSerialPort(String),
+    /// The present machine coordinate of an axis is its dressing point (K4.2); the page has asked.
+    TakeDressPoint(Axis),
     /// Removes the dressing points (K4.2).
     ClearDressPoints,
     /// Sets date and time of day.

@@ -1,6 +1,7 @@
 //! The state that the core publishes for the screen. It is overwritten in place; only the newest value counts.
 //! Lengths are as displayed: diameters where diameter mode is on.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::bus::BusView;
@@ -569,6 +570,13 @@ impl Snapshot {
         let page = files.and_then(|files| files.text.as_deref().ok());
         let variable = |variable: u16| self.variables.get(usize::from(variable)).copied().flatten();
         SizeValues { params: &self.params, page, variable }
+    }
+
+    /// Numbers of the dressing programs (P91, P92).
+    #[must_use]
+    pub fn dressing_programs(&self) -> RangeInclusive<u32> {
+        let number = |of| self.params.get(of) as u32;
+        number(param::DRESSING_PROGRAM_FIRST)..=number(param::DRESSING_PROGRAM_LAST)
     }
 
     /// Parts between two dressings, as set by P95 or by the page of the current program.

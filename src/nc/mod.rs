@@ -53,7 +53,7 @@ mod words;
 pub mod work_offsets;
 
 pub use block::{Block, USUAL_OPS};
-pub use check::{CheckReport, ProgramCheck, check};
+pub use check::{CheckReport, MAX_FAULTS, ProgramCheck, check};
 pub use common_variables::{CommonVariables, VariableError};
 pub use cutter::{Compensation, CutterRangeError, CutterShape, MAX_CUTTER_RADIUS_MM, MAX_TIP};
 pub use dialect::{call_text, function_names, new_program_text, refused_words};

@@ -73,6 +73,15 @@ impl RoughingCycle {
         let (Some(last), at) = (rest.last(), first.to) else { return Err((E::ContourEmpty, None)) };
         let way = |from: f64, to: f64| if (to - from).abs() > MIN_LENGTH_MM { (to - from).signum() } else { 0.0 };
         let along = way(at[b], last.to[b]);
+        // A last block that leads back to where the contour begins is no part of it.
+        let far = rest
+            .iter()
+            .map(|segment| segment.to[b])
+            .max_by(|one, other| (one - at[b]).abs().total_cmp(&(other - at[b]).abs()));
+        let outward = far.map_or(0.0, |far| way(at[b], far));
+        if outward != 0.0 && along * outward <= 0.0 {
+            return Err((E::ContourNotMonotone, Some(*last)));
+        }
         // A contour with pockets may begin at the height of the start: its first other point tells the direction.
         let others = rest.iter().map(|segment| segment.to[a]).take_while(|_| self.has_pockets);
         let mut ways = std::iter::once(at[a]).chain(others).map(|to| way(self.start[a], to));

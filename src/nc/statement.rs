@@ -67,8 +67,8 @@ pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
             b'/' => {
                 accept_block_skip(cursor);
                 if block_skip {
-                    cursor.skip_rest_of_line();
-                    return Ok(BlockContent::Empty);
+                    skip_rest_of_block(cursor);
+                    break BlockContent::Empty;
                 }
                 is_line_start = false;
             }
@@ -93,6 +93,23 @@ pub(crate) fn read_block<S: Scope>(reader: BlockReader<'_, '_, S>) -> ReadResult
     };
     read_block_end(cursor)?;
     Ok(content)
+}
+
+/// Skips to the end of the line, or to the `;` that ends the block: the block behind it has a `/` of its own, or none.
+#[cold]
+fn skip_rest_of_block(cursor: &mut Cursor<'_>) {
+    let mut in_comment = false;
+    while !cursor.at_line_end() && (in_comment || cursor.peek() != b';') {
+        if !in_comment && cursor.peek() == b'/' && cursor.peek_at(1) == b'/' {
+            return cursor.skip_rest_of_line();
+        }
+        in_comment = match cursor.peek() {
+            b'(' => true,
+            b')' => false,
+            _ => in_comment,
+        };
+        cursor.at += 1;
+    }
 }
 
 /// Takes `/` and the number of its switch, `/1` to `/9`. DECISION: the control has one switch; it is for all of them.
@@ -263,7 +280,7 @@ fn loop_number(cursor: &mut Cursor<'_>) -> ReadResult<u8> {
     cursor.skip_blanks()?;
     let at = cursor.at;
     if !cursor.at_number() {
-        return fail1(at, E::DoNumber, "");
+        return fail1(at, E::MissingNumber, "DO / END");
     }
     let number = cursor.read_number()?;
     match whole_number(number.value) {

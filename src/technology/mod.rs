@@ -15,9 +15,11 @@
 //! S. Malkin, R. B. Lenz, CIRP Annals 27 (1978) 233 (burn limit of steels); F. Klocke, Manufacturing Processes 2, 2009
 //! (speed ratio, removal rates, overlap ratio). Spec: issue "a good part, always", part D.
 
+mod dressing;
 mod material;
 mod plunge;
 
+pub use dressing::{DressedWheel, effective_width_mm};
 pub use material::{GroundMaterial, MATERIALS};
 pub use plunge::{
     Dressing, GrindingMachine, GrindingTask, MountedWheel, PlungePart, PlungeProposal, PlungeStage, ProposalLimit,

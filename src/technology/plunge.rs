@@ -10,6 +10,7 @@
 
 use std::f64::consts::PI;
 
+use super::dressing::effective_width_mm;
 use super::material::GroundMaterial;
 use crate::defs::page_meaning::PageMeaning;
 
@@ -33,8 +34,6 @@ const SPARK_OUT_TURNS: f64 = 5.0;
 const CLEARANCE_MM: f64 = 0.1;
 /// What a value may be beside a step of its rounding, in steps.
 const ROUNDING: f64 = 1e-6;
-/// Radius of the tip of a single-point diamond, mm.
-const DIAMOND_RADIUS_MM: f64 = 0.5;
 
 /// The part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -339,9 +338,7 @@ fn dressing(part: &PlungePart, wheel_rpm: f64) -> Dressing {
         ra if ra >= 0.2 => (6.0, 0.01),
         _ => (8.0, 0.01),
     };
-    // The chord of the diamond's tip at the depth of the pass.
-    let effective_mm = (8.0 * DIAMOND_RADIUS_MM * depth_mm).sqrt();
-    let lead_mm = effective_mm / overlap;
+    let lead_mm = effective_width_mm(depth_mm) / overlap;
     let of_a_part_mm2 = PI * part.diameter_mm * part.stock_mm / 2.0;
     let every_parts = (part.material.dressed_after_mm2 / of_a_part_mm2).floor().max(1.0);
     Dressing { depth_mm, overlap, lead_mm, feed_mm_min: lead_mm * wheel_rpm, every_parts }

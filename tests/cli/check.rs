@@ -681,3 +681,34 @@ fn t4_k4_4_offsets_and_origins_that_a_run_would_refuse_are_named() {
         assert_eq!(out.status.code(), Some(0), "{write}: {}", said(&out));
     }
 }
+
+/// What M30 switches off stays on without it: told for the first of them; nothing is told where nothing is on.
+#[test]
+fn b2_a_text_that_ends_without_m30_leaves_on_what_it_has_switched_on() {
+    let words = &["--lang", "en"];
+    let told = |text: &str| warned(&check("gc", "O0002.NC", text, words));
+    assert!(told("G54 G00 X10\nM08\nX20\n").contains("the program ends without M30: coolant stays on"));
+    for quiet in ["G54 G00 X10\nM08\nX20\nM30\n", "G54 G00 X10\nM08\nM09\n", "G54 G00 X10\n"] {
+        assert_eq!(told(quiet), "", "{quiet}");
+    }
+}
+
+/// 802D: G96 and G97 alone switch F to mm/rev, too.
+#[test]
+fn s1_a_feed_per_revolution_without_the_workpiece_turning_is_warned_of() {
+    let words = &["--lang", "en"];
+    for text in ["G95\nG1 X-210 F0.1\nM30\n", "G97\nG1 X-210 F0.1\nM30\n"] {
+        let out = check("vertical", "VTEST.MPF", text, words);
+        assert!(warned(&out).contains("turns of the"), "{text}: {} {}", warned(&out), said(&out));
+    }
+}
+
+/// The list of mistakes ends with a word that it does.
+#[test]
+fn b1_a_list_of_mistakes_that_is_cut_says_so() {
+    let text = |lines: usize| "G999\n".repeat(lines);
+    let out = check("gc", "O0003.NC", &text(1_100), &["--lang", "en"]);
+    assert!(said(&out).contains("the others are not listed"));
+    assert!(!said(&check("gc", "O0003.NC", &text(900), &["--lang", "en"])).contains("not listed"));
+    assert_eq!(json("gc", "O0003.NC", &text(1_100))["truncated"], serde_json::json!(true));
+}

@@ -1,8 +1,11 @@
 //! The dressing point: where one is set by key the dressing programs use it, else the value of their page; the page says
 //! which, and with none nothing moves. Source: spec K4.2, K5.17, K7.6.
 
+use kt830::defs::key::Mode;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::link::snapshot::RunState;
+use kt830::link::{Command, PageCommand};
 use kt830::units::Axis;
 
 use crate::live_screen::Bench;
@@ -146,6 +149,73 @@ fn k4_2_points_set_by_key_are_cleared_on_the_dressing_page_only_when_asked() {
     tell(&mut bench.rig, "page grinding");
     bench.turn();
     assert!(bench.shows("修整点 X -320.000 数值"));
+}
+
+/// The assistant takes the place of an axis in JOG alone, and after a question.
+#[test]
+fn k4_2_the_assistant_takes_the_place_of_an_axis_when_asked() {
+    let mut bench = bench(Page::Dressing);
+    bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::P);
+    bench.turn();
+    assert!(bench.shows("X -320.000 数值") && bench.shows("Z -60.000 数值"), "{:?}", bench.painted());
+    // Not in AUTO.
+    tell(&mut bench.rig, "mode auto");
+    bench.touch("取此处 X take-point-X");
+    bench.touch("设置 question-take-point");
+    assert_eq!(bench.message(), "修整点在手动方式下设置");
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none());
+    tell(&mut bench.rig, "mode jog");
+    bench.touch("取此处 X take-point-X");
+    bench.touch("取消 question-no");
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none(), "not without the answer");
+    bench.touch("取此处 X take-point-X");
+    bench.touch("设置 question-take-point");
+    let at = bench.rig.snapshot().axes[Axis::X].machine;
+    assert_eq!(bench.rig.snapshot().dressing_point[Axis::X].map(f64::to_bits), Some(at.to_bits()));
+    assert!(bench.rig.retained().dress_points[Axis::X].is_some(), "and it is kept");
+    bench.turn();
+    assert!(bench.shows(&format!("X {at:.3} 按键")), "{:?}", bench.painted());
+}
+
+#[test]
+fn k4_2_an_axis_without_a_place_or_in_a_run_is_not_taken() {
+    let mut bench = bench(Page::Dressing);
+    let take = Command::Page(PageCommand::TakeDressPoint(Axis::X));
+    tell(&mut bench.rig, "mode mdi\nmdi G01 X200 F10\nwait 1 s\nkey feed-hold\nwait 1 s");
+    bench.rig.send(take.clone());
+    bench.turn();
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none(), "a run is open");
+    tell(&mut bench.rig, "key reset\npower cut\nwait 1 s\npower on\nwait 1 s\nmode jog");
+    bench.rig.send(take);
+    bench.turn();
+    assert_eq!(bench.message(), "X 轴未回零，不能设置修整点");
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none());
+}
+
+/// DRESS NOW makes the dressing the next cycle start and moves nothing; behind it the part comes back.
+#[test]
+fn k5_17_the_assistant_leads_to_the_dressing_and_back_to_the_part() {
+    let mut rig = ready();
+    tell(&mut rig, "load O1002\npart assets/parts/O1002.ron");
+    let mut bench = Bench::new(rig, Page::Dressing);
+    bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::P);
+    bench.turn();
+    // Depth 0.005, √(8·0.5·0.005) = 0.1414 mm; 60 mm/min at 1100 rpm is 0.0545 mm: 2.6.
+    assert!(bench.shows("导程 0.055 mm · 重叠 2.6 · 开放，粗磨"), "{:?}", bench.painted());
+    tell(&mut bench.rig, "set #768 = 150");
+    bench.turn();
+    assert!(bench.shows("导程 0.136 mm · 重叠 1.0 · 太快：工件有纹"), "{:?}", bench.painted());
+    bench.touch("O1012 dressing-program-1012");
+    assert_eq!(bench.rig.snapshot().program.number, 1_002, "only its values are shown");
+    bench.touch("O1011 dressing-program-1011");
+    bench.touch("现在修整 dress-now");
+    let snapshot = bench.rig.snapshot();
+    assert_eq!((snapshot.program.number, snapshot.mode), (1_011, Mode::Auto));
+    assert_eq!(snapshot.state, RunState::Idle, "cycle start starts it, nothing else");
+    bench.touch("返回 O1002 back-to-part");
+    assert_eq!(bench.rig.snapshot().program.number, 1_002);
+    bench.turn();
+    assert!(!bench.shows("返回 O1002"), "{:?}", bench.painted());
 }
 
 #[test]

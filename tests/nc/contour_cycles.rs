@@ -111,7 +111,11 @@ fn b2_a_contour_has_no_calls_no_jumps_and_no_other_cycles() {
         "G00 X50. Z2.\nG90 X45. Z-10. F100",
         1,
     );
-    assert_eq!(refused(&modal.replace("G01 Z-10.", "Z-10.")), (5, "contour-code"));
+    assert_eq!(
+        refused(&modal.replace("G01 Z-10.", "Z-10.")),
+        (5, "turning-cycle-word"),
+        "G71 has ended the words of G90"
+    );
     // Feed, speed and jumps within it are the contour's own.
     for inside in ["G96 S30", "G01 X25. F50", "IF[1 EQ 1]GOTO 15\nX99.\nN15 X25.", "#1=5.\nX[20.+#1]"] {
         assert_eq!(faults(&check_with(&contour_with(inside), &[])), [], "{inside}");

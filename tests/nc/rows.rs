@@ -129,6 +129,70 @@ fn b1_block_skip_leaves_out_blocks_with_a_slash_only_when_the_switch_is_set() {
     assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::End));
 }
 
+/// The `/` of a block ends with it: the one behind the `;` has its own, or none.
+#[test]
+fn b1_block_skip_leaves_out_no_block_behind_a_semicolon() {
+    let skipping = |text: &str| {
+        let (mut interpreter, world, mut block) = start(text, NcSettings::lathe_a());
+        let (mut world, mut moves) = (world.with_block_skip(true), Vec::new());
+        while interpreter.next(&mut world, &mut block) != Ok(NextStatus::End) {
+            moves.extend(block.ops.drain(..).map(|op| op.to_string()));
+        }
+        moves
+    };
+    let z3 = ["rapid x=0 y=0 z=3 [Z]"];
+    for text in ["/G0 X2 ; Z3", "/2 X5 (a;b) ; G0 Z3", "/N1 #1=#2 ; G0 Z3 ; / X9", "G0 ; /X2 ; Z3", "/ ; G0 Z3"] {
+        assert_eq!(skipping(text), z3, "{text:?}");
+    }
+    assert_eq!(skipping("/G0 X2 ; text\n/X3 // ; Z3\nG0 Z3"), z3, "comments stay comments");
+}
+
+/// FANUC, single cycles: codes of group 00 end X, Z and R of G90 and G94, G04 and M codes do not.
+#[test]
+fn b2_one_shot_codes_end_the_words_of_a_single_cycle() {
+    let cycle = "G00 X50 Z2\nG90 X40 Z-30 R-2 F200\n";
+    for between in ["G04 P10", "M08", "S900", ""] {
+        assert!(run_with(format!("{cycle}{between}\nX38\nM30"), NcSettings::lathe_a()).is_ok(), "{between}");
+    }
+    for between in ["G50 X40", "G28 U0", "G10 D1 U0.1", "G50 S1000"] {
+        let wrong = refused(&format!("{cycle}{between}\nX38\nM30"));
+        assert!(wrong.contains("Z / W"), "{between}: {wrong}");
+    }
+}
+
+/// 1000 least increments under G20 are 0.1 inch: 2.54 mm.
+#[test]
+fn b2_pecks_under_g20_count_ten_thousandths_of_an_inch() {
+    let at = |text: &str| -> Vec<f64> {
+        let ops = run_with(text, NcSettings::lathe_a()).unwrap();
+        let feeds =
+            ops.into_iter().filter_map(|op| if let Op::Feed { to, .. } = op { Some(to[Axis::Z]) } else { None });
+        feeds.map(|z| (z * 1e6).round() / 1e6).collect()
+    };
+    let groove = "G00 X2. Z0\nG75 R0\nG75 X1.5 Z-0.2 Q1000 F2\nM30";
+    assert_eq!(at(&format!("G20\n{groove}")), [0.0, -2.54, -5.08]);
+    assert_eq!(at("G00 X50 Z0\nG75 R0\nG75 X40 Z-2 Q1000 F50\nM30"), [0.0, -1.0, -2.0]);
+}
+
+#[test]
+fn k4_1_g10_adds_no_more_than_the_wear_of_the_page_holds() {
+    assert!(run_with("G10 D1 U999.999", NcSettings::lathe_a()).is_ok());
+    let wrong = refused("G10 D1 U0.1 W1000");
+    assert!(wrong.contains("W1000") && wrong.contains("999.999"), "{wrong}");
+}
+
+#[test]
+fn b2_a_contour_that_ends_where_it_began_names_its_last_line() {
+    let text = |last: &str| {
+        format!("G00 X50 Z2\nG71 U2 R1\nG71 P10 Q20 U0 W0 F200\nN10 G00 X20\nG01 Z-30\nX50\n{last}\nG70 P10 Q20\nM30")
+    };
+    assert!(run_with(text("N20 X52"), NcSettings::lathe_a()).is_ok());
+    for last in ["N20 G00 Z2", "N20 G00 G40 Z0.1"] {
+        let wrong = refused(&text(last));
+        assert!(wrong.contains("line 7") && wrong.contains("turns back"), "{last}: {wrong}");
+    }
+}
+
 #[test]
 fn b2_g40_is_in_force_already() {
     let moved = ["rapid x=5 y=0 z=0 [X]", "m code=30"];

@@ -39,6 +39,13 @@ impl DressingInput {
     }
 }
 
+/// Why an axis without a place has no dressing point.
+fn not_homed(plant: &Plant, axis: Axis) -> Option<LocalizedText> {
+    (!plant.axes.is_homed(axis)).then(|| {
+        phrase!("{axis} 轴未回零，不能设置修整点", "{axis} is not homed: the dressing point cannot be set", axis)
+    })
+}
+
 impl Manual {
     /// Key X, Y or Z in JOG mode, view 相对 of the position page: asks whether to set the dressing point here.
     pub fn ask_dress_point(&mut self, plant: &mut Plant, coordinates: CoordinateView, axis: Axis) {
@@ -56,14 +63,8 @@ impl Manual {
                 "{why}: dressing points are set in JOG, position page RELATIVE (row 1 F1)",
                 why
             ))
-        } else if !plant.axes.is_homed(axis) {
-            Some(phrase!(
-                "{axis} 轴未回零，不能设置修整点",
-                "{axis} is not homed: the dressing point cannot be set",
-                axis
-            ))
         } else {
-            None
+            not_homed(plant, axis)
         };
         self.dressing.awaiting_answer = refusal.is_none().then_some(axis);
         match refusal {
@@ -84,6 +85,23 @@ impl Manual {
         if !plant.axes.is_at_rest() {
             return plant.refuse(STILL_MOVING); // the question stays
         }
+        self.store_dress_point(plant, axis);
+    }
+
+    /// The key of the dressing page, which has asked: the same in JOG, without the position page.
+    pub fn take_dress_point(&mut self, plant: &mut Plant, axis: Axis) {
+        if plant.operator.mode != Mode::Manual {
+            plant.refuse(phrase!("修整点在手动方式下设置", "dressing points are set in JOG"));
+        } else if let Some(message) = not_homed(plant, axis) {
+            plant.refuse(message);
+        } else if !plant.axes.is_at_rest() {
+            plant.refuse(STILL_MOVING);
+        } else {
+            self.store_dress_point(plant, axis);
+        }
+    }
+
+    fn store_dress_point(&mut self, plant: &mut Plant, axis: Axis) {
         self.dressing.awaiting_answer = None;
         let at = plant.axes.actual()[axis];
         plant.work.dress_points[axis] = Some(at);

@@ -2,6 +2,7 @@
 //! Source: spec K7.2–K7.5, H6, H8; seed 000.
 
 mod dressing_line;
+pub use dressing_line::ActingPoint;
 mod part_card;
 mod picture_column;
 mod picture_labels;
@@ -399,7 +400,7 @@ fn draw_input_line(rect: Rect, view: &View<'_>, entry: &VariableEntry, text: &Pa
     let ink = input_line::typed_text(view, left, &format!("{}=", view.variable_name(row.variable)), &entry.editor);
     let refusal = entry.editor.refusal(view.lang).map(|reason| (reason.into_owned(), None));
     let (told, told_ink) = refusal.unwrap_or_else(|| {
-        let note = dressing_line::ActingPoint::of(view.snapshot, text, row).and_then(|point| point.note(view, row));
+        let note = ActingPoint::of(view.snapshot, text, row).and_then(|point| point.note(view, row));
         if let Some(note) = note.filter(|_| !view.snapshot.values_locked()) {
             return (note, None);
         }

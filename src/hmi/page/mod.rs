@@ -204,7 +204,7 @@ page_rows! {
     Position => position::PositionPage, shows Scene StartGuide;
     Panel => position::PositionPage, shows Scene StartGuide;
     Grinding => grinding::GrindingPage, shows Variables PartResult DressingPoint Scene StartGuide;
-    Dressing => dressing::DressingPage, shows Offsets DressingPoint Scene;
+    Dressing => dressing::DressingPage, shows Offsets Variables DressingPoint Scene StartGuide;
     Program => program::ProgramPage, shows Restart;
     Designer => designer::DesignerPage, shows Variables;
     Mdi => mdi::MdiPage, shows Mdi;

@@ -243,10 +243,12 @@ fn banner(rect: Rect, view: &View<'_>) {
     let (top, below) = inside.split_top_bottom_at_fraction(0.5);
     let words = view.text("已换砂轮，尚未修整：不能循环启动", "wheel changed and not dressed: no cycle start");
     view.fit_left(top, words, theme::TITLE, view.theme.hold);
-    let (first, last) = (params.get(param::DRESSING_PROGRAM_FIRST), params.get(param::DRESSING_PROGRAM_LAST));
+    let numbers = view.snapshot.dressing_programs();
     let words = format!(
-        "{} O{first:04.0}–O{last:04.0} {}",
+        "{} O{:04}–O{:04} {}",
         view.text("先重设修整点，再把修整程序", "set the dressing point again, then run"),
+        numbers.start(),
+        numbers.end(),
         view.text("运行到 M30 (P91 P92)", "to its M30 (P91, P92)"),
     );
     view.fit_left(below, &words, theme::LABEL, view.theme.text);

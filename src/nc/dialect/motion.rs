@@ -147,7 +147,7 @@ fn arc_move(running: &BlockContext<'_, '_>, syntax: &MoveSyntax, target: MoveTar
             if radius <= f64::EPSILON {
                 return fail1(first_offset(running, syntax), E::ArcRadius, "0");
             }
-            if miss > running.settings.arc_tolerance_mm {
+            if miss > running.settings.arc_tolerance_mm + MIN_LENGTH_MM {
                 return fail1(first_offset(running, syntax), E::ArcEndOffCircle, format_args!("{miss:.3}"));
             }
             center

@@ -88,8 +88,8 @@ impl ActingPoint {
         }
     }
 
-    /// `X -320.050 数值 (-0.050)`
-    fn words(self, view: &View<'_>) -> String {
+    /// `X -320.050 by value (-0.050)`
+    pub fn words(self, view: &View<'_>) -> String {
         let point = view.length(self.position);
         let source = match self.source {
             PointSource::Key => view.text("按键", "by key").to_owned(),

@@ -5,6 +5,7 @@ use crate::defs::gcode::{Availability, GCode, GCodeGroup};
 use crate::nc::dialect::codes::BlockCodes;
 use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail, fail1, fail2};
+use crate::nc::modal::CycleWords;
 use crate::nc::words::{BlockWords, Code};
 use crate::nc::work_offsets::{EXTRA_G, EXTRA_WORK_OFFSETS};
 
@@ -51,6 +52,10 @@ pub(super) fn read_g_codes(running: &mut BlockContext<'_, '_>) -> ReadResult<Blo
             Some(motion) if motion.number > 3 => return refuse_duplicate(motion, code),
             Some(_) => {}
         }
+    }
+    // FANUC: codes of group 00 other than G04 end the words of the single cycles G90, G92 and G94.
+    if !mill && plan.one_shot.is_some_and(|code| code.number != 4) {
+        running.modals.cycle = CycleWords::default();
     }
     Ok(plan)
 }

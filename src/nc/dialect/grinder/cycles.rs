@@ -13,7 +13,7 @@ use crate::nc::dialect::rules::BlockContext;
 use crate::nc::fault::{E, ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{Code, ValueKind, Word};
-use crate::units::{Axis, PerAxis, WorkPos};
+use crate::units::{Axis, MM_PER_INCH, PerAxis, WorkPos};
 
 /// Most passes of G73.
 const MAX_PASSES: u32 = 1_000;
@@ -21,6 +21,8 @@ const MAX_PASSES: u32 = 1_000;
 const MAX_PECKS: usize = 5_000;
 /// Unit of P and Q of G74 and G75 without a decimal point, mm.
 const INCREMENT_MM: f64 = 0.001;
+/// The same under G20, inches.
+const INCREMENT_INCH: f64 = 0.0001;
 /// Shorter distances count as zero, mm.
 const MIN_LENGTH_MM: f64 = 1e-7;
 
@@ -293,9 +295,10 @@ fn positions_in_steps(from: f64, to: f64, by: Option<f64>) -> Vec<f64> {
     all
 }
 
-/// P and Q: least increments without a decimal point, millimetres with one; radius, greater than zero.
+/// P and Q: least increments without a decimal point, millimetres or inches with one; radius, greater than zero.
 fn increment_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let value = match word.kind {
+        ValueKind::Integer if running.modals.inch => word.value * INCREMENT_INCH * MM_PER_INCH,
         ValueKind::Integer => word.value * INCREMENT_MM,
         ValueKind::Decimal | ValueKind::Null | ValueKind::AddressOnly => length_mm(running, word)?,
     };
