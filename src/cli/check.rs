@@ -389,7 +389,7 @@ impl<'a> FileCheck<'a> {
         // An endless loop runs into the limits; only the endless loop is reported.
         let limits = limits.filter(|_| checked.repeated_blocks.is_empty());
         let beyond = limits.map(SoftLimitCheck::into_violations).unwrap_or_default();
-        let [refused, limited] = interlocks.into_findings(checked.finished);
+        let [refused, limited] = interlocks.into_findings(checked.finished && !checked.begins_anew);
         let foreseen = refused.into_iter().chain(beyond).map(|foreseen| self.refusal_error(&foreseen));
         let mut move_errors: Vec<_> = passed.into_iter().chain(foreseen).collect();
         move_errors.sort_by_key(|wrong| wrong.line);

@@ -2,9 +2,10 @@
 //! machine whose units respond at once. Also checked: missing ports and moves of an oscillating axis.
 //! Source: spec K3 (the checker reads the table), K4.3, B3, B4, T4.
 
-use super::plant::offset_in_range;
 use super::plant::system_variables::offset_part_of_variable;
 use super::plant::wheel_size::{rated_wheel_rpm, wheel_rpm_of};
+use super::plant::{displayed_per_mm, offset_in_range};
+use super::program::move_refusal::MoveRefusal;
 use super::program::queue::MCall;
 use crate::defs::alarm;
 use crate::defs::equipment::Equipment;
@@ -15,13 +16,14 @@ use crate::defs::signal::{Input, InputSet, Output};
 use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Template, phrase};
+use crate::link::edit::OffsetPart;
 use crate::machine::interlock::RuleOutcome;
 use crate::machine::{ControlState, Machine};
 use crate::nc::{
     AxisSet, Block, BlockLocation, CoordinateChange, CutterRangeError, Feed, Op, OpEffect, OscillationChange,
     SpeedMode, WorkOffsets,
 };
-use crate::units::{Axis, Micros};
+use crate::units::{Axis, Micros, PerAxis};
 
 /// Longer than the response time of any unit.
 const SETTLE_TIME: Micros = Micros::from_millis(600_000);
@@ -42,16 +44,6 @@ const FEEDBACK_INPUTS: [(Input, Output, bool); 7] = [
 ];
 /// Inputs that are active on a machine in order.
 const READY_INPUTS: [Input; 3] = [Input::GuardClosed, Input::CoolantFlow, Input::LubricationLevel];
-
-/// What M30 switches off.
-const ENDED_BY_M30: [Output; 6] = [
-    Output::Wheel,
-    Output::Coolant,
-    Output::HeadstockHigh,
-    Output::HeadstockLow,
-    Output::TableRotation,
-    Output::DresserRoll,
-];
 
 /// A block that the run would refuse, or carry out otherwise than it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,23 +116,30 @@ impl<'a> InterlockCheck<'a> {
     }
 
     /// The refusals, and the blocks that are carried out otherwise than written, both in program order. `is_complete`: the
-    /// program was followed to its end.
+    /// program was followed to the end of its text.
     #[must_use]
     pub fn into_findings(mut self, is_complete: bool) -> [Vec<PredictedRefusal>; 2] {
-        if let Some((at, text)) = self.end_warning().filter(|_| is_complete) {
-            add(&mut self.warnings, at, text);
+        if is_complete {
+            let warning = self.end_warning();
+            self.warnings.extend(warning);
         }
         [self.refusals, self.warnings]
     }
 
     /// A text that ends without M30 leaves on what M30 switches off.
-    fn end_warning(&self) -> Option<(BlockLocation, LocalizedText)> {
+    fn end_warning(&mut self) -> Option<PredictedRefusal> {
         let at = self.last.filter(|_| !self.has_ended)?;
         let on = self.machine.outputs(self.params);
-        let output = ENDED_BY_M30.into_iter().find(|output| on.has(*output))?;
-        let text =
-            phrase!("程序没有 M30 就结束：{output} 不会关", "the program ends without M30: {output} stays on", output);
-        Some((at, text))
+        self.machine.program_end(self.params);
+        self.settle();
+        let off = self.machine.outputs(self.params);
+        let output = on.iter().find(|output| !off.has(*output))?;
+        let text = phrase!(
+            "程序没有结束代码 (M30 M02)：{output} 不会关",
+            "the program has no end code (M30, M02): {output} stays on",
+            output
+        );
+        Some(PredictedRefusal { at, text })
     }
 
     /// A feed per revolution counts the turns of the workpiece, which the program has not started: said once. The operator
@@ -222,9 +221,17 @@ impl<'a> InterlockCheck<'a> {
                 let set = |axis: &Axis| values[*axis].is_some();
                 self.oscillating.filter(set).and_then(|axis| self.oscillating_refusal(axis))
             }
+            OpEffect::Coordinates(CoordinateChange::AddWear { by, .. }) => self.check_wear(&by),
             OpEffect::Coordinates(_) | OpEffect::PathMode(_) | OpEffect::Dwell(_) => None,
             OpEffect::Variable(..) | OpEffect::Message(_) => None,
         }
+    }
+
+    /// K4.1: one G10 adds no more than an offset may hold; what it holds is known in the run only.
+    fn check_wear(&self, by: &PerAxis<f64>) -> Option<LocalizedText> {
+        let shown = |axis: Axis| by[axis] * displayed_per_mm(self.params, axis);
+        let axis = Axis::ALL.into_iter().find(|axis| !offset_in_range(OffsetPart::Wear, shown(*axis)))?;
+        Some(with_alarm(alarm::OFFSET_RANGE, MoveRefusal::WearOutOfRange(axis, by[axis]).text(self.params)))
     }
 
     fn check_axes(&self, words: AxisSet) -> Option<LocalizedText> {

@@ -46,7 +46,7 @@ pub enum PageMeaning {
     HeadstockSpeed,
     /// 修整点 X: the dressing point of an axis by value; for a new wheel on the wheel axis.
     DressingPoint(Axis),
-    /// 精修量, 每层修整量: depth of the last pass of a dressing.
+    /// 精修量: depth of the last pass of a dressing.
     DressingDepth,
     /// 精修速度, 修整速度: traverse feed of the last pass of a dressing.
     DressingFeed,
@@ -55,7 +55,7 @@ pub enum PageMeaning {
 }
 
 /// The words of a label and what they mean.
-const WORDS: [(&str, PageMeaning); 19] = [
+const WORDS: [(&str, PageMeaning); 18] = [
     ("成品直径", PageMeaning::Nominal(SizeKind::Diameter)),
     ("成品高度", PageMeaning::Nominal(SizeKind::Height)),
     ("成品长度", PageMeaning::Nominal(SizeKind::Length)),
@@ -65,7 +65,6 @@ const WORDS: [(&str, PageMeaning); 19] = [
     ("修整间隔", PageMeaning::DressingInterval),
     ("累计修整量", PageMeaning::DressedAmount),
     ("精修量", PageMeaning::DressingDepth),
-    ("每层修整量", PageMeaning::DressingDepth),
     ("精修速度", PageMeaning::DressingFeed),
     ("修整速度", PageMeaning::DressingFeed),
     ("毛坯直径", PageMeaning::BlankDiameter),

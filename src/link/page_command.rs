@@ -153,8 +153,9 @@ pub enum PageCommand {
     SetBrightness(u8),
     /// Selects the RS232 port, from now on.
     SetSerialPort(String),
-    /// The present machine coordinate of an axis is its dressing point (K4.2); the page has asked.
-    TakeDressPoint(Axis),
+    /// The present machine coordinate of an axis is its dressing point (K4.2). The page has asked, with this coordinate as
+    /// displayed; an axis that has moved since is refused.
+    TakeDressPoint(Axis, f64),
     /// Removes the dressing points (K4.2).
     ClearDressPoints,
     /// Sets date and time of day.

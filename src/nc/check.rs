@@ -55,6 +55,8 @@ pub struct CheckReport {
     pub repeated_blocks: Vec<Range<u64>>,
     /// The run reached its end (or its M99) without leaving an endless loop.
     pub finished: bool,
+    /// It did, by an M99 that begins the main program anew.
+    pub begins_anew: bool,
     /// The programs that it calls, in the order of the first calls.
     pub called: Vec<u32>,
 }
@@ -500,6 +502,7 @@ impl ProgramCheck {
     /// Ends the run; the lines that were not executed are read next.
     fn finish_run(&mut self, finished: bool) -> bool {
         self.report.finished = finished && !self.incomplete;
+        self.report.begins_anew = self.interpreter.has_restarted();
         (self.run_over, self.place) = (true, TextLine::default());
         let source = Arc::clone(&self.source);
         unexecuted_lines::check_whole_text(&source, &self.settings).for_each(|fault| self.add_fault(fault));

@@ -73,7 +73,7 @@ impl RoughingCycle {
         let (Some(last), at) = (rest.last(), first.to) else { return Err((E::ContourEmpty, None)) };
         let way = |from: f64, to: f64| if (to - from).abs() > MIN_LENGTH_MM { (to - from).signum() } else { 0.0 };
         let along = way(at[b], last.to[b]);
-        // A last block that leads back to where the contour begins is no part of it.
+        // A last block that leads back to where the contour begins turns back along the strokes.
         let far = rest
             .iter()
             .map(|segment| segment.to[b])

@@ -687,8 +687,11 @@ fn t4_k4_4_offsets_and_origins_that_a_run_would_refuse_are_named() {
 fn b2_a_text_that_ends_without_m30_leaves_on_what_it_has_switched_on() {
     let words = &["--lang", "en"];
     let told = |text: &str| warned(&check("gc", "O0002.NC", text, words));
-    assert!(told("G54 G00 X10\nM08\nX20\n").contains("the program ends without M30: coolant stays on"));
-    for quiet in ["G54 G00 X10\nM08\nX20\nM30\n", "G54 G00 X10\nM08\nM09\n", "G54 G00 X10\n"] {
+    let told_of = |text: &str| told(text).contains("the program has no end code (M30, M02): coolant stays on");
+    assert!(told_of("G54 G00 X10\nM08\nX20\n"));
+    // An endless program and a subprogram have their M99.
+    for quiet in ["G54 G00 X10\nM08\nX20\nM30\n", "G54 G00 X10\nM08\nM09\n", "G54 G00 X10\n", "G54 G00 X10\nM08\nM99\n"]
+    {
         assert_eq!(told(quiet), "", "{quiet}");
     }
 }
@@ -711,4 +714,16 @@ fn b1_a_list_of_mistakes_that_is_cut_says_so() {
     assert!(said(&out).contains("the others are not listed"));
     assert!(!said(&check("gc", "O0003.NC", &text(900), &["--lang", "en"])).contains("not listed"));
     assert_eq!(json("gc", "O0003.NC", &text(1_100))["truncated"], serde_json::json!(true));
+}
+
+/// What the run refuses with alarm 204 whatever the offset holds.
+#[test]
+fn k4_1_g10_adds_no_more_than_an_offset_may_hold() {
+    let words = &["--lang", "en"];
+    assert_eq!(check("gc", "O0004.NC", "G10 D1 U999.999 W-1\nM30\n", words).status.code(), Some(0));
+    for text in ["G10 D1 U9999\nM30\n", "G10 D1 U0.1 W-1000\nM30\n"] {
+        let out = check("gc", "O0004.NC", text, words);
+        assert_eq!(out.status.code(), Some(2), "{}", said(&out));
+        assert!(said(&out).contains("alarm 204"), "{}", said(&out));
+    }
 }

@@ -180,13 +180,26 @@ fn k4_2_the_assistant_takes_the_place_of_an_axis_when_asked() {
 #[test]
 fn k4_2_an_axis_without_a_place_or_in_a_run_is_not_taken() {
     let mut bench = bench(Page::Dressing);
-    let take = Command::Page(PageCommand::TakeDressPoint(Axis::X));
+    let take = |bench: &mut Bench| {
+        let at = bench.rig.snapshot().axes[Axis::X].machine;
+        Command::Page(PageCommand::TakeDressPoint(Axis::X, at))
+    };
     tell(&mut bench.rig, "mode mdi\nmdi G01 X200 F10\nwait 1 s\nkey feed-hold\nwait 1 s");
-    bench.rig.send(take.clone());
+    let asked = take(&mut bench);
+    bench.rig.send(asked);
     bench.turn();
     assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none(), "a run is open");
+    // The axis is somewhere else than the question said, by the least step.
+    tell(&mut bench.rig, "key reset\nmode jog");
+    let asked = take(&mut bench);
+    tell(&mut bench.rig, "handwheel X 1 x0.001\nwait 1 s\nmode jog");
+    bench.rig.send(asked);
+    bench.turn();
+    assert_eq!(bench.message(), "X 轴已移动：再按一次取此处");
+    assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none());
     tell(&mut bench.rig, "key reset\npower cut\nwait 1 s\npower on\nwait 1 s\nmode jog");
-    bench.rig.send(take);
+    let asked = take(&mut bench);
+    bench.rig.send(asked);
     bench.turn();
     assert_eq!(bench.message(), "X 轴未回零，不能设置修整点");
     assert!(bench.rig.snapshot().dressing_point[Axis::X].is_none());
@@ -201,10 +214,10 @@ fn k5_17_the_assistant_leads_to_the_dressing_and_back_to_the_part() {
     bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::P);
     bench.turn();
     // Depth 0.005, √(8·0.5·0.005) = 0.1414 mm; 60 mm/min at 1100 rpm is 0.0545 mm: 2.6.
-    assert!(bench.shows("导程 0.055 mm · 重叠 2.6 · 开放，粗磨"), "{:?}", bench.painted());
+    assert!(bench.shows("导程 0.055 mm · 1100 r/min") && bench.shows("重叠 2.6 · 开放，粗磨"), "{:?}", bench.painted());
     tell(&mut bench.rig, "set #768 = 150");
     bench.turn();
-    assert!(bench.shows("导程 0.136 mm · 重叠 1.0 · 太快：工件有纹"), "{:?}", bench.painted());
+    assert!(bench.shows("导程 0.136 mm") && bench.shows("重叠 1.0 · 太快：工件有纹"), "{:?}", bench.painted());
     bench.touch("O1012 dressing-program-1012");
     assert_eq!(bench.rig.snapshot().program.number, 1_002, "only its values are shown");
     bench.touch("O1011 dressing-program-1011");
@@ -216,6 +229,24 @@ fn k5_17_the_assistant_leads_to_the_dressing_and_back_to_the_part() {
     assert_eq!(bench.rig.snapshot().program.number, 1_002);
     bench.turn();
     assert!(!bench.shows("返回 O1002"), "{:?}", bench.painted());
+}
+
+/// A held part: the dressing is not loaded, and the mode stays, so that cycle start goes on with nothing but the part.
+#[test]
+fn k5_17_the_assistant_loads_nothing_in_an_open_run() {
+    let mut rig = ready();
+    tell(
+        &mut rig,
+        "load O1002\npart assets/parts/O1002.ron\nmode auto\nkey cycle-start\nwait 6 s\nkey feed-hold\nwait 1 s\nexpect state held",
+    );
+    let mut bench = Bench::new(rig, Page::Dressing);
+    bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::P);
+    bench.turn();
+    tell(&mut bench.rig, "mode handwheel");
+    bench.touch("现在修整 dress-now");
+    let snapshot = bench.rig.snapshot();
+    assert_eq!((snapshot.program.number, snapshot.mode), (1_002, Mode::Handwheel));
+    assert!(snapshot.program.is_open, "the part can go on");
 }
 
 #[test]

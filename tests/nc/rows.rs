@@ -175,13 +175,6 @@ fn b2_pecks_under_g20_count_ten_thousandths_of_an_inch() {
 }
 
 #[test]
-fn k4_1_g10_adds_no_more_than_the_wear_of_the_page_holds() {
-    assert!(run_with("G10 D1 U999.999", NcSettings::lathe_a()).is_ok());
-    let wrong = refused("G10 D1 U0.1 W1000");
-    assert!(wrong.contains("W1000") && wrong.contains("999.999"), "{wrong}");
-}
-
-#[test]
 fn b2_a_contour_that_ends_where_it_began_names_its_last_line() {
     let text = |last: &str| {
         format!("G00 X50 Z2\nG71 U2 R1\nG71 P10 Q20 U0 W0 F200\nN10 G00 X20\nG01 Z-30\nX50\n{last}\nG70 P10 Q20\nM30")

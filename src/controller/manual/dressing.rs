@@ -39,6 +39,9 @@ impl DressingInput {
     }
 }
 
+/// A coordinate as displayed that differs by less is the same: half an increment, mm.
+const SAME_PLACE: f64 = 0.000_5;
+
 /// Why an axis without a place has no dressing point.
 fn not_homed(plant: &Plant, axis: Axis) -> Option<LocalizedText> {
     (!plant.axes.is_homed(axis)).then(|| {
@@ -88,14 +91,21 @@ impl Manual {
         self.store_dress_point(plant, axis);
     }
 
-    /// The key of the dressing page, which has asked: the same in JOG, without the position page.
-    pub fn take_dress_point(&mut self, plant: &mut Plant, axis: Axis) {
+    /// The key of the dressing page, which has asked with the coordinate `shown`: the same in JOG, without the position page.
+    pub fn take_dress_point(&mut self, plant: &mut Plant, axis: Axis, shown: f64) {
+        let moved = plant.axes.actual()[axis] * plant.displayed_per_mm(axis) - shown;
         if plant.operator.mode != Mode::Manual {
             plant.refuse(phrase!("修整点在手动方式下设置", "dressing points are set in JOG"));
         } else if let Some(message) = not_homed(plant, axis) {
             plant.refuse(message);
         } else if !plant.axes.is_at_rest() {
             plant.refuse(STILL_MOVING);
+        } else if moved.abs() > SAME_PLACE {
+            plant.refuse(phrase!(
+                "{axis} 轴已移动：再按一次取此处",
+                "{axis} has moved since: take the point again",
+                axis
+            ));
         } else {
             self.store_dress_point(plant, axis);
         }

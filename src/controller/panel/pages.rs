@@ -87,10 +87,10 @@ impl Panel {
             }
             PageCommand::SetSerialPort(port) => save(SettingsRequest::SaveSerialPort(port.clone())),
             PageCommand::SetDate(wanted) => self.set_date(parts, *wanted),
-            PageCommand::TakeDressPoint(_) | PageCommand::ClearDressPoints if parts.program.is_open() => {
+            PageCommand::TakeDressPoint(..) | PageCommand::ClearDressPoints if parts.program.is_open() => {
                 parts.plant.refuse(NOT_IN_RUN)
             }
-            PageCommand::TakeDressPoint(axis) => parts.manual.take_dress_point(parts.plant, *axis),
+            PageCommand::TakeDressPoint(axis, shown) => parts.manual.take_dress_point(parts.plant, *axis, *shown),
             PageCommand::ClearDressPoints => parts.manual.clear_dress_points(parts.plant),
             PageCommand::File(ticket, request) => self.handle_file_request(parts, *ticket, request),
             PageCommand::StorageAnswered(answer) => self.handle_page_answer(parts, answer),

@@ -169,6 +169,7 @@ fn say(view: &View<'_>, rect: Rect, shown: Option<StartStep>) {
         (StepState::Missing, Some(StepAction::Open(_, Some(variable)))) => {
             format!("{} {}", view.text("修改", "change"), view.variable_name(variable))
         }
+        (StepState::Missing, Some(StepAction::Open(page, None))) if page == view.snapshot.page => String::new(),
         (StepState::Missing, Some(StepAction::Open(page, None))) => {
             format!("{} {}", view.text("打开", "open"), page.title().get(lang))
         }

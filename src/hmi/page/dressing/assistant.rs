@@ -2,7 +2,7 @@
 //! the dressing the next cycle start. It moves nothing itself.
 //! Source: spec K4.2, K5.17, K7.6; issue "the face", part 6.
 
-use egui::{Rect, vec2};
+use egui::{Color32, Rect, vec2};
 
 use crate::defs::page::Page;
 use crate::defs::page_meaning::PageMeaning;
@@ -15,7 +15,7 @@ use crate::hmi::{Area, PageKey, View, format_length, theme};
 use crate::link::snapshot::DirectoryRow;
 use crate::link::{Command, Snapshot};
 use crate::technology::{DressedWheel, effective_width_mm};
-use crate::units::Axis;
+use crate::units::{Axis, Micros};
 
 /// Height of a heading and of a line.
 const HEADING_HEIGHT: f32 = 24.0;
@@ -26,9 +26,11 @@ const LEAST_LINE_HEIGHT: f32 = 18.0;
 const TAKE_WIDTH: f32 = 96.0;
 /// Height of the key that selects the dressing.
 const DRESS_HEIGHT: f32 = 52.0;
+/// How long a program may take to be loaded.
+const LOADING_TIME: Micros = Micros::from_millis(2_000);
 /// Most dressing programs that have a key.
 const MOST_PROGRAMS: usize = 3;
-/// Feed of a lead, mm per turn, is shown with so many decimals.
+/// Decimals of a lead, mm per turn.
 const LEAD_DECIMALS: usize = 3;
 
 /// What the operator chose here.
@@ -39,13 +41,15 @@ pub struct DressingAssistant {
     chosen: Option<u32>,
     /// The program that was loaded before the dressing.
     before: Option<u32>,
+    /// The dressing program that is being loaded, and since when; AUTO follows once it is.
+    loading: Option<(u32, Micros)>,
 }
 
 /// The dressing programs of the machine (P91, P92), in the order of their numbers.
 fn programs(snapshot: &Snapshot) -> impl Iterator<Item = &DirectoryRow> {
     let numbers = snapshot.dressing_programs();
     let rows = snapshot.directory.iter().filter(move |row| numbers.contains(&row.number));
-    rows.filter(|row| row.is_for(snapshot.kind)).take(MOST_PROGRAMS)
+    rows.filter(|row| row.is_for(snapshot.kind))
 }
 
 impl DressingAssistant {
@@ -60,6 +64,7 @@ impl DressingAssistant {
     pub fn ui(&mut self, rect: Rect, ctx: &mut PageContext<'_>) -> Option<Axis> {
         let view = ctx.view;
         self.focus.begin_frame(&ctx.typed.edits);
+        self.follow_loading(view.snapshot, ctx.out);
         let program = self.program(view.snapshot);
         let text = program.and_then(|number| view.snapshot.screens.find(number)?.text.as_deref().ok());
         let points = HEADING_HEIGHT + view.axes().count() as f32 * (KEYS_HEIGHT + theme::GAP);
@@ -75,6 +80,20 @@ impl DressingAssistant {
         wanted
     }
 
+    /// AUTO once the dressing program is loaded, and only then: a load that is refused leaves the mode as it is.
+    fn follow_loading(&mut self, snapshot: &Snapshot, out: &mut Vec<Command>) {
+        let loaded = snapshot.program.number;
+        self.loading = self.loading.filter(|(_, since)| snapshot.now.since(*since) < LOADING_TIME);
+        if self.loading.is_some_and(|(number, _)| number == loaded) && !snapshot.program.is_open {
+            self.loading = None;
+            out.extend([Command::Press(Key::ModeAuto), Command::Release(Key::ModeAuto)]);
+        }
+        // Another part was loaded since.
+        if self.loading.is_none() && !snapshot.dressing_programs().contains(&loaded) {
+            self.before = None;
+        }
+    }
+
     /// The point of each axis as the dressing will use it, and the key that takes the present place.
     fn points(&mut self, rect: Rect, view: &View<'_>, text: Option<&PageText>) -> Option<Axis> {
         let (head, rest) = rect.split_top(HEADING_HEIGHT);
@@ -83,10 +102,7 @@ impl DressingAssistant {
         for (index, axis) in view.axes().enumerate() {
             let row = rest.band(index as f32 * (KEYS_HEIGHT + theme::GAP), KEYS_HEIGHT);
             let (words, key) = row.split_right(TAKE_WIDTH);
-            let (told, ink) = match point_words(view, text, axis) {
-                Some(words) => (words, view.theme.text),
-                None => (format!("{axis} {}", view.text("未设置", "not set")), view.theme.hold),
-            };
+            let (told, ink) = point_words(view, text, axis);
             view.fit_left(words.trim_right(theme::GAP), &told, theme::TITLE, ink);
             let label = format!("{} {axis}", view.text("取此处", "TAKE"));
             if self.focus.button(view, key, PageKey::new(&format!("take-point-{axis}"), &label)) {
@@ -108,8 +124,11 @@ impl DressingAssistant {
         }
         let title = rows.iter().find(|row| Some(row.number) == shown).map(|row| row.comment_in(view.lang).to_owned());
         heading(head, view, title.as_deref().unwrap_or_default());
-        for (index, of) in rows.iter().enumerate() {
-            let (place, name) = (row.cell(index, rows.len()), format!("dressing-program-{}", of.number));
+        let at = rows.iter().position(|row| Some(row.number) == shown).unwrap_or(0);
+        let keys = rows.get((at + 1).saturating_sub(MOST_PROGRAMS)..).unwrap_or_default();
+        let count = keys.len().min(MOST_PROGRAMS);
+        for (index, of) in keys.iter().take(count).enumerate() {
+            let (place, name) = (row.cell(index, count), format!("dressing-program-{}", of.number));
             let key = PageKey::new(&name, &of.name).on(Some(of.number) == shown);
             if self.focus.button(view, place, key) {
                 self.chosen = Some(of.number);
@@ -128,17 +147,19 @@ impl DressingAssistant {
         if let Some(number) = program {
             let label = view.text("现在修整", "DRESS NOW");
             if self.focus.button(view, left, PageKey::new("dress-now", label).locked(run_open)) {
-                if number != loaded {
-                    self.before = Some(loaded).filter(|loaded| *loaded != 0 && !numbers.contains(loaded));
-                    out.push(Command::LoadProgram(number));
+                // In a run the control refuses it, and says why. Loaded again, it starts at its beginning.
+                out.push(Command::LoadProgram(number));
+                if !run_open {
+                    self.before =
+                        Some(loaded).filter(|loaded| *loaded != 0 && !numbers.contains(loaded)).or(self.before);
+                    self.loading = Some((number, view.snapshot.now));
                 }
-                out.extend([Command::Press(Key::ModeAuto), Command::Release(Key::ModeAuto)]);
             }
         }
         let Some(before) = back else { return };
         let label = format!("{} {}", view.text("返回", "BACK TO"), program_number::name_of(before));
         if self.focus.button(view, right, PageKey::new("back-to-part", &label).locked(run_open)) {
-            (self.before, self.chosen) = (None, None);
+            self.chosen = None;
             out.push(Command::LoadProgram(before));
         }
     }
@@ -148,17 +169,22 @@ fn heading(rect: Rect, view: &View<'_>, words: &str) {
     view.fit_left(rect, words, theme::LABEL, view.theme.muted);
 }
 
-/// `X -320.050 by key`: as the page of the program has it; where it has none, the point set by key.
-fn point_words(view: &View<'_>, text: Option<&PageText>, axis: Axis) -> Option<String> {
-    let of_page = text.and_then(|text| {
+/// `X -320.050 by key`: as the page of the program has it; where it has none, the point set by key. In amber if the program
+/// needs a point that is missing or refused.
+fn point_words(view: &View<'_>, text: Option<&PageText>, axis: Axis) -> (String, Color32) {
+    let row = text.and_then(|text| {
         let row = text.rows().find(|row| row.meaning() == Some(PageMeaning::DressingPoint(axis)))?;
-        ActingPoint::of(view.snapshot, text, row)
+        Some((text, row))
     });
-    let by_key = || {
-        let point = view.snapshot.dressing_point[axis]?;
-        Some(format!("{axis} {} {}", view.length(point), view.text("按键", "by key")))
-    };
-    of_page.map(|point| point.words(view)).or_else(by_key)
+    let (point, theme) = (row.and_then(|(text, row)| ActingPoint::of(view.snapshot, text, row)), view.theme);
+    match (point, view.snapshot.dressing_point[axis]) {
+        (Some(point), _) => (point.words(view), if point.is_refused() { theme.hold } else { theme.text }),
+        (None, Some(at)) => (format!("{axis} {} {}", view.length(at), view.text("按键", "by key")), theme.text),
+        (None, None) => {
+            let ink = if row.is_some() || text.is_none() { theme.hold } else { theme.muted };
+            (format!("{axis} {}", view.text("未设置", "not set")), ink)
+        }
+    }
 }
 
 /// The values of the dressing program, as many as fit, and below them what the wheel will be like. A touch of a value opens
@@ -198,19 +224,22 @@ fn value_line(rect: Rect, view: &View<'_>, row: &PageTextRow) {
 }
 
 /// Lead and overlap of a diamond, and how much the wheel has been used.
-fn notes(view: &View<'_>, text: &PageText) -> Vec<(String, egui::Color32)> {
+fn notes(view: &View<'_>, text: &PageText) -> Vec<(String, Color32)> {
     let params = &view.snapshot.params;
     let mut notes = Vec::new();
-    if let Some((lead_mm, overlap)) = lead_and_overlap(view.snapshot, text) {
+    let turning = view.snapshot.wheel_rpm;
+    let usual = params.get(param::WHEEL_RPM).min(params.get(param::WHEEL_RPM_MAX));
+    let rpm = if turning > 0.0 { turning } else { usual };
+    if let Some((lead_mm, overlap)) = lead_and_overlap(view.snapshot, text, rpm) {
         let (words, ink) = match DressedWheel::of_overlap(overlap) {
             DressedWheel::Threaded => (view.text("太快：工件有纹", "too fast: marks"), view.theme.hold),
             DressedWheel::Open => (view.text("开放，粗磨", "open, for roughing"), view.theme.text),
             DressedWheel::Fine => (view.text("细，精磨", "fine, for finishing"), view.theme.text),
             DressedWheel::Dull => (view.text("太慢：砂轮钝", "too slow: dull"), view.theme.hold),
         };
-        let lead = format_length(lead_mm, LEAD_DECIMALS);
-        let named = view.text("导程", "lead");
-        notes.push((format!("{named} {lead} mm · {} {overlap:.1} · {words}", view.text("重叠", "overlap")), ink));
+        let (lead, named) = (format_length(lead_mm, LEAD_DECIMALS), view.text("导程", "lead"));
+        notes.push((format!("{named} {lead} mm · {rpm:.0} r/min"), view.theme.text));
+        notes.push((format!("{} {overlap:.1} · {words}", view.text("重叠", "overlap")), ink));
     }
     let since = params.get(param::PARTS_SINCE_DRESSING);
     let undressed = params.bit(param::WHEEL_UNDRESSED);
@@ -230,9 +259,9 @@ fn notes(view: &View<'_>, text: &PageText) -> Vec<(String, egui::Color32)> {
     notes
 }
 
-/// Lead, mm a turn of the wheel, and overlap ratio of the last pass; none where the program does not tell both feed and
-/// depth, as for a dressing roll.
-fn lead_and_overlap(snapshot: &Snapshot, text: &PageText) -> Option<(f64, f64)> {
+/// Lead, mm a turn of the wheel, and overlap ratio of the last pass at a speed of the wheel; none where the program does
+/// not tell both feed and depth, as for a dressing roll.
+fn lead_and_overlap(snapshot: &Snapshot, text: &PageText, rpm: f64) -> Option<(f64, f64)> {
     let row = |meaning: PageMeaning| {
         let variable = text.variable(|of| of == meaning)?;
         text.rows().find(|row| row.variable == variable)
@@ -241,7 +270,11 @@ fn lead_and_overlap(snapshot: &Snapshot, text: &PageText) -> Option<(f64, f64)> 
     let (depth, feed) = (row(PageMeaning::DressingDepth)?, row(PageMeaning::DressingFeed)?);
     // A depth on the diameter takes half of it off the radius.
     let depth_mm = value(depth)? * if depth.label.contains("直径") { 0.5 } else { 1.0 };
-    let lead_mm = value(feed)? / snapshot.params.get(param::WHEEL_RPM);
+    let lead_mm = match feed.unit()?.en {
+        "mm/min" => value(feed)? / rpm,
+        "mm/r" => value(feed)?,
+        _ => return None,
+    };
     let usable = lead_mm.is_finite() && lead_mm > 0.0 && depth_mm > 0.0;
     usable.then(|| (lead_mm, effective_width_mm(depth_mm) / lead_mm))
 }

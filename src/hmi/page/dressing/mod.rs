@@ -46,7 +46,7 @@ const TABS: [DressingTab; 2] = [DressingTab::Wear, DressingTab::Assistant];
 #[derive(Clone, Copy, Debug)]
 enum PointChange {
     Clear,
-    Take(Axis),
+    Take(Axis, f64),
 }
 
 /// State of the page.
@@ -81,7 +81,7 @@ impl PageUi for DressingPage {
         self.body(PageContext { typed, login, hand_over, out: &mut *out, ..ctx });
         let command = match self.question.ui(rect, view, edits) {
             Some((PointChange::Clear, Some(_))) => PageCommand::ClearDressPoints,
-            Some((PointChange::Take(axis), Some(_))) => PageCommand::TakeDressPoint(axis),
+            Some((PointChange::Take(axis, at), Some(_))) => PageCommand::TakeDressPoint(axis, at),
             Some((_, None)) | None => return,
         };
         out.push(Command::Page(command));
@@ -117,7 +117,8 @@ impl DressingPage {
                     scene::paint_follow(right.trim_bottom(CLEAR_HEIGHT + theme::GAP), view);
                 }
                 if let Some(axis) = self.assistant.ui(body, &mut ctx) {
-                    self.question.ask(PointChange::Take(axis), take_question(view, axis));
+                    let at = view.snapshot.axes[axis].machine;
+                    self.question.ask(PointChange::Take(axis, at), take_question(axis, &view.length(at)));
                 }
                 self.start.ui(below.trim_sides(theme::PAD).trim_bottom(theme::GAP), &mut ctx);
             }
@@ -197,8 +198,7 @@ fn positions(rect: Rect, view: &View<'_>, tab: DressingTab) {
 }
 
 /// The question says where the point will be.
-fn take_question(view: &View<'_>, axis: Axis) -> Question {
-    let at = view.length(view.snapshot.axes[axis].machine);
+fn take_question(axis: Axis, at: &str) -> Question {
     let body = LocalizedText::new(
         format!("{axis} 轴修整点设为现在的机床坐标 {at}。修整程序从这里开始：砂轮须刚好接触金刚石。"),
         format!(

@@ -66,6 +66,11 @@ impl ActingPoint {
         Some(Self { axis, position, source: PointSource::Value { dressed } })
     }
 
+    /// Whether the dressing programs refuse it (P98).
+    pub fn is_refused(self) -> bool {
+        self.source == PointSource::RefusedKey
+    }
+
     /// What the input line tells of the row, where the point is not its value.
     pub fn note(self, view: &View<'_>, row: &PageTextRow) -> Option<String> {
         let Self { axis, position, source } = self;

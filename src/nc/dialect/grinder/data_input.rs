@@ -38,9 +38,6 @@ fn data_input(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> 
     }
 }
 
-/// Most wear, mm as displayed: that of the offset page.
-const MAX_WEAR_MM: f64 = 999.999;
-
 /// `G10 D_ U_ W_ V_`: adds to the wear of offset D (K4.1).
 fn add_wear(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
@@ -53,9 +50,6 @@ fn add_wear(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
         let Some(word) = words.take(incremental) else { continue };
         named = true;
         by[axis] = axis_value(running, axis, word)?;
-        if length_mm(running, word)?.abs() > MAX_WEAR_MM {
-            return out_of_range(word, format_args!("±{MAX_WEAR_MM}"));
-        }
     }
     if !named {
         return fail2(code.at as usize, E::MissingWord, "G10", "U / W");
