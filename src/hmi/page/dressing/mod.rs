@@ -106,16 +106,16 @@ impl DressingPage {
         self.clear_key(right, &ctx);
         let (tabs, body) = middle.trim_sides(theme::GAP).split_top(widget::KEYS_HEIGHT + theme::GAP);
         self.choose_tab(tabs.trim_bottom(theme::GAP), &ctx);
+        // The machine at work, once a program tells what stands in it.
+        if self.shows == DressingTab::Assistant && view.snapshot.program.number > 0 {
+            scene::paint_follow(right.trim_bottom(CLEAR_HEIGHT + theme::GAP), view);
+        } else {
+            let fault = view.snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().err());
+            empty::picture(right, view, picture, "B0100.BMP", fault);
+        }
         match self.shows {
-            DressingTab::Wear => {
-                let fault = view.snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().err());
-                empty::picture(right, view, picture, "B0100.BMP", fault);
-                self.wear(body, below, &mut ctx);
-            }
+            DressingTab::Wear => self.wear(body, below, &mut ctx),
             DressingTab::Assistant => {
-                if view.snapshot.program.number > 0 {
-                    scene::paint_follow(right.trim_bottom(CLEAR_HEIGHT + theme::GAP), view);
-                }
                 if let Some(axis) = self.assistant.ui(body, &mut ctx) {
                     let at = view.snapshot.axes[axis].machine;
                     self.question.ask(PointChange::Take(axis, at), take_question(axis, &view.length(at)));
