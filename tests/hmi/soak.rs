@@ -214,7 +214,8 @@ fn b6_hours_of_production_leave_memory_time_and_counts_as_they_must_be() {
     let in_cycle = Micros(made.in_cycle.load(Ordering::Relaxed));
     assert!(shown.now >= in_cycle && in_cycle >= span, "{:?}, {in_cycle:?} of it in cycles", shown.now);
     let longest = Micros(made.longest.load(Ordering::Relaxed));
-    assert!(in_cycle.since(span) < longest && longest < Micros::from_millis(120_000), "{in_cycle:?} {longest:?}");
+    // A part takes 36 s at most. A dressing crosses the wheel of 50 mm twice at 300 mm/min and twice at 60: 120 s.
+    assert!(in_cycle.since(span) < longest && longest < Micros::from_millis(156_000), "{in_cycle:?} {longest:?}");
     // Counts: M30 of every part.
     assert_eq!(shown.parts_counted, parts);
     assert!(f64::from(parts) > hours * 3_600.0 / 60.0, "{parts} parts of under a minute in {hours} h");
