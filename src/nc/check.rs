@@ -13,6 +13,7 @@ use super::fault::{BlockLocation, CallChain, E, ErrorAt, ProgramFault};
 use super::flow::CallDepth;
 use super::idle_passes::IdlePasses;
 use super::interpreter::{BLOCK_WORK, Interpreter};
+use super::lost_state::LostState;
 use super::op::Op;
 use super::settings::NcSettings;
 use super::source::{SharedLibrary, Source};
@@ -125,14 +126,14 @@ pub struct ProgramCheck {
     /// Blocks since the last new line, and how many of them make a loop endless.
     standstill: u32,
     standstill_limit: u32,
-    /// Endless loops left so far.
+    /// Endless loops left so far, and how many may be left.
     left_loops: u32,
-    /// How many endless loops may be left.
     max_left_loops: u32,
     /// A loop was left before its end.
     incomplete: bool,
     /// A null word was skipped somewhere: the modal state may differ from that in the real run.
     word_left_out: bool,
+    lost: LostState,
     /// A common variable without a value was read: the operator, or a program before, sets it.
     reads_unset: bool,
     /// The program has raised an alarm, which ends a run: the values behind it are those that it refuses.
@@ -168,6 +169,7 @@ impl ProgramCheck {
             max_left_loops: MAX_LEFT_LOOPS,
             incomplete: false,
             word_left_out: false,
+            lost: LostState::default(),
             reads_unset: false,
             alarm_passed: false,
             shown_blocks: 0,
@@ -186,9 +188,9 @@ impl ProgramCheck {
         self.checkpoint.clear();
         self.called.clear();
         (self.place, self.lone) = (TextLine::default(), None);
-        (self.run_over, self.word_left_out, self.reads_unset) = (false, false, false);
+        (self.run_over, self.word_left_out, self.reads_unset, self.incomplete) = (false, false, false, false);
         (self.standstill, self.left_loops, self.shown_blocks) = (0, 0, 0);
-        (self.incomplete, self.alarm_passed) = (false, false);
+        (self.alarm_passed, self.lost) = (false, LostState::default());
     }
 
     /// Takes memory for a program of this many lines, and for some findings.
@@ -296,6 +298,7 @@ impl ProgramCheck {
                 Err(fault) => {
                     let error = fault.error;
                     self.classify(fault);
+                    self.lost.note(self.interpreter.flow.line_text());
                     self.interpreter.skip_faulty_block(error);
                 }
             }
@@ -575,7 +578,7 @@ impl ProgramCheck {
             E::ArcTooSmall | E::FullCircleByRadius | E::RectangleSide => self.left_loops > 0,
             _ => false,
         };
-        if by_null { self.add_warning(fault) } else { self.add_fault(fault) }
+        if by_null || self.lost.explains(fault.error) { self.add_warning(fault) } else { self.add_fault(fault) }
     }
 
     fn add_fault(&mut self, fault: ProgramFault) {

@@ -521,6 +521,11 @@ impl Flow {
         }
     }
 
+    /// The text of the line that is read.
+    pub fn line_text(&self) -> &[u8] {
+        self.source.line_bytes(self.place.line)
+    }
+
     /// M99: starts the next repetition, returns to the caller (to block `target`, if given) or restarts the program.
     pub fn return_to(&mut self, target: Option<u32>, at: usize) -> ReadResult<()> {
         let Some(level) = self.call_stack.last_mut() else {

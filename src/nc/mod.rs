@@ -29,6 +29,7 @@ mod functions;
 mod idle_passes;
 pub mod interpreter;
 mod lexer;
+mod lost_state;
 mod message_texts;
 pub mod misread_text;
 mod modal;

@@ -257,6 +257,11 @@ impl Source {
         self.line_offsets.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
     }
 
+    /// The bytes of a line (from 0), its end included.
+    pub(crate) fn line_bytes(&self, line: u32) -> &[u8] {
+        self.bytes.get(self.line_start(line)..self.line_start(line + 1)).unwrap_or_default()
+    }
+
     /// The line (from 0) that contains a byte.
     pub(crate) fn line_of(&self, at: usize) -> u32 {
         self.line_offsets.partition_point(|start| *start as usize <= at).saturating_sub(1) as u32

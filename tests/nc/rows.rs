@@ -628,3 +628,22 @@ fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
     assert!(zh.starts_with("O1001 第7行 第11列：") && zh.contains("'Q9' – "), "{zh}");
     assert_eq!(fault.alarm(), 1);
 }
+
+/// A block with a mistake is left out: what it may have set is missing behind it, and is no second mistake.
+#[test]
+fn b1_mistakes_that_follow_from_a_block_left_out_are_warnings() {
+    let found = |text: &str| -> (Vec<(u32, &'static str)>, Vec<(u32, &'static str)>) {
+        let source = Arc::new(Source::new(1001, "", text.as_bytes().to_vec(), Dialect::LatheA));
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
+        let report = check(&source, &library, &NcSettings::lathe_a());
+        let names = |list: &[ProgramFault]| list.iter().map(|fault| (fault.location.line, fault.error.id())).collect();
+        (names(&report.faults), names(&report.warnings))
+    };
+    let of = |faults: &[(u32, &'static str)], warnings: &[(u32, &'static str)]| (faults.to_vec(), warnings.to_vec());
+    // The F of a refused block.
+    assert_eq!(found("\"A\" D1 F200\nG01 X20\nM30"), of(&[(1, "unexpected-character")], &[(2, "feed-missing")]));
+    assert_eq!(found("\"A\" D1 (F200)\nG01 X20\nM30").0, [(1, "unexpected-character"), (2, "feed-missing")]);
+    assert_eq!(found("IF[#1 FF 2]X9\nG01 X20\nM30").0.len(), 2, "a name is no word");
+    // A refused block without it explains nothing, and the mistake itself stays one.
+    assert_eq!(found("M777\nG01 X20\nM30").0, [(1, "unknown-m"), (2, "feed-missing")]);
+}

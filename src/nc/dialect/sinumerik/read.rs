@@ -16,11 +16,12 @@ use crate::nc::words::{Assignment, BlockWords, Code, ValueKind, Word};
 use crate::units::Axis;
 
 /// Statements of larger controls of the same maker.
-pub(super) const FOREIGN_WORDS: [&str; 53] = [
+pub(super) const FOREIGN_WORDS: [&str; 65] = [
     "DEF", "PROC", "ENDPROC", "EXTERN", "ELSE", "ENDIF", "WHILE", "ENDWHILE", "FOR", "ENDFOR", "LOOP", "ENDLOOP",
     "REPEAT", "REPEATB", "UNTIL", "CASE", "ROT", "AROT", "MIRROR", "SCALE", "SETAL", "SUPA", "MCALL", "AR", "AP", "RP",
     "RPL", "CT", "CIP", "TURN", "OFFN", "DISC", "DISR", "DISCL", "FAD", "FP", "SF", "POS", "POSA", "ACC", "MEAS",
-    "MEAW", "CFC", "CFTCP", "CFIN", "SPI", "SOFT", "BRISK", "DRIVE", "FFWON", "FFWOF", "COMPON", "COMPOF",
+    "MEAW", "CFC", "CFTCP", "CFIN", "SPI", "SOFT", "BRISK", "DRIVE", "FFWON", "FFWOF", "COMPON", "COMPOF", "TRAORI",
+    "TRANSMIT", "TRACYL", "TRAFOOF", "DRFOF", "WAITP", "WAITM", "FGROUP", "SETMS", "SPCON", "SPCOF", "GEOAX",
 ];
 
 const IF_SYNTAX: &str = "IF a<b GOTOF …";
