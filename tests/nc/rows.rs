@@ -632,7 +632,8 @@ fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
 /// A block with a mistake is left out: what it may have set is missing behind it, and is no second mistake.
 #[test]
 fn b1_mistakes_that_follow_from_a_block_left_out_are_warnings() {
-    let found = |text: &str| -> (Vec<(u32, &'static str)>, Vec<(u32, &'static str)>) {
+    type Rows = Vec<(u32, &'static str)>;
+    let found = |text: &str| -> (Rows, Rows) {
         let source = Arc::new(Source::new(1001, "", text.as_bytes().to_vec(), Dialect::LatheA));
         let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
         let report = check(&source, &library, &NcSettings::lathe_a());
