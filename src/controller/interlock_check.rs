@@ -67,9 +67,8 @@ pub struct InterlockCheck<'a> {
     refusals: Vec<PredictedRefusal>,
     warnings: Vec<PredictedRefusal>,
     told_of_turns: bool,
-    /// The last block, and whether it or one before it has ended the program.
+    /// The last block; none once the program has ended by its code.
     last: Option<BlockLocation>,
-    has_ended: bool,
 }
 
 impl<'a> InterlockCheck<'a> {
@@ -91,7 +90,6 @@ impl<'a> InterlockCheck<'a> {
             warnings: Vec::new(),
             told_of_turns: false,
             last: None,
-            has_ended: false,
         };
         check.settle();
         check
@@ -128,7 +126,7 @@ impl<'a> InterlockCheck<'a> {
 
     /// A text that ends without M30 leaves on what M30 switches off.
     fn end_warning(&mut self) -> Option<PredictedRefusal> {
-        let at = self.last.filter(|_| !self.has_ended)?;
+        let at = self.last?;
         let on = self.machine.outputs(self.params);
         self.machine.program_end(self.params);
         self.settle();
@@ -257,7 +255,7 @@ impl<'a> InterlockCheck<'a> {
                 Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, text))
             }
             MCodeAction::ProgramEnd => {
-                self.has_ended = true;
+                self.last = None;
                 self.machine.program_end(self.params);
                 self.settle();
                 None
