@@ -9,7 +9,7 @@ mod join;
 
 use super::lookahead_window::MAX_WINDOW_MOVES;
 use super::queued_move::QueuedMove;
-use super::tolerance_band::{BandMove, SHARP_COSINE, ToleranceBand, corner_speed, cosine};
+use super::tolerance_band::{BandMove, SHARP_COSINE, ToleranceBand, corner_speed, cosine, turn};
 use super::{CornerMode, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use crate::units::WorkBudget;
 
@@ -21,6 +21,8 @@ const EXACT_STOP_COSINE: f64 = -0.8;
 const MIN_SPEED_MM_S: f64 = 1e-6;
 /// Work units for adding a move.
 const COST_ADD: usize = 500;
+/// Where a corner's rounding reaches over this share of the moves beside it, it is part of a bend.
+const BEND_SHARE: f64 = 0.3;
 /// If at least this share of a move lies within the horizon, the whole move is added.
 const WHOLE_MOVE_SHARE: f64 = 0.6;
 
@@ -83,7 +85,7 @@ pub struct BandFiller {
     pub time_left_s: f64,
     /// Speed reached with constant acceleration, mm/s.
     pub speed: f64,
-    /// That acceleration, mm/s².
+    /// That acceleration, mm/s²: half of what the slowest axis has.
     pub acceleration: f64,
     /// Jerk at the start and end of an acceleration, mm/s³.
     pub jerk: f64,
@@ -144,6 +146,20 @@ impl BandFiller {
         }
     }
 
+    /// Estimated speed, mm/s, between two moves: of the corner, or of the bend that short moves make together.
+    fn joint_speed(&self, before: &BandMove, after: &BandMove) -> f64 {
+        let corner = corner_speed(before, after, self.jerk);
+        let turn = turn(before, after);
+        let chord_mm = f64::midpoint(before.segment.length(), after.segment.length());
+        // A corner is rounded over 6 ε/turn on either side.
+        if 6.0 * before.tolerance.min(after.tolerance) < BEND_SHARE * turn * chord_mm {
+            return corner;
+        }
+        let curvature = turn / chord_mm;
+        let bend = (2.0 * self.acceleration / curvature).sqrt().min((self.jerk / curvature.powi(2)).cbrt());
+        corner.max(bend)
+    }
+
     /// Adds a move; true if the horizon lies inside it.
     fn add(&mut self, band: &mut ToleranceBand, mut piece: BandMove) -> bool {
         if let Some(last) = band.moves.last() {
@@ -156,7 +172,7 @@ impl BandFiller {
         piece.tolerance = piece.programmed_tolerance - piece.joined_deviation;
         piece = piece.with_override(self.feed_override);
         let counted = (band.length() + piece.segment.length() - self.from.max(band.length())).max(0.0);
-        let corner = band.moves.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
+        let corner = band.moves.last().map_or(f64::INFINITY, |last| self.joint_speed(last, &piece));
         let slowed = self.speed.min(corner).min(piece.top_speed);
         let speed =
             piece.top_speed.min((slowed.powi(2) + 2.0 * self.acceleration * counted).sqrt()).max(MIN_SPEED_MM_S);

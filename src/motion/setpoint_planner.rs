@@ -17,15 +17,13 @@ use super::slow_run::SlowRun;
 use super::tolerance_band::ToleranceBand;
 use super::{AxisLimits, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 use crate::units::WorkBudget;
-use handover::{COST_PER_KNOT, WindowJob};
+use handover::{COST_PER_KNOT, PlanningPace, WindowJob};
 
 /// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
 const LIMIT_SHARE: f64 = 0.999_99;
-/// Maximum units of planning work per tick, a unit being about a nanosecond: while a window from rest is planned, until the
-/// windows have reached their full length, and afterwards. At rest nobody else needs the tick, and the axes wait for it.
+/// Maximum units of planning work per tick, a unit being about a nanosecond: while a window from rest is planned. At rest
+/// nobody else needs the tick, and the axes wait for it.
 pub const MAX_WORK_PER_TICK: usize = 60_000;
-const WORK_PER_TICK: usize = 18_000;
-const STEADY_WORK_PER_TICK: usize = 5_000;
 /// Maximum number of set-points appended per tick.
 const SETPOINTS_PER_TICK: usize = 24;
 /// Maximum number of zero-length moves skipped per tick.
@@ -186,10 +184,11 @@ impl SetpointPlanner {
     ) {
         let spot = request.spot;
         let units = match self.job {
-            Some(job) if job.is_from_rest() => MAX_WORK_PER_TICK,
             None if self.is_idle() => MAX_WORK_PER_TICK,
-            Some(job) if !job.is_steady() || self.is_urgent(job, buffer, spot) => WORK_PER_TICK,
-            Some(_) | None => STEADY_WORK_PER_TICK,
+            None => PlanningPace::Steady.work_per_tick(),
+            Some(job) if job.is_from_rest() => MAX_WORK_PER_TICK,
+            Some(job) if self.is_urgent(job, buffer, spot) => job.pace().max(PlanningPace::Full).work_per_tick(),
+            Some(job) => job.pace().work_per_tick(),
         };
         let mut budget = tick_budget.share(units);
         self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };

@@ -307,10 +307,15 @@ pub fn cosine(before: &PathSegment, after: &PathSegment) -> f64 {
     dot(a, b)
 }
 
+/// How far the direction turns between two moves: the angle in rad while it is small.
+pub fn turn(before: &BandMove, after: &BandMove) -> f64 {
+    let ([_, a], [b, _]) = (before.segment.directions(), after.segment.directions());
+    distance(a, b).max(1e-9)
+}
+
 /// Estimated speed, mm/s, at which the corner between two moves can be rounded.
 pub fn corner_speed(before: &BandMove, after: &BandMove, jerk: f64) -> f64 {
-    let ([_, a], [b, _]) = (before.segment.directions(), after.segment.directions());
-    let turn = distance(a, b).max(1e-9);
+    let turn = turn(before, after);
     // A bend of half-width h deviates by turn · h / 6 and needs the third derivative turn / h². Swinging out before
     // and after within the band makes the bend about two and a half times as wide.
     let width = 2.5 * 6.0 * before.tolerance.min(after.tolerance) / turn;

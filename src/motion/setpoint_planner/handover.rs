@@ -6,9 +6,7 @@ use super::super::blending::{BandFiller, Continuation, FillResult, continuation}
 use super::super::lookahead_window::{PlanPoint, WindowStart, knot_spacing_s};
 use super::super::queued_move::{MoveQueue, QueuedMove};
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
-use super::{
-    APPEND_MARGIN_TICKS, PlanRequest, STEADY_WORK_PER_TICK, SetpointPlanner, WORK_PER_TICK, append_rest, top_speed,
-};
+use super::{APPEND_MARGIN_TICKS, PlanRequest, SetpointPlanner, append_rest, top_speed};
 use crate::units::WorkBudget;
 
 /// Time that the first window leaves for planning the next one, s; minimum and maximum horizon of a window.
@@ -42,6 +40,9 @@ const MAX_LEAD_S: f64 = 0.16;
 const URGENT_TICKS: u64 = 48;
 /// After a window in motion has failed, the next one starts at least this many ticks later: nearly the same state fails again.
 const RETRY_TICKS: usize = 24;
+/// A window that is tried again follows the previous plan over this share of what is left of it: where that plan brakes, too,
+/// it keeps all limits.
+const RETRY_GUIDE_SHARE: f64 = 0.4;
 /// Minimum planning time, ticks.
 const MIN_PLANNING_TICKS: i64 = 80;
 /// Minimum time for which a window starts along the previous plan, also where that plan brakes, s: the acceleration at the
@@ -53,6 +54,28 @@ const RATE_RESERVE: f64 = 0.04;
 /// The reserve in the limits that a plan leaves, as a share of them.
 pub fn rate_reserve(request: PlanRequest) -> f64 {
     if request.catching_up { RATE_RESERVE } else { 0.0 }
+}
+
+/// How fast a window in motion is planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PlanningPace {
+    /// Windows have their full length, and there is time.
+    Steady,
+    /// Windows have not reached their full length.
+    Full,
+    /// The axes will brake unless the window is ready soon.
+    Hurried,
+}
+
+impl PlanningPace {
+    /// Maximum units of planning work per tick.
+    pub const fn work_per_tick(self) -> usize {
+        match self {
+            Self::Steady => 5_000,
+            Self::Full => 18_000,
+            Self::Hurried => 45_000,
+        }
+    }
 }
 
 /// A window being planned.
@@ -67,8 +90,7 @@ pub struct WindowJob {
     filler: BandFiller,
     start: WindowStart,
     fill_result: FillResult,
-    /// Whether the window has its full length within the steady work budget.
-    steady: bool,
+    pace: PlanningPace,
     /// Requested horizon, s, and work units spent.
     horizon_s: f64,
     work_spent: usize,
@@ -88,14 +110,13 @@ struct HandoverChoice {
     horizon_s: f64,
     /// Serial number of the next move if no move is taken over.
     next: u64,
-    /// Whether the steady work budget is enough.
-    steady: bool,
+    pace: PlanningPace,
 }
 
 impl WindowJob {
-    /// Whether the steady work budget is enough.
-    pub const fn is_steady(&self) -> bool {
-        self.steady
+    /// How fast it is planned.
+    pub const fn pace(&self) -> PlanningPace {
+        self.pace
     }
 
     /// Whether the axes wait for it at rest.
@@ -131,12 +152,13 @@ impl SetpointPlanner {
         let (first, next) = (point.segment, queued.number);
         self.knot_spacing_s = knot_spacing_s(&self.limits, queued.tolerance_mm);
         let horizon_s = self.first_horizon_s(top_speed(queued, &self.limits, request.feed_override));
-        let choice = HandoverChoice { handover: 0, first, end: point, guide_end: 0, horizon_s, next, steady: false };
+        let choice =
+            HandoverChoice { handover: 0, first, end: point, guide_end: 0, horizon_s, next, pace: PlanningPace::Full };
         self.begin_job(start, choice, request);
     }
 
     fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, request: PlanRequest) {
-        let HandoverChoice { handover, first, guide_end, horizon_s: seconds, next, steady, .. } = choice;
+        let HandoverChoice { handover, first, guide_end, horizon_s: seconds, next, pace, .. } = choice;
         let limits = self.limits.least();
         self.window.clear();
         self.window.band.continue_from(&self.band, first);
@@ -165,7 +187,7 @@ impl SetpointPlanner {
             filler: filling,
             start,
             fill_result: FillResult::Incomplete,
-            steady,
+            pace,
             horizon_s: seconds * self.horizon_fraction,
             work_spent: 0,
         });
@@ -180,7 +202,8 @@ impl SetpointPlanner {
         budget: &mut WorkBudget,
     ) {
         let is_slower = |job: WindowJob| job.in_motion && request.feed_override > job.filler.feed_override;
-        if self.job.is_some_and(|job| job.steady && is_slower(job) && !self.is_urgent(job, buffer, request.spot)) {
+        let has_time = |job: WindowJob| job.pace == PlanningPace::Steady;
+        if self.job.is_some_and(|job| has_time(job) && is_slower(job) && !self.is_urgent(job, buffer, request.spot)) {
             // There was enough time, so there is enough for a faster window.
             self.cancel_window();
         }
@@ -235,16 +258,20 @@ impl SetpointPlanner {
         // The horizon is limited by the known moves and by the time for planning.
         let known = self.known_time_s(moves, last_index);
         let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
-        let mut wanted =
-            self.seconds_of((aim - near) as f64, WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
-        if near + self.ticks_of(wanted, WORK_PER_TICK) >= self.plan.len() as i64 - SHORT_LEAD_TICKS {
-            // The plan would end first.
-            wanted = wanted.min(SHORT_HORIZON_S);
-        }
+        let mut wanted = self.seconds_of(aim - near, PlanningPace::Full).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
         let raised = request.feed_override > self.planned_override;
-        let steady = !raised && near + self.ticks_of(wanted, STEADY_WORK_PER_TICK) <= aim;
-        let ticks = self.ticks_of(wanted, if steady { STEADY_WORK_PER_TICK } else { WORK_PER_TICK });
-        if !raised && wanted >= MAX_HORIZON_S && steady && near + ticks + self.ahead_ticks as i64 <= aim {
+        let left = self.plan.len() as i64 - SHORT_LEAD_TICKS - near;
+        let mut pace = if self.failed_handover.is_some() { PlanningPace::Hurried } else { PlanningPace::Full };
+        if self.ticks_of(wanted, PlanningPace::Full) >= left {
+            // The plan would end first.
+            pace = PlanningPace::Hurried;
+            wanted = wanted.min(self.seconds_of(left, pace).max(SHORT_HORIZON_S));
+        } else if !raised && near + self.ticks_of(wanted, PlanningPace::Steady) <= aim {
+            pace = PlanningPace::Steady;
+        }
+        let ticks = self.ticks_of(wanted, pace);
+        let is_early = pace == PlanningPace::Steady && near + ticks + self.ahead_ticks as i64 <= aim;
+        if is_early && wanted >= MAX_HORIZON_S {
             return;
         }
         let earliest = self.appended.max(usize::try_from(near + ticks).unwrap_or(0));
@@ -256,12 +283,13 @@ impl SetpointPlanner {
         let point = self.plan[handover];
         let history = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
         let end = self.best_handover_index.clamp(handover, handover + (MAX_LEAD_S / self.limits.tick_s) as usize);
-        let guide_end = end.max(handover + (MIN_GUIDE_S / self.limits.tick_s) as usize);
+        let retry_share = if self.failed_handover.is_some() { RETRY_GUIDE_SHARE } else { 0.0 };
+        let least_guide = (MIN_GUIDE_S / self.limits.tick_s).max(retry_share * (self.plan.len() - handover) as f64);
+        let guide_end = end.max(handover + least_guide as usize);
         let end = self.plan[end];
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
-        let choice =
-            HandoverChoice { handover, first, end, guide_end, horizon_s: wanted, next: last.numbers.1, steady };
+        let choice = HandoverChoice { handover, first, end, guide_end, horizon_s: wanted, next: last.numbers.1, pace };
         self.begin_job(start, choice, request);
     }
 
@@ -296,13 +324,13 @@ impl SetpointPlanner {
         self.cancel_window();
     }
 
-    /// Planning time, ticks, of a horizon in seconds at a number of work units per tick. `seconds_of` is the inverse.
-    fn ticks_of(&self, seconds: f64, work: usize) -> i64 {
-        ((seconds + BRAKE_S) / self.knot_spacing_s * self.cost_per_knot / work as f64).ceil() as i64
+    /// Planning time, ticks, of a horizon in seconds. `seconds_of` is the inverse.
+    fn ticks_of(&self, seconds: f64, pace: PlanningPace) -> i64 {
+        ((seconds + BRAKE_S) / self.knot_spacing_s * self.cost_per_knot / pace.work_per_tick() as f64).ceil() as i64
     }
 
-    fn seconds_of(&self, ticks: f64, work: usize) -> f64 {
-        ticks * work as f64 / self.cost_per_knot * self.knot_spacing_s - BRAKE_S
+    fn seconds_of(&self, ticks: i64, pace: PlanningPace) -> f64 {
+        ticks as f64 * pace.work_per_tick() as f64 / self.cost_per_knot * self.knot_spacing_s - BRAKE_S
     }
 
     /// Work units per knot of the requested horizon, up to now. A window may have more knots than that: it counts for the
@@ -334,7 +362,7 @@ impl SetpointPlanner {
 
     /// Ticks on a plan from rest in which the next window can be planned.
     fn planning_ticks(&self) -> i64 {
-        self.ticks_of(FIRST_HORIZON_S, WORK_PER_TICK)
+        self.ticks_of(FIRST_HORIZON_S, PlanningPace::Full)
             + APPEND_MARGIN_TICKS as i64
             + SPARE_TICKS as i64
             + SHORT_LEAD_TICKS
