@@ -99,6 +99,7 @@ impl Controller {
         plant.write_outputs();
         plant.store_alarm_changes();
         panel.follow_cycle(plant);
+        panel.scope.record(plant);
         plant.outbox.refusal = refused; // later refusals in this tick do not answer a command
         &plant.outputs.image
     }

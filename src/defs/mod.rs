@@ -30,6 +30,7 @@ pub mod port_conflict;
 pub mod program_error;
 pub mod program_kind;
 pub mod program_number;
+pub mod scope_signal;
 pub mod signal;
 pub mod sim_fault;
 pub mod soft_key;

@@ -144,6 +144,9 @@ pages! {
     Home = "home", ANY, "总览", "overview", row 4, key 4 4 "总览" "OVERVIEW",
         "一眼看到的：位置、程序、工件、砂轮、修整、报警，旁边是工作中的机床。", "At a glance: position, program, parts, wheel, dressing, alarms; beside them the machine at work.",
         "点一块打开它的页面；触摸最上面的标题从任何页面到这里。", "Touch a tile to open its page; a touch of the title at the top comes here from any page.";
+    Scope = "scope", ANY, "示波器", "scope", row 4, key 4 5 "示波器" "SCOPE",
+        "逐周期记录最多四个信号：各轴设定值、实际值、跟随误差、速度，进给、转速，任一输入输出。", "Up to four signals, cycle by cycle: set-point, position, following error and speed of each axis, feed, rotation, any input or output.",
+        "点左边的名称选信号；开始记录，或按第一个信号的上升、下降沿触发。点曲线放游标，拖动和双指缩放时间；存为 CSV。", "Touch a name on the left to choose its signal; START records at once, or when the first signal rises or falls to the level. A touch on the curves sets the cursor; drag and pinch the time; SAVE CSV.";
     Panel = "panel", ANY, "面板", "panel", row 0,
         "操作面板：各键和灯。", "The operator panel with its keys and lamps.",
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";

@@ -107,6 +107,7 @@ compared_fields! {
     bus: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
     };
+    scope: on(FieldGroup::Scope, differ);
     stock: on(FieldGroup::Stock, differ);
     files: replaced;
     access: differ;

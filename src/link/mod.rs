@@ -14,6 +14,7 @@ pub mod page_command;
 pub mod page_file;
 pub mod part_result;
 pub mod program_view;
+pub mod scope;
 pub mod simulation;
 pub mod snapshot;
 pub mod start_guide;

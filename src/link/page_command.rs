@@ -5,6 +5,7 @@
 use std::fmt;
 
 use super::files::{FileAnswer, FileRequest, Ticket};
+use super::scope::ScopeCommand;
 use crate::defs::date::DateTime;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
@@ -158,6 +159,8 @@ pub enum PageCommand {
     TakeDressPoint(Axis, f64),
     /// Removes the dressing points (K4.2).
     ClearDressPoints,
+    /// Starts or ends a recording of the scope.
+    Scope(ScopeCommand),
     /// Sets date and time of day.
     SetDate(DateTime),
     /// A request about programs or folders, or for a long calculation.

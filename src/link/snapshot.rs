@@ -13,6 +13,7 @@ use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::page_command::KeptState;
 use super::part_result::SizeValues;
 use super::program_view::ProgramView;
+use super::scope::ScopeView;
 use super::simulation::SimView;
 use super::start_guide::StartGuide;
 use super::teach::TeachView;
@@ -330,6 +331,8 @@ pub struct Snapshot {
     pub simulated: Option<Arc<SimView>>,
     /// The field bus, if the machine is a real one.
     pub bus: Option<Arc<BusView>>,
+    /// The scope.
+    pub scope: ScopeView,
     /// Boxes of the workpiece and its fixture, as far as known.
     pub stock: Arc<[StockBox]>,
     /// Results of file requests and long calculations; the `Arc` is replaced only on a change.
@@ -507,6 +510,7 @@ impl Snapshot {
             params: Arc::new(Params::factory(kind)),
             simulated: None,
             bus: None,
+            scope: ScopeView::default(),
             stock: Arc::from([]),
             files: Arc::default(),
             access: AccessView::default(),

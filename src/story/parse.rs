@@ -9,13 +9,15 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
+use crate::defs::scope_signal::ScopeSignal;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
+use crate::link::scope::{SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeSetup, ScopeTrigger};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
-use crate::units::Axis;
+use crate::units::{Axis, Micros};
 
 /// Maximum number of statements in a story.
 pub const MAX_STATEMENTS: usize = 100_000;
@@ -169,6 +171,7 @@ impl LineParser {
             "import" => Statement::Transfer(Direction::Import, self.transfer_set()?),
             "stall" => Statement::Stall,
             "unlock" | "password" | "accept" => Statement::Settings(self.settings(&verb)?),
+            "scope" => Statement::Settings(PageCommand::Scope(self.scope()?)),
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
@@ -210,6 +213,32 @@ impl LineParser {
         }
         let (old, new) = (self.password("the old password")?, self.password("the new password")?);
         Ok(PageCommand::ChangePassword { scope, old, new })
+    }
+
+    /// `scope stop`, or the signals and how they are recorded.
+    fn scope(&mut self) -> Result<ScopeCommand, StoryError> {
+        let mut setup = ScopeSetup { span: SCOPE_SPANS[1], ..ScopeSetup::default() };
+        let mut count = 0;
+        loop {
+            let word = self.word("a signal such as X-error, or `stop`")?;
+            match (word.as_str(), setup.channels.get_mut(count)) {
+                ("stop", _) if count == 0 => return Ok(ScopeCommand::Stop),
+                ("span", _) if count > 0 => setup.span = Micros::from_secs_f64(self.duration()?),
+                ("rising", _) if count > 0 => setup.trigger = ScopeTrigger::Rising(self.number()?),
+                ("falling", _) if count > 0 => setup.trigger = ScopeTrigger::Falling(self.number()?),
+                (_, None) => return Err(self.error(format!("'{word}': the scope has {SCOPE_CHANNELS} channels"))),
+                (id, Some(channel)) => {
+                    let signal = ScopeSignal::from_id(id);
+                    *channel = Some(signal.ok_or_else(|| {
+                        self.error(format!("'{word}' is not a signal such as X-error, feed, input:guard-closed"))
+                    })?);
+                    count += 1;
+                }
+            }
+            if self.is_at_end() {
+                return Ok(ScopeCommand::Start(setup));
+            }
+        }
     }
 
     fn password(&mut self, wanted: &str) -> Result<Secret, StoryError> {

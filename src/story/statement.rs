@@ -192,7 +192,9 @@ pub enum Statement {
     /// `stall`: the computer has held the control up for longer than P475
     Stall,
     /// `unlock builder 830830`: program, user or builder; `password user 123456 246810`: a password takes the place of
-    /// another; `accept data`: what took the place of damaged data is accepted
+    /// another; `accept data`: what took the place of damaged data is accepted; `scope X-error Z-error span 4 s rising 20`:
+    /// the scope records up to four signals (`X-set`, `X-actual`, `X-error`, `X-set-speed`, `X-actual-speed`, `feed`,
+    /// `rotation`, `input:ID`, `output:ID`), at once or when the first rises or falls to a level; `scope stop`
     Settings(PageCommand),
     /// `teach start|stop|undo|keep`: records jogged moves (L9)
     Teach(TeachCommand),

@@ -15,6 +15,7 @@ use kt830::defs::page::Page;
 use kt830::defs::page_meaning::SizeKind;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
+use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::signal::Input;
 use kt830::defs::start_step::StartStep;
 use kt830::defs::text::{Lang, LocalizedText, SharedWords, Text};
@@ -31,6 +32,7 @@ use kt830::link::media::{MediaFile, MediaView, TransferSet};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
 use kt830::link::program_view::ProgramView;
+use kt830::link::scope::{SCOPE_SPANS, ScopeRecording, ScopeSetup, ScopeTrigger};
 use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
 use kt830::link::start_guide::{StartGuide, StepAction, StepState, StepView};
@@ -190,7 +192,25 @@ pub fn snapshot(page: Page) -> Snapshot {
         m: Some(8),
     };
     snapshot.prepared_mdi = "G01 X120.5 Z-35 F300".into();
+    snapshot.scope.recording = Arc::new(scope_recording());
     snapshot
+}
+
+/// Four seconds of a scope that a rising speed has triggered.
+fn scope_recording() -> ScopeRecording {
+    let channels = ["X-actual-speed", "X-error", "input:guard-closed", "X-actual"].map(ScopeSignal::from_id);
+    let setup = ScopeSetup { channels, span: SCOPE_SPANS[1], trigger: ScopeTrigger::Rising(-120.5) };
+    let row = |k: u32| {
+        let wave = (f64::from(k) / 400.0).sin();
+        [-6_000.0 * wave, -2_854.6 * wave, f64::from(k / 900 % 2), -812.455 + 12.0 * wave]
+    };
+    ScopeRecording {
+        setup,
+        period: Micros(1_000),
+        began: Micros(54_112_000_000),
+        trigger_index: 800,
+        samples: (0..4_000).map(row).collect(),
+    }
 }
 
 fn directory() -> Vec<DirectoryRow> {

@@ -10,6 +10,7 @@ use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param;
+use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::text::Lang;
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
@@ -17,9 +18,10 @@ use kt830::io::sim::PartFile;
 use kt830::link::command::Command;
 use kt830::link::edit::OffsetCommand;
 use kt830::link::page_command::PageCommand;
+use kt830::link::scope::{ScopeCommand, ScopeSetup, ScopeTrigger};
 use kt830::link::snapshot::RunState;
 use kt830::link::teach::TeachCommand;
-use kt830::units::{Axis, PerAxis};
+use kt830::units::{Axis, Micros, PerAxis};
 
 use crate::stories::{ready_of, ready_with};
 
@@ -153,6 +155,29 @@ fn t5_the_tick_allocates_nothing_in_any_shipped_vertical_program() {
         let mut host = with_named(Kind::Vertical, name);
         assert_eq!(calls_of_run(&mut host), 0, "{name}");
         assert!(host.snapshot().alarms.is_empty(), "{name}: {:?}", host.snapshot().alarms);
+    }
+}
+
+/// Recording, copying for a screen that takes snapshots, waiting for a trigger, the end.
+#[test]
+fn t5_the_scope_allocates_nothing() {
+    let mut host = with_part_of(1002);
+    let signal = |word| ScopeSignal::from_id(word);
+    let channels = [signal("X-error"), signal("X-set"), signal("feed"), signal("input:guard-closed")];
+    for trigger in [ScopeTrigger::Now, ScopeTrigger::Rising(0.001)] {
+        let setup = ScopeSetup { channels, span: Micros::from_millis(4_000), trigger };
+        let mut calls = calls_for(&mut host, Command::Page(PageCommand::Scope(ScopeCommand::Start(setup))));
+        calls += calls_for(&mut host, Command::Press(Key::CycleStart));
+        let mut painted = Vec::new();
+        for tick in 0..5_000 {
+            calls += calls_in_a_tick(&mut host);
+            if tick % 33 == 0 {
+                painted.push(host.snapshot().scope.clone());
+                painted.drain(..painted.len().saturating_sub(2));
+            }
+        }
+        assert_eq!(calls, 0, "{trigger:?}");
+        assert_eq!(host.snapshot().scope.recording.samples.len(), 4_000);
     }
 }
 

@@ -39,6 +39,7 @@ mod restart;
 mod retract;
 mod run_control;
 mod run_phase;
+mod scope;
 mod start_guide;
 mod start_latency;
 mod stations;

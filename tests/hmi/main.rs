@@ -37,6 +37,7 @@ mod program_list;
 mod reach;
 mod repaint;
 mod scene;
+mod scope;
 mod screen;
 mod screw;
 mod service;

@@ -23,6 +23,7 @@ use kt830::hmi::repaint::{FIELDS, LiveScreen, changed_field};
 use kt830::link::files::FileRequest;
 use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::{KeptState, PageCommand};
+use kt830::link::scope::ScopeState;
 use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{OwnMotion, RestartView, RunState};
 use kt830::link::start_guide::StepState;
@@ -77,6 +78,7 @@ const CHANGES: &[Change] = &[
     ("params", Page::Mdi, |machine| machine.params = Arc::new((*machine.params).clone())),
     ("simulated", Page::Simulator, |machine| load(machine, 64.0)),
     ("bus", Page::Bus, |machine| machine.bus = Some(Arc::default())),
+    ("scope", Page::Scope, |machine| machine.scope.state = ScopeState::Armed),
     ("stock", Page::Graphic, |machine| machine.stock = busy(machine.page).stock),
     ("files", Page::Transfer, |machine| machine.files = busy(machine.page).files),
     ("access", Page::Settings, |machine| machine.access.level = AccessLevel::User),

@@ -13,6 +13,7 @@ mod offsets;
 mod page_files;
 mod pages;
 mod part_result;
+mod scope;
 mod snapshot;
 mod start_guide;
 mod switches;
@@ -82,6 +83,8 @@ pub struct Panel {
     /// Date and time of day.
     pub calendar: calendar::Calendar,
     relative_zero: MachinePos,
+    /// The scope.
+    pub scope: scope::ScopeRecorder,
     /// The part that the last cycle has finished; cleared by the next cycle.
     pub part_result: Option<PartResult>,
     /// Program and durations of the last finished cycle.

@@ -86,6 +86,7 @@ impl Panel {
                 save(SettingsRequest::SaveBrightness((*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end())));
             }
             PageCommand::SetSerialPort(port) => save(SettingsRequest::SaveSerialPort(port.clone())),
+            PageCommand::Scope(command) => self.scope.command(parts.plant, *command),
             PageCommand::SetDate(wanted) => self.set_date(parts, *wanted),
             PageCommand::TakeDressPoint(..) | PageCommand::ClearDressPoints if parts.program.is_open() => {
                 parts.plant.refuse(NOT_IN_RUN)

@@ -61,6 +61,9 @@ impl Panel {
         if out.waiting_for.as_ref() != told {
             out.waiting_for = told.cloned();
         }
+        if out.scope != *self.scope.view() {
+            out.scope.clone_from(self.scope.view());
+        }
         start_guide::fill(parts, &mut out.start_guide);
         self.page_view(parts, out);
         self.edit_view(parts, out);

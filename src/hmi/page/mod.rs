@@ -21,6 +21,7 @@ pub mod position;
 pub mod process;
 pub mod program;
 pub mod run_bar;
+pub mod scope;
 pub mod scroll;
 pub mod serial;
 pub mod settings;
@@ -164,6 +165,8 @@ pub enum FieldGroup {
     Diagnosis,
     /// The field bus.
     Bus,
+    /// The scope.
+    Scope,
     /// The simulated machine.
     Simulated,
     /// The stock of the drawing.
@@ -224,6 +227,7 @@ page_rows! {
     Bus => bus::BusPage, shows Bus;
     Simulator => simulator::SimulatorPage, shows Inputs Simulated Scene;
     Technology => technology::TechnologyPage, shows Variables;
+    Scope => scope::ScopePage, shows Scope;
     Home => home::HomePage, shows PartResult Simulated Scene StartGuide;
     Help => help::Help;
 }

@@ -340,7 +340,7 @@ impl ProcessPage {
 }
 
 /// Reduces a curve to at most four points per pixel column: the first, the lowest and the highest, the last.
-fn with_extremes(curve: impl Iterator<Item = Pos2>) -> Vec<Pos2> {
+pub(super) fn with_extremes(curve: impl Iterator<Item = Pos2>) -> Vec<Pos2> {
     let mut points: Vec<Pos2> = Vec::new();
     // Index of the first point of the column.
     let mut first = 0;

@@ -1,0 +1,332 @@
+//! Scope page: up to four signals, recorded by the core cycle by cycle; cursor, zoom, trigger, CSV.
+//! Source: issue "a real machine", part 6; H9.
+
+mod curves;
+mod roundness;
+mod signal_list;
+
+use std::fmt::Write;
+
+use egui::accesskit::Role;
+use egui::{Id, Rect, Sense, WidgetInfo, vec2};
+
+use super::{PageContext, PageUi};
+use crate::defs::scope_signal::ScopeSignal;
+use crate::defs::text::Lang;
+use crate::hmi::{Area, EditKey, KeyboardFocus, PageKey, View, file_command, theme, widget};
+use crate::link::files::{FileRequest, Requester};
+use crate::link::page_command::PageCommand;
+use crate::link::scope::{
+    SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeRecording, ScopeSetup, ScopeState, ScopeTrigger,
+};
+use crate::link::{Command, Snapshot};
+use curves::CurveWindow;
+use signal_list::SignalList;
+
+/// Width of the names and values of the channels.
+const NAMES_WIDTH: f32 = 178.0;
+/// Least number of samples that are shown.
+const MIN_SAMPLES_SHOWN: f64 = 20.0;
+/// Level of a trigger on an input or output.
+const DIGITAL_LEVEL: f64 = 0.5;
+
+/// State of the page.
+#[derive(Debug)]
+pub struct ScopePage {
+    setup: ScopeSetup,
+    /// The recording that the page has shown last: what was asked for.
+    seen: Option<ScopeSetup>,
+    /// The shown part of the recording, in samples.
+    window: CurveWindow,
+    /// The sample at the cursor.
+    cursor: Option<usize>,
+    /// The channel whose signal is being chosen.
+    choosing: Option<(usize, SignalList)>,
+    /// The circle in place of the curves.
+    shows_roundness: bool,
+    walk: KeyboardFocus,
+}
+
+impl Default for ScopePage {
+    fn default() -> Self {
+        Self {
+            setup: ScopeSetup { span: SCOPE_SPANS[1], ..ScopeSetup::default() },
+            seen: None,
+            window: CurveWindow::default(),
+            cursor: None,
+            choosing: None,
+            shows_roundness: false,
+            walk: KeyboardFocus::default(),
+        }
+    }
+}
+
+impl PageUi for ScopePage {
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<super::HandOver>) {
+        self.choosing = None;
+        if self.setup.channels.iter().all(Option::is_none) {
+            self.setup.channels = first_signals(view);
+        }
+    }
+
+    fn close(&mut self) {
+        self.choosing = None;
+    }
+
+    fn record(&mut self, snapshot: &Snapshot) {
+        let recording = &snapshot.scope.recording;
+        // A recording that a story began shows its own signals.
+        if !recording.samples.is_empty() && self.seen != Some(recording.setup) {
+            (self.setup, self.seen) = (recording.setup, Some(recording.setup));
+            (self.window, self.cursor) = (CurveWindow::default(), None);
+        }
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { rect, view, typed, out, .. } = ctx;
+        if let Some((channel, mut list)) = self.choosing.take() {
+            match list.ui(rect, view, typed) {
+                signal_list::Answer::Open => self.choosing = Some((channel, list)),
+                signal_list::Answer::Chosen(signal) => self.choose(channel, signal),
+                signal_list::Answer::Cancelled => {}
+            }
+            return;
+        }
+        self.walk.begin_frame(&typed.edits);
+        if typed.edits.contains(&EditKey::Cancel) {
+            self.cursor = None;
+        }
+        let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
+        let (heading, body) = body.trim_bottom(theme::GAP).split_top(26.0);
+        self.heading(heading, view);
+        if self.shows_roundness {
+            roundness::ui(body, view, self.shown(view), self.window);
+        } else {
+            self.channels(body, view);
+        }
+        self.keys(keys, view, out);
+    }
+}
+
+/// Set-point and following error of the first axis that grinds or turns, and of the next.
+fn first_signals(view: &View<'_>) -> [Option<ScopeSignal>; SCOPE_CHANNELS] {
+    use crate::defs::scope_signal::AxisQuantity::{ActualSpeed, FollowingError};
+    let mut signals = view.axes().flat_map(|axis| [ActualSpeed, FollowingError].map(|of| ScopeSignal::Axis(axis, of)));
+    std::array::from_fn(|_| signals.next())
+}
+
+impl ScopePage {
+    fn choose(&mut self, channel: usize, signal: Option<ScopeSignal>) {
+        self.setup.channels[channel] = signal;
+        if channel == 0 {
+            let level = if signal.is_some_and(ScopeSignal::is_digital) { DIGITAL_LEVEL } else { 0.0 };
+            self.setup.trigger = match self.setup.trigger {
+                ScopeTrigger::Now => ScopeTrigger::Now,
+                ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
+                ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
+            };
+        }
+    }
+
+    /// The recording, if it is of the signals that the page shows.
+    fn shown<'a>(&self, view: &View<'a>) -> Option<&'a ScopeRecording> {
+        let recording = &*view.snapshot.scope.recording;
+        let fits = recording.setup.channels == self.setup.channels;
+        (fits && !recording.samples.is_empty()).then_some(recording)
+    }
+
+    /// What the scope does, the shown time, the time at the cursor.
+    fn heading(&self, rect: Rect, view: &View<'_>) {
+        let state = match view.snapshot.scope.state {
+            ScopeState::Idle => view.text("未记录", "not recording"),
+            ScopeState::Armed => view.text("等待触发…", "waiting for the trigger…"),
+            ScopeState::Recording => view.text("正在记录…", "recording…"),
+        };
+        let is_busy = view.snapshot.scope.state != ScopeState::Idle;
+        let ink = if is_busy { view.theme.run } else { view.theme.muted };
+        let taken = view.fit_left(rect, state, theme::LABEL, ink);
+        let Some(recording) = self.shown(view) else { return };
+        let (from, to) = self.window.range(recording.samples.len());
+        let mut words = format!("{:.3} … {:.3} s", recording.seconds(from), recording.seconds(to));
+        if let Some(at) = self.cursor.filter(|at| *at < recording.samples.len()) {
+            words = format!("{} {:.3} s  ·  {words}", view.text("游标", "cursor"), recording.seconds(at));
+        }
+        let rest = rect.with_min_x(taken.max.x + theme::GAP);
+        view.fit_right(rest, &words, theme::LABEL, view.theme.text);
+    }
+
+    /// Name and value of each channel in front of its curve.
+    fn channels(&mut self, rect: Rect, view: &View<'_>) {
+        let recording = self.shown(view);
+        self.drag(rect.trim_left(NAMES_WIDTH), view, recording.map_or(0, |recording| recording.samples.len()));
+        let height = rect.height() / SCOPE_CHANNELS as f32;
+        for channel in 0..SCOPE_CHANNELS {
+            let lane = rect.band(channel as f32 * height, height - 4.0);
+            let (names, plot) = lane.split_left(NAMES_WIDTH - 4.0);
+            if self.name(names, view, recording, channel) {
+                let list = SignalList::new(self.setup.channels[channel]);
+                self.choosing = Some((channel, list));
+            }
+            let plot = plot.trim_left(4.0);
+            view.card(plot);
+            if let (Some(recording), Some(signal)) = (recording, self.setup.channels[channel]) {
+                let lane = curves::Lane { channel, signal, level: self.level().filter(|_| channel == 0) };
+                curves::paint(plot.shrink(3.0), view, recording, (self.window, self.cursor), &lane);
+            } else if channel == 0 && recording.is_none() {
+                let words = view.text("按 开始 记录这些信号", "START records these signals");
+                view.note(plot, words);
+            }
+        }
+    }
+
+    /// The name of a channel as a key; true if it is touched.
+    fn name(&mut self, rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, channel: usize) -> bool {
+        let lang = view.lang;
+        let signal = self.setup.channels[channel];
+        let words = self.channel_name(view, lang, channel);
+        let name = format!("{words} scope-channel-{}", channel + 1);
+        let response = view.touch_row(rect, ("scope-channel", channel), false, name);
+        crate::hmi::keycap::plate(view, rect, &response);
+        let (chosen, entered) = self.walk.item();
+        if chosen {
+            view.frame(rect, view.theme.focus);
+        }
+        let inside = rect.shrink2(vec2(8.0, 4.0));
+        let line = inside.height() / 3.0;
+        let colour = curves::colour(view, channel);
+        view.fit_left(inside.band(0.0, line), &words, theme::LABEL, colour);
+        if let (Some(signal), Some(recording)) = (signal, recording) {
+            let (from, to) = self.window.range(recording.samples.len());
+            let at = self.cursor.unwrap_or(to.saturating_sub(1)).min(recording.samples.len() - 1);
+            let unit = signal.unit();
+            let value = format!("{} {unit}", curves::number(signal, recording.samples[at][channel]));
+            view.fit_left(inside.band(line, line), value.trim_end(), theme::TITLE, view.theme.text);
+            if let Some((low, high)) = recording.extremes(channel, from..to).filter(|_| !signal.is_digital()) {
+                let words = format!("{} … {}", curves::number(signal, low), curves::number(signal, high));
+                view.fit_left(inside.band(2.0 * line, line), &words, theme::SMALL, view.theme.muted);
+            }
+        }
+        response.clicked() || entered
+    }
+
+    fn channel_name(&self, view: &View<'_>, lang: Lang, channel: usize) -> String {
+        match self.setup.channels[channel] {
+            Some(signal) => signal.name(view.snapshot.fitted()).get(lang).into_owned(),
+            None => view.text("无信号", "no signal").to_owned(),
+        }
+    }
+
+    const fn level(&self) -> Option<f64> {
+        match self.setup.trigger {
+            ScopeTrigger::Now => None,
+            ScopeTrigger::Rising(level) | ScopeTrigger::Falling(level) => Some(level),
+        }
+    }
+
+    /// A touch sets the cursor; a finger drags the time, two fingers zoom it.
+    fn drag(&mut self, plot: Rect, view: &View<'_>, count: usize) {
+        let response = view.ui.interact(plot, Id::unique("scope-curves"), Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 scope-curves"));
+        if count == 0 {
+            return;
+        }
+        if response.hovered() || response.dragged() {
+            self.window.zoom(count, f64::from(view.zoom_factor()));
+        }
+        self.window.move_by(count, -f64::from(widget::drag_delta(&response).x) / f64::from(plot.width().max(1.0)));
+        if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            let share = f64::from((at.x - plot.min.x) / plot.width().max(1.0));
+            self.cursor = Some(self.window.sample_at(count, share));
+        }
+    }
+
+    fn keys(&mut self, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+        let is_busy = view.snapshot.scope.state != ScopeState::Idle;
+        let span = format!("{} {}", view.text("时长", "SPAN"), span_words(self.setup.span.as_secs_f64()));
+        let number = |level| self.setup.channels[0].map_or_else(String::new, |signal| curves::number(signal, level));
+        let name = view.text("触发", "TRIG");
+        let trigger = match self.setup.trigger {
+            ScopeTrigger::Now => view.text("触发 无", "TRIG none").to_owned(),
+            ScopeTrigger::Rising(level) => format!("{name} ↑ {}", number(level)),
+            ScopeTrigger::Falling(level) => format!("{name} ↓ {}", number(level)),
+        };
+        let shown = self.shown(view);
+        let at_cursor = shown.zip(self.cursor).and_then(|(shown, at)| Some(shown.samples.get(at)?[0]));
+        let start = if is_busy { view.text("停止", "STOP") } else { view.text("开始", "START") };
+        let keys = [
+            PageKey::new("scope-start", start).on(is_busy),
+            PageKey::new("scope-span", &span),
+            PageKey::new("scope-trigger", &trigger).on(self.level().is_some()),
+            PageKey::new("scope-level", view.text("触发值=游标", "CURSOR LEVEL")),
+            PageKey::new("scope-all", view.text("全部", "FIT")),
+            PageKey::new("scope-round", view.text("圆度", "ROUND")).on(self.shows_roundness),
+            PageKey::new("scope-export", view.text("存为 CSV", "SAVE CSV")),
+        ];
+        let send = |command| Command::Page(PageCommand::Scope(command));
+        match self.walk.keys(view, rect, &keys) {
+            Some(0) if is_busy => out.push(send(ScopeCommand::Stop)),
+            Some(0) => {
+                self.seen = Some(self.setup);
+                (self.window, self.cursor) = (CurveWindow::default(), None);
+                out.push(send(ScopeCommand::Start(self.setup)));
+            }
+            Some(1) => {
+                let next = SCOPE_SPANS.into_iter().find(|span| *span > self.setup.span);
+                self.setup.span = next.unwrap_or(SCOPE_SPANS[0]);
+            }
+            Some(2) => {
+                let digital = self.setup.channels[0].is_some_and(ScopeSignal::is_digital);
+                let level = at_cursor.unwrap_or(if digital { DIGITAL_LEVEL } else { 0.0 });
+                self.setup.trigger = match self.setup.trigger {
+                    ScopeTrigger::Now => ScopeTrigger::Rising(level),
+                    ScopeTrigger::Rising(level) => ScopeTrigger::Falling(level),
+                    ScopeTrigger::Falling(_) => ScopeTrigger::Now,
+                };
+            }
+            Some(3) => {
+                if let Some(level) = at_cursor {
+                    self.setup.trigger = match self.setup.trigger {
+                        ScopeTrigger::Now | ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
+                        ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
+                    };
+                }
+            }
+            Some(4) => (self.window, self.cursor) = (CurveWindow::default(), None),
+            Some(5) => self.shows_roundness = !self.shows_roundness,
+            Some(_) => {
+                if let Some(recording) = shown {
+                    out.push(file_command(Requester::Screen, FileRequest::SaveTable(csv(recording))));
+                }
+            }
+            None => {}
+        }
+    }
+}
+
+/// A time as a key shows it.
+fn span_words(seconds: f64) -> String {
+    if seconds < 60.0 { format!("{seconds} s") } else { format!("{:.0} min", seconds / 60.0) }
+}
+
+/// One line per sample: seconds after the trigger, then the channels by their words.
+fn csv(recording: &ScopeRecording) -> String {
+    let used: Vec<(usize, ScopeSignal)> =
+        recording.setup.channels.into_iter().enumerate().filter_map(|(at, signal)| Some((at, signal?))).collect();
+    let heads: String = used.iter().map(|(_, signal)| format!(",{}", head(*signal))).collect();
+    let mut text = format!("seconds{heads}\r\n");
+    for (index, row) in recording.samples.iter().enumerate() {
+        let values: String =
+            used.iter().map(|(at, signal)| format!(",{}", curves::number(*signal, row[*at]))).collect();
+        // Writing to a string does not fail.
+        let _ = write!(text, "{:.4}{values}\r\n", recording.seconds(index));
+    }
+    text
+}
+
+/// The head of a column: the word of the signal and its unit.
+fn head(signal: ScopeSignal) -> String {
+    let unit = signal.unit();
+    if unit.is_empty() { signal.id() } else { format!("{} {unit}", signal.id()) }
+}

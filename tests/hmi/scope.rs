@@ -1,0 +1,117 @@
+//! The scope page: signals are chosen by touch, recorded by the core, read at a cursor, saved as CSV; a circle is measured.
+//! Source: spec B6 (diagnosis), H9.
+
+use kt830::defs::page::Page;
+use kt830::link::files::FileRequest;
+use kt830::link::scope::{ScopeState, ScopeTrigger};
+
+use crate::live_screen::Bench;
+use crate::sample::snapshot;
+use crate::screen::open;
+use crate::stories::{ready, ready_with, tell};
+use egui_kittest::kittest::Queryable;
+use kt830::link::Command;
+use kt830::link::page_command::PageCommand;
+
+#[test]
+fn b6_signals_are_chosen_and_recorded_by_touch() {
+    let mut bench = Bench::new(ready(), Page::Scope);
+    assert!(bench.shows("X 跟随误差") && bench.shows("按 开始 记录这些信号"));
+    bench.touch("X 实际速度 scope-channel-1");
+    assert!(bench.shows("选一个信号"));
+    bench.touch("Z 设定值 Z-set");
+    assert!(bench.shows("Z 设定值") && !bench.shows("选一个信号"));
+    bench.touch("开始 scope-start");
+    assert_eq!(bench.rig.snapshot().scope.state, ScopeState::Recording);
+    tell(&mut bench.rig, "wait 5 s");
+    bench.turn();
+    let scope = bench.rig.snapshot().scope.clone();
+    assert_eq!((scope.state, scope.recording.samples.len()), (ScopeState::Idle, 4_000));
+    assert_eq!(scope.recording.setup.channels[0].map(|signal| signal.id()).as_deref(), Some("Z-set"));
+    // The value where the axis stands, in the name of its channel: −150 mm.
+    assert!(bench.shows("-150.0000 mm"), "{:?}", bench.painted());
+}
+
+#[test]
+fn b6_a_recording_stops_by_touch_and_spans_and_triggers_step_on() {
+    let mut bench = Bench::new(ready(), Page::Scope);
+    for span in ["20 s", "1 min", "5 min", "0.5 s", "4 s"] {
+        let shown = bench.painted().into_iter().find(|words| words.starts_with("时长")).expect("the span");
+        bench.touch(&format!("{shown} scope-span"));
+        assert!(bench.shows(&format!("时长 {span}")), "{span}: {:?}", bench.painted());
+    }
+    bench.touch("触发 无 scope-trigger");
+    bench.touch("触发 ↑ 0.0 scope-trigger");
+    bench.touch("开始 scope-start");
+    assert_eq!(bench.rig.snapshot().scope.state, ScopeState::Armed);
+    bench.turn();
+    assert!(bench.shows("等待触发"));
+    bench.touch("停止 scope-start");
+    let scope = bench.rig.snapshot().scope.clone();
+    assert_eq!((scope.state, scope.recording.setup.trigger), (ScopeState::Idle, ScopeTrigger::Falling(0.0)));
+}
+
+/// A recording that something else began is shown with its own signals; a touch on the curves puts the cursor there, and
+/// its value becomes the level.
+#[test]
+fn b6_the_cursor_reads_values_and_gives_the_level() {
+    let mut screen = open(snapshot(Page::Scope));
+    let plot = screen.get_by_label("曲线 scope-curves").rect();
+    let touch = |screen: &mut crate::screen::Screen, at: egui::Pos2| {
+        for pressed in [true, false] {
+            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+            let events = &mut screen.input_mut().events;
+            events.extend([
+                egui::Event::PointerMoved(at),
+                egui::Event::PointerButton { pos: at, button, pressed, modifiers },
+            ]);
+            screen.run();
+        }
+    };
+    // A quarter of 4 000 samples is sample 1 000, 0.2 s behind the trigger at sample 800.
+    touch(&mut screen, plot.left_center() + egui::vec2(plot.width() * 0.25, 3.0));
+    let words = crate::screen::painted(&screen);
+    assert!(words.iter().any(|words| words.contains("游标 0.2")), "{words:?}");
+    // −6000 · sin(1000/400) = −3590.8.
+    assert!(words.iter().any(|words| words.starts_with("-359") && words.ends_with("mm/min")), "{words:?}");
+    screen.get_by_label("触发值=游标 scope-level").click();
+    screen.run();
+    assert!(crate::screen::painted(&screen).iter().any(|words| words.starts_with("触发 ↑ -359")));
+}
+
+#[test]
+fn b6_the_recording_is_saved_as_a_table() {
+    let mut screen = open(snapshot(Page::Scope));
+    screen.get_by_label("存为 CSV scope-export").click();
+    screen.run();
+    let saved = screen.state_mut().sent.iter().find_map(|command| match command {
+        Command::Page(PageCommand::File(_, FileRequest::SaveTable(text))) => Some(text.clone()),
+        _ => None,
+    });
+    let text = saved.expect("a table");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("seconds,X-actual-speed mm/min,X-error µm,input:guard-closed,X-actual mm"));
+    assert_eq!(lines.next(), Some("-0.8000,-0.0,-0.0,0,-812.4550"));
+    assert_eq!(text.lines().count(), 4_001);
+}
+
+/// A circle of 10 mm at 600 mm/min in the plane XZ. The drives lag by a time constant, so the circle is smaller by
+/// R·(ωT)²/2, and it is round.
+#[test]
+fn b6_a_recorded_circle_has_a_roundness() {
+    let mut rig = ready_with("G98 G01 U0 F600\nG02 U0 W0 I-10 K0\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nscope X-actual Z-actual X-set Z-set span 20 s\nkey cycle-start\nwait 3 s\nscope stop\nwait 0.3 s",
+    );
+    let mut bench = Bench::new(rig, Page::Scope);
+    bench.touch("圆度 scope-round");
+    assert!(bench.shows("圆度") && bench.shows("半径偏差"), "{:?}", bench.painted());
+    let um = |bench: &Bench, after: &str| -> f64 {
+        let words = bench.painted();
+        let at = words.iter().position(|word| word == after).expect("the name");
+        words[at + 1].trim_end_matches(" µm").parse().expect("a number")
+    };
+    assert!(um(&bench, "圆度") < 3.0, "{:?}", bench.painted());
+    assert!((-20.0..0.5).contains(&um(&bench, "半径偏差")), "{:?}", bench.painted());
+}
