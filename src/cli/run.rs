@@ -15,7 +15,8 @@ use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
 use crate::io::sim::PartReport;
 use crate::link::part_result::PartVerdict;
-use crate::link::snapshot::{AlarmView, AxisView, Snapshot, ThreadCut, VARIABLE_COUNT};
+use crate::link::snapshot::{AlarmView, AxisView, Snapshot, VARIABLE_COUNT};
+use crate::link::thread_cut::ThreadCut;
 use crate::units::{MachinePos, Micros};
 
 /// So many hours.

@@ -10,7 +10,8 @@ use crate::defs::signal::{OutputSet, Terminals};
 use crate::defs::text::LocalizedText;
 use crate::io::OutputImage;
 use crate::link::part_result::PartResult;
-use crate::link::snapshot::{OwnMotion, RunState, ThreadCut};
+use crate::link::snapshot::{OwnMotion, RunState};
+use crate::link::thread_cut::ThreadCut;
 use crate::nc::{BlockLocation, WorkOffsets};
 use crate::units::{Axis, MachinePos, Micros, PerAxis};
 

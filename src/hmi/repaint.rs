@@ -20,6 +20,7 @@ use crate::link::cycle::CycleView;
 use crate::link::program_view::ProgramView;
 use crate::link::simulation::SimView;
 use crate::link::snapshot::AxisView;
+use crate::link::terminals::TerminalView;
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 
@@ -91,9 +92,7 @@ compared_fields! {
     alarms: differ;
     message: differ;
     waiting_for: differ;
-    input_terminals: on(FieldGroup::Diagnosis, differ);
-    output_terminals: on(FieldGroup::Diagnosis, differ);
-    analog_volts: on(FieldGroup::Diagnosis, |old, new, _| volts_differ(old, new));
+    terminals: on(FieldGroup::Diagnosis, |old, new, _| terminals_differ(old, new));
     internals: on(FieldGroup::Diagnosis, differ);
     alarm_history: |old, new, _| old.version() != new.version();
     leadscrews: on(FieldGroup::Leadscrews, differ);
@@ -163,9 +162,10 @@ fn axes_differ(painted: &PerAxis<AxisView>, newest: &PerAxis<AxisView>) -> bool 
 }
 
 /// The lamp of an analog output is lit above zero.
-fn volts_differ(painted: &[f64; 2], newest: &[f64; 2]) -> bool {
-    let shown = |volts: f64| (volts > 0.0, format_volts(volts));
-    painted.map(shown) != newest.map(shown)
+fn terminals_differ(painted: &TerminalView, newest: &TerminalView) -> bool {
+    let volts = |volts: f64| (volts > 0.0, format_volts(volts));
+    let shown = |view: &TerminalView| (view.inputs, view.outputs, view.analog_volts.map(volts));
+    shown(painted) != shown(newest)
 }
 
 /// The text is compared by its memory and its stamp: a million lines are not read 30 times a second.

@@ -19,6 +19,8 @@ pub mod simulation;
 pub mod snapshot;
 pub mod start_guide;
 pub mod teach;
+pub mod terminals;
+pub mod thread_cut;
 pub mod toolpath;
 
 pub use command::Command;

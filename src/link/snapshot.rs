@@ -17,6 +17,7 @@ use super::scope::ScopeView;
 use super::simulation::SimView;
 use super::start_guide::StartGuide;
 use super::teach::TeachView;
+use super::terminals::TerminalView;
 use super::toolpath::StockBox;
 use crate::defs::alarm_history::AlarmHistory;
 use crate::defs::date::DateTime;
@@ -26,7 +27,7 @@ use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
 use crate::defs::param::{self, AccessLevel, Params};
-use crate::defs::signal::{InputSet, OutputSet, Terminals};
+use crate::defs::signal::{InputSet, OutputSet};
 use crate::defs::soft_key::CoordinateView;
 use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::defs::{program_kind, program_number};
@@ -34,19 +35,6 @@ use crate::units::{Axis, Micros, PerAxis};
 
 /// Programs with a grinding page of their own (K7.2).
 pub const PROGRAMS_WITH_PAGE: std::ops::RangeInclusive<u32> = 1_001..=1_020;
-
-/// Measurements of a thread that was cut (L5).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ThreadCut {
-    /// Line of the program, from 1.
-    pub line: u32,
-    /// Lead, mm.
-    pub lead_mm: f64,
-    /// Distance from the start to the run-out, mm.
-    pub length_mm: f64,
-    /// Maximum minus minimum deviation of Z from its spindle-synchronised position, mm.
-    pub error_mm: f64,
-}
 
 /// Number of macro variables shown: #0 to #999.
 pub const VARIABLE_COUNT: usize = 1_000;
@@ -311,12 +299,8 @@ pub struct Snapshot {
     pub message: Message,
     /// The message of the program (`MSG`), or what the run waits for.
     pub waiting_for: Option<LocalizedText>,
-    /// Circuits of the input terminals; a closed one is low.
-    pub input_terminals: Terminals,
-    /// Circuits of the output terminals; a closed one is low.
-    pub output_terminals: Terminals,
-    /// The analog outputs: wheel speed, second output; volts.
-    pub analog_volts: [f64; 2],
+    /// Terminals and analog outputs.
+    pub terminals: TerminalView,
     /// Internal signals of the control.
     pub internals: InternalSignalSet,
     /// Past alarms, also before the last power-off, newest last.
@@ -500,9 +484,7 @@ impl Snapshot {
             alarms: Vec::new(),
             message: Message::default(),
             waiting_for: None,
-            input_terminals: Terminals::default(),
-            output_terminals: Terminals::default(),
-            analog_volts: [0.0; 2],
+            terminals: TerminalView::default(),
             internals: InternalSignalSet::default(),
             alarm_history: AlarmHistory::default(),
             leadscrews: PerAxis::default(),

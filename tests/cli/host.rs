@@ -272,7 +272,7 @@ fn a_changed_port_reaches_the_machine() {
     bench.send(Command::SetParam(port, 60.0));
     bench.until("the port", |snapshot| snapshot.params.read(port).is_ok_and(|port| port > 59.0));
     bench.until_noted("rewire", |notes| notes.rewired > 0);
-    bench.until("the machine drives the new port", |snapshot| snapshot.input_terminals.is_closed(60));
+    bench.until("the machine drives the new port", |snapshot| snapshot.terminals.inputs.is_closed(60));
     bench.until("the tailstock is still back", |snapshot| snapshot.inputs.has(input));
     assert_eq!(bench.notes.lock().unwrap().rewired, 1, "once a change");
 }

@@ -22,7 +22,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("story", &["units", "defs", "link", "io", "host"]),
     ("torture", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story"]),
     ("technology", &["defs"]),
-    ("hmi", &["units", "defs", "link", "technology"]),
+    ("hmi", &["units", "defs", "link", "technology", "geometry"]),
     ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "torture", "hmi"]),
 ];
 

@@ -1,7 +1,7 @@
 //! Measures each thread while it is cut: lead error from the Z and the spindle encoder of the same tick.
 //! Source: spec L5.
 
-use crate::link::snapshot::ThreadCut;
+use crate::link::thread_cut::ThreadCut;
 
 /// Maximum number of recorded threads.
 const MAX_THREADS: usize = 256;

@@ -20,6 +20,7 @@ use crate::link::page_command::{
     StorageAnswer,
 };
 use crate::link::snapshot::{RunState, Snapshot};
+use crate::link::terminals::TerminalView;
 use crate::machine::panel_key::NOT_IN_RUN;
 use crate::units::Axis;
 
@@ -164,9 +165,12 @@ impl Panel {
 
     /// Writes the snapshot fields of the parameter, diagnosis and settings pages.
     pub fn page_view(&self, parts: PartsView<'_>, out: &mut Snapshot) {
-        out.input_terminals = parts.plant.inputs.image.terminals;
-        out.output_terminals = parts.plant.outputs.image.terminals;
-        out.analog_volts = [parts.plant.outputs.image.wheel_volts, parts.plant.outputs.image.analog_2_volts];
+        let image = &parts.plant.outputs.image;
+        out.terminals = TerminalView {
+            inputs: parts.plant.inputs.image.terminals,
+            outputs: image.terminals,
+            analog_volts: [image.wheel_volts, image.analog_2_volts],
+        };
         out.internals = internal_signals(parts);
         out.access = self.access.view();
         for axis in Axis::ALL {

@@ -207,7 +207,7 @@ fn inputs(view: &View<'_>) -> Vec<PortLine> {
             id: input.id(),
             port,
             in_conflict: twice.iter().any(|conflict| conflict.functions.contains(input)),
-            low: connected.then(|| snapshot.input_terminals.is_closed(port)),
+            low: connected.then(|| snapshot.terminals.inputs.is_closed(port)),
             normally_closed: connected.then(|| inverted >> (port - 1) & 1 == 1),
             param: input.port_param(),
             ..PortLine::default()
@@ -221,7 +221,7 @@ fn outputs(view: &View<'_>) -> Vec<PortLine> {
     let twice = port_conflict::output_conflicts(&snapshot.params);
     let [first, second] = snapshot.kind.ui().analog_output_names.map(|name| name.get(view.lang));
     let analog = [(first, "wheel-speed"), (second, "analog-2")];
-    let analog = analog.into_iter().zip(snapshot.analog_volts).map(|((name, id), volts)| PortLine {
+    let analog = analog.into_iter().zip(snapshot.terminals.analog_volts).map(|((name, id), volts)| PortLine {
         on: volts > 0.0,
         name: name.to_owned(),
         id,
@@ -237,7 +237,7 @@ fn outputs(view: &View<'_>) -> Vec<PortLine> {
             id: output.id(),
             port,
             in_conflict: twice.iter().any(|conflict| conflict.functions.contains(output)),
-            low: (port > 0).then(|| snapshot.output_terminals.is_closed(port)),
+            low: (port > 0).then(|| snapshot.terminals.outputs.is_closed(port)),
             param: output.port_param(),
             ..PortLine::default()
         }

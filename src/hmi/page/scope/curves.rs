@@ -48,7 +48,7 @@ impl CurveWindow {
     }
 
     /// Moves by a share of the width.
-    pub fn move_by(&mut self, _count: usize, by: f64) {
+    pub fn move_by(&mut self, by: f64) {
         self.from += by * self.share;
         self.keep_inside();
     }
@@ -58,8 +58,10 @@ impl CurveWindow {
     }
 }
 
-/// A curve: its channel, its signal, and the level of the trigger.
+/// A curve: what is shown, its channel, its signal, and the level of the trigger.
 pub struct Lane {
+    pub window: CurveWindow,
+    pub cursor: Option<usize>,
     pub channel: usize,
     pub signal: ScopeSignal,
     pub level: Option<f64>,
@@ -85,14 +87,8 @@ pub fn number(signal: ScopeSignal, value: f64) -> String {
 }
 
 /// Draws a curve over its whole range, with zero, the trigger and the cursor.
-pub fn paint(
-    plot: Rect,
-    view: &View<'_>,
-    recording: &ScopeRecording,
-    (window, cursor): (CurveWindow, Option<usize>),
-    lane: &Lane,
-) {
-    let (from, to) = window.range(recording.samples.len());
+pub fn paint(plot: Rect, view: &View<'_>, recording: &ScopeRecording, lane: &Lane) {
+    let (from, to) = lane.window.range(recording.samples.len());
     let Some((low, high)) = recording.extremes(lane.channel, from..to) else { return };
     let (low, high) = match lane.level {
         _ if lane.signal.is_digital() => (0.0, 1.0),
@@ -118,7 +114,7 @@ pub fn paint(
     let values = recording.samples[from..to].iter().map(|row| row[lane.channel]);
     let points = curve(values.enumerate().map(|(index, value)| pos2(x(from + index), y(value))));
     painter.add(Shape::line(points, Stroke::new(1.6, colour(view, lane.channel))));
-    if let Some(at) = cursor.filter(|at| (from..to).contains(at)) {
+    if let Some(at) = lane.cursor.filter(|at| (from..to).contains(at)) {
         painter.vline(x(at), plot.y_range(), Stroke::new(theme::HAIRLINE, view.theme.text));
         painter.circle_filled(pos2(x(at), y(recording.samples[at][lane.channel])), 3.5, view.theme.text);
     }

@@ -170,8 +170,10 @@ impl ScopePage {
             let plot = plot.trim_left(4.0);
             view.card(plot);
             if let (Some(recording), Some(signal)) = (recording, self.setup.channels[channel]) {
-                let lane = curves::Lane { channel, signal, level: self.level().filter(|_| channel == 0) };
-                curves::paint(plot.shrink(3.0), view, recording, (self.window, self.cursor), &lane);
+                let (window, cursor) = (self.window, self.cursor);
+                let level = self.level().filter(|_| channel == 0);
+                let lane = curves::Lane { window, cursor, channel, signal, level };
+                curves::paint(plot.shrink(3.0), view, recording, &lane);
             } else if channel == 0 && recording.is_none() {
                 let words = view.text("按 开始 记录这些信号", "START records these signals");
                 view.note(plot, words);
@@ -233,7 +235,7 @@ impl ScopePage {
         if response.hovered() || response.dragged() {
             self.window.zoom(count, f64::from(view.zoom_factor()));
         }
-        self.window.move_by(count, -f64::from(widget::drag_delta(&response).x) / f64::from(plot.width().max(1.0)));
+        self.window.move_by(-f64::from(widget::drag_delta(&response).x) / f64::from(plot.width().max(1.0)));
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
@@ -252,8 +254,6 @@ impl ScopePage {
             ScopeTrigger::Rising(level) => format!("{name} ↑ {}", number(level)),
             ScopeTrigger::Falling(level) => format!("{name} ↓ {}", number(level)),
         };
-        let shown = self.shown(view);
-        let at_cursor = shown.zip(self.cursor).and_then(|(shown, at)| Some(shown.samples.get(at)?[0]));
         let start = if is_busy { view.text("停止", "STOP") } else { view.text("开始", "START") };
         let keys = [
             PageKey::new("scope-start", start).on(is_busy),
@@ -264,43 +264,49 @@ impl ScopePage {
             PageKey::new("scope-round", view.text("圆度", "ROUND")).on(self.shows_roundness),
             PageKey::new("scope-export", view.text("存为 CSV", "SAVE CSV")),
         ];
+        if let Some(key) = self.walk.keys(view, rect, &keys) {
+            self.act(key, view, out);
+        }
+    }
+
+    /// One of the keys, in their order.
+    fn act(&mut self, key: usize, view: &View<'_>, out: &mut Vec<Command>) {
         let send = |command| Command::Page(PageCommand::Scope(command));
-        match self.walk.keys(view, rect, &keys) {
-            Some(0) if is_busy => out.push(send(ScopeCommand::Stop)),
-            Some(0) => {
+        let shown = self.shown(view);
+        let at_cursor = shown.zip(self.cursor).and_then(|(shown, at)| Some(shown.samples.get(at)?[0]));
+        match key {
+            0 if view.snapshot.scope.state != ScopeState::Idle => out.push(send(ScopeCommand::Stop)),
+            0 => {
                 self.seen = Some(self.setup);
                 (self.window, self.cursor) = (CurveWindow::default(), None);
                 out.push(send(ScopeCommand::Start(self.setup)));
             }
-            Some(1) => {
+            1 => {
                 let next = SCOPE_SPANS.into_iter().find(|span| *span > self.setup.span);
                 self.setup.span = next.unwrap_or(SCOPE_SPANS[0]);
             }
-            Some(2) => {
-                let digital = self.setup.channels[0].is_some_and(ScopeSignal::is_digital);
-                let level = at_cursor.unwrap_or(if digital { DIGITAL_LEVEL } else { 0.0 });
+            2 => {
+                let is_digital = self.setup.channels[0].is_some_and(ScopeSignal::is_digital);
+                let level = at_cursor.unwrap_or(if is_digital { DIGITAL_LEVEL } else { 0.0 });
                 self.setup.trigger = match self.setup.trigger {
                     ScopeTrigger::Now => ScopeTrigger::Rising(level),
                     ScopeTrigger::Rising(level) => ScopeTrigger::Falling(level),
                     ScopeTrigger::Falling(_) => ScopeTrigger::Now,
                 };
             }
-            Some(3) => {
-                if let Some(level) = at_cursor {
-                    self.setup.trigger = match self.setup.trigger {
-                        ScopeTrigger::Now | ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
-                        ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
-                    };
-                }
+            3 => {
+                let Some(level) = at_cursor else { return };
+                self.setup.trigger = match self.setup.trigger {
+                    ScopeTrigger::Now | ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
+                    ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
+                };
             }
-            Some(4) => (self.window, self.cursor) = (CurveWindow::default(), None),
-            Some(5) => self.shows_roundness = !self.shows_roundness,
-            Some(_) => {
-                if let Some(recording) = shown {
-                    out.push(file_command(Requester::Screen, FileRequest::SaveTable(csv(recording))));
-                }
+            4 => (self.window, self.cursor) = (CurveWindow::default(), None),
+            5 => self.shows_roundness = !self.shows_roundness,
+            _ => {
+                let table = shown.map(|shown| FileRequest::SaveTable(csv(shown)));
+                out.extend(table.map(|table| file_command(Requester::Screen, table)));
             }
-            None => {}
         }
     }
 }
