@@ -32,6 +32,24 @@ use kt830::units::{Axis, Micros, PerAxis};
 
 type Change = (&'static str, Page, fn(&mut Snapshot));
 
+/// Either side of the terminals is shown on the diagnosis page, and nowhere else.
+#[test]
+fn h8_terminals_of_either_side_are_painted() {
+    for change in [
+        |machine: &mut Snapshot| machine.terminals.inputs.set(3, true),
+        |machine: &mut Snapshot| {
+            machine.terminals.outputs.set(3, true);
+        },
+    ] {
+        for (page, shown) in [(Page::Diagnosis, Some("terminals")), (Page::Mdi, None)] {
+            let painted = snapshot(page);
+            let mut newest = painted.clone();
+            change(&mut newest);
+            assert_eq!(changed_field(&painted, &newest), shown);
+        }
+    }
+}
+
 /// For every field: a page that shows it, and a change of it. Lengths change by the last digit shown.
 const CHANGES: &[Change] = &[
     ("page", Page::Mdi, |machine| machine.page = Page::Offset),
@@ -69,8 +87,6 @@ const CHANGES: &[Change] = &[
     ("alarms", Page::Mdi, |machine| machine.alarms = crate::sample::alarm(machine.page).alarms),
     ("message", Page::Mdi, |machine| machine.message = crate::sample::refused(machine.page).message),
     ("waiting_for", Page::Mdi, |machine| machine.waiting_for = Some(LocalizedText::new("等待", "waits"))),
-    ("terminals", Page::Diagnosis, |machine| machine.terminals.inputs.set(3, true)),
-    ("terminals", Page::Diagnosis, |machine| machine.terminals.outputs.set(3, true)),
     ("terminals", Page::Diagnosis, |machine| machine.terminals.analog_volts[1] += 0.01),
     ("internals", Page::Diagnosis, |machine| machine.internals = machine.internals.with(InternalSignal::Held, true)),
     ("alarm_history", Page::Alarm, |machine| machine.alarm_history = AlarmHistory::new([], 7)),

@@ -259,7 +259,7 @@ impl ScopePage {
             PageKey::new("scope-start", start).on(is_busy),
             PageKey::new("scope-span", &span),
             PageKey::new("scope-trigger", &trigger).on(self.level().is_some()),
-            PageKey::new("scope-level", view.text("触发值=游标", "CURSOR LEVEL")),
+            PageKey::new("scope-level", view.text("触发值=游标", "SET LEVEL")),
             PageKey::new("scope-all", view.text("全部", "FIT")),
             PageKey::new("scope-round", view.text("圆度", "ROUND")).on(self.shows_roundness),
             PageKey::new("scope-export", view.text("存为 CSV", "SAVE CSV")),
