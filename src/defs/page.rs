@@ -116,7 +116,7 @@ pages! {
         "查找号码或名称。改用户参数、机床参数要密码；程序运行中不能改。", "Search by number or name. User and machine parameters need a password; no parameter can be changed while a program runs.";
     Diagnosis = "diagnosis", ANY, "诊断", "diagnosis", row 1, key 1 2 "诊断" "DIAGNOSIS",
         "每个输入输出的端口、名称和状态，内部信号，按键为什么被拒绝。", "Every input and output with port, name and state; internal signals; why a key is refused.",
-        "按页签换组，查找名称。报警原因先在这里核对信号。", "Choose a tab, search by name. After an alarm, check the signals here first.";
+        "按页签换组。报警原因先在这里核对信号。调试时在 核对 里逐个确认输入输出。", "Choose a tab. After an alarm, check the signals here first. On CHECK a fitter confirms every input and output.";
     Graphic = "graphic", ANY, "图形", "graphic", row 1, key 1 3 "图形" "GRAPHIC",
         "刀具轨迹：检查运行得到，当前位置实时显示；时间和范围。", "The tool path from a check run with the live position; time and extents.",
         "拖动和双指缩放；全图键恢复。", "Drag and pinch; FIT shows the whole path again.";

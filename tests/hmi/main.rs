@@ -12,6 +12,7 @@ mod stories;
 
 mod alarm;
 mod bus;
+mod checklist;
 mod closing;
 mod core_fault;
 mod designer;

@@ -229,13 +229,15 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 30] = [
+const USES: [(Page, &[&str]); 32] = [
     (Page::Designer, &["→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "→", "⏎"]),
     (Page::Diagnosis, &["→"]),
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
+    (Page::Diagnosis, &["→", "→", "→", "→"]),
+    (Page::Diagnosis, &["→", "→", "→", "→", "⏎"]),
     (Page::Alarm, &["→"]),
     (Page::Alarm, &["→", "⏎"]),
     (Page::Params, &["/", "p27"]),

@@ -1,6 +1,8 @@
-//! Diagnosis: live state of every input, output and internal signal, with port and parameter; ports assigned twice; and
-//! why a key is blocked.
+//! Diagnosis: live state of every input, output and internal signal, with port and parameter; ports assigned twice; why a
+//! key is blocked; and the checklist of commissioning.
 //! Source: spec B6, K6.1, K2.4.
+
+mod checklist;
 
 use egui::{Rect, vec2};
 
@@ -9,7 +11,9 @@ use crate::defs::key::{Key, KeyGroup};
 use crate::defs::port_conflict;
 use crate::defs::signal::{Input, Output};
 use crate::hmi::{Area, EditKey, View, format_volts, panel, theme, widget};
+use crate::link::Snapshot;
 use crate::link::internal_signal::InternalSignal;
+use checklist::Checklist;
 
 /// Heights of a line of the port table and of the key list.
 const LINE_HEIGHT: f32 = 30.0;
@@ -27,16 +31,18 @@ enum DiagnosisTab {
     Outputs,
     Internals,
     Keys,
+    Check,
 }
 
-const TABS: [DiagnosisTab; 4] =
-    [DiagnosisTab::Inputs, DiagnosisTab::Outputs, DiagnosisTab::Internals, DiagnosisTab::Keys];
+const TABS: [DiagnosisTab; 5] =
+    [DiagnosisTab::Inputs, DiagnosisTab::Outputs, DiagnosisTab::Internals, DiagnosisTab::Keys, DiagnosisTab::Check];
 
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct DiagnosisPage {
     tab: DiagnosisTab,
     scroll: Scroll,
+    checklist: Checklist,
 }
 
 /// One line of the port table.
@@ -56,11 +62,15 @@ struct PortLine {
 
 impl PageUi for DiagnosisPage {
     fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
-        *self = Self::default();
+        (self.tab, self.scroll) = (DiagnosisTab::default(), Scroll::default());
+    }
+
+    fn record(&mut self, snapshot: &Snapshot) {
+        self.checklist.record(snapshot);
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { rect, view, typed, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         let (bar, rest) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
         let dead = blocked_keys(view);
         let keys = [
@@ -68,6 +78,7 @@ impl PageUi for DiagnosisPage {
             ("tab-outputs", view.text("输出", "OUTPUTS").to_owned()),
             ("tab-internals", view.text("内部", "INTERNAL").to_owned()),
             ("tab-keys", format!("{} {}", view.text("按键", "KEYS"), dead.len())),
+            ("tab-check", view.text("核对", "CHECK").to_owned()),
         ];
         let chosen = TABS.iter().position(|tab| *tab == self.tab).unwrap_or(0);
         let step = |edit: &EditKey| match edit {
@@ -87,6 +98,7 @@ impl PageUi for DiagnosisPage {
             DiagnosisTab::Outputs => self.ports(rest, view, typed.scroll_pages, &outputs(view)),
             DiagnosisTab::Internals => internals(rest, view),
             DiagnosisTab::Keys => self.keys(rest, view, typed.scroll_pages, &dead),
+            DiagnosisTab::Check => self.checklist.ui(rest, view, typed, out),
         }
     }
 }
