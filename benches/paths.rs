@@ -17,6 +17,8 @@ const SLACK: f64 = 1e-6;
 /// How much faster than the feed the axes may be.
 const FEED_SLACK: f64 = 0.005;
 const MAX_TICKS: u32 = 200_000;
+/// Number of seeds of each class.
+const SEEDS: u32 = 6;
 /// Runs of each path; the shortest duration of each tick counts.
 const RUNS: u32 = 5;
 
@@ -154,6 +156,15 @@ fn many_moves() {
     );
 }
 
+/// Every contour of the table at every tolerance: class, seed and contour.
+fn all_contours() -> impl Iterator<Item = (usize, u32, Value)> {
+    (0..contours::CLASSES.len()).flat_map(|class| {
+        (0..SEEDS).flat_map(move |seed| {
+            contours::TOLERANCES_UM.map(|tolerance| (class, seed, contours::contour(class, seed, tolerance)))
+        })
+    })
+}
+
 /// The fastest times that are known, s, by name.
 fn optima() -> Value {
     serde_json::from_str(include_str!("contours/optima.json")).unwrap()
@@ -165,7 +176,7 @@ fn random_contours() -> bool {
     let optima = optima();
     let (mut kept_all, mut ratios) = (true, std::collections::BTreeMap::<(usize, u32, bool), Vec<f64>>::new());
     let (mut known, mut count) = (0, 0);
-    for (class, seed, mut contour) in contours::all() {
+    for (class, seed, mut contour) in all_contours() {
         count += 1;
         let name = contour["name"].as_str().unwrap_or_default().to_owned();
         let Some(least) = optima[&name].as_f64() else {
@@ -246,7 +257,7 @@ fn block_rate(chord_mm: f64, grid_mm: f64) {
 
 fn main() {
     if let Some(folder) = std::env::var_os("KT830_WRITE_CONTOURS") {
-        for (_, _, contour) in contours::all() {
+        for (_, _, contour) in all_contours() {
             let file = format!("{}.json", contour["name"].as_str().unwrap_or_default());
             std::fs::write(std::path::Path::new(&folder).join(file), contour.to_string()).unwrap();
         }

@@ -10,8 +10,6 @@ use std::f64::consts::TAU;
 
 /// Tolerances for which the fastest time is known, µm.
 pub const TOLERANCES_UM: [u32; 4] = [2, 5, 10, 50];
-/// Number of seeds.
-pub const SEEDS: u32 = 6;
 /// Draws the points of a contour, mm.
 type Draw = fn(&mut Random) -> Vec<[f64; 2]>;
 /// The classes.
@@ -161,12 +159,5 @@ pub fn contour(class: usize, seed: u32, tolerance_um: u32) -> Value {
             "tol": f64::from(tolerance_um) / 1_000.0,
         },
         "seconds": {},
-    })
-}
-
-/// Every contour of the table at every tolerance: class, seed and contour.
-pub fn all() -> impl Iterator<Item = (usize, u32, Value)> {
-    (0..CLASSES.len()).flat_map(|class| {
-        (0..SEEDS).flat_map(move |seed| TOLERANCES_UM.map(|tolerance| (class, seed, contour(class, seed, tolerance))))
     })
 }

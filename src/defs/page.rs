@@ -146,7 +146,7 @@ pages! {
         "点一块打开它的页面；触摸最上面的标题从任何页面到这里。", "Touch a tile to open its page; a touch of the title at the top comes here from any page.";
     Scope = "scope", ANY, "示波器", "scope", row 4, key 4 5 "示波器" "SCOPE",
         "逐周期记录最多四个信号：各轴设定值、实际值、跟随误差、速度，进给、转速，任一输入输出。", "Up to four signals, cycle by cycle: set-point, position, following error and speed of each axis, feed, rotation, any input or output.",
-        "点左边的名称选信号；开始记录，或按第一个信号的上升、下降沿触发。点曲线放游标，拖动和双指缩放时间；存为 CSV。", "Touch a name on the left to choose its signal; START records at once, or when the first signal rises or falls to the level. A touch on the curves sets the cursor; drag and pinch the time; SAVE CSV.";
+        "点左边的名称选信号；记录 立即开始，或由第一个信号的上升、下降触发。点曲线放游标，双指缩放时间，放大后拖动；存为 CSV。带 Ø 的是直径值。", "Touch a name on the left to choose its signal; RECORD starts at once, or when the first signal rises or falls through the level. A touch on the curves sets the cursor; pinch to zoom, then drag; SAVE CSV. A unit with Ø counts diameters.";
     Panel = "panel", ANY, "面板", "panel", row 0,
         "操作面板：各键和灯。", "The operator panel with its keys and lamps.",
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";

@@ -125,16 +125,19 @@ impl ScopeSignal {
             Self::Rotation if fitted.kind.row().has(Equipment::MainSpindle) => {
                 Text::new("主轴转速", "spindle speed").into()
             }
-            Self::Rotation => Text::new("砂轮转速", "wheel speed").into(),
+            Self::Rotation => Text::new("砂轮设定转速", "wheel speed, set").into(),
             Self::Input(input) => input.name().into(),
             Self::Output(output) => output.name().into(),
         }
     }
 
-    /// Its unit; empty for inputs and outputs.
+    /// Its unit, with Ø where the diameter of X counts the way of the slide twice; empty for inputs and outputs.
     #[must_use]
-    pub const fn unit(self) -> &'static str {
+    pub const fn unit(self, x_as_diameter: bool) -> &'static str {
         match self {
+            Self::Axis(Axis::X, AxisQuantity::SetPoint | AxisQuantity::Actual) if x_as_diameter => "mm Ø",
+            Self::Axis(Axis::X, AxisQuantity::FollowingError) if x_as_diameter => "µm Ø",
+            Self::Axis(Axis::X, AxisQuantity::SetSpeed | AxisQuantity::ActualSpeed) if x_as_diameter => "mm/min Ø",
             Self::Axis(_, AxisQuantity::SetPoint | AxisQuantity::Actual) => "mm",
             Self::Axis(_, AxisQuantity::FollowingError) => "µm",
             Self::Axis(_, AxisQuantity::SetSpeed | AxisQuantity::ActualSpeed) | Self::Feed => "mm/min",

@@ -10,6 +10,8 @@ use crate::units::Micros;
 pub const SCOPE_CHANNELS: usize = 4;
 /// Greatest number of samples of a recording.
 pub const MAX_SCOPE_SAMPLES: usize = 4_000;
+/// Level of a trigger on an input or output.
+pub const DIGITAL_LEVEL: f64 = 0.5;
 /// The times that a recording can last; up to the first two every tick of 1 ms is a sample.
 pub const SCOPE_SPANS: [Micros; 5] = [
     Micros::from_millis(500),
@@ -25,10 +27,23 @@ pub enum ScopeTrigger {
     /// At once.
     #[default]
     Now,
-    /// When the first signal rises to this level; a fifth of the time before is kept.
+    /// When the first signal rises above this level; a fifth of the time is kept before it. An input or output rises
+    /// through [`DIGITAL_LEVEL`] whatever the level.
     Rising(f64),
-    /// When the first signal falls to this level; a fifth of the time before is kept.
+    /// When the first signal falls below this level.
     Falling(f64),
+}
+
+impl ScopeTrigger {
+    /// Its edge as an arrow.
+    #[must_use]
+    pub const fn arrow(self) -> &'static str {
+        match self {
+            Self::Now => "–",
+            Self::Rising(_) => "↑",
+            Self::Falling(_) => "↓",
+        }
+    }
 }
 
 /// What is recorded.
@@ -66,12 +81,14 @@ pub enum ScopeState {
 /// One recording.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScopeRecording {
+    /// Number of the recording since power-on, from 1; 0: none.
+    pub number: u32,
     /// What was asked for.
     pub setup: ScopeSetup,
+    /// X is in diameters.
+    pub x_as_diameter: bool,
     /// Time between two samples.
     pub period: Micros,
-    /// Time of the first sample.
-    pub began: Micros,
     /// Index of the sample of the trigger; 0 without one.
     pub trigger_index: usize,
     /// The samples, the oldest first; 0 in a channel without a signal.

@@ -207,7 +207,8 @@ fn scope_recording() -> ScopeRecording {
     ScopeRecording {
         setup,
         period: Micros(1_000),
-        began: Micros(54_112_000_000),
+        number: 1,
+        x_as_diameter: true,
         trigger_index: 800,
         samples: (0..4_000).map(row).collect(),
     }

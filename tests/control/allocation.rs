@@ -161,15 +161,15 @@ fn t5_the_tick_allocates_nothing_in_any_shipped_vertical_program() {
 /// Recording, copying for a screen that takes snapshots, waiting for a trigger, the end.
 #[test]
 fn t5_the_scope_allocates_nothing() {
-    let mut host = with_part_of(1002);
     let signal = |word| ScopeSignal::from_id(word);
     let channels = [signal("X-error"), signal("X-set"), signal("feed"), signal("input:guard-closed")];
-    for trigger in [ScopeTrigger::Now, ScopeTrigger::Rising(0.001)] {
+    for trigger in [ScopeTrigger::Now, ScopeTrigger::Falling(-1.0)] {
+        let mut host = with_part_of(1002);
         let setup = ScopeSetup { channels, span: Micros::from_millis(4_000), trigger };
         let mut calls = calls_for(&mut host, Command::Page(PageCommand::Scope(ScopeCommand::Start(setup))));
         calls += calls_for(&mut host, Command::Press(Key::CycleStart));
         let mut painted = Vec::new();
-        for tick in 0..5_000 {
+        for tick in 0..12_000 {
             calls += calls_in_a_tick(&mut host);
             if tick % 33 == 0 {
                 painted.push(host.snapshot().scope.clone());

@@ -89,6 +89,8 @@ pub struct Axes {
     locked: Option<Commanded>,
     /// Tick time, as read at power-on (P58).
     tick_time: Micros,
+    /// Sum of all shifts of the machine zero by homing, mm.
+    zero_shift_mm: PerAxis<f64>,
 }
 
 impl Axes {
@@ -116,6 +118,7 @@ impl Axes {
             homing: None,
             locked: None,
             tick_time,
+            zero_shift_mm: PerAxis::default(),
         }
     }
 
@@ -142,6 +145,7 @@ impl Axes {
     /// The axis must be at rest. It is homed only when it reaches its zero point, see [`Self::finish_homing`].
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         let shift = coordinate - edge;
+        self.zero_shift_mm[axis] += shift;
         self.feedback.machine_minus_encoder_mm[axis] += shift;
         self.feedback.measured[axis] += shift;
         self.feedback.actual[axis] += shift;
@@ -455,6 +459,12 @@ impl Axes {
     #[must_use]
     pub const fn actual(&self) -> MachinePos {
         self.feedback.actual
+    }
+
+    /// Sum of all shifts of the machine zero by homing, mm: coordinates of before and after differ by what it grows.
+    #[must_use]
+    pub const fn zero_shift_mm(&self) -> PerAxis<f64> {
+        self.zero_shift_mm
     }
 
     /// Machine set-point, mm.

@@ -13,19 +13,22 @@ use crate::defs::scope_signal::{AxisQuantity, ScopeSignal};
 use crate::defs::signal::Output;
 use crate::defs::text::{Text, phrase};
 use crate::link::scope::{
-    MAX_SCOPE_SAMPLES, SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeRecording, ScopeSetup, ScopeState, ScopeTrigger,
-    ScopeView,
+    DIGITAL_LEVEL, MAX_SCOPE_SAMPLES, SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeRecording, ScopeSetup,
+    ScopeState, ScopeTrigger, ScopeView,
 };
-use crate::units::{MachinePos, Micros};
+use crate::units::{MachinePos, Micros, PerAxis};
 
 const NO_SIGNAL: Text = Text::new("示波器：先选一个信号", "scope: choose a signal first");
+const NO_TRIGGER_SIGNAL: Text =
+    Text::new("示波器：触发要用第一个信号，先选它", "scope: the trigger needs the first signal, choose it");
 const UM_PER_MM: f64 = 1_000.0;
 /// Share of the recording before the trigger: one in so many samples.
 const BEFORE_TRIGGER: usize = 5;
 /// Time between two copies for the screen while it records.
 const COPY_PERIOD: Micros = Micros::from_millis(100);
-/// Copies: one as painted, one in the newest snapshot and one in the one before it, the published one, one to write into.
-const COPIES: usize = 5;
+/// Copies: three in the snapshots on their way to the screen, one as painted, one in the first snapshot of the host, the
+/// published one, one to write into. If all are held, the copy is tried again in the next tick.
+const COPIES: usize = 7;
 
 /// The recorder.
 #[derive(Debug)]
@@ -33,7 +36,8 @@ pub struct ScopeRecorder {
     view: ScopeView,
     copies: [Arc<ScopeRecording>; COPIES],
     setup: ScopeSetup,
-    began: Micros,
+    /// Number of recordings since power-on.
+    number: u32,
     /// Ticks between two samples, their time, and ticks until the next sample.
     every: u64,
     period: Micros,
@@ -46,12 +50,15 @@ pub struct ScopeRecorder {
     since_trigger: Option<usize>,
     /// Samples before the trigger.
     trigger_index: usize,
+    x_as_diameter: bool,
     copied_at: Micros,
     is_copy_due: bool,
     /// Value of the first signal in the tick before.
     before: Option<f64>,
     /// Set-point and position of the tick before.
     last: (MachinePos, MachinePos),
+    /// Shift of the machine zero then: homing moves the coordinates, not the axis.
+    zero_shift_mm: PerAxis<f64>,
 }
 
 impl Default for ScopeRecorder {
@@ -61,7 +68,7 @@ impl Default for ScopeRecorder {
             view: ScopeView { state: ScopeState::Idle, recording: Arc::clone(&copies[0]) },
             copies,
             setup: ScopeSetup::default(),
-            began: Micros(0),
+            number: 0,
             every: 1,
             period: Micros(0),
             wait: 0,
@@ -70,10 +77,12 @@ impl Default for ScopeRecorder {
             wanted: 0,
             since_trigger: None,
             trigger_index: 0,
+            x_as_diameter: false,
             copied_at: Micros(0),
             is_copy_due: false,
             before: None,
             last: (MachinePos::default(), MachinePos::default()),
+            zero_shift_mm: PerAxis::default(),
         }
     }
 }
@@ -97,6 +106,9 @@ impl ScopeRecorder {
                         plant.refuse(phrase!("这台机床没有信号 {name}", "this machine has no signal {name}", name));
                     }
                     None if setup.channels.iter().all(Option::is_none) => plant.refuse(NO_SIGNAL),
+                    None if setup.trigger != ScopeTrigger::Now && setup.channels[0].is_none() => {
+                        plant.refuse(NO_TRIGGER_SIGNAL)
+                    }
                     None => self.start(plant, setup),
                 }
             }
@@ -112,10 +124,11 @@ impl ScopeRecorder {
         self.period = Micros(self.every * plant.axes.tick_time().0);
         self.wanted = (ticks / self.every) as usize;
         self.setup = setup;
-        self.began = plant.now;
+        self.number += 1;
+        self.x_as_diameter = plant.is_diameter();
         self.ring.clear();
         (self.oldest, self.wait, self.trigger_index, self.before) = (0, 0, 0, None);
-        let is_at_once = setup.trigger == ScopeTrigger::Now || setup.channels[0].is_none();
+        let is_at_once = setup.trigger == ScopeTrigger::Now;
         self.since_trigger = is_at_once.then_some(0);
         self.view.state = if is_at_once { ScopeState::Recording } else { ScopeState::Armed };
         self.is_copy_due = true;
@@ -137,6 +150,7 @@ impl ScopeRecorder {
             self.copy(plant.now);
         }
         self.last = (plant.axes.set_point(), plant.axes.actual());
+        self.zero_shift_mm = plant.axes.zero_shift_mm();
     }
 
     fn sample(&mut self, plant: &Plant) {
@@ -156,9 +170,6 @@ impl ScopeRecorder {
         let row = self.setup.channels.map(|signal| signal.map_or(0.0, |signal| self.value(plant, signal)));
         let room = if self.since_trigger.is_some() { self.wanted } else { self.wanted / BEFORE_TRIGGER };
         if self.ring.len() < room {
-            if self.ring.is_empty() {
-                self.began = plant.now;
-            }
             // The ring is full for the first time only behind the trigger; until then its oldest sample is the first.
             self.ring.rotate_left(self.oldest);
             self.oldest = 0;
@@ -166,7 +177,6 @@ impl ScopeRecorder {
         } else if let Some(oldest) = self.ring.get_mut(self.oldest) {
             *oldest = row;
             self.oldest = (self.oldest + 1) % self.ring.len();
-            self.began = self.began + self.period;
         }
         if self.since_trigger.is_some() && self.ring.len() >= self.wanted {
             self.finish();
@@ -178,10 +188,12 @@ impl ScopeRecorder {
     /// Whether the first signal crosses the level in this tick.
     fn is_triggered(&self, value: Option<f64>) -> bool {
         let (Some(before), Some(now)) = (self.before, value) else { return false };
+        let is_digital = self.setup.channels[0].is_some_and(ScopeSignal::is_digital);
+        let level_of = |level| if is_digital { DIGITAL_LEVEL } else { level };
         match self.setup.trigger {
             ScopeTrigger::Now => true,
-            ScopeTrigger::Rising(level) => before < level && now >= level,
-            ScopeTrigger::Falling(level) => before > level && now <= level,
+            ScopeTrigger::Rising(level) => before <= level_of(level) && now > level_of(level),
+            ScopeTrigger::Falling(level) => before >= level_of(level) && now < level_of(level),
         }
     }
 
@@ -190,7 +202,8 @@ impl ScopeRecorder {
             ScopeSignal::Axis(axis, quantity) => {
                 let per_mm = plant.displayed_per_mm(axis);
                 let (set, actual) = (plant.axes.set_point()[axis], plant.axes.actual()[axis]);
-                let (last_set, last_actual) = (self.last.0[axis], self.last.1[axis]);
+                let shift = plant.axes.zero_shift_mm()[axis] - self.zero_shift_mm[axis];
+                let (last_set, last_actual) = (self.last.0[axis] + shift, self.last.1[axis] + shift);
                 let per_minute = SECONDS_PER_MINUTE / plant.axes.tick_time().as_secs_f64();
                 per_mm
                     * match quantity {
@@ -214,7 +227,8 @@ impl ScopeRecorder {
     fn copy(&mut self, now: Micros) {
         for shared in &mut self.copies {
             let Some(copy) = Arc::get_mut(shared) else { continue };
-            (copy.setup, copy.period, copy.began) = (self.setup, self.period, self.began);
+            (copy.number, copy.setup, copy.period) = (self.number, self.setup, self.period);
+            copy.x_as_diameter = self.x_as_diameter;
             copy.trigger_index = self.trigger_index;
             copy.samples.clear();
             copy.samples.extend_from_slice(&self.ring[self.oldest..]);

@@ -1,9 +1,10 @@
 //! The curves of the scope, and which part of a recording they show.
 
-use egui::{Color32, Pos2, Rect, Shape, Stroke, pos2};
+use egui::{Color32, Rect, Shape, Stroke, pos2};
 
 use super::MIN_SAMPLES_SHOWN;
 use crate::defs::scope_signal::{AxisQuantity, ScopeSignal};
+use crate::hmi::page::process::with_extremes;
 use crate::hmi::{View, theme};
 use crate::link::scope::ScopeRecording;
 
@@ -30,6 +31,11 @@ impl CurveWindow {
         let from = (self.from * whole) as usize;
         let to = ((self.from + self.share) * whole).ceil() as usize;
         (from.min(count), to.min(count).max(from.min(count)))
+    }
+
+    /// Whether all of it is shown.
+    pub fn is_whole(self) -> bool {
+        self.share >= 1.0
     }
 
     /// The sample at a share of the width.
@@ -79,11 +85,14 @@ pub const fn colour(view: &View<'_>, channel: usize) -> Color32 {
 
 /// A value with the decimals of its signal.
 pub fn number(signal: ScopeSignal, value: f64) -> String {
-    match signal {
-        ScopeSignal::Axis(_, AxisQuantity::SetPoint | AxisQuantity::Actual) => format!("{value:.4}"),
-        ScopeSignal::Axis(..) | ScopeSignal::Feed => format!("{value:.1}"),
-        ScopeSignal::Rotation | ScopeSignal::Input(_) | ScopeSignal::Output(_) => format!("{value:.0}"),
-    }
+    let digits = match signal {
+        ScopeSignal::Axis(_, AxisQuantity::SetPoint | AxisQuantity::Actual) => 4,
+        ScopeSignal::Axis(..) | ScopeSignal::Feed => 1,
+        ScopeSignal::Rotation | ScopeSignal::Input(_) | ScopeSignal::Output(_) => 0,
+    };
+    let text = format!("{value:.digits$}");
+    let is_zero = !text.contains(|sign: char| ('1'..='9').contains(&sign));
+    if is_zero { text.trim_start_matches('-').to_owned() } else { text }
 }
 
 /// Draws a curve over its whole range, with zero, the trigger and the cursor.
@@ -112,15 +121,10 @@ pub fn paint(plot: Rect, view: &View<'_>, recording: &ScopeRecording, lane: &Lan
         painter.vline(x(recording.trigger_index), plot.y_range(), Stroke::new(theme::HAIRLINE, view.theme.hold));
     }
     let values = recording.samples[from..to].iter().map(|row| row[lane.channel]);
-    let points = curve(values.enumerate().map(|(index, value)| pos2(x(from + index), y(value))));
+    let points = with_extremes(values.enumerate().map(|(index, value)| pos2(x(from + index), y(value))));
     painter.add(Shape::line(points, Stroke::new(1.6, colour(view, lane.channel))));
     if let Some(at) = lane.cursor.filter(|at| (from..to).contains(at)) {
         painter.vline(x(at), plot.y_range(), Stroke::new(theme::HAIRLINE, view.theme.text));
         painter.circle_filled(pos2(x(at), y(recording.samples[at][lane.channel])), 3.5, view.theme.text);
     }
-}
-
-/// The points of a curve: of each pixel column the first, the lowest, the highest and the last.
-fn curve(points: impl Iterator<Item = Pos2>) -> Vec<Pos2> {
-    crate::hmi::page::process::with_extremes(points)
 }

@@ -12,12 +12,12 @@ use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 
 use super::{PageContext, PageUi};
 use crate::defs::scope_signal::ScopeSignal;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, Text};
 use crate::hmi::{Area, EditKey, KeyboardFocus, PageKey, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::page_command::PageCommand;
 use crate::link::scope::{
-    SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeRecording, ScopeSetup, ScopeState, ScopeTrigger,
+    DIGITAL_LEVEL, SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeRecording, ScopeSetup, ScopeState, ScopeTrigger,
 };
 use crate::link::{Command, Snapshot};
 use curves::CurveWindow;
@@ -27,21 +27,21 @@ use signal_list::SignalList;
 const NAMES_WIDTH: f32 = 178.0;
 /// Least number of samples that are shown.
 const MIN_SAMPLES_SHOWN: f64 = 20.0;
-/// Level of a trigger on an input or output.
-const DIGITAL_LEVEL: f64 = 0.5;
 
 /// State of the page.
 #[derive(Debug)]
 pub struct ScopePage {
     setup: ScopeSetup,
-    /// The recording that the page has shown last: what was asked for.
-    seen: Option<ScopeSetup>,
-    /// The shown part of the recording, in samples.
+    /// Number of the recording that the page has shown last.
+    seen: u32,
+    /// The shown part of the recording.
     window: CurveWindow,
     /// The sample at the cursor.
     cursor: Option<usize>,
     /// The channel whose signal is being chosen.
     choosing: Option<(usize, SignalList)>,
+    /// Why the last key did nothing.
+    hint: Option<Text>,
     /// The circle in place of the curves.
     shows_roundness: bool,
     walk: KeyboardFocus,
@@ -51,7 +51,8 @@ impl Default for ScopePage {
     fn default() -> Self {
         Self {
             setup: ScopeSetup { span: SCOPE_SPANS[1], ..ScopeSetup::default() },
-            seen: None,
+            seen: 0,
+            hint: None,
             window: CurveWindow::default(),
             cursor: None,
             choosing: None,
@@ -75,9 +76,9 @@ impl PageUi for ScopePage {
 
     fn record(&mut self, snapshot: &Snapshot) {
         let recording = &snapshot.scope.recording;
-        // A recording that a story began shows its own signals.
-        if !recording.samples.is_empty() && self.seen != Some(recording.setup) {
-            (self.setup, self.seen) = (recording.setup, Some(recording.setup));
+        // A new recording, of this page or of a story, shows its own signals.
+        if self.seen != recording.number {
+            (self.setup, self.seen) = (recording.setup, recording.number);
             (self.window, self.cursor) = (CurveWindow::default(), None);
         }
     }
@@ -92,9 +93,18 @@ impl PageUi for ScopePage {
             }
             return;
         }
-        self.walk.begin_frame(&typed.edits);
+        // With a cursor the arrows to the sides move it, sample by sample.
+        let (steps, others): (Vec<EditKey>, Vec<EditKey>) = typed
+            .edits
+            .iter()
+            .partition(|edit| self.cursor.is_some() && matches!(edit, EditKey::Left | EditKey::Right));
+        self.step_cursor(view, &steps);
+        self.walk.begin_frame(&others);
         if typed.edits.contains(&EditKey::Cancel) {
             self.cursor = None;
+        }
+        if !typed.edits.is_empty() {
+            self.hint = None;
         }
         let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
         let (heading, body) = body.trim_bottom(theme::GAP).split_top(26.0);
@@ -108,7 +118,7 @@ impl PageUi for ScopePage {
     }
 }
 
-/// Set-point and following error of the first axis that grinds or turns, and of the next.
+/// Speed and following error of the first two axes.
 fn first_signals(view: &View<'_>) -> [Option<ScopeSignal>; SCOPE_CHANNELS] {
     use crate::defs::scope_signal::AxisQuantity::{ActualSpeed, FollowingError};
     let mut signals = view.axes().flat_map(|axis| [ActualSpeed, FollowingError].map(|of| ScopeSignal::Axis(axis, of)));
@@ -116,6 +126,14 @@ fn first_signals(view: &View<'_>) -> [Option<ScopeSignal>; SCOPE_CHANNELS] {
 }
 
 impl ScopePage {
+    fn step_cursor(&mut self, view: &View<'_>, steps: &[EditKey]) {
+        let Some(count) = self.shown(view).map(|recording| recording.samples.len()) else { return };
+        for step in steps {
+            let by = if *step == EditKey::Right { 1 } else { -1 };
+            self.cursor = self.cursor.map(|at| at.saturating_add_signed(by).min(count - 1));
+        }
+    }
+
     fn choose(&mut self, channel: usize, signal: Option<ScopeSignal>) {
         self.setup.channels[channel] = signal;
         if channel == 0 {
@@ -144,7 +162,15 @@ impl ScopePage {
         };
         let is_busy = view.snapshot.scope.state != ScopeState::Idle;
         let ink = if is_busy { view.theme.run } else { view.theme.muted };
-        let taken = view.fit_left(rect, state, theme::LABEL, ink);
+        let mut taken = view.fit_left(rect, state, theme::LABEL, ink);
+        let told = match self.hint {
+            Some(hint) => Some((hint.get(view.lang).to_owned(), view.theme.hold)),
+            None => self.trigger_words(view).map(|words| (words, view.theme.text)),
+        };
+        if let Some((words, ink)) = told {
+            let rest = rect.with_min_x(taken.max.x + 2.0 * theme::GAP);
+            taken = view.fit_left(rest, &words, theme::LABEL, ink);
+        }
         let Some(recording) = self.shown(view) else { return };
         let (from, to) = self.window.range(recording.samples.len());
         let mut words = format!("{:.3} … {:.3} s", recording.seconds(from), recording.seconds(to));
@@ -153,6 +179,14 @@ impl ScopePage {
         }
         let rest = rect.with_min_x(taken.max.x + theme::GAP);
         view.fit_right(rest, &words, theme::LABEL, view.theme.text);
+    }
+
+    /// Edge and level of the trigger.
+    fn trigger_words(&self, view: &View<'_>) -> Option<String> {
+        let signal = self.setup.channels[0].filter(|signal| !signal.is_digital())?;
+        let level = curves::number(signal, self.level()?);
+        let unit = signal.unit(view.snapshot.x_as_diameter);
+        Some(format!("{} {} {level} {unit}", view.text("触发", "trigger"), self.setup.trigger.arrow()))
     }
 
     /// Name and value of each channel in front of its curve.
@@ -175,8 +209,8 @@ impl ScopePage {
                 let lane = curves::Lane { window, cursor, channel, signal, level };
                 curves::paint(plot.shrink(3.0), view, recording, &lane);
             } else if channel == 0 && recording.is_none() {
-                let words = view.text("按 开始 记录这些信号", "START records these signals");
-                view.note(plot, words);
+                let words = view.text("按 记录 记录这些信号", "RECORD records these signals");
+                crate::hmi::page::empty::note(view, plot, words);
             }
         }
     }
@@ -200,7 +234,7 @@ impl ScopePage {
         if let (Some(signal), Some(recording)) = (signal, recording) {
             let (from, to) = self.window.range(recording.samples.len());
             let at = self.cursor.unwrap_or(to.saturating_sub(1)).min(recording.samples.len() - 1);
-            let unit = signal.unit();
+            let unit = signal.unit(recording.x_as_diameter);
             let value = format!("{} {unit}", curves::number(signal, recording.samples[at][channel]));
             view.fit_left(inside.band(line, line), value.trim_end(), theme::TITLE, view.theme.text);
             if let Some((low, high)) = recording.extremes(channel, from..to).filter(|_| !signal.is_digital()) {
@@ -235,8 +269,10 @@ impl ScopePage {
         if response.hovered() || response.dragged() {
             self.window.zoom(count, f64::from(view.zoom_factor()));
         }
+        // What is shown whole cannot move: there a finger drags the cursor.
+        let is_whole = self.window.is_whole();
         self.window.move_by(-f64::from(widget::drag_delta(&response).x) / f64::from(plot.width().max(1.0)));
-        if response.clicked()
+        if (response.clicked() || is_whole && response.dragged())
             && let Some(at) = response.interact_pointer_pos()
         {
             let share = f64::from((at.x - plot.min.x) / plot.width().max(1.0));
@@ -247,22 +283,17 @@ impl ScopePage {
     fn keys(&mut self, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
         let is_busy = view.snapshot.scope.state != ScopeState::Idle;
         let span = format!("{} {}", view.text("时长", "SPAN"), span_words(self.setup.span.as_secs_f64()));
-        let number = |level| self.setup.channels[0].map_or_else(String::new, |signal| curves::number(signal, level));
-        let name = view.text("触发", "TRIG");
-        let trigger = match self.setup.trigger {
-            ScopeTrigger::Now => view.text("触发 无", "TRIG none").to_owned(),
-            ScopeTrigger::Rising(level) => format!("{name} ↑ {}", number(level)),
-            ScopeTrigger::Falling(level) => format!("{name} ↓ {}", number(level)),
-        };
-        let start = if is_busy { view.text("停止", "STOP") } else { view.text("开始", "START") };
+        let trigger = format!("{} {}", view.text("触发", "TRIG"), self.setup.trigger.arrow());
+        let start = if is_busy { view.text("结束", "END") } else { view.text("记录", "RECORD") };
+        let has_cursor = self.shown(view).is_some() && self.cursor.is_some();
         let keys = [
             PageKey::new("scope-start", start).on(is_busy),
             PageKey::new("scope-span", &span),
             PageKey::new("scope-trigger", &trigger).on(self.level().is_some()),
-            PageKey::new("scope-level", view.text("触发值=游标", "SET LEVEL")),
+            PageKey::new("scope-level", view.text("取游标值", "LEVEL")).locked(!has_cursor),
             PageKey::new("scope-all", view.text("全部", "FIT")),
             PageKey::new("scope-round", view.text("圆度", "ROUND")).on(self.shows_roundness),
-            PageKey::new("scope-export", view.text("存为 CSV", "SAVE CSV")),
+            PageKey::new("scope-export", view.text("存为 CSV", "SAVE CSV")).locked(self.shown(view).is_none()),
         ];
         if let Some(key) = self.walk.keys(view, rect, &keys) {
             self.act(key, view, out);
@@ -272,13 +303,12 @@ impl ScopePage {
     /// One of the keys, in their order.
     fn act(&mut self, key: usize, view: &View<'_>, out: &mut Vec<Command>) {
         let send = |command| Command::Page(PageCommand::Scope(command));
+        self.hint = None;
         let shown = self.shown(view);
         let at_cursor = shown.zip(self.cursor).and_then(|(shown, at)| Some(shown.samples.get(at)?[0]));
         match key {
             0 if view.snapshot.scope.state != ScopeState::Idle => out.push(send(ScopeCommand::Stop)),
             0 => {
-                self.seen = Some(self.setup);
-                (self.window, self.cursor) = (CurveWindow::default(), None);
                 out.push(send(ScopeCommand::Start(self.setup)));
             }
             1 => {
@@ -287,7 +317,7 @@ impl ScopePage {
             }
             2 => {
                 let is_digital = self.setup.channels[0].is_some_and(ScopeSignal::is_digital);
-                let level = at_cursor.unwrap_or(if is_digital { DIGITAL_LEVEL } else { 0.0 });
+                let level = if is_digital { DIGITAL_LEVEL } else { at_cursor.unwrap_or(0.0) };
                 self.setup.trigger = match self.setup.trigger {
                     ScopeTrigger::Now => ScopeTrigger::Rising(level),
                     ScopeTrigger::Rising(level) => ScopeTrigger::Falling(level),
@@ -295,7 +325,10 @@ impl ScopePage {
                 };
             }
             3 => {
-                let Some(level) = at_cursor else { return };
+                let Some(level) = at_cursor else {
+                    self.hint = Some(Text::new("先点曲线放游标", "touch the curves first: the cursor gives the level"));
+                    return;
+                };
                 self.setup.trigger = match self.setup.trigger {
                     ScopeTrigger::Now | ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
                     ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
@@ -305,6 +338,9 @@ impl ScopePage {
             5 => self.shows_roundness = !self.shows_roundness,
             _ => {
                 let table = shown.map(|shown| FileRequest::SaveTable(csv(shown)));
+                if table.is_none() {
+                    self.hint = Some(Text::new("还没有记录", "nothing has been recorded yet"));
+                }
                 out.extend(table.map(|table| file_command(Requester::Screen, table)));
             }
         }
@@ -320,7 +356,7 @@ fn span_words(seconds: f64) -> String {
 fn csv(recording: &ScopeRecording) -> String {
     let used: Vec<(usize, ScopeSignal)> =
         recording.setup.channels.into_iter().enumerate().filter_map(|(at, signal)| Some((at, signal?))).collect();
-    let heads: String = used.iter().map(|(_, signal)| format!(",{}", head(*signal))).collect();
+    let heads: String = used.iter().map(|(_, signal)| format!(",{}", head(*signal, recording.x_as_diameter))).collect();
     let mut text = format!("seconds{heads}\r\n");
     for (index, row) in recording.samples.iter().enumerate() {
         let values: String =
@@ -332,7 +368,7 @@ fn csv(recording: &ScopeRecording) -> String {
 }
 
 /// The head of a column: the word of the signal and its unit.
-fn head(signal: ScopeSignal) -> String {
-    let unit = signal.unit();
+fn head(signal: ScopeSignal, x_as_diameter: bool) -> String {
+    let unit = signal.unit(x_as_diameter);
     if unit.is_empty() { signal.id() } else { format!("{} {unit}", signal.id()) }
 }

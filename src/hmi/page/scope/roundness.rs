@@ -21,8 +21,11 @@ const LEAST_DEVIATION_MM: f64 = 1e-4;
 /// Corners of the drawn circle.
 const CORNERS: u32 = 180;
 
+/// Two axes, each with its channel.
+type AxisPair = [(Axis, usize); 2];
+
 /// The two axes whose quantity is recorded, and their channels.
-fn pair(recording: &ScopeRecording, quantity: AxisQuantity) -> Option<[(Axis, usize); 2]> {
+fn pair(recording: &ScopeRecording, quantity: AxisQuantity) -> Option<AxisPair> {
     let of = |(channel, signal): (usize, &Option<ScopeSignal>)| match signal {
         Some(ScopeSignal::Axis(axis, found)) if *found == quantity => Some((*axis, channel)),
         _ => None,
@@ -32,9 +35,9 @@ fn pair(recording: &ScopeRecording, quantity: AxisQuantity) -> Option<[(Axis, us
 }
 
 /// The shown positions in mm of the slides: a diameter is halved.
-fn points(view: &View<'_>, recording: &ScopeRecording, window: CurveWindow, of: [(Axis, usize); 2]) -> Vec<PlanePoint> {
+fn points(recording: &ScopeRecording, window: CurveWindow, of: AxisPair) -> Vec<PlanePoint> {
     let (from, to) = window.range(recording.samples.len());
-    let factor = |axis: Axis| if axis == Axis::X && view.snapshot.x_as_diameter { 0.5 } else { 1.0 };
+    let factor = |axis: Axis| if axis == Axis::X && recording.x_as_diameter { 0.5 } else { 1.0 };
     recording.samples[from..to].iter().map(|row| of.map(|(axis, channel)| row[channel] * factor(axis))).collect()
 }
 
@@ -49,12 +52,12 @@ pub fn ui(rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, windo
         );
         return view.note(rect, words);
     };
-    let measured = points(view, recording, window, axes);
+    let measured = points(recording, window, axes);
     let Some(circle) = FittedCircle::through(&measured) else {
         return view.note(rect, view.text("显示的部分不是圆", "what is shown is no circle"));
     };
     let (figures, plot) = rect.shrink(theme::PAD).split_left(FIGURES_WIDTH);
-    show_figures(figures, view, &circle, programmed_radius(view, recording, window));
+    show_figures(figures, view, &circle, programmed_radius(recording, window, axes));
     paint(plot, view, &circle, &measured);
     let ends = [pos2(plot.max.x - 18.0, plot.center().y), pos2(plot.center().x, plot.min.y + 12.0)];
     for ((axis, _), end) in axes.iter().zip(ends) {
@@ -64,9 +67,11 @@ pub fn ui(rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, windo
 }
 
 /// The radius of the set-points, if they are recorded, too.
-fn programmed_radius(view: &View<'_>, recording: &ScopeRecording, window: CurveWindow) -> Option<f64> {
+fn programmed_radius(recording: &ScopeRecording, window: CurveWindow, of: AxisPair) -> Option<f64> {
     let axes = pair(recording, AxisQuantity::SetPoint)?;
-    FittedCircle::through(&points(view, recording, window, axes)).map(|circle| circle.radius)
+    let is_same = axes.map(|(axis, _)| axis) == of.map(|(axis, _)| axis);
+    let circle = is_same.then(|| FittedCircle::through(&points(recording, window, axes))).flatten();
+    circle.map(|circle| circle.radius)
 }
 
 fn show_figures(rect: Rect, view: &View<'_>, circle: &FittedCircle, programmed: Option<f64>) {

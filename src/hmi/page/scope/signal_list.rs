@@ -26,12 +26,14 @@ pub struct SignalList {
     chosen: Option<ScopeSignal>,
     cursor: Option<usize>,
     scroll: Scroll,
+    /// The list has been drawn.
+    is_shown: bool,
 }
 
 impl SignalList {
     /// A list with the signal that the channel has.
     pub fn new(chosen: Option<ScopeSignal>) -> Self {
-        Self { chosen, cursor: None, scroll: Scroll::default() }
+        Self { chosen, cursor: None, scroll: Scroll::default(), is_shown: false }
     }
 
     /// Draws the list over the page.
@@ -41,22 +43,26 @@ impl SignalList {
         view.fit_left(heading, view.text("选一个信号", "choose a signal"), theme::TITLE, view.theme.text);
         let fitted = view.snapshot.fitted();
         let signals: Vec<ScopeSignal> = ScopeSignal::of(fitted).collect();
+        let rows = signals.len().div_ceil(COLUMNS);
+        let rect = widget::round_to_lines(body, ROW_HEIGHT);
+        let chosen = self.chosen.and_then(|chosen| signals.iter().position(|signal| *signal == chosen));
+        if !self.is_shown {
+            self.scroll.reveal(chosen.unwrap_or(0) / COLUMNS, rect, ROW_HEIGHT);
+            self.is_shown = true;
+        }
         for edit in &typed.edits {
-            if let Some(next) = edit.step(self.cursor.unwrap_or(0), signals.len(), COLUMNS) {
+            // Behind the signals stands the key for none.
+            let at = self.cursor.or(chosen).unwrap_or(0);
+            if let Some(next) = edit.step(at, signals.len() + 1, COLUMNS) {
                 self.cursor = Some(next);
+                self.scroll.reveal(next.min(signals.len() - 1) / COLUMNS, rect, ROW_HEIGHT);
             }
-            match edit {
-                EditKey::Cancel => return Answer::Cancelled,
-                EditKey::Enter => {
-                    if let Some(signal) = self.cursor.and_then(|at| signals.get(at)) {
-                        return Answer::Chosen(Some(*signal));
-                    }
-                }
+            match (edit, self.cursor) {
+                (EditKey::Cancel, _) => return Answer::Cancelled,
+                (EditKey::Enter, Some(at)) => return Answer::Chosen(signals.get(at).copied()),
                 _ => {}
             }
         }
-        let rows = signals.len().div_ceil(COLUMNS);
-        let rect = widget::round_to_lines(body, ROW_HEIGHT);
         let list = ScrollList { id: "scope-signals", rect, row: ROW_HEIGHT, gap: 0.0, count: rows };
         let clipped = view.clipped(rect);
         for (row, place) in self.scroll.visible_rows(view, &list, typed.scroll_pages) {
@@ -79,6 +85,9 @@ impl SignalList {
         self.scroll.draw_bar(view, rect, ROW_HEIGHT, rows);
         let none = PageKey::new("scope-no-signal", view.text("无信号", "NO SIGNAL"));
         let back = PageKey::new("scope-back", view.text("返回", "BACK"));
+        if self.cursor == Some(signals.len()) {
+            view.frame(keys.cell(0, 2), view.theme.focus);
+        }
         if widget::button(view, keys.cell(0, 2), none) {
             return Answer::Chosen(None);
         }
