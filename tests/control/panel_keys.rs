@@ -215,8 +215,13 @@ fn k7_1_the_soft_keys_of_a_story_are_those_of_the_screen() {
         assert_eq!(rig.snapshot().page, page, "row {row}: {keys}");
     }
     crate::stories::tell(&mut rig, "page position\nkey next-row\nkey f5\nexpect message \"屏幕打印\"");
-    // From the second row: the fifth has simulator and bus, then comes the first.
-    crate::stories::tell(&mut rig, "key next-row\nkey next-row\nkey next-row");
-    crate::stories::tell(&mut rig, "key f5\nexpect message \"没有 F5\"\nkey next-row\nkey f3");
+    // From the second row: the fifth begins with simulator and bus, then comes the first.
+    crate::stories::tell(&mut rig, "key next-row\nkey next-row\nkey next-row\nkey f5");
+    assert_eq!(rig.snapshot().page, Page::Scope);
+    crate::stories::tell(&mut rig, "page position\nkey f3");
     assert_eq!(is(&mut rig), (Page::Position, CoordinateView::Machine, 0));
+    // The surface grinder has no technology page: its fifth row ends with F4.
+    let mut rig =
+        crate::stories::story_on(Kind::Gs, "page position\nkey previous-row\nkey f5\nexpect message \"没有 F5\"");
+    assert_eq!(is(&mut rig).0, Page::Position);
 }
