@@ -10,6 +10,7 @@ use std::time::Duration;
 use kt830::controller::PowerOnState;
 use kt830::defs::kind::Kind;
 use kt830::defs::param;
+use kt830::defs::text::Lang;
 use kt830::host::Host;
 use kt830::host::field_machine::HostedFieldBus;
 use kt830::host::folders::Folders;
@@ -145,7 +146,7 @@ pub fn tell<G: Stage>(stage: &mut G, text: &str) {
     let mut player = Player::new(stage, None, Path::new(env!("CARGO_MANIFEST_DIR")), true);
     for line in &lines {
         if let Err(why) = player.play(line) {
-            panic!("{}: {why}\n{}", line.text, state_report(player.host()));
+            panic!("{}: {why}\n{}", line.text, state_report(player.host(), Lang::En));
         }
     }
 }
@@ -174,7 +175,7 @@ impl Session<'_> {
                 return ticks;
             }
         }
-        panic!("{what}: not within {most} ticks\n{}", state_report(self.thread.host()));
+        panic!("{what}: not within {most} ticks\n{}", state_report(self.thread.host(), Lang::En));
     }
 
     /// Ticks until an alarm is active; its number must be this one and its text contain these words.
@@ -194,7 +195,7 @@ impl Session<'_> {
                 panic!("{words}: {:?}", self.alarms());
             }
         }
-        panic!("alarm {number} does not come\n{}", state_report(self.thread.host()));
+        panic!("alarm {number} does not come\n{}", state_report(self.thread.host(), Lang::En));
     }
 
     /// What the screen would show.
