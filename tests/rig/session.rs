@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use kt830::controller::PowerOnState;
 use kt830::defs::kind::Kind;
-use kt830::defs::param;
+use kt830::defs::param::{self, ParamAddress};
 use kt830::defs::text::Lang;
 use kt830::host::Host;
 use kt830::host::field_machine::HostedFieldBus;
@@ -64,10 +64,13 @@ fn description() -> MachineDescription {
     description
 }
 
-/// Factory values, and homing at half the speed: the rig has 3 mm from its home switches to its limit switches.
+/// Factory values, homing at half the speed, for the rig has 3 mm from its home switches to its limit switches, and no contact
+/// monitor, for it has none.
 fn retained() -> PowerOnState {
     let mut retained = PowerOnState::factory(Kind::Gc);
     retained.params.write(param::HOME_FAST.address(), 1_500.0).expect("P48");
+    let monitor = ParamAddress::parse("P358").expect("a parameter");
+    retained.params.write(monitor, 0.0).expect("P358");
     retained
 }
 
