@@ -177,7 +177,6 @@ fn b6_every_signal_has_a_word_of_its_own() {
     for wrong in ["", "X", "X-", "Q-error", "X-torque", "input:", "input:nothing", "XX-error", "-error"] {
         assert_eq!(ScopeSignal::from_id(wrong), None, "{wrong}");
     }
-    assert_eq!(ScopeTrigger::default(), ScopeTrigger::Now);
 }
 
 /// A recorded run and the same run without the scope give the same set-points, tick by tick.

@@ -46,8 +46,6 @@ pub struct ScopeRecorder {
     ring: Vec<[f64; SCOPE_CHANNELS]>,
     oldest: usize,
     wanted: usize,
-    /// Samples since the trigger; none while it waits.
-    since_trigger: Option<usize>,
     /// Samples before the trigger.
     trigger_index: usize,
     x_as_diameter: bool,
@@ -75,7 +73,6 @@ impl Default for ScopeRecorder {
             ring: Vec::with_capacity(MAX_SCOPE_SAMPLES),
             oldest: 0,
             wanted: 0,
-            since_trigger: None,
             trigger_index: 0,
             x_as_diameter: false,
             copied_at: Micros(0),
@@ -129,7 +126,6 @@ impl ScopeRecorder {
         self.ring.clear();
         (self.oldest, self.wait, self.trigger_index, self.before) = (0, 0, 0, None);
         let is_at_once = setup.trigger == ScopeTrigger::Now;
-        self.since_trigger = is_at_once.then_some(0);
         self.view.state = if is_at_once { ScopeState::Recording } else { ScopeState::Armed };
         self.is_copy_due = true;
     }
@@ -155,8 +151,7 @@ impl ScopeRecorder {
 
     fn sample(&mut self, plant: &Plant) {
         let value = self.setup.channels[0].map(|signal| self.value(plant, signal));
-        if self.since_trigger.is_none() && self.is_triggered(value) {
-            self.since_trigger = Some(0);
+        if self.view.state == ScopeState::Armed && self.is_triggered(value) {
             self.trigger_index = self.ring.len();
             self.view.state = ScopeState::Recording;
             self.wait = 0;
@@ -168,7 +163,8 @@ impl ScopeRecorder {
         }
         self.wait = self.every - 1;
         let row = self.setup.channels.map(|signal| signal.map_or(0.0, |signal| self.value(plant, signal)));
-        let room = if self.since_trigger.is_some() { self.wanted } else { self.wanted / BEFORE_TRIGGER };
+        let is_recording = self.view.state == ScopeState::Recording;
+        let room = if is_recording { self.wanted } else { self.wanted / BEFORE_TRIGGER };
         if self.ring.len() < room {
             // The ring is full for the first time only behind the trigger; until then its oldest sample is the first.
             self.ring.rotate_left(self.oldest);
@@ -178,7 +174,7 @@ impl ScopeRecorder {
             *oldest = row;
             self.oldest = (self.oldest + 1) % self.ring.len();
         }
-        if self.since_trigger.is_some() && self.ring.len() >= self.wanted {
+        if is_recording && self.ring.len() >= self.wanted {
             self.finish();
         } else if plant.now.since(self.copied_at) >= COPY_PERIOD {
             self.is_copy_due = true;

@@ -63,8 +63,8 @@ pub enum PlanningPace {
     Steady,
     /// Windows have not reached their full length.
     Full,
-    /// The axes will brake unless the window is ready soon: the plan would end first, or a window has found no plan and there is
-    /// no time for a steady one.
+    /// The axes will brake unless the window is ready soon: the plan would end first, or a window has found no plan and
+    /// there is no time for a steady one.
     Hurried,
 }
 

@@ -139,12 +139,12 @@ impl Checklist {
         } else {
             let words = view.text(
                 "开始后：动作每个开关，按键接通每个输出。看到断和通以后，点该行确认动作的是正确的元件。",
-                "START, then work every switch and switch every output by its key. When off and on have been seen, touch the row: the right device moved.",
+                "BEGIN, then work every switch and switch every output by its key. When off and on have been seen, touch the row: the right device moved.",
             );
             view.note(body, words);
         }
-        let start = if self.is_running { view.text("重新开始", "RESTART") } else { view.text("开始", "START") };
-        let save = PageKey::new("check-save", view.text("存为 CSV", "SAVE CSV"));
+        let start = if self.is_running { view.text("重新开始", "RESTART") } else { view.text("开始", "BEGIN") };
+        let save = PageKey::new("check-save", view.text("存为 CSV", "SAVE CSV")).locked(!self.is_running);
         let is_entered = !self.is_running && typed.edits.contains(&EditKey::Enter);
         if widget::button(view, keys.cell(0, 2), PageKey::new("check-start", start)) || is_entered {
             match self.is_running {

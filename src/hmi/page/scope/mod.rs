@@ -12,7 +12,7 @@ use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 
 use super::{PageContext, PageUi};
 use crate::defs::scope_signal::ScopeSignal;
-use crate::defs::text::{Lang, Text};
+use crate::defs::text::Text;
 use crate::hmi::{Area, EditKey, KeyboardFocus, PageKey, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::page_command::PageCommand;
@@ -76,10 +76,13 @@ impl PageUi for ScopePage {
 
     fn record(&mut self, snapshot: &Snapshot) {
         let recording = &snapshot.scope.recording;
-        // A new recording, of this page or of a story, shows its own signals.
+        // A new recording, of this page or of a story, shows its own signals. After power-on there is none.
         if self.seen != recording.number {
-            (self.setup, self.seen) = (recording.setup, recording.number);
+            self.seen = recording.number;
             (self.window, self.cursor) = (CurveWindow::default(), None);
+            if recording.number > 0 {
+                self.setup = recording.setup;
+            }
         }
     }
 
@@ -217,9 +220,8 @@ impl ScopePage {
 
     /// The name of a channel as a key; true if it is touched.
     fn name(&mut self, rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, channel: usize) -> bool {
-        let lang = view.lang;
         let signal = self.setup.channels[channel];
-        let words = self.channel_name(view, lang, channel);
+        let words = self.channel_name(view, channel);
         let name = format!("{words} scope-channel-{}", channel + 1);
         let response = view.touch_row(rect, ("scope-channel", channel), false, name);
         crate::hmi::keycap::plate(view, rect, &response);
@@ -245,9 +247,9 @@ impl ScopePage {
         response.clicked() || entered
     }
 
-    fn channel_name(&self, view: &View<'_>, lang: Lang, channel: usize) -> String {
+    fn channel_name(&self, view: &View<'_>, channel: usize) -> String {
         match self.setup.channels[channel] {
-            Some(signal) => signal.name(view.snapshot.fitted()).get(lang).into_owned(),
+            Some(signal) => signal.name(view.snapshot.fitted()).get(view.lang).into_owned(),
             None => view.text("无信号", "no signal").to_owned(),
         }
     }
@@ -259,7 +261,7 @@ impl ScopePage {
         }
     }
 
-    /// A touch sets the cursor; a finger drags the time, two fingers zoom it.
+    /// A touch sets the cursor, two fingers zoom the time; a finger drags the time, or the cursor where all is shown.
     fn drag(&mut self, plot: Rect, view: &View<'_>, count: usize) {
         let response = view.ui.interact(plot, Id::unique("scope-curves"), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 scope-curves"));
@@ -308,9 +310,7 @@ impl ScopePage {
         let at_cursor = shown.zip(self.cursor).and_then(|(shown, at)| Some(shown.samples.get(at)?[0]));
         match key {
             0 if view.snapshot.scope.state != ScopeState::Idle => out.push(send(ScopeCommand::Stop)),
-            0 => {
-                out.push(send(ScopeCommand::Start(self.setup)));
-            }
+            0 => out.push(send(ScopeCommand::Start(self.setup))),
             1 => {
                 let next = SCOPE_SPANS.into_iter().find(|span| *span > self.setup.span);
                 self.setup.span = next.unwrap_or(SCOPE_SPANS[0]);
