@@ -139,7 +139,7 @@ impl Checklist {
         } else {
             let words = view.text(
                 "开始后：动作每个开关，按键接通每个输出。看到断和通以后，点该行确认动作的是正确的元件。",
-                "BEGIN, then work every switch and switch every output by its key. When off and on have been seen, touch the row: the right device moved.",
+                "BEGIN, then work every switch and switch every output by its key. When off and on have been seen, touch its row if the right device moved.",
             );
             view.note(body, words);
         }
