@@ -66,6 +66,8 @@ fn report(format: OutputFormat, case: TortureCase, course: &TortureCourse, secon
             "power_cuts": counts.power_cuts,
             "damages": counts.damages,
             "disk_changes": counts.disk_changes,
+            "trace": course.trace.to_string(),
+            "written": course.written.to_string(),
             "violation": course.violation,
             "seconds": seconds,
         })),

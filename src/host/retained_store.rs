@@ -2,7 +2,7 @@
 //! Source: spec B3 (retained ranges), notes "acknowledge after commit".
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 use chrono::{DateTime, Local};
 
@@ -20,6 +20,7 @@ use crate::link::command::Command;
 use crate::link::page_command::{DataChoice, KeptState, PageCommand, SettingsRequest, StorageAnswer};
 use crate::nc::OriginPlace;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::store::disk;
 use crate::store::ron_file::{self, ChecksumPolicy};
 use crate::store::{
     DamageReport, KIND_FILE, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations,
@@ -85,8 +86,8 @@ pub struct RetainedStore {
     /// Removes the rows of values that are no longer allowed, once a person has accepted the data.
     refused: Vec<RetainedChange>,
     folder: PathBuf,
-    /// When a generation was kept last.
-    kept_at: Instant,
+    /// When a generation was kept last, on the clock of the disk.
+    kept_at: Duration,
 }
 
 /// Time after which the next commit keeps a generation: what a damaged database may cost.
@@ -139,7 +140,7 @@ impl RetainedStore {
             Some(_) => LostData::Whole,
         };
         let passwords = PasswordStore::new(&loaded, lost, folder.to_path_buf());
-        let (folder, kept_at) = (folder.to_path_buf(), Instant::now());
+        let (folder, kept_at) = (folder.to_path_buf(), disk::now());
         let mut store = Self { database: opened.database, passwords, unsaved, refused, folder, kept_at };
         let bound = if store.unsaved.is_empty() { Ok(0) } else { store.commit(&[]) };
         let other_kind = kind_beside(&store.folder).filter(|beside| *beside != kind).map(|beside| (kind, beside));
@@ -186,7 +187,7 @@ impl RetainedStore {
         // A folder that was put in the place of ours has states of its own.
         self.database.check_present()?;
         let data = self.database.load()?;
-        self.kept_at = Instant::now();
+        self.kept_at = disk::now();
         // What nobody has accepted never takes the place of a good state.
         if !data.texts.contains_key(LOSS) && data.generation.0 > 0 {
             generations::keep(&self.folder, &data).map_err(|error| RetainedError::Copy(error.to_string()))?;
@@ -275,7 +276,7 @@ impl RetainedStore {
         match &mut done {
             Ok(_) => {
                 self.unsaved.clear();
-                if keeps_generation(requests, self.kept_at.elapsed()) {
+                if keeps_generation(requests, disk::now().saturating_sub(self.kept_at)) {
                     self.keep_generation()?;
                 }
             }

@@ -5,13 +5,15 @@
 //! Source: notes "reliability".
 
 use std::cell::RefCell;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, Metadata, OpenOptions};
 use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::num::NonZeroU64;
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant, SystemTime};
 
 use redb::backends::FileBackend;
 use redb::{BackendError, DatabaseError, StorageBackend};
@@ -57,6 +59,23 @@ pub enum DiskChange<'a> {
     FlushFolder(&'a Path),
 }
 
+impl DiskChange<'_> {
+    /// The file or folder that changes.
+    #[must_use]
+    pub const fn path(&self) -> &Path {
+        match self {
+            Self::Write { file: path, .. }
+            | Self::SetLength { file: path, .. }
+            | Self::Rename { from: path, .. }
+            | Self::CreateFolder(path)
+            | Self::CreateFile(path)
+            | Self::FlushFile(path)
+            | Self::Remove(path)
+            | Self::FlushFolder(path) => path,
+        }
+    }
+}
+
 /// Sees the changes of a thread before they are made.
 pub trait DiskObserver {
     /// A change that is about to be made.
@@ -64,6 +83,11 @@ pub trait DiskObserver {
     /// # Errors
     /// The disk refuses it: it is not made, and the store gets this error.
     fn before(&mut self, change: DiskChange<'_>) -> io::Result<()>;
+
+    /// The time of the story since its beginning.
+    fn now(&self) -> Duration {
+        Duration::ZERO
+    }
 }
 
 thread_local! {
@@ -95,10 +119,31 @@ fn tell(change: DiskChange<'_>) -> io::Result<bool> {
     })
 }
 
+fn is_observed() -> bool {
+    OBSERVER.with_borrow(Option::is_some)
+}
+
 /// A number that no other machine has. Under an observer it is always the same one: a story gives the same files.
 pub(super) fn new_identity() -> Option<NonZeroU64> {
-    let is_observed = OBSERVER.with_borrow(Option::is_some);
-    NonZeroU64::new(if is_observed { 1 } else { RandomState::new().hash_one(std::process::id()) })
+    NonZeroU64::new(if is_observed() { 1 } else { RandomState::new().hash_one(std::process::id()) })
+}
+
+/// The salt of passwords under an observer: a story gives the same files. Otherwise it is random.
+pub(super) fn fixed_salt() -> Option<[u8; 16]> {
+    is_observed().then_some([1; 16])
+}
+
+/// A time that only goes on. Under an observer it is that of the story.
+#[must_use]
+pub fn now() -> Duration {
+    static START: OnceLock<Instant> = OnceLock::new();
+    let told = OBSERVER.with_borrow(|observer| observer.as_ref().map(|observer| observer.borrow().now()));
+    told.unwrap_or_else(|| START.get_or_init(Instant::now).elapsed())
+}
+
+/// When a file was written last, if the disk knows. Under an observer it is always the same: a story gives the same data.
+pub(super) fn modified(metadata: &Metadata) -> Option<SystemTime> {
+    if is_observed() { Some(SystemTime::UNIX_EPOCH) } else { metadata.modified().ok() }
 }
 
 /// Creates a folder, and those above it that are missing.

@@ -6,6 +6,8 @@ use argon2::Argon2;
 use argon2::password_hash::phc::PasswordHash;
 use argon2::password_hash::{PasswordHasher, PasswordVerifier};
 
+use super::disk;
+
 /// Why a password could not be hashed.
 #[derive(Debug, thiserror::Error)]
 #[error("the password could not be hashed: {0}")]
@@ -16,8 +18,12 @@ pub struct HashError(String);
 /// # Errors
 /// The system provides no random salt.
 pub fn hash(password: &str) -> Result<String, HashError> {
-    let hashed: PasswordHash =
-        Argon2::default().hash_password(password.as_bytes()).map_err(|error| HashError(error.to_string()))?;
+    let argon = Argon2::default();
+    let hashed: PasswordHash = match disk::fixed_salt() {
+        Some(salt) => argon.hash_password_with_salt(password.as_bytes(), &salt),
+        None => argon.hash_password(password.as_bytes()),
+    }
+    .map_err(|error| HashError(error.to_string()))?;
     Ok(hashed.to_string())
 }
 

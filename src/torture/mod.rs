@@ -13,7 +13,7 @@ mod simulated_disk;
 mod stage;
 mod storage;
 
-use std::fmt::Display;
+use std::fmt::{self, Display, Formatter};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl TortureError {
     }
 }
 
-/// Fingerprint of every image between control and machine: FNV-1a over their bits.
+/// Fingerprint of a course: FNV-1a over the words of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceHash(u64);
 
@@ -50,9 +50,23 @@ impl Default for TraceHash {
     }
 }
 
+impl Display for TraceHash {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
+
 impl TraceHash {
+    fn add_word(&mut self, bits: u64) {
+        self.0 = (self.0 ^ bits).wrapping_mul(0x0100_0000_01b3);
+    }
+
+    fn add_bytes(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.add_word(u64::from(*byte)));
+    }
+
     fn add(&mut self, read: &InputImage, written: &OutputImage) {
-        let mut word = |bits: u64| self.0 = (self.0 ^ bits).wrapping_mul(0x0100_0000_01b3);
+        let mut word = |bits: u64| self.add_word(bits);
         word(read.terminals.0);
         word(written.terminals.0);
         word(u64::from(written.drives_on) << 1 | u64::from(written.fault_reset));
@@ -86,6 +100,8 @@ pub struct TortureCourse {
     pub counts: Counts,
     /// Fingerprint of its trace.
     pub trace: TraceHash,
+    /// Fingerprint of what was written to the disk.
+    pub written: TraceHash,
 }
 
 /// Tortures a control, until the time is over or an invariant is broken.
@@ -151,7 +167,7 @@ fn play(
         Ok(()) => stage.violation().map(str::to_owned),
         Err(panic) => Some(format!("panic: {}", panic_text(panic.as_ref()))),
     };
-    Ok(TortureCourse { lines, violation, counts: stage.counts(), trace: stage.trace() })
+    Ok(TortureCourse { lines, violation, counts: stage.counts(), trace: stage.trace(), written: stage.written() })
 }
 
 fn play_lines(

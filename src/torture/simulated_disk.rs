@@ -9,7 +9,9 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use super::TraceHash;
 use crate::io::random::SplitMix64;
 use crate::store::disk::{DiskChange, DiskObserver};
 
@@ -231,6 +233,10 @@ pub struct SimulatedDisk {
     pub is_full: bool,
     /// Changes since the start.
     pub changes: u64,
+    /// Ticks of a millisecond since the start.
+    ticks: u64,
+    /// Fingerprint of every byte that was written, where, and in which tick.
+    pub written: TraceHash,
 }
 
 impl SimulatedDisk {
@@ -247,6 +253,8 @@ impl SimulatedDisk {
             is_off: false,
             is_full: false,
             changes: 0,
+            ticks: 0,
+            written: TraceHash::default(),
         };
         disk.load(root)?;
         Ok(disk)
@@ -271,6 +279,7 @@ impl SimulatedDisk {
 
     /// The changes of the tick are over; a later power cut comes behind them.
     pub fn end_tick(&mut self) {
+        self.ticks += 1;
         for change in self.tick.drain(..) {
             self.contents.apply(&change, self.faults);
         }
@@ -326,9 +335,22 @@ impl DiskObserver for SimulatedDisk {
         if self.is_full && matches!(change, DiskChange::Write { .. } | DiskChange::SetLength { .. }) {
             return Err(io::ErrorKind::StorageFull.into());
         }
+        // A stick is no part of the disk.
+        if !change.path().starts_with(&self.root) {
+            return Ok(());
+        }
         self.changes += 1;
+        if let DiskChange::Write { offset, bytes, .. } = change {
+            self.written.add_word(self.ticks);
+            self.written.add_word(offset);
+            self.written.add_bytes(bytes);
+        }
         self.tick.push(Change::of(change));
         Ok(())
+    }
+
+    fn now(&self) -> Duration {
+        Duration::from_millis(self.ticks)
     }
 }
 

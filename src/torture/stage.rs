@@ -10,7 +10,7 @@ use super::ledger::{Ledger, first_difference, rows};
 use super::machine::WatchedMachine;
 use super::planted::{PlantedBug, Reported};
 use super::simulated_disk::{DiskFaults, Files, SimulatedDisk};
-use super::storage::DelayedStorage;
+use super::storage::{DataPlace, DelayedStorage};
 use super::{TortureError, TraceHash};
 use crate::controller::PowerOnState;
 use crate::defs::alarm;
@@ -120,7 +120,7 @@ impl TortureStage {
         let disk = Rc::new(RefCell::new(disk));
         let observed = observe(disk.clone());
         let OpenedStorage { storage, retained, standing } = open_storage(&data, kind)?;
-        let storage = DelayedStorage::new(storage, Ledger::new(retained.clone()), seed, bug);
+        let storage = DelayedStorage::new(storage, Ledger::new(retained.clone()), (seed, bug), data_place(&data));
         let file = MachineFile::builtin(kind).map_err(TortureError::new)?;
         let machine = SimulatedMachine::new(file, None, &retained.params, seed);
         let machine = HostedSimulation::new(machine, Micros::from_millis(10_000));
@@ -166,6 +166,12 @@ impl TortureStage {
     #[must_use]
     pub const fn trace(&self) -> TraceHash {
         self.trace
+    }
+
+    /// Fingerprint of what was written to the disk.
+    #[must_use]
+    pub fn written(&self) -> TraceHash {
+        self.disk.borrow().written
     }
 
     /// What was done.
@@ -420,6 +426,10 @@ fn is_kept(path: &Path) -> bool {
     !is_state && !name.starts_with("retained.") && !is_temporary(&name)
 }
 
+fn data_place(data: &DataDir) -> DataPlace {
+    DataPlace(data.root().to_path_buf())
+}
+
 /// Folder that stands for the USB stick, beside the data: it is no part of the simulated disk.
 fn usb_drive(data: &DataDir) -> PathBuf {
     data.root().with_file_name("usb")
@@ -436,7 +446,8 @@ fn open_storage(data: &DataDir, kind: Kind) -> Result<OpenedStorage, TortureErro
     std::fs::create_dir_all(&usb).map_err(TortureError::new)?;
     let jobs = JobRunner::new(folders).with_drives(None, Some(usb)).with_cycle_timer(cycle_time::simulate);
     let storage = DirectStorage::new(RetainedWorker::new(Some(store)), jobs).map_err(TortureError::new)?;
-    let standing = report.standing();
+    let place = data_place(data);
+    let standing = report.standing().into_iter().map(|(number, what)| (number, place.hide_in(&what))).collect();
     Ok(OpenedStorage { storage, retained: report.retained, standing })
 }
 

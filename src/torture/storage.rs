@@ -1,14 +1,23 @@
 //! The storage of a tortured control: the real one on a simulated disk, answering as late as it likes.
 
 use std::collections::VecDeque;
+use std::path::PathBuf;
 
 use super::ledger::Ledger;
 use super::planted::PlantedBug;
 use crate::controller::StorageRequest;
+use crate::defs::date::DateTime;
+use crate::defs::text::LocalizedText;
 use crate::host::part::PartQuery;
 use crate::host::storage::{Arrival, DirectStorage, Storage};
 use crate::io::random::SplitMix64;
 use crate::link::command::Command;
+
+/// Date of the first tick: 2026-01-01, in seconds since 1970.
+const START_DATE: DateTime = DateTime(1_767_225_600);
+const TICKS_OF_A_SECOND: u64 = 1_000;
+/// The control is told the date so often, ticks.
+const CALENDAR_TICKS: u64 = 10 * TICKS_OF_A_SECOND;
 
 /// Storage that takes its time.
 pub struct DelayedStorage {
@@ -25,14 +34,43 @@ pub struct DelayedStorage {
     slowness: u64,
     chance: SplitMix64,
     bug: Option<PlantedBug>,
+    place: DataPlace,
+    /// When the control is told the date.
+    date_due: u64,
+}
+
+/// Where the data of this course are. The folder has another name in every course; an alarm that names it is stored, and
+/// would make the bytes on the disk other ones.
+#[derive(Clone, Debug)]
+pub struct DataPlace(pub PathBuf);
+
+impl DataPlace {
+    /// A text that names the folder `DATA`.
+    #[must_use]
+    pub fn hide_in(&self, text: &LocalizedText) -> LocalizedText {
+        let place = self.0.to_string_lossy();
+        let hidden = |words: &str| words.replace(&*place, "DATA");
+        LocalizedText::new(hidden(&text.zh()), hidden(&text.en()))
+    }
 }
 
 impl DelayedStorage {
     /// The storage of a control that starts with the account's state.
     #[must_use]
-    pub fn new(inner: DirectStorage, ledger: Ledger, seed: u64, bug: Option<PlantedBug>) -> Self {
+    pub fn new(inner: DirectStorage, ledger: Ledger, (seed, bug): (u64, Option<PlantedBug>), place: DataPlace) -> Self {
         let (queue, chance) = (VecDeque::new(), SplitMix64::new(seed));
-        Self { inner: Some(inner), queue, ledger, tick: 0, hangs_until: 0, slowness: 0, chance, bug }
+        Self {
+            inner: Some(inner),
+            queue,
+            ledger,
+            tick: 0,
+            hangs_until: 0,
+            slowness: 0,
+            chance,
+            bug,
+            place,
+            date_due: 0,
+        }
     }
 
     /// The disk does nothing for some ticks.
@@ -53,7 +91,7 @@ impl DelayedStorage {
 
     /// The power is back.
     pub fn power_on(&mut self, inner: DirectStorage, ledger: Ledger) {
-        (self.inner, self.ledger, self.hangs_until) = (Some(inner), ledger, 0);
+        (self.inner, self.ledger, self.hangs_until, self.date_due) = (Some(inner), ledger, 0, 0);
     }
 
     /// Whether everything that was handed over is stored and acknowledged.
@@ -97,6 +135,11 @@ impl Storage for DelayedStorage {
     }
 
     fn poll(&mut self, arrivals: &mut Vec<Arrival>) {
+        if self.date_due <= self.tick {
+            self.date_due = self.tick + CALENDAR_TICKS;
+            let seconds = START_DATE.0 + (self.tick / TICKS_OF_A_SECOND) as i64;
+            arrivals.push(Arrival::Command(Command::WallClock(DateTime(seconds))));
+        }
         self.tick += 1;
         let early = self.bug == Some(PlantedBug::StorageAcknowledgesEarly);
         let marks = self.queue.iter().flat_map(|(_, batch)| batch).filter_map(|request| match request {
@@ -114,9 +157,11 @@ impl Storage for DelayedStorage {
         if let Some(inner) = &mut self.inner {
             inner.poll(arrivals);
         }
-        for arrival in &*arrivals {
-            if let Arrival::Command(Command::Stored(mark)) = arrival {
-                self.ledger.acknowledge(*mark);
+        for arrival in arrivals {
+            match arrival {
+                Arrival::Command(Command::Stored(mark)) => self.ledger.acknowledge(*mark),
+                Arrival::Command(Command::DiskFailed(text)) => *text = self.place.hide_in(text),
+                _ => {}
             }
         }
     }

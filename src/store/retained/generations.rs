@@ -85,7 +85,7 @@ pub fn find(folder: &Path, number: u64) -> Option<(Option<SystemTime>, RetainedD
 }
 
 fn modified(path: &Path) -> Option<SystemTime> {
-    path.metadata().ok().and_then(|metadata| metadata.modified().ok())
+    path.metadata().ok().as_ref().and_then(disk::modified)
 }
 
 /// A kept state, if it is whole and not that of another machine.
@@ -107,7 +107,7 @@ fn list(folder: &Path) -> Vec<GenerationFile> {
             if number > MAX_NUMBER {
                 return None;
             }
-            let modified = entry.metadata().ok()?.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+            let modified = disk::modified(&entry.metadata().ok()?).unwrap_or(UNIX_EPOCH);
             let seconds = modified.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
             Some(GenerationFile { number, path: entry.path(), seconds })
         })

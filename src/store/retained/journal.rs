@@ -103,7 +103,7 @@ pub(super) fn read(folder: &Path) -> Option<Replayed> {
         changes.into_iter().for_each(|change| data.apply(change));
         data.generation = generation;
     }
-    let modified = path.metadata().ok().and_then(|metadata| metadata.modified().ok());
+    let modified = path.metadata().ok().as_ref().and_then(disk::modified);
     Some(Replayed { data, modified, is_whole })
 }
 
