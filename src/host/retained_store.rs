@@ -24,6 +24,7 @@ use crate::store::disk;
 use crate::store::ron_file::{self, ChecksumPolicy};
 use crate::store::{
     DamageReport, KIND_FILE, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset, generations,
+    remove_temporary,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -111,6 +112,8 @@ impl RetainedStore {
     /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), RetainedError> {
         let mut opened = RetainedDatabase::open_or_replace(folder, |damaged| replacement(folder, damaged))?;
+        // The lock is ours: no other control is writing one.
+        remove_temporary(folder);
         let mut loaded = opened.data;
         let stored_kind = loaded.texts.get(KIND).and_then(|id| Kind::from_id(id));
         if let Some(stored) = stored_kind.filter(|stored| *stored != kind) {

@@ -13,9 +13,29 @@ use super::io_fault::IoFault;
 /// Prefix and suffix of temporary files; listings skip them.
 const TEMPORARY_NAME: (&str, &str) = (".kt830-", ".part");
 
+/// Levels of folders in a folder of data: `programs/vertical`.
+const FOLDER_LEVELS: u32 = 2;
+
 /// Whether a file is a replacement that was not completed.
 pub fn is_temporary(name: &str) -> bool {
     name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1)
+}
+
+/// Deletes the replacements in a folder of data that a power cut has left, in its programs' and pages' folders, too. Only
+/// the control that holds the lock of the data may do so. What cannot be deleted stays: nothing reads it.
+pub fn remove_temporary(folder: &Path) {
+    remove_temporary_below(folder, FOLDER_LEVELS);
+}
+
+fn remove_temporary_below(folder: &Path, levels: u32) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let kind = entry.file_type();
+        if kind.as_ref().is_ok_and(fs::FileType::is_file) && is_temporary(&entry.file_name().to_string_lossy()) {
+            drop(disk::remove(&entry.path()));
+        } else if levels > 0 && kind.is_ok_and(|kind| kind.is_dir()) {
+            remove_temporary_below(&entry.path(), levels - 1);
+        }
+    }
 }
 
 /// Why a file was not read.

@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::atomic_file::{self, ReadError, is_temporary};
+use super::atomic_file::{self, ReadError};
 use super::disk;
 use super::file_class::FileClass;
 use super::io_fault::IoFault;
@@ -221,22 +221,6 @@ impl Folder {
     pub fn delete(&self, class: &FileClass, number: u32) -> Result<(), FolderError> {
         let path = self.existing(class, number)?;
         self.remove(&path)
-    }
-
-    /// Deletes temporary files left by a power cut; call once at start. Returns their number.
-    ///
-    /// # Errors
-    /// The folder cannot be listed, or a disk error.
-    pub fn remove_temporary(&self) -> Result<usize, FolderError> {
-        let mut removed = 0;
-        for entry in fs::read_dir(&self.path).map_err(IoFault::at(&self.path, "list"))? {
-            let entry = entry.map_err(IoFault::at(&self.path, "list"))?;
-            if is_temporary(&entry.file_name().to_string_lossy()) {
-                disk::remove(&entry.path()).map_err(IoFault::at(&entry.path(), "delete"))?;
-                removed += 1;
-            }
-        }
-        Ok(removed)
     }
 
     /// The path of the file with a number; refuses a link, folder or device with that name.

@@ -32,7 +32,7 @@ use crate::link::page_command::{DataChoice, PageCommand};
 use crate::link::snapshot::{RunState, Snapshot};
 use crate::nc::CommonVariables;
 use crate::store::disk::{ObservationGuard, observe};
-use crate::store::{DATABASE_FILE, DataDir, Folder, RetainedDatabase, is_temporary};
+use crate::store::{DATABASE_FILE, DataDir, RetainedDatabase, is_temporary};
 use crate::story::Stage;
 use crate::story::statement::DiskCondition;
 use crate::units::{Axis, Micros};
@@ -437,9 +437,6 @@ fn usb_drive(data: &DataDir) -> PathBuf {
 
 /// Opens the storage of a data directory as the control does at its start.
 fn open_storage(data: &DataDir, kind: Kind) -> Result<OpenedStorage, TortureError> {
-    for folder in [data.programs(), data.screens()] {
-        Folder::new(folder).remove_temporary().map_err(TortureError::new)?;
-    }
     let (store, report) = RetainedStore::open(data.root(), kind).map_err(TortureError::new)?;
     let folders = Folders::of_data(data, kind).map_err(TortureError::new)?;
     let usb = usb_drive(data);

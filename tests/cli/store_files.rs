@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::text::Lang;
+use kt830::host::retained_store::RetainedStore;
 use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
     DataDir, Encoding, FileClass, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PAGE_TEXT_EN, PICTURE,
@@ -201,11 +202,24 @@ fn a_file_over_its_limit_is_refused_unread_and_unwritten() {
 }
 
 #[test]
-fn what_a_power_cut_left_half_written_is_swept_and_never_listed() {
+fn what_a_power_cut_left_half_written_is_never_listed_and_swept_by_the_control_that_has_the_lock() {
     let (temporary, folder) = folder_with(&["O1001.NC", ".kt830-Ab12Cd.part"]);
     assert_eq!(folder.list(&PROGRAM).unwrap().ignored, []);
-    assert_eq!(folder.remove_temporary().unwrap(), 1);
-    assert_eq!(fs::read_dir(temporary.path()).unwrap().count(), 1);
+    let root = temporary.path();
+    let left: Vec<_> = ["", "generations", "programs/vertical", "screens"]
+        .map(|inner| root.join(inner).join(".kt830-Ab12Cd.part"))
+        .into_iter()
+        .collect();
+    for path in &left {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, "half").unwrap();
+    }
+    let opened = RetainedStore::open(root, Kind::Gc).unwrap();
+    assert!(left.iter().all(|path| !path.exists()) && root.join("O1001.NC").exists());
+    // A control that finds the data in use touches nothing.
+    fs::write(&left[0], "being written").unwrap();
+    assert!(RetainedStore::open(root, Kind::Gc).is_err() && left[0].exists());
+    drop(opened);
 }
 
 #[test]
