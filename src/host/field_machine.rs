@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::description_lines::description_lines;
 use super::hosted_machine::HostedMachine;
 use super::pace::{Pace, ThreadTimes};
 use crate::defs::param::Params;
@@ -13,7 +14,7 @@ use crate::io::fieldbus::station_description::FIRST_STATION;
 use crate::io::fieldbus::{ClockReading, FieldBus, FieldBusMachine};
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView};
+use crate::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, DescriptionLine};
 use crate::link::simulation::{SimCommand, SimView};
 use crate::units::{Axis, Micros};
 
@@ -26,6 +27,7 @@ const STATION_TIME: Duration = Duration::from_millis(1_000);
 /// A machine on a field bus, and what its page shows.
 pub struct HostedFieldBus<F> {
     machine: FieldBusMachine<F>,
+    description: Arc<[DescriptionLine]>,
     view: Arc<BusView>,
     viewed_at: Option<Micros>,
 }
@@ -34,7 +36,8 @@ impl<F: FieldBus> HostedFieldBus<F> {
     /// A host's machine on a bus.
     #[must_use]
     pub fn new(machine: FieldBusMachine<F>) -> Self {
-        Self { machine, view: Arc::default(), viewed_at: None }
+        let description = description_lines(machine.description()).into();
+        Self { machine, description, view: Arc::default(), viewed_at: None }
     }
 
     fn build_view(&self, times: &ThreadTimes) -> BusView {
@@ -49,6 +52,7 @@ impl<F: FieldBus> HostedFieldBus<F> {
                 axis,
                 state: state.text(),
                 tripped: state.fault().is_some(),
+                raw_count: machine.raw_count(axis),
                 torque_percent: machine.torque_percent(axis),
             })
         };
@@ -87,6 +91,7 @@ impl<F: FieldBus> HostedFieldBus<F> {
                 distance: machine.clock_errors().percentiles(),
                 drift_ppm: times.bus_clock.drift_ppm(),
             }),
+            description: Arc::clone(&self.description),
         }
     }
 }

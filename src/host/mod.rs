@@ -10,6 +10,7 @@ pub mod clock;
 pub mod control_end;
 pub mod cycle_time;
 pub mod data_loss;
+mod description_lines;
 pub mod field_machine;
 pub mod folders;
 pub mod headless;

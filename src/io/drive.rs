@@ -114,6 +114,12 @@ impl DriveFault {
     /// The drive is in a fault whose code has not been read.
     pub const UNKNOWN: Self = Self(0);
 
+    /// Whether the encoder is at fault: its position may be wrong (CiA 402-2, codes 73xxh "sensor").
+    #[must_use]
+    pub const fn is_of_sensor(self) -> bool {
+        self.0 & 0xff00 == 0x7300
+    }
+
     /// What the code says.
     #[must_use]
     pub fn text(self) -> &'static Text {

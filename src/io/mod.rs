@@ -22,8 +22,11 @@ pub struct InputImage {
     /// Circuits of the input terminals as wired, before polarity and debounce.
     pub terminals: Terminals,
     /// Encoder position of each axis in the encoder's frame, mm of slide travel (radius on X).
-    /// Zero is where the drive was switched on; homing finds the machine zero.
+    /// Zero is where the drive was switched on; homing finds the machine zero. Of an absolute encoder it is the machine
+    /// zero itself.
     pub encoder_mm: EncoderPos,
+    /// Axes with an absolute encoder that has been read.
+    pub absolute: PerAxis<bool>,
     /// Revolutions of the main spindle since power-on by its encoder, forward (M03) positive; 0 without such a spindle.
     pub spindle_turns: f64,
     /// Handwheel detents since the last tick, positive clockwise.

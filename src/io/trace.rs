@@ -18,8 +18,9 @@ pub struct TraceRow {
     pub outputs: OutputImage,
 }
 
-/// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,\
+/// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1. In
+/// `absolute` bit 0 is X, bit 1 Y, bit 2 Z.
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,\
 outputs,set_x,set_y,set_z,drives_on,fault_reset,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
@@ -27,7 +28,9 @@ impl fmt::Display for TraceRow {
         let (i, o) = (&self.inputs, &self.outputs);
         let [ex, ey, ez] = i.encoder_mm.coordinates();
         let [sx, sy, sz] = o.set_point_mm.coordinates();
-        write!(f, "{},{:x},{ex},{ey},{ez},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
+        let absolute =
+            i.absolute.iter().fold(0_u8, |bits, (axis, is_absolute)| bits | u8::from(*is_absolute) << axis as u8);
+        write!(f, "{},{:x},{ex},{ey},{ez},{absolute},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
         let [dx, dy, dz] = i.drives.0.map(DriveState::trace_number);
         let (alive, silent) = (u8::from(i.bus_alive), u8::from(i.station_silent));
         write!(f, "{},{dx},{dy},{dz},{alive},{silent},", i.handwheel_detents)?;

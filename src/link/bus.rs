@@ -1,8 +1,10 @@
 //! The field bus of a real machine, as the bus page shows it.
 //! Source: docs/manual, chapter "first start on a machine".
 
+use std::sync::Arc;
+
 use crate::defs::device_state::DeviceState;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Text};
 use crate::units::{Axis, Micros, Percentiles};
 
 /// A device.
@@ -27,6 +29,8 @@ pub struct BusDrive {
     pub state: LocalizedText,
     /// It is in a fault.
     pub tripped: bool,
+    /// What its encoder counts (object 6064h), once it has been read.
+    pub raw_count: Option<i32>,
     /// Torque in percent of the rated one, where it sends it.
     pub torque_percent: Option<f64>,
 }
@@ -50,6 +54,15 @@ pub struct BusStation {
     pub failures: u64,
     /// Time of an exchange.
     pub round_trip: Percentiles,
+}
+
+/// A line of the description of the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DescriptionLine {
+    /// A device, a station, or another part of the machine begins.
+    Heading(LocalizedText),
+    /// One of its properties, and its value.
+    Property(Text, String),
 }
 
 /// The distributed clocks.
@@ -95,4 +108,6 @@ pub struct BusView {
     pub rights: ThreadRights,
     /// The distributed clocks, if they are used.
     pub clock: Option<BusClock>,
+    /// The description of the machine.
+    pub description: Arc<[DescriptionLine]>,
 }

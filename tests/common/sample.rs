@@ -23,7 +23,7 @@ use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::station::StationFault;
 use kt830::link::Snapshot;
-use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, ThreadRights};
+use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, DescriptionLine, ThreadRights};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
@@ -348,13 +348,35 @@ pub fn busy(page: Page) -> Snapshot {
     snapshot
 }
 
+/// A description of a machine, as its page shows it.
+fn description() -> Arc<[DescriptionLine]> {
+    let of_drive = |number: u16, axis: char| {
+        let property = |zh, en, value: &str| DescriptionLine::Property(Text::new(zh, en), value.to_owned());
+        [
+            DescriptionLine::Heading(LocalizedText::same(&format!("{number}  drive {axis}"))),
+            property("厂商 / 产品 / 版本", "vendor / product / revision", "1DDh / 10305070h / –"),
+            property("输出", "outputs", "6040h 16  607Ah 32  6060h 8  – 8  (8 B)"),
+            property("输入", "inputs", "6041h 16  6064h 32  603Fh 16  6061h 8  – 8  6077h 16  (12 B)"),
+            property("启动时写入", "written at the start", "60C2h:01 = 1  60C2h:02 = -3"),
+            property("配置", "set up", "PDO  SYNC0"),
+        ]
+    };
+    (1..).zip(['X', 'Z', 'C', 'U']).flat_map(|(number, axis)| of_drive(number, axis)).collect()
+}
+
 /// A field bus in operation, or with a fault: the last two devices do not answer then, and a drive has tripped.
 pub fn bus(fault: Option<LocalizedText>) -> BusView {
     let broken = fault.is_some();
     let drive = |axis: Axis| {
         let tripped = broken && axis == Axis::Z;
         let state = if tripped { DriveState::Fault(DriveFault(0x8611)) } else { DriveState::Enabled };
-        BusDrive { axis, state: state.text(), tripped, torque_percent: (!broken).then_some(-37.5) }
+        BusDrive {
+            axis,
+            state: state.text(),
+            tripped,
+            raw_count: Some(-1_234_567),
+            torque_percent: (!broken).then_some(-37.5),
+        }
     };
     let names = ["drive X", "drive Z", "coupler", "inputs 1 to 16", "inputs 17 to 32", "inputs 33 to 48"];
     let more = ["outputs 1 to 16", "outputs 17 to 32", "analog outputs", "handwheel and spindle encoder"];
@@ -387,6 +409,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         wake_up: times(20, 90, 12_340),
         rights: ThreadRights { has_priority: true, has_locked_memory: !broken, core: Some((3, true)) },
         clock: Some(BusClock { distance: times(10, 80, 410), drift_ppm: -12.4 }),
+        description: description(),
     }
 }
 

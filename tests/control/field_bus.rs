@@ -48,13 +48,13 @@ pub const MACHINE: &str = "(
 
 /// A drive as CiA 402 describes it; it follows at once. Every transition takes a cycle.
 #[derive(Clone, Copy, Debug)]
-struct PlayedDrive {
-    state: PowerState,
-    position: i32,
+pub struct PlayedDrive {
+    pub state: PowerState,
+    pub position: i32,
     last_control: u16,
     /// The largest step of an enabled drive, counts.
-    largest_step: i32,
-    error_code: u16,
+    pub largest_step: i32,
+    pub error_code: u16,
 }
 
 impl PlayedDrive {
@@ -97,7 +97,7 @@ impl PlayedDrive {
 
 /// The played devices.
 pub struct Devices {
-    drives: RefCell<[PlayedDrive; 2]>,
+    pub drives: RefCell<[PlayedDrive; 2]>,
     pub inputs: Cell<u64>,
     outputs: Cell<u32>,
     /// What the next exchanges meet.

@@ -10,7 +10,16 @@ fn home(switch_mm: f64, ticks: u32) -> Result<f64, HomingFailure> {
     let mut mover = AxisMover::new(limits, 0.0, 0.001);
     let (direction, travel_mm, width_mm) = (1.0, 50.0, 0.01);
     let (fast_mm_s, slow_mm_s, coordinate, over_switch) = (20.0, 1.0, 5.0, false);
-    let plan = HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, over_switch, width_mm };
+    let plan = HomingPlan {
+        direction,
+        fast_mm_s,
+        slow_mm_s,
+        travel_mm,
+        coordinate,
+        over_switch,
+        width_mm,
+        is_absolute: false,
+    };
     let mut homing = AxisHoming::new(Axis::X, plan);
     let mut zero = None;
     for _ in 0..ticks {

@@ -7,6 +7,7 @@ mod command;
 #[path = "../common/stories.rs"]
 mod stories;
 
+mod absolute_encoder;
 mod alarms;
 mod allocation;
 mod compensation;

@@ -229,7 +229,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 32] = [
+const USES: [(Page, &[&str]); 33] = [
     (Page::Designer, &["→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "→", "⏎"]),
@@ -259,6 +259,7 @@ const USES: [(Page, &[&str]); 32] = [
     (Page::Settings, &["→", "⏎", "2019", "⏎"]),
     (Page::Directory, &["→", "→", "⏎", "12345", "⏎"]),
     (Page::Simulator, &["→", "→", "⏎"]),
+    (Page::Bus, &["→"]),
     (Page::Process, &["→", "⏎"]),
     (Page::Program, &["/", "NOTHING OF THE KIND", "⏎"]),
     (Page::Wheel, &["550", "⏎", "⏎", "50", "⏎", "⏎"]),

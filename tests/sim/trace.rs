@@ -11,7 +11,7 @@ use kt830::io::{Backend, InputImage, OutputImage};
 use kt830::units::{EncoderPos, Micros, PerAxis};
 
 /// Number of columns of a row.
-const COLUMNS: usize = 20;
+const COLUMNS: usize = 21;
 
 /// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -66,6 +66,11 @@ impl ColumnReader<'_> {
         self.next(|text| DriveState::from_trace_number(text.parse().ok()?))
     }
 
+    fn axes(&mut self) -> Result<PerAxis<bool>, TraceError> {
+        let bits: u8 = self.next(|text| text.parse().ok().filter(|bits| *bits < 8))?;
+        Ok(PerAxis::from_fn(|axis| bits >> axis as u8 & 1 == 1))
+    }
+
     fn terminals(&mut self) -> Result<Terminals, TraceError> {
         self.next(|text| u64::from_str_radix(text, 16).ok()).map(Terminals)
     }
@@ -83,6 +88,7 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
         inputs: InputImage {
             terminals: c.terminals()?,
             encoder_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
+            absolute: c.axes()?,
             spindle_turns: c.float()?,
             handwheel_detents: c.next(|text| text.parse().ok())?,
             drives: PerAxis([c.drive()?, c.drive()?, c.drive()?]),
@@ -264,6 +270,6 @@ fn p8_only_the_last_ticks_are_kept() {
 #[test]
 fn p8_a_broken_trace_is_refused_with_its_place() {
     let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-    assert_eq!(said("1,2"), "line 1: 2 columns instead of 20");
-    assert_eq!(said("1,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0"), "line 1, column 8: '3' is not a number");
+    assert_eq!(said("1,2"), "line 1: 2 columns instead of 21");
+    assert_eq!(said("1,0,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0"), "line 1, column 9: '3' is not a number");
 }

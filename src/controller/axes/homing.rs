@@ -21,6 +21,8 @@ pub struct HomingPlan {
     pub over_switch: bool,
     /// In-position width at the zero point.
     pub width_mm: f64,
+    /// The encoder is absolute: homing is the move to the zero point.
+    pub is_absolute: bool,
 }
 
 /// Back-off speed as a multiple of the slow speed: its end position does not matter.
@@ -115,7 +117,8 @@ impl AxisHoming {
     /// Begins with the next tick.
     #[must_use]
     pub const fn new(axis: Axis, plan: HomingPlan) -> Self {
-        Self { axis, plan, step: HomingStep::Begin, latched_edge: None, ticks_off: 0 }
+        let step = if plan.is_absolute { HomingStep::ToZero { stood: 0 } } else { HomingStep::Begin };
+        Self { axis, plan, step, latched_edge: None, ticks_off: 0 }
     }
 
     /// Latches the first closing of the contact; bounce after it is ignored. If the switch is off for longer than a
@@ -154,8 +157,9 @@ impl AxisHoming {
 
     /// Moves to the zero point until the axis is in position there.
     fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> HomingProgress {
-        let HomingPlan { coordinate, slow_mm_s, width_mm, .. } = self.plan;
-        mover.set_position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
+        let HomingPlan { coordinate, fast_mm_s, slow_mm_s, width_mm, is_absolute, .. } = self.plan;
+        let speed_mm_s = if is_absolute { fast_mm_s } else { slow_mm_s * BACK_OFF_FACTOR };
+        mover.set_position_target(coordinate, speed_mm_s);
         let rest = mover.is_at_rest();
         let stood = if rest { stood + 1 } else { 0 };
         self.step = HomingStep::ToZero { stood };

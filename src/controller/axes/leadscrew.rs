@@ -10,6 +10,10 @@ use crate::units::{Axis, PerAxis};
 /// Share of the axis acceleration available to compensation.
 const ACCELERATION_SHARE: f64 = 0.5;
 
+/// Rounds until position and correction fit: the correction changes by micrometres in a millimetre, so each round
+/// divides the rest by a hundred and more.
+const CORRECTION_ROUNDS: u32 = 5;
+
 /// Compensation of all axes.
 #[derive(Clone, Debug)]
 pub struct LeadscrewCompensator {
@@ -87,6 +91,16 @@ impl LeadscrewCompensator {
         let velocity = wanted.clamp(velocity - most, velocity + most);
         self.velocity_mm_s[axis] = velocity;
         self.applied_mm[axis] += velocity * self.tick_s;
+    }
+
+    /// The machine position of a homed axis whose encoder is at `encoder_mm` from the machine zero, mm.
+    #[must_use]
+    pub fn machine_mm(&self, axis: Axis, encoder_mm: f64, minus: bool) -> f64 {
+        let mut at_mm = encoder_mm;
+        for _ in 0..CORRECTION_ROUNDS {
+            at_mm = encoder_mm - self.needed_mm(axis, at_mm, minus, true);
+        }
+        at_mm
     }
 
     /// The axis position has become known: the required correction counts as applied and the axis does not move.

@@ -75,6 +75,8 @@ pub struct Axes {
     present: PerAxis<bool>,
     owner: AxisOwner,
     homed: PerAxis<bool>,
+    /// Axes whose absolute encoder is not believed until they are homed.
+    doubted: PerAxis<bool>,
     feedback: Feedback,
     commanded: Commanded,
     velocity_mm_s: PerAxis<f64>,
@@ -109,6 +111,7 @@ impl Axes {
             present: params.fitted().axes(),
             owner: AxisOwner::Manual,
             homed: PerAxis::default(),
+            doubted: PerAxis::default(),
             feedback: Feedback { machine_minus_encoder_mm: PerAxis::default(), measured: start, actual: start },
             commanded: Commanded { set_point: start, last_move_minus: PerAxis::default() },
             velocity_mm_s: PerAxis::default(),
@@ -156,9 +159,29 @@ impl Axes {
             self.compensation.apply_at_once(axis, self.commanded.set_point[axis], self.commanded.last_move_minus[axis]);
     }
 
+    /// Whether an absolute encoder may say where an axis is: it is not homed and nothing moves.
+    #[must_use]
+    pub fn awaits_absolute_position(&self, axis: Axis) -> bool {
+        let is_free = self.homing.is_none() && self.locked.is_none() && self.is_at_rest();
+        self.present[axis] && !self.homed[axis] && !self.doubted[axis] && is_free
+    }
+
+    /// The machine position of the set-point of an axis by its absolute encoder, mm.
+    #[must_use]
+    pub fn absolute_position(&self, axis: Axis) -> f64 {
+        let minus = self.commanded.last_move_minus[axis];
+        self.compensation.machine_mm(axis, self.encoder_set_points()[axis], minus)
+    }
+
+    /// The absolute encoder of an axis is not believed until the axis has been homed by hand.
+    pub fn doubt(&mut self, axis: Axis) {
+        self.doubted[axis] = true;
+        self.lift_soft_limits(axis);
+    }
+
     /// The axis has reached its zero point: it is now homed and its soft limits apply.
     pub fn finish_homing(&mut self, axis: Axis, params: &Params) {
-        self.homed[axis] = true;
+        (self.homed[axis], self.doubted[axis]) = (true, false);
         self.apply_soft_limits(axis, params);
     }
 

@@ -1,7 +1,7 @@
 //! Homing of an axis and the limits of manual motion, as manual and programmed homing share them.
 //! Source: spec B5, K5.9, K5.16, L6.
 
-use super::{MM_S_PER_MM_MIN, Plant};
+use super::{ControlPhase, MM_S_PER_MM_MIN, Plant};
 use crate::controller::axes::homing::{AxisHoming, HomingFailure, HomingPlan, HomingProgress};
 use crate::controller::axes::soft_limits;
 use crate::defs::alarm;
@@ -30,6 +30,7 @@ impl Plant {
             coordinate: self.params.get_axis(param::HOME_X, axis),
             over_switch: self.kind.row().homes_over_switch(),
             width_mm: self.params.get(param::IN_POSITION),
+            is_absolute: self.inputs.image.absolute[axis],
         };
         AxisHoming::new(axis, plan)
     }
@@ -43,9 +44,29 @@ impl Plant {
     }
 
     /// Sets the zero of an axis: its switch was at `edge` in present machine coordinates and is from now on at the
-    /// coordinate of the parameter. The tool-change point keeps its physical position (L3).
+    /// coordinate of the parameter.
     pub fn apply_zero(&mut self, axis: Axis, edge: f64) {
-        let coordinate = self.params.get_axis(param::HOME_X, axis);
+        self.shift_zero(axis, edge, self.params.get_axis(param::HOME_X, axis));
+    }
+
+    /// Axes with absolute encoders need no homing: they are homed as soon as their position is read. After a hard limit or
+    /// a fault of the encoder they wait for HOME.
+    pub fn adopt_absolute_positions(&mut self) {
+        if !self.inputs.image.bus_alive || !matches!(self.execution.phase, ControlPhase::Idle) {
+            return;
+        }
+        for axis in Axis::ALL {
+            let is_told = self.inputs.image.absolute[axis] && self.inputs.image.drives[axis].fault().is_none();
+            if is_told && self.axes.awaits_absolute_position(axis) {
+                self.shift_zero(axis, self.axes.set_point()[axis], self.axes.absolute_position(axis));
+                self.axes.finish_homing(axis, &self.params);
+            }
+        }
+    }
+
+    /// What is `edge` in present machine coordinates is `coordinate` from now on. The tool-change point keeps its physical
+    /// position (L3).
+    fn shift_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         self.axes.set_zero(axis, edge, coordinate);
         let mut by = PerAxis::default();
         by[axis] = coordinate - edge;

@@ -43,6 +43,11 @@ impl Plant {
     pub fn supervise_drives(&mut self) {
         self.continue_reset();
         let faults = PerAxis::from_fn(|axis| self.axes.is_present(axis) && self.has_tripped(axis));
+        for axis in Axis::ALL {
+            if self.drive(axis).fault().is_some_and(DriveFault::is_of_sensor) {
+                self.axes.doubt(axis);
+            }
+        }
         if faults.0.contains(&true) {
             self.report_tripped(faults);
         }

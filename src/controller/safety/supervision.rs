@@ -53,6 +53,8 @@ impl Plant {
                     self.alarms.clear(alarm::HARD_LIMIT);
                     self.raise(alarm::HARD_LIMIT, name());
                     self.axes.clear_homed();
+                    // A homed axis cannot get there: its soft limit is before it.
+                    self.axes.doubt(axis);
                 }
                 if pressed { self.inputs.limit_switches |= mask } else { self.inputs.limit_switches &= !mask }
             }
@@ -63,6 +65,7 @@ impl Plant {
             self.raise(alarm::FOLLOWING_ERROR, Some(phrase!("{axis}", "{axis}", axis)));
             self.axes.clear_homed();
         }
+        self.adopt_absolute_positions();
     }
 
     /// Keep-alive of the screen.

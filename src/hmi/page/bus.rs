@@ -3,10 +3,10 @@
 
 use egui::{Rect, vec2};
 
-use super::{PageContext, PageUi, empty};
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::device_state::DeviceState;
-use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
-use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView, ThreadRights};
+use crate::hmi::{Area, EditKey, View, pictogram, round_to_lines, theme, widget};
+use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView, DescriptionLine, ThreadRights};
 use crate::units::{Micros, Percentiles};
 
 /// Height of a row.
@@ -25,21 +25,44 @@ const NUMBER_WIDTH: f32 = 36.0;
 /// An age beyond it is shown as this.
 const MAX_AGE_SHOWN: Micros = Micros::from_millis(99_999);
 
+/// Height of a line of the description, and width of the name of a property.
+const PROPERTY_HEIGHT: f32 = 30.0;
+const PROPERTY_NAME_SHARE: f32 = 0.34;
+
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct BusPage {
+    /// Shows the description of the machine in place of its state.
+    describes: bool,
     /// The first device shown.
     first: usize,
+    scroll: Scroll,
 }
 
 impl PageUi for BusPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
+        *self = Self::default();
+    }
+
     fn ui(&mut self, ctx: PageContext<'_>) {
         let PageContext { rect, view, typed, .. } = ctx;
         let Some(bus) = view.snapshot.bus.as_deref() else {
             let remedy = view.text("控制器运行模拟机床。", "The control runs the simulated machine.");
             return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有总线", "no field bus"), remedy);
         };
-        let body = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (bar, body) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
+        let keys = [
+            ("bus-state", view.text("状态", "STATE").to_owned()),
+            ("bus-description", view.text("机床描述", "DESCRIPTION").to_owned()),
+        ];
+        let turns =
+            |edit: &&EditKey| matches!(edit, EditKey::Right | EditKey::Next | EditKey::Left | EditKey::Previous);
+        let by_key = self.describes ^ (typed.edits.iter().filter(turns).count() % 2 == 1);
+        self.describes = widget::tabs(view, bar, &keys, usize::from(self.describes)).map_or(by_key, |tab| tab == 1);
+        let body = body.trim_top(theme::GAP);
+        if self.describes {
+            return self.description(body, view, typed.scroll_pages, &bus.description);
+        }
         let lines = LINES + usize::from(bus.clock.is_some());
         let (figures, list) = body.split_top(lines as f32 * LINE_HEIGHT + 2.0 * theme::PAD);
         show_figures(figures.trim_bottom(theme::GAP), view, bus);
@@ -51,6 +74,34 @@ impl PageUi for BusPage {
         let stations = bus.stations.iter().map(|station| station_row(view, station));
         for (index, row) in devices.chain(stations).skip(self.first).take(rows).enumerate() {
             show_row(list.band(index as f32 * ROW_HEIGHT, ROW_HEIGHT - 3.0), view, &row);
+        }
+    }
+}
+
+impl BusPage {
+    /// The description of the machine.
+    fn description(&mut self, rect: Rect, view: &View<'_>, pages: i32, lines: &[DescriptionLine]) {
+        let list = ScrollList {
+            id: "description",
+            rect: round_to_lines(rect, PROPERTY_HEIGHT),
+            row: PROPERTY_HEIGHT,
+            gap: 0.0,
+            count: lines.len(),
+        };
+        let (clipped, places) = self.scroll.rows(view, &list, pages);
+        for (index, place) in places {
+            match &lines[index] {
+                DescriptionLine::Heading(words) => {
+                    clipped.card(place.trim_bottom(2.0));
+                    let words = words.get(view.lang);
+                    clipped.fit_left(place.trim_sides(8.0), &words, theme::LABEL, view.theme.text);
+                }
+                DescriptionLine::Property(name, value) => {
+                    let (left, right) = place.trim_sides(8.0).split_left_right_at_fraction(PROPERTY_NAME_SHARE);
+                    clipped.fit_left(left.trim_right(6.0), name.get(view.lang), theme::LABEL, view.theme.muted);
+                    clipped.fit_left(right, value, theme::LABEL, view.theme.text);
+                }
+            }
         }
     }
 }
@@ -126,9 +177,12 @@ struct BusRow<'a> {
 fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow<'a> {
     let (vendor, product) = device.identity;
     let (what, is_fault) = match &device.drive {
-        Some(BusDrive { axis, state, tripped, torque_percent }) => {
+        Some(BusDrive { axis, state, tripped, raw_count, torque_percent }) => {
             let torque = torque_percent.map_or_else(String::new, |torque| format!("  {torque:.1} %"));
-            (format!("{axis}  {}{torque}", state.get(view.lang)), *tripped)
+            let count = raw_count
+                .filter(|_| !tripped)
+                .map_or_else(String::new, |count| format!("  {count} {}", view.text("脉冲", "counts")));
+            (format!("{axis}  {}{torque}{count}", state.get(view.lang)), *tripped)
         }
         None => (format!("{vendor:#x} / {product:#x}"), false),
     };

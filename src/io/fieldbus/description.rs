@@ -239,12 +239,23 @@ pub struct ServoAxisDescription {
     /// The counts rise where the axis moves in its minus direction.
     #[serde(default)]
     pub reversed: bool,
+    /// Its encoder keeps the position without power: the axis needs no homing.
+    #[serde(default)]
+    pub absolute: Option<AbsoluteEncoder>,
     /// Highest speed of motor and screw, mm/s of the slide; the rapid traverse of the control may not exceed it.
     #[serde(default)]
     pub highest_mm_s: Option<f64>,
     /// Its holding brake, if the drive does not switch it itself.
     #[serde(default)]
     pub brake: Option<BrakeDescription>,
+}
+
+/// An absolute encoder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AbsoluteEncoder {
+    /// Its count (object 6064h) at the machine zero.
+    pub zero_counts: i32,
 }
 
 /// A holding brake.

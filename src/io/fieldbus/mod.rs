@@ -265,6 +265,12 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.axes[axis].as_ref().and_then(ServoAxis::torque_percent)
     }
 
+    /// What the encoder of an axis counts, once it has been read.
+    #[must_use]
+    pub fn raw_count(&self, axis: Axis) -> Option<i32> {
+        self.axes[axis].as_ref().and_then(ServoAxis::raw_count)
+    }
+
     /// How long the safe image is to be sent at the end: until every brake holds.
     #[must_use]
     pub fn settling_time(&self) -> Micros {
@@ -383,6 +389,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
         self.inputs.bus_alive = self.has_inputs && matches!(self.state, BusState::Running(_));
         let (axes, alive) = (&self.axes, self.inputs.bus_alive);
         self.inputs.encoder_mm = EncoderPos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, ServoAxis::encoder_mm));
+        self.inputs.absolute = PerAxis::from_fn(|axis| axes[axis].as_ref().is_some_and(ServoAxis::is_absolute));
         self.inputs.drives = PerAxis::from_fn(|axis| match &axes[axis] {
             Some(servo) if alive => servo.state(now),
             Some(_) | None => DriveState::Off,

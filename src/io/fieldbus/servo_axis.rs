@@ -48,8 +48,10 @@ pub struct ServoAxis {
     brake: Option<BrakeDescription>,
     /// Actual position in counts, without the wrap of its field; `None` before the first exchange.
     count: Option<i64>,
-    /// Count where the axis was switched on: 0 mm of the encoder's frame.
+    /// Count that is 0 mm of the encoder's frame: where the axis was switched on, or the machine zero of an absolute
+    /// encoder.
     zero_count: i64,
+    is_absolute: bool,
     power: PowerState,
     /// The error code, once it is read by mailbox.
     fault: DriveFault,
@@ -93,7 +95,8 @@ impl ServoAxis {
             counts_per_mm: sign * description.counts_per_mm,
             brake: description.brake.clone(),
             count: None,
-            zero_count: 0,
+            zero_count: description.absolute.map_or(0, |encoder| i64::from(encoder.zero_counts)),
+            is_absolute: description.absolute.is_some(),
             power: PowerState::default(),
             fault: DriveFault::UNKNOWN,
             demand: Demand::Off(Micros::ZERO),
@@ -110,9 +113,11 @@ impl ServoAxis {
         let count = match self.count {
             // The difference of the fields is right across their wrap.
             Some(before) => before + i64::from(raw.wrapping_sub(before as i32)),
+            // The zero of an absolute encoder may lie beyond the wrap.
+            None if self.is_absolute => self.zero_count + i64::from(raw.wrapping_sub(self.zero_count as i32)),
             None => {
                 self.zero_count = i64::from(raw);
-                i64::from(raw)
+                self.zero_count
             }
         };
         self.velocity_counts = self.count.map_or(0, |before| count - before);
@@ -153,6 +158,18 @@ impl ServoAxis {
     pub fn encoder_mm(&self) -> f64 {
         // Added to 0, a reversed axis has no negative zero.
         0.0 + self.count.map_or(0.0, |count| (count - self.zero_count) as f64 / self.counts_per_mm)
+    }
+
+    /// Whether its position is that of an absolute encoder.
+    #[must_use]
+    pub const fn is_absolute(&self) -> bool {
+        self.is_absolute && self.count.is_some()
+    }
+
+    /// What its encoder counts (object 6064h), once it has been read.
+    #[must_use]
+    pub fn raw_count(&self) -> Option<i32> {
+        self.count.map(|count| count as i32)
     }
 
     /// Torque in percent of the rated one, where the drive sends it.

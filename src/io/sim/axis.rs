@@ -119,18 +119,22 @@ impl SimAxis {
         axis
     }
 
-    /// Puts the axis at rest at a machine position and zeroes its encoder there.
+    /// Puts the axis at rest at a machine position and zeroes its encoder there, unless that is absolute.
     pub(super) fn reset_at(&mut self, machine_mm: f64) {
         self.motor_mm = machine_mm;
         self.nominal_slide_mm = machine_mm;
-        self.encoder_zero_mm = machine_mm;
-        self.last_set_point_mm = 0.0;
+        self.encoder_zero_mm = if self.file.absolute { 0.0 } else { machine_mm };
+        self.last_set_point_mm = machine_mm - self.encoder_zero_mm;
         self.velocity_mm_s = 0.0;
         self.accel_mm_s2 = 0.0;
         self.slide_mm = machine_mm + interpolate(&self.file.pitch_error_mm, machine_mm);
         self.home = BouncingContact::at_rest(self.at_home());
         self.limit_plus = BouncingContact::at_rest(self.slide_mm >= self.file.limit_plus_mm);
         self.limit_minus = BouncingContact::at_rest(self.slide_mm <= self.file.limit_minus_mm);
+    }
+
+    pub(super) const fn is_absolute(&self) -> bool {
+        self.file.absolute
     }
 
     /// Encoder reading, mm. DECISION: it counts in steps of the resolution from the last set-point (as interpolating

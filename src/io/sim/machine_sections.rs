@@ -44,6 +44,9 @@ pub struct AxisFile {
     pub brake_mm_s2: f64,
     /// One encoder step, mm.
     pub resolution_mm: f64,
+    /// The encoder is absolute: it reads the machine position from power-on on.
+    #[serde(default)]
+    pub absolute: bool,
     /// Edge of the home switch, mm.
     pub home_edge_mm: f64,
     /// Length of the home switch cam from the edge on, mm; without it the switch stays active to the end.
