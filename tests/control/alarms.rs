@@ -6,7 +6,8 @@ use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use kt830::defs::date::DateTime;
 use kt830::defs::text::LocalizedText;
 use kt830::host::folders::program_from_bytes;
-use kt830::units::Micros;
+use kt830::host::headless::HeadlessHost;
+use kt830::units::{Axis, Micros};
 
 /// The entries that the disk has to be told.
 fn changed_of(alarms: &mut AlarmList) -> Vec<PastAlarm> {
@@ -168,4 +169,22 @@ fn b8_a_mistake_in_a_called_program_has_its_remedy_and_its_calls() {
     crate::stories::tell(&mut rig, "key reset\nload O7002\nkey cycle-start\nwait until alarm max 5 s");
     let alarm = &rig.snapshot().alarms[0];
     assert!(alarm.cause.is_blank() && !alarm.remedy.is_blank(), "{alarm:?}");
+}
+
+/// An emergency stop takes the power from the drives, so that their ready contacts open.
+#[test]
+fn b8_drives_that_an_emergency_stop_leaves_without_power_are_no_fault() {
+    let mut rig = crate::stories::ready();
+    let numbers =
+        |rig: &mut HeadlessHost| -> Vec<u16> { rig.snapshot().alarms.iter().map(|alarm| alarm.number).collect() };
+    let stop = "input emergency-stop on\nwait 0.2 s\nfault drive-x\nwait 0.5 s";
+    crate::stories::tell(&mut rig, stop);
+    assert_eq!(numbers(&mut rig), [alarm::EMERGENCY_STOP]);
+    crate::stories::tell(&mut rig, "fault drive-x off\ninput emergency-stop off\nwait 0.2 s\nkey reset\nwait 0.5 s");
+    assert!(numbers(&mut rig).is_empty() && rig.snapshot().axes[Axis::X].homed);
+    // A drive that stays away is a fault once the stop is over.
+    crate::stories::tell(&mut rig, stop);
+    crate::stories::tell(&mut rig, "input emergency-stop off\nwait 0.2 s\nkey reset\nwait 0.5 s");
+    assert_eq!(numbers(&mut rig), [alarm::DRIVE_FAULT]);
+    assert!(!rig.trace_row().outputs.drives_on && !rig.snapshot().axes[Axis::X].homed);
 }

@@ -8,6 +8,7 @@
     reason = "a test driver: a failure is the message"
 )]
 
+mod course;
 mod modbus;
 mod plant;
 mod scenarios;

@@ -9,7 +9,7 @@ use kt830::units::{Axis, PerAxis};
 
 use crate::modbus;
 use crate::plant::PlantLink;
-use crate::session::{Scenario, Session, simulated, tell};
+use crate::session::{Act, Scenario, Session, observe, simulated, tell};
 
 /// A scenario on the machine as it is described.
 const fn scenario(name: &'static str, play: fn(&mut Session<'_>)) -> Scenario {
@@ -25,6 +25,7 @@ const fn differing(name: &'static str, describe: fn(&mut MachineDescription), pl
 pub const ALL: &[Scenario] = &[
     scenario("cold_start_o1002", |rig| grind(rig, 1_002)),
     scenario("cold_start_o1004", |rig| grind(rig, 1_004)),
+    scenario("same_course", same_course),
     scenario("drive_fault_at_rest", drive_fault_at_rest),
     scenario("drive_fault_in_a_path", drive_fault_in_a_path),
     scenario("drive_blocked", drive_blocked),
@@ -148,6 +149,39 @@ fn grind(rig: &mut Session<'_>, number: u32) {
     println!("  O{number}: {rig_s:.3} s on the rig, {simulated_s:.3} s simulated; end positions {off:.4} mm apart");
     println!("  following error up to {error_mm:.3} mm, {lost} ticks without the bus");
     assert!(off < 0.005, "{off}");
+}
+
+/// A story with a part, a hold, refusals and an emergency stop: what the operator sees is the same on both machines.
+const STORY: &[Act] = &[
+    Act::Tell(
+        "load O1002\nmode auto\nkey 循环启动\nwait 1 s\nkey 砂轮启动\nwait 1 s\nkey 复位\nwait 1 s\nmode manual\nkey 液压\nwait 4 s\n\
+         home all\nkey 循环启动\nwait 1 s\nmode auto\nkey 循环启动\nwait 1 s\nkey 复位\nwait 1 s\nmode manual\nkey 尾座进\nwait 3 s\n\
+         key 砂轮启动\nwait 10 s\nkey 冷却\nwait 1 s\nkey 冷却\nwait 1 s\nkey 液压\nwait 1 s\n",
+    ),
+    Act::Tell(
+        "part assets/parts/O1002.ron\nmode auto\nkey 循环启动\nwait 6 s\nkey 进给保持\nwait 2 s\nexpect state held\nmode manual\nwait 1 s\n\
+         key 循环启动\nwait until idle max 120 s\nexpect no alarm\nwait 1 s\n",
+    ),
+    Act::Tell("mode mdi\nmdi G01 X9999 F100\nwait 1 s\nkey 复位\nwait 1 s\nmdi G01 U-20 W-20 F600\nwait 1 s\n"),
+    Act::EmergencyStop(true),
+    Act::Tell("wait 2 s\nkey 复位\nwait 1 s\nkey 砂轮启动\nwait 1 s\n"),
+    Act::EmergencyStop(false),
+    Act::Tell("wait 1 s\nkey 复位\nwait 3 s\nexpect no alarm\nhome all\nwait 1 s\nexpect no alarm\n"),
+];
+
+fn same_course(rig: &mut Session<'_>) {
+    rig.ticks_until("drives on", 1_000, |row| row.inputs.drives[Axis::X] == DriveState::Enabled);
+    rig.turns(1_000);
+    let on_rig = rig.observe(STORY);
+    let mut reference = simulated();
+    tell(&mut reference, "power on\nwait 1 s\n");
+    let on_simulator = observe(&mut reference, STORY, |stage, pressed| {
+        tell(stage, if pressed { "input emergency-stop on" } else { "input emergency-stop off" });
+    });
+    let changes = on_rig.0.values().map(|values| values.len() - 1).sum::<usize>();
+    let differences = on_rig.differences(&on_simulator);
+    println!("  {changes} changes of {} quantities, {} differ", on_rig.0.len(), differences.len());
+    assert!(changes > 30 && differences.is_empty(), "rig {}", differences.join("\n  "));
 }
 
 /// O1002 again and again: no cycle is lost, none is without the bus.

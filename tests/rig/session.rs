@@ -29,6 +29,7 @@ use kt830::story::parse::parse;
 use kt830::story::play::{Player, Stage, state_report};
 use kt830::units::Percentiles;
 
+use crate::course::{Course, Observed};
 use crate::plant::PlantLink;
 
 type Thread = HostThread<HostedFieldBus<EtherCat>, ThreadedStorage>;
@@ -154,10 +155,41 @@ pub fn tell<G: Stage>(stage: &mut G, text: &str) {
     }
 }
 
+/// A part of a story that both machines are told.
+pub enum Act {
+    /// Lines for the operator.
+    Tell(&'static str),
+    /// The emergency stop of the machine is pressed, or released.
+    EmergencyStop(bool),
+}
+
+/// Plays acts on a stage whose emergency stop is pressed and released by `stop`; returns what an operator has seen.
+pub fn observe<G: Stage>(stage: &mut G, acts: &[Act], mut stop: impl FnMut(&mut G, bool)) -> Course {
+    let mut observed = Observed { stage, course: Course::default() };
+    for act in acts {
+        match act {
+            Act::Tell(text) => tell(&mut observed, text),
+            Act::EmergencyStop(pressed) => {
+                stop(observed.stage, *pressed);
+                tell(&mut observed, "wait 0.5 s");
+            }
+        }
+    }
+    observed.course
+}
+
 impl Session<'_> {
     /// Plays the lines of a story.
     pub fn story(&mut self, text: &str) {
         tell(self.thread, text);
+    }
+
+    /// Plays the acts of a story; returns what an operator has seen.
+    pub fn observe(&mut self, acts: &[Act]) -> Course {
+        let Self { thread, plant } = self;
+        observe(&mut **thread, acts, |_, pressed| {
+            plant.send(if pressed { "estop press" } else { "estop release" });
+        })
     }
 
     /// Lets a number of ticks pass.
