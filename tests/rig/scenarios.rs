@@ -9,7 +9,7 @@ use kt830::units::{Axis, PerAxis};
 
 use crate::modbus;
 use crate::plant::PlantLink;
-use crate::session::{Act, Scenario, Session, observe, simulated, tell};
+use crate::session::{Scenario, Session, StoryPart, observe, simulated, tell};
 
 /// A scenario on the machine as it is described.
 const fn scenario(name: &'static str, play: fn(&mut Session<'_>)) -> Scenario {
@@ -152,21 +152,21 @@ fn grind(rig: &mut Session<'_>, number: u32) {
 }
 
 /// A story with a part, a hold, refusals and an emergency stop: what the operator sees is the same on both machines.
-const STORY: &[Act] = &[
-    Act::Tell(
+const STORY: &[StoryPart] = &[
+    StoryPart::Tell(
         "load O1002\nmode auto\nkey 循环启动\nwait 1 s\nkey 砂轮启动\nwait 1 s\nkey 复位\nwait 1 s\nmode manual\nkey 液压\nwait 4 s\n\
          home all\nkey 循环启动\nwait 1 s\nmode auto\nkey 循环启动\nwait 1 s\nkey 复位\nwait 1 s\nmode manual\nkey 尾座进\nwait 3 s\n\
          key 砂轮启动\nwait 10 s\nkey 冷却\nwait 1 s\nkey 冷却\nwait 1 s\nkey 液压\nwait 1 s\n",
     ),
-    Act::Tell(
+    StoryPart::Tell(
         "part assets/parts/O1002.ron\nmode auto\nkey 循环启动\nwait 6 s\nkey 进给保持\nwait 2 s\nexpect state held\nmode manual\nwait 1 s\n\
          key 循环启动\nwait until idle max 120 s\nexpect no alarm\nwait 1 s\n",
     ),
-    Act::Tell("mode mdi\nmdi G01 X9999 F100\nwait 1 s\nkey 复位\nwait 1 s\nmdi G01 U-20 W-20 F600\nwait 1 s\n"),
-    Act::EmergencyStop(true),
-    Act::Tell("wait 2 s\nkey 复位\nwait 1 s\nkey 砂轮启动\nwait 1 s\n"),
-    Act::EmergencyStop(false),
-    Act::Tell("wait 1 s\nkey 复位\nwait 3 s\nexpect no alarm\nhome all\nwait 1 s\nexpect no alarm\n"),
+    StoryPart::Tell("mode mdi\nmdi G01 X9999 F100\nwait 1 s\nkey 复位\nwait 1 s\nmdi G01 U-20 W-20 F600\nwait 1 s\n"),
+    StoryPart::EmergencyStop(true),
+    StoryPart::Tell("wait 2 s\nkey 复位\nwait 1 s\nkey 砂轮启动\nwait 1 s\n"),
+    StoryPart::EmergencyStop(false),
+    StoryPart::Tell("wait 1 s\nkey 复位\nwait 3 s\nexpect no alarm\nhome all\nwait 1 s\nexpect no alarm\n"),
 ];
 
 fn same_course(rig: &mut Session<'_>) {

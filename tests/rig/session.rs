@@ -156,7 +156,7 @@ pub fn tell<G: Stage>(stage: &mut G, text: &str) {
 }
 
 /// A part of a story that both machines are told.
-pub enum Act {
+pub enum StoryPart {
     /// Lines for the operator.
     Tell(&'static str),
     /// The emergency stop of the machine is pressed, or released.
@@ -164,12 +164,12 @@ pub enum Act {
 }
 
 /// Plays acts on a stage whose emergency stop is pressed and released by `stop`; returns what an operator has seen.
-pub fn observe<G: Stage>(stage: &mut G, acts: &[Act], mut stop: impl FnMut(&mut G, bool)) -> Course {
+pub fn observe<G: Stage>(stage: &mut G, acts: &[StoryPart], mut stop: impl FnMut(&mut G, bool)) -> Course {
     let mut observed = Observed { stage, course: Course::default() };
     for act in acts {
         match act {
-            Act::Tell(text) => tell(&mut observed, text),
-            Act::EmergencyStop(pressed) => {
+            StoryPart::Tell(text) => tell(&mut observed, text),
+            StoryPart::EmergencyStop(pressed) => {
                 stop(observed.stage, *pressed);
                 tell(&mut observed, "wait 0.5 s");
             }
@@ -185,7 +185,7 @@ impl Session<'_> {
     }
 
     /// Plays the acts of a story; returns what an operator has seen.
-    pub fn observe(&mut self, acts: &[Act]) -> Course {
+    pub fn observe(&mut self, acts: &[StoryPart]) -> Course {
         let Self { thread, plant } = self;
         observe(&mut **thread, acts, |_, pressed| {
             plant.send(if pressed { "estop press" } else { "estop release" });
