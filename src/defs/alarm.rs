@@ -286,6 +286,9 @@ alarms! {
     MACHINE_UNUSABLE = 406, StopAll, SelfClearing, "机床描述不能用", "machine description cannot be used",
         "machine.ron 丢失、损坏，或与数据、参数不符：总线没有启动", "machine.ron is gone or damaged, or contradicts data or parameters: the bus was not started",
         "恢复或改正该文件，或改正参数，再重新启动", "restore or correct the file, or correct the parameter, then restart";
+    INVERTER_FAULT = 407, StopAll, Reset, "砂轮变频器故障", "inverter of the wheel in a fault",
+        "变频器报告故障，砂轮停转", "the inverter reports a fault, the wheel runs out",
+        "按变频器手册处理后复位", "see the manual of the inverter for its code, then RESET";
 }
 
 /// The alarms of the RS232 line.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::hosted_machine::HostedMachine;
 use super::pace::{Pace, ThreadTimes};
 use crate::defs::param::Params;
+use crate::defs::text::LocalizedText;
 use crate::io::fieldbus::ClockReading;
-use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::bus::BusView;
@@ -63,7 +63,7 @@ impl HostedMachine for AbsentMachine {
         Micros(0)
     }
 
-    fn take_bus_fault(&mut self) -> Option<BusFault> {
+    fn take_bus_fault(&mut self) -> Option<(u16, LocalizedText)> {
         None
     }
 }

@@ -6,6 +6,7 @@ use crate::io::fieldbus::description::{
     AnalogChannel, CounterChannel, DeviceDescription, DigitalChannels, EtherCatDescription, MachineDescription,
     PdoEntry, SdoWrite, ServoAxisDescription,
 };
+use crate::io::fieldbus::inverter::InverterDescription;
 use crate::io::fieldbus::station_description::{FIRST_STATION, ModbusBlock, StationDescription};
 use crate::link::bus::DescriptionLine;
 use crate::units::Axis;
@@ -121,6 +122,14 @@ impl Lines {
             };
             channel.map(shown).unwrap_or_default()
         };
+        if let Some(InverterDescription { fault, reset, speed, .. }) = &described.inverter {
+            self.property("变频器故障", "fault of the inverter", place(fault.device, fault.bit, fault.bits));
+            let reset = reset.map(|reset| place(reset.device, reset.bit, 1));
+            self.property("变频器复位", "reset of the inverter", reset.unwrap_or_default());
+            let speed =
+                speed.map(|speed| format!("{}  1 = {}", place(speed.device, speed.bit, speed.bits), speed.counts));
+            self.property("变频器实际转速", "actual speed of the inverter", speed.unwrap_or_default());
+        }
         self.property("手轮", "handwheel", counter(described.handwheel));
         self.property("主轴编码器", "spindle encoder", counter(described.spindle_encoder));
     }

@@ -8,13 +8,15 @@ use super::description_lines::description_lines;
 use super::hosted_machine::HostedMachine;
 use super::pace::{Pace, ThreadTimes};
 use crate::defs::param::Params;
+use crate::defs::text::LocalizedText;
 use crate::io::fieldbus::bus_fault::BusFault;
+use crate::io::fieldbus::description::MachineDescription;
 use crate::io::fieldbus::station::StationFault;
 use crate::io::fieldbus::station_description::FIRST_STATION;
 use crate::io::fieldbus::{ClockReading, FieldBus, FieldBusMachine};
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, DescriptionLine};
+use crate::link::bus::{BusClock, BusDevice, BusDrive, BusInverter, BusStation, BusView, DescriptionLine};
 use crate::link::simulation::{SimCommand, SimView};
 use crate::units::{Axis, Micros};
 
@@ -91,9 +93,21 @@ impl<F: FieldBus> HostedFieldBus<F> {
                 distance: machine.clock_errors().percentiles(),
                 drift_ppm: times.bus_clock.drift_ppm(),
             }),
+            inverter: machine.inverter().map(|(rpm, code)| BusInverter {
+                device: description.inverter.as_ref().map_or(0, |inverter| inverter.fault.device),
+                rpm,
+                fault: (code != 0).then(|| fault_text(description, BusFault::InverterFault { code })),
+            }),
             description: Arc::clone(&self.description),
         }
     }
+}
+
+/// A fault in words; those of an inverter are in the description of the machine.
+fn fault_text(description: &MachineDescription, fault: BusFault) -> LocalizedText {
+    let BusFault::InverterFault { code } = fault else { return fault.text() };
+    let known = description.inverter.as_ref().and_then(|inverter| inverter.words(code));
+    known.map_or_else(|| fault.text(), |(zh, en)| LocalizedText::new(format!("{code} {zh}"), format!("{code} {en}")))
 }
 
 impl<F: FieldBus> Backend for HostedFieldBus<F> {
@@ -160,7 +174,8 @@ impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
         self.machine.settling_time()
     }
 
-    fn take_bus_fault(&mut self) -> Option<BusFault> {
-        self.machine.take_fault()
+    fn take_bus_fault(&mut self) -> Option<(u16, LocalizedText)> {
+        let fault = self.machine.take_fault()?;
+        Some((fault.alarm(), fault_text(self.machine.description(), fault)))
     }
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::pace::{Pace, ThreadTimes};
 use crate::defs::param::Params;
+use crate::defs::text::LocalizedText;
 use crate::io::Backend;
 use crate::io::fieldbus::ClockReading;
-use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::link::bus::BusView;
 use crate::link::simulation::{SimCommand, SimView};
@@ -42,6 +42,6 @@ pub trait HostedMachine: Backend {
     fn bus_clock(&mut self) -> Option<ClockReading>;
     /// How long it gets the safe image at the end; 0 for a simulated machine.
     fn settling_time(&self) -> Micros;
-    /// What is wrong with its bus, once when it comes; `None` without a bus.
-    fn take_bus_fault(&mut self) -> Option<BusFault>;
+    /// What is wrong with its bus, once when it comes: the alarm and its detail. `None` without a bus.
+    fn take_bus_fault(&mut self) -> Option<(u16, LocalizedText)>;
 }

@@ -222,8 +222,8 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     fn step_with(&mut self, tick: impl FnOnce(&mut Controller, Micros, &InputImage, &[Command]) -> OutputImage) {
         self.now = self.now + self.controller.tick_time();
         self.image = self.plant.read(self.now);
-        if let Some(fault) = self.plant.take_bus_fault() {
-            self.controller.report_bus_fault(fault.alarm(), fault.text());
+        if let Some((number, detail)) = self.plant.take_bus_fault() {
+            self.controller.report_bus_fault(number, detail);
         }
         if !self.powered {
             self.take_arrivals();

@@ -12,7 +12,6 @@ use crate::defs::part_defect::PartDefect;
 use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 use crate::io::fieldbus::ClockReading;
-use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::sim::{PartFile, PartReport, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::bus::BusView;
@@ -213,7 +212,7 @@ impl HostedMachine for HostedSimulation {
         Micros::ZERO
     }
 
-    fn take_bus_fault(&mut self) -> Option<BusFault> {
+    fn take_bus_fault(&mut self) -> Option<(u16, LocalizedText)> {
         None
     }
 }

@@ -37,6 +37,8 @@ pub struct InputImage {
     pub bus_alive: bool,
     /// Whether a station beside the bus has not answered for too long. Its inputs hold their last values.
     pub station_silent: bool,
+    /// Whether the inverter of the wheel reports a fault.
+    pub inverter_tripped: bool,
 }
 
 /// The outputs of one tick, from the control to the machine.

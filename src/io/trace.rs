@@ -20,7 +20,7 @@ pub struct TraceRow {
 
 /// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1. In
 /// `absolute` bit 0 is X, bit 1 Y, bit 2 Z.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,\
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,inverter_tripped,\
 outputs,set_x,set_y,set_z,drives_on,fault_reset,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
@@ -32,8 +32,8 @@ impl fmt::Display for TraceRow {
             i.absolute.iter().fold(0_u8, |bits, (axis, is_absolute)| bits | u8::from(*is_absolute) << axis as u8);
         write!(f, "{},{:x},{ex},{ey},{ez},{absolute},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
         let [dx, dy, dz] = i.drives.0.map(DriveState::trace_number);
-        let (alive, silent) = (u8::from(i.bus_alive), u8::from(i.station_silent));
-        write!(f, "{},{dx},{dy},{dz},{alive},{silent},", i.handwheel_detents)?;
+        let [alive, silent, tripped] = [i.bus_alive, i.station_silent, i.inverter_tripped].map(u8::from);
+        write!(f, "{},{dx},{dy},{dz},{alive},{silent},{tripped},", i.handwheel_detents)?;
         write!(f, "{:x},{sx},{sy},{sz},", o.terminals.0)?;
         let (on, reset) = (u8::from(o.drives_on), u8::from(o.fault_reset));
         write!(f, "{on},{reset},{},{}", o.wheel_volts, o.analog_2_volts)

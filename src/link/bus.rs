@@ -56,6 +56,17 @@ pub struct BusStation {
     pub round_trip: Percentiles,
 }
 
+/// The inverter of the wheel or of the main spindle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BusInverter {
+    /// Number of the device or station that reports it.
+    pub device: u16,
+    /// Actual speed, r/min, where it sends it.
+    pub rpm: Option<f64>,
+    /// Its fault.
+    pub fault: Option<LocalizedText>,
+}
+
 /// A line of the description of the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DescriptionLine {
@@ -108,6 +119,8 @@ pub struct BusView {
     pub rights: ThreadRights,
     /// The distributed clocks, if they are used.
     pub clock: Option<BusClock>,
+    /// The inverter, if the description has one.
+    pub inverter: Option<BusInverter>,
     /// The description of the machine.
     pub description: Arc<[DescriptionLine]>,
 }

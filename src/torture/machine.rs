@@ -7,11 +7,11 @@ use super::planted::PlantedBug;
 use crate::defs::key::Key;
 use crate::defs::param::Params;
 use crate::defs::signal::{Input, Output, OutputSet, Terminals};
+use crate::defs::text::LocalizedText;
 use crate::host::hosted_machine::HostedMachine;
 use crate::host::pace::{Pace, ThreadTimes};
 use crate::host::simulated::HostedSimulation;
 use crate::io::fieldbus::ClockReading;
-use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::random::SplitMix64;
 use crate::io::sim::{PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
@@ -335,7 +335,7 @@ impl HostedMachine for WatchedMachine {
         self.machine.settling_time()
     }
 
-    fn take_bus_fault(&mut self) -> Option<BusFault> {
+    fn take_bus_fault(&mut self) -> Option<(u16, LocalizedText)> {
         self.machine.take_bus_fault()
     }
 }

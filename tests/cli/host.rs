@@ -13,6 +13,7 @@ use kt830::defs::date::DateTime;
 use kt830::defs::kind::Kind;
 use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::Input;
+use kt830::defs::text::LocalizedText;
 use kt830::host::Host;
 use kt830::host::folders::Folders;
 use kt830::host::hosted_machine::HostedMachine;
@@ -25,7 +26,6 @@ use kt830::host::simulated::HostedSimulation;
 use kt830::host::storage::{DirectStorage, RetainedWorker, StorageWorker, ThreadedStorage};
 use kt830::host::thread::{HostThread, run_until_stopped, start};
 use kt830::io::fieldbus::ClockReading;
-use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
 use kt830::link::bus::BusView;
@@ -151,7 +151,7 @@ impl HostedMachine for NotedPlant {
         self.plant.settling_time()
     }
 
-    fn take_bus_fault(&mut self) -> Option<BusFault> {
+    fn take_bus_fault(&mut self) -> Option<(u16, LocalizedText)> {
         self.plant.take_bus_fault()
     }
 }

@@ -23,7 +23,9 @@ use kt830::io::drive::{DriveFault, DriveState};
 use kt830::io::fieldbus::bus_fault::BusFault;
 use kt830::io::fieldbus::station::StationFault;
 use kt830::link::Snapshot;
-use kt830::link::bus::{BusClock, BusDevice, BusDrive, BusStation, BusView, DescriptionLine, ThreadRights};
+use kt830::link::bus::{
+    BusClock, BusDevice, BusDrive, BusInverter, BusStation, BusView, DescriptionLine, ThreadRights,
+};
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
@@ -378,7 +380,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
             torque_percent: (!broken).then_some(-37.5),
         }
     };
-    let names = ["drive X", "drive Z", "coupler", "inputs 1 to 16", "inputs 17 to 32", "inputs 33 to 48"];
+    let names = ["drive X", "drive Z", "coupler", "inputs 1 to 16", "inputs 17 to 32"];
     let more = ["outputs 1 to 16", "outputs 17 to 32", "analog outputs", "handwheel and spindle encoder"];
     let names: Vec<&str> = names.into_iter().chain(more).collect();
     let device = |(index, name): (usize, &&str)| BusDevice {
@@ -409,6 +411,11 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         wake_up: times(20, 90, 12_340),
         rights: ThreadRights { has_priority: true, has_locked_memory: !broken, core: Some((3, true)) },
         clock: Some(BusClock { distance: times(10, 80, 410), drift_ppm: -12.4 }),
+        inverter: Some(BusInverter {
+            device: 101,
+            rpm: Some(if broken { 0.0 } else { 1_478.6 }),
+            fault: broken.then(|| LocalizedText::new("17 输出过流", "17 overcurrent at the output")),
+        }),
         description: description(),
     }
 }

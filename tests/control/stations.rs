@@ -114,10 +114,13 @@ struct StationShop {
 
 impl StationShop {
     fn new() -> Self {
+        Self::of(&machine(&Params::factory(Kind::Gc)))
+    }
+
+    fn of(machine: &str) -> Self {
         let station = PlayedStation::default();
         station.answer(&[0, 0, 0, 0]);
-        let machine = machine(&Params::factory(Kind::Gc));
-        let shop = Shop::with_stations(&machine, vec![Box::new(station.clone())], None, 0);
+        let shop = Shop::with_stations(machine, vec![Box::new(station.clone())], None, 0);
         Self { shop, station }
     }
 
@@ -374,4 +377,69 @@ fn p1_the_bus_page_has_the_age_of_the_values() {
     let station = &bus.stations[0];
     assert_eq!((station.number, station.name.as_str(), station.is_heard), (101, "wheel inverter", false));
     assert!(station.age >= Micros::from_millis(150), "{station:?}");
+}
+
+/// The station sends in its second byte the fault of the inverter, in its second register the speed in half r/min.
+const INVERTER: &str = "inverter: (
+        fault: (device: 101, bit: 8, bits: 8), reset: (device: 101, bit: 7),
+        speed: (device: 101, bit: 16, bits: 16, counts: 2.0),
+        faults: [(code: 17, zh: \"输出过流\", en: \"overcurrent\")],
+    ),";
+
+fn with_inverter() -> String {
+    let handwheel = "handwheel: (device: 101, bit: 16, bits: 16, counts: 4.0),";
+    machine(&Params::factory(Kind::Gc)).replacen(handwheel, INVERTER, 1)
+}
+
+#[test]
+fn b8_a_fault_of_the_inverter_stops_the_machine_and_says_what_it_is() {
+    let mut at = StationShop::of(&with_inverter());
+    at.ticks(300, &[0; 4]);
+    assert!(at.shop.alarms().is_empty(), "{:?}", at.shop.alarms());
+    // Alarm 180 comes by itself: no pump runs here.
+    let of_inverter = |at: &mut StationShop| -> Vec<String> {
+        at.shop.alarms().into_iter().filter(|alarm| alarm.starts_with("407")).collect()
+    };
+    let is_reset = |at: &StationShop| at.station.wire().outputs[0] & 0x80 != 0;
+    for (code, says) in [(17, "17 overcurrent"), (9, "code 9")] {
+        at.ticks(300, &[0, code, 0, 0]);
+        assert_eq!(of_inverter(&mut at), [format!("407 inverter of the wheel in a fault: {says}")]);
+        let bus = at.shop.host.snapshot().bus.clone().unwrap();
+        assert!(bus.inverter.as_ref().unwrap().fault.is_some());
+        // RESET resets the inverter for a second; while its fault is there the alarm stands.
+        assert!(!is_reset(&at));
+        at.shop.press(Key::Reset);
+        at.ticks(200, &[0, code, 0, 0]);
+        assert_eq!((is_reset(&at), of_inverter(&mut at).len()), (true, 1));
+        at.ticks(1_000, &[0; 4]);
+        assert_eq!((is_reset(&at), of_inverter(&mut at).len()), (false, 0), "one RESET is enough");
+        assert_eq!(at.shop.drive(Axis::Z), DriveState::Enabled);
+    }
+}
+
+#[test]
+fn p1_the_bus_page_has_the_actual_speed_of_the_inverter() {
+    let mut at = StationShop::of(&with_inverter());
+    // 0xfed4 is -300: 150 r/min backwards.
+    at.ticks(600, &[0, 0, 0xd4, 0xfe]);
+    let bus = at.shop.host.snapshot().bus.clone().unwrap();
+    let inverter = bus.inverter.clone().unwrap();
+    assert_eq!((inverter.device, inverter.rpm, inverter.fault), (101, Some(-150.0), None));
+}
+
+#[test]
+fn p1_a_wrong_inverter_is_refused_with_its_place() {
+    let text = with_inverter();
+    for (from, to, says) in [
+        ("bit: 8, bits: 8", "bit: 8, bits: 32", "inverter.fault: the device has not so many bits"),
+        ("reset: (device: 101, bit: 7)", "reset: (device: 101, bit: 0)", "an output has one writer"),
+        ("reset: (device: 101, bit: 7)", "reset: (device: 109, bit: 7)", "inverter.reset: there is no device"),
+        ("counts: 2.0", "counts: 0.0", "inverter.speed: counts must not be 0"),
+        ("code: 17", "code: 0", "inverter.faults: code 0: 0 is no fault"),
+        ("faults: [", "faults: [(code: 17, zh: \"\"), ", "inverter.faults: code 17: a code has one text"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let said = MachineDescription::parse(&text.replacen(from, to, 1)).unwrap_err().to_string();
+        assert!(said.contains(says), "{said}");
+    }
 }

@@ -22,6 +22,7 @@ fn p1_the_bus_page_shows_devices_drives_and_times() {
         "192.168.1.20:502  1.1 / 2.9 / 14.2 ms",
         "-12.4 ppm",
         "10 / 80 / 410 µs",
+        "1479 r/min",
     ] {
         assert!(texts.contains(said), "{said}: {texts}");
     }
@@ -30,9 +31,14 @@ fn p1_the_bus_page_shows_devices_drives_and_times() {
 #[test]
 fn p1_the_bus_page_shows_what_is_missing() {
     let texts = page_text(&crate::sample::troubled(Page::Bus), Lang::Zh).join("\n");
-    for said in
-        ["设备 9 没有应答", "Z  故障 8611h 跟随误差过大", "没有应答", "1420 ms 前", "192.168.1.20:502  没有应答"]
-    {
+    for said in [
+        "设备 9 没有应答",
+        "Z  故障 8611h 跟随误差过大",
+        "没有应答",
+        "1420 ms 前",
+        "192.168.1.20:502  没有应答",
+        "17 输出过流",
+    ] {
         assert!(texts.contains(said), "{said}: {texts}");
     }
 }

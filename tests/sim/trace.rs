@@ -11,7 +11,7 @@ use kt830::io::{Backend, InputImage, OutputImage};
 use kt830::units::{EncoderPos, Micros, PerAxis};
 
 /// Number of columns of a row.
-const COLUMNS: usize = 21;
+const COLUMNS: usize = 22;
 
 /// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -94,6 +94,7 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
             drives: PerAxis([c.drive()?, c.drive()?, c.drive()?]),
             bus_alive: c.flag()?,
             station_silent: c.flag()?,
+            inverter_tripped: c.flag()?,
         },
         outputs: OutputImage {
             terminals: c.terminals()?,
@@ -270,6 +271,6 @@ fn p8_only_the_last_ticks_are_kept() {
 #[test]
 fn p8_a_broken_trace_is_refused_with_its_place() {
     let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-    assert_eq!(said("1,2"), "line 1: 2 columns instead of 21");
-    assert_eq!(said("1,0,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0"), "line 1, column 9: '3' is not a number");
+    assert_eq!(said("1,2"), "line 1: 2 columns instead of 22");
+    assert_eq!(said("1,0,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0,0"), "line 1, column 9: '3' is not a number");
 }

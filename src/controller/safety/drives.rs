@@ -15,6 +15,9 @@ const SWITCH_ON_LIMIT: Micros = Micros::from_millis(5_000);
 /// How long RESET goes on while drives leave their fault or a bus is set up again.
 const RESET_LIMIT: Micros = Micros::from_millis(2_000);
 
+/// Alarms of devices: RESET goes on until their cause is gone.
+const OF_DEVICES: [u16; 4] = [alarm::DRIVE_FAULT, alarm::BUS_LOST, alarm::STATION_SILENT, alarm::INVERTER_FAULT];
+
 impl Plant {
     /// Whether every drive is on and follows its set-point.
     pub fn drives_follow(&self) -> bool {
@@ -121,9 +124,10 @@ impl Plant {
         self.axes.clear_homed();
     }
 
-    /// Whether the bus and the stations beside it serve the control.
+    /// Whether the bus and the stations beside it serve the control, and no inverter is in a fault.
     fn are_devices_whole(&self) -> bool {
-        self.inputs.image.bus_alive && !self.inputs.image.station_silent
+        let image = &self.inputs.image;
+        image.bus_alive && !image.station_silent && !image.inverter_tripped
     }
 
     /// RESET acts on the drives and the bus, and goes on until their faults are gone.
@@ -141,7 +145,7 @@ impl Plant {
         }
         if is_whole {
             // What came after RESET waits for the next one.
-            self.alarms.reset(|number| !matches!(number, alarm::DRIVE_FAULT | alarm::BUS_LOST | alarm::STATION_SILENT));
+            self.alarms.reset(|number| !OF_DEVICES.contains(&number));
             let stopped = self.machine.is_e_stopped() || self.alarms.has_reaction(Reaction::StopAll);
             self.outputs.drives_on = !stopped;
         }

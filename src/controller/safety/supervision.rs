@@ -36,6 +36,9 @@ impl Plant {
         if self.inputs.image.station_silent {
             self.raise(alarm::STATION_SILENT, None);
         }
+        if self.inputs.image.inverter_tripped {
+            self.raise(alarm::INVERTER_FAULT, None);
+        }
         let limits = [
             (Input::LimitXPlus, Input::LimitXMinus),
             (Input::LimitYPlus, Input::LimitYMinus),
@@ -92,6 +95,7 @@ impl Plant {
         let e_stop = self.machine.is_e_stopped();
         let bus = self.inputs.image.bus_alive;
         let silent = self.inputs.image.station_silent;
+        let inverter = self.inputs.image.inverter_tripped;
         let limits = self.inputs.limit_switches;
         let screen = self.is_screen_silent();
         let supply = self.inputs.filtered.has(Input::PowerFail);
@@ -101,6 +105,7 @@ impl Plant {
             alarm::POWER_FAIL => supply,
             alarm::BUS_LOST => !bus,
             alarm::STATION_SILENT => silent,
+            alarm::INVERTER_FAULT => inverter,
             alarm::DRIVE_FAULT => drives,
             alarm::HMI_LOST => screen,
             alarm::HARD_LIMIT => limits != 0,

@@ -6,7 +6,7 @@ use egui::{Rect, vec2};
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::device_state::DeviceState;
 use crate::hmi::{Area, EditKey, View, pictogram, round_to_lines, theme, widget};
-use crate::link::bus::{BusDevice, BusDrive, BusStation, BusView, DescriptionLine, ThreadRights};
+use crate::link::bus::{BusDevice, BusDrive, BusInverter, BusStation, BusView, DescriptionLine, ThreadRights};
 use crate::units::{Micros, Percentiles};
 
 /// Height of a row.
@@ -68,11 +68,13 @@ impl PageUi for BusPage {
         show_figures(figures.trim_bottom(theme::GAP), view, bus);
         let list = round_to_lines(list, ROW_HEIGHT);
         let rows = (list.height() / ROW_HEIGHT).max(1.0) as usize;
-        let last = (bus.devices.len() + bus.stations.len()).saturating_sub(rows);
+        let last = (bus.devices.len() + bus.stations.len() + usize::from(bus.inverter.is_some())).saturating_sub(rows);
         self.first = (self.first as i32 + typed.scroll_pages * rows as i32).clamp(0, last as i32) as usize;
+        let inverter = bus.inverter.as_ref().map(|inverter| inverter_row(view, inverter));
         let devices = bus.devices.iter().zip(1..).map(|(device, number)| device_row(view, number, device));
         let stations = bus.stations.iter().map(|station| station_row(view, station));
-        for (index, row) in devices.chain(stations).skip(self.first).take(rows).enumerate() {
+        for (index, row) in inverter.into_iter().chain(devices).chain(stations).skip(self.first).take(rows).enumerate()
+        {
             show_row(list.band(index as f32 * ROW_HEIGHT, ROW_HEIGHT - 3.0), view, &row);
         }
     }
@@ -215,6 +217,20 @@ fn station_row<'a>(view: &View<'_>, station: &'a BusStation) -> BusRow<'a> {
         what,
         is_fault: station.fault.is_some(),
         is_secondary: true,
+    }
+}
+
+/// The inverter: its actual speed, and its fault.
+fn inverter_row<'a>(view: &View<'a>, inverter: &BusInverter) -> BusRow<'a> {
+    let rpm = inverter.rpm.map_or_else(|| "–".to_owned(), |rpm| format!("{rpm:.0} r/min"));
+    BusRow {
+        number: inverter.device,
+        takes_part: inverter.fault.is_none(),
+        name: view.text("变频器", "inverter"),
+        state: rpm,
+        what: inverter.fault.as_ref().map_or_else(String::new, |fault| fault.get(view.lang).into_owned()),
+        is_fault: inverter.fault.is_some(),
+        is_secondary: false,
     }
 }
 

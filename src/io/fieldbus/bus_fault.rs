@@ -97,6 +97,11 @@ pub enum BusFault {
         /// What was wrong in its last exchange.
         why: StationFault,
     },
+    /// The inverter of the wheel is in a fault.
+    InverterFault {
+        /// Its code, as the manual of the inverter names it.
+        code: u32,
+    },
     /// The driver of the bus reports something else.
     Other,
 }
@@ -122,7 +127,11 @@ impl BusFault {
     /// The alarm that it is.
     #[must_use]
     pub const fn alarm(self) -> u16 {
-        if matches!(self, Self::StationSilent { .. }) { alarm::STATION_SILENT } else { alarm::BUS_LOST }
+        match self {
+            Self::StationSilent { .. } => alarm::STATION_SILENT,
+            Self::InverterFault { .. } => alarm::INVERTER_FAULT,
+            _ => alarm::BUS_LOST,
+        }
     }
 
     /// What is wrong, and where: the detail of the alarm.
@@ -180,6 +189,7 @@ impl BusFault {
                 )
             }
             Self::StationSilent { station, why } => LocalizedText::phrase_of(STATION, [station.into()], [why.text()]),
+            Self::InverterFault { code } => phrase!("代码 {code}", "code {code}", code),
             Self::Other => phrase!("总线驱动程序错误", "error of the bus driver"),
         }
     }

@@ -5,6 +5,7 @@
 use serde::Deserialize;
 
 use super::bus_fault::DeviceIdentity;
+use super::inverter::InverterDescription;
 use super::process_image::{BitField, MAX_FIELD_BITS};
 use super::station_description::{FIRST_STATION, MAX_STATIONS, StationDescription};
 use crate::defs::kind::Kind;
@@ -89,6 +90,9 @@ pub struct MachineDescription {
     /// Second analog output (`M63 S`).
     #[serde(default)]
     pub analog_2: Option<AnalogChannel>,
+    /// The inverter of the wheel or of the main spindle.
+    #[serde(default)]
+    pub inverter: Option<InverterDescription>,
     /// Counter of the handwheel.
     #[serde(default)]
     pub handwheel: Option<CounterChannel>,
@@ -430,7 +434,17 @@ impl MachineDescription {
             check_field(place, BitField { first: counter.bit, bits: counter.bits }, bytes)?;
             require(counter.counts.is_normal(), place, "counts must not be 0")?;
         }
+        self.check_inverter()?;
         self.check_overlaps()
+    }
+
+    fn check_inverter(&self) -> Result<(), DescriptionError> {
+        let Some(inverter) = &self.inverter else { return Ok(()) };
+        for (place, device, field, is_output) in inverter.fields() {
+            let (inputs, outputs) = self.bytes_of(device, place)?;
+            check_field(place, field, if is_output { outputs } else { inputs })?;
+        }
+        inverter.mistake().map_or(Ok(()), |(place, rule)| Err(wrong(place, rule)))
     }
 
     /// Every bit of the outputs has one writer: a wheel speed in the place of a target position would move an axis.
@@ -453,6 +467,9 @@ impl MachineDescription {
             if let Some(AnalogChannel { device, bit, bits, .. }) = analog {
                 claim(device, BitField { first: bit, bits }, place.to_owned());
             }
+        }
+        if let Some(reset) = self.inverter.as_ref().and_then(|inverter| inverter.reset) {
+            claim(reset.device, reset.field(), "inverter.reset".to_owned());
         }
         written.sort();
         let twice = written.windows(2).find(|pair| (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1));

@@ -3,11 +3,12 @@
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
 //! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
-//! drive, `servo_axis` an axis, `station` a station, `bus_fault` what can be wrong.
+//! drive, `servo_axis` an axis, `station` a station, `inverter` the inverter of the wheel, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod cia402;
 pub mod description;
+pub mod inverter;
 mod parameter_check;
 pub mod process_image;
 pub mod servo_axis;
@@ -108,8 +109,10 @@ pub struct FieldBusMachine<F> {
     inputs: InputImage,
     /// The inputs have been read at least once.
     has_inputs: bool,
-    /// Faults that have not been reported yet: of the bus, of a station.
-    reports: [Option<BusFault>; 2],
+    /// Code of the fault of the inverter; 0 is none.
+    inverter_fault: u32,
+    /// Faults that have not been reported yet: of the bus, of a station, of the inverter.
+    reports: [Option<BusFault>; 3],
     /// RESET: the bus is set up again before the next exchange.
     reconnect: bool,
     /// RESET: a station that is silent is reported again.
@@ -146,7 +149,8 @@ impl<F: FieldBus> FieldBusMachine<F> {
             clock_errors: Histogram::default(),
             inputs: InputImage::default(),
             has_inputs: false,
-            reports: [None; 2],
+            inverter_fault: 0,
+            reports: [None; 3],
             reconnect: false,
             state_again: false,
             reset_until: None,
@@ -271,6 +275,14 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.axes[axis].as_ref().and_then(ServoAxis::raw_count)
     }
 
+    /// The actual speed of the inverter, r/min, where it sends it; and the code of its fault, 0 without one.
+    #[must_use]
+    pub fn inverter(&self) -> Option<(Option<f64>, u32)> {
+        let inverter = self.description.inverter.as_ref()?;
+        let rpm = inverter.rpm(|device| self.images.get(self.description.image_index(device)?));
+        Some((rpm, self.inverter_fault))
+    }
+
     /// How long the safe image is to be sent at the end: until every brake holds.
     #[must_use]
     pub fn settling_time(&self) -> Micros {
@@ -341,6 +353,14 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.inputs.terminals = terminals;
         self.inputs.handwheel_detents = self.handwheel.steps(description, images) as i32;
         self.inputs.spindle_turns += self.spindle.turns(description, images);
+        let code = description
+            .inverter
+            .as_ref()
+            .map_or(0, |inverter| inverter.fault_code(|device| images.get(description.image_index(device)?)));
+        if code != 0 && code != self.inverter_fault {
+            self.reports[2] = Some(BusFault::InverterFault { code });
+        }
+        (self.inverter_fault, self.inputs.inverter_tripped) = (code, code != 0);
     }
 
     /// The code of a fault is read once the drives are without torque: a mailbox takes longer than a cycle.
@@ -436,6 +456,12 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
             let place = self.description.image_index(channel.device);
             if let Some(image) = place.and_then(|at| self.images.get_mut(at)) {
                 write_analog(channel, volts, image);
+            }
+        }
+        if let Some(reset) = self.description.inverter.as_ref().and_then(|inverter| inverter.reset) {
+            let place = self.description.image_index(reset.device);
+            if let Some(image) = place.and_then(|at| self.images.get_mut(at)) {
+                reset.field().write(&mut image.outputs, u32::from(self.reset_until.is_some()));
             }
         }
         // The stations of a machine that another process runs are left alone.

@@ -32,6 +32,7 @@ impl SimulatedMachine {
             drives: self.drive_states(),
             bus_alive: true,
             station_silent: false,
+            inverter_tripped: false,
         }
     }
 
