@@ -124,7 +124,7 @@ alarms! {
         "检查驱动和机械，复位后重新回零", "check drive and mechanics, RESET, home again";
     DRIVE_FAULT = 104, StopAll, Reset, "驱动报警", "drive fault",
         "伺服驱动器报警", "the servo drive reports a fault",
-        "查看驱动器报警号，排除后复位并回零", "read the drive's alarm code, correct the fault, RESET, home again";
+        "查看驱动器报警号，排除后复位；没有绝对编码器的轴回零", "read the drive's alarm code, correct the fault, RESET; home the axes without absolute encoders";
     HOMING_FAILED = 105, StopProgram, Reset, "回零失败", "homing failed",
         "最大行程内没有遇到或离开零点开关", "the home switch was not reached or not left within the maximum travel",
         "检查零点开关和接线", "check the home switch and its wiring";

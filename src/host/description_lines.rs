@@ -17,6 +17,7 @@ const BINDINGS: Text = Text::new("端子和通道", "terminals and channels");
 #[must_use]
 pub fn description_lines(described: &MachineDescription) -> Vec<DescriptionLine> {
     let mut lines = Lines::default();
+    lines.heading(described.kind.row().name.into());
     lines.network(&described.ethercat, described.core);
     for (device, number) in described.devices.iter().zip(1_u16..) {
         lines.device(number, device);

@@ -114,10 +114,11 @@ impl DriveFault {
     /// The drive is in a fault whose code has not been read.
     pub const UNKNOWN: Self = Self(0);
 
-    /// Whether the encoder is at fault: its position may be wrong (CiA 402-2, codes 73xxh "sensor").
+    /// Whether the position of an absolute encoder may be wrong: a fault of the sensor (CiA 402-2, 73xxh), one that only the
+    /// manufacturer knows (FFxxh), or one without a code of its own (1000h).
     #[must_use]
-    pub const fn is_of_sensor(self) -> bool {
-        self.0 & 0xff00 == 0x7300
+    pub const fn may_concern_position(self) -> bool {
+        matches!(self.0 & 0xff00, 0x7300 | 0xff00) || self.0 == 0x1000
     }
 
     /// What the code says.

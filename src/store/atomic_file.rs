@@ -13,6 +13,8 @@ use super::io_fault::IoFault;
 /// Prefix and suffix of temporary files; listings skip them.
 const TEMPORARY_NAME: (&str, &str) = (".kt830-", ".part");
 
+/// Locked while a control uses the data of its folder.
+pub(super) const LOCK_FILE: &str = "retained.lock";
 /// Levels of folders in a folder of data: `programs/vertical`.
 const FOLDER_LEVELS: u32 = 2;
 
@@ -21,8 +23,8 @@ pub fn is_temporary(name: &str) -> bool {
     name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1)
 }
 
-/// Deletes the replacements in a folder of data that a power cut has left, in its programs' and pages' folders, too. Only
-/// the control that holds the lock of the data may do so. What cannot be deleted stays: nothing reads it.
+/// Deletes the replacements in a folder of data that a power cut has left, in its programs' and pages' folders, too, but not
+/// in data with a lock of their own. Only the control that holds the lock of the data may do so. What cannot be deleted stays: nothing reads it.
 pub fn remove_temporary(folder: &Path) {
     remove_temporary_below(folder, FOLDER_LEVELS);
 }
@@ -32,7 +34,7 @@ fn remove_temporary_below(folder: &Path, levels: u32) {
         let kind = entry.file_type();
         if kind.as_ref().is_ok_and(fs::FileType::is_file) && is_temporary(&entry.file_name().to_string_lossy()) {
             drop(disk::remove(&entry.path()));
-        } else if levels > 0 && kind.is_ok_and(|kind| kind.is_dir()) {
+        } else if levels > 0 && kind.is_ok_and(|kind| kind.is_dir()) && !entry.path().join(LOCK_FILE).exists() {
             remove_temporary_below(&entry.path(), levels - 1);
         }
     }

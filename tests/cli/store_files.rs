@@ -214,7 +214,13 @@ fn what_a_power_cut_left_half_written_is_never_listed_and_swept_by_the_control_t
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, "half").unwrap();
     }
+    // Data of another kind, which another control may be using.
+    let foreign = root.join("gs/.kt830-Ab12Cd.part");
+    fs::create_dir_all(root.join("gs")).unwrap();
+    fs::write(root.join("gs/retained.lock"), "").unwrap();
+    fs::write(&foreign, "being written").unwrap();
     let opened = RetainedStore::open(root, Kind::Gc).unwrap();
+    assert!(foreign.exists());
     assert!(left.iter().all(|path| !path.exists()) && root.join("O1001.NC").exists());
     // A control that finds the data in use touches nothing.
     fs::write(&left[0], "being written").unwrap();

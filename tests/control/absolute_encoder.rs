@@ -57,7 +57,7 @@ fn b5_the_zero_of_an_absolute_encoder_may_lie_beyond_the_wrap_of_its_counter() {
 
 #[test]
 fn b5_a_lost_bus_costs_no_homing_where_the_encoders_are_absolute() {
-    let mut shop = shop([100_000; 2], 90_000);
+    let mut shop = shop([80_000, 100_000], 90_000);
     shop.ticks(200);
     shop.devices.faults.borrow_mut().extend([BusFault::FrameLost; 3]);
     shop.ticks(10);
@@ -74,7 +74,7 @@ fn b5_a_lost_bus_costs_no_homing_where_the_encoders_are_absolute() {
 
 #[test]
 fn b5_a_fault_of_the_encoder_makes_its_position_doubtful_until_home() {
-    let mut shop = shop([100_000; 2], 90_000);
+    let mut shop = shop([80_000, 100_000], 90_000);
     shop.ticks(200);
     // 7305h: incremental sensor 1 faulty (CiA 402-2). 2310h, overcurrent, says nothing about the position.
     for (code, homes_itself) in [(0x2310, true), (0x7305, false)] {
@@ -133,4 +133,39 @@ fn b5_after_a_limit_switch_an_absolute_axis_is_homed_by_hand() {
     assert!(!rig.snapshot().axes[Axis::Z].homed && rig.snapshot().axes[Axis::X].homed);
     tell(&mut rig, "key hydraulic\nwait 4 s\nmode home\nkey Z+\nwait 30 s\nexpect no alarm");
     assert!(rig.snapshot().axes[Axis::Z].homed);
+}
+
+#[test]
+fn k5_16_an_absolute_wheel_axis_withdraws_before_another_axis_is_homed() {
+    // Z has an incremental encoder; X stands at -40 mm, at the part.
+    let machine = MACHINE.replace("reversed: true,", "reversed: true, absolute: (zero_counts: 60000),");
+    let mut shop = Shop::with_stations(&machine, Vec::new(), None, 100_000);
+    shop.ticks(200);
+    assert_eq!(homed(&mut shop), [true, false]);
+    shop.press(Mode::Home.key());
+    shop.press(Key::ZPlus);
+    let z = |shop: &mut Shop| shop.host.snapshot().axes[Axis::Z].machine;
+    let start = z(&mut shop);
+    shop.ticks(300);
+    let x = shop.host.snapshot().axes[Axis::X].machine;
+    assert!(x > -79.0 && (z(&mut shop) - start).abs() < 1e-9, "X moves first: {x}");
+    shop.ticks(2_000);
+    assert!(shop.host.snapshot().axes[Axis::X].machine.abs() < 1e-3 && z(&mut shop) > start + 0.1);
+}
+
+#[test]
+fn b5_a_position_beyond_the_limits_is_not_believed_and_home_does_not_follow_it() {
+    // 30 m above the zero point: turns of the encoder were lost.
+    let mut shop = shop([90_000, -29_900_000], 100_000);
+    shop.ticks(200);
+    let at = shop.host.snapshot().axes[Axis::Z].machine;
+    assert_eq!((homed(&mut shop), shop.alarms().len()), ([true, false], 0), "{at}");
+    let before = shop.devices.drives.borrow()[1].position;
+    shop.press(Mode::Home.key());
+    shop.press(Key::ZPlus);
+    // X withdraws first.
+    shop.ticks(1_500);
+    let alarms = shop.alarms().join("\n");
+    assert!(alarms.contains("Z is further than P60 from its zero point"), "{alarms}");
+    assert_eq!(shop.devices.drives.borrow()[1].position, before);
 }

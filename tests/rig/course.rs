@@ -1,5 +1,5 @@
-//! What an operator sees of a story: the values of each lamp, alarm, message and position, one after the other, without
-//! the times.
+//! What an operator sees of a story: the values of state, alarms, messages and outputs, one after the other, without the
+//! times; and where the axes stand after each part of it.
 
 use std::collections::BTreeMap;
 
@@ -10,15 +10,25 @@ use kt830::story::play::Stage;
 use kt830::units::Axis;
 
 /// The values of each quantity, each once until it changes.
-#[derive(Debug, Default, PartialEq, Eq)]
-pub struct Course(pub BTreeMap<String, Vec<String>>);
+#[derive(Debug, Default, PartialEq)]
+pub struct Course {
+    /// By the name of the quantity.
+    pub values: BTreeMap<String, Vec<String>>,
+    /// X and Z of the machine, mm, after each part of the story.
+    pub positions: Vec<[f64; 2]>,
+}
+
+/// Most distance of the axes on two machines, mm: an emergency stop meets them in a move.
+const SAME_PLACE_MM: f64 = 0.5;
+/// The same at the end, where they are homed.
+const SAME_END_MM: f64 = 0.01;
 
 impl Course {
     fn see(&mut self, quantity: &str, value: String) {
-        match self.0.get_mut(quantity) {
+        match self.values.get_mut(quantity) {
             Some(values) if values.last() == Some(&value) => {}
             Some(values) => values.push(value),
-            None => drop(self.0.insert(quantity.to_owned(), vec![value])),
+            None => drop(self.values.insert(quantity.to_owned(), vec![value])),
         }
     }
 
@@ -41,10 +51,18 @@ impl Course {
     /// Where two courses differ: a line for each quantity.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let differs = |(quantity, values): (&String, &Vec<String>)| {
-            let others = other.0.get(quantity)?;
+            let others = other.values.get(quantity)?;
             (others != values).then(|| format!("{quantity}: {values:?}\n    other: {others:?}"))
         };
-        self.0.iter().filter_map(differs).collect()
+        let mut found: Vec<String> = self.values.iter().filter_map(differs).collect();
+        let last = self.positions.len().saturating_sub(1);
+        for (part, (here, there)) in self.positions.iter().zip(&other.positions).enumerate() {
+            let off = here.iter().zip(there).map(|(here, there)| (here - there).abs()).fold(0.0, f64::max);
+            if off > if part == last { SAME_END_MM } else { SAME_PLACE_MM } {
+                found.push(format!("positions after part {part}: {here:?}, other: {there:?}"));
+            }
+        }
+        found
     }
 }
 
@@ -57,6 +75,12 @@ pub struct Observed<'a, G: Stage> {
 }
 
 impl<G: Stage> Observed<'_, G> {
+    /// Notes where the axes stand.
+    pub fn end_part(&mut self) {
+        let axes = &self.stage.host().snapshot().axes;
+        self.course.positions.push([axes[Axis::X].machine, axes[Axis::Z].machine]);
+    }
+
     /// Notes what is seen now.
     pub fn look(&mut self) {
         self.course.look(self.stage.host().snapshot());

@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use std::sync::mpsc::{Receiver, channel};
 
 use kt830::io::fieldbus::description::{DigitalChannels, MachineDescription};
+use kt830::io::fieldbus::inverter::{InverterDescription, InverterFaultText, WordChannel};
 use kt830::io::fieldbus::station_description::{FIRST_STATION, ModbusBlock, ModbusTable, StationDescription};
 use kt830::io::trace::TraceRow;
 
@@ -38,6 +39,13 @@ pub fn with_inverter(machine: &mut MachineDescription) {
     let channel = |bit, port| DigitalChannels { device: FIRST_STATION, bit, count: 1, port };
     machine.outputs.push(channel(0, 1));
     machine.inputs.push(channel(3, STATUS_PORT));
+    let overcurrent = InverterFaultText { code: 17, zh: "过流".to_owned(), en: "overcurrent".to_owned() };
+    machine.inverter = Some(InverterDescription {
+        fault: WordChannel { device: FIRST_STATION, bit: 8, bits: 8 },
+        faults: vec![overcurrent],
+        reset: None,
+        speed: None,
+    });
     let speed = machine.wheel_speed.as_mut().expect("wheel speed");
     (speed.device, speed.bit, speed.counts_at_10_v) = (FIRST_STATION, 16, 10_000.0);
 }
@@ -110,6 +118,14 @@ pub fn inverter(rig: &mut Session<'_>) {
     let ticks = rig.ticks_until("bit 3 of the statusword", 500, on);
     println!("  its statusword in the inputs after {ticks} ticks");
     long_move(rig);
+    inverter.status(17 << 8);
+    let ticks = rig.alarm(407, "17 overcurrent");
+    let stopped = rig.ticks_until("torque off", 1_000, |row| !row.outputs.drives_on);
+    println!("  fault 17: alarm after {ticks} ticks, torque off {stopped} ticks later");
+    rig.story("expect output wheel off\nkey 复位\nwait 1 s\nexpect alarm 407\n");
+    inverter.status(0);
+    rig.story("wait 0.5 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
+    rig.story("mode mdi\nmdi G01 U20 W20 F3000\nexpect state running\n");
     inverter.signal("-STOP");
     let ticks = rig.alarm(405, "station 101 does not answer");
     let stopped = rig.ticks_until("torque off", 1_000, |row| !row.outputs.drives_on);

@@ -178,9 +178,9 @@ fn same_course(rig: &mut Session<'_>) {
     let on_simulator = observe(&mut reference, STORY, |stage, pressed| {
         tell(stage, if pressed { "input emergency-stop on" } else { "input emergency-stop off" });
     });
-    let changes = on_rig.0.values().map(|values| values.len() - 1).sum::<usize>();
+    let changes = on_rig.values.values().map(|values| values.len() - 1).sum::<usize>();
     let differences = on_rig.differences(&on_simulator);
-    println!("  {changes} changes of {} quantities, {} differ", on_rig.0.len(), differences.len());
+    println!("  {changes} changes of {} quantities, {} differ", on_rig.values.len(), differences.len());
     assert!(changes > 30 && differences.is_empty(), "rig {}", differences.join("\n  "));
 }
 

@@ -174,6 +174,7 @@ pub fn observe<G: Stage>(stage: &mut G, acts: &[StoryPart], mut stop: impl FnMut
                 tell(&mut observed, "wait 0.5 s");
             }
         }
+        observed.end_part();
     }
     observed.course
 }

@@ -82,6 +82,8 @@ pub enum HomingFailure {
     NoSwitch,
     /// The axis is at rest but not at its zero point.
     NotAtZero,
+    /// By its absolute encoder the axis is further from its zero point than the maximum travel.
+    TooFar,
 }
 
 /// Result of one tick of homing.
@@ -157,7 +159,10 @@ impl AxisHoming {
 
     /// Moves to the zero point until the axis is in position there.
     fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> HomingProgress {
-        let HomingPlan { coordinate, fast_mm_s, slow_mm_s, width_mm, is_absolute, .. } = self.plan;
+        let HomingPlan { coordinate, fast_mm_s, slow_mm_s, width_mm, travel_mm, is_absolute, .. } = self.plan;
+        if is_absolute && (at - coordinate).abs() > travel_mm {
+            return HomingProgress::Failed(HomingFailure::TooFar);
+        }
         let speed_mm_s = if is_absolute { fast_mm_s } else { slow_mm_s * BACK_OFF_FACTOR };
         mover.set_position_target(coordinate, speed_mm_s);
         let rest = mover.is_at_rest();

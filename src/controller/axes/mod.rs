@@ -166,11 +166,10 @@ impl Axes {
         self.present[axis] && !self.homed[axis] && !self.doubted[axis] && is_free
     }
 
-    /// The machine position of the set-point of an axis by its absolute encoder, mm.
+    /// The machine position of an axis whose absolute encoder is at `encoder_mm`, mm.
     #[must_use]
-    pub fn absolute_position(&self, axis: Axis) -> f64 {
-        let minus = self.commanded.last_move_minus[axis];
-        self.compensation.machine_mm(axis, self.encoder_set_points()[axis], minus)
+    pub fn absolute_position(&self, axis: Axis, encoder_mm: f64) -> f64 {
+        self.compensation.machine_mm(axis, encoder_mm, self.commanded.last_move_minus[axis])
     }
 
     /// The absolute encoder of an axis is not believed until the axis has been homed by hand.

@@ -17,7 +17,7 @@ pub fn home_axis(plant: &mut Plant, axis: Axis) {
         return;
     }
     let first = plant.kind.row().home_order.first().copied().unwrap_or(axis);
-    let wanted = PerAxis::from_fn(|one| one == axis || one == first && !plant.axes.is_homed(first));
+    let wanted = PerAxis::from_fn(|one| one == axis || one == first && plant.is_to_withdraw(first));
     match &mut plant.execution.phase {
         ControlPhase::Homing(Homing { queued: next, current: now }) => {
             let (now, waits) = (now.axis, now.axis != axis);
@@ -38,7 +38,7 @@ fn next_homing(plant: &mut Plant, mut wanted: PerAxis<bool>) {
         return plant.transition(ControlEvent::Homed);
     };
     wanted[axis] = false;
-    if plant.is_on_limit_switch(axis, plant.home_direction(axis)) {
+    if plant.is_on_limit_switch(axis, plant.homing_direction(axis)) {
         plant.refuse(ON_LIMIT_SWITCH);
         return plant.transition(ControlEvent::Homed);
     }

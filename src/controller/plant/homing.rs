@@ -16,9 +16,23 @@ impl Plant {
         if self.params.bit(minus) { -1.0 } else { 1.0 }
     }
 
-    /// Speeds and maximum travel of an axis to its home switch.
+    /// Direction in which HOME moves an axis: to its switch, or with an absolute encoder to its zero point.
+    pub fn homing_direction(&self, axis: Axis) -> f64 {
+        let way = self.params.get_axis(param::HOME_X, axis) - self.axes.set_point()[axis];
+        if self.inputs.image.absolute[axis] { way.signum() } else { self.home_direction(axis) }
+    }
+
+    /// Whether HOME of another axis moves this one to its zero point first (K5.16): it is not homed, or its absolute encoder
+    /// says that it stands elsewhere.
+    pub fn is_to_withdraw(&self, axis: Axis) -> bool {
+        let way = self.params.get_axis(param::HOME_X, axis) - self.axes.set_point()[axis];
+        let stands_elsewhere = way.abs() > self.params.get(param::IN_POSITION);
+        !self.axes.is_homed(axis) || self.inputs.image.absolute[axis] && stands_elsewhere
+    }
+
+    /// Speeds and maximum travel of an axis to its home switch or its zero point.
     pub fn plan_homing(&self, axis: Axis) -> AxisHoming {
-        let direction = self.home_direction(axis);
+        let direction = self.homing_direction(axis);
         // K5.9: with the wheel turning, its minus direction is slow.
         let slow = axis == self.kind.row().wheel_axis && direction < 0.0 && self.outputs.on.has(Output::Wheel);
         let most = if slow { self.params.get(param::WHEEL_ON_INFEED_SPEED) } else { f64::INFINITY };
@@ -49,17 +63,27 @@ impl Plant {
         self.shift_zero(axis, edge, self.params.get_axis(param::HOME_X, axis));
     }
 
-    /// Axes with absolute encoders need no homing: they are homed as soon as their position is read. After a hard limit or
-    /// a fault of the encoder they wait for HOME.
+    /// Axes with absolute encoders need no homing: they are homed as soon as their position is read. Beyond their soft limits,
+    /// after a limit switch or a fault of the encoder they wait for HOME.
     pub fn adopt_absolute_positions(&mut self) {
         if !self.inputs.image.bus_alive || !matches!(self.execution.phase, ControlPhase::Idle) {
             return;
         }
         for axis in Axis::ALL {
             let is_told = self.inputs.image.absolute[axis] && self.inputs.image.drives[axis].fault().is_none();
-            if is_told && self.axes.awaits_absolute_position(axis) {
-                self.shift_zero(axis, self.axes.set_point()[axis], self.axes.absolute_position(axis));
+            if !is_told || !self.axes.awaits_absolute_position(axis) {
+                continue;
+            }
+            // The set-point may be that of the tick before; it keeps its place, too.
+            let set = self.axes.absolute_position(axis, self.axes.encoder_set_points()[axis]);
+            self.shift_zero(axis, self.axes.set_point()[axis], set);
+            let at = self.axes.absolute_position(axis, self.inputs.image.encoder_mm[axis]);
+            let (low, high) = soft_limits(&self.params, axis);
+            // A machine that was left within its limits does not stand beyond them.
+            if (low..=high).contains(&at) {
                 self.axes.finish_homing(axis, &self.params);
+            } else {
+                self.axes.doubt(axis);
             }
         }
     }
@@ -78,6 +102,12 @@ impl Plant {
         let n = param::HOME_X.number + axis as u16;
         let message = match why {
             HomingFailure::NoSwitch => phrase!("{axis}", "{axis}", axis),
+            HomingFailure::TooFar => phrase!(
+                "{axis} 离零点超过 P{n}：位置可疑",
+                "{axis} is further than P{n} from its zero point: its position is doubtful",
+                axis,
+                n = param::HOMING_TRAVEL.number
+            ),
             HomingFailure::NotAtZero => phrase!(
                 "{axis} 到不了零点坐标 P{n}={zero:.3}",
                 "{axis} cannot reach its home coordinate P{n}={zero:.3}",

@@ -45,12 +45,14 @@ impl Plant {
     /// Faults, drives that went off, and drives that do not come on.
     pub fn supervise_drives(&mut self) {
         self.continue_reset();
-        // An emergency stop takes the power from the drives: that they are not ready then is no fault of theirs.
-        let is_unpowered = self.alarms.has(alarm::EMERGENCY_STOP);
+        // An emergency stop takes the power from the drives, and RESET gives it back: that they are not ready meanwhile is
+        // no fault of theirs.
+        let is_returning = !self.outputs.drives_on && self.outputs.drives.reset_until.is_some();
+        let is_unpowered = self.alarms.has(alarm::EMERGENCY_STOP) || is_returning;
         let counts = |axis| !is_unpowered || self.drive(axis).fault().is_some();
         let faults = PerAxis::from_fn(|axis| self.axes.is_present(axis) && self.has_tripped(axis) && counts(axis));
         for axis in Axis::ALL {
-            if self.drive(axis).fault().is_some_and(DriveFault::is_of_sensor) {
+            if self.drive(axis).fault().is_some_and(DriveFault::may_concern_position) {
                 self.axes.doubt(axis);
             }
         }

@@ -111,7 +111,7 @@ impl Plant {
             alarm::HARD_LIMIT => limits != 0,
             _ => false,
         });
-        self.outputs.drives_on = !e_stop && bus && !silent && !drives && !supply;
+        self.outputs.drives_on = !(e_stop || !bus || silent || inverter || drives || supply);
     }
 
     /// Raises an alarm and executes its reaction.

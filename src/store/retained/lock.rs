@@ -8,13 +8,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::RetainedError;
-use crate::store::atomic_file;
+use crate::store::atomic_file::{self, LOCK_FILE};
 use crate::store::checksum::checksum;
 use crate::store::disk;
 use crate::store::io_fault::IoFault;
 
-/// Locked while a control uses the data.
-const LOCK_FILE: &str = "retained.lock";
 /// How often the lock is tried, and the pause between: half a second in all.
 const LOCK_TRIES: u32 = 10;
 const LOCK_PAUSE: Duration = Duration::from_millis(50);
