@@ -125,7 +125,7 @@ pub fn inverter(rig: &mut Session<'_>) {
     rig.story("expect output wheel off\nkey 复位\nwait 1 s\nexpect alarm 407\n");
     inverter.status(0);
     rig.story("wait 0.5 s\nkey 复位\nwait 1 s\nexpect no alarm\n");
-    rig.story("mode mdi\nmdi G01 U20 W20 F3000\nexpect state running\n");
+    long_move(rig);
     inverter.signal("-STOP");
     let ticks = rig.alarm(405, "station 101 does not answer");
     let stopped = rig.ticks_until("torque off", 1_000, |row| !row.outputs.drives_on);
