@@ -2,9 +2,10 @@
 //! Source: docs/manual, chapter "first start on a machine".
 
 use crate::defs::text::{LocalizedText, Text};
+use crate::io::fieldbus::channel::CounterChannel;
 use crate::io::fieldbus::description::{
-    AnalogChannel, CounterChannel, DeviceDescription, DigitalChannels, EtherCatDescription, MachineDescription,
-    PdoEntry, SdoWrite, ServoAxisDescription,
+    AnalogChannel, DeviceDescription, DigitalChannels, EtherCatDescription, MachineDescription, PdoEntry, SdoWrite,
+    ServoAxisDescription,
 };
 use crate::io::fieldbus::inverter::InverterDescription;
 use crate::io::fieldbus::station_description::{FIRST_STATION, ModbusBlock, StationDescription};
@@ -97,7 +98,7 @@ impl Lines {
         let highest = servo.highest_mm_s.map(|speed| format!("{speed} mm/s"));
         self.property("最高速度", "highest speed", highest.unwrap_or_default());
         let brake = servo.brake.as_ref();
-        let brake = brake.map(|brake| format!("Y{}  {} / {} s", brake.port, brake.release_s, brake.engage_s));
+        let brake = brake.map(|brake| format!("{}  {} / {} s", brake.port, brake.release_s, brake.engage_s));
         self.property("抱闸：端子，释放 / 抱紧", "brake: port, release / engage", brake.unwrap_or_default());
     }
 
@@ -127,9 +128,7 @@ impl Lines {
             self.property("变频器故障", "fault of the inverter", place(fault.device, fault.bit, fault.bits));
             let reset = reset.map(|reset| place(reset.device, reset.bit, 1));
             self.property("变频器复位", "reset of the inverter", reset.unwrap_or_default());
-            let speed =
-                speed.map(|speed| format!("{}  1 = {}", place(speed.device, speed.bit, speed.bits), speed.counts));
-            self.property("变频器实际转速", "actual speed of the inverter", speed.unwrap_or_default());
+            self.property("变频器实际转速", "actual speed of the inverter", counter(*speed));
         }
         self.property("手轮", "handwheel", counter(described.handwheel));
         self.property("主轴编码器", "spindle encoder", counter(described.spindle_encoder));
@@ -236,7 +235,7 @@ mod tests {
             "read: InputRegisters 4–5",
             "counts per mm: -1000",
             "absolute encoder, zero at: -7",
-            "brake: port, release / engage: Y20  0.05 / 0.03 s",
+            "brake: port, release / engage: 20  0.05 / 0.03 s",
             "highest speed: 150 mm/s",
             "inputs: 3.0–15 → 1–16",
             "outputs: 5–7 → 3.2–4",

@@ -6,8 +6,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::LazyLock;
 use std::sync::mpsc::{Receiver, channel};
 
+use kt830::io::fieldbus::channel::WordChannel;
 use kt830::io::fieldbus::description::{DigitalChannels, MachineDescription};
-use kt830::io::fieldbus::inverter::{InverterDescription, InverterFaultText, WordChannel};
+use kt830::io::fieldbus::inverter::{InverterDescription, InverterFaultText};
 use kt830::io::fieldbus::station_description::{FIRST_STATION, ModbusBlock, ModbusTable, StationDescription};
 use kt830::io::trace::TraceRow;
 

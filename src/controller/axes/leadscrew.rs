@@ -10,8 +10,8 @@ use crate::units::{Axis, PerAxis};
 /// Share of the axis acceleration available to compensation.
 const ACCELERATION_SHARE: f64 = 0.5;
 
-/// Rounds until position and correction fit: the correction changes by micrometres in a millimetre, so each round
-/// divides the rest by a hundred and more.
+/// Rounds until position and correction fit. Backlash and pitch error change by 0.02 mm in a millimetre at most each, so a
+/// round leaves a twenty-fifth of the rest: of 4 mm less than a nanometre after five.
 const CORRECTION_ROUNDS: u32 = 5;
 
 /// Compensation of all axes.

@@ -18,15 +18,17 @@ impl Plant {
 
     /// Direction in which HOME moves an axis: to its switch, or with an absolute encoder to its zero point.
     pub fn homing_direction(&self, axis: Axis) -> f64 {
-        let way = self.params.get_axis(param::HOME_X, axis) - self.axes.set_point()[axis];
-        if self.inputs.image.absolute[axis] { way.signum() } else { self.home_direction(axis) }
+        if self.inputs.image.absolute[axis] { self.way_to_zero_mm(axis).signum() } else { self.home_direction(axis) }
+    }
+
+    fn way_to_zero_mm(&self, axis: Axis) -> f64 {
+        self.params.get_axis(param::HOME_X, axis) - self.axes.set_point()[axis]
     }
 
     /// Whether HOME of another axis moves this one to its zero point first (K5.16): it is not homed, or its absolute encoder
     /// says that it stands elsewhere.
     pub fn is_to_withdraw(&self, axis: Axis) -> bool {
-        let way = self.params.get_axis(param::HOME_X, axis) - self.axes.set_point()[axis];
-        let stands_elsewhere = way.abs() > self.params.get(param::IN_POSITION);
+        let stands_elsewhere = self.way_to_zero_mm(axis).abs() > self.params.get(param::IN_POSITION);
         !self.axes.is_homed(axis) || self.inputs.image.absolute[axis] && stands_elsewhere
     }
 

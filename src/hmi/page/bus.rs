@@ -140,10 +140,10 @@ fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
     for (index, columns) in figures.iter().enumerate() {
         let line = inside.band((1 + index) as f32 * LINE_HEIGHT, LINE_HEIGHT);
         // The counts are short, the times long.
-        for (column, ((name, value), share)) in columns.iter().zip([0.5, 0.52]).enumerate() {
+        for (column, ((name, value), share)) in columns.iter().zip([0.5, 0.56]).enumerate() {
             let place = line.cell(column, 2).trim_right(theme::PAD);
             let (left, right) = place.split_left_right_at_fraction(share);
-            view.fit_left(left, name, theme::LABEL, view.theme.muted);
+            view.fit_left(left.trim_right(4.0), name, theme::LABEL, view.theme.muted);
             view.fit_left(right, value, theme::LABEL, view.theme.text);
         }
     }

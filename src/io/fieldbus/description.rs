@@ -5,6 +5,7 @@
 use serde::Deserialize;
 
 use super::bus_fault::DeviceIdentity;
+use super::channel::CounterChannel;
 use super::inverter::InverterDescription;
 use super::process_image::{BitField, MAX_FIELD_BITS};
 use super::station_description::{FIRST_STATION, MAX_STATIONS, StationDescription};
@@ -311,20 +312,6 @@ pub struct AnalogChannel {
     pub counts_at_10_v: f64,
 }
 
-/// A counter of a device.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CounterChannel {
-    /// Number of the device, from 1; of a station, from 101.
-    pub device: u16,
-    /// First bit in its inputs.
-    pub bit: u16,
-    /// Bits of the counter; it wraps.
-    pub bits: u16,
-    /// Counts of one detent of a handwheel, or of one revolution of a spindle; negative if it counts backwards.
-    pub counts: f64,
-}
-
 pub(super) fn wrong(place: impl Into<String>, rule: &'static str) -> DescriptionError {
     DescriptionError::Wrong { place: place.into(), rule }
 }
@@ -431,7 +418,7 @@ impl MachineDescription {
         for (place, counter) in [("handwheel", self.handwheel), ("spindle_encoder", self.spindle_encoder)] {
             let Some(counter) = counter else { continue };
             let (bytes, _) = self.bytes_of(counter.device, place)?;
-            check_field(place, BitField { first: counter.bit, bits: counter.bits }, bytes)?;
+            check_field(place, counter.field(), bytes)?;
             require(counter.counts.is_normal(), place, "counts must not be 0")?;
         }
         self.check_inverter()?;

@@ -3,6 +3,7 @@
 
 use serde::Deserialize;
 
+use super::channel::{BitChannel, CounterChannel, WordChannel};
 use super::process_image::{BitField, DeviceImage};
 
 /// What an inverter reports, and how its fault is reset.
@@ -17,45 +18,9 @@ pub struct InverterDescription {
     /// Output that is on for a second after RESET.
     #[serde(default)]
     pub reset: Option<BitChannel>,
-    /// Actual speed; backwards it is negative.
+    /// Actual speed; `counts` are those of 1 r/min.
     #[serde(default)]
-    pub speed: Option<SpeedChannel>,
-}
-
-/// A number that a device sends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WordChannel {
-    /// Number of the device, from 1; of a station, from 101.
-    pub device: u16,
-    /// First bit in its inputs.
-    pub bit: u16,
-    /// Bits of the number.
-    pub bits: u16,
-}
-
-/// A speed that a device sends.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SpeedChannel {
-    /// Number of the device, from 1; of a station, from 101.
-    pub device: u16,
-    /// First bit in its inputs.
-    pub bit: u16,
-    /// Bits of the number.
-    pub bits: u16,
-    /// Counts of 1 r/min.
-    pub counts: f64,
-}
-
-/// A bit that a device gets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BitChannel {
-    /// Number of the device, from 1; of a station, from 101.
-    pub device: u16,
-    /// Bit in its outputs.
-    pub bit: u16,
+    pub speed: Option<CounterChannel>,
 }
 
 /// A code of a fault in words.
@@ -77,8 +42,7 @@ pub(super) type NamedField = (&'static str, u16, BitField, bool);
 impl InverterDescription {
     /// What is read and written.
     pub(super) fn fields(&self) -> impl Iterator<Item = NamedField> {
-        let WordChannel { device, bit, bits } = self.fault;
-        let fault = ("inverter.fault", device, BitField { first: bit, bits }, false);
+        let fault = ("inverter.fault", self.fault.device, self.fault.field(), false);
         let reset = self.reset.map(|reset| ("inverter.reset", reset.device, reset.field(), true));
         let speed = self.speed.map(|speed| ("inverter.speed", speed.device, speed.field(), false));
         [Some(fault), reset, speed].into_iter().flatten()
@@ -106,8 +70,7 @@ impl InverterDescription {
 
     /// The code of its fault; 0 is none. `images`: the data of a device by its number.
     pub(super) fn fault_code<'a>(&self, images: impl FnOnce(u16) -> Option<&'a DeviceImage>) -> u32 {
-        let WordChannel { device, bit, bits } = self.fault;
-        images(device).map_or(0, |image| BitField { first: bit, bits }.read(&image.inputs))
+        images(self.fault.device).map_or(0, |image| self.fault.field().read(&image.inputs))
     }
 
     /// Its actual speed, r/min, where it sends it.
@@ -115,19 +78,5 @@ impl InverterDescription {
         let speed = self.speed?;
         let image = images(speed.device)?;
         Some(f64::from(speed.field().read_signed(&image.inputs)) / speed.counts)
-    }
-}
-
-impl SpeedChannel {
-    const fn field(self) -> BitField {
-        BitField { first: self.bit, bits: self.bits }
-    }
-}
-
-impl BitChannel {
-    /// Its place in the outputs of the device.
-    #[must_use]
-    pub const fn field(self) -> BitField {
-        BitField { first: self.bit, bits: 1 }
     }
 }

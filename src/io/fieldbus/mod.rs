@@ -3,9 +3,10 @@
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
 //! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
-//! drive, `servo_axis` an axis, `station` a station, `inverter` the inverter of the wheel, `bus_fault` what can be wrong.
+//! drive, `servo_axis` an axis, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
+pub mod channel;
 pub mod cia402;
 pub mod description;
 pub mod inverter;
@@ -16,7 +17,8 @@ pub mod station;
 pub mod station_description;
 
 use self::bus_fault::BusFault;
-use self::description::{AnalogChannel, CounterChannel, DeviceDescription, MachineDescription};
+use self::channel::CounterChannel;
+use self::description::{AnalogChannel, DeviceDescription, MachineDescription};
 use self::process_image::{BitField, DeviceImage};
 use self::servo_axis::{AxisSetPoint, ServoAxis};
 use self::station::{Station, StationLink};
@@ -516,7 +518,7 @@ impl CounterReader {
     fn turns(&mut self, description: &MachineDescription, images: &[DeviceImage]) -> f64 {
         let Some(channel) = self.channel else { return 0.0 };
         let Some(image) = description.image_index(channel.device).and_then(|at| images.get(at)) else { return 0.0 };
-        let raw = BitField { first: channel.bit, bits: channel.bits }.read(&image.inputs);
+        let raw = channel.field().read(&image.inputs);
         let before = self.before.replace(raw).unwrap_or(raw);
         let unused = 32 - u32::from(channel.bits.clamp(1, 32));
         let counts = (raw.wrapping_sub(before) << unused).cast_signed() >> unused;
