@@ -81,7 +81,7 @@ const SEMI_FINISHING: &str = "半精";
 const DRESSING_POINT: &str = "修整点";
 
 /// What a label says of a whole number: a count, a mode, a number of an offset.
-const WHOLE_NUMBERS: [&str; 7] = ["次数", "方式", "件数", "计数", "刀补号", "间隔", "模式"];
+const WHOLE_NUMBERS: [&str; 8] = ["次数", "方式", "件数", "计数", "刀补号", "间隔", "模式", "编号"];
 
 /// Units as a label may end with them, in Chinese and in English, and as the page shows them behind the value.
 const WRITTEN_UNITS: [(&str, &str, Text); 9] = [

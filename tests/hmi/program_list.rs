@@ -273,7 +273,7 @@ fn k1_the_shipped_programs_say_for_which_machine_they_are() {
     let (_, directory) = crate::stories::folders().read_programs().unwrap();
     for row in &directory {
         let expected: &[Kind] = match row.number {
-            1_001..=1_006 | 1_011 | 1_012 | 9_010..=9_013 | 9_071 | 9_073 | 9_076 => &[Kind::Gc],
+            1_001..=1_006 | 1_011 | 1_012 | 1_015..=1_020 | 9_010..=9_016 | 9_071 | 9_073 | 9_076 => &[Kind::Gc],
             1_007..=1_009 | 1_013 | 9_020 | 9_075 | 9_077..=9_079 => &[Kind::Gs],
             1_010 | 1_014 => &[Kind::Ga],
             _ => &[],

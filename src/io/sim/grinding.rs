@@ -54,6 +54,10 @@ pub(super) struct Grinding {
     surfaces: Vec<Surface>,
     obstacles: Vec<Obstacle>,
     gauge: Option<GaugeSetupFile>,
+    /// Radius of the fitted diamond's tip, mm.
+    diamond_radius_mm: f64,
+    /// The gauge settings of the seats, each in force where the wheel covers it.
+    seat_gauges: Vec<GaugeSetupFile>,
     /// Highest point of part and obstacles along the infeed, mm.
     highest_mm: f64,
     /// Tangent of the swivel angle of the wheel head.
@@ -99,6 +103,8 @@ impl Grinding {
             surfaces: Vec::new(),
             obstacles: Vec::new(),
             gauge: None,
+            diamond_radius_mm: 0.0,
+            seat_gauges: Vec::new(),
             highest_mm: f64::NEG_INFINITY,
             swivel_tan: 0.0,
             dresser_broken: false,
@@ -118,6 +124,7 @@ impl Grinding {
         self.surfaces.clear();
         self.obstacles.clear();
         self.gauge = None;
+        self.seat_gauges.clear();
         self.part_lost = false;
         if let Some(part) = part {
             // Position of the slides with the reference point of a new wheel at the work zero.
@@ -127,6 +134,8 @@ impl Grinding {
             }
             self.swivel_tan = part.head_deg.to_radians().tan();
             self.gauge = part.gauge;
+            self.seat_gauges.clone_from(&part.seat_gauges);
+            self.diamond_radius_mm = part.diamond_radius_mm;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
             self.obstacles.extend(part.bodies.iter().map(Obstacle::of_body));
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
@@ -175,8 +184,10 @@ impl Grinding {
     }
 
     /// Size of the part above the set size of the gauge, µm; `None` if there is nothing to measure.
-    pub(super) fn oversize_um(&self) -> Option<f64> {
-        let gauge = self.gauge?;
+    pub(super) fn oversize_um(&self, scene: &MachineState, wheel_width_mm: f64) -> Option<f64> {
+        let left = self.work_pos(scene)[self.machine.layout.across];
+        let covered = left..=left + wheel_width_mm;
+        let gauge = self.seat_gauges.iter().find(|seat| covered.contains(&seat.z)).copied().or(self.gauge)?;
         let size = |s: &Surface| s.diameter_at(gauge.z).or_else(|| s.height_at(gauge.x, gauge.z));
         let found = self.surfaces().iter().find_map(size)?;
         Some((found - gauge.set) * 1_000.0)
@@ -301,7 +312,13 @@ impl Grinding {
         // The rim of a swivelled wheel is set back at the dresser's position along it.
         let back = self.swivel_tan * (dresser.across_mm - at.left_mm);
         let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
-        let slices = wheel.slices_over(dresser.across_mm - at.left_mm, self.roll_width_mm);
+        let (tip_mm, radius_mm) = (dresser.across_mm - at.left_mm, self.diamond_radius_mm);
+        let slices = wheel.slices_over(tip_mm - radius_mm, self.roll_width_mm + 2.0 * radius_mm);
+        // A round tip reaches less deep beside its middle: r − √(r² − d²) at the distance d.
+        let reach_at = |wheel: &GrindingWheel, slice: usize| {
+            let beside = wheel.distance_to_slice_mm(slice, tip_mm);
+            reach - (radius_mm - (radius_mm * radius_mm - beside * beside).max(0.0).sqrt())
+        };
         if reach <= 0.0 || off.abs() >= both || slices.is_empty() {
             if self.recent_cut_mm > 0.0
                 && let Some(diamond) = &mut self.diamond
@@ -313,7 +330,8 @@ impl Grinding {
             return false;
         }
         self.recent_cut_mm *= 1.0 - (scene.dt_s / CUT_WINDOW_S).min(1.0);
-        let depth = slices.clone().map(|slice| reach - wheel.rim_wear_mm[slice]).fold(0.0, f64::max);
+        let depths = slices.clone().map(|slice| reach_at(wheel, slice) - wheel.rim_wear_mm[slice]);
+        let depth = depths.fold(0.0, f64::max);
         if depth <= 0.0 || self.dresser_broken {
             return false;
         }
@@ -330,7 +348,7 @@ impl Grinding {
         if !standing {
             self.removes = true;
             for slice in slices {
-                let depth = reach - wheel.rim_wear_mm[slice];
+                let depth = reach_at(wheel, slice) - wheel.rim_wear_mm[slice];
                 // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.
                 let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
                 if depth > 0.0 {

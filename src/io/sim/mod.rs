@@ -250,8 +250,9 @@ impl SimulatedMachine {
             None => self.grinding.step(&scene, &mut self.wheel, &mut self.log),
         };
         self.check_overspeed(&scene);
+        let is_out = self.hydraulics.radial_arm.is_at_front();
         let found = GaugeContact {
-            oversize_um: if self.hydraulics.radial_arm.is_at_front() { self.grinding.oversize_um() } else { None },
+            oversize_um: is_out.then(|| self.grinding.oversize_um(&scene, self.wheel.width_mm)).flatten(),
             probe_deflection_mm: self.grinding.probe_deflection_mm(&scene),
         };
         self.gauges.step(found, dt_s, &mut self.rng);

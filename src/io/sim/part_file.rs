@@ -25,7 +25,8 @@ macro_rules! parts {
 const BUILTIN: &[(&str, &str)] = parts! {
     "O1001" = "O1001"; "O1002" = "O1002"; "O1003" = "O1003"; "O1004" = "O1004"; "O1005" = "O1005"; "O1006" = "O1006";
     "O1007" = "O1007"; "O1008" = "O1008"; "O1009" = "O1009"; "O1010" = "O1010"; "O1011" = "O1011"; "O1012" = "O1012";
-    "O1013" = "O1013"; "O1014" = "O1014"; "VGRIND" = "VGRIND"; "VBORE" = "VBORE"; "PRINTED" = "VGRIND";
+    "O1013" = "O1013"; "O1014" = "O1014"; "O1015" = "O1015"; "O1016" = "O1016"; "O1018" = "O1018";
+    "O1019" = "O1019"; "O1020" = "O1020"; "VGRIND" = "VGRIND"; "VBORE" = "VBORE"; "PRINTED" = "VGRIND";
 };
 
 /// Built-in parts of named programs.
@@ -67,6 +68,12 @@ pub struct PartFile {
     pub blocks: Vec<BlockFile>,
     /// Set size and measuring point of the radial (thickness) gauge.
     pub gauge: Option<GaugeSetupFile>,
+    /// Set sizes of a gauge at the wheel head that measures several seats: the one within the wheel's width is in force.
+    #[serde(default)]
+    pub seat_gauges: Vec<GaugeSetupFile>,
+    /// Radius of the fitted diamond's tip, mm; 0: a sharp point.
+    #[serde(default)]
+    pub diamond_radius_mm: f64,
     /// The bar of a lathe.
     pub bar: Option<BarFile>,
     /// The surfaces to be ground.

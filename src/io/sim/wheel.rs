@@ -104,6 +104,12 @@ impl GrindingWheel {
         (first.max(0.0) as usize)..(last as usize + 1).min(SLICES)
     }
 
+    /// Distance from a place, mm from the left side, to the nearest point of a slice; 0 over it.
+    pub(super) fn distance_to_slice_mm(&self, slice: usize, from_left_mm: f64) -> f64 {
+        let (from, to) = (slice as f64 / self.slices_per_mm, (slice + 1) as f64 / self.slices_per_mm);
+        (from - from_left_mm).max(from_left_mm - to).max(0.0)
+    }
+
     /// Wear of the rim at the corner next to a side, mm.
     pub(super) fn corner_wear_mm(&self, side: Side) -> f64 {
         self.rim_wear_mm[if side == Side::Left { 0 } else { SLICES - 1 }]

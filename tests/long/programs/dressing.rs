@@ -69,6 +69,65 @@ fn p6_o1012_dresses_radius_and_chamfer() {
     }
 }
 
+/// Deepest place over a slice of 1 mm of the wheel of O1020 as shipped, as the tip of 0.5 mm leaves it: lands at 0 and 1,
+/// slopes of 45° from 0 to 1, 8 to 9 and 15 to 16. Corners that stand out stay sharp; the tip fills those in hollows by
+/// its fillet, which ends within 0.5·tan(22.5°) = 0.21 mm of the corner.
+fn polyline_mm(slice: f64) -> f64 {
+    match slice as u32 {
+        0 | 8 | 15 | 9..15 => 1.0,
+        _ => 0.0,
+    }
+}
+
+#[test]
+fn p6_o1020_dresses_the_contour_whatever_the_radius_of_the_diamond() {
+    for radius in [0.0, 0.2, 0.5] {
+        let mut shop = shop_with(1020, 1, |part| {
+            part.diamond_radius_mm = radius;
+            part.variables.insert(941, radius);
+            part.variables.insert(942, 0.1);
+        });
+        shop.grind();
+        for (slice, mm) in shop.rig.machine().rim_wear_mm().iter().enumerate() {
+            // 0.02 of diameter off the highest place.
+            // At the foot of a slope, at r·tan(22.5°) from the middle of the tip: r − √(r² − (0.414 r)²) = 0.0898 r left.
+            let fillet = if [8, 15].contains(&slice) { 0.089_8 * radius } else { 0.0 };
+            let wanted = 0.01 + polyline_mm(slice as f64) - fillet;
+            assert!((mm - wanted).abs() < 0.006, "radius {radius}, slice {slice}: {mm} mm, wanted {wanted}");
+        }
+        assert_eq!(shop.value(940), Some(2.0), "the next time it only dresses again");
+        let before = shop.rig.machine().rim_wear_mm().to_vec();
+        shop.grind();
+        for (before, after) in before.iter().zip(shop.rig.machine().rim_wear_mm()) {
+            assert!((after - before - 0.01).abs() < 0.006, "{before} {after}");
+        }
+    }
+}
+
+/// Without compensation a tip of 0.5 mm takes 0.5·(1 − tan 22.5°) too much beside a slope that rises.
+#[test]
+fn p6_o1020_with_a_wrong_radius_spoils_the_contour() {
+    let mut shop = shop_with(1020, 1, |part| {
+        part.variables.insert(941, 0.0);
+        part.variables.insert(942, 0.1);
+    });
+    shop.grind();
+    let wear = shop.rig.machine().rim_wear_mm();
+    let worst = wear.iter().enumerate().map(|(slice, mm)| (mm - 0.01 - polyline_mm(slice as f64)).abs());
+    assert!(worst.fold(0.0, f64::max) > 0.1, "{wear:?}");
+}
+
+/// A hollow that is narrower than the tip needs.
+#[test]
+fn p6_o1020_refuses_a_hollow_that_the_diamond_does_not_reach() {
+    let mut shop = shop(1020);
+    // Between the slopes 1 mm is left at the bottom: enough for a tip of 1/(2·tan(22.5°)) = 1.2 mm.
+    shop.set(954, 10.0).set(956, 11.0).set(941, 1.3);
+    let before = shop.rig.machine().slide_mm();
+    assert!(matches!(shop.run(), End::Alarm(3_024, _)));
+    assert_eq!(shop.rig.machine().slide_mm(), before);
+}
+
 #[test]
 fn p6_o1012_wants_an_offset_in_force_and_one_form() {
     for (variable, value, alarm) in
@@ -143,7 +202,7 @@ fn k4_2_every_dressing_program_uses_the_point_that_was_set_by_key() {
 
 #[test]
 fn k5_17_the_factory_range_of_dressing_programs_is_that_of_the_kind() {
-    for (program, kind) in PROGRAMS.into_iter().filter(|(program, _)| *program > 1010) {
+    for (program, kind) in PROGRAMS.into_iter().filter(|(program, _)| (1011..=1014).contains(program)) {
         let params = kt830::defs::param::Params::factory(kind);
         let range = params.get(param::DRESSING_PROGRAM_FIRST)..=params.get(param::DRESSING_PROGRAM_LAST);
         assert!(range.contains(&f64::from(program)), "O{program} on {kind:?}");
@@ -162,7 +221,9 @@ fn misses(program: u32, point: u16, off: f64) -> Shop {
 /// `run O1011 --set '#760=-319.95'` booked 0.05 mm that nobody had cut; four parts of O1002 came out −49, −98 and −99 µm.
 #[test]
 fn p6_a_dressing_that_touches_nothing_is_an_alarm_and_books_nothing() {
-    for (program, point, total, off) in [(1011, 760, 772, 0.11), (1013, 802, 806, 0.5), (1014, 821, 828, 0.2)] {
+    for (program, point, total, off) in
+        [(1011, 760, 772, 0.11), (1020, 760, 772, 2.5), (1013, 802, 806, 0.5), (1014, 821, 828, 0.2)]
+    {
         let mut shop = misses(program, point, off);
         let (before, dressed) = (shop.rig.controller().system_variable(5_801), shop.value(total));
         let end = shop.run();

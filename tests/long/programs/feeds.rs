@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use kt830::link::snapshot::RunState;
 use kt830::units::Axis;
 
-use super::shop::{Shop, shop};
+use super::shop::{PROGRAMS, Shop, shop};
 use crate::stories::folders;
 
 /// Ticks at both ends of a stage in which the axes accelerate and brake: from 100 mm/s at 800 mm/s² and 20 000 mm/s³ it
@@ -50,6 +50,13 @@ fn named(caller: u32, local: u16) -> u16 {
         (1_007, 9) => 690,
         (1_008, 9) => 710,
         (1_009, 9) => 730,
+        (1_015 | 1_016, 2) => 118,
+        (1_015, 1) => 843,
+        (1_015, 3) => 844,
+        (1_015, 8) => 847,
+        (1_016, 1) => 865,
+        (1_016, 3) => 866,
+        (1_016, 8) => 872,
         _ => local,
     }
 }
@@ -61,6 +68,7 @@ type Stages = BTreeMap<(u32, u32), Vec<Vec<f64>>>;
 fn measure(shop: &mut Shop, program: u32, values: &mut BTreeMap<u16, BTreeSet<u64>>) -> Stages {
     let mut stages = Stages::new();
     let (mut running, mut last, mut before) = (None, shop.rig.controller().set_point(), [0.0; 3]);
+    let (mut peak, mut slowed) = (0.0, false);
     shop.rig.send(kt830::link::Command::Press(kt830::defs::key::Key::CycleStart));
     for tick in 0..4_000_000_u32 {
         shop.rig.step();
@@ -70,17 +78,21 @@ fn measure(shop: &mut Shop, program: u32, values: &mut BTreeMap<u16, BTreeSet<u6
         let is_path = |axis: Axis| program != 1_004 || axis == Axis::X;
         let step = Axis::ALL.map(|axis| if is_path(axis) { now[axis] - last[axis] } else { 0.0 });
         let way = step.iter().map(|mm| mm * mm).sum::<f64>().sqrt();
-        // A block that runs again at once, as in a loop, begins where the axes turn back.
+        // A block that runs again at once, as in a loop, begins where the axes turn back, or start again after a stop.
         let turns_back = step.iter().zip(before).map(|(now, before)| now * before).sum::<f64>() < 0.0;
+        let restarts = slowed && way > before.iter().map(|mm| mm * mm).sum::<f64>().sqrt();
         (last, before) = (now, step);
         let key = (block.program, block.line);
-        if running != Some(key) || turns_back {
+        if running != Some(key) || turns_back || restarts {
+            peak = 0.0_f64;
             stages.entry(key).or_default().push(Vec::new());
             for (number, value) in shop.rig.snapshot().variables.iter().enumerate() {
                 values.entry(number as u16).or_default().extend(value.map(f64::to_bits));
             }
         }
         running = Some(key);
+        peak = peak.max(way);
+        slowed = way < 0.05 * peak;
         if let Some(stage) = stages.get_mut(&key).and_then(|all| all.last_mut()) {
             stage.push(way * 60_000.0);
         }
@@ -95,7 +107,7 @@ fn measure(shop: &mut Shop, program: u32, values: &mut BTreeMap<u16, BTreeSet<u6
 #[test]
 fn b2_every_stage_of_the_shipped_programs_runs_at_its_feed() {
     let mut measured = 0;
-    for program in 1_001..=1_014 {
+    for (program, _) in PROGRAMS {
         let (mut shop, mut values) = (shop(program), BTreeMap::new());
         let stages = measure(&mut shop, program, &mut values);
         for ((number, line), runs) in stages {

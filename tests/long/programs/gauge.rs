@@ -26,6 +26,10 @@ fn nominal(program: u32, at: Measured) -> f64 {
     match (program, at) {
         (1006, Measured::Diameter(z)) => 40.0 + 0.02 * (z - 30.0),
         (1006, _) => f64::NAN,
+        (1015, Measured::Diameter(z)) => super::sizes::seat_diameter(z),
+        (1015, Measured::Face(z)) if z < 42.0 => 20.0,
+        (1015, _) => 64.0,
+        (1016, Measured::Face(_)) => 30.0,
         (1007, _) => 20.0,
         (1010, _) => 25.0,
         _ => 40.0,
@@ -58,6 +62,7 @@ fn p7_a_wrong_offset_does_not_change_the_size_of_a_part_with_a_gauge() {
         (1006, &[-0.1, -0.01, 0.05]),
         (1007, &[-0.03, 0.03]),
         (1010, &[-0.03, 0.03]),
+        (1015, &[-0.1, 0.1]),
     ] {
         for off in offsets {
             let mut shop = shop_with(program, 3, |part| with_runout(part, 0.005));
@@ -93,14 +98,26 @@ fn p7_a_size_that_is_passed_in_roughing_is_an_alarm_and_the_part_is_not_counted(
 #[test]
 fn p7_a_blank_that_is_under_size_is_an_alarm_before_the_wheel_touches_it() {
     // Stock on the blanks as they come.
-    let blanks = [(1003, 0.3, 3_021), (1004, 0.3, 3_098), (1006, 0.3, 3_021), (1007, 0.1, 3_023), (1010, 0.05, 3_023)];
+    let blanks = [
+        (1003, 0.3, 3_021),
+        (1004, 0.3, 3_098),
+        (1006, 0.3, 3_021),
+        (1007, 0.1, 3_023),
+        (1010, 0.05, 3_023),
+        (1015, 0.3, 3_016),
+        (1016, 0.3, 3_022),
+    ];
     for (program, stock, number) in blanks {
         let mut shop = shop_with(program, 1, |part| with_less_stock(part, stock + 0.02));
         let end = shop.run();
         assert!(matches!(&end, End::Alarm(alarm, _) if *alarm == number), "O{program}: {end:?}");
         assert_eq!(shop.rig.retained().part_count, 0, "O{program}");
         // Not ground: 20 µm under size, less what the simulated blank is out of round.
-        let worst = shop.worst_um(|at| nominal(program, at));
+        let worst = shop.worst_um(|at| match (program, at) {
+            // The shoulder has its stock.
+            (1015 | 1016, Measured::Face(z)) => z,
+            _ => nominal(program, at),
+        });
         assert!((-40.0..-10.0).contains(&worst), "O{program}: {worst} µm");
     }
 }
@@ -127,7 +144,9 @@ fn p7_the_offset_follows_the_wear_of_the_wheel_and_the_cycle_stays_short() {
 /// A gauge whose signals do not come: the limit is an alarm, the part is not counted.
 #[test]
 fn p8_a_dead_gauge_ends_in_an_alarm_at_the_limit() {
-    for (program, number) in [(1003, 3_019), (1004, 3_094), (1006, 3_020), (1007, 3_020), (1010, 3_020)] {
+    for (program, number) in
+        [(1003, 3_019), (1004, 3_094), (1006, 3_020), (1007, 3_020), (1010, 3_020), (1015, 3_094), (1016, 3_094)]
+    {
         let mut shop = shop_with(program, 1, |_| ());
         crate::stories::tell(&mut shop.rig, "fault gauge-dead");
         let end = shop.run();

@@ -153,7 +153,7 @@ pub enum Measured {
 }
 
 /// The programs and the kinds they are for.
-pub const PROGRAMS: [(u32, Kind); 14] = [
+pub const PROGRAMS: [(u32, Kind); 19] = [
     (1001, Kind::Gc),
     (1002, Kind::Gc),
     (1003, Kind::Gc),
@@ -168,4 +168,9 @@ pub const PROGRAMS: [(u32, Kind); 14] = [
     (1012, Kind::Gc),
     (1013, Kind::Gs),
     (1014, Kind::Ga),
+    (1015, Kind::Gc),
+    (1016, Kind::Gc),
+    (1018, Kind::Gc),
+    (1019, Kind::Gc),
+    (1020, Kind::Gc),
 ];

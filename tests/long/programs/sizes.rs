@@ -66,6 +66,58 @@ fn p4_o1006_grinds_a_cone() {
     });
 }
 
+/// The four seats of O1015 by the Z where they are measured.
+pub fn seat_diameter(z: f64) -> f64 {
+    match z {
+        ..40.0 => 50.0,
+        ..62.0 => 46.0,
+        ..84.0 => 42.0,
+        _ => 36.0,
+    }
+}
+
+#[test]
+fn p4_o1015_grinds_four_seats_and_two_shoulders() {
+    let wanted = |at| match at {
+        Measured::Diameter(z) => seat_diameter(z),
+        Measured::Face(z) if z < 42.0 => 20.0,
+        Measured::Face(..) => 64.0,
+        Measured::Height(_) => f64::NAN,
+    };
+    to_size(1015, 3, 0.02, wanted);
+}
+
+#[test]
+fn p4_o1015_without_gauge_grinds_to_the_offset() {
+    let mut shop = shop_with(1015, 1, |part| {
+        part.seat_gauges.clear();
+        part.variables.insert(847, 0.0);
+    });
+    shop.grind();
+    let worst = shop.worst_um(|at| match at {
+        Measured::Diameter(z) => seat_diameter(z),
+        Measured::Face(z) if z < 42.0 => 20.0,
+        _ => 64.0,
+    });
+    assert!(worst.abs() < TOLERANCE_UM, "off by {worst} µm");
+}
+
+#[test]
+fn p4_o1016_grinds_diameter_and_face_together() {
+    let wanted = |at| match at {
+        Measured::Diameter(_) => 40.0,
+        _ => 30.0,
+    };
+    to_size(1016, 3, 0.02, wanted);
+    let mut shop = shop_with(1016, 1, |part| {
+        part.gauge = None;
+        part.variables.insert(872, 0.0);
+    });
+    shop.grind();
+    let worst = shop.worst_um(wanted);
+    assert!(worst.abs() < TOLERANCE_UM, "without gauge off by {worst} µm");
+}
+
 #[test]
 fn p5_o1007_grinds_a_plane() {
     to_size(1007, 1, 0.0, |_| 20.0);
