@@ -95,6 +95,9 @@ impl Lines {
         self.property("每毫米脉冲", "counts per mm", format!("{sign}{}", servo.counts_per_mm));
         let absolute = servo.absolute.map(|encoder| encoder.zero_counts.to_string());
         self.property("绝对编码器零点", "absolute encoder, zero at", absolute.unwrap_or_default());
+        let probe =
+            servo.touch_probe.map(|probe| format!("P{}{}", probe.signal, if probe.falling { " ↓" } else { "" }));
+        self.property("G31 G78 由驱动器锁存", "G31, G78 latched by the drive", probe.unwrap_or_default());
         let highest = servo.highest_mm_s.map(|speed| format!("{speed} mm/s"));
         self.property("最高速度", "highest speed", highest.unwrap_or_default());
         let brake = servo.brake.as_ref();

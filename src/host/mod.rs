@@ -432,6 +432,7 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
             terminals,
             drives_on: false,
             fault_reset: false,
+            awaited_signal: 0,
             wheel_volts: 0.0,
             analog_2_volts: 0.0,
             ..self.outputs

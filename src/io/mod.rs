@@ -27,6 +27,8 @@ pub struct InputImage {
     pub encoder_mm: EncoderPos,
     /// Axes with an absolute encoder that has been read.
     pub absolute: PerAxis<bool>,
+    /// What the touch probes of the drives have latched since [`OutputImage::awaited_signal`] is theirs.
+    pub latches: PerAxis<Option<ProbeLatch>>,
     /// Revolutions of the main spindle since power-on by its encoder, forward (M03) positive; 0 without such a spindle.
     pub spindle_turns: f64,
     /// Handwheel detents since the last tick, positive clockwise.
@@ -41,6 +43,15 @@ pub struct InputImage {
     pub inverter_tripped: bool,
 }
 
+/// What the touch probe of a drive has latched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbeLatch {
+    /// The skip signal.
+    pub signal: u8,
+    /// The encoder's position at its edge, mm.
+    pub encoder_mm: f64,
+}
+
 /// The outputs of one tick, from the control to the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OutputImage {
@@ -52,6 +63,8 @@ pub struct OutputImage {
     pub drives_on: bool,
     /// RESET in this tick: drives in a fault are to be reset, and a bus that was lost is set up again.
     pub fault_reset: bool,
+    /// The skip signal (P of G31 and G78) that is awaited; 0 for none. Touch probes wired to it are armed.
+    pub awaited_signal: u8,
     /// First analog output: speed of the wheel (of the main spindle on a lathe), 0…10 V.
     pub wheel_volts: f64,
     /// Second analog output (`M63 S`), 0…10 V.

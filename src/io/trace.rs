@@ -19,9 +19,9 @@ pub struct TraceRow {
 }
 
 /// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1. In
-/// `absolute` bit 0 is X, bit 1 Y, bit 2 Z.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,inverter_tripped,\
-outputs,set_x,set_y,set_z,drives_on,fault_reset,wheel_volts,analog_2_volts";
+/// `absolute` bit 0 is X, bit 1 Y, bit 2 Z. A latch is `signal:mm`, or empty.
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,latch_x,latch_y,latch_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,inverter_tripped,\
+outputs,set_x,set_y,set_z,drives_on,fault_reset,awaited_signal,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -30,12 +30,17 @@ impl fmt::Display for TraceRow {
         let [sx, sy, sz] = o.set_point_mm.coordinates();
         let absolute =
             i.absolute.iter().fold(0_u8, |bits, (axis, is_absolute)| bits | u8::from(*is_absolute) << axis as u8);
-        write!(f, "{},{:x},{ex},{ey},{ez},{absolute},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
+        write!(f, "{},{:x},{ex},{ey},{ez},{absolute},", self.now.0, i.terminals.0)?;
+        for latch in i.latches.0 {
+            latch.map_or(Ok(()), |latch| write!(f, "{}:{}", latch.signal, latch.encoder_mm))?;
+            f.write_str(",")?;
+        }
+        write!(f, "{},", i.spindle_turns)?;
         let [dx, dy, dz] = i.drives.0.map(DriveState::trace_number);
         let [alive, silent, tripped] = [i.bus_alive, i.station_silent, i.inverter_tripped].map(u8::from);
         write!(f, "{},{dx},{dy},{dz},{alive},{silent},{tripped},", i.handwheel_detents)?;
         write!(f, "{:x},{sx},{sy},{sz},", o.terminals.0)?;
         let (on, reset) = (u8::from(o.drives_on), u8::from(o.fault_reset));
-        write!(f, "{on},{reset},{},{}", o.wheel_volts, o.analog_2_volts)
+        write!(f, "{on},{reset},{},{},{}", o.awaited_signal, o.wheel_volts, o.analog_2_volts)
     }
 }

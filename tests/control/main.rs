@@ -46,6 +46,7 @@ mod start_latency;
 mod stations;
 mod teach_in;
 mod thread_recorder;
+mod touch_probe;
 mod vertical;
 mod wheel_size;
 mod work_offsets;

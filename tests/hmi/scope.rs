@@ -75,7 +75,7 @@ fn b6_the_cursor_reads_values_and_gives_the_level() {
     assert!(words.iter().any(|words| words.contains("游标 0.2")), "{words:?}");
     // −6000 · sin(1000/400) = −3590.8.
     assert!(words.iter().any(|words| words.starts_with("-359") && words.ends_with("mm/min Ø")), "{words:?}");
-    screen.get_by_label("取游标值 scope-level").click();
+    screen.get_by_label("触发值 scope-level").click();
     screen.run();
     assert!(crate::screen::painted(&screen).iter().any(|words| words.starts_with("触发 ↑ -359")));
     // With the arrows it goes on by a sample.
@@ -107,7 +107,7 @@ fn b6_without_a_recording_nothing_is_saved_and_no_level_is_taken() {
     let mut bench = Bench::new(ready(), Page::Scope);
     bench.touch("存为 CSV scope-export");
     assert!(bench.shows("还没有记录"));
-    bench.touch("取游标值 scope-level");
+    bench.touch("触发值 scope-level");
     assert!(bench.shows("先点曲线放游标") && !bench.shows("还没有记录"));
 }
 
@@ -172,4 +172,26 @@ fn b6_a_recorded_circle_has_a_roundness() {
     };
     assert!((0.5..3.0).contains(&um("圆度")), "{:?}", bench.painted());
     assert!((-3.0..-0.5).contains(&um("半径偏差")), "{:?}", bench.painted());
+}
+
+/// A positioning of 40 mm at 3000 mm/min. The simulated drives lag by 20 ms: at 50 mm/s that is 1 mm, a velocity gain of 50/s.
+#[test]
+fn b6_a_recorded_move_has_a_step_response() {
+    let mut rig = ready_with("G98 G01 W-40 F3000\nM30");
+    let record = "mode auto\nscope Z-actual Z-set span 4 s\nkey cycle-start\nwait until idle max 10 s";
+    tell(&mut rig, &format!("{record}\nwait 1 s\nscope stop\nwait 0.3 s"));
+    let mut bench = Bench::new(rig, Page::Scope);
+    bench.touch("阶跃 scope-step");
+    let value = |after: &str| -> f64 {
+        let words = bench.painted();
+        let at = words.iter().position(|word| word == after).unwrap_or_else(|| panic!("no {after} in {words:?}"));
+        words[at + 1].split(' ').next().unwrap().parse().expect("a number")
+    };
+    assert!((value("行程") + 40.0).abs() < 0.001);
+    assert!((value("最高速度") - 50.0).abs() < 0.2);
+    assert!((value("速度增益 Kv") - 50.0).abs() < 1.5, "{}", value("速度增益 Kv"));
+    assert!((value("最大跟随误差") - 1_000.0).abs() < 30.0, "{}", value("最大跟随误差"));
+    assert!(value("超调") < 1.5, "{}", value("超调"));
+    // From 1 mm to 0.6 µm a lag of 20 ms takes more than 20 ms · ln(1000/0.6) less what the braking has taken.
+    assert!((20.0..400.0).contains(&value("到位时间")), "{}", value("到位时间"));
 }

@@ -7,11 +7,11 @@ use kt830::defs::param::Params;
 use kt830::defs::signal::Terminals;
 use kt830::io::drive::DriveState;
 use kt830::io::trace::{HEADER, TraceRow};
-use kt830::io::{Backend, InputImage, OutputImage};
+use kt830::io::{Backend, InputImage, OutputImage, ProbeLatch};
 use kt830::units::{EncoderPos, Micros, PerAxis};
 
 /// Number of columns of a row.
-const COLUMNS: usize = 22;
+const COLUMNS: usize = 26;
 
 /// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -71,6 +71,13 @@ impl ColumnReader<'_> {
         Ok(PerAxis::from_fn(|axis| bits >> axis as u8 & 1 == 1))
     }
 
+    fn latch(&mut self) -> Result<Option<ProbeLatch>, TraceError> {
+        self.next(|text| match text.split_once(':') {
+            None => text.is_empty().then_some(None),
+            Some((signal, mm)) => Some(Some(ProbeLatch { signal: signal.parse().ok()?, encoder_mm: mm.parse().ok()? })),
+        })
+    }
+
     fn terminals(&mut self) -> Result<Terminals, TraceError> {
         self.next(|text| u64::from_str_radix(text, 16).ok()).map(Terminals)
     }
@@ -89,6 +96,7 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
             terminals: c.terminals()?,
             encoder_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             absolute: c.axes()?,
+            latches: PerAxis([c.latch()?, c.latch()?, c.latch()?]),
             spindle_turns: c.float()?,
             handwheel_detents: c.next(|text| text.parse().ok())?,
             drives: PerAxis([c.drive()?, c.drive()?, c.drive()?]),
@@ -101,6 +109,7 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
             set_point_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             drives_on: c.flag()?,
             fault_reset: c.flag()?,
+            awaited_signal: c.next(|text| text.parse().ok())?,
             wheel_volts: c.float()?,
             analog_2_volts: c.float()?,
         },
@@ -213,7 +222,9 @@ struct Ramp(f64);
 impl Backend for Ramp {
     fn read(&mut self, _now: Micros) -> InputImage {
         self.0 += 0.1;
-        InputImage { encoder_mm: EncoderPos::new([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
+        let latches = PerAxis([None, None, Some(ProbeLatch { signal: 4, encoder_mm: self.0 / 7.0 })]);
+        let encoder_mm = EncoderPos::new([self.0, 0.0, -1e-7]);
+        InputImage { encoder_mm, latches, bus_alive: true, ..InputImage::default() }
     }
     fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
     fn rewire(&mut self, _params: &Params) {}
@@ -222,7 +233,12 @@ impl Backend for Ramp {
 /// Outputs computed from the inputs.
 fn answer(inputs: InputImage) -> OutputImage {
     let set_point_mm = EncoderPos::from_fn(|axis| inputs.encoder_mm[axis] / 3.0);
-    OutputImage { set_point_mm, terminals: Terminals(0x8000_0000_0000_0001), ..OutputImage::default() }
+    OutputImage {
+        set_point_mm,
+        terminals: Terminals(0x8000_0000_0000_0001),
+        awaited_signal: 4,
+        ..OutputImage::default()
+    }
 }
 
 fn traced(ticks: u64, most: usize) -> Tracer<Ramp> {
@@ -271,6 +287,6 @@ fn p8_only_the_last_ticks_are_kept() {
 #[test]
 fn p8_a_broken_trace_is_refused_with_its_place() {
     let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-    assert_eq!(said("1,2"), "line 1: 2 columns instead of 22");
-    assert_eq!(said("1,0,0,0,0,0,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0,0"), "line 1, column 9: '3' is not a number");
+    assert_eq!(said("1,2"), "line 1: 2 columns instead of 26");
+    assert_eq!(said("1,0,0,0,0,0,,4:1.5,,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0,0,0"), "line 1, column 12: '3' is not a number");
 }

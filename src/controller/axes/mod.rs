@@ -477,6 +477,15 @@ impl Axes {
         self.present().all(|axis| self.homed[axis])
     }
 
+    /// The machine position of an axis at a position of its encoder, mm, as it is compensated now; none while the
+    /// machine is locked.
+    #[must_use]
+    pub fn position_at(&self, axis: Axis, encoder_mm: f64) -> Option<f64> {
+        let applied = self.compensation.applied_mm();
+        let at = encoder_mm + self.feedback.machine_minus_encoder_mm[axis] - applied[axis];
+        self.locked.is_none().then_some(at)
+    }
+
     /// Machine position from the encoders, mm.
     #[must_use]
     pub const fn actual(&self) -> MachinePos {

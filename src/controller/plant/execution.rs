@@ -90,6 +90,8 @@ pub struct Execution {
     pub phases: PhaseClock,
     /// A gauge has ended an infeed of the run by its signal.
     pub gauged: bool,
+    /// The skip signal that the run awaits in this tick: touch probes wired to it are armed. 0 for none.
+    pub awaited_signal: u8,
     /// The tool offsets of the run.
     pub called_offsets: CalledOffsets,
     /// M30 has ended the open program: its part is finished.

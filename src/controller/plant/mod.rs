@@ -133,6 +133,7 @@ impl Plant {
     pub fn begin_tick(&mut self, now: Micros, timestamp: DateTime, image: &InputImage) {
         (self.now, self.tick_budget) = (now, WorkBudget::new(WORK_PER_TICK));
         self.date = timestamp;
+        self.execution.awaited_signal = 0;
         self.alarms.set_time(now, timestamp);
         self.inputs.read(image);
         self.work.contact_seen |= self.inputs.raw.has(Input::WheelContact);

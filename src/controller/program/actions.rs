@@ -7,6 +7,7 @@ use super::activity::{ActionStatus, Activity};
 use super::gauge::skip_signal;
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
+use super::signal_place::SignalPlace;
 use crate::controller::plant::{ControlEvent, Plant};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
@@ -219,7 +220,7 @@ impl ProgramRun {
         ActionStatus::Wait
     }
 
-    /// G31: the position is latched in the tick of the signal edge, then the axes brake.
+    /// G31: the position is latched by the drives, else in the tick of the signal edge; then the axes brake.
     fn step_skip(&mut self, plant: &mut Plant, planned: &PlannedMove, signal: u8) -> ActionStatus {
         let Activity::Skip { tag, latched } = self.activity else {
             if signal == CONTACT_SKIP_SIGNAL && plant.params.input_port(Input::WheelContact) == 0 {
@@ -231,19 +232,22 @@ impl ProgramRun {
                 return raise_no_workpiece_drive(plant);
             };
             if let Some(tag) = self.push_move(plant, planned.to, planned.shape, rate, CornerMode::ExactStop) {
-                self.activity = Activity::Skip { tag, latched: false };
+                self.activity = Activity::Skip { tag, latched: None };
             }
             return ActionStatus::Wait;
         };
-        if latched && plant.axes.is_at_rest() {
-            self.lookahead.machine_position = plant.axes.program_set_point();
-            return ActionStatus::Done;
-        } else if !latched && skip_signal(plant, signal) {
-            plant.work.skip_position = plant.work_position();
+        plant.execution.awaited_signal = signal;
+        if let Some(place) = latched {
+            if plant.axes.is_at_rest() {
+                plant.work.skip_position = place.work_position(plant);
+                self.lookahead.machine_position = plant.axes.program_set_point();
+                return ActionStatus::Done;
+            }
+        } else if skip_signal(plant, signal) {
             plant.execution.gauged |= signal != CONTACT_SKIP_SIGNAL;
             plant.axes.planner.abort();
-            self.activity = Activity::Skip { tag, latched: true };
-        } else if !latched && plant.axes.planner.finished_tag() >= Some(tag) {
+            self.activity = Activity::Skip { tag, latched: Some(SignalPlace::seen(plant, signal)) };
+        } else if plant.axes.planner.finished_tag() >= Some(tag) {
             // The end point, not the lagging actual position: it tells the program that no signal came.
             plant.work.skip_position = plant.work.offsets.work_from_machine(plant.axes.set_point());
             return ActionStatus::Done;

@@ -1,6 +1,7 @@
 //! What a run is in the middle of, with the data of it.
 //! Source: spec B3, B5, K4.5, K6.3.
 
+use super::signal_place::SignalPlace;
 use crate::defs::signal::Input;
 use crate::nc::GaugeMove;
 use crate::units::{Axis, MachinePos, Micros};
@@ -38,8 +39,8 @@ pub enum Activity {
     Dwell { until: Micros },
     /// M80–M89.
     AwaitInput(Input),
-    /// G31: tag of the move, and whether the signal has come.
-    Skip { tag: u32, latched: bool },
+    /// G31: tag of the move, and where the signal has come.
+    Skip { tag: u32, latched: Option<SignalPlace> },
     /// G78.
     Gauge(GaugeCycle),
     /// A thread is being cut.
@@ -83,8 +84,8 @@ pub struct GaugeCycle {
     pub stage: GaugeStage,
     /// Tag of this stage's move, once handed to the planner.
     pub tag: Option<u32>,
-    /// Latched work coordinate of this stage's contact, mm displayed.
-    pub latched: Option<f64>,
+    /// Where this stage's contact was.
+    pub latched: Option<SignalPlace>,
     /// Work coordinate of the first contact, mm displayed.
     pub first_contact: f64,
     /// The axis has reached the speed J; a second signal counts from then on.

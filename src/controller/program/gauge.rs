@@ -1,11 +1,12 @@
 //! G78: positioning an axis by a gauge, in one or two contacts.
 //!
-//! The encoder position is latched in the tick of the unfiltered edge, so that input filter, servo lag and braking do
+//! The encoder position is latched by the drive, else in the tick of the unfiltered edge, so that input filter, servo lag and braking do
 //! not matter. Source: spec K4.5.
 
 use super::activity::{ActionStatus, Activity, GaugeCycle, GaugeStage};
 use super::queue::check_soft_limits;
 use super::run::ProgramRun;
+use super::signal_place::SignalPlace;
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::Plant;
 use crate::defs::alarm;
@@ -68,7 +69,7 @@ impl ProgramRun {
             GaugeStage::BackOff | GaugeStage::Retract | GaugeStage::ArmIn => return,
         };
         if gauge_signal(plant, awaited) {
-            gauging.latched = Some(displayed_work(plant, asked.axis));
+            gauging.latched = Some(SignalPlace::seen(plant, awaited));
             plant.axes.planner.abort();
             self.activity = Activity::Gauge(gauging);
         }
@@ -144,8 +145,9 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
     let (asked, fine) = (gauging.request, gauging.stage == GaugeStage::Fine);
     let awaited = if fine { asked.second_input.unwrap_or(asked.first_input) } else { asked.first_input };
     let multi = asked.second_input.is_some();
+    plant.execution.awaited_signal = awaited;
     if gauging.latched.is_none() && gauge_signal(plant, awaited) {
-        gauging.latched = Some(displayed_work(plant, asked.axis));
+        gauging.latched = Some(SignalPlace::seen(plant, awaited));
         plant.axes.planner.abort();
     }
     let first_on = plant.inputs.filtered.has(Input::GAUGES[gauge_index(asked.first_input)]);
@@ -157,7 +159,8 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
         None if arrived && plant.axes.is_axis_in_position(asked.axis, &plant.params) => {
             fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, awaited)
         }
-        Some(edge) if plant.axes.is_at_rest() => {
+        Some(place) if plant.axes.is_at_rest() => {
+            let edge = place.work_position(plant)[asked.axis] * plant.displayed_per_mm(asked.axis);
             record_contact(plant, asked.axis, edge, fine, gauging.first_contact);
             if !fine {
                 gauging.first_contact = edge;

@@ -19,6 +19,7 @@ pub mod restart;
 pub mod retract;
 pub mod run;
 mod run_world;
+mod signal_place;
 pub mod start_check;
 
 use std::sync::Arc;

@@ -39,6 +39,7 @@ impl Plant {
         self.outputs.image.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
         // Braking needs the drives even while they are to be off.
         self.outputs.image.drives_on = self.outputs.drives_on || matches!(self.execution.phase, ControlPhase::Aborting);
+        self.outputs.image.awaited_signal = self.execution.awaited_signal;
         self.outputs.image.fault_reset = std::mem::take(&mut self.outputs.fault_reset);
         self.outputs.image.set_point_mm = self.axes.encoder_set_points();
     }

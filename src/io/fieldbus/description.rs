@@ -9,6 +9,7 @@ use super::channel::CounterChannel;
 use super::inverter::InverterDescription;
 use super::process_image::{BitField, MAX_FIELD_BITS};
 use super::station_description::{FIRST_STATION, MAX_STATIONS, StationDescription};
+use super::touch_probe::{TOUCH_PROBE_FUNCTION, TouchProbe, TouchProbeDescription};
 use crate::defs::kind::Kind;
 use crate::defs::signal::PORTS;
 use crate::units::{Axis, PerAxis};
@@ -183,6 +184,12 @@ impl DeviceDescription {
         DeviceIdentity { vendor: self.vendor, product: self.product, revision: self.revision }
     }
 
+    /// Its touch probe, if it is a drive that has the objects.
+    #[must_use]
+    pub fn touch_probe(&self, described: TouchProbeDescription) -> Option<TouchProbe> {
+        TouchProbe::new(described, |object| field_of(&self.outputs, object), |object| field_of(&self.inputs, object))
+    }
+
     /// Bytes of its inputs and outputs.
     #[must_use]
     pub fn process_data_bytes(&self) -> (u16, u16) {
@@ -247,6 +254,9 @@ pub struct ServoAxisDescription {
     /// Its encoder keeps the position without power: the axis needs no homing.
     #[serde(default)]
     pub absolute: Option<AbsoluteEncoder>,
+    /// The skip signal that is wired to touch probe 1 of its drive, too.
+    #[serde(default)]
+    pub touch_probe: Option<TouchProbeDescription>,
     /// Highest speed of motor and screw, mm/s of the slide; the rapid traverse of the control may not exceed it.
     #[serde(default)]
     pub highest_mm_s: Option<f64>,
@@ -442,8 +452,8 @@ impl MachineDescription {
         };
         for (axis, servo) in self.axes().iter().filter_map(|(axis, servo)| Some((axis, (*servo)?))) {
             let outputs = &self.device(servo.device, "axes")?.outputs;
-            for field in [CONTROLWORD, TARGET_POSITION, MODE].into_iter().filter_map(|object| field_of(outputs, object))
-            {
+            let objects = [CONTROLWORD, TARGET_POSITION, MODE, TOUCH_PROBE_FUNCTION];
+            for field in objects.into_iter().filter_map(|object| field_of(outputs, object)) {
                 claim(servo.device, field, format!("axis {axis}"));
             }
         }
@@ -487,6 +497,12 @@ impl MachineDescription {
         let is_set = device.startup.iter().any(|write| write.object == MODE);
         let rule = "its drive needs the mode 6060h in its outputs (8 bits), or in `startup` with the value 8";
         require(is_set || field_of(&device.outputs, MODE).is_some_and(|field| field.bits == 8), &place, rule)?;
+        if let Some(probe) = servo.touch_probe {
+            let place = format!("{place}.touch_probe");
+            require(probe.is_signal(), &place, "the signal must be 1 to 6, or 9")?;
+            let rule = "its drive needs 60B8h (16 bits) in its outputs, 60B9h (16) and 60BAh (32; `falling`: 60BBh) in its inputs";
+            require(device.touch_probe(probe).is_some(), &place, rule)?;
+        }
         let same =
             self.axes().iter().filter(|(_, other)| other.is_some_and(|other| other.device == servo.device)).count();
         require(same == 1, &format!("{place}.device"), "two axes have the same drive")?;

@@ -3,7 +3,7 @@
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
 //! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
-//! drive, `servo_axis` an axis, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `bus_fault` what can be wrong.
+//! drive, `servo_axis` an axis, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod channel;
@@ -15,6 +15,7 @@ pub mod process_image;
 pub mod servo_axis;
 pub mod station;
 pub mod station_description;
+pub mod touch_probe;
 
 use self::bus_fault::BusFault;
 use self::channel::CounterChannel;
@@ -365,6 +366,14 @@ impl<F: FieldBus> FieldBusMachine<F> {
         (self.inverter_fault, self.inputs.inverter_tripped) = (code, code != 0);
     }
 
+    fn write_inverter_reset(&mut self) {
+        let Some(reset) = self.description.inverter.as_ref().and_then(|inverter| inverter.reset) else { return };
+        let place = self.description.image_index(reset.device);
+        if let Some(image) = place.and_then(|at| self.images.get_mut(at)) {
+            reset.field().write(&mut image.outputs, u32::from(self.reset_until.is_some()));
+        }
+    }
+
     /// The code of a fault is read once the drives are without torque: a mailbox takes longer than a cycle.
     fn read_error_code(&mut self, drives_on: bool) {
         if drives_on || !matches!(self.state, BusState::Running(_)) {
@@ -412,6 +421,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
         let (axes, alive) = (&self.axes, self.inputs.bus_alive);
         self.inputs.encoder_mm = EncoderPos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, ServoAxis::encoder_mm));
         self.inputs.absolute = PerAxis::from_fn(|axis| axes[axis].as_ref().is_some_and(ServoAxis::is_absolute));
+        self.inputs.latches = PerAxis::from_fn(|axis| axes[axis].as_ref().and_then(ServoAxis::latch));
         self.inputs.drives = PerAxis::from_fn(|axis| match &axes[axis] {
             Some(servo) if alive => servo.state(now),
             Some(_) | None => DriveState::Off,
@@ -439,6 +449,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
             let asked = AxisSetPoint { position_mm: outputs.set_point_mm[axis], on: outputs.drives_on };
             if let Some(image) = self.images.get_mut(servo.device) {
                 servo.write(now, asked, image);
+                servo.arm_probe(outputs.awaited_signal, image);
             }
             if let Some((port, release)) = servo.brake_release() {
                 terminals.set(port, release);
@@ -460,12 +471,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
                 write_analog(channel, volts, image);
             }
         }
-        if let Some(reset) = self.description.inverter.as_ref().and_then(|inverter| inverter.reset) {
-            let place = self.description.image_index(reset.device);
-            if let Some(image) = place.and_then(|at| self.images.get_mut(at)) {
-                reset.field().write(&mut image.outputs, u32::from(self.reset_until.is_some()));
-            }
-        }
+        self.write_inverter_reset();
         // The stations of a machine that another process runs are left alone.
         if self.state != BusState::Down(BusFault::InUse) {
             let places = self.images.iter().skip(self.description.devices.len());

@@ -7,6 +7,8 @@ use super::description::{
     ServoAxisDescription, TARGET_POSITION, field_of,
 };
 use super::process_image::{BitField, DeviceImage};
+use super::touch_probe::TouchProbe;
+use crate::io::ProbeLatch;
 use crate::io::drive::{DriveFault, DriveState};
 use crate::units::Micros;
 
@@ -46,6 +48,9 @@ pub struct ServoAxis {
     /// Counts for 1 mm in the plus direction; negative if they fall.
     counts_per_mm: f64,
     brake: Option<BrakeDescription>,
+    probe: Option<TouchProbe>,
+    /// Where the probe has latched, counts without wrap.
+    latched_count: Option<i64>,
     /// Actual position in counts, without the wrap of its field; `None` before the first exchange.
     count: Option<i64>,
     /// Count that is 0 mm of the encoder's frame: where the axis was switched on, or the machine zero of an absolute
@@ -94,6 +99,8 @@ impl ServoAxis {
             fields,
             counts_per_mm: sign * description.counts_per_mm,
             brake: description.brake.clone(),
+            probe: description.touch_probe.and_then(|described| drive.touch_probe(described)),
+            latched_count: None,
             count: None,
             zero_count: description.absolute.map_or(0, |encoder| i64::from(encoder.zero_counts)),
             is_absolute: description.absolute.is_some(),
@@ -122,6 +129,8 @@ impl ServoAxis {
         };
         self.velocity_counts = self.count.map_or(0, |before| count - before);
         self.count = Some(count);
+        let latched = self.probe.as_mut().and_then(|probe| probe.read(image));
+        self.latched_count = latched.map(|raw| count + i64::from(raw.wrapping_sub(count as i32)));
         self.torque = self.fields.torque.map_or(0, |field| field.read_signed(&image.inputs));
         self.power = PowerState::from_statusword(self.fields.statusword.read(&image.inputs) as u16);
         if !self.power.is_fault() {
@@ -156,8 +165,26 @@ impl ServoAxis {
     /// Position in the encoder's frame, mm.
     #[must_use]
     pub fn encoder_mm(&self) -> f64 {
+        self.count.map_or(0.0, |count| self.mm_of(count))
+    }
+
+    fn mm_of(&self, count: i64) -> f64 {
         // Added to 0, a reversed axis has no negative zero.
-        0.0 + self.count.map_or(0.0, |count| (count - self.zero_count) as f64 / self.counts_per_mm)
+        0.0 + (count - self.zero_count) as f64 / self.counts_per_mm
+    }
+
+    /// What its touch probe has latched.
+    #[must_use]
+    pub fn latch(&self) -> Option<ProbeLatch> {
+        let (probe, count) = self.probe.as_ref().zip(self.latched_count)?;
+        Some(ProbeLatch { signal: probe.signal(), encoder_mm: self.mm_of(count) })
+    }
+
+    /// Arms its touch probe while the signal that is wired to it is awaited.
+    pub fn arm_probe(&mut self, awaited_signal: u8, image: &mut DeviceImage) {
+        if let Some(probe) = &mut self.probe {
+            probe.write(awaited_signal == probe.signal(), image);
+        }
     }
 
     /// Whether its position is that of an absolute encoder.

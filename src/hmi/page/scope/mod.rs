@@ -1,9 +1,11 @@
-//! Scope page: up to four signals, recorded by the core cycle by cycle; cursor, zoom, trigger, CSV.
+//! Scope page: up to four signals, recorded by the core cycle by cycle; cursor, zoom, trigger, CSV; roundness of a circle,
+//! response to a step.
 //! Source: issue "a real machine", part 6; H9.
 
 mod curves;
 mod roundness;
 mod signal_list;
+mod step_response;
 
 use std::fmt::Write;
 
@@ -27,6 +29,26 @@ use signal_list::SignalList;
 const NAMES_WIDTH: f32 = 178.0;
 /// Least number of samples that are shown.
 const MIN_SAMPLES_SHOWN: f64 = 20.0;
+/// How much closer a key shows the curves.
+const KEY_ZOOM: f64 = 2.0;
+
+/// What the page shows of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Evaluation {
+    /// Its curves.
+    Curves,
+    /// The roundness of a circle.
+    Roundness,
+    /// How an axis follows a move.
+    Step,
+}
+
+impl Evaluation {
+    /// Another one, or the curves again.
+    fn toggled(self, other: Self) -> Self {
+        if self == other { Self::Curves } else { other }
+    }
+}
 
 /// State of the page.
 #[derive(Debug)]
@@ -42,8 +64,8 @@ pub struct ScopePage {
     choosing: Option<(usize, SignalList)>,
     /// Why the last key did nothing.
     hint: Option<Text>,
-    /// The circle in place of the curves.
-    shows_roundness: bool,
+    /// What the page shows of the recording.
+    shown_as: Evaluation,
     walk: KeyboardFocus,
 }
 
@@ -56,7 +78,7 @@ impl Default for ScopePage {
             window: CurveWindow::default(),
             cursor: None,
             choosing: None,
-            shows_roundness: false,
+            shown_as: Evaluation::Curves,
             walk: KeyboardFocus::default(),
         }
     }
@@ -96,12 +118,11 @@ impl PageUi for ScopePage {
             }
             return;
         }
-        // With a cursor the arrows to the sides move it, sample by sample.
-        let (steps, others): (Vec<EditKey>, Vec<EditKey>) = typed
-            .edits
-            .iter()
-            .partition(|edit| self.cursor.is_some() && matches!(edit, EditKey::Left | EditKey::Right));
-        self.step_cursor(view, &steps);
+        // With a cursor the arrows belong to the curves: to the sides sample by sample, up and down closer and wider.
+        let (steps, others): (Vec<EditKey>, Vec<EditKey>) = typed.edits.iter().partition(|edit| {
+            self.cursor.is_some() && matches!(edit, EditKey::Left | EditKey::Right | EditKey::Up | EditKey::Down)
+        });
+        self.cursor_keys(view, &steps);
         self.walk.begin_frame(&others);
         if typed.edits.contains(&EditKey::Cancel) {
             self.cursor = None;
@@ -112,10 +133,10 @@ impl PageUi for ScopePage {
         let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
         let (heading, body) = body.trim_bottom(theme::GAP).split_top(26.0);
         self.heading(heading, view);
-        if self.shows_roundness {
-            roundness::ui(body, view, self.shown(view), self.window);
-        } else {
-            self.channels(body, view);
+        match self.shown_as {
+            Evaluation::Curves => self.channels(body, view),
+            Evaluation::Roundness => roundness::ui(body, view, self.shown(view), self.window),
+            Evaluation::Step => step_response::ui(body, view, self.shown(view), self.window),
         }
         self.keys(keys, view, out);
     }
@@ -129,11 +150,17 @@ fn first_signals(view: &View<'_>) -> [Option<ScopeSignal>; SCOPE_CHANNELS] {
 }
 
 impl ScopePage {
-    fn step_cursor(&mut self, view: &View<'_>, steps: &[EditKey]) {
+    fn cursor_keys(&mut self, view: &View<'_>, keys: &[EditKey]) {
         let Some(count) = self.shown(view).map(|recording| recording.samples.len()) else { return };
-        for step in steps {
-            let by = if *step == EditKey::Right { 1 } else { -1 };
-            self.cursor = self.cursor.map(|at| at.saturating_add_signed(by).min(count - 1));
+        for key in keys {
+            match key {
+                EditKey::Up => self.window.zoom(count, KEY_ZOOM),
+                EditKey::Down => self.window.zoom(count, KEY_ZOOM.recip()),
+                _ => {
+                    let by = if *key == EditKey::Right { 1 } else { -1 };
+                    self.cursor = self.cursor.map(|at| at.saturating_add_signed(by).min(count - 1));
+                }
+            }
         }
     }
 
@@ -292,9 +319,10 @@ impl ScopePage {
             PageKey::new("scope-start", start).on(is_busy),
             PageKey::new("scope-span", &span),
             PageKey::new("scope-trigger", &trigger).on(self.level().is_some()),
-            PageKey::new("scope-level", view.text("取游标值", "LEVEL")).locked(!has_cursor),
+            PageKey::new("scope-level", view.text("触发值", "LEVEL")).locked(!has_cursor),
             PageKey::new("scope-all", view.text("全部", "FIT")),
-            PageKey::new("scope-round", view.text("圆度", "ROUND")).on(self.shows_roundness),
+            PageKey::new("scope-round", view.text("圆度", "ROUND")).on(self.shown_as == Evaluation::Roundness),
+            PageKey::new("scope-step", view.text("阶跃", "STEP")).on(self.shown_as == Evaluation::Step),
             PageKey::new("scope-export", view.text("存为 CSV", "SAVE CSV")).locked(self.shown(view).is_none()),
         ];
         if let Some(key) = self.walk.keys(view, rect, &keys) {
@@ -335,7 +363,8 @@ impl ScopePage {
                 };
             }
             4 => (self.window, self.cursor) = (CurveWindow::default(), None),
-            5 => self.shows_roundness = !self.shows_roundness,
+            5 => self.shown_as = self.shown_as.toggled(Evaluation::Roundness),
+            6 => self.shown_as = self.shown_as.toggled(Evaluation::Step),
             _ => {
                 let table = shown.map(|shown| FileRequest::SaveTable(csv(shown)));
                 if table.is_none() {
