@@ -3,6 +3,7 @@
 
 use kt830::defs::param;
 use kt830::io::sim::PartFile;
+use kt830::units::Axis;
 
 use super::shop::{End, PROGRAMS, Shop, part_of, shop, shop_with};
 
@@ -124,7 +125,7 @@ fn p6_o1020_refuses_a_hollow_that_the_diamond_does_not_reach() {
     // Between the slopes 1 mm is left at the bottom: enough for a tip of 1/(2·tan(22.5°)) = 1.2 mm.
     shop.set(954, 10.0).set(956, 11.0).set(941, 1.3);
     let before = shop.rig.machine().slide_mm();
-    assert!(matches!(shop.run(), End::Alarm(3_024, _)));
+    assert!(matches!(shop.run(), End::Alarm(3_054, _)));
     assert_eq!(shop.rig.machine().slide_mm(), before);
 }
 
@@ -269,4 +270,82 @@ fn p6_a_wheel_that_cannot_be_measured_is_an_alarm_and_books_nothing() {
     let end = shop.run();
     assert!(matches!(&end, End::Alarm(3_024, _)), "{end:?}");
     assert_eq!((shop.rig.controller().system_variable(5_801), shop.value(774)), (diameter, wear));
+}
+
+/// A contour of O1020: distances from the left edge and depths, mm (radius).
+type Contour = Vec<(f64, f64)>;
+
+/// Random points from edge to edge, of which one at least is not deep.
+fn random_contour(chance: &mut impl FnMut() -> f64) -> Contour {
+    let points = 2 + (chance() * 6.0) as usize;
+    let mut contour: Contour = (0..points).map(|_| (0.5 + 19.0 * chance(), (chance() * 8.0).floor() / 10.0)).collect();
+    contour.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let last = points - 1;
+    (contour[0].0, contour[last].0) = (0.0, 20.0);
+    contour[(chance() * points as f64) as usize].1 = 0.0;
+    contour
+}
+
+/// Distance of a place beyond a contour from it, mm; negative inside of the wheel.
+fn clearance_mm(contour: &Contour, z: f64, out: f64) -> f64 {
+    let mut least = f64::INFINITY;
+    let mut inside = false;
+    for pair in contour.windows(2) {
+        let ((z0, d0), (z1, d1)) = (pair[0], pair[1]);
+        let (along, rise) = (z1 - z0, d0 - d1);
+        let share = (((z - z0) * along + (out + d0) * rise) / (along * along + rise * rise)).clamp(0.0, 1.0);
+        least = least.min((z - z0 - share * along).hypot(out + d0 - share * rise));
+        inside |= (z0..=z1).contains(&z) && out < -(d0 + (d1 - d0) * (z - z0) / along);
+    }
+    if inside { -least } else { least }
+}
+
+/// Whatever the contour: the round tip touches it and never goes deeper.
+#[test]
+fn p6_o1020_no_contour_is_cut_too_deep() {
+    let mut state = 20_u64;
+    let mut chance = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut dressed, mut refused) = (0, 0);
+    for _ in 0..40 {
+        let contour = random_contour(&mut chance);
+        let radius = [0.2, 0.5, 1.0, 2.0][(chance() * 4.0) as usize];
+        let mut shop = shop_with(1020, 1, |part| {
+            part.diamond_radius_mm = radius;
+            part.variables.extend([(941, radius), (942, 0.08), (943, 0.08), (944, 300.0), (945, contour.len() as f64)]);
+            for ((z, depth), variable) in contour.iter().zip((946..).step_by(2)) {
+                part.variables.extend([(variable, *z), (variable + 1, 2.0 * depth)]);
+            }
+        });
+        shop.rig.send(kt830::link::Command::Press(kt830::defs::key::Key::CycleStart));
+        let (mut least, mut touched) = (f64::INFINITY, 0_u32);
+        for _ in 0..20 {
+            shop.rig.step();
+        }
+        while shop.rig.controller().state() == kt830::link::snapshot::RunState::Running {
+            shop.rig.step();
+            // The tip's centre as the last layer sees it: 0.04 beyond the rim of before, the dresser at (-160, -60).
+            let at = shop.rig.controller().set_point();
+            let (z, out) = (-60.0 - at[Axis::Z], at[Axis::X] + 160.04 + radius);
+            let clearance = clearance_mm(&contour, z, out) - radius;
+            least = least.min(clearance);
+            touched += u32::from(clearance < 0.001);
+        }
+        if shop.rig.snapshot().alarms.iter().any(|alarm| (3_021..=3_054).contains(&alarm.number)) {
+            refused += 1;
+            continue;
+        }
+        assert!(
+            shop.rig.snapshot().alarms.is_empty(),
+            "{contour:?}, radius {radius}: {:?}",
+            shop.rig.snapshot().alarms
+        );
+        // The path is followed to 10 µm at the most (exact stop: to the micrometre).
+        assert!(least > -0.001, "{contour:?}, radius {radius}: {least} mm too deep");
+        assert!(touched > 100, "{contour:?}, radius {radius}: {touched} ticks in touch");
+        dressed += 1;
+    }
+    assert!(dressed >= 20 && refused >= 2, "{dressed} dressed, {refused} refused");
 }

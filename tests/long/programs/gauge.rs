@@ -104,8 +104,8 @@ fn p7_a_blank_that_is_under_size_is_an_alarm_before_the_wheel_touches_it() {
         (1006, 0.3, 3_021),
         (1007, 0.1, 3_023),
         (1010, 0.05, 3_023),
-        (1015, 0.3, 3_016),
-        (1016, 0.3, 3_022),
+        (1015, 0.3, 3_060),
+        (1016, 0.3, 3_060),
     ];
     for (program, stock, number) in blanks {
         let mut shop = shop_with(program, 1, |part| with_less_stock(part, stock + 0.02));

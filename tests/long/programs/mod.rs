@@ -9,6 +9,7 @@ mod pages;
 mod post_process;
 mod refusals;
 mod retract;
+mod seats;
 mod set_up;
 mod shop;
 mod sizes;

@@ -80,7 +80,7 @@ fn k4_2_o1018_without_a_touch_is_an_alarm_and_changes_nothing() {
             part.variables.insert(900, mode);
         });
         let end = shop.run();
-        assert!(matches!(end, End::Alarm(3_022, _)), "mode {mode}: {end:?}");
+        assert!(matches!(end, End::Alarm(3_066, _)), "mode {mode}: {end:?}");
         assert_eq!(shop.events(), [], "mode {mode}");
         assert_eq!(shop.value(result), None, "mode {mode}");
         assert_eq!(shop.value(760), Some(-319.0));
@@ -99,7 +99,7 @@ fn p7_o1018_refuses_a_gauge_that_is_not_set_to_the_master_part() {
         // Set 20 µm below the master: the part looks too large.
         part.gauge.as_mut().unwrap().set -= 0.02;
     });
-    assert!(matches!(shop.run(), End::Alarm(3_023, _)));
+    assert!(matches!(shop.run(), End::Alarm(3_067, _)));
 }
 
 #[test]
@@ -109,4 +109,33 @@ fn k4_2_a_dressing_point_by_key_is_not_overruled() {
     });
     crate::stories::tell(&mut shop.rig, "mode jog\npage position\nkey f1\nkey address-x\nkey input\nmode auto");
     assert!(matches!(shop.run(), End::Alarm(3_017, _)));
+}
+
+/// What is farther off than the search range is touched slowly, and nothing is changed.
+#[test]
+fn k4_2_o1018_with_a_value_far_off_is_an_alarm_and_no_crash() {
+    for (mode, variable, value) in [(1.0, 912, -322.6), (2.0, 902, 37.0), (3.0, 909, 27.3)] {
+        let mut shop = shop_with(1018, 1, |part| {
+            part.variables.insert(900, mode);
+            part.variables.insert(variable, value);
+        });
+        let end = shop.run();
+        assert!(matches!(end, End::Alarm(3_063, _)), "mode {mode}: {end:?}");
+        assert_eq!(shop.events(), [], "mode {mode}");
+        assert_eq!(shop.rig.controller().system_variable(2_701), Some(0.6));
+        assert_eq!(shop.value(760), Some(-319.0));
+    }
+}
+
+/// A wheel that has worn 0.01 since its last dressing touches the diamond so much later; a new one has lost nothing.
+#[test]
+fn k4_2_o1018_counts_what_the_wheel_has_lost() {
+    for (dressings, lost) in [(3.0, 0.06), (0.0, 0.0)] {
+        let mut shop = shop(1018);
+        shop.set(772, 0.05).set(774, 0.01);
+        crate::stories::tell(&mut shop.rig, &format!("param P97 {dressings}"));
+        let touched = found(&mut shop, 1.0, 916);
+        let value = shop.value(760).unwrap();
+        assert!((value - touched - lost).abs() < 1e-9, "{dressings} dressings: {touched} {value}");
+    }
 }
