@@ -27,6 +27,7 @@ pub mod param;
 pub mod param_row;
 pub mod part_defect;
 pub mod port_conflict;
+pub mod port_errors;
 pub mod program_error;
 pub mod program_kind;
 pub mod program_number;

@@ -63,6 +63,7 @@ impl<F: FieldBus> HostedFieldBus<F> {
             identity: (device.vendor, device.product),
             state: machine.device_state(usize::from(number) - 1),
             drive: drive_of(number),
+            ports: machine.port_errors(usize::from(number) - 1),
         });
         let numbered = description.stations.iter().zip(FIRST_STATION..).zip(machine.stations());
         let stations = numbered.map(|((described, number), station)| {

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use crate::defs::device_state::DeviceState;
+use crate::defs::port_errors::{PORTS_OF_DEVICE, PortErrors};
 use crate::defs::text::{LocalizedText, Text};
 use crate::units::{Axis, Micros, Percentiles};
 
@@ -18,6 +19,8 @@ pub struct BusDevice {
     pub state: DeviceState,
     /// Its drive, if it is one of an axis.
     pub drive: Option<BusDrive>,
+    /// What its ports have counted.
+    pub ports: [PortErrors; PORTS_OF_DEVICE],
 }
 
 /// The drive of an axis.

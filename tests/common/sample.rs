@@ -15,6 +15,7 @@ use kt830::defs::page::Page;
 use kt830::defs::page_meaning::SizeKind;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
+use kt830::defs::port_errors::PortErrors;
 use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::signal::Input;
 use kt830::defs::start_step::StartStep;
@@ -388,6 +389,16 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         identity: (0xe000_0830, 0x03b1_1002),
         state: if broken && index + 2 >= names.len() { DeviceState::Missing } else { DeviceState::Operational },
         drive: [Axis::X, Axis::Z].get(index).map(|axis| drive(*axis)),
+        ports: match index {
+            // The cable between outputs 17 to 32 and what is behind it.
+            6 if broken => [
+                PortErrors::default(),
+                PortErrors { damaged: 12, lost_links: 1 },
+                Default::default(),
+                Default::default(),
+            ],
+            _ => Default::default(),
+        },
     };
     let times = |median, p99, max| Percentiles { median: Micros(median), p99: Micros(p99), max: Micros(max) };
     let station = BusStation {

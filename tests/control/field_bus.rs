@@ -10,6 +10,7 @@ use kt830::defs::device_state::DeviceState;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::param::{ParamAddress, Params};
+use kt830::defs::port_errors::PortErrors;
 use kt830::defs::signal::Output;
 use kt830::host::Host;
 use kt830::host::field_machine::HostedFieldBus;
@@ -107,6 +108,8 @@ pub struct Devices {
     /// What connecting meets.
     refusal: Cell<Option<BusFault>>,
     connected: Cell<u32>,
+    /// What the ports of the drive of Z have counted.
+    pub ports: Cell<[PortErrors; 4]>,
 }
 
 pub struct PlayedBus(Rc<Devices>);
@@ -153,6 +156,10 @@ impl FieldBus for PlayedBus {
     fn read_error_code(&mut self, device: usize) -> Option<u16> {
         Some(self.0.drives.borrow()[device].error_code)
     }
+
+    fn read_port_errors(&mut self, device: usize) -> Option<[PortErrors; 4]> {
+        (device == 1).then(|| self.0.ports.get())
+    }
 }
 
 /// A control on the played bus.
@@ -191,6 +198,7 @@ impl Shop {
             missing: Cell::default(),
             refusal: Cell::new(refusal),
             connected: Cell::new(0),
+            ports: Cell::default(),
         });
         let description = MachineDescription::parse(machine).unwrap();
         let bus = PlayedBus(Rc::clone(&devices));
@@ -310,6 +318,22 @@ fn b8_two_lost_frames_are_bridged_and_the_third_one_stops_the_machine() {
     assert!(shop.alarms().is_empty() && shop.devices.connected.get() == 1, "{:?}", shop.alarms());
     assert!(!shop.host.snapshot().axes[Axis::Z].homed);
     assert_eq!(shop.drive(Axis::Z), DriveState::Enabled);
+}
+
+/// The counters are read while the drives are off: behind a lost bus they tell which cable it was.
+#[test]
+fn p1_the_ports_of_a_device_tell_which_cable_is_bad() {
+    let mut shop = Shop::new(None, 0);
+    shop.ticks(100);
+    let bad =
+        [PortErrors::default(), PortErrors { damaged: 3, lost_links: 1 }, PortErrors::default(), PortErrors::default()];
+    shop.devices.ports.set(bad);
+    let shown = |shop: &mut Shop| shop.host.snapshot().bus.as_ref().expect("a bus").devices[1].ports;
+    shop.ticks(1_000);
+    assert_eq!(shown(&mut shop), [PortErrors::default(); 4], "not while the drives are on");
+    shop.devices.faults.borrow_mut().extend([BusFault::FrameLost; 3]);
+    shop.ticks(1_500);
+    assert_eq!(shown(&mut shop), bad);
 }
 
 #[test]

@@ -38,6 +38,7 @@ fn p1_the_bus_page_shows_what_is_missing() {
         "1420 ms 前",
         "192.168.1.20:502  没有应答",
         "17 输出过流",
+        "端口 1: 坏帧 12, 断线 1",
     ] {
         assert!(texts.contains(said), "{said}: {texts}");
     }

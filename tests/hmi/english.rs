@@ -30,7 +30,13 @@ fn chinese_on(rig: &mut HeadlessHost, page: Page) -> Vec<String> {
 
 #[test]
 fn h9_the_pages_of_the_shipped_programs_are_english_in_english() {
-    for (kind, programs) in [(Kind::Gc, 1_001..=1_012), (Kind::Gs, 1_007..=1_013), (Kind::Ga, 1_010..=1_014)] {
+    for (kind, programs) in [
+        (Kind::Gc, 1_001..=1_012),
+        (Kind::Gc, 1_015..=1_016),
+        (Kind::Gc, 1_018..=1_020),
+        (Kind::Gs, 1_007..=1_013),
+        (Kind::Ga, 1_010..=1_014),
+    ] {
         let mut rig = ready_of(kind);
         for number in programs {
             tell(&mut rig, &format!("load O{number}"));
@@ -237,7 +243,13 @@ fn h9_the_english_labels_of_the_shipped_pages_have_their_room() {
             cut.extend(texts.map(|(text, ..)| format!("{what} {size:?}: {text}")));
         }
     };
-    for (kind, programs) in [(Kind::Gc, 1_001..=1_012), (Kind::Gs, 1_007..=1_013), (Kind::Ga, 1_010..=1_014)] {
+    for (kind, programs) in [
+        (Kind::Gc, 1_001..=1_012),
+        (Kind::Gc, 1_015..=1_016),
+        (Kind::Gc, 1_018..=1_020),
+        (Kind::Gs, 1_007..=1_013),
+        (Kind::Ga, 1_010..=1_014),
+    ] {
         let mut rig = ready_of(kind);
         for number in programs {
             tell(&mut rig, &format!("load O{number}"));

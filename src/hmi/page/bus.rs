@@ -5,6 +5,7 @@ use egui::{Rect, vec2};
 
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::device_state::DeviceState;
+use crate::defs::port_errors::PortErrors;
 use crate::hmi::{Area, EditKey, View, pictogram, round_to_lines, theme, widget};
 use crate::link::bus::{BusDevice, BusDrive, BusInverter, BusStation, BusView, DescriptionLine, ThreadRights};
 use crate::units::{Micros, Percentiles};
@@ -188,6 +189,13 @@ fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow
         }
         None => (format!("{vendor:#x} / {product:#x}"), false),
     };
+    let bad_ports = port_words(view, device);
+    let is_secondary = device.drive.is_none() && bad_ports.is_none();
+    let what = match bad_ports {
+        Some(words) if device.drive.is_some() => format!("{words}  {what}"),
+        Some(words) => words,
+        None => what,
+    };
     BusRow {
         number,
         takes_part: device.state == DeviceState::Operational,
@@ -195,8 +203,18 @@ fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow
         state: device.state.name().get(view.lang).to_owned(),
         what,
         is_fault,
-        is_secondary: device.drive.is_none(),
+        is_secondary,
     }
+}
+
+/// The ports of a device that have met errors: `port 0: 3 damaged, link lost 1×`.
+fn port_words(view: &View<'_>, device: &BusDevice) -> Option<String> {
+    let is_bad = |(_, errors): &(usize, &PortErrors)| **errors != PortErrors::default();
+    let words = device.ports.iter().enumerate().filter(is_bad).map(|(port, PortErrors { damaged, lost_links })| {
+        let lost = view.text("断线", "lost");
+        format!("{} {port}: {} {damaged}, {lost} {lost_links}", view.text("端口", "port"), view.text("坏帧", "damaged"))
+    });
+    Some(words.collect::<Vec<_>>().join("  ")).filter(|words| !words.is_empty())
 }
 
 /// A station: while it is heard its address and the times of its exchanges, otherwise what is wrong.

@@ -24,6 +24,7 @@ use super::fieldbus::description::{
 use super::fieldbus::process_image::DeviceImage;
 use super::fieldbus::{ClockReading, FieldBus};
 use crate::defs::device_state::DeviceState;
+use crate::defs::port_errors::{PORT_REGISTERS, PORTS_OF_DEVICE, PortErrors};
 use crate::units::Micros;
 
 /// Most bytes of process data.
@@ -42,6 +43,8 @@ const MAX_RECOVERY_CYCLES: u32 = 300;
 const MAILBOX_TIME_NS: u64 = 20_000_000;
 /// Register that every device has: its type.
 const DEVICE_TYPE: u16 = 0x0000;
+/// First register of the error counters of the ports.
+const PORT_ERRORS: u16 = 0x0300;
 /// Registers: AL control, AL status.
 const AL_CONTROL: u16 = 0x0120;
 const AL_STATUS: u16 = 0x0130;
@@ -371,6 +374,15 @@ impl FieldBus for EtherCat {
         in_group!(group.as_ref()?, devices => {
             let device = devices.subdevice(main_device, device).ok()?;
             link.run_for(MAILBOX_TIME_NS, device.sdo_read(ERROR_CODE, 0))?.ok()
+        })
+    }
+
+    fn read_port_errors(&mut self, device: usize) -> Option<[PortErrors; PORTS_OF_DEVICE]> {
+        let Self { main_device, link, group, .. } = self;
+        in_group!(group.as_ref()?, devices => {
+            let device = devices.subdevice(main_device, device).ok()?;
+            let counters = link.run(device.register_read::<[u8; PORT_REGISTERS]>(PORT_ERRORS)).ok()?;
+            Some(PortErrors::of_registers(counters))
         })
     }
 }

@@ -3,7 +3,7 @@
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
 //! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
-//! drive, `servo_axis` an axis, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `bus_fault` what can be wrong.
+//! drive, `servo_axis` an axis, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `port_counters` which cable is bad, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod channel;
@@ -11,6 +11,7 @@ pub mod cia402;
 pub mod description;
 pub mod inverter;
 mod parameter_check;
+mod port_counters;
 pub mod process_image;
 pub mod servo_axis;
 pub mod station;
@@ -20,6 +21,7 @@ pub mod touch_probe;
 use self::bus_fault::BusFault;
 use self::channel::CounterChannel;
 use self::description::{AnalogChannel, DeviceDescription, MachineDescription};
+use self::port_counters::PortCounters;
 use self::process_image::{BitField, DeviceImage};
 use self::servo_axis::{AxisSetPoint, ServoAxis};
 use self::station::{Station, StationLink};
@@ -28,6 +30,7 @@ use super::drive::{DriveFault, DriveState};
 use super::{Backend, InputImage, OutputImage};
 use crate::defs::device_state::DeviceState;
 use crate::defs::param::Params;
+use crate::defs::port_errors::{PORTS_OF_DEVICE, PortErrors};
 use crate::defs::signal::Terminals;
 use crate::units::{Axis, EncoderPos, Histogram, Micros, PerAxis};
 
@@ -64,6 +67,11 @@ pub trait FieldBus {
 
     /// The error code of a drive (603Fh), by mailbox; `None` if it does not answer.
     fn read_error_code(&mut self, device: usize) -> Option<u16>;
+
+    /// What the ports of a device have counted; `None` if it does not answer, or the bus has no such counters.
+    fn read_port_errors(&mut self, _device: usize) -> Option<[PortErrors; PORTS_OF_DEVICE]> {
+        None
+    }
 }
 
 /// The reference clock of the distributed clocks as a frame passed it.
@@ -109,6 +117,7 @@ pub struct FieldBusMachine<F> {
     statistics: BusStatistics,
     round_trips: Histogram,
     clock_errors: Histogram,
+    ports: PortCounters,
     inputs: InputImage,
     /// The inputs have been read at least once.
     has_inputs: bool,
@@ -144,6 +153,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
             axes,
             handwheel: CounterReader::new(description.handwheel),
             spindle: CounterReader::new(description.spindle_encoder),
+            ports: PortCounters::new(description.devices.len()),
             bus,
             description,
             state: BusState::Down(BusFault::NoReply),
@@ -260,6 +270,12 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.bus.device_state(device)
     }
 
+    /// What the ports of a device have counted, by its index, as they were read last.
+    #[must_use]
+    pub fn port_errors(&self, device: usize) -> [PortErrors; PORTS_OF_DEVICE] {
+        self.ports.of_device(device)
+    }
+
     /// State of the drive of an axis, as of the last tick.
     #[must_use]
     pub const fn drive_state(&self, axis: Axis) -> DriveState {
@@ -364,6 +380,15 @@ impl<F: FieldBus> FieldBusMachine<F> {
             self.reports[2] = Some(BusFault::InverterFault { code });
         }
         (self.inverter_fault, self.inputs.inverter_tripped) = (code, code != 0);
+    }
+
+    /// Port counters are read while the drives are without torque: another frame takes time. They go on counting
+    /// meanwhile, and behind a lost frame the drives go off.
+    fn read_port_errors(&mut self, now: Micros, drives_on: bool) {
+        if !drives_on && !matches!(self.state, BusState::Down(_)) {
+            let bus = &mut self.bus;
+            self.ports.step(now, |device| bus.read_port_errors(device));
+        }
     }
 
     fn write_inverter_reset(&mut self) {
@@ -484,6 +509,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
         self.reconnect |= outputs.fault_reset;
         // Last: all outputs of this tick are in the image.
         self.read_error_code(outputs.drives_on);
+        self.read_port_errors(now, outputs.drives_on);
     }
 
     fn rewire(&mut self, _params: &Params) {}
