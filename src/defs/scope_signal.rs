@@ -20,11 +20,14 @@ pub enum AxisQuantity {
     SetSpeed,
     /// Change of the position, as displayed, mm/min.
     ActualSpeed,
+    /// Torque of the drive in percent of the rated one; 0 where it sends none.
+    Torque,
 }
 
 impl AxisQuantity {
     /// All of them, in the order of the list.
-    pub const ALL: [Self; 5] = [Self::SetPoint, Self::Actual, Self::FollowingError, Self::SetSpeed, Self::ActualSpeed];
+    pub const ALL: [Self; 6] =
+        [Self::SetPoint, Self::Actual, Self::FollowingError, Self::SetSpeed, Self::ActualSpeed, Self::Torque];
 
     /// The word behind the letter of the axis in a story: `X-error`.
     #[must_use]
@@ -35,6 +38,7 @@ impl AxisQuantity {
             Self::FollowingError => "error",
             Self::SetSpeed => "set-speed",
             Self::ActualSpeed => "actual-speed",
+            Self::Torque => "torque",
         }
     }
 
@@ -45,6 +49,7 @@ impl AxisQuantity {
             Self::FollowingError => phrase!("{axis} 跟随误差", "{axis} following error", axis),
             Self::SetSpeed => phrase!("{axis} 设定速度", "{axis} set speed", axis),
             Self::ActualSpeed => phrase!("{axis} 实际速度", "{axis} actual speed", axis),
+            Self::Torque => phrase!("{axis} 扭矩", "{axis} torque", axis),
         }
     }
 }
@@ -141,6 +146,7 @@ impl ScopeSignal {
             Self::Axis(_, AxisQuantity::SetPoint | AxisQuantity::Actual) => "mm",
             Self::Axis(_, AxisQuantity::FollowingError) => "µm",
             Self::Axis(_, AxisQuantity::SetSpeed | AxisQuantity::ActualSpeed) | Self::Feed => "mm/min",
+            Self::Axis(_, AxisQuantity::Torque) => "%",
             Self::Rotation => "r/min",
             Self::Input(_) | Self::Output(_) => "",
         }

@@ -29,6 +29,8 @@ pub struct InputImage {
     pub absolute: PerAxis<bool>,
     /// What the touch probes of the drives have latched since [`OutputImage::awaited_signal`] is theirs.
     pub latches: PerAxis<Option<ProbeLatch>>,
+    /// Torque of the drive of each axis in percent of the rated one, where it sends it.
+    pub torque_percent: PerAxis<Option<f64>>,
     /// Revolutions of the main spindle since power-on by its encoder, forward (M03) positive; 0 without such a spindle.
     pub spindle_turns: f64,
     /// Handwheel detents since the last tick, positive clockwise.

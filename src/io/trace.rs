@@ -19,8 +19,8 @@ pub struct TraceRow {
 }
 
 /// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1. In
-/// `absolute` bit 0 is X, bit 1 Y, bit 2 Z. A latch is `signal:mm`, or empty.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,latch_x,latch_y,latch_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,inverter_tripped,\
+/// `absolute` bit 0 is X, bit 1 Y, bit 2 Z. A latch is `signal:mm`, or empty, as is a torque.
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,absolute,latch_x,latch_y,latch_z,torque_x,torque_y,torque_z,spindle_turns,detents,drive_x,drive_y,drive_z,bus_alive,station_silent,inverter_tripped,\
 outputs,set_x,set_y,set_z,drives_on,fault_reset,awaited_signal,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
@@ -33,6 +33,10 @@ impl fmt::Display for TraceRow {
         write!(f, "{},{:x},{ex},{ey},{ez},{absolute},", self.now.0, i.terminals.0)?;
         for latch in i.latches.0 {
             latch.map_or(Ok(()), |latch| write!(f, "{}:{}", latch.signal, latch.encoder_mm))?;
+            f.write_str(",")?;
+        }
+        for torque in i.torque_percent.0 {
+            torque.map_or(Ok(()), |percent| write!(f, "{percent}"))?;
             f.write_str(",")?;
         }
         write!(f, "{},", i.spindle_turns)?;

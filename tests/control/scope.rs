@@ -174,7 +174,7 @@ fn b6_every_signal_has_a_word_of_its_own() {
         assert_eq!(ScopeSignal::from_id(&signal.id()), Some(*signal));
     }
     assert!(signals.contains(&ScopeSignal::Axis(Axis::X, AxisQuantity::FollowingError)));
-    for wrong in ["", "X", "X-", "Q-error", "X-torque", "input:", "input:nothing", "XX-error", "-error"] {
+    for wrong in ["", "X", "X-", "Q-error", "X-power", "input:", "input:nothing", "XX-error", "-error"] {
         assert_eq!(ScopeSignal::from_id(wrong), None, "{wrong}");
     }
 }

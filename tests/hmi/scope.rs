@@ -195,3 +195,27 @@ fn b6_a_recorded_move_has_a_step_response() {
     // From 1 mm to 0.6 µm a lag of 20 ms takes more than 20 ms · ln(1000/0.6) less what the braking has taken.
     assert!((20.0..400.0).contains(&value("到位时间")), "{}", value("到位时间"));
 }
+
+/// The level may be typed: digits on the page, INPUT takes them.
+#[test]
+fn b6_the_level_of_the_trigger_is_typed() {
+    let mut bench = Bench::new(ready(), Page::Scope);
+    bench.write("125");
+    assert!(bench.painted().iter().any(|words| words.contains("触发值 125_")), "{:?}", bench.painted());
+    bench.press(egui::Key::Enter);
+    assert!(bench.painted().iter().any(|words| words.starts_with("触发 ↑ 125")), "{:?}", bench.painted());
+}
+
+#[test]
+fn b6_the_arrows_zoom_around_the_cursor() {
+    let mut rig = ready();
+    tell(&mut rig, "scope X-actual span 0.5 s\nwait 1 s");
+    let mut bench = Bench::new(rig, Page::Scope);
+    let shown = |bench: &Bench| bench.painted().iter().find(|words| words.contains('…')).cloned().unwrap();
+    let whole = shown(&bench);
+    bench.touch("曲线 scope-curves");
+    bench.press(egui::Key::ArrowUp);
+    assert_ne!(shown(&bench), whole);
+    bench.press(egui::Key::ArrowDown);
+    assert_eq!(shown(&bench).split("·").last().unwrap().trim(), whole.trim());
+}

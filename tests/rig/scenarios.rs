@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use kt830::io::drive::DriveState;
-use kt830::io::fieldbus::description::{ClockDescription, MachineDescription};
+use kt830::io::fieldbus::description::{AbsoluteEncoder, ClockDescription, MachineDescription};
 use kt830::io::trace::TraceRow;
 use kt830::units::{Axis, PerAxis};
 
@@ -75,6 +75,7 @@ pub const ALL: &[Scenario] = &[
             different(rig, "no such network interface");
         },
     ),
+    differing("absolute_encoders", with_absolute_encoders, absolute_encoders),
     differing("modbus_inverter", modbus::with_inverter, modbus::inverter),
     scenario("hold", hold),
     Scenario { name: "control_panics", describe: |_| {}, play: wheel_on, after_panic: Some(outputs_are_safe) },
@@ -378,6 +379,28 @@ fn terminal_mute(rig: &mut Session<'_>) {
 fn with_clocks(machine: &mut MachineDescription) {
     machine.ethercat.distributed_clocks = Some(ClockDescription { cycle_us: 1_000, shift_us: None });
     machine.devices.iter_mut().take(3).for_each(|drive| drive.sync0 = true);
+}
+
+/// The encoders read 0 where X stands at 35 mm and Z at 120 mm of the plant, which counts against the axes.
+fn with_absolute_encoders(machine: &mut MachineDescription) {
+    for (axis, zero_counts) in [(&mut machine.x, -350_000), (&mut machine.z, -1_200_000)] {
+        let axis = axis.as_mut().expect("an axis");
+        axis.absolute = Some(AbsoluteEncoder { zero_counts });
+    }
+}
+
+/// Homed from power-on on, at the places where the slides are; so again behind a broken cable.
+fn absolute_encoders(rig: &mut Session<'_>) {
+    power_on(rig);
+    let homed = |rig: &mut Session<'_>| [Axis::X, Axis::Z].map(|axis| rig.snapshot().axes[axis].homed);
+    assert_eq!(homed(rig), [true; 2]);
+    rig.story("expect machine X -70.000\nexpect machine Z -120.000\nmode mdi\nmdi G53 G00 Z-100\nwait 4 s\n");
+    rig.story("expect machine Z -100.000\n");
+    rig.plant.send("cable 1 2 out");
+    rig.alarm(402, "device 3 does not answer");
+    rig.plant.send("cable 1 2 in");
+    rig.story("wait 1 s\nkey 复位\nwait 2 s\nkey 复位\nwait 1 s\nexpect no alarm\nexpect machine Z -100.000\n");
+    assert_eq!(homed(rig), [true; 2], "nothing was homed, nothing is to be");
 }
 
 /// The ticks follow the clock of the devices: half of the frames are within a tenth of a cycle of their place. Without

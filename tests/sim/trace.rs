@@ -11,7 +11,7 @@ use kt830::io::{Backend, InputImage, OutputImage, ProbeLatch};
 use kt830::units::{EncoderPos, Micros, PerAxis};
 
 /// Number of columns of a row.
-const COLUMNS: usize = 26;
+const COLUMNS: usize = 29;
 
 /// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -71,6 +71,10 @@ impl ColumnReader<'_> {
         Ok(PerAxis::from_fn(|axis| bits >> axis as u8 & 1 == 1))
     }
 
+    fn percent(&mut self) -> Result<Option<f64>, TraceError> {
+        self.next(|text| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) })
+    }
+
     fn latch(&mut self) -> Result<Option<ProbeLatch>, TraceError> {
         self.next(|text| match text.split_once(':') {
             None => text.is_empty().then_some(None),
@@ -97,6 +101,7 @@ fn parse_row(text: &str, line: usize) -> Result<TraceRow, TraceError> {
             encoder_mm: EncoderPos::new([c.float()?, c.float()?, c.float()?]),
             absolute: c.axes()?,
             latches: PerAxis([c.latch()?, c.latch()?, c.latch()?]),
+            torque_percent: PerAxis([c.percent()?, c.percent()?, c.percent()?]),
             spindle_turns: c.float()?,
             handwheel_detents: c.next(|text| text.parse().ok())?,
             drives: PerAxis([c.drive()?, c.drive()?, c.drive()?]),
@@ -224,7 +229,8 @@ impl Backend for Ramp {
         self.0 += 0.1;
         let latches = PerAxis([None, None, Some(ProbeLatch { signal: 4, encoder_mm: self.0 / 7.0 })]);
         let encoder_mm = EncoderPos::new([self.0, 0.0, -1e-7]);
-        InputImage { encoder_mm, latches, bus_alive: true, ..InputImage::default() }
+        let torque_percent = PerAxis([Some(-self.0), None, Some(0.0)]);
+        InputImage { encoder_mm, latches, torque_percent, bus_alive: true, ..InputImage::default() }
     }
     fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
     fn rewire(&mut self, _params: &Params) {}
@@ -287,6 +293,9 @@ fn p8_only_the_last_ticks_are_kept() {
 #[test]
 fn p8_a_broken_trace_is_refused_with_its_place() {
     let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-    assert_eq!(said("1,2"), "line 1: 2 columns instead of 26");
-    assert_eq!(said("1,0,0,0,0,0,,4:1.5,,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0,0,0"), "line 1, column 12: '3' is not a number");
+    assert_eq!(said("1,2"), "line 1: 2 columns instead of 29");
+    assert_eq!(
+        said("1,0,0,0,0,0,,4:1.5,,,-7.5,,0,0,3,0,0,1,0,0,0,0,0,0,0,0,0,0,0"),
+        "line 1, column 15: '3' is not a number"
+    );
 }

@@ -195,6 +195,7 @@ impl ScopeRecorder {
 
     fn value(&self, plant: &Plant, signal: ScopeSignal) -> f64 {
         match signal {
+            ScopeSignal::Axis(axis, AxisQuantity::Torque) => plant.inputs.image.torque_percent[axis].unwrap_or(0.0),
             ScopeSignal::Axis(axis, quantity) => {
                 let per_mm = plant.displayed_per_mm(axis);
                 let (set, actual) = (plant.axes.set_point()[axis], plant.axes.actual()[axis]);
@@ -208,6 +209,7 @@ impl ScopeRecorder {
                         AxisQuantity::FollowingError => (last_set - actual) * UM_PER_MM,
                         AxisQuantity::SetSpeed => (set - last_set) * per_minute,
                         AxisQuantity::ActualSpeed => (actual - last_actual) * per_minute,
+                        AxisQuantity::Torque => 0.0,
                     }
             }
             ScopeSignal::Feed => plant.path_speed_mm_s() * SECONDS_PER_MINUTE,

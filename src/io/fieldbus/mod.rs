@@ -447,6 +447,7 @@ impl<F: FieldBus> Backend for FieldBusMachine<F> {
         self.inputs.encoder_mm = EncoderPos::from_fn(|axis| axes[axis].as_ref().map_or(0.0, ServoAxis::encoder_mm));
         self.inputs.absolute = PerAxis::from_fn(|axis| axes[axis].as_ref().is_some_and(ServoAxis::is_absolute));
         self.inputs.latches = PerAxis::from_fn(|axis| axes[axis].as_ref().and_then(ServoAxis::latch));
+        self.inputs.torque_percent = PerAxis::from_fn(|axis| axes[axis].as_ref().and_then(ServoAxis::torque_percent));
         self.inputs.drives = PerAxis::from_fn(|axis| match &axes[axis] {
             Some(servo) if alive => servo.state(now),
             Some(_) | None => DriveState::Off,

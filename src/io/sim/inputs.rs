@@ -27,7 +27,8 @@ impl SimulatedMachine {
             terminals,
             encoder_mm: EncoderPos::from_fn(|axis| self.axis_value(axis, SimAxis::encoder_mm)),
             absolute: PerAxis::from_fn(|axis| self.axes[axis].as_ref().is_some_and(SimAxis::is_absolute)),
-            // Its drives have no probes: every signal is an input.
+            // Its drives send no torque and have no probes: every signal is an input.
+            torque_percent: PerAxis::default(),
             latches: PerAxis::default(),
             spindle_turns: self.lathe.as_ref().map_or(0.0, SimLathe::encoder_turns),
             handwheel_detents: 0,

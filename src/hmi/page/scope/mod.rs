@@ -15,7 +15,7 @@ use egui::{Id, Rect, Sense, WidgetInfo, vec2};
 use super::{PageContext, PageUi};
 use crate::defs::scope_signal::ScopeSignal;
 use crate::defs::text::Text;
-use crate::hmi::{Area, EditKey, KeyboardFocus, PageKey, View, file_command, theme, widget};
+use crate::hmi::{Area, EditKey, FieldEditor, KeyboardFocus, PageKey, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::page_command::PageCommand;
 use crate::link::scope::{
@@ -66,6 +66,8 @@ pub struct ScopePage {
     hint: Option<Text>,
     /// What the page shows of the recording.
     shown_as: Evaluation,
+    /// The level of the trigger that is being typed.
+    typing: FieldEditor,
     walk: KeyboardFocus,
 }
 
@@ -79,6 +81,7 @@ impl Default for ScopePage {
             cursor: None,
             choosing: None,
             shown_as: Evaluation::Curves,
+            typing: FieldEditor::default(),
             walk: KeyboardFocus::default(),
         }
     }
@@ -118,17 +121,18 @@ impl PageUi for ScopePage {
             }
             return;
         }
+        if !typed.edits.is_empty() {
+            self.hint = None;
+        }
         // With a cursor the arrows belong to the curves: to the sides sample by sample, up and down closer and wider.
         let (steps, others): (Vec<EditKey>, Vec<EditKey>) = typed.edits.iter().partition(|edit| {
             self.cursor.is_some() && matches!(edit, EditKey::Left | EditKey::Right | EditKey::Up | EditKey::Down)
         });
         self.cursor_keys(view, &steps);
+        let others = self.type_level(others);
         self.walk.begin_frame(&others);
         if typed.edits.contains(&EditKey::Cancel) {
             self.cursor = None;
-        }
-        if !typed.edits.is_empty() {
-            self.hint = None;
         }
         let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
         let (heading, body) = body.trim_bottom(theme::GAP).split_top(26.0);
@@ -150,6 +154,38 @@ fn first_signals(view: &View<'_>) -> [Option<ScopeSignal>; SCOPE_CHANNELS] {
 }
 
 impl ScopePage {
+    /// Digits are the level of the trigger, which INPUT takes; returns the other keys.
+    fn type_level(&mut self, mut edits: Vec<EditKey>) -> Vec<EditKey> {
+        let is_analog = self.setup.channels[0].is_some_and(|signal| !signal.is_digital());
+        edits.retain(|edit| match edit {
+            _ if !is_analog => true,
+            EditKey::Enter | EditKey::Cancel if self.typing.text.is_empty() => true,
+            EditKey::Enter => {
+                self.take_typed_level();
+                false
+            }
+            edit => !self.typing.handle_key(*edit),
+        });
+        edits
+    }
+
+    fn take_typed_level(&mut self) {
+        let Some(level) = self.typing.text.parse().ok().filter(|level: &f64| level.is_finite()) else {
+            self.hint = Some(Text::new("触发值应为数值", "the level must be a number"));
+            return;
+        };
+        self.set_level(level);
+        self.typing.clear();
+    }
+
+    /// Triggers at a level: a falling edge stays one.
+    const fn set_level(&mut self, level: f64) {
+        self.setup.trigger = match self.setup.trigger {
+            ScopeTrigger::Now | ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
+            ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
+        };
+    }
+
     fn cursor_keys(&mut self, view: &View<'_>, keys: &[EditKey]) {
         let Some(count) = self.shown(view).map(|recording| recording.samples.len()) else { return };
         for key in keys {
@@ -214,6 +250,9 @@ impl ScopePage {
     /// Edge and level of the trigger.
     fn trigger_words(&self, view: &View<'_>) -> Option<String> {
         let signal = self.setup.channels[0].filter(|signal| !signal.is_digital())?;
+        if !self.typing.text.is_empty() {
+            return Some(format!("{} {}_", view.text("触发值", "level"), self.typing.text));
+        }
         let level = curves::number(signal, self.level()?);
         let unit = signal.unit(view.snapshot.x_as_diameter);
         Some(format!("{} {} {level} {unit}", view.text("触发", "trigger"), self.setup.trigger.arrow()))
@@ -357,10 +396,7 @@ impl ScopePage {
                     self.hint = Some(Text::new("先点曲线放游标", "touch the curves first: the cursor gives the level"));
                     return;
                 };
-                self.setup.trigger = match self.setup.trigger {
-                    ScopeTrigger::Now | ScopeTrigger::Rising(_) => ScopeTrigger::Rising(level),
-                    ScopeTrigger::Falling(_) => ScopeTrigger::Falling(level),
-                };
+                self.set_level(level);
             }
             4 => (self.window, self.cursor) = (CurveWindow::default(), None),
             5 => self.shown_as = self.shown_as.toggled(Evaluation::Roundness),
