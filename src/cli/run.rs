@@ -86,7 +86,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs, program: ProgramToRun<'_
         }
         // The next part is mounted like the first one; the machine keeps its state, including wheel wear.
         if let Some(part) = setup::part(&host, shared, number)? {
-            host.machine_mut().set_part(Some(&part));
+            host.next_part(&part);
         }
     };
     if let Some(trace) = trace {

@@ -6,6 +6,7 @@ use super::simulated::HostedSimulation;
 use super::storage::Storage;
 use crate::controller::WORK_PER_TICK;
 use crate::defs::key::Key;
+use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::link::snapshot::RunState;
 use crate::units::Micros;
@@ -73,6 +74,20 @@ pub struct RunLimits {
 }
 
 impl<S: Storage> Host<HostedSimulation, S> {
+    /// A part like the one that was ground takes its place, once that is measured.
+    pub fn next_part(&mut self, part: &PartFile) {
+        self.type_measured_diameter(part);
+        self.machine_mut().set_part(Some(part));
+    }
+
+    /// Types the measured diameter of the part that was ground, where its program asks for it.
+    pub fn type_measured_diameter(&mut self, part: &PartFile) {
+        if let Some((variable, mm)) = part.typed_diameter.zip(self.machine().measure().mean_diameter(&part.drawing)) {
+            self.send(Command::SetVariable(variable, Some(mm)));
+            self.step();
+        }
+    }
+
     /// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
     /// `goes_on` is called after every tick.
     pub fn run_program(&mut self, limits: &RunLimits, goes_on: &mut dyn FnMut(&Self) -> bool) -> RunEnd {

@@ -89,6 +89,8 @@ pub struct ScopeRecording {
     pub x_as_diameter: bool,
     /// Time between two samples.
     pub period: Micros,
+    /// Cycle of the control.
+    pub cycle: Micros,
     /// Index of the sample of the trigger; 0 without one.
     pub trigger_index: usize,
     /// The samples, the oldest first; 0 in a channel without a signal.

@@ -633,6 +633,19 @@ fn b1_a_program_that_is_too_large_is_refused_with_the_limit() {
     }
 }
 
+/// The operator types what he measures: a soft wheel is followed, and a slender part that was too large is told once.
+#[test]
+fn t3_a_program_that_is_told_the_sizes_is_qualified_with_them() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("slender.ron"), "(contact_s: Some(3.0))").unwrap();
+    std::fs::write(folder.path().join("soft.ron"), "(grinding_ratio: Some(10.0))").unwrap();
+    let machines = folder.path().to_string_lossy().into_owned();
+    let out = kt830(&["qualify", "O1019", "--machines", &machines, "--parts", "12"]);
+    let table = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(status(&out), 0, "{table}");
+    assert!(table.contains("36 parts: 36 good"), "{table}");
+}
+
 #[test]
 fn t3_programs_are_qualified_on_other_machines() {
     let folder = tempfile::tempdir().unwrap();

@@ -210,6 +210,7 @@ fn scope_recording() -> ScopeRecording {
     ScopeRecording {
         setup,
         period: Micros(1_000),
+        cycle: Micros(1_000),
         number: 1,
         x_as_diameter: true,
         trigger_index: 800,

@@ -556,6 +556,12 @@ fn p1_the_torque_of_a_drive_is_in_percent() {
     field.write(&mut image.inputs, (-375_i32) as u32);
     axis.read(Micros::ZERO, &image);
     assert_eq!(axis.torque_percent(), Some(-37.5));
+    // Of an axis whose counts fall where it rises the torque turns round, too.
+    let mut reversed = description.axes()[Axis::X].unwrap().clone();
+    reversed.reversed = !reversed.reversed;
+    let mut axis = ServoAxis::new(&reversed, drive).unwrap();
+    axis.read(Micros::ZERO, &image);
+    assert_eq!(axis.torque_percent(), Some(37.5));
     // The drives of the other tests do not send it.
     let plain = MachineDescription::parse(MACHINE).unwrap();
     let axis = ServoAxis::new(plain.axes()[Axis::X].unwrap(), &plain.devices[0]).unwrap();

@@ -64,6 +64,53 @@ check "the icon is there" test -s "$root/usr/share/icons/hicolor/256x256/apps/kt
 check "the kiosk says what is missing" sh -c "chroot '$root' /usr/lib/kt830/kiosk 2>&1 | grep -q 'apt install'"
 check "a program runs as the user of the control" as_kt830 "kt830 run O1002 --data /var/lib/kt830"
 check "its data are its own" sh -c "[ -n \"\$(find '$root/var/lib/kt830' -type f -user \$(chroot '$root' id -u kt830))\" ]"
+echo "kiosk"
+# An X server without a display in place of the one on the terminal. Terminal, login and restart belong to the service.
+tools() {
+  within apt-get update -qq
+  within env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends xinit xvfb x11-utils
+}
+check "has an X server" tools
+cp "$root/etc/default/kt830" "$work/default"
+sed -i 's|^KT830_XSERVER=.*|KT830_XSERVER="/usr/bin/Xvfb :29 -screen 0 1280x800x24"|' "$root/etc/default/kt830"
+session=
+# Processes of its own, which end with it.
+start_kiosk() {
+  unshare --pid --fork --kill-child --mount --mount-proc="$root/proc" chroot "$root" \
+    setpriv --reuid kt830 --regid kt830 --init-groups env HOME=/var/lib/kt830 /usr/lib/kt830/kiosk >"$work/kiosk" 2>&1 &
+  session=$!
+}
+trap '[[ -z "$session" ]] || kill -KILL "$session" 2>/dev/null; rm -rf --one-file-system "$work"' EXIT
+control_below() {
+  local child
+  for child in $(ps -o pid= --ppid "$1"); do
+    if [[ $(ps -o comm= -p "$child") == kt830 ]]; then echo "$child"; else control_below "$child"; fi
+  done
+}
+fills_the_screen() {
+  for _ in $(seq 60); do
+    if within xwininfo -display :29 -root -tree 2>/dev/null | grep -q 'KT-830.* 1280x800+0+0'; then return 0; fi
+    sleep 0.5
+  done
+  within xwininfo -display :29 -root -tree
+  cat "$work/kiosk"
+  return 1
+}
+ends_with_the_control() {
+  kill "-$1" "$(control_below "$session")"
+  for _ in $(seq 40); do
+    if ! kill -0 "$session" 2>/dev/null; then return 0; fi
+    sleep 0.25
+  done
+  return 1
+}
+start_kiosk
+check "fills the screen" fills_the_screen
+check "ends when the control fails, so that the service starts it again" ends_with_the_control KILL
+start_kiosk
+check "fills the screen again" fills_the_screen
+check "ends with the control" ends_with_the_control TERM
+mv "$work/default" "$root/etc/default/kt830"
 echo operator >"$root/var/lib/kt830/programs/O7001.NC"
 data >"$work/data"
 sed -i 's/^KT830_ARGS=.*/KT830_ARGS="--lang en"/' "$root/etc/default/kt830"

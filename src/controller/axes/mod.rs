@@ -51,6 +51,8 @@ struct Feedback {
     measured: MachinePos,
     /// Displayed positions: equal to `measured`, except under machine lock.
     actual: MachinePos,
+    /// Change of `measured` in the last tick, mm/s.
+    velocity_mm_s: PerAxis<f64>,
 }
 
 /// An axis that oscillates independently of the owner.
@@ -112,7 +114,12 @@ impl Axes {
             owner: AxisOwner::Manual,
             homed: PerAxis::default(),
             doubted: PerAxis::default(),
-            feedback: Feedback { machine_minus_encoder_mm: PerAxis::default(), measured: start, actual: start },
+            feedback: Feedback {
+                machine_minus_encoder_mm: PerAxis::default(),
+                measured: start,
+                actual: start,
+                velocity_mm_s: PerAxis::default(),
+            },
             commanded: Commanded { set_point: start, last_move_minus: PerAxis::default() },
             velocity_mm_s: PerAxis::default(),
             oscillating: None,
@@ -201,9 +208,12 @@ impl Axes {
     /// Reads the encoders.
     pub fn read(&mut self, image: &InputImage) {
         let applied = self.compensation.applied_mm();
+        let before = self.feedback.measured;
         self.feedback.measured = MachinePos::from_fn(|axis| {
             image.encoder_mm[axis] + self.feedback.machine_minus_encoder_mm[axis] - applied[axis]
         });
+        let (now, tick_s) = (self.feedback.measured, self.tick_time().as_secs_f64());
+        self.feedback.velocity_mm_s = PerAxis::from_fn(|axis| (now[axis] - before[axis]) / tick_s);
         self.feedback.actual = if self.locked.is_some() { self.commanded.set_point } else { self.feedback.measured };
     }
 
@@ -484,6 +494,12 @@ impl Axes {
         let applied = self.compensation.applied_mm();
         let at = encoder_mm + self.feedback.machine_minus_encoder_mm[axis] - applied[axis];
         self.locked.is_none().then_some(at)
+    }
+
+    /// Speed of each axis by its encoder in the last tick, mm/s.
+    #[must_use]
+    pub const fn actual_velocity_mm_s(&self) -> PerAxis<f64> {
+        self.feedback.velocity_mm_s
     }
 
     /// Machine position from the encoders, mm.

@@ -195,22 +195,20 @@ impl ScopeRecorder {
 
     fn value(&self, plant: &Plant, signal: ScopeSignal) -> f64 {
         match signal {
-            ScopeSignal::Axis(axis, AxisQuantity::Torque) => plant.inputs.image.torque_percent[axis].unwrap_or(0.0),
             ScopeSignal::Axis(axis, quantity) => {
                 let per_mm = plant.displayed_per_mm(axis);
                 let (set, actual) = (plant.axes.set_point()[axis], plant.axes.actual()[axis]);
                 let shift = plant.axes.zero_shift_mm()[axis] - self.zero_shift_mm[axis];
                 let (last_set, last_actual) = (self.last.0[axis] + shift, self.last.1[axis] + shift);
                 let per_minute = SECONDS_PER_MINUTE / plant.axes.tick_time().as_secs_f64();
-                per_mm
-                    * match quantity {
-                        AxisQuantity::SetPoint => set,
-                        AxisQuantity::Actual => actual,
-                        AxisQuantity::FollowingError => (last_set - actual) * UM_PER_MM,
-                        AxisQuantity::SetSpeed => (set - last_set) * per_minute,
-                        AxisQuantity::ActualSpeed => (actual - last_actual) * per_minute,
-                        AxisQuantity::Torque => 0.0,
-                    }
+                match quantity {
+                    AxisQuantity::SetPoint => per_mm * set,
+                    AxisQuantity::Actual => per_mm * actual,
+                    AxisQuantity::FollowingError => per_mm * (last_set - actual) * UM_PER_MM,
+                    AxisQuantity::SetSpeed => per_mm * (set - last_set) * per_minute,
+                    AxisQuantity::ActualSpeed => per_mm * (actual - last_actual) * per_minute,
+                    AxisQuantity::Torque => plant.inputs.image.torque_percent[axis].unwrap_or(0.0),
+                }
             }
             ScopeSignal::Feed => plant.path_speed_mm_s() * SECONDS_PER_MINUTE,
             ScopeSignal::Rotation if plant.kind.is_lathe() => plant.spindles.encoder.rpm.abs(),
@@ -226,6 +224,7 @@ impl ScopeRecorder {
         for shared in &mut self.copies {
             let Some(copy) = Arc::get_mut(shared) else { continue };
             (copy.number, copy.setup, copy.period) = (self.number, self.setup, self.period);
+            copy.cycle = Micros(self.period.0 / self.every.max(1));
             copy.x_as_diameter = self.x_as_diameter;
             copy.trigger_index = self.trigger_index;
             copy.samples.clear();

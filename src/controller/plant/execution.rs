@@ -92,6 +92,8 @@ pub struct Execution {
     pub gauged: bool,
     /// The skip signal that the run awaits in this tick: touch probes wired to it are armed. 0 for none.
     pub awaited_signal: u8,
+    /// Ticks since a touch probe has latched without the signal that is awaited.
+    pub latch_ticks: u32,
     /// The tool offsets of the run.
     pub called_offsets: CalledOffsets,
     /// M30 has ended the open program: its part is finished.

@@ -4,10 +4,9 @@
 use std::sync::Arc;
 
 use super::activity::{ActionStatus, Activity};
-use super::gauge::skip_signal;
+use super::gauge::watch_skip;
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
-use super::signal_place::SignalPlace;
 use crate::controller::plant::{ControlEvent, Plant};
 use crate::controller::storage_request::StorageRequest;
 use crate::defs::alarm;
@@ -222,7 +221,7 @@ impl ProgramRun {
 
     /// G31: the position is latched by the drives, else in the tick of the signal edge; then the axes brake.
     fn step_skip(&mut self, plant: &mut Plant, planned: &PlannedMove, signal: u8) -> ActionStatus {
-        let Activity::Skip { tag, latched } = self.activity else {
+        let Activity::Skip { tag, latched, .. } = self.activity else {
             if signal == CONTACT_SKIP_SIGNAL && plant.params.input_port(Input::WheelContact) == 0 {
                 plant.raise(alarm::INPUT_NOT_ASSIGNED, Some(Input::WheelContact.name().into()));
                 return ActionStatus::Wait;
@@ -232,21 +231,18 @@ impl ProgramRun {
                 return raise_no_workpiece_drive(plant);
             };
             if let Some(tag) = self.push_move(plant, planned.to, planned.shape, rate, CornerMode::ExactStop) {
-                self.activity = Activity::Skip { tag, latched: None };
+                self.activity = Activity::Skip { tag, signal, latched: None };
             }
             return ActionStatus::Wait;
         };
-        plant.execution.awaited_signal = signal;
+        let latched = watch_skip(plant, signal, latched);
+        self.activity = Activity::Skip { tag, signal, latched };
         if let Some(place) = latched {
             if plant.axes.is_at_rest() {
                 plant.work.skip_position = place.work_position(plant);
                 self.lookahead.machine_position = plant.axes.program_set_point();
                 return ActionStatus::Done;
             }
-        } else if skip_signal(plant, signal) {
-            plant.execution.gauged |= signal != CONTACT_SKIP_SIGNAL;
-            plant.axes.planner.abort();
-            self.activity = Activity::Skip { tag, latched: Some(SignalPlace::seen(plant, signal)) };
         } else if plant.axes.planner.finished_tag() >= Some(tag) {
             // The end point, not the lagging actual position: it tells the program that no signal came.
             plant.work.skip_position = plant.work.offsets.work_from_machine(plant.axes.set_point());

@@ -39,8 +39,8 @@ pub enum Activity {
     Dwell { until: Micros },
     /// M80–M89.
     AwaitInput(Input),
-    /// G31: tag of the move, and where the signal has come.
-    Skip { tag: u32, latched: Option<SignalPlace> },
+    /// G31: tag of the move, its signal, and where that has come.
+    Skip { tag: u32, signal: u8, latched: Option<SignalPlace> },
     /// G78.
     Gauge(GaugeCycle),
     /// A thread is being cut.

@@ -6,9 +6,9 @@
 use super::activity::{ActionStatus, Activity, GaugeCycle, GaugeStage};
 use super::queue::check_soft_limits;
 use super::run::ProgramRun;
-use super::signal_place::SignalPlace;
+use super::signal_place::{SignalPlace, await_signal};
 use crate::controller::axes::SECONDS_PER_MINUTE;
-use crate::controller::plant::Plant;
+use crate::controller::plant::{ControlPhase, Plant};
 use crate::defs::alarm;
 use crate::defs::mcode::{Gauge, Request};
 use crate::defs::signal::Input;
@@ -54,12 +54,20 @@ impl ProgramRun {
         status
     }
 
-    /// Latches a contact that occurs while the run brakes to a hold or is held.
+    /// Latches a contact of G31 that occurs while the run brakes to a hold, of G78 also while it is held.
     pub fn latch_in_pause(&mut self, plant: &mut Plant) {
+        // Held, the axes may be moved by hand: what they touch then is no place of G31.
+        let is_braking = matches!(plant.execution.phase, ControlPhase::Holding);
+        if let Activity::Skip { tag, signal, latched } = self.activity
+            && is_braking
+        {
+            let latched = watch_skip(plant, signal, latched);
+            self.activity = Activity::Skip { tag, signal, latched };
+        }
         let Activity::Gauge(mut gauging) = self.activity else { return };
         watch_second(plant, &mut gauging);
         self.activity = Activity::Gauge(gauging);
-        if gauging.tag.is_none() || gauging.latched.is_some() {
+        if gauging.tag.is_none() {
             return;
         }
         let asked = gauging.request;
@@ -68,11 +76,8 @@ impl ProgramRun {
             GaugeStage::Fine => asked.second_input.unwrap_or(asked.first_input),
             GaugeStage::BackOff | GaugeStage::Retract | GaugeStage::ArmIn => return,
         };
-        if gauge_signal(plant, awaited) {
-            gauging.latched = Some(SignalPlace::seen(plant, awaited));
-            plant.axes.planner.abort();
-            self.activity = Activity::Gauge(gauging);
-        }
+        watch_contact(plant, &mut gauging, awaited);
+        self.activity = Activity::Gauge(gauging);
     }
 
     fn gauge_stage(&mut self, plant: &mut Plant, gauging: &mut GaugeCycle) -> ActionStatus {
@@ -145,11 +150,7 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
     let (asked, fine) = (gauging.request, gauging.stage == GaugeStage::Fine);
     let awaited = if fine { asked.second_input.unwrap_or(asked.first_input) } else { asked.first_input };
     let multi = asked.second_input.is_some();
-    plant.execution.awaited_signal = awaited;
-    if gauging.latched.is_none() && gauge_signal(plant, awaited) {
-        gauging.latched = Some(SignalPlace::seen(plant, awaited));
-        plant.axes.planner.abort();
-    }
+    watch_contact(plant, gauging, awaited);
     let first_on = plant.inputs.filtered.has(Input::GAUGES[gauge_index(asked.first_input)]);
     if fine && multi && gauging.latched.is_none() && !first_on {
         return fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, asked.first_input);
@@ -170,6 +171,33 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
         }
         None | Some(_) => ActionStatus::Wait,
     }
+}
+
+/// Latches the contact of a stage of G78 and brakes the axis.
+fn watch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, awaited: u8) {
+    gauging.latched = watch(plant, awaited, gauging.latched);
+}
+
+/// Latches the signal of a G31 and brakes the axes.
+pub fn watch_skip(plant: &mut Plant, signal: u8, latched: Option<SignalPlace>) -> Option<SignalPlace> {
+    let found = watch(plant, signal, latched);
+    plant.execution.gauged |= found.is_some() && signal != CONTACT_SKIP_SIGNAL;
+    found
+}
+
+/// Where an awaited signal has come so far. With it the axes brake; until they stand the drives may tell the place.
+fn watch(plant: &mut Plant, signal: u8, latched: Option<SignalPlace>) -> Option<SignalPlace> {
+    let mut found = latched;
+    match &mut found {
+        Some(place) => place.take_latches(plant),
+        None if skip_signal(plant, signal) => {
+            found = Some(SignalPlace::seen(plant, signal));
+            plant.axes.planner.abort();
+        }
+        None => {}
+    }
+    await_signal(plant, signal, found.as_ref());
+    found
 }
 
 /// Records a contact in #434 to #437.

@@ -192,7 +192,7 @@ fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow
     let bad_ports = port_words(view, device);
     let is_secondary = device.drive.is_none() && bad_ports.is_none();
     let what = match bad_ports {
-        Some(words) if device.drive.is_some() => format!("{words}  {what}"),
+        Some(words) if device.drive.is_some() => format!("{what}  {words}"),
         Some(words) => words,
         None => what,
     };
@@ -207,11 +207,11 @@ fn device_row<'a>(view: &View<'_>, number: u16, device: &'a BusDevice) -> BusRow
     }
 }
 
-/// The ports of a device that have met errors: `port 0: 3 damaged, link lost 1×`.
+/// The ports of a device that have met errors: `port 0: damaged 3, link lost 1`.
 fn port_words(view: &View<'_>, device: &BusDevice) -> Option<String> {
     let is_bad = |(_, errors): &(usize, &PortErrors)| **errors != PortErrors::default();
     let words = device.ports.iter().enumerate().filter(is_bad).map(|(port, PortErrors { damaged, lost_links })| {
-        let lost = view.text("断线", "lost");
+        let lost = view.text("断线", "link lost");
         format!("{} {port}: {} {damaged}, {lost} {lost_links}", view.text("端口", "port"), view.text("坏帧", "damaged"))
     });
     Some(words.collect::<Vec<_>>().join("  ")).filter(|words| !words.is_empty())

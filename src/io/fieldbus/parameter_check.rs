@@ -1,7 +1,7 @@
 //! Checks the description of a machine against the parameters of the control.
 //! Source: spec P1, K3 (ports); docs/manual, chapter "first start on a machine".
 
-use super::description::{ClockDescription, DescriptionError, MachineDescription, require, wrong};
+use super::description::{ClockDescription, DescriptionError, DigitalChannels, MachineDescription, require, wrong};
 use super::station_description::FIRST_STATION;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, Output};
@@ -59,7 +59,22 @@ impl MachineDescription {
                 return Err(wrong(taken, "an output port has one writer"));
             }
         }
+        self.check_touch_probes(params)?;
         self.check_safety_inputs(params)
+    }
+
+    /// The signal of a touch probe is seen in the cycle, too: that of a station comes too late for its latch.
+    fn check_touch_probes(&self, params: &Params) -> Result<(), DescriptionError> {
+        for (axis, servo) in self.axes().iter() {
+            let Some(probe) = servo.and_then(|servo| servo.touch_probe) else { continue };
+            let input = Input::GAUGES.get(usize::from(probe.signal) - 1).copied().unwrap_or(Input::WheelContact);
+            let is_its = |block: &&DigitalChannels| block.channels().any(|(_, port)| port == params.input_port(input));
+            if self.inputs.iter().find(is_its).is_some_and(|block| block.device >= FIRST_STATION) {
+                let place = format!("{}.touch_probe: {}", axis.letter().to_ascii_lowercase(), input.id());
+                return Err(wrong(place, "must act in the cycle, so it is on the bus and not at a station"));
+            }
+        }
+        Ok(())
     }
 
     /// Signals that must act in the cycle are on the bus: a station is read beside it, and may be silent.

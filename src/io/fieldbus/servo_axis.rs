@@ -199,10 +199,11 @@ impl ServoAxis {
         self.count.map(|count| count as i32)
     }
 
-    /// Torque in percent of the rated one, where the drive sends it.
+    /// Torque in percent of the rated one, where the drive sends it; positive in the plus direction of the axis.
     #[must_use]
     pub fn torque_percent(&self) -> Option<f64> {
-        self.fields.torque.map(|_| f64::from(self.torque) / 10.0)
+        // Added to 0, a reversed axis has no negative zero.
+        self.fields.torque.map(|_| 0.0 + self.counts_per_mm.signum() * f64::from(self.torque) / 10.0)
     }
 
     /// State of the drive at `now`, with its brake.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::report::PartReport;
+use super::report::{DiameterAt, PartReport};
 use crate::units::Axis;
 
 /// What a size is measured on, and where.
@@ -57,6 +57,16 @@ impl DrawingSize {
 }
 
 impl PartReport {
+    /// Mean of the measured diameters that belong to a drawing, mm; none without one.
+    #[must_use]
+    pub fn mean_diameter(&self, drawing: &[DrawingSize]) -> Option<f64> {
+        let belongs = |at: &&DiameterAt| {
+            drawing.iter().any(|size| size.deviation_mm(DrawingFeature::Diameter, at.z, at.d).is_some())
+        };
+        let found: Vec<f64> = self.diameters.iter().filter(belongs).map(|at| at.d).collect();
+        (!found.is_empty()).then(|| found.iter().sum::<f64>() / found.len() as f64)
+    }
+
     /// How far the part is from its drawing; `None` if nothing of it was measured. A size that is not there is not kept.
     #[must_use]
     pub fn deviation(&self, drawing: &[DrawingSize]) -> Option<Deviation> {

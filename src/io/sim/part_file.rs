@@ -84,6 +84,9 @@ pub struct PartFile {
     pub head_deg: f64,
     /// The finished size, if variables of the program define it.
     pub finished: Option<FinishedSizeFile>,
+    /// Number of the variable into which the operator types the diameter that he measures after each part.
+    #[serde(default)]
+    pub typed_diameter: Option<u16>,
     /// The sizes that the part has once its program has ground it with the values of this file.
     #[serde(default)]
     pub drawing: Vec<DrawingSize>,

@@ -46,9 +46,15 @@ impl CurveWindow {
 
     /// Shows less around the middle for a factor above 1.
     pub fn zoom(&mut self, count: usize, factor: f64) {
+        self.zoom_at(count, factor, None);
+    }
+
+    /// Shows less around a sample, else around the middle, for a factor above 1.
+    pub fn zoom_at(&mut self, count: usize, factor: f64, sample: Option<usize>) {
         let least = (MIN_SAMPLES_SHOWN / count as f64).min(1.0);
         let share = (self.share / factor).clamp(least, 1.0);
-        self.from += (self.share - share) / 2.0;
+        let place = sample.map_or(0.5, |at| ((at as f64 / count as f64 - self.from) / self.share).clamp(0.0, 1.0));
+        self.from += (self.share - share) * place;
         self.share = share;
         self.keep_inside();
     }

@@ -97,6 +97,7 @@ impl PageUi for ScopePage {
 
     fn close(&mut self) {
         self.choosing = None;
+        self.typing.clear();
     }
 
     fn record(&mut self, snapshot: &Snapshot) {
@@ -126,12 +127,12 @@ impl PageUi for ScopePage {
         }
         // With a cursor the arrows belong to the curves: to the sides sample by sample, up and down closer and wider.
         let (steps, others): (Vec<EditKey>, Vec<EditKey>) = typed.edits.iter().partition(|edit| {
-            self.cursor.is_some() && matches!(edit, EditKey::Left | EditKey::Right | EditKey::Up | EditKey::Down)
+            self.has_cursor() && matches!(edit, EditKey::Left | EditKey::Right | EditKey::Up | EditKey::Down)
         });
         self.cursor_keys(view, &steps);
         let others = self.type_level(others);
         self.walk.begin_frame(&others);
-        if typed.edits.contains(&EditKey::Cancel) {
+        if others.contains(&EditKey::Cancel) {
             self.cursor = None;
         }
         let (body, keys) = rect.shrink2(vec2(theme::PAD, 6.0)).split_bottom(widget::KEYS_HEIGHT);
@@ -186,12 +187,19 @@ impl ScopePage {
         };
     }
 
+    /// Whether the curves are shown with a cursor.
+    fn has_cursor(&self) -> bool {
+        self.cursor.is_some() && self.shown_as == Evaluation::Curves
+    }
+
     fn cursor_keys(&mut self, view: &View<'_>, keys: &[EditKey]) {
         let Some(count) = self.shown(view).map(|recording| recording.samples.len()) else { return };
         for key in keys {
             match key {
-                EditKey::Up => self.window.zoom(count, KEY_ZOOM),
-                EditKey::Down => self.window.zoom(count, KEY_ZOOM.recip()),
+                EditKey::Up | EditKey::Down => {
+                    let factor = if *key == EditKey::Up { KEY_ZOOM } else { KEY_ZOOM.recip() };
+                    self.window.zoom_at(count, factor, self.cursor);
+                }
                 _ => {
                     let by = if *key == EditKey::Right { 1 } else { -1 };
                     self.cursor = self.cursor.map(|at| at.saturating_add_signed(by).min(count - 1));

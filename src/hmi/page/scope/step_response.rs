@@ -1,5 +1,5 @@
 //! Step test: how an axis follows a positioning move. Velocity gain, following error, overshoot, settling.
-//! Source: ISO 230-1 (terms); the velocity gain K_V is speed over following error.
+//! The velocity gain K_V is the speed over the following error.
 
 use egui::{Pos2, Rect, Shape, Stroke, pos2};
 
@@ -17,14 +17,27 @@ const LINE_HEIGHT: f32 = 34.0;
 const LEAST_TRAVEL_MM: f64 = 0.001;
 /// The set-point runs at constant speed while it has at least this share of its greatest speed.
 const CONSTANT_SPEED_SHARE: f64 = 0.98;
+/// Smallest lag of which a velocity gain is told, mm; and how many times of the lag the constant speed must last.
+const LEAST_LAG_MM: f64 = 1e-4;
+const LAG_TIMES: f64 = 6.0;
 
 /// Set-point and actual position of a move, mm of the slide, sample by sample.
 struct AxisMove {
     axis: Axis,
     set: Vec<f64>,
     actual: Vec<f64>,
-    /// Time of a sample, s.
+    /// Time of a sample and of a cycle of the control, s.
     period_s: f64,
+    cycle_s: f64,
+}
+
+impl AxisMove {
+    /// Following error at a sample, mm: the set-point of the cycle before less the position.
+    fn following_mm(&self, at: usize) -> f64 {
+        let before = self.set[at.saturating_sub(1)];
+        let step = (self.set[at] - before) * self.cycle_s / self.period_s;
+        self.set[at] - step - self.actual[at]
+    }
 }
 
 /// What the move says of its axis.
@@ -47,8 +60,11 @@ struct StepResponse {
 impl StepResponse {
     /// The response of an axis to a set-point that moves once from rest to rest; `None` if it does not move.
     ///
-    /// `set` and `actual` in mm, one value each `period_s` seconds; in position is within `window_mm`.
-    fn of(set: &[f64], actual: &[f64], period_s: f64, window_mm: f64) -> Option<Self> {
+    /// The actual position of a sample was read before its set-point was sent: the set-point of the cycle before counts, as
+    /// in the signal of the scope. In position is within `window_mm`.
+    fn of(axis_move: &AxisMove, window_mm: f64) -> Option<Self> {
+        let AxisMove { set, actual, period_s, .. } = axis_move;
+        let period_s = *period_s;
         let (first, end) = (*set.first()?, *set.last()?);
         let travel_mm = end - first;
         if travel_mm.abs() < LEAST_TRAVEL_MM || actual.len() != set.len() {
@@ -56,14 +72,16 @@ impl StepResponse {
         }
         let speeds: Vec<f64> = set.windows(2).map(|pair| (pair[1] - pair[0]).abs() / period_s).collect();
         let speed_mm_s = speeds.iter().copied().fold(0.0, f64::max);
-        let lag = |at: usize| (set[at] - actual[at]) * travel_mm.signum();
+        let lag = |at: usize| axis_move.following_mm(at) * travel_mm.signum();
         let following_mm = (0..set.len()).map(|at| lag(at).abs()).fold(0.0, f64::max);
-        // The lag belongs to the speed once that has been constant for a while: its second half.
+        // The lag belongs to the speed once that has been constant for some times of the lag: its second half.
         let is_constant = |at: &usize| speeds[*at] >= CONSTANT_SPEED_SHARE * speed_mm_s;
         let constant: Vec<usize> = (0..speeds.len()).filter(is_constant).collect();
         let late = &constant[constant.len() / 2..];
         let mean_lag = late.iter().map(|at| lag(at + 1)).sum::<f64>() / late.len().max(1) as f64;
-        let gain_per_s = (mean_lag > 1e-6).then_some(speed_mm_s / mean_lag);
+        let constant_s = constant.len() as f64 * period_s;
+        let is_developed = mean_lag > LEAST_LAG_MM && constant_s * speed_mm_s >= LAG_TIMES * mean_lag;
+        let gain_per_s = is_developed.then_some(speed_mm_s / mean_lag);
         let beyond = |at: &f64| (at - end) * travel_mm.signum();
         let overshoot_mm = actual.iter().map(beyond).fold(0.0, f64::max);
         let arrived = set.iter().rposition(|at| (at - end).abs() > 1e-7).map_or(0, |at| at + 1);
@@ -84,7 +102,8 @@ fn shown_move(recording: &ScopeRecording, window: CurveWindow) -> Option<AxisMov
     let factor = if axis == Axis::X && recording.x_as_diameter { 0.5 } else { 1.0 };
     let (from, to) = window.range(recording.samples.len());
     let of = |channel: usize| recording.samples[from..to].iter().map(|row| row[channel] * factor).collect();
-    Some(AxisMove { axis, set: of(set), actual: of(actual), period_s: recording.period.as_secs_f64() })
+    let (period_s, cycle_s) = (recording.period.as_secs_f64(), recording.cycle.as_secs_f64());
+    Some(AxisMove { axis, set: of(set), actual: of(actual), period_s, cycle_s })
 }
 
 /// Shows the figures beside the curves, or why there are none.
@@ -98,14 +117,18 @@ pub fn ui(rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, windo
         return view.note(rect, words);
     };
     let in_position = view.snapshot.params.get(param::IN_POSITION);
-    let Some(response) = StepResponse::of(&found.set, &found.actual, found.period_s, in_position) else {
-        return view.note(rect, view.text("显示的部分轴没有移动", "the axis does not move in what is shown"));
+    let Some(response) = StepResponse::of(&found, in_position) else {
+        let words = view.text(
+            "显示的部分轴没有移动，或回到起点：缩放到一段",
+            "the axis does not move in what is shown, or comes back: zoom to one move",
+        );
+        return view.note(rect, words);
     };
     let (figures, plot) = rect.shrink(theme::PAD).split_left(FIGURES_WIDTH);
     show_figures(figures, view, found.axis, &response);
     let (positions, errors) = plot.split_top(plot.height() * 0.6);
     paint(positions.trim_bottom(theme::GAP), view, &[&found.set, &found.actual]);
-    let lag: Vec<f64> = found.set.iter().zip(&found.actual).map(|(set, actual)| set - actual).collect();
+    let lag: Vec<f64> = (0..found.set.len()).map(|at| found.following_mm(at)).collect();
     paint(errors, view, &[&lag]);
     let place = |rect: Rect, words: &str| {
         view.fit_right(rect.band(0.0, 22.0), words, theme::SMALL, view.theme.muted);
@@ -123,7 +146,7 @@ fn show_figures(rect: Rect, view: &View<'_>, axis: Axis, response: &StepResponse
         (view.text("行程", "travel"), format!("{:.3} mm", response.travel_mm)),
         (view.text("最高速度", "top speed"), format!("{:.1} mm/s", response.speed_mm_s)),
         (view.text("速度增益 Kv", "velocity gain Kv"), gain),
-        (view.text("最大跟随误差", "following error"), um(response.following_mm)),
+        (view.text("最大跟随误差", "greatest error"), um(response.following_mm)),
         (view.text("超调", "overshoot"), um(response.overshoot_mm)),
         (view.text("到位时间", "settling time"), settling),
     ];
@@ -168,21 +191,36 @@ mod tests {
                 at
             })
             .collect();
-        let found = StepResponse::of(&set, &lagging, period, 0.001).unwrap();
-        // 20 mm/s · 10 ms, less the step that the axis has gone meanwhile: 0.18 mm; the gain is 1/9 ms.
-        assert!((found.following_mm - 0.18).abs() < 0.002, "{found:?}");
-        assert!((found.gain_per_s.unwrap() - 111.0).abs() < 1.0, "{found:?}");
+        let of = |set: &[f64], actual: &[f64]| {
+            let (set, actual) = (set.to_vec(), actual.to_vec());
+            StepResponse::of(&AxisMove { axis: Axis::X, set, actual, period_s: period, cycle_s: period }, 0.001)
+        };
+        let found = of(&set, &lagging).unwrap();
+        // 20 mm/s · 10 ms, less the cycle before and the step that the axis has gone in this one: 0.16 mm; the gain is 1/8 ms.
+        assert!((found.following_mm - 0.16).abs() < 0.003, "{found:?}");
+        assert!((found.gain_per_s.unwrap() - 125.0).abs() < 1.0, "{found:?}");
         assert!(found.overshoot_mm < 1e-9, "{found:?}");
         // 0.18 · 0.9^n < 0.001 after 50 ticks.
         assert!((found.settling_s.unwrap() - 0.050).abs() < 0.003, "{found:?}");
         let springing: Vec<f64> =
             set.iter().enumerate().map(|(tick, to)| if tick == 1_010 { 20.005 } else { *to }).collect();
-        let found = StepResponse::of(&set, &springing, period, 0.001).unwrap();
+        let found = of(&set, &springing).unwrap();
         assert!((found.overshoot_mm - 0.005).abs() < 1e-9 && found.gain_per_s.is_none(), "{found:?}");
         assert!((found.settling_s.unwrap() - 0.011).abs() < 0.001, "{found:?}");
+        // 20 ms at constant speed are two times of the lag: no gain can be told.
+        let short: Vec<f64> = (0..200).map(|tick| f64::from(tick).min(20.0) * 0.02).collect();
+        let mut at = 0.0;
+        let behind: Vec<f64> = short
+            .iter()
+            .map(|to| {
+                at += (to - at) * period / 0.01;
+                at
+            })
+            .collect();
+        assert_eq!(of(&short, &behind).unwrap().gain_per_s, None);
         let stuck = vec![0.0; 2_000];
-        assert_eq!(StepResponse::of(&set, &stuck, period, 0.001).unwrap().settling_s, None);
-        assert_eq!(StepResponse::of(&stuck, &stuck, period, 0.001), None);
-        assert_eq!(StepResponse::of(&[], &[], period, 0.001), None);
+        assert_eq!(of(&set, &stuck).unwrap().settling_s, None);
+        assert_eq!(of(&stuck, &stuck), None);
+        assert_eq!(of(&[], &[]), None);
     }
 }
