@@ -2,6 +2,7 @@
 //! is wrong. Source: spec B8, H9.
 
 use std::fs;
+use std::ops::RangeInclusive;
 
 use crate::live_screen::Bench;
 use crate::stories::{folders, folders_of, ready, ready_of, rig_in, tell};
@@ -28,15 +29,18 @@ fn chinese_on(rig: &mut HeadlessHost, page: Page) -> Vec<String> {
     painted_text(rig.snapshot(), Lang::En).into_iter().filter(|text| is_chinese(text)).collect()
 }
 
+/// The shipped programs with a page that each kind can load.
+const PAGES: [(Kind, RangeInclusive<u32>); 5] = [
+    (Kind::Gc, 1_001..=1_012),
+    (Kind::Gc, 1_015..=1_016),
+    (Kind::Gc, 1_018..=1_020),
+    (Kind::Gs, 1_007..=1_013),
+    (Kind::Ga, 1_010..=1_014),
+];
+
 #[test]
 fn h9_the_pages_of_the_shipped_programs_are_english_in_english() {
-    for (kind, programs) in [
-        (Kind::Gc, 1_001..=1_012),
-        (Kind::Gc, 1_015..=1_016),
-        (Kind::Gc, 1_018..=1_020),
-        (Kind::Gs, 1_007..=1_013),
-        (Kind::Ga, 1_010..=1_014),
-    ] {
+    for (kind, programs) in PAGES {
         let mut rig = ready_of(kind);
         for number in programs {
             tell(&mut rig, &format!("load O{number}"));
@@ -243,13 +247,7 @@ fn h9_the_english_labels_of_the_shipped_pages_have_their_room() {
             cut.extend(texts.map(|(text, ..)| format!("{what} {size:?}: {text}")));
         }
     };
-    for (kind, programs) in [
-        (Kind::Gc, 1_001..=1_012),
-        (Kind::Gc, 1_015..=1_016),
-        (Kind::Gc, 1_018..=1_020),
-        (Kind::Gs, 1_007..=1_013),
-        (Kind::Ga, 1_010..=1_014),
-    ] {
+    for (kind, programs) in PAGES {
         let mut rig = ready_of(kind);
         for number in programs {
             tell(&mut rig, &format!("load O{number}"));

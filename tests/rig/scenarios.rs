@@ -3,7 +3,9 @@
 use std::process::Command;
 
 use kt830::io::drive::DriveState;
-use kt830::io::fieldbus::description::{AbsoluteEncoder, ClockDescription, MachineDescription};
+use kt830::io::fieldbus::description::{
+    AbsoluteEncoder, ClockDescription, DigitalChannels, MachineDescription, ServoAxisDescription,
+};
 use kt830::io::trace::TraceRow;
 use kt830::units::{Axis, PerAxis};
 
@@ -13,12 +15,12 @@ use crate::session::{Scenario, Session, StoryPart, observe, simulated, tell};
 
 /// A scenario on the machine as it is described.
 const fn scenario(name: &'static str, play: fn(&mut Session<'_>)) -> Scenario {
-    Scenario { name, describe: |_| {}, play, after_panic: None }
+    Scenario { name, describe: |_| {}, has_y: false, play, after_panic: None }
 }
 
 /// A scenario on a machine that differs from its description.
 const fn differing(name: &'static str, describe: fn(&mut MachineDescription), play: fn(&mut Session<'_>)) -> Scenario {
-    Scenario { name, describe, play, after_panic: None }
+    Scenario { name, describe, has_y: false, play, after_panic: None }
 }
 
 /// Every scenario.
@@ -78,7 +80,8 @@ pub const ALL: &[Scenario] = &[
     differing("absolute_encoders", with_absolute_encoders, absolute_encoders),
     differing("modbus_inverter", modbus::with_inverter, modbus::inverter),
     scenario("hold", hold),
-    Scenario { name: "control_panics", describe: |_| {}, play: wheel_on, after_panic: Some(outputs_are_safe) },
+    Scenario { has_y: true, ..differing("three_axes", with_third_axis, three_axes) },
+    Scenario { after_panic: Some(outputs_are_safe), ..scenario("control_panics", wheel_on) },
 ];
 
 /// What takes long: played by its name alone.
@@ -379,6 +382,28 @@ fn terminal_mute(rig: &mut Session<'_>) {
 fn with_clocks(machine: &mut MachineDescription) {
     machine.ethercat.distributed_clocks = Some(ClockDescription { cycle_us: 1_000, shift_us: None });
     machine.devices.iter_mut().take(3).for_each(|drive| drive.sync0 = true);
+}
+
+/// The third drive is axis Y; its home switch is a cam at input 1, its limit switches are those of X.
+fn with_third_axis(machine: &mut MachineDescription) {
+    machine.y = machine.x.clone().map(|axis| ServoAxisDescription { device: 3, ..axis });
+    machine.devices[2].startup = machine.devices[0].startup.clone();
+    let of_y = [(1, 1, 24), (13, 1, 32), (8, 2, 36)];
+    let gauges = machine.inputs.iter_mut().find(|block| block.port == 7).expect("gauge signals");
+    gauges.count = 1;
+    machine.inputs.extend(of_y.map(|(bit, count, port)| DigitalChannels { device: 4, bit, count, port }));
+}
+
+/// Three axes homed from the panel, then moved along a line in space.
+fn three_axes(rig: &mut Session<'_>) {
+    // The slide of Y stands 30 mm below its home switch; travel rises where the axis falls.
+    rig.plant.send("sim cam 3 1 2 -2000000000 -300000");
+    power_on(rig);
+    home(rig);
+    rig.story("expect machine Y 0.000 ±0.01\n");
+    assert_eq!(Axis::ALL.map(|axis| rig.snapshot().axes[axis].homed), [true; 3]);
+    rig.story("mode mdi\nmdi G98 G53 G01 X-20 Y-10 Z-30 F600\nwait 6 s\nexpect no alarm\n");
+    rig.story("expect machine X -20.000 ±0.005\nexpect machine Y -10.000 ±0.005\nexpect machine Z -30.000 ±0.005\n");
 }
 
 /// The encoders read 0 where X stands at 35 mm and Z at 120 mm of the plant, which counts against the axes.

@@ -50,6 +50,8 @@ pub struct Scenario {
     pub name: &'static str,
     /// What is changed in the description of the machine.
     pub describe: fn(&mut MachineDescription),
+    /// The machine has an axis Y (P6.6).
+    pub has_y: bool,
     /// What is played.
     pub play: fn(&mut Session<'_>),
     /// What is looked at after the control has failed by a panic; `None` if it goes on to its end.
@@ -99,7 +101,10 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
     let machine = HostedFieldBus::new(FieldBusMachine::new(description, bus, links));
     let worker = StorageWorker::new(JobRunner::new(folders()));
     let storage = ThreadedStorage::start(RetainedWorker::new(None), worker).map_err(|error| error.to_string())?;
-    let host = Host::connect(Kind::Gc, retained(), machine, storage);
+    let mut retained = retained();
+    let fitted = ParamAddress::parse("P6.6").expect("a parameter");
+    retained.params.write(fitted, f64::from(u8::from(scenario.has_y))).expect("P6.6");
+    let host = Host::connect(Kind::Gc, retained, machine, storage);
     let (told, answer) = channel();
     let mut link = start(host, move |thread| {
         let played = catch_unwind(AssertUnwindSafe(|| {

@@ -3,6 +3,7 @@
 //! Source: issue "a real machine", part 6; H9.
 
 mod curves;
+mod figures;
 mod roundness;
 mod signal_list;
 mod step_response;

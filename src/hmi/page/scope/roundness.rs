@@ -4,18 +4,16 @@
 use egui::{Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::curves::CurveWindow;
+use super::figures::{self, um, way_of_slide};
 use crate::defs::scope_signal::{AxisQuantity, ScopeSignal};
 use crate::geometry::{FittedCircle, PlanePoint};
 use crate::hmi::{Area, View, theme};
-use crate::link::scope::ScopeRecording;
+use crate::link::scope::{SCOPE_CHANNELS, ScopeRecording};
 use crate::units::Axis;
 
 /// Radius of the drawn circle as a share of the room, and of the greatest deviation as a share of that radius.
 const RADIUS_SHARE: f32 = 0.36;
 const DEVIATION_SHARE: f64 = 0.25;
-/// Width of the figures beside the circle, and height of a line of them.
-const FIGURES_WIDTH: f32 = 232.0;
-const LINE_HEIGHT: f32 = 34.0;
 /// Deviations below this are drawn as if they were so great, mm: the circle of a perfect machine is a circle.
 const LEAST_DEVIATION_MM: f64 = 1e-4;
 /// Corners of the drawn circle.
@@ -37,8 +35,8 @@ fn pair(recording: &ScopeRecording, quantity: AxisQuantity) -> Option<AxisPair> 
 /// The shown positions in mm of the slides: a diameter is halved.
 fn points(recording: &ScopeRecording, window: CurveWindow, of: AxisPair) -> Vec<PlanePoint> {
     let (from, to) = window.range(recording.samples.len());
-    let factor = |axis: Axis| if axis == Axis::X && recording.x_as_diameter { 0.5 } else { 1.0 };
-    recording.samples[from..to].iter().map(|row| of.map(|(axis, channel)| row[channel] * factor(axis))).collect()
+    let way = |row: &[f64; SCOPE_CHANNELS]| of.map(|(axis, channel)| row[channel] * way_of_slide(recording, axis));
+    recording.samples[from..to].iter().map(way).collect()
 }
 
 /// Draws the circle, or why there is none.
@@ -56,7 +54,7 @@ pub fn ui(rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, windo
     let Some(circle) = FittedCircle::through(&measured) else {
         return view.note(rect, view.text("显示的部分不是圆", "what is shown is no circle"));
     };
-    let (figures, plot) = rect.shrink(theme::PAD).split_left(FIGURES_WIDTH);
+    let (figures, plot) = rect.shrink(theme::PAD).split_left(figures::WIDTH);
     show_figures(figures, view, &circle, programmed_radius(recording, window, axes));
     paint(plot, view, &circle, &measured);
     let ends = [pos2(plot.max.x - 18.0, plot.center().y), pos2(plot.center().x, plot.min.y + 12.0)];
@@ -75,7 +73,6 @@ fn programmed_radius(recording: &ScopeRecording, window: CurveWindow, of: AxisPa
 }
 
 fn show_figures(rect: Rect, view: &View<'_>, circle: &FittedCircle, programmed: Option<f64>) {
-    let um = |mm: f64| format!("{:.1} µm", mm * 1_000.0);
     let (inward, outward) = circle.deviation;
     let mut lines = vec![
         (view.text("圆度", "roundness"), um(circle.roundness())),
@@ -86,11 +83,7 @@ fn show_figures(rect: Rect, view: &View<'_>, circle: &FittedCircle, programmed: 
     if let Some(programmed) = programmed {
         lines.push((view.text("半径偏差", "radius error"), um(circle.radius - programmed)));
     }
-    for (index, (name, value)) in lines.iter().enumerate() {
-        let line = rect.band(index as f32 * LINE_HEIGHT, LINE_HEIGHT).trim_right(theme::PAD);
-        let taken = view.fit_left(line, name, theme::LABEL, view.theme.muted);
-        view.fit_right(line.with_min_x(taken.max.x + theme::GAP), value, theme::SECONDARY, view.theme.text);
-    }
+    figures::show(rect, view, &lines);
 }
 
 /// The ideal circle and the measured one, with deviations enlarged until the greatest is a quarter of the radius.

@@ -4,15 +4,13 @@
 use egui::{Pos2, Rect, Shape, Stroke, pos2};
 
 use super::curves::CurveWindow;
+use super::figures::{self, um, way_of_slide};
 use crate::defs::param;
 use crate::defs::scope_signal::{AxisQuantity, ScopeSignal};
 use crate::hmi::{Area, View, theme};
 use crate::link::scope::ScopeRecording;
 use crate::units::Axis;
 
-/// Width of the figures beside the curves, and height of a line of them.
-const FIGURES_WIDTH: f32 = 232.0;
-const LINE_HEIGHT: f32 = 34.0;
 /// Shortest move that is a step, mm.
 const LEAST_TRAVEL_MM: f64 = 0.001;
 /// The set-point runs at constant speed while it has at least this share of its greatest speed.
@@ -99,7 +97,7 @@ fn shown_move(recording: &ScopeRecording, window: CurveWindow) -> Option<AxisMov
     };
     let both = |axis: Axis| Some((axis, channel(axis, AxisQuantity::SetPoint)?, channel(axis, AxisQuantity::Actual)?));
     let (axis, set, actual) = Axis::ALL.into_iter().find_map(both)?;
-    let factor = if axis == Axis::X && recording.x_as_diameter { 0.5 } else { 1.0 };
+    let factor = way_of_slide(recording, axis);
     let (from, to) = window.range(recording.samples.len());
     let of = |channel: usize| recording.samples[from..to].iter().map(|row| row[channel] * factor).collect();
     let (period_s, cycle_s) = (recording.period.as_secs_f64(), recording.cycle.as_secs_f64());
@@ -124,7 +122,7 @@ pub fn ui(rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, windo
         );
         return view.note(rect, words);
     };
-    let (figures, plot) = rect.shrink(theme::PAD).split_left(FIGURES_WIDTH);
+    let (figures, plot) = rect.shrink(theme::PAD).split_left(figures::WIDTH);
     show_figures(figures, view, found.axis, &response);
     let (positions, errors) = plot.split_top(plot.height() * 0.6);
     paint(positions.trim_bottom(theme::GAP), view, &[&found.set, &found.actual]);
@@ -138,7 +136,6 @@ pub fn ui(rect: Rect, view: &View<'_>, recording: Option<&ScopeRecording>, windo
 }
 
 fn show_figures(rect: Rect, view: &View<'_>, axis: Axis, response: &StepResponse) {
-    let um = |mm: f64| format!("{:.1} µm", mm * 1_000.0);
     let gain = response.gain_per_s.map_or_else(|| "–".to_owned(), |gain| format!("{gain:.1} 1/s"));
     let settling = response.settling_s.map_or_else(|| "–".to_owned(), |time| format!("{:.0} ms", time * 1_000.0));
     let lines = [
@@ -150,11 +147,7 @@ fn show_figures(rect: Rect, view: &View<'_>, axis: Axis, response: &StepResponse
         (view.text("超调", "overshoot"), um(response.overshoot_mm)),
         (view.text("到位时间", "settling time"), settling),
     ];
-    for (index, (name, value)) in lines.iter().enumerate() {
-        let line = rect.band(index as f32 * LINE_HEIGHT, LINE_HEIGHT).trim_right(theme::PAD);
-        let taken = view.fit_left(line, name, theme::LABEL, view.theme.muted);
-        view.fit_right(line.with_min_x(taken.max.x + theme::GAP), value, theme::SECONDARY, view.theme.text);
-    }
+    figures::show(rect, view, &lines);
 }
 
 /// Curves of the same quantity over the time, each in its colour.
@@ -178,19 +171,22 @@ fn paint(rect: Rect, view: &View<'_>, curves: &[&Vec<f64>]) {
 mod tests {
     use super::*;
 
+    /// An axis that follows with a time constant of 10 ms.
+    fn behind(set: &[f64], period_s: f64) -> Vec<f64> {
+        let mut at = 0.0;
+        let follow = |to: &f64| {
+            at += (to - at) * period_s / 0.01;
+            at
+        };
+        set.iter().map(follow).collect()
+    }
+
     /// An axis that lags by T = 10 ms behind a set-point at constant speed, and one that overshoots.
     #[test]
     fn the_step_response_is_that_of_the_axis() {
         let period = 0.001;
         let set: Vec<f64> = (0..2_000).map(|tick| f64::from(tick).min(1_000.0) * 0.02).collect();
-        let mut at = 0.0;
-        let lagging: Vec<f64> = set
-            .iter()
-            .map(|to| {
-                at += (to - at) * period / 0.01;
-                at
-            })
-            .collect();
+        let lagging = behind(&set, period);
         let of = |set: &[f64], actual: &[f64]| {
             let (set, actual) = (set.to_vec(), actual.to_vec());
             StepResponse::of(&AxisMove { axis: Axis::X, set, actual, period_s: period, cycle_s: period }, 0.001)
@@ -209,15 +205,7 @@ mod tests {
         assert!((found.settling_s.unwrap() - 0.011).abs() < 0.001, "{found:?}");
         // 20 ms at constant speed are two times of the lag: no gain can be told.
         let short: Vec<f64> = (0..200).map(|tick| f64::from(tick).min(20.0) * 0.02).collect();
-        let mut at = 0.0;
-        let behind: Vec<f64> = short
-            .iter()
-            .map(|to| {
-                at += (to - at) * period / 0.01;
-                at
-            })
-            .collect();
-        assert_eq!(of(&short, &behind).unwrap().gain_per_s, None);
+        assert_eq!(of(&short, &behind(&short, period)).unwrap().gain_per_s, None);
         let stuck = vec![0.0; 2_000];
         assert_eq!(of(&set, &stuck).unwrap().settling_s, None);
         assert_eq!(of(&stuck, &stuck), None);
