@@ -1,7 +1,7 @@
 //! G78: positioning an axis by a gauge, in one or two contacts.
 //!
-//! The encoder position is latched by the drive, else in the tick of the unfiltered edge, so that input filter, servo lag and braking do
-//! not matter. Source: spec K4.5.
+//! The encoder position is latched by the drive, else in the tick of the unfiltered edge, so that input filter, servo lag
+//! and braking do not matter. Source: spec K4.5.
 
 use super::activity::{ActionStatus, Activity, GaugeCycle, GaugeStage};
 use super::queue::check_soft_limits;
