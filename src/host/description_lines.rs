@@ -12,6 +12,10 @@ use crate::io::fieldbus::station_description::{FIRST_STATION, ModbusBlock, Stati
 use crate::link::bus::DescriptionLine;
 use crate::units::Axis;
 
+/// Widest list of a line, characters: what a narrow screen shows beside its name.
+const LINE_WIDTH: usize = 56;
+/// Between the words of a list.
+const GAP: &str = "  ";
 const BINDINGS: Text = Text::new("端子和通道", "terminals and channels");
 
 /// The lines of a description: network, devices, stations, axes, terminals.
@@ -49,6 +53,21 @@ impl Lines {
         }
     }
 
+    /// A list in as many lines as it needs.
+    fn list(&mut self, zh: &'static str, en: &'static str, words: impl IntoIterator<Item = String>) {
+        let mut line = String::new();
+        for word in words {
+            if !line.is_empty() && line.chars().count() + word.chars().count() + GAP.len() > LINE_WIDTH {
+                self.property(zh, en, std::mem::take(&mut line));
+            }
+            if !line.is_empty() {
+                line += GAP;
+            }
+            line += &word;
+        }
+        self.property(zh, en, line);
+    }
+
     fn network(&mut self, network: &EtherCatDescription, core: Option<u16>) {
         self.heading(LocalizedText::same("EtherCAT"));
         self.property("网卡", "interface", network.interface.clone());
@@ -69,13 +88,11 @@ impl Lines {
         let identity = format!("{:X}h / {:X}h / {revision}", device.vendor, device.product);
         self.property("厂商 / 产品 / 版本", "vendor / product / revision", identity);
         let (inputs, outputs) = device.process_data_bytes();
-        self.property("输出", "outputs", entries(&device.outputs, outputs));
-        self.property("输入", "inputs", entries(&device.inputs, inputs));
-        let set = device.startup.iter().map(|write| object_value(*write)).collect::<Vec<_>>().join("  ");
-        self.property("启动时写入", "written at the start", set);
+        self.list("输出", "outputs", entries(&device.outputs, outputs));
+        self.list("输入", "inputs", entries(&device.inputs, inputs));
+        self.list("启动时写入", "written at the start", device.startup.iter().map(|write| object_value(*write)));
         let options = [(device.assign, "PDO"), (device.sync0, "SYNC0")];
-        let modes =
-            options.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name).collect::<Vec<_>>().join("  ");
+        let modes = options.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name).collect::<Vec<_>>().join(GAP);
         self.property("配置", "set up", modes);
     }
 
@@ -84,8 +101,8 @@ impl Lines {
         self.property("地址 / 站号", "address / unit", format!("{} / {}", station.address, station.unit));
         let times = format!("{} / {} / {} ms", station.period_ms, station.timeout_ms, station.max_age_ms);
         self.property("周期 / 时限 / 最大时龄", "period / time-out / maximum age", times);
-        self.property("读", "read", blocks(&station.inputs));
-        self.property("写", "written", blocks(&station.outputs));
+        self.list("读", "read", blocks(&station.inputs));
+        self.list("写", "written", blocks(&station.outputs));
     }
 
     fn axis(&mut self, axis: Axis, servo: &ServoAxisDescription) {
@@ -138,11 +155,8 @@ impl Lines {
     }
 }
 
-/// Entries with their bits, and the bytes of all: `6040h 16  607Ah 32  (6)`.
-fn entries(entries: &[PdoEntry], bytes: u16) -> String {
-    if entries.is_empty() {
-        return String::new();
-    }
+/// Entries with their bits, and the bytes of all: `6040h 16  607Ah 32  (6 B)`.
+fn entries(entries: &[PdoEntry], bytes: u16) -> impl Iterator<Item = String> {
     let shown = entries.iter().map(|entry| {
         let times = if entry.count > 1 { format!("{}×", entry.count) } else { String::new() };
         match (entry.object, entry.sub) {
@@ -151,17 +165,16 @@ fn entries(entries: &[PdoEntry], bytes: u16) -> String {
             (object, sub) => format!("{object:X}h:{sub:02X} {times}{}", entry.bits),
         }
     });
-    format!("{}  ({bytes} B)", shown.collect::<Vec<_>>().join("  "))
+    let all = (!entries.is_empty()).then(|| format!("({bytes} B)"));
+    shown.chain(all)
 }
 
 fn object_value(write: SdoWrite) -> String {
     format!("{:X}h:{:02X} = {}", write.object, write.sub, write.value)
 }
 
-fn blocks(blocks: &[ModbusBlock]) -> String {
-    let shown =
-        blocks.iter().map(|block| format!("{:?} {}–{}", block.table, block.from, block.from + (block.count - 1)));
-    shown.collect::<Vec<_>>().join("  ")
+fn blocks(blocks: &[ModbusBlock]) -> impl Iterator<Item = String> {
+    blocks.iter().map(|block| format!("{:?} {}–{}", block.table, block.from, block.from + (block.count - 1)))
 }
 
 /// From the first to the last of some numbers.
@@ -196,6 +209,16 @@ mod tests {
             DescriptionLine::Property(name, value) => format!("{}: {value}", name.en),
         });
         shown.collect()
+    }
+
+    #[test]
+    fn p1_a_long_list_takes_several_lines() {
+        let mut lines = Lines::default();
+        lines.list("输出", "outputs", (0..30).map(|at| format!("6{at:03X}h 16")));
+        let DescriptionLine::Property(_, first) = &lines.0[0] else { panic!("{:?}", lines.0) };
+        // 8 characters and a gap of 2 each: 5 of them are 48, a sixth would make 58.
+        assert_eq!(first.split(GAP).count(), 5);
+        assert_eq!(lines.0.len(), 6, "nothing is left out");
     }
 
     #[test]

@@ -22,6 +22,8 @@ const MAX_STEP_PART: i64 = 50;
 /// Spans over which a drift is measured: wake-ups that vary by 40 µs are 40 ppm of a second and 0.7 ppm of a minute.
 const SHORTEST_SPAN: Duration = Duration::from_secs(1);
 const LONGEST_SPAN: Duration = Duration::from_secs(60);
+/// A clock that seems to be further off was set meanwhile: crystals are within 100 ppm.
+const MAX_DRIFT_PPM: f64 = 1_000.0;
 /// Real-time priority, SCHED_FIFO.
 const PRIORITY: u8 = 80;
 
@@ -95,7 +97,12 @@ impl DriftMeter {
             return;
         };
         if span >= SHORTEST_SPAN {
-            self.drift_ppm = 1e6 * (other_span as f64 / span.as_nanos() as f64 - 1.0);
+            let drift_ppm = 1e6 * (other_span as f64 / span.as_nanos() as f64 - 1.0);
+            if drift_ppm.abs() > MAX_DRIFT_PPM {
+                self.begun = Some((own, other_ns));
+            } else {
+                self.drift_ppm = drift_ppm;
+            }
         }
     }
 

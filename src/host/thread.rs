@@ -120,7 +120,7 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
     /// The clock of a bus paces the ticks.
     fn follow_bus(&mut self) {
         let tick = Duration::from_micros(self.host.tick_time().0);
-        if let Some(ClockReading { error_ns, time_ns }) = self.host.plant.bus_clock() {
+        if let Some(ClockReading { error_ns, time_ns, .. }) = self.host.plant.bus_clock() {
             self.schedule.follow(error_ns, tick);
             self.host.times.bus_clock.read(self.started.elapsed(), time_ns);
         }

@@ -107,7 +107,9 @@ pub struct Devices {
     missing: Cell<Option<usize>>,
     /// What connecting meets.
     refusal: Cell<Option<BusFault>>,
-    connected: Cell<u32>,
+    pub connected: Cell<u32>,
+    /// The reference clock.
+    pub clock: Cell<Option<ClockReading>>,
     /// What the ports of the drive of Z have counted.
     pub ports: Cell<[PortErrors; 4]>,
 }
@@ -150,7 +152,7 @@ impl FieldBus for PlayedBus {
     }
 
     fn clock(&self) -> Option<ClockReading> {
-        None
+        self.0.clock.get()
     }
 
     fn read_error_code(&mut self, device: usize) -> Option<u16> {
@@ -170,7 +172,7 @@ pub struct Shop {
 
 impl Shop {
     /// A bus that refuses with this, or none that does; the encoders of both drives stand at `position`.
-    fn new(refusal: Option<BusFault>, position: i32) -> Self {
+    pub fn new(refusal: Option<BusFault>, position: i32) -> Self {
         Self::with_stations(MACHINE, Vec::new(), refusal, position)
     }
 
@@ -198,6 +200,7 @@ impl Shop {
             missing: Cell::default(),
             refusal: Cell::new(refusal),
             connected: Cell::new(0),
+            clock: Cell::default(),
             ports: Cell::default(),
         });
         let description = MachineDescription::parse(machine).unwrap();

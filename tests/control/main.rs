@@ -10,6 +10,7 @@ mod stories;
 mod absolute_encoder;
 mod alarms;
 mod allocation;
+mod bus_clock;
 mod compensation;
 mod core_alone;
 mod dense_program;

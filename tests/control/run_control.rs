@@ -201,6 +201,25 @@ fn b2_g31_without_a_signal_latches_its_end_point() {
     assert!((latched - 20.0).abs() < 1e-6, "latched after {latched} mm");
 }
 
+/// The slide touches on its last way, when its set-point stands at the end already.
+#[test]
+fn b2_g31_takes_a_contact_that_comes_while_the_axis_still_lags() {
+    let mut rig = ready_with("G98 G31 W-20 F1500 P1\n#100=#5062\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.2 s");
+    for _ in 0..3_000 {
+        if rig.controller().is_at_rest() {
+            break;
+        }
+        rig.step();
+    }
+    // 20 mm from 1500 mm/min with a lag of 20 ms: the slide is on its way still, if its set-point is not.
+    let on_its_way = z - rig.trace_row().inputs.encoder_mm[Axis::Z];
+    tell(&mut rig, "input gauge-1 on\nwait until idle max 5 s\nexpect no alarm");
+    let latched = z - rig.snapshot().variables[100].unwrap();
+    assert!(latched < 19.995 && latched > 19.0, "latched after {latched} mm, encoder {on_its_way}");
+}
+
 #[test]
 fn b3_the_position_of_an_axis_that_is_not_there_is_null() {
     // GC has X and Z.

@@ -65,19 +65,24 @@ check "the kiosk says what is missing" sh -c "chroot '$root' /usr/lib/kt830/kios
 check "a program runs as the user of the control" as_kt830 "kt830 run O1002 --data /var/lib/kt830"
 check "its data are its own" sh -c "[ -n \"\$(find '$root/var/lib/kt830' -type f -user \$(chroot '$root' id -u kt830))\" ]"
 echo "kiosk"
-# An X server without a display in place of the one on the terminal. Terminal, login and restart belong to the service.
+# An X server without a display in place of the one on the terminal, and a Wayland compositor without one. Terminal, login
+# and restart belong to the service.
 tools() {
   within apt-get update -qq
-  within env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends xinit xvfb x11-utils
+  within env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends xinit xvfb x11-utils cage xwayland
 }
-check "has an X server" tools
+check "has what both sessions need" tools
 cp "$root/etc/default/kt830" "$work/default"
-sed -i 's|^KT830_XSERVER=.*|KT830_XSERVER="/usr/bin/Xvfb :29 -screen 0 1280x800x24"|' "$root/etc/default/kt830"
+sed -i 's|^KT830_XSERVER=.*|KT830_XSERVER="/usr/bin/Xvfb :29 -screen 0 1280x720x24"|' "$root/etc/default/kt830"
+install -d -m 1777 "$root/dev/shm" "$root/tmp/.X11-unix"
+install -d -m 700 -o "$(within id -u kt830)" -g "$(within id -g kt830)" "$root/run/kt830"
+headless=(XDG_RUNTIME_DIR=/run/kt830 WLR_BACKENDS=headless WLR_RENDERER=pixman WLR_LIBINPUT_NO_DEVICES=1)
 session=
 # Processes of its own, which end with it.
 start_kiosk() {
-  unshare --pid --fork --kill-child --mount --mount-proc="$root/proc" chroot "$root" \
-    setpriv --reuid kt830 --regid kt830 --init-groups env HOME=/var/lib/kt830 /usr/lib/kt830/kiosk >"$work/kiosk" 2>&1 &
+  # Shared memory belongs to a running system: without it a Wayland compositor has nothing to draw into.
+  unshare --pid --fork --kill-child --mount --mount-proc="$root/proc" sh -c 'mount -t tmpfs -o mode=1777 tmpfs "$1/dev/shm"; shift; exec chroot "$@"' \
+    _ "$root" "$root" setpriv --reuid kt830 --regid kt830 --init-groups env HOME=/var/lib/kt830 "${headless[@]}" /usr/lib/kt830/kiosk >"$work/kiosk" 2>&1 &
   session=$!
 }
 trap '[[ -z "$session" ]] || kill -KILL "$session" 2>/dev/null; rm -rf --one-file-system "$work"' EXIT
@@ -87,12 +92,17 @@ control_below() {
     if [[ $(ps -o comm= -p "$child") == kt830 ]]; then echo "$child"; else control_below "$child"; fi
   done
 }
+# The display of a Wayland session is that of its user alone.
+windows() { within setpriv --reuid kt830 --regid kt830 --init-groups xwininfo -display "$1" -root -tree; }
 fills_the_screen() {
+  local display
   for _ in $(seq 60); do
-    if within xwininfo -display :29 -root -tree 2>/dev/null | grep -q 'KT-830.* 1280x800+0+0'; then return 0; fi
+    for display in "$@"; do
+      if windows "$display" 2>/dev/null | grep -q 'KT-830.* 1280x720+0+0'; then return 0; fi
+    done
     sleep 0.5
   done
-  within xwininfo -display :29 -root -tree
+  for display in "$@"; do windows "$display"; done
   cat "$work/kiosk"
   return 1
 }
@@ -105,10 +115,14 @@ ends_with_the_control() {
   return 1
 }
 start_kiosk
-check "fills the screen" fills_the_screen
+check "fills the screen" fills_the_screen :29
 check "ends when the control fails, so that the service starts it again" ends_with_the_control KILL
 start_kiosk
-check "fills the screen again" fills_the_screen
+check "fills the screen again" fills_the_screen :29
+check "ends with the control" ends_with_the_control TERM
+sed -i 's|^KT830_SESSION=.*|KT830_SESSION=wayland|' "$root/etc/default/kt830"
+start_kiosk
+check "fills the screen on Wayland" fills_the_screen :0 :1 :2 :3
 check "ends with the control" ends_with_the_control TERM
 mv "$work/default" "$root/etc/default/kt830"
 echo operator >"$root/var/lib/kt830/programs/O7001.NC"

@@ -13,6 +13,7 @@ mod modbus;
 mod plant;
 mod scenarios;
 mod session;
+mod wire;
 
 use std::process::ExitCode;
 

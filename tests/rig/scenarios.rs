@@ -12,6 +12,7 @@ use kt830::units::{Axis, PerAxis};
 use crate::modbus;
 use crate::plant::PlantLink;
 use crate::session::{Scenario, Session, StoryPart, observe, simulated, tell};
+use crate::wire::Wire;
 
 /// A scenario on the machine as it is described.
 const fn scenario(name: &'static str, play: fn(&mut Session<'_>)) -> Scenario {
@@ -38,7 +39,9 @@ pub const ALL: &[Scenario] = &[
     scenario("cable_behind_a_drive", cable_behind_a_drive),
     scenario("cable_at_the_control", cable_at_the_control),
     scenario("terminal_mute", terminal_mute),
+    scenario("device_reset", device_reset),
     differing("distributed_clocks", with_clocks, distributed_clocks),
+    differing("clock_jump", with_clocks, clock_jump),
     scenario("bus_slow", bus_slow),
     scenario("stuck_input", stuck_input),
     scenario("interface_gone", interface_gone),
@@ -378,6 +381,19 @@ fn terminal_mute(rig: &mut Session<'_>) {
     back(rig);
 }
 
+/// A terminal, then a drive, is reset while the axes move: it has lost address and settings. RESET sets all devices up.
+fn device_reset(rig: &mut Session<'_>) {
+    moving(rig);
+    for device in [4, 2] {
+        Wire::open().reset_device(device);
+        let ticks = rig.alarm(402, &format!("device {device}"));
+        println!("  device {device}: alarm after {ticks} ticks");
+        rig.story("wait 1 s\nexpect output wheel off\n");
+        back(rig);
+        long_move(rig);
+    }
+}
+
 /// The drives work at SYNC0.
 fn with_clocks(machine: &mut MachineDescription) {
     machine.ethercat.distributed_clocks = Some(ClockDescription { cycle_us: 1_000, shift_us: None });
@@ -441,6 +457,24 @@ fn distributed_clocks(rig: &mut Session<'_>) {
     rig.alarm(402, "device 3 does not answer");
     rig.plant.send("cable 1 2 in");
     back(rig);
+}
+
+/// The clock of the bus jumps by 0.4 of a cycle, forward and backward: the drives would take their set-points at another time.
+fn clock_jump(rig: &mut Session<'_>) {
+    moving(rig);
+    rig.turns(2_000);
+    assert!(rig.alarms().is_empty(), "{:?}", rig.alarms());
+    for ns in [400_000, -400_000] {
+        Wire::open().move_clock(1, ns);
+        let ticks = rig.alarm(402, "the clock of the bus has jumped");
+        println!("  {ns} ns: alarm after {ticks} ticks");
+        rig.story("wait 1 s\nexpect output wheel off\n");
+        back(rig);
+        rig.turns(5_000);
+        assert!(rig.alarms().is_empty(), "{:?}", rig.alarms());
+        let clock = rig.snapshot().bus.as_deref().and_then(|bus| bus.clock).expect("clocks");
+        println!("  {clock:?}");
+    }
 }
 
 /// Frames take longer than the cycle: ticks are late, and after ten in a row the machine stops.

@@ -8,6 +8,7 @@ use crate::controller::storage_request::StorageRequest;
 use crate::defs::mcode::Request;
 use crate::defs::signal::Output;
 use crate::defs::text::LocalizedText;
+use crate::defs::{alarm, param};
 use crate::link::cycle_times::CycleTimes;
 use crate::link::part_result::OffsetInForce;
 use crate::machine::phase;
@@ -171,6 +172,13 @@ impl Plant {
     pub fn leave_subprogram(&mut self) {
         if self.execution.current_block.program != self.execution.current_program {
             self.execution.current_block = BlockLocation::default();
+        }
+    }
+
+    /// Axes that stand and are not in position: an alarm once that takes too long.
+    pub fn await_in_position(&mut self, since: Micros) {
+        if self.now.since(since) > self.params.millis(param::IN_POSITION_TIMEOUT) {
+            self.raise(alarm::IN_POSITION_TIMEOUT, None);
         }
     }
 

@@ -120,9 +120,7 @@ impl ProgramRun {
         }
         let since = if let Activity::Settling { since } = self.activity { since } else { plant.now };
         self.activity = Activity::Settling { since };
-        if plant.now.since(since) > Micros::from_millis_f64(plant.params.get(param::IN_POSITION_TIMEOUT)) {
-            plant.raise(alarm::IN_POSITION_TIMEOUT, None);
-        }
+        plant.await_in_position(since);
         false
     }
 
@@ -221,7 +219,7 @@ impl ProgramRun {
 
     /// G31: the position is latched by the drives, else in the tick of the signal edge; then the axes brake.
     fn step_skip(&mut self, plant: &mut Plant, planned: &PlannedMove, signal: u8) -> ActionStatus {
-        let Activity::Skip { tag, latched, .. } = self.activity else {
+        let Activity::Skip { tag, latched, arrived_at, .. } = self.activity else {
             if signal == CONTACT_SKIP_SIGNAL && plant.params.input_port(Input::WheelContact) == 0 {
                 plant.raise(alarm::INPUT_NOT_ASSIGNED, Some(Input::WheelContact.name().into()));
                 return ActionStatus::Wait;
@@ -231,12 +229,12 @@ impl ProgramRun {
                 return raise_no_workpiece_drive(plant);
             };
             if let Some(tag) = self.push_move(plant, planned.to, planned.shape, rate, CornerMode::ExactStop) {
-                self.activity = Activity::Skip { tag, signal, latched: None };
+                self.activity = Activity::Skip { tag, signal, latched: None, arrived_at: None };
             }
             return ActionStatus::Wait;
         };
         let latched = watch_skip(plant, signal, latched);
-        self.activity = Activity::Skip { tag, signal, latched };
+        self.activity = Activity::Skip { tag, signal, latched, arrived_at };
         if let Some(place) = latched {
             if plant.axes.is_at_rest() {
                 plant.work.skip_position = place.work_position(plant);
@@ -244,6 +242,13 @@ impl ProgramRun {
                 return ActionStatus::Done;
             }
         } else if plant.axes.planner.finished_tag() >= Some(tag) {
+            // The axes lag behind their set-points: a late contact still counts.
+            if !plant.axes.is_in_position(&plant.params) {
+                let since = arrived_at.unwrap_or(plant.now);
+                self.activity = Activity::Skip { tag, signal, latched, arrived_at: Some(since) };
+                plant.await_in_position(since);
+                return ActionStatus::Wait;
+            }
             // The end point, not the lagging actual position: it tells the program that no signal came.
             plant.work.skip_position = plant.work.offsets.work_from_machine(plant.axes.set_point());
             return ActionStatus::Done;

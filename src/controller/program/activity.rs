@@ -39,8 +39,8 @@ pub enum Activity {
     Dwell { until: Micros },
     /// M80–M89.
     AwaitInput(Input),
-    /// G31: tag of the move, its signal, and where that has come.
-    Skip { tag: u32, signal: u8, latched: Option<SignalPlace> },
+    /// G31: tag of the move, its signal, and where that has come; since when the move is over without it.
+    Skip { tag: u32, signal: u8, latched: Option<SignalPlace>, arrived_at: Option<Micros> },
     /// G78.
     Gauge(GaugeCycle),
     /// A thread is being cut.
@@ -86,6 +86,8 @@ pub struct GaugeCycle {
     pub tag: Option<u32>,
     /// Where this stage's contact was.
     pub latched: Option<SignalPlace>,
+    /// Since when this stage's move is over without a contact.
+    pub arrived_at: Option<Micros>,
     /// Work coordinate of the first contact, mm displayed.
     pub first_contact: f64,
     /// The axis has reached the speed J; a second signal counts from then on.

@@ -33,6 +33,7 @@ impl ProgramRun {
                     stage: GaugeStage::Approach,
                     tag: None,
                     latched: None,
+                    arrived_at: None,
                     first_contact: 0.0,
                     at_fine_speed: false,
                     second_too_early: false,
@@ -58,11 +59,11 @@ impl ProgramRun {
     pub fn latch_in_pause(&mut self, plant: &mut Plant) {
         // Held, the axes may be moved by hand: what they touch then is no place of G31.
         let is_braking = matches!(plant.execution.phase, ControlPhase::Holding);
-        if let Activity::Skip { tag, signal, latched } = self.activity
+        if let Activity::Skip { tag, signal, latched, .. } = self.activity
             && is_braking
         {
             let latched = watch_skip(plant, signal, latched);
-            self.activity = Activity::Skip { tag, signal, latched };
+            self.activity = Activity::Skip { tag, signal, latched, arrived_at: None };
         }
         let Activity::Gauge(mut gauging) = self.activity else { return };
         watch_second(plant, &mut gauging);
@@ -160,6 +161,10 @@ fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> 
         None if arrived && plant.axes.is_axis_in_position(asked.axis, &plant.params) => {
             fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, awaited)
         }
+        None if arrived => {
+            plant.await_in_position(*gauging.arrived_at.get_or_insert(plant.now));
+            ActionStatus::Wait
+        }
         Some(place) if plant.axes.is_at_rest() => {
             let edge = place.work_position(plant)[asked.axis] * plant.displayed_per_mm(asked.axis);
             record_contact(plant, asked.axis, edge, fine, gauging.first_contact);
@@ -241,6 +246,7 @@ const fn next_stage(gauging: &mut GaugeCycle, stage: GaugeStage) -> ActionStatus
     gauging.stage = stage;
     gauging.tag = None;
     gauging.latched = None;
+    gauging.arrived_at = None;
     ActionStatus::Wait
 }
 

@@ -4,6 +4,7 @@
 use core::time::Duration;
 
 use ethercrab::error::{DistributedClockError, Error};
+use ethercrab::std::ethercat_now;
 use ethercrab::subdevice_group::{CycleInfo, DcConfiguration, HasDc, NoDc, PreOp, PreOpPdi};
 use ethercrab::{DcSync, MainDevice};
 
@@ -74,10 +75,10 @@ pub(super) fn synchronise(
     })
 }
 
-/// When a frame has passed the reference clock; its distance from the time that is asked for is within half a cycle.
-pub(super) fn reading(clocks: ClockDescription, cycle: &CycleInfo) -> ClockReading {
+/// When a frame that was sent at `sent_ns` has passed the reference clock; its distance from the time that is asked for is within half a cycle.
+pub(super) fn reading(clocks: ClockDescription, cycle: &CycleInfo, sent_ns: u64) -> ClockReading {
     let period = i64::from(clocks.cycle_us) * 1_000;
     let late = cycle.cycle_start_offset.as_nanos() as i64 - i64::from(clocks.shift_us()) * 1_000;
     let error_ns = (late + period / 2).rem_euclid(period) - period / 2;
-    ClockReading { error_ns, time_ns: cycle.dc_system_time }
+    ClockReading { error_ns, time_ns: cycle.dc_system_time, sent_ns, received_ns: ethercat_now() }
 }

@@ -329,7 +329,7 @@ impl FieldBus for EtherCat {
         self.clock = None;
         let answered = match (&*group, self.clocks) {
             (Group::Clocked(devices), Some(clocks)) => link.run(devices.tx_rx_dc(main_device)).map(|response| {
-                self.clock = Some(clocks::reading(clocks, &response.extra));
+                self.clock = Some(clocks::reading(clocks, &response.extra, sent));
                 states.extend_from_slice(&response.subdevice_states);
                 response.working_counter
             }),

@@ -83,6 +83,8 @@ pub enum BusFault {
         /// Place on the bus.
         device: u16,
     },
+    /// The reference clock of the bus has another time than before.
+    ClockJumped,
     /// Not every device takes part in the exchange.
     WorkingCounter {
         /// Working counter of a whole exchange.
@@ -179,6 +181,7 @@ impl BusFault {
             Self::ClockApart { device } => {
                 phrase!("设备 {device} 的时钟没有同步", "the clock of device {device} does not settle", device)
             }
+            Self::ClockJumped => phrase!("总线时钟跳变", "the clock of the bus has jumped"),
             Self::NotOperational { device, al_status } => not_operational(device, al_status),
             Self::WorkingCounter { expected, found } => {
                 phrase!(

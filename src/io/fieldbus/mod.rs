@@ -3,11 +3,12 @@
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
 //! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
-//! drive, `servo_axis` an axis, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `port_counters` which cable is bad, `bus_fault` what can be wrong.
+//! drive, `servo_axis` an axis, `clock_watch` the clock of the bus, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `port_counters` which cable is bad, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod channel;
 pub mod cia402;
+pub mod clock_watch;
 pub mod description;
 pub mod inverter;
 mod parameter_check;
@@ -20,6 +21,7 @@ pub mod touch_probe;
 
 use self::bus_fault::BusFault;
 use self::channel::CounterChannel;
+use self::clock_watch::ClockWatch;
 use self::description::{AnalogChannel, DeviceDescription, MachineDescription};
 use self::port_counters::PortCounters;
 use self::process_image::{BitField, DeviceImage};
@@ -81,6 +83,10 @@ pub struct ClockReading {
     pub error_ns: i64,
     /// Its time, ns.
     pub time_ns: u64,
+    /// When the frame was sent, by the clock of this computer, ns.
+    pub sent_ns: u64,
+    /// When it was back, by the clock of this computer, ns.
+    pub received_ns: u64,
 }
 
 /// Whether the bus serves the control.
@@ -117,6 +123,7 @@ pub struct FieldBusMachine<F> {
     statistics: BusStatistics,
     round_trips: Histogram,
     clock_errors: Histogram,
+    clock_watch: ClockWatch,
     ports: PortCounters,
     inputs: InputImage,
     /// The inputs have been read at least once.
@@ -160,6 +167,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
             statistics: BusStatistics::default(),
             round_trips: Histogram::default(),
             clock_errors: Histogram::default(),
+            clock_watch: ClockWatch::default(),
             inputs: InputImage::default(),
             has_inputs: false,
             inverter_fault: 0,
@@ -175,6 +183,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
     pub fn connect(&mut self) {
         // Nothing of the time before is sent again.
         self.images.iter_mut().for_each(|image| image.outputs.fill(0));
+        self.clock_watch.forget();
         let mut connected = Err(BusFault::NoReply);
         for _ in 0..CONNECT_ATTEMPTS {
             let devices = &self.description.devices;
@@ -197,10 +206,11 @@ impl<F: FieldBus> FieldBusMachine<F> {
         stations.fold(true, |tried, (station, image)| station.take(Micros::ZERO, image) && tried)
     }
 
-    /// RESET: what is left of a lost bus goes on; only a device that has lost its settings makes all of them start anew.
+    /// RESET: what is left of a lost bus goes on; only a device that has lost its settings, or the time, makes all of them
+    /// start anew.
     fn reconnect(&mut self) {
         self.stations.iter_mut().for_each(|station| station.hold(RECONNECT_TIME));
-        if matches!(self.state, BusState::Lost(_)) {
+        if matches!(self.state, BusState::Lost(fault) if fault != BusFault::ClockJumped) {
             match self.bus.recover(&mut self.images[..self.description.devices.len()]) {
                 Ok(()) => return self.state = BusState::Running(0),
                 Err(BusFault::NotOperational { .. }) => {}
@@ -324,6 +334,9 @@ impl<F: FieldBus> FieldBusMachine<F> {
             self.round_trips.add(self.bus.round_trip());
             if let Some(reading) = self.bus.clock() {
                 self.clock_errors.add(Micros(reading.error_ns.unsigned_abs() / 1_000));
+                if self.clock_watch.has_jumped(reading) && matches!(self.state, BusState::Running(_)) {
+                    self.fail(BusState::Lost(BusFault::ClockJumped), BusFault::ClockJumped);
+                }
             }
         }
         match (self.state, exchanged) {
