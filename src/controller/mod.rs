@@ -98,7 +98,8 @@ impl Controller {
         program.finish_braking(plant);
         plant.write_outputs();
         plant.store_alarm_changes();
-        panel.follow_cycle(plant);
+        panel.follow_cycle(plant, program.started_at());
+        panel.follow_hours(&mut Parts { plant, program, manual });
         panel.scope.record(plant);
         plant.outbox.refusal = refused; // later refusals in this tick do not answer a command
         &plant.outputs.image

@@ -3,9 +3,12 @@
 use std::sync::Arc;
 
 use crate::defs::alarm_history::PastAlarm;
+use crate::defs::hour_record::HourRecord;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::Params;
+use crate::defs::part_record::PartRecord;
+use crate::defs::production_order::ProductionOrder;
 use crate::defs::variable_name;
 use crate::link::page_command::KeptState;
 use crate::nc::{CommonVariables, WorkOffsets};
@@ -32,6 +35,12 @@ pub struct PowerOnState {
     pub interrupted: Option<(u32, u32)>,
     /// Alarm history.
     pub alarm_history: Vec<PastAlarm>,
+    /// Finished parts.
+    pub parts: Vec<PartRecord>,
+    /// Hours of the machine.
+    pub hours: Vec<HourRecord>,
+    /// Production orders by their numbers.
+    pub orders: Vec<ProductionOrder>,
     /// Date set at the machine minus the system clock, s.
     pub clock_offset_s: i64,
     /// Number of wrong passwords in a row before the power went.
@@ -60,6 +69,9 @@ impl PowerOnState {
             part_count: 0,
             interrupted: None,
             alarm_history: Vec::new(),
+            parts: Vec::new(),
+            hours: Vec::new(),
+            orders: Vec::new(),
             clock_offset_s: 0,
             kept_states: Arc::from([]),
             wrong_passwords: 0,

@@ -6,9 +6,12 @@ use std::sync::Arc;
 use super::program::library::Programs;
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::date::DateTime;
+use crate::defs::hour_record::HourRecord;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::{ParamAddress, Params};
+use crate::defs::part_record::PartRecord;
+use crate::defs::production_order::ProductionOrder;
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::arg::Arg;
 use crate::defs::turning_tool;
@@ -49,6 +52,12 @@ pub enum StorageRequest {
     RunningAt(Option<(u32, u32)>),
     /// Store an alarm of the history in its slot.
     Alarm(PastAlarm),
+    /// Store a finished part in its slot.
+    Part(PartRecord),
+    /// Store an hour of the machine in its slot.
+    Hour(HourRecord),
+    /// Store the order of a number; `None` removes it.
+    Order(u32, Option<ProductionOrder>),
     /// Store the date set at the machine minus the system clock, s.
     ClockOffset(i64),
     /// Store the number of wrong passwords in a row; 0 after a right one.

@@ -1,11 +1,9 @@
 //! The alarm history: when and where each alarm was raised and how it was cleared. Retained data. Source: spec B6.
 
-use std::ops::Deref;
-use std::sync::Arc;
-
 use serde::{Deserialize, Serialize};
 
 use super::date::DateTime;
+use super::history::{History, HistoryEntry};
 use super::text::{LocalizedText, SharedWords, Text};
 
 /// Maximum number of alarms in the history; a new alarm replaces the oldest.
@@ -57,75 +55,13 @@ pub struct PastAlarm {
     pub ended: Option<(AlarmEnd, Option<DateTime>)>,
 }
 
-impl PastAlarm {
-    /// Slot in the retained store: a new entry reuses the slot of the entry it replaces.
-    #[must_use]
-    pub const fn slot(&self) -> u16 {
-        (self.count % MAX_ALARM_HISTORY as u64) as u16
+impl HistoryEntry for PastAlarm {
+    const CAPACITY: usize = MAX_ALARM_HISTORY;
+
+    fn count(&self) -> u64 {
+        self.count
     }
 }
 
-/// The entries of the history, latest last.
-#[derive(Clone, Debug)]
-pub struct AlarmHistory {
-    /// Shared by the copies that the screen keeps.
-    entries: Arc<Vec<PastAlarm>>,
-    version: u64,
-}
-
-impl AlarmHistory {
-    /// The history with these entries, oldest first, in the memory of a full one. Its versions begin at this one: no
-    /// earlier history of the machine may have had it.
-    #[must_use]
-    pub fn new(remembered: impl IntoIterator<Item = PastAlarm>, version: u64) -> Self {
-        let mut entries = Vec::with_capacity(MAX_ALARM_HISTORY);
-        entries.extend(remembered);
-        Self { entries: Arc::new(entries), version }
-    }
-
-    /// Counts the changes.
-    #[must_use]
-    pub const fn version(&self) -> u64 {
-        self.version
-    }
-
-    /// Appends an entry; the oldest goes if the history is full.
-    pub fn push(&mut self, past: PastAlarm) {
-        if self.entries.len() >= MAX_ALARM_HISTORY {
-            self.entries_mut().remove(0);
-        }
-        self.entries_mut().push(past);
-    }
-
-    /// The entries, to change them.
-    pub fn entries_mut(&mut self) -> &mut Vec<PastAlarm> {
-        self.version += 1;
-        Arc::make_mut(&mut self.entries)
-    }
-
-    /// Takes over the entries of another history if they have changed: in place, unless they are shared.
-    pub fn copy_from(&mut self, newest: &Self) {
-        if self.version != newest.version {
-            match Arc::get_mut(&mut self.entries) {
-                Some(entries) => entries.clone_from(&newest.entries),
-                None => self.entries = Arc::new(newest.to_vec()),
-            }
-            self.version = newest.version;
-        }
-    }
-}
-
-impl Default for AlarmHistory {
-    /// Empty and older than any other.
-    fn default() -> Self {
-        Self::new([], 0)
-    }
-}
-
-impl Deref for AlarmHistory {
-    type Target = [PastAlarm];
-
-    fn deref(&self) -> &[PastAlarm] {
-        &self.entries
-    }
-}
+/// The alarms of the machine, also those before the last power-off.
+pub type AlarmHistory = History<PastAlarm>;

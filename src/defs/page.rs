@@ -147,6 +147,9 @@ pages! {
     Scope = "scope", ANY, "示波器", "scope", row 4, key 4 5 "示波器" "SCOPE",
         "逐周期记录最多四个信号：各轴设定值、实际值、跟随误差、速度，进给、转速，任一输入输出。", "Up to four signals, cycle by cycle: set-point, position, following error and speed of each axis, feed, rotation, any input or output.",
         "点左边的名称选信号；记录 立即开始，或由第一个信号的上升、下降触发。点曲线放游标，双指缩放时间，放大后拖动；存为 CSV。带 Ø 的是直径值。", "Touch a name on the left to choose its signal; RECORD starts at once, or when the first signal rises or falls through the level. A touch on the curves sets the cursor; pinch to zoom, then drag; SAVE CSV. A unit with Ø counts diameters.";
+    Jobs = "jobs", ANY, "生产", "production", row 5, key 5 1 "生产" "PRODUCTION",
+        "订单：哪个程序做多少件，已做多少；每个订单的尺寸统计和报告。断电保留。", "Orders: how many parts of which program, how many are made; statistics of their sizes, and a report. Retained at power-off.",
+        "键入订单号、程序、件数，存入。开始：此后加工完的工件计入该订单，并装入它的程序。点一行选订单。报告存为 HTML。班次：每小时做了什么，各班合计，停机原因。", "Type number, program and parts of an order, ENTER. START: parts finished from now on count for it, and its program is loaded. Touch a row to choose an order. REPORT saves an HTML file. SHIFTS: what the machine did in each hour, sums, stops.";
     Panel = "panel", ANY, "面板", "panel", row 0,
         "操作面板：各键和灯。", "The operator panel with its keys and lamps.",
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。", "It is to the right of the page, on a portrait display below it; see KEYS for each key.";

@@ -1,9 +1,11 @@
 //! What makes a part scrap whatever its size. Source: P5, P8.
 
+use serde::{Deserialize, Serialize};
+
 use super::text::Text;
 
 /// What has spoilt a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum PartDefect {
     /// The wheel has burnt it.
     Burn,

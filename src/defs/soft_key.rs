@@ -1,4 +1,4 @@
-//! The soft keys F1–F5 in five rows, and ◀ ▶ that turn the rows. A page shows the row of its key when it opens; the
+//! The soft keys F1–F5 in six rows, and ◀ ▶ that turn the rows. A page shows the row of its key when it opens; the
 //! grinding page shows the row of the customer's picture. The screen and the core use the same keys, so a key in a story
 //! does the same as a touch.
 //! Source: spec K7.1, K7.2.
@@ -98,8 +98,10 @@ pub struct SoftKey {
     pub action: SoftKeyAction,
 }
 
-/// Number of rows that ▶ switches through; the row of simulator and bus is the last.
-pub const ROWS: usize = 5;
+/// Number of rows that ▶ switches through; those of simulator, bus and production are the last.
+pub const ROWS: usize = 6;
+/// Of them those that a machine has that is simulated or on a bus.
+const LAST_ROWS: usize = 2;
 
 /// The keys that do not stand in the row of a page: row and place, as there.
 const OTHER_KEYS: [((usize, usize), SoftKeyAction); 4] = [
@@ -150,8 +152,8 @@ pub const fn key_of_page(page: Page, coordinates: CoordinateView) -> SoftKeyActi
     }
 }
 
-/// The number of rows: the last one is for a simulated machine (P1) or a field bus, and omitted without them.
+/// The number of rows: the last ones are for a simulated machine (P1) or a field bus, and omitted without them.
 #[must_use]
 pub const fn row_count(has_last: bool) -> usize {
-    if has_last { ROWS } else { ROWS - 1 }
+    if has_last { ROWS } else { ROWS - LAST_ROWS }
 }

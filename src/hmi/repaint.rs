@@ -95,6 +95,7 @@ compared_fields! {
     terminals: on(FieldGroup::Diagnosis, |old, new, _| terminals_differ(old, new));
     internals: on(FieldGroup::Diagnosis, differ);
     alarm_history: |old, new, _| old.version() != new.version();
+    production: |old, new, page| shown_fields(page).contains(&FieldGroup::Production) && old.differs(new);
     leadscrews: on(FieldGroup::Leadscrews, differ);
     params: replaced;
     // Without a simulated machine and a bus every page has one row of soft keys less.

@@ -144,11 +144,12 @@ impl Lines {
             };
             channel.map(shown).unwrap_or_default()
         };
-        if let Some(InverterDescription { fault, reset, speed, .. }) = &described.inverter {
+        if let Some(InverterDescription { fault, reset, speed, load, .. }) = &described.inverter {
             self.property("变频器故障", "fault of the inverter", place(fault.device, fault.bit, fault.bits));
             let reset = reset.map(|reset| place(reset.device, reset.bit, 1));
             self.property("变频器复位", "reset of the inverter", reset.unwrap_or_default());
             self.property("变频器实际转速", "actual speed of the inverter", counter(*speed));
+            self.property("变频器负载", "load of the inverter", counter(*load));
         }
         self.property("手轮", "handwheel", counter(described.handwheel));
         self.property("主轴编码器", "spindle encoder", counter(described.spindle_encoder));

@@ -11,6 +11,7 @@ use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
 use crate::io::fieldbus::bus_fault::BusFault;
 use crate::io::fieldbus::description::MachineDescription;
+use crate::io::fieldbus::inverter::InverterReading;
 use crate::io::fieldbus::station::StationFault;
 use crate::io::fieldbus::station_description::FIRST_STATION;
 use crate::io::fieldbus::{ClockReading, FieldBus, FieldBusMachine};
@@ -94,14 +95,18 @@ impl<F: FieldBus> HostedFieldBus<F> {
                 distance: machine.clock_errors().percentiles(),
                 drift_ppm: times.bus_clock.drift_ppm(),
             }),
-            inverter: machine.inverter().map(|(rpm, code)| BusInverter {
-                device: description.inverter.as_ref().map_or(0, |inverter| inverter.fault.device),
-                rpm,
-                fault: (code != 0).then(|| fault_text(description, BusFault::InverterFault { code })),
-            }),
+            inverter: machine.inverter().map(|reading| inverter_view(description, reading)),
             description: Arc::clone(&self.description),
         }
     }
+}
+
+/// What the inverter reports.
+fn inverter_view(description: &MachineDescription, reading: InverterReading) -> BusInverter {
+    let InverterReading { rpm, load_percent, fault_code: code } = reading;
+    let device = description.inverter.as_ref().map_or(0, |inverter| inverter.fault.device);
+    let fault = (code != 0).then(|| fault_text(description, BusFault::InverterFault { code }));
+    BusInverter { device, rpm, load_percent, fault }
 }
 
 /// A fault in words; those of an inverter are in the description of the machine.

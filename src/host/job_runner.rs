@@ -156,9 +156,10 @@ impl JobRunner {
                 let media = MediaView { port: self.port(), ports: port_names(), ..media };
                 report_answer(Ok(FileAnswer::Media(media)), tell)
             }
-            FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) | FileRequest::ExportLeadscrew(..) => {
-                report_answer(self.export(job).map(FileAnswer::Done), tell)
-            }
+            FileRequest::SaveScreenshot(_)
+            | FileRequest::SaveTable(_)
+            | FileRequest::SaveReport(_)
+            | FileRequest::ExportLeadscrew(..) => report_answer(self.export(job).map(FileAnswer::Done), tell),
             FileRequest::ReadPage { id, program } => {
                 report_answer(pages.read(*id, *program, job).map(|read| FileAnswer::Page(Arc::new(read))), tell)
             }
@@ -193,6 +194,7 @@ impl JobRunner {
         match &job.request {
             FileRequest::SaveScreenshot(picture) => target.save_screenshot(picture, date),
             FileRequest::SaveTable(text) => target.save_dated(text.as_bytes(), date, "CSV"),
+            FileRequest::SaveReport(text) => target.save_dated(text.as_bytes(), date, "HTML"),
             FileRequest::ExportLeadscrew(axis, table) => leadscrew_files::write(*axis, table, date, target),
             other => Err(refusal("不能导出", format!("{other:?} cannot be exported"))),
         }

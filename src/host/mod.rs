@@ -53,6 +53,7 @@ use crate::io::trace::TraceRow;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
 use crate::link::page_command::{DataChoice, PageCommand, StorageAnswer};
+use crate::link::production::PartInspection;
 use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
 use crate::nc::Source;
 use crate::units::Micros;
@@ -241,9 +242,15 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
 
     /// The part of a cycle is measured once, at its end.
     fn note_end_of_cycle(&mut self) {
-        let ended = self.controller.part_result().map(|part| part.ended_at);
-        if ended.is_some() && ended != self.part.measured_at {
+        let finished = self.controller.part_result();
+        let ended = finished.map(|part| part.ended_at);
+        if let Some(part) = finished.filter(|_| ended != self.part.measured_at) {
             self.plant.measure_finished_part();
+            if let Some(view) = self.plant.view(self.now) {
+                let size = part.judged_size(Some(&view)).map(|size| size.mm());
+                let (ended_at, verdict) = (part.ended_at, part.verdict(Some(&view)));
+                self.inbox.push(Command::PartInspected(PartInspection { ended_at, size, verdict }));
+            }
         }
         self.part.measured_at = ended;
     }

@@ -11,9 +11,11 @@ use super::folders::time_text;
 use super::password_store::{LostData, PasswordStore};
 use crate::controller::{PowerOnState, StorageRequest};
 use crate::defs::alarm;
+use crate::defs::history::HistoryEntry;
 use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
+use crate::defs::production_order::ProductionOrder;
 use crate::defs::system_variable;
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::command::Command;
@@ -31,6 +33,8 @@ use crate::units::{Axis, PerAxis};
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
 const CLOCK_OFFSET: &str = "clock-offset";
+/// Before the number of a production order.
+const ORDER: &str = "order-";
 const WRONG_PASSWORDS: &str = "wrong-passwords";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 /// The number of the tool offset follows.
@@ -425,6 +429,12 @@ fn to_change(request: &StorageRequest) -> Option<RetainedChange> {
         }
         StorageRequest::CurrentProgram(program) => number(CURRENT_PROGRAM, f64::from(*program)),
         StorageRequest::Alarm(past) => RetainedChange::Alarm(past.clone()),
+        StorageRequest::Part(part) => RetainedChange::Part(*part),
+        StorageRequest::Hour(hour) => RetainedChange::Hour(*hour),
+        StorageRequest::Order(number, order) => {
+            let value = order.and_then(|order| serde_json::to_string(&order).ok());
+            RetainedChange::Text { key: format!("{ORDER}{number}"), value }
+        }
         StorageRequest::ClockOffset(seconds) => number(CLOCK_OFFSET, *seconds as f64),
         StorageRequest::WrongPasswords(count) => number(WRONG_PASSWORDS, f64::from(*count)),
         StorageRequest::PartCount(parts) => number(PARTS, f64::from(*parts)),
@@ -465,6 +475,19 @@ pub fn apply_request(retained: &mut PowerOnState, request: &StorageRequest) {
         StorageRequest::Alarm(past) => {
             retained.alarm_history.retain(|other| other.slot() != past.slot());
             retained.alarm_history.push(past.clone());
+        }
+        StorageRequest::Part(part) => {
+            retained.parts.retain(|other| other.slot() != part.slot());
+            retained.parts.push(*part);
+        }
+        StorageRequest::Hour(hour) => {
+            retained.hours.retain(|other| other.slot() != hour.slot());
+            retained.hours.push(*hour);
+        }
+        StorageRequest::Order(number, order) => {
+            retained.orders.retain(|other| other.number != *number);
+            let place = retained.orders.partition_point(|other| other.number < *number);
+            drop(retained.orders.splice(place..place, *order));
         }
         StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
         StorageRequest::WrongPasswords(count) => retained.wrong_passwords = *count,
@@ -529,11 +552,24 @@ fn retained_from_data(kind: Kind, loaded: &RetainedData) -> (PowerOnState, Vec<D
     retained.part_count = number(PARTS);
     retained.wrong_passwords = number(WRONG_PASSWORDS);
     retained.alarm_history = loaded.alarms.values().cloned().collect();
+    take_production(&mut retained, loaded, &mut dropped);
     retained.clock_offset_s = loaded.numbers.get(CLOCK_OFFSET).map_or(0, |seconds| *seconds as i64);
     let place = loaded.texts.get(RUNNING_AT).and_then(|text| text.split_once(' '));
     retained.interrupted = place.and_then(|(program, line)| Some((program.parse().ok()?, line.parse().ok()?)));
     retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
+}
+
+/// Parts, hours and orders.
+fn take_production(retained: &mut PowerOnState, loaded: &RetainedData, dropped: &mut Vec<DroppedValue>) {
+    retained.parts = loaded.parts.values().copied().collect();
+    retained.hours = loaded.hours.values().copied().collect();
+    for (key, stored) in loaded.texts.iter().filter(|(key, _)| key.starts_with(ORDER)) {
+        match serde_json::from_str::<ProductionOrder>(stored) {
+            Ok(order) => apply_request(retained, &StorageRequest::Order(order.number, Some(order))),
+            Err(fault) => dropped.push((format!("{key}: {fault}"), Some(text(key, None)))),
+        }
+    }
 }
 
 #[cfg(test)]

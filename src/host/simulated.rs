@@ -158,7 +158,7 @@ impl HostedMachine for HostedSimulation {
     fn measure_finished_part(&mut self) {
         self.finished_sizes = self.part_sizes();
         self.finished_defects = self.machine.part_defects();
-        self.viewed_at = None;
+        self.viewed_at = None; // the view has them from now on
     }
 
     fn simulate(&mut self, command: SimCommand) {

@@ -66,6 +66,8 @@ pub struct BusInverter {
     pub device: u16,
     /// Actual speed, r/min, where it sends it.
     pub rpm: Option<f64>,
+    /// Load of its motor in percent of the rated one, where it sends it.
+    pub load_percent: Option<f64>,
     /// Its fault.
     pub fault: Option<LocalizedText>,
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use super::part_result::PartCommand;
+use super::production::{OrderCommand, PartInspection};
 use super::simulation::SimCommand;
 use super::teach::TeachCommand;
 use super::toolpath::StockBox;
@@ -64,6 +65,8 @@ pub enum Command {
     },
     /// The part of the last cycle: its measured size, or the correction that follows from it.
     Part(PartCommand),
+    /// The list of production orders.
+    Order(OrderCommand),
     /// The wheel was changed (K5.17): new size and rated speed. The wheel must be dressed before a cycle start.
     ChangeWheel {
         /// Diameter, mm.
@@ -87,6 +90,8 @@ pub enum Command {
     SetCutter(usize, f64, u8),
     /// The simulated machine has mounted the part of the current program and set work offset and geometry for it.
     PartMounted,
+    /// The simulated machine has measured the finished part; a real one sends nothing.
+    PartInspected(PartInspection),
     /// Sets the boxes of the workpiece and its fixture, for the graphic page.
     SetStock(Arc<[StockBox]>),
     /// Sets the leadscrew error table of an axis (B7).

@@ -121,6 +121,8 @@ pub enum FileRequest {
     SaveScreenshot(Screenshot),
     /// Saves a table of samples as CSV.
     SaveTable(String),
+    /// Saves a report as HTML.
+    SaveReport(String),
     /// Reads a page text for editing, with the variables that the program uses.
     ReadPage {
         /// Which text.

@@ -13,6 +13,7 @@ pub mod media;
 pub mod page_command;
 pub mod page_file;
 pub mod part_result;
+pub mod production;
 pub mod program_view;
 pub mod scope;
 pub mod simulation;

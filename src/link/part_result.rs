@@ -6,8 +6,7 @@ use super::simulation::{PartSize, SimView};
 use crate::defs::page_meaning::{PageMeaning, SizeKind};
 use crate::defs::page_text::PageText;
 use crate::defs::param::{self, NumberParam, Params};
-use crate::defs::part_defect::PartDefect;
-use crate::defs::text::Text;
+use crate::defs::part_verdict::PartVerdict;
 use crate::units::{Axis, Micros};
 
 /// The nominal size of a part.
@@ -247,57 +246,6 @@ impl JudgedSize<'_> {
         match self {
             Self::Typed(mm) | Self::Measured(mm) => mm,
             Self::Simulated(compared) => compared.worst.mm,
-        }
-    }
-}
-
-/// Whether a part is good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PartVerdict {
-    /// Scrap, whatever its size.
-    Spoilt(PartDefect),
-    /// Within its limits.
-    Good,
-    /// Beyond a limit.
-    Out {
-        /// Other places of the same surface are within the limits.
-        partly: bool,
-    },
-    /// It has a size and no limits.
-    NoTolerance,
-    /// Nobody knows its size.
-    NotMeasured,
-}
-
-impl PartVerdict {
-    /// Whether the part must not be delivered.
-    #[must_use]
-    pub const fn is_bad(self) -> bool {
-        matches!(self, Self::Spoilt(_) | Self::Out { .. })
-    }
-
-    /// The verdict on the screen.
-    #[must_use]
-    pub const fn name(self) -> Text {
-        match self {
-            Self::Spoilt(defect) => defect.name(),
-            Self::Good => Text::new("合格", "OK"),
-            Self::Out { partly: true } => Text::new("局部超差", "PARTLY OUT"),
-            Self::Out { partly: false } => Text::new("超差", "NOT OK"),
-            Self::NoTolerance => Text::new("无公差", "no tolerance"),
-            Self::NotMeasured => Text::new("未测量", "not measured"),
-        }
-    }
-
-    /// The verdict in reports.
-    #[must_use]
-    pub const fn id(self) -> &'static str {
-        match self {
-            Self::Spoilt(defect) => defect.id(),
-            Self::Good => "ok",
-            Self::Out { .. } => "out-of-tolerance",
-            Self::NoTolerance => "no-tolerance",
-            Self::NotMeasured => "not-measured",
         }
     }
 }

@@ -12,6 +12,7 @@ use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::page_command::KeptState;
 use super::part_result::SizeValues;
+use super::production::ProductionView;
 use super::program_view::ProgramView;
 use super::scope::ScopeView;
 use super::simulation::SimView;
@@ -305,6 +306,8 @@ pub struct Snapshot {
     pub internals: InternalSignalSet,
     /// Past alarms, also before the last power-off, newest last.
     pub alarm_history: AlarmHistory,
+    /// Parts, hours and orders.
+    pub production: ProductionView,
     /// Leadscrew tables of the axes (B7).
     pub leadscrews: PerAxis<LeadscrewCompensation>,
     /// Date and time of day; none if unknown.
@@ -487,6 +490,7 @@ impl Snapshot {
             terminals: TerminalView::default(),
             internals: InternalSignalSet::default(),
             alarm_history: AlarmHistory::default(),
+            production: ProductionView::default(),
             leadscrews: PerAxis::default(),
             date: None,
             params: Arc::new(Params::factory(kind)),
@@ -547,6 +551,13 @@ impl Snapshot {
     #[must_use]
     pub fn wheel_rim_m_s(&self) -> f64 {
         std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) * self.wheel_rpm / 60_000.0
+    }
+
+    /// Load of the wheel's motor in percent of the rated one, as the simulated machine or the inverter says it.
+    #[must_use]
+    pub fn wheel_load_percent(&self) -> Option<f64> {
+        let simulated = self.simulated.as_ref().map(|sim| sim.wheel_load_percent);
+        simulated.or_else(|| self.bus.as_ref()?.inverter.as_ref()?.load_percent)
     }
 
     /// The values that the sizes of the part are taken from, as they are now.

@@ -14,6 +14,7 @@ use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
+use crate::link::production::OrderCommand;
 use crate::link::scope::{SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeSetup, ScopeTrigger};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
@@ -172,6 +173,7 @@ impl LineParser {
             "stall" => Statement::Stall,
             "unlock" | "password" | "accept" => Statement::Settings(self.settings(&verb)?),
             "scope" => Statement::Settings(PageCommand::Scope(self.scope()?)),
+            "order" => Statement::Order(self.order()?),
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
@@ -213,6 +215,23 @@ impl LineParser {
         }
         let (old, new) = (self.password("the old password")?, self.password("the new password")?);
         Ok(PageCommand::ChangePassword { scope, old, new })
+    }
+
+    /// `order 501 O1002 50` enters an order; `start`, `close`, `delete` and its number.
+    fn order(&mut self) -> Result<OrderCommand, StoryError> {
+        let word = self.word("a number, start, close or delete")?;
+        let count = |word: &str| word.parse::<u32>().ok();
+        if let Some(number) = count(&word) {
+            let (program, target) = (self.o_number()?, self.one_of("a number of parts", count)?);
+            return Ok(OrderCommand::Enter { number, program, target });
+        }
+        let number = self.one_of("the number of an order", count)?;
+        match word.as_str() {
+            "start" => Ok(OrderCommand::Start(number)),
+            "close" => Ok(OrderCommand::Close(number)),
+            "delete" => Ok(OrderCommand::Delete(number)),
+            _ => Err(self.error(format!("'{word}' is not a number, start, close or delete"))),
+        }
     }
 
     /// `scope stop`, or the signals and how they are recorded.

@@ -208,6 +208,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Transfer(direction, set) => self.transfer(*direction, *set),
             Statement::Stall => self.stall(),
             Statement::Settings(command) => self.send(Command::Page(command.clone())),
+            Statement::Order(command) => self.send(Command::Order(*command)),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::ScreenHangs(seconds) => self.stage.hang_screen(*seconds),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),

@@ -9,6 +9,7 @@ use crate::defs::signal::{Input, Output};
 use crate::io::sim::EventKind;
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::PageCommand;
+use crate::link::production::OrderCommand;
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
@@ -196,6 +197,8 @@ pub enum Statement {
     /// the scope records up to four signals (`X-set`, `X-actual`, `X-error`, `X-set-speed`, `X-actual-speed`, `feed`,
     /// `rotation`, `input:ID`, `output:ID`), at once or when the first rises or falls to a level; `scope stop`
     Settings(PageCommand),
+    /// `order 501 O1002 50`, `order start 501`: the list of production orders.
+    Order(OrderCommand),
     /// `teach start|stop|undo|keep`: records jogged moves (L9)
     Teach(TeachCommand),
     /// `part FILE`

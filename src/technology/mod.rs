@@ -1,4 +1,5 @@
-//! Grinding technology: what a plunge on an outside diameter should be ground with, and by which limit each value is set.
+//! Grinding technology: what a plunge on an outside diameter should be ground with, and by which limit each value is set;
+//! what the sizes of a series say of the process (`capability`).
 //!
 //! Everything is calculated from the task (part, wheel, machine); nothing here moves an axis. The constants are starting
 //! values of practice for vitrified corundum wheels with emulsion; the machine and the first parts decide.
@@ -15,10 +16,12 @@
 //! S. Malkin, R. B. Lenz, CIRP Annals 27 (1978) 233 (burn limit of steels); F. Klocke, Manufacturing Processes 2, 2009
 //! (speed ratio, removal rates, overlap ratio). Spec: issue "a good part, always", part D.
 
+mod capability;
 mod dressing;
 mod material;
 mod plunge;
 
+pub use capability::{Capability, EwmaPoint, MIN_PARTS, capability, ewma};
 pub use dressing::{DressedWheel, effective_width_mm};
 pub use material::{GroundMaterial, MATERIALS};
 pub use plunge::{

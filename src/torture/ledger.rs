@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use crate::controller::{PowerOnState, StorageRequest};
 use crate::defs::alarm_history::PastAlarm;
+use crate::defs::history::HistoryEntry;
 use crate::host::retained_store::apply_request;
 use crate::nc::{CommonVariables, WorkOffsets};
 use crate::units::Axis;
@@ -36,6 +37,9 @@ pub fn rows(state: &PowerOnState) -> Rows {
     let mut alarms: Vec<&PastAlarm> = state.alarm_history.iter().collect();
     alarms.sort_by_key(|alarm| alarm.slot());
     rows.extend(alarms.iter().map(|alarm| (format!("alarm record {}", alarm.slot()), alarm_row(alarm))));
+    rows.extend(state.parts.iter().map(|part| (format!("part record {}", part.slot()), format!("{part:?}"))));
+    rows.extend(state.hours.iter().map(|hour| (format!("hour {}", hour.slot()), format!("{hour:?}"))));
+    rows.extend(state.orders.iter().map(|order| (format!("order {}", order.number), format!("{order:?}"))));
     rows
 }
 

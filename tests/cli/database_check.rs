@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 use crate::command::kt830_in;
 
 /// Bytes of the first table pages.
-const PAGES: std::ops::Range<usize> = 4096..32_768;
+const PAGES: std::ops::Range<usize> = 4096..98_304;
 /// The highest byte of a page number holds its order: 20 stands for 4 KiB · 2^20 = 4 GiB.
 const ORDER_20: u8 = 20 << 3;
 

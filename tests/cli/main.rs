@@ -20,6 +20,7 @@ mod host;
 mod modbus;
 mod pace;
 mod password_loss;
+mod production_store;
 mod program_parts;
 mod requirements;
 #[cfg(unix)]

@@ -5,12 +5,16 @@ use std::path::Path;
 
 use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use kt830::defs::date::DateTime;
+use kt830::defs::hour_record::HourRecord;
+use kt830::defs::part_record::PartRecord;
+use kt830::defs::part_verdict::PartVerdict;
 use kt830::defs::text::{LocalizedText, SharedWords};
 use kt830::store::{
     Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset,
 };
 use kt830::units::PerAxis;
 use proptest::prelude::*;
+use redb::ReadableDatabase;
 
 /// How often the data are asked for while a process holds their lock.
 const TRIES: usize = 100_000;
@@ -42,7 +46,25 @@ fn one_of_each() -> Vec<RetainedChange> {
         RetainedChange::Number { key: "dressing point X".to_owned(), value: Some(-12.5) },
         RetainedChange::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
         RetainedChange::Alarm(alarm(7, "急停")),
+        RetainedChange::Part(part(1_001)),
+        RetainedChange::Hour(HourRecord { hour: 498_686, seconds: [1_800, 600, 60, 1_140], good: 37, bad: 1 }),
     ]
+}
+
+/// A finished part.
+fn part(count: u64) -> PartRecord {
+    PartRecord {
+        count,
+        number: 12,
+        program: 1_002,
+        order: 501,
+        ended: DateTime(1_795_273_316),
+        cycle_seconds: 27.02,
+        size: Some(40.0012),
+        limits: Some([40.0, 39.995, 40.005]),
+        verdict: PartVerdict::Good,
+        since_dressing: 3,
+    }
 }
 
 /// An alarm of the history.
@@ -268,6 +290,50 @@ fn a_row_changed_behind_the_control_is_damage() {
     assert_eq!(opened.damaged.expect("noticed").cause, "rows do not match their checksum");
 }
 
+/// The checksum of the other rows does not know the parts: a control that has no parts reads the rest, and an update can
+/// be taken back. Data of such a control have neither table nor sum.
+#[test]
+fn b6_parts_are_kept_apart_so_that_an_older_control_reads_the_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("retained.redb");
+    let meta = redb::TableDefinition::<&str, u64>::new("meta");
+    let rows = || {
+        let transaction = redb::Database::open(&path).unwrap().begin_read().unwrap();
+        let table = transaction.open_table(meta).unwrap();
+        ["rows", "production rows"].map(|key| table.get(key).unwrap().map(|sum| sum.value()))
+    };
+    open(folder.path()).database.commit(&[variable(500, 1.5)]).unwrap();
+    let before = rows();
+    open(folder.path()).database.commit(&[RetainedChange::Part(part(7))]).unwrap();
+    let after = rows();
+    assert!(before[0] == after[0] && before[1] != after[1], "{before:?} {after:?}");
+    assert_eq!(open(folder.path()).database.load().unwrap().parts[&7], part(7));
+    // A part changed behind the control is damage.
+    let database = redb::Database::open(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    let parts = redb::TableDefinition::<u16, &str>::new("parts");
+    let other = serde_json::to_string(&part(1_007)).unwrap();
+    transaction.open_table(parts).unwrap().insert(7, other.as_str()).unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    assert_eq!(open(folder.path()).damaged.expect("noticed").cause, "rows do not match their checksum");
+    // Without table and sum there are no parts.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("retained.redb");
+    open(folder.path()).database.commit(&[variable(500, 1.5)]).unwrap();
+    let database = redb::Database::open(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    transaction.delete_table(parts).unwrap();
+    transaction.delete_table(redb::TableDefinition::<u16, &str>::new("hours")).unwrap();
+    transaction.open_table(meta).unwrap().remove("production rows").unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    let mut opened = open(folder.path());
+    assert!(opened.damaged.is_none() && opened.data.parts.is_empty());
+    opened.database.commit(&[RetainedChange::Part(part(8))]).unwrap();
+    assert_eq!(opened.database.load().unwrap().parts.len(), 1);
+}
+
 #[test]
 fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
     let folder = tempfile::tempdir().unwrap();
@@ -313,7 +379,7 @@ fn b6_the_history_takes_the_place_of_the_oldest() {
 
 /// Any change of few keys, so that later ones meet earlier ones.
 fn any_change() -> impl Strategy<Value = RetainedChange> {
-    (0..7_u8, 0..9_u8, proptest::option::of(-1e5..1e5_f64)).prop_map(|(kind, key, value)| {
+    (0..9_u8, 0..9_u8, proptest::option::of(-1e5..1e5_f64)).prop_map(|(kind, key, value)| {
         let at = PerAxis([value.unwrap_or(0.0), -0.0, 1e-9]);
         match kind {
             0 => RetainedChange::Variable { number: 500 + u16::from(key), value },
@@ -325,6 +391,9 @@ fn any_change() -> impl Strategy<Value = RetainedChange> {
                 key: format!("t{key}"),
                 value: value.map(|value| format!("行\n\"{value}\" \\")),
             },
+            // A size may have all its digits.
+            6 => RetainedChange::Part(PartRecord { size: value.map(|value| value / 3e3), ..part(1 + u64::from(key)) }),
+            7 => RetainedChange::Hour(HourRecord { hour: u64::from(key), good: key.into(), ..HourRecord::default() }),
             _ => RetainedChange::Alarm(alarm(1 + u64::from(key), "急停 \n emergency stop")),
         }
     })

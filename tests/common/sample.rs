@@ -9,13 +9,17 @@ use kt830::defs::alarm::{ALARMS, Alarm};
 use kt830::defs::alarm_history::{AlarmEnd, AlarmHistory, PastAlarm};
 use kt830::defs::date::DateTime;
 use kt830::defs::device_state::DeviceState;
+use kt830::defs::hour_record::{HourHistory, HourRecord};
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::page_meaning::SizeKind;
 use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
+use kt830::defs::part_record::{PartHistory, PartRecord};
+use kt830::defs::part_verdict::PartVerdict;
 use kt830::defs::port_errors::PortErrors;
+use kt830::defs::production_order::{MAX_ORDERS, OrderState, ProductionOrder};
 use kt830::defs::scope_signal::ScopeSignal;
 use kt830::defs::signal::Input;
 use kt830::defs::start_step::StartStep;
@@ -34,6 +38,7 @@ use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
+use kt830::link::production::ProductionView;
 use kt830::link::program_view::ProgramView;
 use kt830::link::scope::{SCOPE_SPANS, ScopeRecording, ScopeSetup, ScopeTrigger};
 use kt830::link::simulation::{PartSize, SimView};
@@ -290,10 +295,67 @@ pub fn part_result() -> PartResult {
     }
 }
 
+/// Orders of a shop: one is being made, one waits, one is closed.
+fn orders() -> Vec<ProductionOrder> {
+    let order = |number, program, target, (good, bad), state| ProductionOrder {
+        number,
+        program,
+        target,
+        good,
+        bad,
+        state,
+        after: 2,
+    };
+    vec![
+        order(26_110_501, 1_001, 250, (37, 1), OrderState::Active),
+        order(26_110_502, 1_002, 40, (0, 0), OrderState::Waiting),
+        order(26_110_488, 1_004, 120, (120, 0), OrderState::Closed),
+    ]
+}
+
+/// Forty parts that scatter by some micrometres; one is bad.
+fn part_history() -> PartHistory {
+    let scatter = [0.4, -1.2, 0.8, 1.6, -0.6, -1.9, 1.1, 0.2, -0.9, 1.3];
+    let part = |count: u64| {
+        let size = 39.995 + 1e-3 * (scatter[count as usize % 10] + if count == 17 { 14.0 } else { 0.0 });
+        PartRecord {
+            count,
+            number: count as u32,
+            program: 1_001,
+            order: if count > 2 { 26_110_501 } else { 0 },
+            ended: DateTime(1_795_273_316 + 90 * count as i64),
+            cycle_seconds: 84.3 + scatter[(count as usize + 3) % 10],
+            size: Some(size),
+            limits: Some([40.0, 39.985, 40.005]),
+            verdict: if count == 17 { PartVerdict::Out { partly: false } } else { PartVerdict::Good },
+            since_dressing: count as u32 % 10 + 1,
+        }
+    };
+    PartHistory::new((1..=40).map(part), 2)
+}
+
+/// The day of the sample's parts: on from 5 to 15 o'clock.
+fn hour_history() -> HourHistory {
+    let midnight = HourRecord::hour_of(DateTime(1_795_273_316)).unwrap() / 24 * 24;
+    let hour = |of_day: u64| HourRecord {
+        hour: midnight + of_day,
+        seconds: match of_day {
+            5 => [0, 0, 0, 1_500],
+            9 => [1_900, 0, 1_200, 500],
+            12 => [600, 2_400, 0, 600],
+            _ => [3_000, 240, 0, 360],
+        },
+        good: if of_day == 5 { 0 } else { 35 },
+        bad: u32::from(of_day == 9),
+    };
+    HourHistory::new((5..16).map(hour), 2)
+}
+
 /// A simulated machine, a medium with files, a path: what the pages of work beside the tick show.
 pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
     snapshot.interrupted = Some((1_001, 12_345));
+    snapshot.production = ProductionView { parts: part_history(), hours: hour_history(), orders: orders() };
     let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.simulated = Some(Arc::new(SimView {
         forced: vec![(Input::HydraulicPressure, true)],
@@ -426,6 +488,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         inverter: Some(BusInverter {
             device: 101,
             rpm: Some(if broken { 0.0 } else { 1_478.6 }),
+            load_percent: Some(23.0),
             fault: broken.then(|| LocalizedText::new("17 输出过流", "17 overcurrent at the output")),
         }),
         description: description(),
@@ -512,6 +575,16 @@ pub fn long(page: Page) -> Snapshot {
     (snapshot.cycle.times.seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
     (snapshot.overrides.feed, snapshot.overrides.rapid, snapshot.overrides.spindle) = (150, 100, 120);
     snapshot.single_block = true;
+    let order = |place: u32| ProductionOrder {
+        number: 99_999_999 - place,
+        program: 9_999,
+        target: 999_999,
+        good: 888_888,
+        bad: 99_999,
+        state: OrderState::Waiting,
+        after: 0,
+    };
+    snapshot.production.orders = (0..MAX_ORDERS as u32).map(order).collect();
     for value in snapshot.variables.iter_mut() {
         *value = Some(-99_999.999);
     }

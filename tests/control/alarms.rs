@@ -4,6 +4,7 @@ use kt830::controller::{AlarmList, AlarmWords};
 use kt830::defs::alarm;
 use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
 use kt830::defs::date::DateTime;
+use kt830::defs::history::HistoryEntry;
 use kt830::defs::text::LocalizedText;
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;

@@ -6,6 +6,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use kt830::defs::date::DateTime;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
@@ -18,6 +19,7 @@ use kt830::io::sim::PartFile;
 use kt830::link::command::Command;
 use kt830::link::edit::OffsetCommand;
 use kt830::link::page_command::PageCommand;
+use kt830::link::production::OrderCommand;
 use kt830::link::scope::{ScopeCommand, ScopeSetup, ScopeTrigger};
 use kt830::link::snapshot::RunState;
 use kt830::link::teach::TeachCommand;
@@ -398,4 +400,23 @@ fn t5_the_tick_allocates_nothing_for_messages_and_jumps_in_an_mdi_line() {
         assert_eq!(calls_for(&mut host, Command::Press(Key::CycleStart)), 0, "{line} starts");
         assert_eq!((0..100).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0, "{line} runs");
     }
+}
+
+/// A part that counts for an order, with a date: part, hour and order change in its ticks.
+#[test]
+fn t5_the_tick_allocates_nothing_for_a_part_of_an_order() {
+    let mut host = ready_with("G04 P500\nM31\nM30");
+    let program = host.snapshot().program.number;
+    host.send(Command::WallClock(DateTime(1_795_273_316)));
+    host.send(Command::Order(OrderCommand::Enter { number: 501, program, target: 2 }));
+    host.send(Command::Order(OrderCommand::Start(501)));
+    host.send(Command::Press(Mode::Auto.key()));
+    (0..20).for_each(|_| host.step());
+    for parts in 1..=3 {
+        // The snapshot holds what the core changes next.
+        assert_eq!(host.snapshot().production.orders[0].good, parts - 1);
+        assert_eq!(calls_of_run(&mut host), 0, "part {parts}");
+        assert_eq!((0..12_000).map(|_| calls_in_a_tick(&mut host)).sum::<u64>(), 0, "the fold of the hour");
+    }
+    assert!(host.snapshot().production.orders[0].is_complete());
 }

@@ -85,3 +85,19 @@ fn b8_a_clock_that_jumps_stops_the_machine_and_reset_sets_the_clocks_anew() {
     assert_eq!(shop.devices.connected.get(), 2, "all devices are set up, and their clocks with them");
     assert_eq!(shop.drive(Axis::Z), DriveState::Enabled);
 }
+
+/// A clock of 32 bits begins anew every 4.3 s: that is no jump, and a jump beside it is one.
+#[test]
+fn b8_a_clock_of_32_bits_may_begin_anew() {
+    let mut watch = ClockWatch::default();
+    let bits_32 = |mut read: ClockReading| {
+        read.time_ns %= 1 << 32;
+        read
+    };
+    for tick in 0..20_000_u64 {
+        assert!(!watch.has_jumped(bits_32(reading(tick * 1_000_000, 70_000, 35_000, 9_000))), "tick {tick}");
+    }
+    let mut jumped = bits_32(reading(20_000_000_000, 70_000, 35_000, 9_000));
+    jumped.time_ns += 400_000;
+    assert!(watch.has_jumped(jumped));
+}

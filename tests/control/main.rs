@@ -37,6 +37,7 @@ mod oscillation;
 mod panel_keys;
 mod power_fail;
 mod process_end;
+mod production;
 mod restart;
 mod retract;
 mod run_control;

@@ -379,10 +379,11 @@ fn p1_the_bus_page_has_the_age_of_the_values() {
     assert!(station.age >= Micros::from_millis(150), "{station:?}");
 }
 
-/// The station sends in its second byte the fault of the inverter, in its second register the speed in half r/min.
+/// The station sends in its first byte the load of the inverter in half percent, in the second one its fault, in its
+/// second register the speed in half r/min.
 const INVERTER: &str = "inverter: (
         fault: (device: 101, bit: 8, bits: 8), reset: (device: 101, bit: 7),
-        speed: (device: 101, bit: 16, bits: 16, counts: 2.0),
+        speed: (device: 101, bit: 16, bits: 16, counts: 2.0), load: (device: 101, bit: 0, bits: 8, counts: 2.0),
         faults: [(code: 17, zh: \"输出过流\", en: \"overcurrent\")],
     ),";
 
@@ -419,13 +420,14 @@ fn b8_a_fault_of_the_inverter_stops_the_machine_and_says_what_it_is() {
 }
 
 #[test]
-fn p1_the_bus_page_has_the_actual_speed_of_the_inverter() {
+fn p1_the_bus_page_has_the_actual_speed_and_the_load_of_the_inverter() {
     let mut at = StationShop::of(&with_inverter());
     // 0xfed4 is -300: 150 r/min backwards.
-    at.ticks(600, &[0, 0, 0xd4, 0xfe]);
+    at.ticks(600, &[100, 0, 0xd4, 0xfe]);
     let bus = at.shop.host.snapshot().bus.clone().unwrap();
     let inverter = bus.inverter.clone().unwrap();
     assert_eq!((inverter.device, inverter.rpm, inverter.fault), (101, Some(-150.0), None));
+    assert_eq!(at.shop.host.snapshot().wheel_load_percent(), Some(50.0), "the load display");
 }
 
 #[test]
@@ -435,7 +437,8 @@ fn p1_a_wrong_inverter_is_refused_with_its_place() {
         ("bit: 8, bits: 8", "bit: 8, bits: 32", "inverter.fault: the device has not so many bits"),
         ("reset: (device: 101, bit: 7)", "reset: (device: 101, bit: 0)", "an output has one writer"),
         ("reset: (device: 101, bit: 7)", "reset: (device: 109, bit: 7)", "inverter.reset: there is no device"),
-        ("counts: 2.0", "counts: 0.0", "inverter.speed: counts must not be 0"),
+        ("bits: 16, counts: 2.0", "bits: 16, counts: 0.0", "inverter.speed: counts must not be 0"),
+        ("bits: 8, counts: 2.0", "bits: 8, counts: 0.0", "inverter.load: counts must not be 0"),
         ("code: 17", "code: 0", "inverter.faults: code 0: 0 is no fault"),
         ("faults: [", "faults: [(code: 17, zh: \"\"), ", "inverter.faults: code 17: a code has one text"),
     ] {

@@ -24,6 +24,7 @@ mod fitted;
 mod graphic;
 mod help;
 mod home;
+mod jobs;
 mod lathe;
 mod live_screen;
 mod operators;

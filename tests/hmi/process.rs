@@ -7,9 +7,11 @@ use crate::sample::running;
 use crate::screen::{Screen, open, painted};
 use egui::{Event, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
+use kt830::defs::date::DateTime;
 use kt830::defs::page::Page;
 use kt830::defs::param::{self, NumberParam};
 use kt830::defs::part_defect::PartDefect;
+use kt830::defs::part_record::PartRecord;
 use kt830::link::Command;
 use kt830::link::files::FileRequest;
 use kt830::link::page_command::PageCommand;
@@ -46,7 +48,7 @@ fn end_cycle(screen: &mut Screen) {
         let values = machine.size_values();
         (values.nominal(), values.measured())
     };
-    machine.cycle.part = Some(PartResult {
+    let part = PartResult {
         typed: None,
         gauged: false,
         is_wheel_fresh: true,
@@ -58,7 +60,22 @@ fn end_cycle(screen: &mut Screen) {
         times: machine.cycle.times,
         nominal,
         measured,
-    });
+    };
+    machine.cycle.part = Some(part);
+    let simulated = machine.simulated.as_deref();
+    let record = PartRecord {
+        count: u64::from(part.number),
+        number: part.number,
+        program: part.program,
+        order: 0,
+        ended: DateTime::default(),
+        cycle_seconds: part.times.seconds,
+        size: part.judged_size(simulated).map(|size| size.mm()),
+        limits: part.nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high])),
+        verdict: part.verdict(simulated),
+        since_dressing: 1,
+    };
+    machine.production.parts.push(record);
     screen.step();
 }
 
@@ -106,9 +123,9 @@ fn process_sizes_are_shown_between_their_limits() {
     assert!(shows(&screen, "50.001 / 50.000 +0.010 -0.005 · 不良 2"));
     let table = table(&mut screen);
     let rows: Vec<&str> = table.split("\r\n").skip_while(|line| !line.starts_with("part,")).collect();
-    assert_eq!(rows[0], "part,cycle_seconds,size,nominal,lower,upper,verdict");
-    assert!(rows[1].ends_with(",40.0040,40.0000,39.9950,40.0100,ok"), "{}", rows[1]);
-    assert!(rows[4].ends_with(",40.0110,40.0000,39.9950,40.0100,out-of-tolerance"), "{}", rows[4]);
+    assert_eq!(rows[0], "part,cycle_seconds,size,nominal,lower,upper,verdict,program,order,ended,since_dressing");
+    assert!(rows[1].contains(",40.0040,40.0000,39.9950,40.0100,ok,"), "{}", rows[1]);
+    assert!(rows[4].contains(",40.0110,40.0000,39.9950,40.0100,out-of-tolerance,"), "{}", rows[4]);
 }
 
 #[test]
@@ -134,7 +151,22 @@ fn process_a_burnt_part_is_bad_whatever_its_size() {
     finish(&mut screen, 40.001);
     assert!(shows(&screen, "不良 1"), "{:?}", painted(&screen));
     let table = table(&mut screen);
-    assert!(table.trim_end().ends_with(",40.0010,40.0000,39.9950,40.0100,burn"), "{table}");
+    assert!(table.lines().last().unwrap().contains(",40.0010,40.0000,39.9950,40.0100,burn,"), "{table}");
+}
+
+/// Five parts scatter by ±1 µm; then each is 2 µm larger: the mean leaves its control limits before a part is bad.
+#[test]
+fn k4_5_a_drift_is_told_before_a_part_is_bad() {
+    let mut screen = measuring();
+    for size in [40.001, 39.999, 40.000, 40.001, 39.999, 40.000, 40.001, 39.999] {
+        finish(&mut screen, size);
+    }
+    // Mean 40, s = √(6/7) = 0.926 µm; the lower limit is 5 µm away: 5 / 2.777 = 1.80.
+    assert!(shows(&screen, "Cpk 1.80") && !shows(&screen, "漂移"), "{:?}", painted(&screen));
+    for part in 1..=4 {
+        finish(&mut screen, 40.0 + 0.002 * f64::from(part));
+    }
+    assert!(shows(&screen, "漂移") && !shows(&screen, "不良"), "{:?}", painted(&screen));
 }
 
 #[test]

@@ -13,6 +13,7 @@ use kt830::defs::leadscrew::{LeadscrewCompensation, LeadscrewPoint};
 use kt830::defs::page::Page;
 use kt830::defs::param::AccessLevel;
 use kt830::defs::param::Params;
+use kt830::defs::part_record::PartHistory;
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::soft_key::CoordinateView;
 use kt830::defs::start_step::StartStep;
@@ -90,6 +91,7 @@ const CHANGES: &[Change] = &[
     ("terminals", Page::Diagnosis, |machine| machine.terminals.analog_volts[1] += 0.01),
     ("internals", Page::Diagnosis, |machine| machine.internals = machine.internals.with(InternalSignal::Held, true)),
     ("alarm_history", Page::Alarm, |machine| machine.alarm_history = AlarmHistory::new([], 7)),
+    ("production", Page::Jobs, |machine| machine.production.parts = PartHistory::new([], 7)),
     ("leadscrews", Page::Params, |machine| machine.leadscrews[Axis::Z] = leadscrew()),
     ("params", Page::Mdi, |machine| machine.params = Arc::new((*machine.params).clone())),
     ("simulated", Page::Simulator, |machine| load(machine, 64.0)),

@@ -56,7 +56,7 @@ fn h9_the_process_is_kept_as_a_table() {
     // An empty line stands between the samples and the parts.
     let (samples, parts) = lines.split_at(lines.iter().position(|line| line.is_empty()).unwrap());
     let columns = |of: &[&str], count: usize| of.iter().all(|line| line.split(',').count() == count);
-    assert!(columns(samples, 6) && columns(&parts[1..], 7), "{text}");
+    assert!(columns(samples, 6) && columns(&parts[1..], 11), "{text}");
     bench.touch("清除 process-clear");
     bench.rig.send(Command::OpenPage(Page::Position));
     bench.turn();

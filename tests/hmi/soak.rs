@@ -225,7 +225,7 @@ fn b6_hours_of_production_leave_memory_time_and_counts_as_they_must_be() {
     drop(link);
     // What was typed, edited and backed up is on the disk.
     let (_, kept) = RetainedStore::open(&data, Kind::Gc).unwrap();
-    assert!(kept.loss.is_none());
+    assert!(kept.loss.is_none(), "{:?}", kept.loss);
     assert_eq!(kept.retained.part_count, parts);
     assert_eq!(kept.retained.variables.get(990).unwrap(), Some(f64::from(typed)));
     assert_eq!(fs::read_dir(&usb).unwrap().count() as u32, made.backups.load(Ordering::Relaxed));

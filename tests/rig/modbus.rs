@@ -46,6 +46,7 @@ pub fn with_inverter(machine: &mut MachineDescription) {
         faults: vec![overcurrent],
         reset: None,
         speed: None,
+        load: None,
     });
     let speed = machine.wheel_speed.as_mut().expect("wheel speed");
     (speed.device, speed.bit, speed.counts_at_10_v) = (FIRST_STATION, 16, 10_000.0);

@@ -65,7 +65,11 @@ impl Wire {
         let until = Instant::now() + Duration::from_secs(1);
         let mut answer = [0; 1_536];
         while Instant::now() < until {
-            let Ok((count, _)) = rustix::net::recv(&self.socket, &mut answer, RecvFlags::empty()) else { continue };
+            let Ok((count, _)) = rustix::net::recv(&self.socket, &mut answer, RecvFlags::empty()) else {
+                // Not a loop without a pause: this thread goes before all others.
+                std::thread::sleep(Duration::from_micros(50));
+                continue;
+            };
             let counter = DATA + data.len();
             if count >= counter + 2 && answer[ETHERNET + 3] == INDEX {
                 assert_eq!(answer[counter], 1, "device {device} takes no part");

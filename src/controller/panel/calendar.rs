@@ -60,6 +60,13 @@ const fn seconds(now: Micros) -> i64 {
 }
 
 impl Panel {
+    /// Takes a reading of the system clock.
+    pub fn take_clock(&mut self, parts: &mut Parts<'_>, told: DateTime) {
+        if let Some(power_on) = self.calendar.sync(parts.plant.now, told) {
+            parts.plant.alarms.set_power_on_date(power_on);
+        }
+    }
+
     /// Sets the displayed date and time. No motion depends on them.
     pub fn set_date(&mut self, parts: &mut Parts<'_>, wanted: DateTime) {
         let [year, ..] = wanted.parts();

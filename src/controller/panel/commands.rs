@@ -52,7 +52,10 @@ impl Panel {
             Command::EnterVariable(..) | Command::Offset(_) | Command::AddWear { .. } | Command::Part(_) => {
                 self.handle_edit(parts, command)
             }
-            Command::ChangeWheel { .. } | Command::PrepareMdi(_) => self.handle_edit(parts, command),
+            Command::ChangeWheel { .. } | Command::PrepareMdi(_) | Command::Order(_) => {
+                self.handle_edit(parts, command)
+            }
+            Command::PartInspected(found) => self.production.inspect(parts.plant, *found),
             Command::Page(PageCommand::EditParam(..) | PageCommand::EditLeadscrew(..)) => {
                 self.handle_edit(parts, command)
             }
@@ -76,11 +79,7 @@ impl Panel {
             Command::DiskFailed(why) => parts.plant.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.handle_page_command(parts, command),
             Command::Teach(command) => self.handle_teach_command(parts, *command),
-            Command::WallClock(told) => {
-                if let Some(power_on) = self.calendar.sync(parts.plant.now, *told) {
-                    parts.plant.alarms.set_power_on_date(power_on);
-                }
-            }
+            Command::WallClock(told) => self.take_clock(parts, *told),
             Command::KeepAlive => parts.plant.operator.screen_alive_at = Some(parts.plant.now),
         }
     }

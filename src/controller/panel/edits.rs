@@ -25,6 +25,7 @@ impl Panel {
                 offsets::edit_wear_increment(parts, number, axis, increment)
             }
             &Command::Part(command) => self.handle_part_command(parts, command),
+            &Command::Order(command) => self.handle_order_command(parts, command),
             &Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
                 change_wheel(parts, &self.screens, [diameter_mm, width_mm, rated_m_s])
                     .inspect(|_| self.forget_offset_of_part())

@@ -46,6 +46,7 @@ impl Panel {
             | FileRequest::ListMedia
             | FileRequest::SaveScreenshot(_)
             | FileRequest::SaveTable(_)
+            | FileRequest::SaveReport(_)
             | FileRequest::ReadPage { .. } => return self.submit_job(parts, ticket, request),
             FileRequest::Cancel => {
                 if self.files.pending.is_some() {
@@ -125,7 +126,7 @@ impl Panel {
             FileRequest::ImportLeadscrew(_) | FileRequest::ExportLeadscrew(..) => Ok(()),
             FileRequest::CheckEditable(_) | FileRequest::CheckLines { .. } | FileRequest::ComputeToolpath(_) => Ok(()),
             FileRequest::ReadPage { .. } | FileRequest::ListMedia | FileRequest::Cancel => Ok(()),
-            FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) => Ok(()),
+            FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) | FileRequest::SaveReport(_) => Ok(()),
         }
     }
 

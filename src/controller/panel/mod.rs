@@ -7,12 +7,14 @@ mod commands;
 mod edit_protection;
 mod edits;
 pub mod files;
+mod hours;
 mod keys;
 mod lamps;
 mod offsets;
 mod page_files;
 mod pages;
 mod part_result;
+mod production;
 mod scope;
 mod snapshot;
 mod start_guide;
@@ -87,6 +89,10 @@ pub struct Panel {
     pub scope: scope::ScopeRecorder,
     /// The part that the last cycle has finished; cleared by the next cycle.
     pub part_result: Option<PartResult>,
+    /// Finished parts and production orders.
+    production: production::Production,
+    /// Parts that programs had counted as of the last tick.
+    parts_made: u64,
     /// Program and durations of the last finished cycle.
     cycle_before: Option<(u32, CycleTimes)>,
 }
@@ -99,6 +105,7 @@ impl Panel {
             pages: pages::PageState::new(kind, &retained.kept_states),
             calendar: calendar::Calendar::new(retained.clock_offset_s),
             access: access::Access::at_power_on(retained.wrong_passwords, now),
+            production: production::Production::at_power_on(retained, now),
             ..Self::default()
         }
     }

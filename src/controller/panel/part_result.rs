@@ -6,9 +6,12 @@ use crate::controller::plant::{FinishedCycle, Plant};
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::cycle::CycleView;
+use crate::link::cycle_times::CycleTimes;
 use crate::link::part_result::{
     MAX_CORRECTION, NominalSize, OffsetInForce, PartCommand, PartResult, SizeValues, TYPED_SIZE_RANGE,
 };
+use crate::units::Micros;
+
 const NO_PART: Text = Text::new("没有这一件的结果", "there is no result of this part");
 const NO_NOMINAL: Text = Text::new("这一件没有公称尺寸", "the part has no nominal size");
 const CORRECTED: Text = Text::new("这一件已经修正过", "this part has been corrected already");
@@ -19,15 +22,26 @@ const WORN: Text = Text::new("可能是砂轮磨损：修整后再修正", "it m
 const NO_OFFSET: Text = Text::new("这一件的尺寸不由刀补决定", "no offset decides the size of this part");
 
 impl Panel {
-    /// Takes the result at the end of a cycle; a cycle start by the operator clears it.
-    pub fn follow_cycle(&mut self, plant: &Plant) {
+    /// Takes the result at the end of a cycle; a cycle start by the operator clears it. A part is made where a program counts
+    /// it, also in the middle of a run; the end of that run says more of the last one.
+    pub fn follow_cycle(&mut self, plant: &mut Plant, started: Option<Micros>) {
+        let counted = std::mem::replace(&mut self.parts_made, plant.execution.parts_made) != plant.execution.parts_made;
+        self.production.follow_run(started);
+        if counted {
+            let part = self.counted_part(plant, started);
+            self.production.add_part(plant, &part, started);
+        }
         let cycle = plant.execution.finished_cycle;
         let known = self.part_result.map(|part| part.ended_at);
         if cycle.map(|cycle| cycle.ended_at) != known {
             self.part_result = cycle.map(|cycle| self.result_of(plant, cycle));
             let finished = self.part_result.map(|part| (part.program, part.times));
             self.cycle_before = finished.or(self.cycle_before);
+            if let Some(part) = self.part_result {
+                self.production.end_cycle(plant, &part);
+            }
         }
+        self.production.announce(plant);
         // The part says nothing of an offset or a work zero that was changed since.
         if let Some(part) = self.part_result.as_mut().filter(|part| part.corrected.is_none()) {
             let is_same = |offset: &OffsetInForce| {
@@ -66,6 +80,16 @@ impl Panel {
         (values.nominal(), values.measured())
     }
 
+    /// The part that a run has just counted.
+    fn counted_part(&self, plant: &Plant, started: Option<Micros>) -> PartResult {
+        let since = started.max(self.production.last_counted());
+        let seconds = since.map_or(0.0, |since| plant.now.since(since).as_secs_f64());
+        let (number, program) = (plant.work.part_count, plant.execution.current_program);
+        let times = CycleTimes { seconds, ..CycleTimes::default() };
+        let gauged = plant.execution.gauged;
+        self.result_of(plant, FinishedCycle { number, program, ended_at: plant.now, times, gauged, offset: None })
+    }
+
     fn result_of(&self, plant: &Plant, cycle: FinishedCycle) -> PartResult {
         let FinishedCycle { number, program, ended_at, times, gauged, offset } = cycle;
         let (nominal, measured) = self.sizes_of(plant, program);
@@ -93,7 +117,9 @@ impl Panel {
         let (changed, told) = match command {
             PartCommand::TypeSize { mm, .. } => {
                 check_size(part, mm)?;
-                (PartResult { typed: Some(mm), ..part }, phrase!("工件实测 {mm:.4}", "part measured {mm:.4}", mm))
+                let typed = PartResult { typed: Some(mm), ..part };
+                self.production.judge_last(parts.plant, ended_at, (Some(mm), typed.verdict(None)));
+                (typed, phrase!("工件实测 {mm:.4}", "part measured {mm:.4}", mm))
             }
             PartCommand::Correct { increment, .. } => {
                 if self.sizes_of(parts.plant, part.program).0 != part.nominal {

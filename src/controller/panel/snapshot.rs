@@ -15,8 +15,7 @@ use std::sync::Arc;
 impl Panel {
     /// Writes everything that pages show.
     pub fn snapshot(&self, parts: PartsView<'_>, out: &mut Snapshot) {
-        out.kind = parts.plant.kind;
-        out.now = parts.plant.now;
+        (out.kind, out.now) = (parts.plant.kind, parts.plant.now);
         out.state = run_state(parts);
         out.own_motion = parts.program.own_motion(parts.plant);
         (out.coordinates, out.soft_key_row) = (self.pages.coordinates, self.pages.soft_row);
@@ -64,6 +63,7 @@ impl Panel {
         if out.scope != *self.scope.view() {
             out.scope.clone_from(self.scope.view());
         }
+        self.production.write_view(&mut out.production);
         start_guide::fill(parts, &mut out.start_guide);
         self.page_view(parts, out);
         self.edit_view(parts, out);

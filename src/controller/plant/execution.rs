@@ -101,6 +101,8 @@ pub struct Execution {
     pub part_finished: bool,
     /// The cycle that has finished a part; none from the next cycle start by the operator on.
     pub finished_cycle: Option<FinishedCycle>,
+    /// Parts that programs have counted since power-on.
+    pub parts_made: u64,
     /// Running when the run was paused: wheel, and workpiece drive (headstock, table, roll) or main spindle.
     pub spindles_before_pause: [bool; 2],
     /// What a stop of the program waits for (M00, M01, #3006); none after a single block.

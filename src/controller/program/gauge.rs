@@ -67,6 +67,7 @@ impl ProgramRun {
         }
         let Activity::Gauge(mut gauging) = self.activity else { return };
         watch_second(plant, &mut gauging);
+        gauging.arrived_at = None;
         self.activity = Activity::Gauge(gauging);
         if gauging.tag.is_none() {
             return;

@@ -225,6 +225,8 @@ numbers! {
     TREND_NOMINAL_VARIABLE = 376, 0 => 999, 0, "", User, "趋势：公称尺寸的变量 (0 无)", "trend: variable of the nominal size, 0 none";
     TREND_UPPER = 377, -10 => 10, 0, "mm", User, "趋势：上偏差", "trend: upper deviation";
     TREND_LOWER = 378, -10 => 10, 0, "mm", User, "趋势：下偏差", "trend: lower deviation";
+    FIRST_SHIFT = 476, 0 => 23, 6, "h", User, "第一班开始的小时", "hour at which the first shift begins";
+    SHIFTS = 477, 1 => 4, 3, "", User, "每天班数", "shifts of a day";
     MAX_STALL = 475, 100 => 10_000, 1_000, "ms", Builder, "控制停顿报警时间 (404)", "stall of the control that holds a program (404)";
     POWER_FAIL_RETRACT = 379, 0 => 50, 0, "mm", Builder, "供电中断时砂轮退回距离 (0 不退)", "wheel retract when the supply fails, 0 none", Wheel;
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";

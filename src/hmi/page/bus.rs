@@ -238,15 +238,17 @@ fn station_row<'a>(view: &View<'_>, station: &'a BusStation) -> BusRow<'a> {
     }
 }
 
-/// The inverter: its actual speed, and its fault.
+/// The inverter: its actual speed and load, and its fault.
 fn inverter_row<'a>(view: &View<'a>, inverter: &BusInverter) -> BusRow<'a> {
-    let rpm = inverter.rpm.map_or_else(|| "–".to_owned(), |rpm| format!("{rpm:.0} r/min"));
+    let rpm = inverter.rpm.map(|rpm| format!("{rpm:.0} r/min"));
+    let load = inverter.load_percent.map(|load| format!("{} {load:.0} %", view.text("负载", "load")));
+    let fault = inverter.fault.as_ref().map(|fault| fault.get(view.lang).into_owned());
     BusRow {
         number: inverter.device,
         takes_part: inverter.fault.is_none(),
         name: view.text("变频器", "inverter"),
-        state: rpm,
-        what: inverter.fault.as_ref().map_or_else(String::new, |fault| fault.get(view.lang).into_owned()),
+        state: rpm.unwrap_or_else(|| "–".to_owned()),
+        what: fault.or(load).unwrap_or_default(),
         is_fault: inverter.fault.is_some(),
         is_secondary: false,
     }

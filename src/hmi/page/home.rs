@@ -9,9 +9,9 @@ use crate::defs::alarm;
 use crate::defs::equipment::Equipment;
 use crate::defs::page::Page;
 use crate::defs::param;
+use crate::defs::part_verdict::PartVerdict;
 use crate::hmi::{Area, View, format_cycle_time, format_feed, format_whole, keycap, page_frame as lines, scene, theme};
 use crate::link::Command;
-use crate::link::part_result::PartVerdict;
 use crate::units::Axis;
 
 /// Columns of tiles beside the machine, and without it.
@@ -155,10 +155,14 @@ fn parts(view: &View<'_>) -> Tile {
         None => (snapshot.parts_counted.to_string(), view.theme.text),
     };
     let time = part.map_or_else(|| "–".to_owned(), |part| format_cycle_time(part.times.seconds));
-    let lines = vec![
+    let mut lines = vec![
         line(view.text("件数", "parts"), snapshot.parts_counted.to_string()),
         line(view.text("上一件用时", "cycle time"), time),
     ];
+    if let Some(order) = snapshot.production.active() {
+        let name = format!("{} {}", view.text("订单", "order"), order.number);
+        lines.push((name, format!("{} / {}", order.good, order.target)));
+    }
     let heading = match size {
         Some(_) => view.text("上一件尺寸 mm", "size of the last part, mm"),
         None => view.text("工件", "parts"),
@@ -181,8 +185,8 @@ fn wheel(view: &View<'_>) -> Tile {
         line(view.text("转速", "speed"), format!("{} r/min", format_whole(snapshot.wheel_rpm))),
         line(view.text("直径", "diameter"), format!("{} mm", view.length(diameter))),
     ];
-    if let Some(simulated) = snapshot.simulated.as_deref() {
-        lines.push(line(view.text("负载", "load"), format!("{:.0} %", simulated.wheel_load_percent)));
+    if let Some(load) = snapshot.wheel_load_percent() {
+        lines.push(line(view.text("负载", "load"), format!("{load:.0} %")));
     }
     let ink = if snapshot.wheel_rpm > 0.0 { view.theme.run } else { view.theme.text };
     Tile {

@@ -14,6 +14,7 @@ pub mod grinding;
 pub mod help;
 pub mod home;
 pub mod input_line;
+mod jobs;
 pub mod mdi;
 pub mod offset;
 pub mod params;
@@ -187,6 +188,8 @@ pub enum FieldGroup {
     Teach,
     /// The conditions of the next cycle start.
     StartGuide,
+    /// Finished parts and orders.
+    Production,
 }
 
 macro_rules! page_rows {
@@ -221,14 +224,15 @@ page_rows! {
     Diagnosis => diagnosis::DiagnosisPage, shows Inputs Diagnosis;
     Graphic => graphic::GraphicPage, shows Simulated Stock Scene;
     Transfer => transfer::TransferPage;
-    Process => process::ProcessPage, shows Inputs Simulated PartResult;
+    Process => process::ProcessPage, shows Inputs Simulated PartResult Production;
     Alarm => alarm::AlarmPage;
     Settings => settings::SettingsPage;
     Bus => bus::BusPage, shows Bus;
     Simulator => simulator::SimulatorPage, shows Inputs Simulated Scene;
     Technology => technology::TechnologyPage, shows Variables;
     Scope => scope::ScopePage, shows Scope;
-    Home => home::HomePage, shows PartResult Simulated Scene StartGuide;
+    Home => home::HomePage, shows Production PartResult Simulated Scene StartGuide;
+    Jobs => jobs::JobsPage, shows Production;
     Help => help::Help;
 }
 

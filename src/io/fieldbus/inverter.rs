@@ -1,4 +1,5 @@
-//! The frequency inverter of the wheel (of the main spindle on a lathe): the actual speed and the fault that it reports.
+//! The frequency inverter of the wheel (of the main spindle on a lathe): the actual speed, the load and the fault that it
+//! reports.
 //! Source: docs/manual, chapter "first start on a machine"; the codes are those of the inverter's manual.
 
 use serde::Deserialize;
@@ -21,6 +22,20 @@ pub struct InverterDescription {
     /// Actual speed; `counts` are those of 1 r/min.
     #[serde(default)]
     pub speed: Option<CounterChannel>,
+    /// Load of its motor (current or torque); `counts` are those of 1 % of the rated one.
+    #[serde(default)]
+    pub load: Option<CounterChannel>,
+}
+
+/// What an inverter reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InverterReading {
+    /// Actual speed, r/min, where it sends it.
+    pub rpm: Option<f64>,
+    /// Load of its motor in percent of the rated one, where it sends it.
+    pub load_percent: Option<f64>,
+    /// Code of its fault; 0 is none.
+    pub fault_code: u32,
 }
 
 /// A code of a fault in words.
@@ -45,13 +60,16 @@ impl InverterDescription {
         let fault = ("inverter.fault", self.fault.device, self.fault.field(), false);
         let reset = self.reset.map(|reset| ("inverter.reset", reset.device, reset.field(), true));
         let speed = self.speed.map(|speed| ("inverter.speed", speed.device, speed.field(), false));
-        [Some(fault), reset, speed].into_iter().flatten()
+        let load = self.load.map(|load| ("inverter.load", load.device, load.field(), false));
+        [Some(fault), reset, speed, load].into_iter().flatten()
     }
 
     /// What is wrong beside its fields: the place and what must hold.
     pub(super) fn mistake(&self) -> Option<(String, &'static str)> {
-        if self.speed.is_some_and(|speed| !speed.counts.is_normal()) {
-            return Some(("inverter.speed".to_owned(), "counts must not be 0"));
+        let is_idle = |channel: Option<CounterChannel>| channel.is_some_and(|channel| !channel.counts.is_normal());
+        let channels = [("inverter.speed", self.speed), ("inverter.load", self.load)];
+        if let Some((place, _)) = channels.into_iter().find(|(_, channel)| is_idle(*channel)) {
+            return Some((place.to_owned(), "counts must not be 0"));
         }
         let mut codes: Vec<u32> = self.faults.iter().map(|text| text.code).collect();
         codes.sort_unstable();
@@ -73,10 +91,15 @@ impl InverterDescription {
         images(self.fault.device).map_or(0, |image| self.fault.field().read(&image.inputs))
     }
 
-    /// Its actual speed, r/min, where it sends it.
-    pub(super) fn rpm<'a>(&self, images: impl FnOnce(u16) -> Option<&'a DeviceImage>) -> Option<f64> {
-        let speed = self.speed?;
-        let image = images(speed.device)?;
-        Some(f64::from(speed.field().read_signed(&image.inputs)) / speed.counts)
+    /// What it reports beside its fault. `images`: the data of a device by its number.
+    pub(super) fn reading<'a>(
+        &self,
+        fault_code: u32,
+        images: impl Fn(u16) -> Option<&'a DeviceImage>,
+    ) -> InverterReading {
+        let value = |channel: CounterChannel| {
+            Some(f64::from(channel.field().read_signed(&images(channel.device)?.inputs)) / channel.counts)
+        };
+        InverterReading { rpm: self.speed.and_then(value), load_percent: self.load.and_then(value), fault_code }
     }
 }

@@ -23,6 +23,7 @@ use self::bus_fault::BusFault;
 use self::channel::CounterChannel;
 use self::clock_watch::ClockWatch;
 use self::description::{AnalogChannel, DeviceDescription, MachineDescription};
+use self::inverter::InverterReading;
 use self::port_counters::PortCounters;
 use self::process_image::{BitField, DeviceImage};
 use self::servo_axis::{AxisSetPoint, ServoAxis};
@@ -304,12 +305,12 @@ impl<F: FieldBus> FieldBusMachine<F> {
         self.axes[axis].as_ref().and_then(ServoAxis::raw_count)
     }
 
-    /// The actual speed of the inverter, r/min, where it sends it; and the code of its fault, 0 without one.
+    /// What the inverter reports, if there is one.
     #[must_use]
-    pub fn inverter(&self) -> Option<(Option<f64>, u32)> {
+    pub fn inverter(&self) -> Option<InverterReading> {
         let inverter = self.description.inverter.as_ref()?;
-        let rpm = inverter.rpm(|device| self.images.get(self.description.image_index(device)?));
-        Some((rpm, self.inverter_fault))
+        let image = |device| self.images.get(self.description.image_index(device)?);
+        Some(inverter.reading(self.inverter_fault, image))
     }
 
     /// How long the safe image is to be sent at the end: until every brake holds.

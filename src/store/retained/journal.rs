@@ -19,8 +19,9 @@ use crate::store::io_fault::IoFault;
 
 /// The file's name.
 pub(super) const JOURNAL_FILE: &str = "retained.journal";
-/// Length above which the journal begins anew with the present state, bytes.
+/// Length above which the journal begins anew with the present state: so many bytes, and so many states.
 const USUAL_BYTES: u64 = 1024 * 1024;
+const USUAL_STATES: u64 = 4;
 /// Longest file that is read, bytes: a state has some hundred kilobytes.
 const READ_LIMIT: u64 = 32 * 1024 * 1024;
 /// Characters of a checksum before its text, with the blank between.
@@ -32,6 +33,8 @@ pub(super) struct Journal {
     path: PathBuf,
     /// Its file and length, bytes. `None`: it does not go on from the state of the database, and begins anew.
     open: Option<(File, u64)>,
+    /// Length of the state that it begins with, bytes.
+    state_bytes: u64,
 }
 
 impl Journal {
@@ -40,12 +43,13 @@ impl Journal {
         let path = folder.join(JOURNAL_FILE);
         let goes_on = read(folder).is_some_and(|found| found.is_whole && found.data == *data);
         let open = goes_on.then(|| open_file(&path).ok()).flatten();
-        Self { path, open }
+        Self { path, open, state_bytes: 0 }
     }
 
     /// Whether it is to begin anew: it does not go on, or it is long.
     pub fn begins_anew(&self) -> bool {
-        self.open.as_ref().is_none_or(|(_, length)| *length >= USUAL_BYTES)
+        let most = USUAL_BYTES.max(USUAL_STATES * self.state_bytes);
+        self.open.as_ref().is_none_or(|(_, length)| *length >= most)
     }
 
     /// Whether the file that is open is still there, with what was appended.
@@ -73,7 +77,9 @@ impl Journal {
     /// A disk error.
     pub fn begin(&mut self, data: &RetainedData) -> Result<(), RetainedError> {
         self.open = None;
-        atomic_file::replace_private(&self.path, line(data)?.as_bytes())?;
+        let state = line(data)?;
+        self.state_bytes = state.len() as u64;
+        atomic_file::replace_private(&self.path, state.as_bytes())?;
         self.open = Some(open_file(&self.path)?);
         Ok(())
     }

@@ -5,13 +5,13 @@
 //! caller raises an alarm and starts with an earlier state. Source: spec K4.2 (points kept over power-off), B3, B6.
 
 mod check_process;
+mod data;
 pub mod generations;
 mod integrity;
 mod journal;
 mod lock;
 mod tables;
 
-use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
@@ -25,9 +25,9 @@ use super::io_fault::IoFault;
 use super::settings::SETTINGS_FILE;
 use serde::{Deserialize, Serialize};
 
-use crate::defs::alarm_history::PastAlarm;
 use crate::units::PerAxis;
 pub use check_process::set_check_program;
+pub use data::{RetainedChange, RetainedData};
 pub use integrity::{run_database_check, silence_database_check};
 use journal::{JOURNAL_FILE, Journal};
 pub use tables::StorageFault;
@@ -56,147 +56,6 @@ pub struct ToolOffset {
     pub geometry: PerAxis<f64>,
     /// Wear of X, Y, Z.
     pub wear: PerAxis<f64>,
-}
-
-/// One change to the retained data. `None` deletes the value: a null variable, a parameter at its default.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum RetainedChange {
-    /// A macro variable `#number` (B3).
-    Variable {
-        /// Its number.
-        number: u16,
-        /// Its value; `None` is null.
-        value: Option<f64>,
-    },
-    /// A parameter by its key, "P270" or "P16.0".
-    Param {
-        /// The key.
-        key: String,
-        /// The value; `None` is the default.
-        value: Option<f64>,
-    },
-    /// A tool offset, 1 to 16.
-    Offset {
-        /// Its number.
-        number: u8,
-        /// All its values.
-        offset: ToolOffset,
-    },
-    /// A work offset: 0 is G54, 5 is G59.
-    WorkOffset {
-        /// Its index.
-        index: u8,
-        /// Its zero point in machine coordinates, mm.
-        origin: PerAxis<f64>,
-    },
-    /// A retained number by name: a dressing point, the part count, the current program.
-    Number {
-        /// The name.
-        key: String,
-        /// The value.
-        value: Option<f64>,
-    },
-    /// A retained text by name.
-    Text {
-        /// The name.
-        key: String,
-        /// The text.
-        value: Option<String>,
-    },
-    /// An alarm of the history, in its slot.
-    Alarm(PastAlarm),
-}
-
-/// All retained data at once.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct RetainedData {
-    /// Which machine's they are: a random number of its first start; `None` in data of an older control.
-    #[serde(default)]
-    pub identity: Option<NonZeroU64>,
-    /// Number of the last commit.
-    pub generation: Generation,
-    /// Macro variables by number; absent is null.
-    pub variables: BTreeMap<u16, f64>,
-    /// Parameters by key; absent is the default.
-    pub params: BTreeMap<String, f64>,
-    /// Tool offsets by number, 1 to 16; absent is all zero.
-    pub offsets: BTreeMap<u8, ToolOffset>,
-    /// Work offsets by index, 0 to 5; absent is all zero.
-    pub work_offsets: BTreeMap<u8, PerAxis<f64>>,
-    /// Retained numbers by name.
-    pub numbers: BTreeMap<String, f64>,
-    /// Retained texts by name.
-    pub texts: BTreeMap<String, String>,
-    /// Alarms of the history by slot.
-    pub alarms: BTreeMap<u16, PastAlarm>,
-}
-
-impl RetainedData {
-    /// Makes a change.
-    fn apply(&mut self, change: RetainedChange) {
-        match change {
-            RetainedChange::Variable { number, value } => set(&mut self.variables, number, value),
-            RetainedChange::Param { key, value } => set(&mut self.params, key, value),
-            RetainedChange::Offset { number, offset } => set(&mut self.offsets, number, Some(offset)),
-            RetainedChange::WorkOffset { index, origin } => set(&mut self.work_offsets, index, Some(origin)),
-            RetainedChange::Number { key, value } => set(&mut self.numbers, key, value),
-            RetainedChange::Text { key, value } => set(&mut self.texts, key, value),
-            RetainedChange::Alarm(past) => set(&mut self.alarms, past.slot(), Some(past)),
-        }
-    }
-
-    /// The changes that make these data another state. The alarm history goes on.
-    #[must_use]
-    pub fn changes_to(&self, other: &Self) -> Vec<RetainedChange> {
-        let mut all = Vec::new();
-        let gone = |key: &&u16| !other.variables.contains_key(key);
-        all.extend(self.variables.keys().filter(gone).map(|&number| RetainedChange::Variable { number, value: None }));
-        let gone = |key: &&String| !other.params.contains_key(*key);
-        all.extend(self.params.keys().filter(gone).map(|key| RetainedChange::Param { key: key.clone(), value: None }));
-        let gone = |key: &&u8| !other.offsets.contains_key(key);
-        let zero = ToolOffset::default();
-        all.extend(self.offsets.keys().filter(gone).map(|&number| RetainedChange::Offset { number, offset: zero }));
-        let gone = |key: &&u8| !other.work_offsets.contains_key(key);
-        let origin = PerAxis::default();
-        all.extend(self.work_offsets.keys().filter(gone).map(|&index| RetainedChange::WorkOffset { index, origin }));
-        let gone = |key: &&String| !other.numbers.contains_key(*key);
-        all.extend(
-            self.numbers.keys().filter(gone).map(|key| RetainedChange::Number { key: key.clone(), value: None }),
-        );
-        let gone = |key: &&String| !other.texts.contains_key(*key);
-        all.extend(self.texts.keys().filter(gone).map(|key| RetainedChange::Text { key: key.clone(), value: None }));
-        all.extend(other.changes().into_iter().filter(|change| !matches!(change, RetainedChange::Alarm(_))));
-        all
-    }
-
-    /// The changes that make an empty database this one.
-    fn changes(&self) -> Vec<RetainedChange> {
-        let mut all = Vec::new();
-        all.extend(
-            self.variables.iter().map(|(&number, &value)| RetainedChange::Variable { number, value: Some(value) }),
-        );
-        all.extend(
-            self.params.iter().map(|(key, &value)| RetainedChange::Param { key: key.clone(), value: Some(value) }),
-        );
-        all.extend(self.offsets.iter().map(|(&number, &offset)| RetainedChange::Offset { number, offset }));
-        all.extend(self.work_offsets.iter().map(|(&index, &origin)| RetainedChange::WorkOffset { index, origin }));
-        all.extend(
-            self.numbers.iter().map(|(key, &value)| RetainedChange::Number { key: key.clone(), value: Some(value) }),
-        );
-        let text =
-            |(key, text): (&String, &String)| RetainedChange::Text { key: key.clone(), value: Some(text.clone()) };
-        all.extend(self.texts.iter().map(text));
-        all.extend(self.alarms.values().cloned().map(RetainedChange::Alarm));
-        all
-    }
-}
-
-/// Sets a value, or removes it for `None`.
-fn set<K: Ord, V>(rows: &mut BTreeMap<K, V>, key: K, value: Option<V>) {
-    match value {
-        Some(value) => drop(rows.insert(key, value)),
-        None => drop(rows.remove(&key)),
-    }
 }
 
 /// A damaged or foreign file.

@@ -3,12 +3,15 @@
 //! Every row has a checksum over table, key and value. The `meta` table holds their sum and is updated with each
 //! change: the cost of a commit depends on its changes only, and opening detects lost or altered rows.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroU64;
 
-use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition, TableError, WriteTransaction};
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition, TableError, WriteTransaction};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use super::{Generation, RetainedChange, RetainedData, RetainedError, ToolOffset};
-use crate::defs::alarm_history::{MAX_ALARM_HISTORY, PastAlarm};
+use crate::defs::history::HistoryEntry;
 use crate::store::checksum::Checksum;
 use crate::units::PerAxis;
 
@@ -34,10 +37,14 @@ const NUMBERS: TableDefinition<&str, f64> = TableDefinition::new("numbers");
 const TEXTS: TableDefinition<&str, &str> = TableDefinition::new("texts");
 
 const ALARMS: TableDefinition<u16, &str> = TableDefinition::new("alarms");
+const PARTS: TableDefinition<u16, &str> = TableDefinition::new("parts");
+const HOURS: TableDefinition<u16, &str> = TableDefinition::new("hours");
 
 const META_FORMAT: &str = "kt830 retained format";
 const META_GENERATION: &str = "generation";
 const META_ROWS: &str = "rows";
+/// Checksum over parts and hours. It stands apart, so that a control that knows none of them can still read the rest.
+const META_PRODUCTION: &str = "production rows";
 const META_IDENTITY: &str = "identity";
 
 /// An error of the database.
@@ -73,9 +80,12 @@ pub(super) fn check_change(change: &RetainedChange) -> Result<(), RetainedError>
             ((1..=LAST_OFFSET).contains(number), all_finite(&offset.geometry) && all_finite(&offset.wear))
         }
         RetainedChange::WorkOffset { index, origin } => (*index < WORK_OFFSET_COUNT, all_finite(origin)),
-        RetainedChange::Alarm(past) => {
-            (past.slot() < MAX_ALARM_HISTORY as u16, alarm_text(past).is_some_and(|text| text.len() <= TEXT_LIMIT))
+        RetainedChange::Alarm(past) => (true, entry_text(past).is_some_and(|text| text.len() <= TEXT_LIMIT)),
+        RetainedChange::Part(part) => {
+            let values = part.size.into_iter().chain(part.limits.into_iter().flatten()).chain([part.cycle_seconds]);
+            (true, values.into_iter().all(f64::is_finite))
         }
+        RetainedChange::Hour(_) => (true, true),
         RetainedChange::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
     };
     let refused = |cause| Err(RetainedError::BadChange(change_name(change), cause));
@@ -95,6 +105,8 @@ fn change_name(change: &RetainedChange) -> String {
         RetainedChange::Offset { number, .. } => format!("offset {number}"),
         RetainedChange::WorkOffset { index, .. } => format!("frame {index}"),
         RetainedChange::Alarm(past) => format!("alarm record {}", past.slot()),
+        RetainedChange::Part(part) => format!("part record {}", part.slot()),
+        RetainedChange::Hour(hour) => format!("hour {}", hour.slot()),
     }
 }
 
@@ -121,6 +133,8 @@ pub(super) fn create_tables(database: &Database) -> Result<(), StorageFault> {
         transaction.open_table(NUMBERS)?;
         transaction.open_table(TEXTS)?;
         transaction.open_table(ALARMS)?;
+        transaction.open_table(PARTS)?;
+        transaction.open_table(HOURS)?;
     }
     Ok(transaction.commit()?)
 }
@@ -145,12 +159,10 @@ pub(super) fn upgrade(database: &Database, identity: Option<NonZeroU64>) -> Resu
 /// Writes all changes in one durable transaction.
 pub(super) fn commit_changes(database: &Database, changes: &[RetainedChange]) -> Result<Generation, StorageFault> {
     let transaction = begin_commit(database)?;
-    let moved = apply_rows(&transaction, changes)?;
+    apply_rows(&transaction, changes)?;
     let generation = {
         let mut meta = transaction.open_table(META)?;
-        let rows = meta_value(&meta, META_ROWS)?.wrapping_add(moved);
         let generation = meta_value(&meta, META_GENERATION)? + 1;
-        meta.insert(META_ROWS, rows)?;
         meta.insert(META_GENERATION, generation)?;
         Generation(generation)
     };
@@ -166,11 +178,9 @@ pub(super) fn restore(
     state: &RetainedData,
 ) -> Result<(), StorageFault> {
     let transaction = begin_commit(database)?;
-    let moved = apply_rows(&transaction, changes)?;
+    apply_rows(&transaction, changes)?;
     {
         let mut meta = transaction.open_table(META)?;
-        let rows = meta_value(&meta, META_ROWS)?.wrapping_add(moved);
-        meta.insert(META_ROWS, rows)?;
         meta.insert(META_GENERATION, state.generation.0)?;
         meta.insert(META_IDENTITY, state.identity.map_or(0, NonZeroU64::get))?;
     }
@@ -190,8 +200,42 @@ macro_rules! set_row {
     }};
 }
 
-/// Changes the rows; returns the change of their checksum sum.
-fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Result<u64, StorageFault> {
+/// Changes the rows, and the sums of their checksums with them.
+fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Result<(), StorageFault> {
+    let moved = set_rows(transaction, changes)?;
+    let moved_production = set_production(transaction, changes)?;
+    let mut meta = transaction.open_table(META)?;
+    for (key, by) in [(META_ROWS, moved), (META_PRODUCTION, moved_production)] {
+        let sum = meta_value(&meta, key)?.wrapping_add(by);
+        meta.insert(key, sum)?;
+    }
+    Ok(())
+}
+
+/// Changes the rows of production; returns the change of their checksum sum.
+fn set_production(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Result<u64, StorageFault> {
+    let mut parts = transaction.open_table(PARTS)?;
+    let mut hours = transaction.open_table(HOURS)?;
+    let mut moved = 0_u64;
+    for change in changes {
+        let by = match change {
+            RetainedChange::Part(part) => {
+                let (slot, text) = (part.slot(), entry_text(part).unwrap_or_default());
+                set_row!(parts, slot, Some(text.as_str()), |text: &str| entry_checksum(RowTable::Part, slot, text))
+            }
+            RetainedChange::Hour(hour) => {
+                let (slot, text) = (hour.slot(), entry_text(hour).unwrap_or_default());
+                set_row!(hours, slot, Some(text.as_str()), |text: &str| entry_checksum(RowTable::Hour, slot, text))
+            }
+            _ => 0,
+        };
+        moved = moved.wrapping_add(by);
+    }
+    Ok(moved)
+}
+
+/// Changes the other rows; returns the change of their checksum sum.
+fn set_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Result<u64, StorageFault> {
     let mut variables = transaction.open_table(VARIABLES)?;
     let mut params = transaction.open_table(PARAMS)?;
     let mut offsets = transaction.open_table(OFFSETS)?;
@@ -225,9 +269,10 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Res
                 set_row!(texts, key.as_str(), value.as_deref(), row)
             }
             RetainedChange::Alarm(past) => {
-                let text = alarm_text(past).unwrap_or_default();
-                set_row!(alarms, past.slot(), Some(text.as_str()), |text: &str| alarm_checksum(past.slot(), text))
+                let (slot, text) = (past.slot(), entry_text(past).unwrap_or_default());
+                set_row!(alarms, slot, Some(text.as_str()), |text: &str| entry_checksum(RowTable::Alarm, slot, text))
             }
+            RetainedChange::Part(_) | RetainedChange::Hour(_) => 0,
         };
         moved = moved.wrapping_add(by);
     }
@@ -273,23 +318,37 @@ pub(super) fn load(database: &Database) -> Result<DatabaseContent, StorageFault>
         counted = counted.wrapping_add(row_checksum(RowTable::Text, key.value().as_bytes(), text.value().as_bytes()));
         loaded.texts.insert(key.value().to_owned(), text.value().to_owned());
     }
-    match transaction.open_table(ALARMS) {
-        Ok(table) => {
-            for entry in table.iter()? {
-                let (slot, text) = entry?;
-                counted = counted.wrapping_add(alarm_checksum(slot.value(), text.value()));
-                // An alarm in a newer text format cannot be shown; this is not damage.
-                if let Ok(past) = serde_json::from_str(text.value()) {
-                    loaded.alarms.insert(slot.value(), past);
-                }
-            }
-        }
-        // Format 1 has no alarm table.
-        Err(TableError::TableDoesNotExist(_)) => {}
-        Err(other) => return Err(other.into()),
-    }
-    let (format, stated) = (meta_value(&meta, META_FORMAT)?, meta_value(&meta, META_ROWS)?);
+    let alarms = load_history(&transaction, (ALARMS, RowTable::Alarm), &mut loaded.alarms)?;
+    let parts = load_history(&transaction, (PARTS, RowTable::Part), &mut loaded.parts)?;
+    let hours = load_history(&transaction, (HOURS, RowTable::Hour), &mut loaded.hours)?;
+    counted = counted.wrapping_add(alarms).wrapping_add(parts).wrapping_add(hours);
+    let stated = meta_value(&meta, META_ROWS)?.wrapping_add(meta_value(&meta, META_PRODUCTION)?);
+    let format = meta_value(&meta, META_FORMAT)?;
     Ok(DatabaseContent { data: loaded, format, stored_sum: stated, computed_sum: counted })
+}
+
+/// Reads the entries of a history by their slots; gives the sum of their checksums.
+fn load_history<T: DeserializeOwned>(
+    transaction: &ReadTransaction,
+    (table, of): (TableDefinition<u16, &str>, RowTable),
+    into: &mut BTreeMap<u16, T>,
+) -> Result<u64, StorageFault> {
+    let table = match transaction.open_table(table) {
+        Ok(table) => table,
+        // An older format has no such table.
+        Err(TableError::TableDoesNotExist(_)) => return Ok(0),
+        Err(other) => return Err(other.into()),
+    };
+    let mut counted = 0_u64;
+    for entry in table.iter()? {
+        let (slot, text) = entry?;
+        counted = counted.wrapping_add(entry_checksum(of, slot.value(), text.value()));
+        // An entry in a newer text format cannot be shown; this is not damage.
+        if let Ok(entry) = serde_json::from_str(text.value()) {
+            into.insert(slot.value(), entry);
+        }
+    }
+    Ok(counted)
 }
 
 /// A number of the meta table; 0 if it is missing. 0 is not a valid format.
@@ -307,6 +366,8 @@ enum RowTable {
     Number = 5,
     Text = 6,
     Alarm = 7,
+    Part = 8,
+    Hour = 9,
 }
 
 fn row_checksum(of: RowTable, key: &[u8], value: &[u8]) -> u64 {
@@ -314,12 +375,13 @@ fn row_checksum(of: RowTable, key: &[u8], value: &[u8]) -> u64 {
     Checksum::new().add(&[of as u8, length]).add(key).add(value).finish()
 }
 
-fn alarm_text(past: &PastAlarm) -> Option<String> {
-    serde_json::to_string(past).ok()
+/// An entry of a history as it is stored.
+fn entry_text(entry: &impl Serialize) -> Option<String> {
+    serde_json::to_string(entry).ok()
 }
 
-fn alarm_checksum(slot: u16, text: &str) -> u64 {
-    row_checksum(RowTable::Alarm, &slot.to_le_bytes(), text.as_bytes())
+fn entry_checksum(of: RowTable, slot: u16, text: &str) -> u64 {
+    row_checksum(of, &slot.to_le_bytes(), text.as_bytes())
 }
 
 fn variable_checksum(number: u16, value: f64) -> u64 {

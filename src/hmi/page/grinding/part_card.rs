@@ -9,10 +9,11 @@ use egui::{Color32, Rect, Stroke, pos2, vec2};
 
 use crate::defs::page_meaning::SizeKind;
 use crate::defs::param;
+use crate::defs::part_verdict::PartVerdict;
 use crate::hmi::field_editor::CoreAnswer;
 use crate::hmi::{Area, EditKey, FieldEditor, PageKey, View, format_cycle_time, keycap, pictogram, theme, widget};
 use crate::link::part_result::{
-    CorrectionAdvice, JudgedSize, OffsetInForce, PartCommand, PartResult, PartVerdict, TYPED_SIZE_RANGE,
+    CorrectionAdvice, JudgedSize, OffsetInForce, PartCommand, PartResult, TYPED_SIZE_RANGE,
 };
 use crate::link::{Command, Snapshot};
 use crate::units::Micros;

@@ -12,13 +12,13 @@ use egui::{Color32, Id, Pos2, Rect, Sense, Shape, Stroke, WidgetInfo, pos2, vec2
 
 use super::{PageContext, PageUi};
 use crate::defs::param;
+use crate::defs::part_record::PartRecord;
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::{Area, KeyboardFocus, PageKey, Question, QuestionDialog, View, file_command, theme, widget};
 use crate::link::files::{FileRequest, Requester};
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
-use trend::FinishedPart;
 
 /// Time between two samples, and how many are kept: ten minutes.
 const SAMPLE_PERIOD: Micros = Micros::from_millis(100);
@@ -30,7 +30,7 @@ const MIN_SPAN_SECONDS: f64 = 1.0;
 const BELOW_HEIGHT: f32 = 132.0;
 /// Width of name and value in front of a curve.
 const NAME_WIDTH: f32 = 150.0;
-/// Number of parts kept.
+/// Number of parts shown.
 const MAX_PARTS: usize = 50;
 /// Inputs of the gauge.
 const GAUGES: [Input; 6] = [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
@@ -57,9 +57,8 @@ struct ProcessCurve {
 #[derive(Debug, Default)]
 pub struct ProcessPage {
     samples: VecDeque<Sample>,
-    parts: VecDeque<FinishedPart>,
-    /// When the last recorded part was finished.
-    last_part: Option<Micros>,
+    /// Serial number of the last part that was cleared away.
+    cleared: u64,
     /// Dressing count and wheel diameter, mm, as last seen; what the last dressing took off the diameter, mm.
     last_dressing: Option<(f64, f64)>,
     dressing_removed_mm: Option<f64>,
@@ -73,19 +72,6 @@ pub struct ProcessPage {
 
 impl PageUi for ProcessPage {
     fn record(&mut self, snapshot: &Snapshot) {
-        let (last, finished) = (self.last_part, snapshot.cycle.part.as_ref());
-        // The operator has measured the last part meanwhile.
-        let typed = finished.filter(|part| last == Some(part.ended_at) && part.typed.is_some());
-        if let Some((part, shown)) = typed.zip(self.parts.back_mut()) {
-            *shown = FinishedPart::of(part, snapshot);
-        }
-        if let Some(part) = finished.filter(|part| last != Some(part.ended_at)) {
-            self.last_part = Some(part.ended_at);
-            self.parts.push_back(FinishedPart::of(part, snapshot));
-            if self.parts.len() > MAX_PARTS {
-                self.parts.pop_front();
-            }
-        }
         self.track_dressing(snapshot);
         if self.samples.back().is_some_and(|last| snapshot.now < last.at) {
             self.samples.clear();
@@ -101,7 +87,7 @@ impl PageUi for ProcessPage {
             at: snapshot.now,
             axes: Axis::ALL.map(|axis| snapshot.axes[axis].work),
             feed_mm_min: snapshot.feed_mm_min,
-            load_percent: snapshot.simulated.as_ref().map(|sim| sim.wheel_load_percent),
+            load_percent: snapshot.wheel_load_percent(),
             gauge_bits: gauges.fold(0, |bits, (index, _)| bits | 1 << index),
         });
         if self.samples.len() > MAX_SAMPLES {
@@ -123,19 +109,27 @@ impl PageUi for ProcessPage {
         let (trend, rest) = below.split_left_right_at_fraction(0.46);
         let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
         let cut = |rect: Rect| rect.trim_right(theme::GAP);
-        self.trend(cut(trend), view);
-        self.cycle_times(cut(parts), view);
+        let shown: Vec<&PartRecord> = self.parts(view.snapshot).collect();
+        let shown = &shown[shown.len().saturating_sub(MAX_PARTS)..];
+        trend::sizes(cut(trend), view, shown);
+        trend::cycle_times(cut(parts), view, shown);
         self.wheel(wheel, view);
         out.extend(self.keys(keys, view));
         if let Some(((), Some(_))) = self.question.ui(rect, view, &typed.edits) {
             self.samples.clear();
-            self.parts.clear();
+            self.cleared = view.snapshot.production.parts.last().map_or(0, |part| part.count);
             self.window_end = None;
         }
     }
 }
 
 impl ProcessPage {
+    /// The finished parts of the current program since they were cleared, oldest first.
+    fn parts<'a>(&self, snapshot: &'a Snapshot) -> impl Iterator<Item = &'a PartRecord> + use<'a> {
+        let (program, cleared) = (snapshot.program.number, self.cleared);
+        snapshot.production.parts.iter().filter(move |part| part.program == program && part.count > cleared)
+    }
+
     /// Tracks what a dressing takes off the wheel; a new wheel starts again.
     fn track_dressing(&mut self, snapshot: &Snapshot) {
         let now = (snapshot.params.get(param::DRESSING_COUNT), snapshot.params.get(param::WHEEL_DIAMETER));
@@ -198,7 +192,7 @@ impl ProcessPage {
             add(format!("{} mm", axis.letter()), colours[index], Box::new(move |sample| sample.axes[index]));
         }
         add("F mm/min".to_owned(), view.theme.hold, Box::new(|sample| sample.feed_mm_min));
-        if snapshot.simulated.is_some() {
+        if snapshot.wheel_load_percent().is_some() {
             let name = view.text("砂轮负载 %", "wheel load %");
             add(name.to_owned(), view.theme.alarm_text, Box::new(|sample| sample.load_percent.unwrap_or(0.0)));
         }
@@ -292,7 +286,7 @@ impl ProcessPage {
                 self.span_seconds = longer;
             }
             Some(1) => self.window_end = None,
-            Some(2) => self.question.ask((), self.clear_question()),
+            Some(2) => self.question.ask((), self.clear_question(view.snapshot)),
             Some(_) => {
                 return Some(file_command(Requester::Screen, FileRequest::SaveTable(self.csv(view.snapshot))));
             }
@@ -302,13 +296,15 @@ impl ProcessPage {
     }
 
     /// The question names how much data will be lost.
-    fn clear_question(&self) -> Question {
+    fn clear_question(&self, snapshot: &Snapshot) -> Question {
         let ends = self.samples.front().zip(self.samples.back());
         let seconds = ends.map_or(0.0, |(first, last)| last.at.since(first.at).as_secs_f64());
-        let parts = self.parts.len();
+        let parts = self.parts(snapshot).count();
         let body = LocalizedText::new(
-            format!("{seconds:.0} 秒的曲线和 {parts} 个工件的尺寸将丢失；需要时先存为 CSV。"),
-            format!("{seconds:.0} s of curves and the sizes of {parts} parts will be lost; SAVE CSV first if needed."),
+            format!("{seconds:.0} 秒的曲线将丢失；需要时先存为 CSV。{parts} 个工件的尺寸在下次开机前不再显示在这里。"),
+            format!(
+                "{seconds:.0} s of curves will be lost; SAVE CSV first if needed. The sizes of {parts} parts leave this page until the next power-on."
+            ),
         );
         let key = ("question-clear", Text::new("清除", "CLEAR"));
         Question::new(Text::new("清除过程数据？", "clear the recorded data?"), body, key)
@@ -327,16 +323,28 @@ impl ProcessPage {
             // Writing to a string does not fail.
             let _ = write!(text, "{seconds:.3},{places}{feed:.1},{load},{gauges:06b}\r\n");
         }
-        text.push_str("\r\npart,cycle_seconds,size,nominal,lower,upper,verdict\r\n");
-        let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
-        for part in &self.parts {
-            let [nominal, low, high] = [0, 1, 2].map(|at| number(part.limits.map(|limits| limits[at])));
-            let verdict = part.verdict.id();
-            let (count, seconds, size) = (part.number, part.cycle_seconds, number(part.size));
-            let _ = write!(text, "{count},{seconds:.1},{size},{nominal},{low},{high},{verdict}\r\n");
-        }
+        text.push_str("\r\n");
+        text.push_str(&part_table(snapshot, self.parts(snapshot)));
         text
     }
+}
+
+/// CSV of finished parts: one line each, a missing value leaves its field empty.
+pub(super) fn part_table<'a>(snapshot: &Snapshot, parts: impl Iterator<Item = &'a PartRecord>) -> String {
+    let mut text =
+        String::from("part,cycle_seconds,size,nominal,lower,upper,verdict,program,order,ended,since_dressing\r\n");
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
+    for part in parts {
+        let [nominal, low, high] = [0, 1, 2].map(|at| number(part.limits.map(|limits| limits[at])));
+        let PartRecord { number: count, program, order, ended, cycle_seconds, since_dressing, .. } = part;
+        let (size, verdict, program) = (number(part.size), part.verdict.id(), snapshot.title(*program));
+        // Writing to a string does not fail.
+        let _ = write!(
+            text,
+            "{count},{cycle_seconds:.1},{size},{nominal},{low},{high},{verdict},{program},{order},{ended},{since_dressing}\r\n"
+        );
+    }
+    text
 }
 
 /// Reduces a curve to at most four points per pixel column: the first, the lowest and the highest, the last.

@@ -1,94 +1,86 @@
-//! Parts finished since power-on: sizes with their limits, cycle times; the wheel and its dressings.
+//! Finished parts: sizes with their limits and their control chart, cycle times; the wheel and its dressings.
 //! Source: tools.md (page process), K5.17, K4.5.
 
-use egui::{Rect, Stroke, pos2, vec2};
+use egui::{Pos2, Rect, Shape, Stroke, pos2, vec2};
 
 use super::{MAX_PARTS, ProcessPage};
 use crate::defs::param;
+use crate::defs::part_record::PartRecord;
 use crate::hmi::{Area, View, theme};
 use crate::link::Snapshot;
-use crate::link::part_result::{PartResult, PartVerdict};
+use crate::link::production::like_sizes;
+use crate::technology::{EwmaPoint, capability, ewma};
 
-/// A finished part.
-#[derive(Clone, Copy, Debug)]
-pub struct FinishedPart {
-    /// Its number in the part count.
-    pub number: u32,
-    /// Cycle time, s.
-    pub cycle_seconds: f64,
-    /// Measured size, mm; none: not measured.
-    pub size: Option<f64>,
-    /// Nominal, least and greatest size, mm, as in force when the part was finished.
-    pub limits: Option<[f64; 3]>,
-    /// Whether it is good.
-    pub verdict: PartVerdict,
+/// Height of the line of statistics.
+const STATISTICS_HEIGHT: f32 = 18.0;
+/// Length and gap of the dashes of a control limit, points.
+const DASH: (f32, f32) = (4.0, 3.0);
+
+/// Sizes of the last parts as points between their limits, with their weighted mean (EWMA) between its control limits; a
+/// part that is not good is a square.
+pub(super) fn sizes(rect: Rect, view: &View<'_>, parts: &[&PartRecord]) {
+    view.card(rect);
+    let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
+    let sized: Vec<&PartRecord> = parts.iter().copied().filter(|part| part.size.is_some()).collect();
+    let Some(last) = sized.last() else {
+        view.fit_left(head, view.text("尺寸 mm", "sizes mm"), theme::SMALL, view.theme.muted);
+        let words = view.text(
+            "还没有实测尺寸：P375 为存实测尺寸的变量，公称尺寸和偏差取自页面或 P376–P378",
+            "no size yet: P375 is the variable of the size; nominal size and deviations are those of the page or P376 to P378",
+        );
+        view.paragraph(plot, words, theme::SMALL, view.theme.muted);
+        return;
+    };
+    // Statistics are those of like parts: the last ones with the same limits.
+    let (like, limits) = like_sizes(&sized);
+    let chart = ewma(&like);
+    let drifts = chart.last().is_some_and(EwmaPoint::is_out);
+    let taken = view.line_left(head, view.text("尺寸 mm", "sizes mm"), theme::SMALL, view.theme.muted);
+    let found = capability(&like, limits.map(|[_, low, high]| (low, high)));
+    let (below, plot) = plot.split_top(if found.is_some() { STATISTICS_HEIGHT } else { 0.0 });
+    if let Some(found) = found {
+        let cpk = found.indices.map_or_else(String::new, |(_, cpk)| format!(" · Cpk {cpk:.2}"));
+        let words = format!("n {} · {} {:.4}{cpk}", found.count, view.text("平均", "mean"), found.mean);
+        let shown = view.line_left(below, &words, theme::SMALL, view.theme.muted);
+        if drifts {
+            let rest = below.with_min_x(shown.max.x + theme::PAD);
+            view.line_left(rest, view.text("漂移", "DRIFT"), theme::SMALL, view.theme.hold);
+        }
+    }
+    let out = sized.iter().filter(|part| part.verdict.is_bad()).count();
+    let ink = if last.verdict.is_bad() { view.theme.alarm_text } else { view.theme.text };
+    let mut words = view.length(last.size.unwrap_or(f64::NAN));
+    if let Some([nominal, low, high]) = last.limits {
+        words = format!("{words} / {nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
+    }
+    if out > 0 {
+        words = format!("{words} · {} {out}", view.text("不良", "NOK"));
+    }
+    view.fit_right(head.with_min_x(taken.max.x + theme::GAP), &words, theme::LABEL, ink);
+    paint_sizes(view, plot, &sized, &chart);
 }
 
-impl FinishedPart {
-    /// The part of the last cycle.
-    pub fn of(part: &PartResult, snapshot: &Snapshot) -> Self {
-        let simulated = snapshot.simulated.as_deref();
-        let size = part.judged_size(simulated).map(|size| size.mm());
-        // Without a nominal size: any size of the part shows how it changes.
-        let any = || simulated?.finished_sizes.first().map(|size| size.mm);
-        Self {
-            number: part.number,
-            cycle_seconds: part.times.seconds,
-            size: size.or_else(|| part.nominal.is_none().then(any).flatten()),
-            limits: part.nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high])),
-            verdict: part.verdict(simulated),
-        }
+/// Cycle times of the last parts as bars.
+pub(super) fn cycle_times(rect: Rect, view: &View<'_>, parts: &[&PartRecord]) {
+    view.card(rect);
+    let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
+    view.fit_left(head, view.text("最近工件节拍 s", "cycle times s"), theme::SMALL, view.theme.muted);
+    let Some(last) = parts.last() else {
+        let words = view.text("还没有加工完的工件", "no part finished yet");
+        view.paragraph(plot, words, theme::SMALL, view.theme.muted);
+        return;
+    };
+    view.line_right(head, &format!("{:.1}", last.cycle_seconds), theme::LABEL, view.theme.text);
+    let most = parts.iter().map(|part| part.cycle_seconds).fold(1e-3, f64::max);
+    let width = plot.width() / MAX_PARTS as f32;
+    for (index, part) in parts.iter().enumerate() {
+        let height = (part.cycle_seconds / most) as f32 * plot.height();
+        let corner = pos2(plot.min.x + index as f32 * width, plot.max.y - height);
+        view.painter.rect_filled(Rect::from_min_size(corner, vec2(width - 1.5, height)), 0.0, view.theme.info);
     }
 }
 
 impl ProcessPage {
-    /// Sizes of the last parts as points between their limits; a part that is not good is a square.
-    pub(super) fn trend(&self, rect: Rect, view: &View<'_>) {
-        view.card(rect);
-        let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
-        let taken = view.line_left(head, view.text("尺寸 mm", "sizes mm"), theme::SMALL, view.theme.muted);
-        let sized: Vec<&FinishedPart> = self.parts.iter().filter(|part| part.size.is_some()).collect();
-        let Some(last) = sized.last() else {
-            let words = view.text(
-                "还没有实测尺寸：P375 为存实测尺寸的变量，公称尺寸和偏差取自页面或 P376–P378",
-                "no size yet: P375 is the variable of the size; nominal size and deviations are those of the page or P376 to P378",
-            );
-            view.paragraph(plot, words, theme::SMALL, view.theme.muted);
-            return;
-        };
-        let out = sized.iter().filter(|part| part.verdict.is_bad()).count();
-        let ink = if last.verdict.is_bad() { view.theme.alarm_text } else { view.theme.text };
-        let mut words = view.length(last.size.unwrap_or(f64::NAN));
-        if let Some([nominal, low, high]) = last.limits {
-            words = format!("{words} / {nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
-        }
-        if out > 0 {
-            words = format!("{words} · {} {out}", view.text("不良", "NOK"));
-        }
-        view.fit_right(head.with_min_x(taken.max.x + theme::GAP), &words, theme::LABEL, ink);
-        paint_sizes(view, plot, &sized);
-    }
-
-    /// Cycle times of the last parts as bars.
-    pub(super) fn cycle_times(&self, rect: Rect, view: &View<'_>) {
-        view.card(rect);
-        let (head, plot) = rect.shrink2(vec2(10.0, 6.0)).split_top(22.0);
-        view.fit_left(head, view.text("最近工件节拍 s", "cycle times s"), theme::SMALL, view.theme.muted);
-        let Some(last) = self.parts.back() else {
-            let words = view.text("开机后还没有加工完的工件", "no part finished since power-on");
-            view.paragraph(plot, words, theme::SMALL, view.theme.muted);
-            return;
-        };
-        view.line_right(head, &format!("{:.1}", last.cycle_seconds), theme::LABEL, view.theme.text);
-        let most = self.parts.iter().map(|part| part.cycle_seconds).fold(1e-3, f64::max);
-        let width = plot.width() / MAX_PARTS as f32;
-        for (index, part) in self.parts.iter().enumerate() {
-            let height = (part.cycle_seconds / most) as f32 * plot.height();
-            let corner = pos2(plot.min.x + index as f32 * width, plot.max.y - height);
-            view.painter.rect_filled(Rect::from_min_size(corner, vec2(width - 1.5, height)), 0.0, view.theme.info);
-        }
-    }
-
     /// The wheel: diameter, number of dressings, dressings left.
     pub(super) fn wheel(&self, rect: Rect, view: &View<'_>) {
         view.card(rect);
@@ -123,8 +115,20 @@ impl ProcessPage {
     }
 }
 
-/// The sizes over the lines of their limits.
-fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&FinishedPart]) {
+/// The EWMA of the last parts between its control limits.
+fn paint_chart(view: &View<'_>, plot: Rect, chart: &[EwmaPoint], place: impl Fn(usize, f64) -> Pos2) {
+    let painter = view.painter.with_clip_rect(plot);
+    let line = |value: fn(&EwmaPoint) -> f64| -> Vec<Pos2> {
+        chart.iter().enumerate().map(|(at, point)| place(at, value(point))).collect()
+    };
+    for limit in [line(|point| point.limits.0), line(|point| point.limits.1)] {
+        painter.extend(Shape::dashed_line(&limit, Stroke::new(theme::HAIRLINE, view.theme.info), DASH.0, DASH.1));
+    }
+    painter.add(Shape::line(line(|point| point.mean), Stroke::new(1.6, view.theme.info)));
+}
+
+/// The sizes over the lines of their limits; the chart belongs to the last of them.
+fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&PartRecord], chart: &[EwmaPoint]) {
     let sizes = sized.iter().filter_map(|part| part.size);
     let bounds = sized.iter().filter_map(|part| part.limits).flat_map(|limits| limits.into_iter());
     let (low, high) = sizes
@@ -135,6 +139,8 @@ fn paint_sizes(view: &View<'_>, plot: Rect, sized: &[&FinishedPart]) {
     let y = |value: f64| plot.center().y - ((value - middle) / room * f64::from(plot.height())) as f32;
     let step = plot.width() / MAX_PARTS as f32;
     let x = |index: usize| plot.min.x + (index as f32 + 0.5) * step;
+    let first = sized.len() - chart.len();
+    paint_chart(view, plot, chart, |at, value| pos2(x(first + at), y(value)));
     for (index, part) in sized.iter().enumerate() {
         let across = x(index) - step / 2.0..=x(index) + step / 2.0;
         if let Some([nominal, low, high]) = part.limits {

@@ -1,0 +1,313 @@
+//! Production: the finished parts, and the orders that they count for.
+//! Source: spec B6, K4.5, K7.2.
+
+use super::hours::HourLog;
+use super::{Edited, Panel, Parts};
+use crate::controller::plant::Plant;
+use crate::controller::power_on::PowerOnState;
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::hour_record::HourRecord;
+use crate::defs::param;
+use crate::defs::part_record::{PartHistory, PartRecord};
+use crate::defs::part_verdict::PartVerdict;
+use crate::defs::production_order::{MAX_ORDERS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, ProductionOrder};
+use crate::defs::text::{Text, phrase};
+use crate::link::part_result::PartResult;
+use crate::link::production::{OrderCommand, PartInspection, ProductionView};
+use crate::link::snapshot::Tone;
+use crate::units::Micros;
+
+const NO_ORDER: Text = Text::new("没有这个订单", "there is no such order");
+const IS_ACTIVE: Text =
+    Text::new("订单正在进行：先结束或换一个", "the order is active: close it or start another one first");
+const IS_BEGUN: Text =
+    Text::new("订单已有工件，程序不能改", "the order has parts already: its program cannot be changed");
+const IS_FULL: Text = Text::new("订单已满：先删除结束的", "the list is full: delete closed orders first");
+const IN_RUN: Text = Text::new("程序运行中，不能换程序", "a program runs: the program cannot be changed");
+const NO_PROGRAM: Text = Text::new("没有这个程序", "there is no such program");
+const IS_COMPLETE: Text = Text::new("件数已完成：先加大目标", "all parts are made: raise the target first");
+
+/// From the end of a part until its order is looked at: a simulated machine measures the part meanwhile.
+const ANNOUNCE_DELAY: Micros = Micros::from_millis(20);
+
+/// Finished parts, orders, and the hours of the machine.
+#[derive(Default)]
+pub struct Production {
+    parts: PartHistory,
+    /// Serial number of the last finished part, and the end of its cycle; `None` before the first one since power-on.
+    last_count: u64,
+    last_end: Option<Micros>,
+    /// When a part was counted last.
+    counted_at: Option<Micros>,
+    /// The run that has counted the last part goes on: its end says more of that part. The run, by its start.
+    is_open: bool,
+    counting_run: Option<Micros>,
+    /// By their numbers.
+    orders: Vec<ProductionOrder>,
+    /// When the active order is looked at, and number and target of the one that was announced.
+    announce_at: Option<Micros>,
+    announced: Option<(u32, u32)>,
+    pub(super) hours: HourLog,
+}
+
+impl Production {
+    /// As kept since the last power-off.
+    pub fn at_power_on(retained: &PowerOnState, now: Micros) -> Self {
+        let mut kept = retained.parts.clone();
+        kept.sort_by_key(|part| part.count);
+        let last_count = kept.last().map_or(0, |part| part.count);
+        let mut orders = Vec::with_capacity(MAX_ORDERS);
+        orders.extend_from_slice(&retained.orders);
+        let hours = HourLog::at_power_on(&retained.hours, now);
+        Self { parts: PartHistory::new(kept, now.0 + 1), last_count, orders, hours, ..Self::default() }
+    }
+
+    /// Writes the view.
+    pub fn write_view(&self, out: &mut ProductionView) {
+        out.parts.copy_from(&self.parts);
+        out.hours.copy_from(self.hours.history());
+        if out.orders != self.orders {
+            out.orders.clone_from(&self.orders);
+        }
+    }
+
+    /// When a part was counted last.
+    pub const fn last_counted(&self) -> Option<Micros> {
+        self.counted_at
+    }
+
+    fn find(&self, number: u32) -> Option<ProductionOrder> {
+        self.orders.iter().find(|order| order.number == number).copied()
+    }
+
+    fn active(&self) -> Option<ProductionOrder> {
+        self.orders.iter().find(|order| order.state == OrderState::Active).copied()
+    }
+
+    /// Enters an order, or changes the one of its number; stores it.
+    fn set(&mut self, plant: &mut Plant, order: ProductionOrder) {
+        match self.orders.iter_mut().find(|known| known.number == order.number) {
+            Some(known) => *known = order,
+            None => {
+                let place = self.orders.partition_point(|known| known.number < order.number);
+                self.orders.insert(place, order);
+            }
+        }
+        plant.store(StorageRequest::Order(order.number, Some(order)));
+        self.announce_at = Some(plant.now + ANNOUNCE_DELAY);
+    }
+
+    /// Follows the run: another one has counted nothing yet.
+    pub fn follow_run(&mut self, started: Option<Micros>) {
+        self.is_open &= started.is_none() || started == self.counting_run;
+    }
+
+    /// A part is made: it is recorded, and counts for the active order if that has its program.
+    pub fn add_part(&mut self, plant: &mut Plant, part: &PartResult, run: Option<Micros>) {
+        let order = self.active().filter(|order| order.program == part.program);
+        self.last_count += 1;
+        (self.last_end, self.counted_at) = (Some(part.ended_at), Some(plant.now));
+        (self.is_open, self.counting_run) = (true, run);
+        let record = PartRecord {
+            count: self.last_count,
+            number: part.number,
+            program: part.program,
+            order: order.map_or(0, |order| order.number),
+            ended: plant.date,
+            cycle_seconds: part.times.seconds,
+            size: part.judged_size(None).map(|size| size.mm()),
+            limits: limits_of(part),
+            verdict: part.verdict(None),
+            since_dressing: plant.params.get(param::PARTS_SINCE_DRESSING) as u32,
+        };
+        self.parts.push(record);
+        plant.store(StorageRequest::Part(record));
+        self.hours.count_part(plant, |hour| *hour_count(hour, record.verdict) += 1);
+        let Some(mut order) = order else { return };
+        *count_of(&mut order, record.verdict) += 1;
+        self.set(plant, order);
+    }
+
+    /// A cycle has ended: its end says more of the part that it has counted. A program that counts none makes parts of an
+    /// order for it.
+    pub fn end_cycle(&mut self, plant: &mut Plant, part: &PartResult) {
+        let counted = std::mem::take(&mut self.is_open);
+        if counted && let Some(record) = self.parts.entries_mut().last_mut() {
+            (record.cycle_seconds, record.limits, record.ended) = (part.times.seconds, limits_of(part), plant.date);
+            self.last_end = Some(part.ended_at);
+            let size = part.judged_size(None).map(|size| size.mm());
+            self.judge_last(plant, part.ended_at, (size, part.verdict(None)));
+        } else if self.active().is_some_and(|order| order.program == part.program) {
+            self.add_part(plant, part, None);
+            self.is_open = false;
+        }
+    }
+
+    /// The simulated machine has measured the last part.
+    pub fn inspect(&mut self, plant: &mut Plant, found: PartInspection) {
+        self.judge_last(plant, found.ended_at, (found.size, found.verdict));
+    }
+
+    /// Size and verdict of the last part, whose cycle ended then, are known now. What has spoilt it has spoilt it.
+    pub fn judge_last(&mut self, plant: &mut Plant, ended_at: Micros, (size, verdict): (Option<f64>, PartVerdict)) {
+        let known = self.parts.last().filter(|_| self.last_end == Some(ended_at)).map(|record| record.verdict);
+        let Some(before) = known else { return };
+        let Some(record) = self.parts.entries_mut().last_mut() else { return };
+        let verdict = if matches!(before, PartVerdict::Spoilt(_)) { before } else { verdict };
+        (record.verdict, record.size) = (verdict, size);
+        let record = *record;
+        plant.store(StorageRequest::Part(record));
+        if before.is_bad() == verdict.is_bad() {
+            return;
+        }
+        self.hours.recount_part(plant, record.ended, |hour| {
+            let counted = hour_count(hour, before);
+            *counted = counted.saturating_sub(1);
+            *hour_count(hour, verdict) += 1;
+        });
+        let Some(mut order) = self.find(record.order).filter(|order| order.has(&record)) else { return };
+        let counted = count_of(&mut order, before);
+        *counted = counted.saturating_sub(1);
+        *count_of(&mut order, verdict) += 1;
+        self.set(plant, order);
+    }
+
+    /// Says once when the active order is complete.
+    pub fn announce(&mut self, plant: &mut Plant) {
+        if self.announce_at.is_none_or(|at| plant.now < at) {
+            return;
+        }
+        self.announce_at = None;
+        let Some(order) = self.active().filter(ProductionOrder::is_complete) else { return self.announced = None };
+        let ProductionOrder { number, good, target, .. } = order;
+        if self.announced.replace((number, target)) != Some((number, target)) {
+            let words =
+                phrase!("订单 {number} 完成：{good} 件", "order {number} is complete: {good} parts", number, good);
+            plant.show(words, Tone::Warning);
+        }
+    }
+}
+
+/// Nominal, least and greatest size of a part, mm.
+fn limits_of(part: &PartResult) -> Option<[f64; 3]> {
+    part.nominal.and_then(|nominal| nominal.limits.map(|(low, high)| [nominal.mm, low, high]))
+}
+
+/// The count of an order that a part of this verdict belongs to.
+const fn count_of(order: &mut ProductionOrder, verdict: PartVerdict) -> &mut u32 {
+    if verdict.is_bad() { &mut order.bad } else { &mut order.good }
+}
+
+/// The same of an hour.
+const fn hour_count(hour: &mut HourRecord, verdict: PartVerdict) -> &mut u32 {
+    if verdict.is_bad() { &mut hour.bad } else { &mut hour.good }
+}
+
+impl Panel {
+    /// What the operator does with the list of orders.
+    pub(super) fn handle_order_command(&mut self, parts: &mut Parts<'_>, command: OrderCommand) -> Edited {
+        match command {
+            OrderCommand::Enter { number, program, target } => self.enter_order(parts, [number, program, target]),
+            OrderCommand::Start(number) => self.start_order(parts, number),
+            OrderCommand::Close(number) => {
+                let order = self.production.find(number).ok_or(NO_ORDER)?;
+                self.production.set(parts.plant, ProductionOrder { state: OrderState::Closed, ..order });
+                let (good, target) = (order.good, order.target);
+                Ok(phrase!(
+                    "订单 {number} 结束：{good} / {target}",
+                    "order {number} closed: {good} of {target}",
+                    number,
+                    good,
+                    target
+                ))
+            }
+            OrderCommand::Delete(number) => {
+                let order = self.production.find(number).ok_or(NO_ORDER)?;
+                if order.state == OrderState::Active {
+                    return Err(IS_ACTIVE.into());
+                }
+                self.production.orders.retain(|order| order.number != number);
+                parts.plant.store(StorageRequest::Order(number, None));
+                Ok(phrase!("订单 {number} 已删除", "order {number} deleted", number))
+            }
+        }
+    }
+
+    /// A new order, or another program or target of a known one.
+    fn enter_order(&mut self, parts: &mut Parts<'_>, [number, program, target]: [u32; 3]) -> Edited {
+        let (least, most) = (*ORDER_NUMBERS.start(), *ORDER_NUMBERS.end());
+        if !ORDER_NUMBERS.contains(&number) {
+            return Err(phrase!(
+                "订单号应为 {least}–{most}",
+                "an order has a number from {least} to {most}",
+                least,
+                most
+            ));
+        }
+        let (least, most) = (*ORDER_TARGETS.start(), *ORDER_TARGETS.end());
+        if !ORDER_TARGETS.contains(&target) {
+            return Err(phrase!("件数应为 {least}–{most}", "the parts of an order are {least} to {most}", least, most));
+        }
+        if parts.plant.work.programs.get(program).is_none() {
+            return Err(NO_PROGRAM.into());
+        }
+        let before = self.production.find(number);
+        if before.is_none() && self.production.orders.len() >= MAX_ORDERS {
+            return Err(IS_FULL.into());
+        }
+        if let Some(order) = before.filter(|order| order.program != program) {
+            if order.made() > 0 {
+                return Err(IS_BEGUN.into());
+            }
+            if order.state == OrderState::Active {
+                return Err(IS_ACTIVE.into());
+            }
+        }
+        let after = self.production.last_count;
+        let fresh = ProductionOrder { number, program, target, good: 0, bad: 0, state: OrderState::Waiting, after };
+        self.production.set(parts.plant, ProductionOrder { program, target, ..before.unwrap_or(fresh) });
+        let title = parts.plant.program_title(program);
+        Ok(phrase!(
+            "订单 {number}：{title}，{target} 件",
+            "order {number}: {title}, {target} parts",
+            number,
+            title,
+            target
+        ))
+    }
+
+    /// The parts count for this order from now on; its program becomes the current one.
+    fn start_order(&mut self, parts: &mut Parts<'_>, number: u32) -> Edited {
+        let order = self.production.find(number).ok_or(NO_ORDER)?;
+        if order.is_complete() {
+            return Err(IS_COMPLETE.into());
+        }
+        if parts.plant.work.programs.get(order.program).is_none() {
+            return Err(NO_PROGRAM.into());
+        }
+        let mut warning = None;
+        if order.program != parts.plant.execution.current_program {
+            if parts.program.is_open() {
+                return Err(IN_RUN.into());
+            }
+            self.load_program(parts, order.program);
+            let message = &parts.plant.outbox.message;
+            warning = (message.tone == Tone::Warning).then(|| message.text.clone());
+        }
+        if let Some(other) = self.production.active().filter(|other| other.number != number) {
+            self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..other });
+        }
+        self.production.set(parts.plant, ProductionOrder { state: OrderState::Active, ..order });
+        let (title, left) = (parts.plant.program_title(order.program), order.left());
+        // What load_program warns of (a program of another kind of machine) is more than the start.
+        Ok(warning.unwrap_or_else(|| {
+            phrase!(
+                "订单 {number} 开始：{title}，还有 {left} 件",
+                "order {number} started: {title}, {left} parts to make",
+                number,
+                title,
+                left
+            )
+        }))
+    }
+}

@@ -1,0 +1,282 @@
+//! Finished parts and production orders: what is counted, what is refused, what outlives a power cut.
+//! Source: spec B6, K4.5, K7.2.
+
+use kt830::defs::date::DateTime;
+use kt830::defs::history::HistoryEntry;
+use kt830::defs::hour_record::{HourRecord, MachineUse};
+use kt830::defs::part_record::{MAX_PART_RECORDS, PartHistory, PartRecord};
+use kt830::defs::part_verdict::PartVerdict;
+use kt830::defs::production_order::{MAX_ORDERS, OrderState, ProductionOrder};
+use kt830::host::folders::program_from_bytes;
+use kt830::host::headless::HeadlessHost;
+use kt830::link::Command;
+use kt830::link::part_result::PartCommand;
+use kt830::link::production::OrderCommand;
+
+use crate::stories::{ready, tell};
+
+/// O1002 and O1004 end a part at once. The part of O1002 is Ø40.3, +0.01 −0.01.
+fn shop() -> HeadlessHost {
+    let mut rig = ready();
+    for number in [1_002, 1_004] {
+        let name = format!("O{number}.NC");
+        rig.add_program(program_from_bytes(number, &name, b"G04 P100\nM31\nM30".to_vec(), rig.kind().dialect()));
+    }
+    tell(&mut rig, "load O1002\npart assets/parts/O1002.ron\nset #521 = 40.3\nset #532 = 0.01\nset #533 = -0.01");
+    rig
+}
+
+fn make(rig: &mut HeadlessHost) {
+    tell(rig, "mode auto\nkey cycle-start\nwait until idle max 20 s\nexpect no alarm\nwait 0.1 s");
+}
+
+fn order(rig: &mut HeadlessHost, number: u32) -> ProductionOrder {
+    *rig.snapshot().production.orders.iter().find(|order| order.number == number).expect("the order")
+}
+
+fn last(rig: &mut HeadlessHost) -> PartRecord {
+    *rig.snapshot().production.parts.last().expect("a part")
+}
+
+#[test]
+fn b6_parts_count_for_the_active_order_of_their_program_alone() {
+    let mut rig = shop();
+    make(&mut rig);
+    assert_eq!((last(&mut rig).order, last(&mut rig).count), (0, 1), "no order is active");
+    tell(&mut rig, "order 501 O1002 2\norder 502 O1004 5\norder start 501");
+    make(&mut rig);
+    let part = last(&mut rig);
+    assert_eq!((part.order, part.program, part.count, part.verdict), (501, 1_002, 2, PartVerdict::Good));
+    assert!((part.size.expect("measured by the simulated machine") - 40.3).abs() < 0.01);
+    assert_eq!(part.limits.map(|limits| limits.map(|mm| (mm * 1e3_f64).round())), Some([40_300.0, 40_290.0, 40_310.0]));
+    assert_eq!((order(&mut rig, 501).good, order(&mut rig, 501).bad), (1, 0));
+    // A part of another program is none of it.
+    tell(&mut rig, "load O1004");
+    make(&mut rig);
+    assert_eq!((last(&mut rig).order, order(&mut rig, 501).good), (0, 1));
+    // Out of tolerance it is a bad part, and the order wants another one.
+    tell(&mut rig, "load O1002\nset #521 = 40.2");
+    make(&mut rig);
+    assert!(last(&mut rig).verdict.is_bad());
+    assert_eq!((order(&mut rig, 501).good, order(&mut rig, 501).bad), (1, 1));
+    tell(&mut rig, "set #521 = 40.3");
+    make(&mut rig);
+    tell(&mut rig, "expect message \"501 完成：2 件\"");
+    assert!(order(&mut rig, 501).is_complete() && order(&mut rig, 501).state == OrderState::Active);
+}
+
+#[test]
+fn b6_a_size_that_the_operator_types_changes_the_counts() {
+    let mut rig = shop();
+    tell(&mut rig, "order 501 O1002 9\norder start 501");
+    make(&mut rig);
+    let ended_at = rig.snapshot().cycle.part.expect("a part").ended_at;
+    for (mm, counts) in [(40.325, (0, 1)), (40.302, (1, 0))] {
+        rig.send(Command::Part(PartCommand::TypeSize { ended_at, mm }));
+        rig.step();
+        assert_eq!((order(&mut rig, 501).good, order(&mut rig, 501).bad), counts, "{mm}");
+        assert_eq!((last(&mut rig).size, rig.snapshot().production.parts.len()), (Some(mm), 1));
+    }
+}
+
+/// A program that M99 repeats counts its parts by M31 and never ends; one that counts none makes parts for an order alone.
+#[test]
+fn b6_a_part_is_made_where_its_program_counts_it() {
+    let mut rig = shop();
+    let add = |rig: &mut HeadlessHost, number: u32, text: &str| {
+        let (name, bytes) = (format!("O{number}.NC"), text.as_bytes().to_vec());
+        rig.add_program(program_from_bytes(number, &name, bytes, rig.kind().dialect()));
+    };
+    add(&mut rig, 1_002, "G04 P2000\nM31\nM99");
+    add(&mut rig, 2_001, "G04 P100\nM30");
+    tell(&mut rig, "order 501 O1002 50\norder start 501\nmode auto\nkey cycle-start\nwait 6.5 s\nkey reset\nwait 1 s");
+    let made: Vec<(u32, u32)> = rig.snapshot().production.parts.iter().map(|part| (part.number, part.order)).collect();
+    assert_eq!(made, [(1, 501), (2, 501), (3, 501)]);
+    let seconds: Vec<f64> = rig.snapshot().production.parts.iter().map(|part| part.cycle_seconds).collect();
+    assert!(seconds.iter().all(|seconds| (seconds - 2.0).abs() < 0.1), "{seconds:?}");
+    assert_eq!(order(&mut rig, 501).good, 3);
+    // Nothing is counted, and no order is for it: no part.
+    tell(&mut rig, "load O2001");
+    make(&mut rig);
+    assert_eq!(rig.snapshot().production.parts.len(), 3);
+    tell(&mut rig, "order 502 O2001 5\norder start 502");
+    make(&mut rig);
+    assert_eq!((last(&mut rig).order, last(&mut rig).count, order(&mut rig, 502).good), (502, 4, 1));
+}
+
+/// A number may be used again: the parts of the order before are none of the new one.
+#[test]
+fn b6_an_order_of_a_number_that_was_used_before_begins_anew() {
+    let mut rig = shop();
+    tell(&mut rig, "order 501 O1002 2\norder start 501");
+    make(&mut rig);
+    let ended_at = rig.snapshot().cycle.part.expect("a part").ended_at;
+    tell(&mut rig, "order close 501\norder delete 501\norder 501 O1002 9\norder start 501");
+    let fresh = order(&mut rig, 501);
+    assert!(!rig.snapshot().production.parts.iter().any(|part| fresh.has(part)));
+    rig.send(Command::Part(PartCommand::TypeSize { ended_at, mm: 40.325 }));
+    rig.step();
+    assert_eq!((order(&mut rig, 501).good, order(&mut rig, 501).bad), (0, 0));
+}
+
+/// It is told once, when the part is measured; and when the target comes down to what is made.
+#[test]
+fn b6_a_complete_order_is_told_once() {
+    let mut rig = shop();
+    tell(&mut rig, "order 501 O1002 1\norder start 501\nset #521 = 40.2");
+    make(&mut rig);
+    let told = |rig: &mut HeadlessHost| rig.snapshot().message.text.en().contains("is complete");
+    assert!(!told(&mut rig), "the only part is bad");
+    tell(&mut rig, "set #521 = 40.3");
+    make(&mut rig);
+    assert!(told(&mut rig));
+    tell(&mut rig, "order 501 O1002 9\nwait 0.1 s");
+    assert!(!told(&mut rig));
+    tell(&mut rig, "order 501 O1002 1\nwait 0.1 s");
+    assert!(told(&mut rig));
+}
+
+#[test]
+fn b6_an_order_that_makes_no_sense_is_refused_and_changes_nothing() {
+    let mut rig = shop();
+    tell(&mut rig, "order 501 O1002 50");
+    let before = rig.snapshot().production.orders.clone();
+    let refuse = |rig: &mut HeadlessHost, command: OrderCommand, says: &str| {
+        rig.send(Command::Order(command));
+        rig.step();
+        let message = rig.snapshot().message.text.en().into_owned();
+        assert!(message.contains(says), "{command:?}: {message}");
+    };
+    let enter = |number, program, target| OrderCommand::Enter { number, program, target };
+    refuse(&mut rig, enter(0, 1_002, 5), "a number from 1 to 99999999");
+    refuse(&mut rig, enter(100_000_000, 1_002, 5), "a number from 1 to");
+    refuse(&mut rig, enter(7, 1_002, 0), "1 to 999999");
+    refuse(&mut rig, enter(7, 4_711, 5), "no such program");
+    for command in [OrderCommand::Start(9), OrderCommand::Close(9), OrderCommand::Delete(9)] {
+        refuse(&mut rig, command, "no such order");
+    }
+    assert_eq!(rig.snapshot().production.orders, before);
+    // While it is active it stays, with its program; nor does it change that once it has parts.
+    tell(&mut rig, "order start 501");
+    refuse(&mut rig, OrderCommand::Delete(501), "close it or start another");
+    refuse(&mut rig, enter(501, 1_004, 50), "the order is active");
+    make(&mut rig);
+    tell(&mut rig, "order close 501");
+    refuse(&mut rig, enter(501, 1_004, 50), "has parts already");
+    // With all parts made it does not start; with a higher target it goes on.
+    tell(&mut rig, "order 501 O1002 1");
+    refuse(&mut rig, OrderCommand::Start(501), "raise the target");
+    tell(&mut rig, "order 501 O1002 2\norder start 501");
+    assert_eq!((order(&mut rig, 501).state, order(&mut rig, 501).good), (OrderState::Active, 1));
+    for number in 1..MAX_ORDERS as u32 {
+        tell(&mut rig, &format!("order {number} O1002 5"));
+    }
+    refuse(&mut rig, enter(600, 1_002, 5), "the list is full");
+}
+
+#[test]
+fn b6_an_order_starts_with_its_program_and_not_while_another_one_runs() {
+    let mut rig = shop();
+    tell(&mut rig, "order 501 O1004 5\norder 502 O1002 5\norder start 501");
+    assert_eq!(rig.snapshot().program.number, 1_004);
+    tell(&mut rig, "order start 502");
+    assert_eq!(rig.snapshot().program.number, 1_002);
+    let states = [501, 502].map(|number| order(&mut rig, number).state);
+    assert_eq!(states, [OrderState::Waiting, OrderState::Active], "one order at a time");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.02 s\nexpect state running");
+    rig.send(Command::Order(OrderCommand::Start(501)));
+    rig.step();
+    assert_eq!((order(&mut rig, 501).state, rig.snapshot().program.number), (OrderState::Waiting, 1_002));
+}
+
+#[test]
+fn b6_parts_and_orders_outlive_a_power_cut() {
+    let mut rig = shop();
+    tell(&mut rig, "order 501 O1002 5\norder 502 O1004 6\norder 503 O1002 7\norder start 501");
+    make(&mut rig);
+    tell(&mut rig, "order delete 502");
+    let (orders, parts) = (rig.snapshot().production.orders.to_vec(), rig.snapshot().production.parts.to_vec());
+    assert_eq!(orders.iter().map(|order| order.number).collect::<Vec<_>>(), [501, 503]);
+    assert_eq!(rig.retained().orders, orders);
+    assert_eq!(rig.retained().parts, parts);
+    tell(&mut rig, "power cut\nwait 1 s\npower on\nwait 1 s");
+    assert_eq!(
+        (rig.snapshot().production.orders.to_vec(), rig.snapshot().production.parts.to_vec()),
+        (orders, parts.clone())
+    );
+    // The next part has the next number.
+    tell(&mut rig, "home all\nkey hydraulic\nwait 4 s\nload O1002\nkey tailstock-advance\nwait 2 s");
+    make(&mut rig);
+    assert_eq!((last(&mut rig).count, last(&mut rig).order), (parts[0].count + 1, 501));
+}
+
+#[test]
+fn b6_the_history_of_parts_keeps_the_newest_thousand_in_their_slots() {
+    let part = |count| PartRecord {
+        count,
+        number: 1,
+        program: 1_002,
+        order: 0,
+        ended: Default::default(),
+        cycle_seconds: 1.0,
+        size: None,
+        limits: None,
+        verdict: PartVerdict::NotMeasured,
+        since_dressing: 1,
+    };
+    let mut history = PartHistory::new([], 1);
+    (1..=1_500).for_each(|count| history.push(part(count)));
+    assert_eq!((history.len(), history[0].count, history[999].count), (MAX_PART_RECORDS, 501, 1_500));
+    let slots: std::collections::BTreeSet<_> = history.iter().map(HistoryEntry::slot).collect();
+    assert_eq!(slots.len(), MAX_PART_RECORDS);
+}
+
+/// Ten seconds before eight: idle; then a program of 20 s, held for 15 s, and an alarm for 15 s.
+#[test]
+fn b6_the_hours_count_what_the_machine_does() {
+    let mut rig = shop();
+    let text = b"G04 P20000\nM31\nM30".to_vec();
+    rig.add_program(program_from_bytes(1_002, "O1002.NC", text, rig.kind().dialect()));
+    assert!(rig.snapshot().production.hours.is_empty(), "no date, no hour");
+    let eight = DateTime::parse("2026-11-28 08:00:00").expect("a date");
+    rig.send(Command::WallClock(DateTime(eight.0 - 10)));
+    tell(&mut rig, "wait 20 s\nmode auto\nkey cycle-start\nwait 8 s\nkey feed-hold\nwait 15 s\nexpect state held");
+    tell(&mut rig, "key cycle-start\nwait until idle max 30 s\nfault drive-X\nwait 15 s\nexpect state alarm");
+    tell(&mut rig, "fault drive-X off\nkey reset\nwait 12 s\nexpect state idle");
+    let hours = rig.snapshot().production.hours.to_vec();
+    let hour = HourRecord::hour_of(eight).expect("an hour");
+    assert_eq!(hours.iter().map(|record| record.hour).collect::<Vec<_>>(), [hour - 1, hour]);
+    let near = |found: u32, wanted: u32| found.abs_diff(wanted) <= 1;
+    assert!(near(hours[0].seconds[MachineUse::Idle as usize], 10), "{hours:?}");
+    assert_eq!((hours[0].seconds_on(), hours[0].good), (hours[0].seconds[MachineUse::Idle as usize], 0));
+    // 10 s idle, then 20 s of the dwell; what is not folded yet is less than 10 s.
+    for (used, wanted) in [(MachineUse::Running, 20), (MachineUse::Waiting, 15), (MachineUse::Alarm, 15)] {
+        assert!(near(hours[1].seconds[used as usize], wanted), "{used:?}: {hours:?}");
+    }
+    assert!((10..=23).contains(&hours[1].seconds[MachineUse::Idle as usize]), "{hours:?}");
+    assert_eq!((hours[1].good, hours[1].bad), (1, 0));
+    // The first hour is stored since it ended, the other one with its part; a power cut leaves both.
+    assert_eq!(rig.retained().hours.len(), 2);
+    // A clock that is set back finds its hour again.
+    let before = hours[0];
+    rig.send(Command::WallClock(DateTime(eight.0 - 600)));
+    tell(&mut rig, "wait 21 s");
+    let hours = rig.snapshot().production.hours.to_vec();
+    assert_eq!(hours.len(), 2);
+    assert!(hours[0].seconds_on() >= before.seconds_on() + 10, "{hours:?}");
+}
+
+/// A month later an hour takes the slot of the one before.
+#[test]
+fn b6_the_hours_of_a_month_are_kept() {
+    let mut rig = shop();
+    let first = DateTime::parse("2026-11-28 08:00:00").expect("a date");
+    for day in [0, 1, 31, 62] {
+        rig.send(Command::WallClock(DateTime(first.0 + day * 86_400)));
+        tell(&mut rig, "wait 11 s");
+    }
+    let days = |rig: &mut HeadlessHost| -> Vec<i64> {
+        rig.snapshot().production.hours.iter().map(|record| (record.began().0 - first.0) / 86_400).collect()
+    };
+    assert_eq!(days(&mut rig), [1, 62]);
+}
