@@ -1,20 +1,14 @@
-//! What was made of an order, in words and figures: on the page and in the report.
+//! What the parts of an order say, in words and figures: on the page and in the report.
 
 use crate::defs::part_record::PartRecord;
 use crate::defs::production_order::ProductionOrder;
 use crate::defs::text::{Lang, Text};
 use crate::hmi::format_cycle_time;
-use crate::link::Snapshot;
 use crate::link::production::like_sizes;
 use crate::technology::capability;
 
 /// Names and values, in the order in which they are shown. Statistics are those of the parts that are still kept.
-pub fn figures(
-    lang: Lang,
-    snapshot: &Snapshot,
-    order: &ProductionOrder,
-    parts: &[&PartRecord],
-) -> Vec<(&'static str, String)> {
+pub fn figures(lang: Lang, order: &ProductionOrder, parts: &[&PartRecord]) -> Vec<(&'static str, String)> {
     let say = |zh: &'static str, en: &'static str| Text::new(zh, en).get(lang);
     let dash = || "–".to_owned();
     let (sizes, limits) = like_sizes(parts);
@@ -25,26 +19,29 @@ pub fn figures(
     let deviations =
         |[nominal, low, high]: [f64; 3]| format!("{nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
     vec![
-        (say("程序", "program"), snapshot.title(order.program)),
-        (say("合格 / 件数", "good / parts"), format!("{} / {}", order.good, order.target)),
-        (say("不良", "NOK"), order.bad.to_string()),
         (say("平均节拍", "mean cycle"), timed(cycle)),
-        (say("还需", "time left"), timed(f64::from(order.left()) * cycle)),
-        (say("第一件", "first part"), ended(parts.first())),
-        (say("最后一件", "last part"), ended(parts.last())),
-        (say("公称尺寸和偏差 mm", "nominal size mm"), limits.map_or_else(dash, deviations)),
-        (say("平均尺寸 mm", "mean size mm"), found.map_or_else(dash, |found| format!("{:.4}", found.mean))),
+        (say("还需", "time left"), if parts.is_empty() { dash() } else { long_time(f64::from(order.left()) * cycle) }),
         (
-            say("最小 – 最大 mm", "least – greatest mm"),
-            found.map_or_else(dash, |found| format!("{:.4} – {:.4}", found.range.0, found.range.1)),
+            "Cp / Cpk",
+            found.and_then(|found| found.indices).map_or_else(dash, |(cp, cpk)| format!("{cp:.2} / {cpk:.2}")),
         ),
+        (say("平均尺寸 mm", "mean size mm"), found.map_or_else(dash, |found| format!("{:.4}", found.mean))),
         (
             say("标准差 µm", "std. deviation µm"),
             found.map_or_else(dash, |found| format!("{:.2}", found.deviation * 1e3)),
         ),
         (
-            "Cp / Cpk",
-            found.and_then(|found| found.indices).map_or_else(dash, |(cp, cpk)| format!("{cp:.2} / {cpk:.2}")),
+            say("最小 – 最大 mm", "least – greatest mm"),
+            found.map_or_else(dash, |found| format!("{:.4} – {:.4}", found.range.0, found.range.1)),
         ),
+        (say("公称尺寸 mm", "nominal size mm"), limits.map_or_else(dash, deviations)),
+        (say("第一件", "first part"), ended(parts.first())),
+        (say("最后一件", "last part"), ended(parts.last())),
     ]
+}
+
+/// `4 h 59 min`
+fn long_time(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).ceil() as u64;
+    format!("{} h {:02} min", minutes / 60, minutes % 60)
 }

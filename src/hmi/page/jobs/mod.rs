@@ -300,7 +300,7 @@ fn row(view: &View<'_>, place: Rect, order: &ProductionOrder, chosen: bool) {
     view.fit_left(program, &view.snapshot.title(order.program), theme::LABEL, ink);
     view.fit_left(made, &format!("{} / {}", order.good, order.target), theme::LABEL, view.theme.text);
     let share = (u64::from(order.good.min(order.target)) * 1_000 / u64::from(order.target.max(1))) as u16;
-    widget::progress_bar(view, made.split_bottom(5.0).1, share);
+    widget::progress_bar(view, made.trim_bottom(5.0).split_bottom(4.0).1, share);
     let ink = if order.bad > 0 { view.theme.alarm_text } else { view.theme.muted };
     view.fit_left(bad, &order.bad.to_string(), theme::LABEL, ink);
     view.fit_left(state, order.state.name().get(view.lang), theme::LABEL, state_ink(view, order));

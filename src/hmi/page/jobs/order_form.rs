@@ -144,7 +144,7 @@ fn made(rect: Rect, view: &View<'_>, entry: &OrderEntry) {
     let order = entry.chosen().and_then(|number| view.snapshot.production.order(number));
     let Some(order) = order else { return };
     let parts: Vec<_> = parts_of(view.snapshot, order).collect();
-    for (index, (name, value)) in figures::figures(view.lang, view.snapshot, order, &parts).into_iter().enumerate() {
+    for (index, (name, value)) in figures::figures(view.lang, order, &parts).into_iter().enumerate() {
         let line = rect.band(index as f32 * LINE_HEIGHT, LINE_HEIGHT);
         if line.max.y > rect.max.y {
             break;

@@ -25,7 +25,13 @@ pub fn html(lang: Lang, snapshot: &Snapshot, order: &ProductionOrder) -> String 
         "<!DOCTYPE html>\n<html lang=\"{}\">\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>{STYLE}</style>\n<h1>{title}</h1>\n",
         say("zh", "en"),
     );
-    table(&mut text, &figures(lang, snapshot, order, &parts));
+    let mut rows = vec![
+        (say("程序", "program"), snapshot.title(order.program)),
+        (say("合格 / 件数", "good / parts"), format!("{} / {}", order.good, order.target)),
+        (say("不良", "NOK"), order.bad.to_string()),
+    ];
+    rows.extend(figures(lang, order, &parts));
+    table(&mut text, &rows);
     if let Some(drawn) = chart(&parts) {
         text.push_str(&drawn);
         let words = say(

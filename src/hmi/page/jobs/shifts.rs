@@ -22,7 +22,7 @@ const TABLE_SHARE: f32 = 0.62;
 const LINE_HEIGHT: f32 = 28.0;
 const LEGEND_HEIGHT: f32 = 24.0;
 /// Shares of the columns of the table.
-const COLUMNS: [f32; 7] = [1.5, 1.0, 1.0, 1.0, 1.0, 0.9, 1.2];
+const COLUMNS: [f32; 7] = [1.3, 0.9, 0.9, 0.9, 0.95, 0.95, 1.5];
 /// Alarms shown.
 const MAX_REASONS: usize = 5;
 
@@ -147,11 +147,11 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
     let words = [
         view.text("班次", "shift"),
         view.text("开机 h", "on h"),
-        view.text("运行 h", "running h"),
-        view.text("等待 h", "waiting h"),
+        view.text("运行 h", "run h"),
+        view.text("等待 h", "wait h"),
         view.text("报警 h", "alarm h"),
         view.text("利用率", "in use"),
-        view.text("合格 / 不良", "good / NOK"),
+        view.text("合格/不良", "good/NOK"),
     ];
     widget::table_header(view, inside.band(0.0, LINE_HEIGHT), COLUMNS, words);
     let whole = Shift { name: view.text("全天", "day").to_owned(), hours: hours_of(view.snapshot, day) };
