@@ -9,10 +9,12 @@ use crate::defs::production_order::ProductionOrder;
 use crate::defs::text::{Lang, Text};
 use crate::link::Snapshot;
 use crate::link::production::like_sizes;
-use crate::technology::{EwmaPoint, ewma};
+use crate::technology::ewma;
 
 /// Width and height of the chart, px.
 const CHART: (f64, f64) = (760.0, 240.0);
+/// Dashes of the control limits.
+const DASHES: &str = "4 3";
 /// How much of its height the sizes fill.
 const FILLED: f64 = 0.86;
 
@@ -112,20 +114,9 @@ fn chart(parts: &[&PartRecord]) -> Option<String> {
         }
     }
     let first = sized.len() - points.len();
-    let lines: [(fn(&EwmaPoint) -> f64, &str); 3] =
-        [(|point| point.mean, ""), (|point| point.limits.0, "4 3"), (|point| point.limits.1, "4 3")];
-    for (value, dashes) in lines {
-        let places: Vec<String> = points
-            .iter()
-            .enumerate()
-            .map(|(at, point)| format!("{:.1},{:.1}", x(first + at), y(value(point))))
-            .collect();
-        let _ = writeln!(
-            text,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"#06c\" stroke-dasharray=\"{dashes}\"/>",
-            places.join(" ")
-        );
-    }
+    line(&mut text, points.iter().enumerate().map(|(at, point)| (x(first + at), y(point.mean))), "");
+    line(&mut text, points.iter().enumerate().map(|(at, point)| (x(first + at), y(point.limits.0))), DASHES);
+    line(&mut text, points.iter().enumerate().map(|(at, point)| (x(first + at), y(point.limits.1))), DASHES);
     for (index, (size, part)) in sized.iter().enumerate() {
         let (x, y) = (x(index), y(*size));
         let _ = match part.verdict.is_bad() {
@@ -140,4 +131,14 @@ fn chart(parts: &[&PartRecord]) -> Option<String> {
     }
     text.push_str("</svg>\n");
     Some(text)
+}
+
+/// A line through some places.
+fn line(text: &mut String, places: impl Iterator<Item = (f64, f64)>, dashes: &str) {
+    let places: Vec<String> = places.map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    let _ = writeln!(
+        text,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"#06c\" stroke-dasharray=\"{dashes}\"/>",
+        places.join(" ")
+    );
 }
