@@ -150,6 +150,7 @@ impl Controller {
 
     /// The control ends: what waits for its commit is stored with the next requests.
     pub fn store_everything(&mut self) {
+        self.panel.store_hours(&mut self.plant);
         self.plant.store_gathered();
     }
 

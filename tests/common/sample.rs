@@ -336,7 +336,7 @@ fn part_history() -> PartHistory {
 
 /// The day of the sample's parts: on from 5 to 15 o'clock.
 fn hour_history() -> HourHistory {
-    let midnight = HourRecord::hour_of(DateTime(1_795_273_316)).unwrap() / 24 * 24;
+    let midnight = HourRecord::hour_of(DateTime(1_795_273_316)).unwrap_or_default() / 24 * 24;
     let hour = |of_day: u64| HourRecord {
         hour: midnight + of_day,
         seconds: match of_day {

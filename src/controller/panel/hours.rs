@@ -55,17 +55,18 @@ impl HourLog {
         })
     }
 
-    /// Counts a part of this hour.
-    pub fn count_part(&mut self, plant: &mut Plant, change: impl FnOnce(&mut HourRecord)) {
-        if let Some(hour) = self.hour {
-            let record = self.change(hour, change);
-            plant.store(StorageRequest::Hour(record));
-        }
+    /// The hour that goes on; `None` without a date.
+    pub const fn hour(&self) -> Option<u64> {
+        self.hour
     }
 
-    /// Counts a part of the hour of a date otherwise, if that hour is known.
-    pub fn recount_part(&mut self, plant: &mut Plant, date: DateTime, change: impl FnOnce(&mut HourRecord)) {
-        let hour = HourRecord::hour_of(date).filter(|hour| self.hours.iter().any(|record| record.hour == *hour));
+    /// The hour of a date, if it is known.
+    pub fn known_hour(&self, date: DateTime) -> Option<u64> {
+        HourRecord::hour_of(date).filter(|hour| self.hours.iter().any(|record| record.hour == *hour))
+    }
+
+    /// Changes the count of parts of an hour.
+    pub fn count_part(&mut self, plant: &mut Plant, hour: Option<u64>, change: impl FnOnce(&mut HourRecord)) {
         if let Some(hour) = hour {
             let record = self.change(hour, change);
             plant.store(StorageRequest::Hour(record));
@@ -109,6 +110,11 @@ impl HourLog {
 }
 
 impl Panel {
+    /// The control ends: the hour is stored as it is.
+    pub fn store_hours(&mut self, plant: &mut Plant) {
+        self.production.hours.fold(plant, true);
+    }
+
     /// Counts what the machine does in this tick.
     pub fn follow_hours(&mut self, parts: &mut Parts<'_>) {
         let now_is = match run_state(parts.view()) {

@@ -91,8 +91,8 @@ pub struct Panel {
     pub part_result: Option<PartResult>,
     /// Finished parts and production orders.
     production: production::Production,
-    /// Parts that programs had counted as of the last tick.
-    parts_made: u64,
+    /// Parts that the open run had counted as of the last tick.
+    parts_counted: u32,
     /// Program and durations of the last finished cycle.
     cycle_before: Option<(u32, CycleTimes)>,
 }

@@ -25,22 +25,32 @@ impl Panel {
     /// Takes the result at the end of a cycle; a cycle start by the operator clears it. A part is made where a program counts
     /// it, also in the middle of a run; the end of that run says more of the last one.
     pub fn follow_cycle(&mut self, plant: &mut Plant, started: Option<Micros>) {
-        let counted = std::mem::replace(&mut self.parts_made, plant.execution.parts_made) != plant.execution.parts_made;
-        self.production.follow_run(started);
-        if counted {
-            let part = self.counted_part(plant, started);
-            self.production.add_part(plant, &part, started);
-        }
         let cycle = plant.execution.finished_cycle;
         let known = self.part_result.map(|part| part.ended_at);
+        let ended = cycle.filter(|cycle| Some(cycle.ended_at) != known);
+        // M31 and M30 may be of one tick, and the next pass (P390) may have begun in it: the end tells what the ended run has
+        // counted.
+        let of_ended = ended.map_or(0, |cycle| cycle.counted.saturating_sub(self.parts_counted));
+        let begun_anew = ended.is_some() || plant.execution.parts_counted < self.parts_counted;
+        let before = if begun_anew { 0 } else { self.parts_counted };
+        self.parts_counted = plant.execution.parts_counted;
+        for _ in 0..of_ended {
+            let part = self.counted_part(plant, started);
+            self.production.add_part(plant, &part);
+        }
         if cycle.map(|cycle| cycle.ended_at) != known {
             self.part_result = cycle.map(|cycle| self.result_of(plant, cycle));
             let finished = self.part_result.map(|part| (part.program, part.times));
             self.cycle_before = finished.or(self.cycle_before);
-            if let Some(part) = self.part_result {
-                self.production.end_cycle(plant, &part);
-            }
         }
+        if let Some((cycle, part)) = ended.zip(self.part_result) {
+            self.production.end_cycle(plant, &part, cycle.counted);
+        }
+        for _ in before..self.parts_counted {
+            let part = self.counted_part(plant, started);
+            self.production.add_part(plant, &part);
+        }
+        self.production.follow_run(started.is_some());
         self.production.announce(plant);
         // The part says nothing of an offset or a work zero that was changed since.
         if let Some(part) = self.part_result.as_mut().filter(|part| part.corrected.is_none()) {
@@ -87,11 +97,14 @@ impl Panel {
         let (number, program) = (plant.work.part_count, plant.execution.current_program);
         let times = CycleTimes { seconds, ..CycleTimes::default() };
         let gauged = plant.execution.gauged;
-        self.result_of(plant, FinishedCycle { number, program, ended_at: plant.now, times, gauged, offset: None })
+        self.result_of(
+            plant,
+            FinishedCycle { number, program, ended_at: plant.now, times, gauged, offset: None, counted: 0 },
+        )
     }
 
     fn result_of(&self, plant: &Plant, cycle: FinishedCycle) -> PartResult {
-        let FinishedCycle { number, program, ended_at, times, gauged, offset } = cycle;
+        let FinishedCycle { number, program, ended_at, times, gauged, offset, .. } = cycle;
         let (nominal, measured) = self.sizes_of(plant, program);
         let is_wheel_fresh = plant.params.get(param::PARTS_SINCE_DRESSING) <= 1.0;
         let (typed, corrected) = (None, None);
@@ -118,7 +131,7 @@ impl Panel {
             PartCommand::TypeSize { mm, .. } => {
                 check_size(part, mm)?;
                 let typed = PartResult { typed: Some(mm), ..part };
-                self.production.judge_last(parts.plant, ended_at, (Some(mm), typed.verdict(None)));
+                self.production.judge_part(parts.plant, ended_at, (Some(mm), typed.verdict(None)));
                 (typed, phrase!("工件实测 {mm:.4}", "part measured {mm:.4}", mm))
             }
             PartCommand::Correct { increment, .. } => {

@@ -34,14 +34,15 @@ const ANNOUNCE_DELAY: Micros = Micros::from_millis(20);
 #[derive(Default)]
 pub struct Production {
     parts: PartHistory,
-    /// Serial number of the last finished part, and the end of its cycle; `None` before the first one since power-on.
+    /// Serial number of the last part, and its hour.
     last_count: u64,
-    last_end: Option<Micros>,
+    last_hour: Option<u64>,
+    /// End of the last cycle, and the part that it has made.
+    last_cycle: Option<(Micros, u64)>,
     /// When a part was counted last.
     counted_at: Option<Micros>,
-    /// The run that has counted the last part goes on: its end says more of that part. The run, by its start.
+    /// The run that has counted the last part goes on: its end says more of that part.
     is_open: bool,
-    counting_run: Option<Micros>,
     /// By their numbers.
     orders: Vec<ProductionOrder>,
     /// When the active order is looked at, and number and target of the one that was announced.
@@ -97,17 +98,20 @@ impl Production {
         self.announce_at = Some(plant.now + ANNOUNCE_DELAY);
     }
 
-    /// Follows the run: another one has counted nothing yet.
-    pub fn follow_run(&mut self, started: Option<Micros>) {
-        self.is_open &= started.is_none() || started == self.counting_run;
+    /// Follows the run: without one nothing more is said of the last part.
+    pub const fn follow_run(&mut self, runs: bool) {
+        self.is_open &= runs;
     }
 
     /// A part is made: it is recorded, and counts for the active order if that has its program.
-    pub fn add_part(&mut self, plant: &mut Plant, part: &PartResult, run: Option<Micros>) {
+    pub fn add_part(&mut self, plant: &mut Plant, part: &PartResult) {
+        if self.is_open {
+            // The part before it, of the same run, is all that it will be.
+            self.look_at_order(plant);
+        }
         let order = self.active().filter(|order| order.program == part.program);
         self.last_count += 1;
-        (self.last_end, self.counted_at) = (Some(part.ended_at), Some(plant.now));
-        (self.is_open, self.counting_run) = (true, run);
+        (self.counted_at, self.is_open) = (Some(plant.now), true);
         let record = PartRecord {
             count: self.last_count,
             number: part.number,
@@ -122,37 +126,46 @@ impl Production {
         };
         self.parts.push(record);
         plant.store(StorageRequest::Part(record));
-        self.hours.count_part(plant, |hour| *hour_count(hour, record.verdict) += 1);
+        self.last_hour = self.hours.hour();
+        self.hours.count_part(plant, self.last_hour, |hour| *hour_count(hour, record.verdict) += 1);
         let Some(mut order) = order else { return };
         *count_of(&mut order, record.verdict) += 1;
         self.set(plant, order);
     }
 
-    /// A cycle has ended: its end says more of the part that it has counted. A program that counts none makes parts of an
-    /// order for it.
-    pub fn end_cycle(&mut self, plant: &mut Plant, part: &PartResult) {
-        let counted = std::mem::take(&mut self.is_open);
-        if counted && let Some(record) = self.parts.entries_mut().last_mut() {
-            (record.cycle_seconds, record.limits, record.ended) = (part.times.seconds, limits_of(part), plant.date);
-            self.last_end = Some(part.ended_at);
-            let size = part.judged_size(None).map(|size| size.mm());
-            self.judge_last(plant, part.ended_at, (size, part.verdict(None)));
-        } else if self.active().is_some_and(|order| order.program == part.program) {
-            self.add_part(plant, part, None);
-            self.is_open = false;
+    /// A cycle has ended that has counted some parts: its end says more of the last one. Where programs cannot count (lathe,
+    /// 802D), it makes a part of the active order.
+    pub fn end_cycle(&mut self, plant: &mut Plant, part: &PartResult, counted: u32) {
+        let by_itself = !plant.kind.row().dialect.is_kt830();
+        if counted == 0 && by_itself && self.active().is_some_and(|order| order.program == part.program) {
+            self.add_part(plant, part);
+        } else if counted == 0 {
+            return;
         }
+        self.is_open = false;
+        // A simulated machine measures it now.
+        self.announce_at = self.announce_at.map(|_| plant.now + ANNOUNCE_DELAY);
+        self.last_cycle = Some((part.ended_at, self.last_count));
+        if let Some(record) = self.parts.entries_mut().last_mut() {
+            (record.limits, record.ended) = (limits_of(part), plant.date);
+            if counted == 1 {
+                record.cycle_seconds = part.times.seconds;
+            }
+        }
+        let size = part.judged_size(None).map(|size| size.mm());
+        self.judge_part(plant, part.ended_at, (size, part.verdict(None)));
     }
 
-    /// The simulated machine has measured the last part.
+    /// The simulated machine has measured the part of a cycle.
     pub fn inspect(&mut self, plant: &mut Plant, found: PartInspection) {
-        self.judge_last(plant, found.ended_at, (found.size, found.verdict));
+        self.judge_part(plant, found.ended_at, (found.size, found.verdict));
     }
 
-    /// Size and verdict of the last part, whose cycle ended then, are known now. What has spoilt it has spoilt it.
-    pub fn judge_last(&mut self, plant: &mut Plant, ended_at: Micros, (size, verdict): (Option<f64>, PartVerdict)) {
-        let known = self.parts.last().filter(|_| self.last_end == Some(ended_at)).map(|record| record.verdict);
-        let Some(before) = known else { return };
-        let Some(record) = self.parts.entries_mut().last_mut() else { return };
+    /// Size and verdict of the part of the last cycle are known now. What has spoilt it has spoilt it.
+    pub fn judge_part(&mut self, plant: &mut Plant, ended_at: Micros, (size, verdict): (Option<f64>, PartVerdict)) {
+        let Some((_, count)) = self.last_cycle.filter(|(end, _)| *end == ended_at) else { return };
+        let Some(record) = self.parts.entries_mut().iter_mut().rev().find(|part| part.count == count) else { return };
+        let before = record.verdict;
         let verdict = if matches!(before, PartVerdict::Spoilt(_)) { before } else { verdict };
         (record.verdict, record.size) = (verdict, size);
         let record = *record;
@@ -160,7 +173,8 @@ impl Production {
         if before.is_bad() == verdict.is_bad() {
             return;
         }
-        self.hours.recount_part(plant, record.ended, |hour| {
+        let hour = if count == self.last_count { self.last_hour } else { self.hours.known_hour(record.ended) };
+        self.hours.count_part(plant, hour, |hour| {
             let counted = hour_count(hour, before);
             *counted = counted.saturating_sub(1);
             *hour_count(hour, verdict) += 1;
@@ -172,11 +186,15 @@ impl Production {
         self.set(plant, order);
     }
 
-    /// Says once when the active order is complete.
+    /// Looks at the order once its last part is known.
     pub fn announce(&mut self, plant: &mut Plant) {
-        if self.announce_at.is_none_or(|at| plant.now < at) {
-            return;
+        if !self.is_open && self.announce_at.is_some_and(|at| plant.now >= at) {
+            self.look_at_order(plant);
         }
+    }
+
+    /// Says once when the active order is complete.
+    fn look_at_order(&mut self, plant: &mut Plant) {
         self.announce_at = None;
         let Some(order) = self.active().filter(ProductionOrder::is_complete) else { return self.announced = None };
         let ProductionOrder { number, good, target, .. } = order;

@@ -44,6 +44,8 @@ pub struct FinishedCycle {
     pub gauged: bool,
     /// The tool offset that it has worked with; none without or with several.
     pub offset: Option<OffsetInForce>,
+    /// Parts that it has counted.
+    pub counted: u32,
 }
 
 /// The tool offsets that a run has called.
@@ -101,8 +103,8 @@ pub struct Execution {
     pub part_finished: bool,
     /// The cycle that has finished a part; none from the next cycle start by the operator on.
     pub finished_cycle: Option<FinishedCycle>,
-    /// Parts that programs have counted since power-on.
-    pub parts_made: u64,
+    /// Parts that the open run has counted.
+    pub parts_counted: u32,
     /// Running when the run was paused: wheel, and workpiece drive (headstock, table, roll) or main spindle.
     pub spindles_before_pause: [bool; 2],
     /// What a stop of the program waits for (M00, M01, #3006); none after a single block.
@@ -117,7 +119,7 @@ impl Execution {
     /// A run begins, with the tool offset that is in force.
     pub fn begin_cycle(&mut self, tool_offset: usize) {
         self.phases.restart();
-        self.gauged = false;
+        (self.gauged, self.parts_counted) = (false, 0);
         self.called_offsets = CalledOffsets::None;
         self.called_offsets.call(tool_offset);
         self.current_block = BlockLocation::default();
@@ -147,8 +149,9 @@ impl Plant {
             OffsetInForce { number: in_force, axis, displayed_per_mm, work_zero }
         });
         let (number, program, gauged) = (self.work.part_count, self.execution.current_program, self.execution.gauged);
+        let counted = std::mem::take(&mut self.execution.parts_counted);
         self.execution.finished_cycle =
-            Some(FinishedCycle { number, program, ended_at: self.now, times, gauged, offset });
+            Some(FinishedCycle { number, program, ended_at: self.now, times, gauged, offset, counted });
     }
 
     /// Applies an event to the phase; the phase changes only here (homing updates its own state in place).

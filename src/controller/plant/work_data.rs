@@ -126,7 +126,6 @@ impl Plant {
     /// Counts a finished part.
     pub fn count_part(&mut self) {
         self.work.part_count += 1;
-        self.execution.parts_made += 1;
         self.store(StorageRequest::PartCount(self.work.part_count));
         self.count_since_dressing();
     }

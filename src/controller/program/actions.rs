@@ -141,6 +141,7 @@ impl ProgramRun {
             }
             MCodeAction::CountWorkpiece => {
                 plant.count_part();
+                plant.execution.parts_counted += u32::from(makes_parts(plant, self.origin));
                 ActionStatus::Done
             }
             MCodeAction::ProgramEnd => {
@@ -329,18 +330,25 @@ pub fn raise_no_workpiece_drive(plant: &mut Plant) -> ActionStatus {
     ActionStatus::Wait
 }
 
+/// Whether what a run counts is a part: not an air cut, not a dressing, no line of MDI.
+fn makes_parts(plant: &Plant, origin: Origin) -> bool {
+    origin == Origin::Program && !plant.is_dry_or_locked() && !plant.control_state().dressing_program
+}
+
 /// M30 (K3.14, K5.17).
 fn end_program(plant: &mut Plant, origin: Origin) {
     if origin == Origin::Retract {
         return; // K6.4: the held run is not finished
     }
     plant.machine.program_end(&plant.params);
+    let makes_parts = makes_parts(plant, origin);
     if plant.params.bit(param::COUNT_ON_M30) {
         plant.count_part();
+        plant.execution.parts_counted += u32::from(makes_parts);
     }
     let really = origin == Origin::Program && !plant.is_dry_or_locked();
     let dressing = plant.control_state().dressing_program;
-    plant.execution.part_finished = really && !dressing;
+    plant.execution.part_finished = makes_parts;
     if really && plant.params.bit(param::WHEEL_UNDRESSED) && dressing {
         plant.store_param(param::WHEEL_UNDRESSED.address(), 0.0);
     }
