@@ -123,9 +123,9 @@ mod tests {
         let (low, high) = points[0].limits;
         assert!((high - low - 2.0 * 3.0 * 3.72 / 1.128 * 0.2).abs() < 1e-9);
         assert!(points.iter().all(|point| !point.is_out()));
-        // They widen towards 3·σ·√(0.2/1.8) = σ.
+        // The sixth: 2·3·3.2979·√(0.2/1.8·(1 − 0.8^12)) = 6.36508.
         let last = points[5].limits;
-        assert!(last.1 - last.0 > 1.8 * (high - low) && last.1 - last.0 < 2.0 * 3.72 / 1.128);
+        assert!((last.1 - last.0 - 6.365_08).abs() < 1e-4);
     }
 
     #[test]
