@@ -22,7 +22,7 @@ pub fn figures(lang: Lang, order: &ProductionOrder, parts: &[&PartRecord]) -> Ve
         (say("平均节拍", "mean cycle"), timed(cycle)),
         (say("还需", "time left"), if parts.is_empty() { dash() } else { long_time(f64::from(order.left()) * cycle) }),
         (
-            "Cp / Cpk",
+            say("Cp / Cpk", "indices Cp / Cpk"),
             found.and_then(|found| found.indices).map_or_else(dash, |(cp, cpk)| format!("{cp:.2} / {cpk:.2}")),
         ),
         (say("平均尺寸 mm", "mean size mm"), found.map_or_else(dash, |found| format!("{:.4}", found.mean))),
