@@ -12,7 +12,7 @@ use std::ops::{Add, Index, IndexMut, Sub};
 
 use serde::{Deserialize, Serialize};
 
-pub use histogram::{Histogram, Percentiles};
+pub use histogram::{CHART_CLASSES, Histogram, Percentiles, TimeDistribution};
 pub use position::{DisplayPos, EncoderPos, MachinePos, Position, WorkPos};
 pub use work_budget::WorkBudget;
 

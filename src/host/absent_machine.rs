@@ -55,6 +55,8 @@ impl HostedMachine for AbsentMachine {
         None
     }
 
+    fn clear_counters(&mut self) {}
+
     fn bus_clock(&mut self) -> Option<ClockReading> {
         None
     }

@@ -88,11 +88,13 @@ impl<F: FieldBus> HostedFieldBus<F> {
             stations: stations.collect(),
             cycles: counted.cycles,
             lost: counted.lost,
-            round_trip: machine.round_trips().percentiles(),
-            wake_up: times.wake_ups.percentiles(),
+            working_counter: machine.working_counter(),
+            execution: times.executions.distribution(),
+            round_trip: machine.round_trips().distribution(),
+            wake_up: times.wake_ups.distribution(),
             rights: times.rights,
             clock: description.ethercat.distributed_clocks.map(|_| BusClock {
-                distance: machine.clock_errors().percentiles(),
+                distance: machine.clock_errors().distribution(),
                 drift_ppm: times.bus_clock.drift_ppm(),
             }),
             inverter: machine.inverter().map(|reading| inverter_view(description, reading)),
@@ -162,6 +164,11 @@ impl<F: FieldBus> HostedMachine for HostedFieldBus<F> {
 
     fn simulation(&mut self) -> Option<&mut SimulatedMachine> {
         None
+    }
+
+    fn clear_counters(&mut self) {
+        self.machine.clear_counters();
+        self.viewed_at = None;
     }
 
     fn bus_clock(&mut self) -> Option<ClockReading> {

@@ -38,6 +38,8 @@ pub trait HostedMachine: Backend {
     fn simulation(&mut self) -> Option<&mut SimulatedMachine>;
     /// What the bus page shows at `now`, with the times of the thread; `None` without a bus.
     fn bus_view(&mut self, now: Micros, times: &ThreadTimes) -> Option<Arc<BusView>>;
+    /// The counters and times of its bus begin anew.
+    fn clear_counters(&mut self);
     /// What the clock of its bus has said of this tick; `None` without such a clock.
     fn bus_clock(&mut self) -> Option<ClockReading>;
     /// How long it gets the safe image at the end; 0 for a simulated machine.

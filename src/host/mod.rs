@@ -164,6 +164,10 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
     pub fn send(&mut self, command: Command) {
         match command {
             Command::Simulate(asked) => self.plant.simulate(asked),
+            Command::ClearBusCounters => {
+                self.times.clear();
+                self.plant.clear_counters();
+            }
             other => self.queue(other),
         }
     }

@@ -73,10 +73,20 @@ pub struct TickSchedule {
 pub struct ThreadTimes {
     /// How late it wakes up.
     pub wake_ups: Histogram,
+    /// How long a tick takes from the wake-up to its snapshot.
+    pub executions: Histogram,
     /// What the computer has given to it.
     pub rights: ThreadRights,
     /// The clock of the bus beside that of this computer.
     pub bus_clock: DriftMeter,
+}
+
+impl ThreadTimes {
+    /// Counts the times anew.
+    pub fn clear(&mut self) {
+        self.wake_ups.clear();
+        self.executions.clear();
+    }
 }
 
 /// How fast a clock goes, by its times and those of this computer.

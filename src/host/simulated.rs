@@ -200,6 +200,8 @@ impl HostedMachine for HostedSimulation {
         Some(&mut self.machine)
     }
 
+    fn clear_counters(&mut self) {}
+
     fn bus_clock(&mut self) -> Option<ClockReading> {
         None
     }

@@ -108,11 +108,13 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
             return;
         }
         self.pace();
+        let begun = Instant::now();
         self.guard(|thread| {
             thread.receive();
             thread.host.step();
             thread.publish();
         });
+        self.host.times.executions.add(Micros(begun.elapsed().as_micros() as u64));
         self.follow_bus();
         self.health.ticks.fetch_add(1, Ordering::Relaxed);
     }

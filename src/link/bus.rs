@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::defs::device_state::DeviceState;
 use crate::defs::port_errors::{PORTS_OF_DEVICE, PortErrors};
 use crate::defs::text::{LocalizedText, Text};
-use crate::units::{Axis, Micros, Percentiles};
+use crate::units::{Axis, Micros, Percentiles, TimeDistribution};
 
 /// A device.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -85,7 +85,7 @@ pub enum DescriptionLine {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BusClock {
     /// How far frames are from the time that the reference clock asks for.
-    pub distance: Percentiles,
+    pub distance: TimeDistribution,
     /// How much faster than the computer's clock the reference clock goes, millionths.
     pub drift_ppm: f64,
 }
@@ -116,10 +116,14 @@ pub struct BusView {
     pub cycles: u64,
     /// See `cycles`.
     pub lost: u64,
+    /// Working counter of the last frame, and that of a whole exchange. `None` if the frame was lost.
+    pub working_counter: Option<(u16, u16)>,
+    /// How long a tick takes: exchange, computing, snapshot.
+    pub execution: TimeDistribution,
     /// Time from sending a frame until it is back.
-    pub round_trip: Percentiles,
+    pub round_trip: TimeDistribution,
     /// How late the thread of the control wakes up.
-    pub wake_up: Percentiles,
+    pub wake_up: TimeDistribution,
     /// Rights of the thread of the control.
     pub rights: ThreadRights,
     /// The distributed clocks, if they are used.

@@ -108,6 +108,8 @@ pub enum Command {
     Page(PageCommand),
     /// A request of the simulator page to the simulated machine; the core never handles it.
     Simulate(SimCommand),
+    /// The counters and times of the bus page begin anew.
+    ClearBusCounters,
     /// A request of the teach-in page (L9).
     Teach(TeachCommand),
     /// Time of the computer's clock, sent periodically. Only displayed dates depend on it.

@@ -327,6 +327,10 @@ impl HostedMachine for WatchedMachine {
         self.machine.bus_view(now, times)
     }
 
+    fn clear_counters(&mut self) {
+        self.machine.clear_counters();
+    }
+
     fn bus_clock(&mut self) -> Option<ClockReading> {
         self.machine.bus_clock()
     }

@@ -139,6 +139,10 @@ impl HostedMachine for NotedPlant {
         self.plant.simulation()
     }
 
+    fn clear_counters(&mut self) {
+        self.plant.clear_counters();
+    }
+
     fn bus_clock(&mut self) -> Option<ClockReading> {
         self.plant.bus_clock()
     }

@@ -45,7 +45,7 @@ use kt830::link::simulation::{PartSize, SimView};
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, RunState, Tone};
 use kt830::link::start_guide::{StartGuide, StepAction, StepState, StepView};
 use kt830::link::toolpath::{CycleTime, MoveKind, PathPoint, StockBox, Toolpath};
-use kt830::units::{Axis, DisplayPos, Micros, PerAxis, Percentiles, WorkPos};
+use kt830::units::{Axis, DisplayPos, Micros, PerAxis, Percentiles, TimeDistribution, WorkPos};
 
 /// The customer's own page text (seed 000).
 pub const C0001: &str = "外卡磨削;\n卡尺X轴始磨位置 #500;\n卡尺X轴终点位置 #501;\n卡尺X轴安全位置 #503;\n\
@@ -464,6 +464,7 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         },
     };
     let times = |median, p99, max| Percentiles { median: Micros(median), p99: Micros(p99), max: Micros(max) };
+    let day = |percentiles, counts| TimeDistribution { percentiles, counts };
     let station = BusStation {
         number: 101,
         name: "wheel inverter".to_owned(),
@@ -481,10 +482,18 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
         stations: vec![station],
         cycles: 86_400_000,
         lost: 1_234,
-        round_trip: times(70, 110, 1_850),
-        wake_up: times(20, 90, 12_340),
+        working_counter: (!broken).then_some((15, 15)),
+        execution: day(times(130, 240, 2_100), [0, 0, 120, 8_214_000, 70_105_000, 8_080_000, 800, 14, 1, 0, 0]),
+        round_trip: day(times(70, 110, 1_850), [0, 0, 3_400, 85_190_000, 1_200_000, 6_500, 90, 9, 0, 0, 0]),
+        wake_up: day(times(20, 90, 12_340), [9_300_000, 41_000_000, 33_000_000, 3_090_000, 9_950, 640, 31, 4, 2, 0, 1]),
         rights: ThreadRights { has_priority: true, has_locked_memory: !broken, core: Some((3, true)) },
-        clock: Some(BusClock { distance: times(10, 80, 410), drift_ppm: -12.4 }),
+        clock: Some(BusClock {
+            distance: day(
+                times(10, 80, 410),
+                [44_000_000, 39_100_000, 2_100_000, 1_190_000, 8_700, 420, 0, 0, 0, 0, 0],
+            ),
+            drift_ppm: -12.4,
+        }),
         inverter: Some(BusInverter {
             device: 101,
             rpm: Some(if broken { 0.0 } else { 1_478.6 }),

@@ -114,6 +114,9 @@ pub struct Devices {
     pub ports: Cell<[PortErrors; 4]>,
 }
 
+/// Working counter of a whole exchange: three devices with inputs and outputs.
+const WHOLE_COUNT: u16 = 9;
+
 pub struct PlayedBus(Rc<Devices>);
 
 impl FieldBus for PlayedBus {
@@ -151,6 +154,11 @@ impl FieldBus for PlayedBus {
         Micros(70)
     }
 
+    fn working_counter(&self) -> Option<(u16, u16)> {
+        let found = if self.0.missing.get().is_some() { WHOLE_COUNT - 3 } else { WHOLE_COUNT };
+        Some((found, WHOLE_COUNT))
+    }
+
     fn clock(&self) -> Option<ClockReading> {
         self.0.clock.get()
     }
@@ -159,8 +167,12 @@ impl FieldBus for PlayedBus {
         Some(self.0.drives.borrow()[device].error_code)
     }
 
-    fn read_port_errors(&mut self, device: usize) -> Option<[PortErrors; 4]> {
-        (device == 1).then(|| self.0.ports.get())
+    fn read_port_errors(&mut self, device: usize, clears: bool) -> Option<[PortErrors; 4]> {
+        let ports = (device == 1).then_some(&self.0.ports)?;
+        if clears {
+            ports.set(Default::default());
+        }
+        Some(ports.get())
     }
 }
 
@@ -337,6 +349,32 @@ fn p1_the_ports_of_a_device_tell_which_cable_is_bad() {
     shop.devices.faults.borrow_mut().extend([BusFault::FrameLost; 3]);
     shop.ticks(1_500);
     assert_eq!(shown(&mut shop), bad);
+    // The fitter has changed the cable: the counters begin anew, those of the device, too.
+    shop.host.send(Command::ClearBusCounters);
+    shop.ticks(1_000);
+    assert_eq!((shown(&mut shop), shop.devices.ports.get()), ([PortErrors::default(); 4], [PortErrors::default(); 4]));
+}
+
+#[test]
+fn p1_the_counters_of_the_bus_begin_anew_when_they_are_cleared() {
+    let mut shop = Shop::new(None, 0);
+    let shown = |shop: &mut Shop| shop.host.snapshot().bus.clone().expect("a bus");
+    shop.ticks(600);
+    shop.devices.faults.borrow_mut().push_back(BusFault::FrameLost);
+    shop.ticks(600);
+    let before = shown(&mut shop);
+    assert_eq!((before.lost, before.working_counter), (1, Some((WHOLE_COUNT, WHOLE_COUNT))));
+    assert!((1_000..=1_200).contains(&before.cycles), "{}", before.cycles);
+    // Every answered frame took 70 µs: the class from 50 µs.
+    assert_eq!(before.round_trip.counts[3], before.cycles - 1);
+    shop.host.send(Command::ClearBusCounters);
+    shop.ticks(300);
+    let after = shown(&mut shop);
+    assert!(after.lost == 0 && (1..=300).contains(&after.cycles), "{} {}", after.lost, after.cycles);
+    assert_eq!(after.round_trip.counts[3], after.cycles);
+    shop.devices.missing.set(Some(0));
+    shop.ticks(300);
+    assert_eq!(shown(&mut shop).working_counter, Some((WHOLE_COUNT - 3, WHOLE_COUNT)));
 }
 
 #[test]

@@ -117,6 +117,10 @@ impl FieldBus for ProbedBus {
         self.inner.round_trip()
     }
 
+    fn working_counter(&self) -> Option<(u16, u16)> {
+        self.inner.working_counter()
+    }
+
     fn clock(&self) -> Option<ClockReading> {
         self.inner.clock()
     }

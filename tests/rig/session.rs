@@ -129,7 +129,7 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
     println!("  {ticks} ticks, {late} late");
     if let Some(bus) = link.newest().bus.as_deref().filter(|bus| bus.cycles > 0) {
         let us = |times: Percentiles| format!("{}/{}/{}", times.median.0, times.p99.0, times.max.0);
-        let (trip, wake) = (us(bus.round_trip), us(bus.wake_up));
+        let (trip, wake) = (us(bus.round_trip.percentiles), us(bus.wake_up.percentiles));
         println!("  rights of the thread: {:?}", bus.rights);
         println!(
             "  median/99 %/max: round trip {trip} µs, wake-up {wake} µs; {} of {} frames lost",
@@ -137,7 +137,7 @@ pub fn run(scenario: &'static Scenario) -> Result<(), String> {
         );
     }
     if let Some(clock) = link.newest().bus.as_deref().and_then(|bus| bus.clock) {
-        let Percentiles { median, p99, max } = clock.distance;
+        let Percentiles { median, p99, max } = clock.distance.percentiles;
         println!("  off the clock {}/{}/{} µs, drift {:.1} ppm", median.0, p99.0, max.0, clock.drift_ppm);
     }
     drop(link);

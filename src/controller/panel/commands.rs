@@ -75,7 +75,7 @@ impl Panel {
                 self.check_page_files(parts);
             }
             Command::Stored(mark) => parts.plant.outbox.unstored.stored(*mark),
-            Command::Simulate(_) => {}
+            Command::Simulate(_) | Command::ClearBusCounters => {}
             Command::DiskFailed(why) => parts.plant.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.handle_page_command(parts, command),
             Command::Teach(command) => self.handle_teach_command(parts, *command),

@@ -45,6 +45,8 @@ const MAILBOX_TIME_NS: u64 = 20_000_000;
 const DEVICE_TYPE: u16 = 0x0000;
 /// First register of the error counters of the ports.
 const PORT_ERRORS: u16 = 0x0300;
+/// First register of the counters of lost links among them.
+const LOST_LINKS: u16 = 0x0310;
 /// Registers: AL control, AL status.
 const AL_CONTROL: u16 = 0x0120;
 const AL_STATUS: u16 = 0x0130;
@@ -87,6 +89,8 @@ pub struct EtherCat {
     group: Option<Group<Op>>,
     /// Working counter of a whole exchange.
     expected: u16,
+    /// That of the last frame.
+    found: Option<u16>,
     /// States of the devices as of the last frame.
     states: Vec<SubDeviceState>,
     round_trip: Micros,
@@ -108,6 +112,7 @@ impl EtherCat {
             link: EtherCatLink::new(tx, rx),
             group: None,
             expected: 0,
+            found: None,
             states: Vec::with_capacity(MAX_DEVICES),
             round_trip: Micros::ZERO,
             clocks: description.distributed_clocks,
@@ -319,7 +324,8 @@ impl FieldBus for EtherCat {
     }
 
     fn exchange(&mut self, images: &mut [DeviceImage]) -> Result<(), BusFault> {
-        let Self { main_device, link, group, expected, states, round_trip, .. } = self;
+        let Self { main_device, link, group, expected, found, states, round_trip, .. } = self;
+        *found = None;
         let Some(group) = group else { return Err(BusFault::NoReply) };
         in_group!(&*group, devices => for (device, image) in devices.iter(main_device).zip(images.iter()) {
             device.outputs_raw_mut().copy_from_slice(&image.outputs);
@@ -338,16 +344,17 @@ impl FieldBus for EtherCat {
                 response.working_counter
             })),
         };
-        let Ok(found) = answered else { return Err(BusFault::FrameLost) };
+        let Ok(counted) = answered else { return Err(BusFault::FrameLost) };
+        *found = Some(counted);
         *round_trip = Micros(ethercat_now().saturating_sub(sent) / 1_000);
         in_group!(&*group, devices => for (device, image) in devices.iter(main_device).zip(images.iter_mut()) {
             image.inputs.copy_from_slice(&device.inputs_raw());
         });
         let expected = *expected;
-        if found == expected && states.iter().all(|state| *state == SubDeviceState::Op) {
+        if counted == expected && states.iter().all(|state| *state == SubDeviceState::Op) {
             return Ok(());
         }
-        let fault = BusFault::WorkingCounter { expected, found };
+        let fault = BusFault::WorkingCounter { expected, found: counted };
         Err(self.locate(fault))
     }
 
@@ -365,6 +372,10 @@ impl FieldBus for EtherCat {
         self.round_trip
     }
 
+    fn working_counter(&self) -> Option<(u16, u16)> {
+        self.found.map(|found| (found, self.expected))
+    }
+
     fn clock(&self) -> Option<ClockReading> {
         self.clock
     }
@@ -377,10 +388,16 @@ impl FieldBus for EtherCat {
         })
     }
 
-    fn read_port_errors(&mut self, device: usize) -> Option<[PortErrors; PORTS_OF_DEVICE]> {
+    fn read_port_errors(&mut self, device: usize, clears: bool) -> Option<[PortErrors; PORTS_OF_DEVICE]> {
         let Self { main_device, link, group, .. } = self;
         in_group!(group.as_ref()?, devices => {
             let device = devices.subdevice(main_device, device).ok()?;
+            if clears {
+                // Writing to a counter of either group clears the group.
+                for first in [PORT_ERRORS, LOST_LINKS] {
+                    link.run(device.register_write(first, 0_u16)).ok()?;
+                }
+            }
             let counters = link.run(device.register_read::<[u8; PORT_REGISTERS]>(PORT_ERRORS)).ok()?;
             Some(PortErrors::of_registers(counters))
         })

@@ -3,12 +3,13 @@
 //! [`FieldBusMachine::read`] exchanges the outputs last written for new inputs; so the frame leaves at the begin of a tick.
 //! Stations on Modbus TCP are exchanged beside the tick; what they hand over is part of the same images.
 //! Files: `description` and `station_description` the machine, `parameter_check` what its parameters exclude, `process_image` bit fields, `cia402` the state machine of a
-//! drive, `servo_axis` an axis, `clock_watch` the clock of the bus, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `port_counters` which cable is bad, `bus_fault` what can be wrong.
+//! drive, `servo_axis` an axis, `clock_watch` the clock of the bus, `touch_probe` what its drive latches, `station` a station, `inverter` the inverter of the wheel, `channel` places of values, `counter_reader` counters of the handwheel and of the spindle, `port_counters` which cable is bad, `bus_fault` what can be wrong.
 
 pub mod bus_fault;
 pub mod channel;
 pub mod cia402;
 pub mod clock_watch;
+mod counter_reader;
 pub mod description;
 pub mod inverter;
 mod parameter_check;
@@ -20,8 +21,8 @@ pub mod station_description;
 pub mod touch_probe;
 
 use self::bus_fault::BusFault;
-use self::channel::CounterChannel;
 use self::clock_watch::ClockWatch;
+use self::counter_reader::CounterReader;
 use self::description::{AnalogChannel, DeviceDescription, MachineDescription};
 use self::inverter::InverterReading;
 use self::port_counters::PortCounters;
@@ -65,14 +66,18 @@ pub trait FieldBus {
     /// How long the last frame took.
     fn round_trip(&self) -> Micros;
 
+    /// Working counter of the last frame, and that of a whole exchange. `None` while frames are lost.
+    fn working_counter(&self) -> Option<(u16, u16)>;
+
     /// What the reference clock has said of the last frame. `None` without distributed clocks, and while frames are lost.
     fn clock(&self) -> Option<ClockReading>;
 
     /// The error code of a drive (603Fh), by mailbox; `None` if it does not answer.
     fn read_error_code(&mut self, device: usize) -> Option<u16>;
 
-    /// What the ports of a device have counted; `None` if it does not answer, or the bus has no such counters.
-    fn read_port_errors(&mut self, _device: usize) -> Option<[PortErrors; PORTS_OF_DEVICE]> {
+    /// What the ports of a device have counted, after they have begun anew with `clears`; `None` if it does not answer, or
+    /// the bus has no such counters.
+    fn read_port_errors(&mut self, _device: usize, _clears: bool) -> Option<[PortErrors; PORTS_OF_DEVICE]> {
         None
     }
 }
@@ -263,6 +268,12 @@ impl<F: FieldBus> FieldBusMachine<F> {
         &self.round_trips
     }
 
+    /// Working counter of the frame of this tick, and that of a whole exchange; `None` if the frame was lost.
+    #[must_use]
+    pub fn working_counter(&self) -> Option<(u16, u16)> {
+        self.bus.working_counter()
+    }
+
     /// What the reference clock has said of the frame of this tick; `None` without such a clock.
     #[must_use]
     pub fn clock(&self) -> Option<ClockReading> {
@@ -318,6 +329,15 @@ impl<F: FieldBus> FieldBusMachine<F> {
     pub fn settling_time(&self) -> Micros {
         let slowest = self.axes.0.iter().flatten().map(ServoAxis::engage_time).max();
         SAFE_IMAGE_TIME + slowest.unwrap_or_default()
+    }
+
+    /// Counts and times begin anew; those of the ports while the drives are off.
+    pub fn clear_counters(&mut self) {
+        self.statistics = BusStatistics::default();
+        self.round_trips.clear();
+        self.clock_errors.clear();
+        self.stations.iter_mut().for_each(Station::clear_times);
+        self.ports.clear();
     }
 
     /// Counts of cycles and lost frames.
@@ -401,7 +421,7 @@ impl<F: FieldBus> FieldBusMachine<F> {
     fn read_port_errors(&mut self, now: Micros, drives_on: bool) {
         if !drives_on && !matches!(self.state, BusState::Down(_)) {
             let bus = &mut self.bus;
-            self.ports.step(now, |device| bus.read_port_errors(device));
+            self.ports.step(now, |device, clears| bus.read_port_errors(device, clears));
         }
     }
 
@@ -538,45 +558,4 @@ fn write_analog(channel: AnalogChannel, volts: f64, image: &mut DeviceImage) {
     let most = f64::from(i32::MAX >> (32 - u32::from(channel.bits.clamp(1, 32))));
     let counts = (volts / FULL_SCALE_VOLTS * channel.counts_at_10_v).round().clamp(-most, most) as i32;
     BitField { first: channel.bit, bits: channel.bits }.write(&mut image.outputs, counts.cast_unsigned());
-}
-
-/// Reads a counter that wraps.
-#[derive(Clone, Copy, Debug)]
-struct CounterReader {
-    channel: Option<CounterChannel>,
-    before: Option<u32>,
-    /// Counts that are less than a detent.
-    rest: f64,
-}
-
-impl CounterReader {
-    const fn new(channel: Option<CounterChannel>) -> Self {
-        Self { channel, before: None, rest: 0.0 }
-    }
-
-    /// What a device counts begins anew.
-    fn forget(&mut self, device: u16) {
-        if self.channel.is_some_and(|channel| channel.device == device) {
-            self.before = None;
-        }
-    }
-
-    /// Revolutions since the last call.
-    fn turns(&mut self, description: &MachineDescription, images: &[DeviceImage]) -> f64 {
-        let Some(channel) = self.channel else { return 0.0 };
-        let Some(image) = description.image_index(channel.device).and_then(|at| images.get(at)) else { return 0.0 };
-        let raw = channel.field().read(&image.inputs);
-        let before = self.before.replace(raw).unwrap_or(raw);
-        let unused = 32 - u32::from(channel.bits.clamp(1, 32));
-        let counts = (raw.wrapping_sub(before) << unused).cast_signed() >> unused;
-        f64::from(counts) / channel.counts
-    }
-
-    /// Whole detents since the last call; what is less is kept.
-    fn steps(&mut self, description: &MachineDescription, images: &[DeviceImage]) -> f64 {
-        self.rest += self.turns(description, images);
-        let whole = self.rest.trunc();
-        self.rest -= whole;
-        whole
-    }
 }

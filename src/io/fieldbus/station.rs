@@ -106,6 +106,11 @@ impl Station {
         Self { link, max_age, heard_at: None, age: Micros::ZERO, was_silent: false, round_trips: Histogram::default() }
     }
 
+    /// The times of its exchanges are counted anew.
+    pub fn clear_times(&mut self) {
+        self.round_trips.clear();
+    }
+
     /// Takes what has come; returns whether an exchange has been tried at all.
     pub fn take(&mut self, now: Micros, image: &mut DeviceImage) -> bool {
         if self.link.receive(&mut image.inputs) {

@@ -1,12 +1,16 @@
 //! Bus page: the field bus of a real machine, its devices and drives, lost frames and times, and the stations beside it.
 //! Source: docs/manual, chapter "first start on a machine".
 
+mod times;
+
 use egui::{Rect, vec2};
 
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::defs::device_state::DeviceState;
 use crate::defs::port_errors::PortErrors;
-use crate::hmi::{Area, EditKey, View, pictogram, round_to_lines, theme, widget};
+use crate::hmi::widget::{self, PageKey};
+use crate::hmi::{Area, EditKey, View, pictogram, round_to_lines, theme};
+use crate::link::Command;
 use crate::link::bus::{BusDevice, BusDrive, BusInverter, BusStation, BusView, DescriptionLine, ThreadRights};
 use crate::units::{Micros, Percentiles};
 
@@ -30,11 +34,46 @@ const MAX_AGE_SHOWN: Micros = Micros::from_millis(99_999);
 const PROPERTY_HEIGHT: f32 = 30.0;
 const PROPERTY_NAME_SHARE: f32 = 0.34;
 
+/// Width of the key that clears the counters.
+const CLEAR_WIDTH: f32 = 150.0;
+
+/// What the page shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Tab {
+    /// The devices.
+    #[default]
+    State,
+    /// Charts of the times.
+    Times,
+    /// The description of the machine.
+    Description,
+}
+
+impl Tab {
+    const ALL: [Self; 3] = [Self::State, Self::Times, Self::Description];
+
+    /// The tab by touch or by the arrow keys.
+    fn choose(self, view: &View<'_>, bar: Rect, edits: &[EditKey]) -> Self {
+        let count = Self::ALL.len();
+        let turn = |at: usize, edit: &EditKey| match edit {
+            EditKey::Right | EditKey::Next => (at + 1) % count,
+            EditKey::Left | EditKey::Previous => (at + count - 1) % count,
+            _ => at,
+        };
+        let by_key = edits.iter().fold(self as usize, turn);
+        let keys = [
+            ("bus-state", view.text("状态", "STATE").to_owned()),
+            ("bus-times", view.text("时间", "TIMES").to_owned()),
+            ("bus-description", view.text("机床描述", "DESCRIPTION").to_owned()),
+        ];
+        Self::ALL[widget::tabs(view, bar, &keys, self as usize).unwrap_or(by_key)]
+    }
+}
+
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct BusPage {
-    /// Shows the description of the machine in place of its state.
-    describes: bool,
+    tab: Tab,
     /// The first device shown.
     first: usize,
     scroll: Scroll,
@@ -46,31 +85,38 @@ impl PageUi for BusPage {
     }
 
     fn ui(&mut self, ctx: PageContext<'_>) {
-        let PageContext { rect, view, typed, .. } = ctx;
+        let PageContext { rect, view, typed, out, .. } = ctx;
         let Some(bus) = view.snapshot.bus.as_deref() else {
             let remedy = view.text("控制器运行模拟机床。", "The control runs the simulated machine.");
             return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有总线", "no field bus"), remedy);
         };
         let (bar, body) = rect.shrink(theme::PAD).split_top(widget::KEYS_HEIGHT);
-        let keys = [
-            ("bus-state", view.text("状态", "STATE").to_owned()),
-            ("bus-description", view.text("机床描述", "DESCRIPTION").to_owned()),
-        ];
-        let turns =
-            |edit: &&EditKey| matches!(edit, EditKey::Right | EditKey::Next | EditKey::Left | EditKey::Previous);
-        let by_key = self.describes ^ (typed.edits.iter().filter(turns).count() % 2 == 1);
-        self.describes = widget::tabs(view, bar, &keys, usize::from(self.describes)).map_or(by_key, |tab| tab == 1);
+        let (tabs, clear) = bar.split_right(CLEAR_WIDTH);
+        self.tab = self.tab.choose(view, tabs.trim_right(theme::GAP), &typed.edits);
         let body = body.trim_top(theme::GAP);
-        if self.describes {
+        if self.tab == Tab::Description {
             return self.description(body, view, typed.scroll_pages, &bus.description);
         }
+        if widget::button(view, clear, PageKey::new("bus-clear", view.text("计数清零", "CLEAR COUNTS"))) {
+            out.push(Command::ClearBusCounters);
+        }
+        match self.tab {
+            Tab::Times => times::ui(body, view, bus),
+            Tab::State | Tab::Description => self.state(body, view, typed.scroll_pages, bus),
+        }
+    }
+}
+
+impl BusPage {
+    /// The bus and its devices.
+    fn state(&mut self, body: Rect, view: &View<'_>, pages: i32, bus: &BusView) {
         let lines = LINES + usize::from(bus.clock.is_some());
         let (figures, list) = body.split_top(lines as f32 * LINE_HEIGHT + 2.0 * theme::PAD);
         show_figures(figures.trim_bottom(theme::GAP), view, bus);
         let list = round_to_lines(list, ROW_HEIGHT);
         let rows = (list.height() / ROW_HEIGHT).max(1.0) as usize;
         let last = (bus.devices.len() + bus.stations.len() + usize::from(bus.inverter.is_some())).saturating_sub(rows);
-        self.first = (self.first as i32 + typed.scroll_pages * rows as i32).clamp(0, last as i32) as usize;
+        self.first = (self.first as i32 + pages * rows as i32).clamp(0, last as i32) as usize;
         let inverter = bus.inverter.as_ref().map(|inverter| inverter_row(view, inverter));
         let devices = bus.devices.iter().zip(1..).map(|(device, number)| device_row(view, number, device));
         let stations = bus.stations.iter().map(|station| station_row(view, station));
@@ -79,9 +125,7 @@ impl PageUi for BusPage {
             show_row(list.band(index as f32 * ROW_HEIGHT, ROW_HEIGHT - 3.0), view, &row);
         }
     }
-}
 
-impl BusPage {
     /// The description of the machine.
     fn description(&mut self, rect: Rect, view: &View<'_>, pages: i32, lines: &[DescriptionLine]) {
         let list = ScrollList {
@@ -121,21 +165,27 @@ fn show_figures(rect: Rect, view: &View<'_>, bus: &BusView) {
     };
     let colour = if bus.fault.is_none() { view.theme.text } else { view.theme.alarm_text };
     view.fit_left(title, &state, theme::SECONDARY, colour);
-    let times = |times: Percentiles| format!("{} / {} / {} µs", times.median.0, times.p99.0, times.max.0);
+    let counter = bus.working_counter.map_or_else(|| "–".to_owned(), |(found, whole)| format!("{found} / {whole}"));
     let mut figures = vec![
         [
-            (view.text("周期", "cycles"), bus.cycles.to_string()),
-            (view.text("往返 50% / 99% / 最大", "round trip 50% / 99% / max"), times(bus.round_trip)),
+            (view.text("周期 / 丢失", "cycles / lost"), format!("{} / {}", bus.cycles, bus.lost)),
+            (
+                view.text("往返 50% / 99% / 最大", "round trip 50% / 99% / max"),
+                times::words(bus.round_trip.percentiles),
+            ),
         ],
         [
-            (view.text("丢失的报文", "lost frames"), bus.lost.to_string()),
-            (view.text("唤醒 50% / 99% / 最大", "wake-up 50% / 99% / max"), times(bus.wake_up)),
+            (view.text("工作计数器", "working counter"), counter),
+            (view.text("唤醒 50% / 99% / 最大", "wake-up 50% / 99% / max"), times::words(bus.wake_up.percentiles)),
         ],
     ];
     if let Some(clock) = bus.clock {
         figures.push([
             (view.text("时钟漂移", "clock drift"), format!("{:.1} ppm", clock.drift_ppm)),
-            (view.text("时钟偏差 50% / 99% / 最大", "off the clock 50% / 99% / max"), times(clock.distance)),
+            (
+                view.text("时钟偏差 50% / 99% / 最大", "off the clock 50% / 99% / max"),
+                times::words(clock.distance.percentiles),
+            ),
         ]);
     }
     for (index, columns) in figures.iter().enumerate() {
