@@ -24,6 +24,7 @@
 //! | [`story`] | what an operator does, as text; its player | host, io, link |
 //! | [`torture`] | random operators, faults and power cuts, and what holds in every tick | story, host, controller |
 //! | [`technology`] | proposed speeds, infeeds, spark-out and dressing, with the limits that set them | defs |
+//! | [`gateway`] | what the control tells the network, on a thread of its own | units, defs, link |
 //! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link, technology |
 //! | [`cli`] | the command line | all |
 //!
@@ -61,6 +62,7 @@
 pub mod cli;
 pub mod controller;
 pub mod defs;
+pub mod gateway;
 pub mod geometry;
 #[cfg(feature = "hmi")]
 pub mod hmi;

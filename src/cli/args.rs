@@ -121,6 +121,10 @@ pub enum CliCommand {
     Torture(TortureArgs),
     /// Print the table of the language: codes, words, functions and system variables of a kind of machine
     Codes,
+    /// Run a simulated control without a screen, at the pace of the clock, with its network services (P480)
+    Serve(ServeArgs),
+    /// Print the model of the machine for an agent of MTConnect (Devices.xml)
+    DeviceModel,
     /// Inspect the database on standard input, with little memory and time: the control calls it before it opens one
     #[command(hide = true)]
     CheckDatabase,
@@ -194,6 +198,16 @@ pub struct LeadscrewArgs {
     /// Clear the table
     #[arg(long, conflicts_with = "file")]
     pub clear: bool,
+}
+
+/// `kt830 serve`
+#[derive(Debug, ClapArgs)]
+pub struct ServeArgs {
+    /// A story that is played again and again [default: the machine stands]
+    pub story: Option<PathBuf>,
+    /// End after this time, seconds [default: when it is ended from outside]
+    #[arg(long, value_name = "SECONDS")]
+    pub seconds: Option<u64>,
 }
 
 /// `kt830 play`

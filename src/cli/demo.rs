@@ -91,60 +91,14 @@ fn picture(shared: &SharedArgs, call: &DemoArgs, host: &mut HeadlessHost, line: 
 mod live {
     //! The story on a display.
 
-    use std::path::Path;
-
     use super::super::args::SharedArgs;
     use super::super::play::StoryFile;
-    use super::super::{CallError, setup, window};
-    use crate::host::simulated::HostedSimulation;
-    use crate::host::storage::ThreadedStorage;
-    use crate::host::thread::{HostThread, start};
-    use crate::link::snapshot::RunState;
-    use crate::story::{Player, Stage};
-    use crate::units::Micros;
-
-    /// Without input for this time the story starts again.
-    const IDLE: Micros = Micros::from_millis(60_000);
-    /// Pause between two runs of the story.
-    const PAUSE: Micros = Micros::from_millis(5_000);
+    use super::super::{CallError, setup, story_loop, window};
+    use crate::host::thread::start;
 
     pub fn play(shared: &SharedArgs, told: StoryFile) -> Result<u8, CallError> {
         let host = setup::threaded_host(shared, false, setup::simulated_for_display)?;
-        let script = move |thread: &mut HostThread<HostedSimulation, ThreadedStorage>| {
-            while !thread.is_stopped() {
-                show(thread, &told);
-            }
-        };
-        let link = start(host, script).map_err(CallError::new)?;
+        let link = start(host, move |thread| story_loop::repeat(thread, &told)).map_err(CallError::new)?;
         window::show(link, shared, false)
-    }
-
-    /// Plays the story once. A touch stops it; then this waits until there is no input.
-    fn show(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &StoryFile) {
-        thread.host().power_on();
-        thread.take_touched();
-        let mut player = Player::new(thread, None, Path::new("."), false);
-        for line in &told.lines {
-            if player.stage().is_interrupted() {
-                break;
-            }
-            // A demo goes on: what fails is told to whoever wrote the story.
-            if let Err(why) = player.play(line) {
-                warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
-            }
-        }
-        drop(player);
-        let quiet = if thread.is_touched() { IDLE } else { PAUSE };
-        let mut quiet_since = thread.host().now();
-        while !thread.is_stopped() {
-            thread.turn();
-            let now = thread.host().now();
-            if thread.take_touched() || thread.host().controller().state() == RunState::Running {
-                quiet_since = now;
-            }
-            if now.since(quiet_since) > quiet {
-                return;
-            }
-        }
     }
 }

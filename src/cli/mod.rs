@@ -17,6 +17,7 @@ mod demo;
 mod finished_size_check;
 mod leadscrew;
 mod page_text_check;
+mod painter;
 mod play;
 #[cfg(feature = "hmi")]
 mod plot_path;
@@ -25,10 +26,12 @@ mod process_end;
 mod program_places;
 mod qualify;
 mod run;
+mod serve;
 mod setup;
 #[cfg(feature = "hmi")]
 mod shot;
 mod soft_limit_check;
+mod story_loop;
 mod torture;
 mod trace_file;
 #[cfg(feature = "hmi")]
@@ -82,6 +85,8 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Qualify(call)) => qualify::qualify(&shared, call),
         Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
         Some(CliCommand::Codes) => codes::codes(&shared),
+        Some(CliCommand::Serve(call)) => serve::serve(&shared, call),
+        Some(CliCommand::DeviceModel) => serve::print_device_model(&shared),
         Some(CliCommand::CheckDatabase) => {
             crate::store::run_database_check().map_err(CallError::at("standard input")).map(|()| SUCCESS)
         }

@@ -26,7 +26,6 @@ use crate::host::modbus::ModbusLink;
 use crate::host::retained_store::RetainedStore;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
-#[cfg(feature = "hmi")]
 use crate::host::storage::{StorageWorker, ThreadedStorage};
 #[cfg(target_os = "linux")]
 use crate::io::ethercat::EtherCat;
@@ -43,7 +42,6 @@ use crate::story::parse;
 use crate::units::Micros;
 
 /// Update interval of the simulator page on a display.
-#[cfg(feature = "hmi")]
 const SIM_VIEW_INTERVAL: Micros = Micros::from_millis(100);
 
 /// Kind and language: from the call, otherwise from the machine's settings, otherwise GC and Chinese. The settings are
@@ -270,7 +268,6 @@ pub fn mark_real_machine(shared: &SharedArgs, file: &Path) -> Result<(), CallErr
 ///
 /// # Errors
 /// The data directory cannot be read.
-#[cfg(feature = "hmi")]
 pub fn kept_params(shared: &SharedArgs) -> Result<Params, CallError> {
     let kept = RetainedStore::read_only(data_dir(shared)?.root(), shared.kind);
     Ok(kept.unwrap_or_else(|| PowerOnState::factory(shared.kind)).params)
@@ -351,7 +348,6 @@ fn simulated(shared: &SharedArgs, params: &Params, view_interval: Micros) -> Res
 ///
 /// # Errors
 /// The machine file is invalid.
-#[cfg(feature = "hmi")]
 pub fn simulated_for_display(shared: &SharedArgs, params: &Params) -> Result<HostedSimulation, CallError> {
     simulated(shared, params, SIM_VIEW_INTERVAL)
 }
@@ -422,7 +418,6 @@ pub fn make_ready_for(host: &mut HeadlessHost, shared: &SharedArgs, number: u32)
 ///
 /// # Errors
 /// Data, folders or the machine cannot be opened.
-#[cfg(feature = "hmi")]
 pub fn threaded_host<P: HostedMachine>(
     shared: &SharedArgs,
     opens_control: bool,

@@ -6,6 +6,7 @@ use egui::{Color32, Rect, pos2, vec2};
 use super::pictogram::{self, PictogramShape};
 use super::{Area, View, format_feed, format_whole, keycap, theme, widget};
 use crate::defs::alarm;
+use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::soft_key::{self, SoftKey, SoftKeyAction};
 use crate::defs::text::Lang;
@@ -199,8 +200,11 @@ pub fn status_line(view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
     view.painter.rect_filled(rect, 0.0, view.theme.background);
     view.hairline(rect, rect.min.y + 0.5);
     let snapshot = view.snapshot;
-    let blocks =
-        if snapshot.single_block { view.text("单段", "single block") } else { view.text("连续", "continuous") };
+    let blocks = if snapshot.key(Key::SingleBlock).lamp {
+        view.text("单段", "single block")
+    } else {
+        view.text("连续", "continuous")
+    };
     let words = [
         snapshot.mode.name().get(view.lang).to_owned(),
         blocks.to_owned(),

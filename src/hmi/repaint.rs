@@ -58,7 +58,6 @@ compared_fields! {
     x_as_diameter: differ;
     axes: |old, new, _| axes_differ(old, new);
     program: |old, new, _| program_differs(old, new);
-    single_block: differ;
     handwheel: differ;
     overrides: differ;
     feed_mm_min: |old, new, _| format_feed(*old) != format_feed(*new);
@@ -107,6 +106,7 @@ compared_fields! {
     bus: |old, new, page| {
         old.is_some() != new.is_some() || shown_fields(page).contains(&FieldGroup::Bus) && old != new
     };
+    network: on(FieldGroup::Network, differ);
     scope: on(FieldGroup::Scope, differ);
     stock: on(FieldGroup::Stock, differ);
     files: replaced;

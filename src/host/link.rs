@@ -6,15 +6,19 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::Sender;
+use crossbeam_channel::{Receiver, Sender, bounded};
 
 use super::control_end::ControlEnd;
 use crate::defs::key::Key;
 use crate::link::command::Command;
+use crate::link::network::NetworkView;
 use crate::link::snapshot::Snapshot;
 
 /// Longest time that a field bus may take at the start, stations and clocks included.
 const LONGEST_BEGIN: Duration = Duration::from_secs(30);
+
+/// Views of the network that the screen has not taken yet.
+const NETWORK_QUEUE: usize = 4;
 
 /// Statistics and state of the control thread.
 #[derive(Debug, Default)]
@@ -27,11 +31,27 @@ pub struct ThreadHealth {
     pub failed: AtomicBool,
 }
 
+/// What the page of the network shows, from the network to the screen.
+pub(super) struct NetworkLink {
+    tell: Sender<NetworkView>,
+    views: Receiver<NetworkView>,
+    newest: Option<Arc<NetworkView>>,
+}
+
+impl Default for NetworkLink {
+    fn default() -> Self {
+        let (tell, views) = bounded(NETWORK_QUEUE);
+        Self { tell, views, newest: None }
+    }
+}
+
 /// The screen's connection to the control. Dropping it stops the control: safe outputs, storage completed.
 pub struct HostLink {
     pub(super) commands: Sender<Command>,
     pub(super) urgent: Sender<Command>,
     pub(super) snapshots: triple_buffer::Output<Snapshot>,
+    pub(super) observer: Option<triple_buffer::Output<Snapshot>>,
+    pub(super) network: NetworkLink,
     pub(super) updated: Instant,
     pub(super) health: Arc<ThreadHealth>,
     pub(super) end: ControlEnd,
@@ -55,7 +75,17 @@ impl HostLink {
         if self.snapshots.update() {
             self.updated = Instant::now();
         }
-        self.snapshots.output_buffer_mut()
+        if let Some(view) = self.network.views.try_iter().last() {
+            self.network.newest = Some(Arc::new(view));
+        }
+        let newest = self.snapshots.output_buffer_mut();
+        newest.network.clone_from(&self.network.newest);
+        newest
+    }
+
+    /// The newest snapshots for the network, once, and where it tells what its page shows.
+    pub fn take_observer(&mut self) -> Option<(triple_buffer::Output<Snapshot>, Sender<NetworkView>)> {
+        Some((self.observer.take()?, self.network.tell.clone()))
     }
 
     /// Time since the newest snapshot was first read; call [`Self::newest`] before. 0 while a field bus is being set up,

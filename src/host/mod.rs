@@ -206,6 +206,12 @@ impl<P: HostedMachine, S: Storage> Host<P, S> {
         &self.plant
     }
 
+    /// Times of its thread.
+    #[must_use]
+    pub const fn times(&self) -> &ThreadTimes {
+        &self.times
+    }
+
     /// The storage.
     pub const fn storage(&mut self) -> &mut S {
         &mut self.storage

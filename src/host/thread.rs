@@ -14,7 +14,7 @@ use triple_buffer::TripleBuffer;
 use super::Host;
 use super::control_end::ControlEnd;
 use super::hosted_machine::HostedMachine;
-use super::link::{HostLink, ThreadHealth};
+use super::link::{HostLink, NetworkLink, ThreadHealth};
 use super::pace::{TickSchedule, WakeUp, request_real_time, sleep_until};
 use super::storage::Storage;
 use crate::defs::{alarm, param};
@@ -38,6 +38,8 @@ pub struct HostThread<P, S> {
     from_screen: Receiver<Command>,
     from_urgent: Receiver<Command>,
     snapshots: triple_buffer::Input<Snapshot>,
+    /// The snapshots of the network.
+    observed: triple_buffer::Input<Snapshot>,
     schedule: TickSchedule,
     started: Instant,
     ticks: u64,
@@ -63,6 +65,7 @@ where
     let (commands, from_screen) = bounded(COMMAND_QUEUE);
     let (urgent, from_urgent) = bounded(URGENT_QUEUE);
     let (snapshots, newest) = TripleBuffer::new(host.snapshot()).split();
+    let (observed, observer) = TripleBuffer::new(host.snapshot()).split();
     let (health, end) = (Arc::new(ThreadHealth::default()), ControlEnd::default());
     let (own_health, own_end) = (Arc::clone(&health), end.clone());
     let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
@@ -73,6 +76,7 @@ where
             from_screen,
             from_urgent,
             snapshots,
+            observed,
             schedule,
             started: Instant::now(),
             ticks: 0,
@@ -91,7 +95,9 @@ where
         thread.end.set_ended();
     })?;
     let updated = Instant::now();
-    Ok(HostLink { commands, urgent, snapshots: newest, updated, health, end, thread: Some(thread) })
+    let observer = Some(observer);
+    let network = NetworkLink::default();
+    Ok(HostLink { commands, urgent, snapshots: newest, observer, network, updated, health, end, thread: Some(thread) })
 }
 
 /// Runs the control until it is stopped: the script of the window.
@@ -189,13 +195,21 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         }
     }
 
-    /// Publishes the newest snapshot 60 times a second; the screen never makes the control wait.
+    /// Publishes the newest snapshot 60 times a second; screen and network never make the control wait. The network gets
+    /// its own in another tick, and seldom while it is off.
     fn publish(&mut self) {
         self.ticks += 1;
         let every = (1_000_000 / SNAPSHOTS_PER_SECOND / self.host.tick_time().0.max(1)).max(1);
         if self.ticks.is_multiple_of(every) {
             self.host.snapshot_into(self.snapshots.input_buffer_mut());
             self.snapshots.publish();
+        }
+        let params = self.host.controller.params();
+        let is_on = params.get(param::MTCONNECT_PORT) > 0.0 || params.get(param::WEB_PORT) > 0.0;
+        let period = if is_on { every } else { every * SNAPSHOTS_PER_SECOND / 2 };
+        if self.ticks % period == every / 2 {
+            self.host.snapshot_into(self.observed.input_buffer_mut());
+            self.observed.publish();
         }
     }
 

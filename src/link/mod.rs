@@ -3,18 +3,22 @@
 
 pub mod bus;
 pub mod command;
+pub mod condition;
 pub mod cycle;
 pub mod cycle_times;
+pub mod data_item;
 pub mod edit;
 pub mod files;
 pub mod internal_signal;
 pub mod line_fault;
 pub mod media;
+pub mod network;
 pub mod page_command;
 pub mod page_file;
 pub mod part_result;
 pub mod production;
 pub mod program_view;
+pub mod restart_view;
 pub mod scope;
 pub mod simulation;
 pub mod snapshot;

@@ -10,10 +10,12 @@ use super::cycle::CycleView;
 use super::edit::{EditAnswer, ModalView, OffsetTables};
 use super::files::FilesView;
 use super::internal_signal::{InternalSignal, InternalSignalSet};
+use super::network::NetworkView;
 use super::page_command::KeptState;
 use super::part_result::SizeValues;
 use super::production::ProductionView;
 use super::program_view::ProgramView;
+use super::restart_view::RestartView;
 use super::scope::ScopeView;
 use super::simulation::SimView;
 use super::start_guide::StartGuide;
@@ -258,8 +260,6 @@ pub struct Snapshot {
     pub axes: PerAxis<AxisView>,
     /// The current program.
     pub program: ProgramView,
-    /// Single block is on.
-    pub single_block: bool,
     /// The handwheel.
     pub handwheel: HandwheelView,
     /// The overrides.
@@ -318,6 +318,8 @@ pub struct Snapshot {
     pub simulated: Option<Arc<SimView>>,
     /// The field bus, if the machine is a real one.
     pub bus: Option<Arc<BusView>>,
+    /// The network services; none where the control runs without them. The screen puts it in: the core knows no network.
+    pub network: Option<Arc<NetworkView>>,
     /// The scope.
     pub scope: ScopeView,
     /// Boxes of the workpiece and its fixture, as far as known.
@@ -348,54 +350,6 @@ pub struct Snapshot {
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
     pub directory: Arc<Vec<DirectoryRow>>,
-}
-
-/// A block of the current program at which cycle start would restart it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RestartView {
-    /// Program.
-    pub program: u32,
-    /// Line, from 1.
-    pub line: u32,
-    /// The modal codes active there.
-    pub modals: ModalView,
-    /// Start position of the axes, work coordinates as displayed; none for a missing axis.
-    pub start: PerAxis<Option<f64>>,
-    /// The wheel runs there.
-    pub wheel_turns: bool,
-    /// The workpiece spindle runs there.
-    pub workpiece_turns: bool,
-    /// Coolant is on there.
-    pub coolant_on: bool,
-}
-
-impl RestartView {
-    /// Summary in one line, for the message line.
-    #[must_use]
-    pub fn summary(&self) -> LocalizedText {
-        let codes: String = self.modals.g_names().map(|name| name + " ").collect();
-        let place: String = self.start.iter().filter_map(|(axis, at)| at.map(|at| format!("{axis}{at:.3} "))).collect();
-        let (tool, offset) = self.modals.tool;
-        let turning = [
-            (self.wheel_turns, "砂轮", "wheel"),
-            (self.workpiece_turns, "工件", "workpiece"),
-            (self.coolant_on, "冷却", "coolant"),
-        ];
-        let list = |pick: fn(&(bool, &'static str, &'static str)) -> &'static str| {
-            turning.iter().filter(|row| row.0).map(pick).collect::<Vec<_>>().join(" ")
-        };
-        let (zh, en) = (list(|row| row.1), list(|row| row.2));
-        let (program, line) = (self.program, self.line);
-        let (first_zh, first_en) = if zh.is_empty() {
-            (String::new(), String::new())
-        } else {
-            (format!("先启动 {zh}；"), format!("start {en} first; "))
-        };
-        LocalizedText::new(
-            format!("O{program:04} 第{line}行：{codes}T{tool:02}{offset:02}，起点 {place}；{first_zh}循环启动"),
-            format!("O{program:04} line {line}: {codes}T{tool:02}{offset:02}, from {place}; {first_en}cycle start"),
-        )
-    }
 }
 
 /// One program of the folder.
@@ -466,7 +420,6 @@ impl Snapshot {
             x_as_diameter: false,
             axes: PerAxis::default(),
             program: ProgramView::default(),
-            single_block: false,
             handwheel: HandwheelView { axis: Axis::X, step_mm: 0.001 },
             overrides: Overrides::default(),
             feed_mm_min: 0.0,
@@ -496,6 +449,7 @@ impl Snapshot {
             params: Arc::new(Params::factory(kind)),
             simulated: None,
             bus: None,
+            network: None,
             scope: ScopeView::default(),
             stock: Arc::from([]),
             files: Arc::default(),

@@ -60,19 +60,22 @@ impl Histogram {
         self.max = self.max.max(time);
     }
 
+    /// The time that this share of the times, 0 to 1, does not exceed, at the upper end of its class; 0 of no time.
+    #[must_use]
+    pub fn percentile(&self, share: f64) -> Micros {
+        let mut left = (self.total as f64 * share).ceil() as u64;
+        let class = self.counts.iter().position(|count| {
+            left = left.saturating_sub(*count);
+            left == 0
+        });
+        let upper = Micros((class.unwrap_or(0) as u64 + 1) * CLASS_US);
+        if self.total == 0 { Micros::ZERO } else { upper.min(self.max) }
+    }
+
     /// The percentiles, at the upper end of their class; 0 of no time.
     #[must_use]
     pub fn percentiles(&self) -> Percentiles {
-        let at = |share: f64| {
-            let mut left = (self.total as f64 * share).ceil() as u64;
-            let class = self.counts.iter().position(|count| {
-                left = left.saturating_sub(*count);
-                left == 0
-            });
-            let upper = Micros((class.unwrap_or(0) as u64 + 1) * CLASS_US);
-            if self.total == 0 { Micros::ZERO } else { upper.min(self.max) }
-        };
-        Percentiles { median: at(0.5), p99: at(0.99), max: self.max }
+        Percentiles { median: self.percentile(0.5), p99: self.percentile(0.99), max: self.max }
     }
 
     /// The percentiles and the classes of a chart.

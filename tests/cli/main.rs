@@ -18,6 +18,7 @@ mod foreign;
 mod fuzz_corpus;
 mod host;
 mod modbus;
+mod network;
 mod pace;
 mod password_loss;
 mod production_store;

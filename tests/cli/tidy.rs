@@ -22,8 +22,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("story", &["units", "defs", "link", "io", "host"]),
     ("torture", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story"]),
     ("technology", &["defs"]),
+    ("gateway", &["units", "defs", "link"]),
     ("hmi", &["units", "defs", "link", "technology", "geometry"]),
-    ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "torture", "hmi"]),
+    (
+        "cli",
+        &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "torture", "gateway", "hmi"],
+    ),
 ];
 
 /// Rooms without clock, file, thread or chance: time and hardware are arguments.

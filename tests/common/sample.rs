@@ -36,6 +36,7 @@ use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
+use kt830::link::network::{NetworkView, ServiceState, ServiceView};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
 use kt830::link::production::ProductionView;
@@ -371,6 +372,7 @@ pub fn busy(page: Page) -> Snapshot {
         lathe_workspace: None,
     }));
     snapshot.bus = Some(Arc::new(bus(None)));
+    snapshot.network = Some(Arc::new(network(ServiceState::Listening)));
     let set = |name: &str| match name {
         name if name.starts_with('O') => TransferSet::Programs,
         name if name.ends_with("TAR") => TransferSet::Backup,
@@ -504,6 +506,21 @@ pub fn bus(fault: Option<LocalizedText>) -> BusView {
     }
 }
 
+/// A service that somebody uses, or one whose port is in use by another program.
+fn network(state: ServiceState) -> NetworkView {
+    let is_listening = state == ServiceState::Listening;
+    let clients = ["192.168.1.10:40112", "192.168.1.11:51834"].map(str::to_owned);
+    let service = |port: u16| ServiceView {
+        state: state.clone(),
+        address: if is_listening { format!("0.0.0.0:{port}") } else { format!(":{port}") },
+        clients: if is_listening { clients.to_vec() } else { Vec::new() },
+        sent: 1_234_567,
+        refused: 12,
+        dropped: 3,
+    };
+    NetworkView { mtconnect: service(7_878), web: service(8_083) }
+}
+
 /// Hydraulic pressure was lost.
 pub fn alarm(page: Page) -> Snapshot {
     let mut snapshot = snapshot(page);
@@ -562,6 +579,8 @@ pub fn troubled(page: Page) -> Snapshot {
     snapshot.alarm_history = AlarmHistory::new(history, 1);
     snapshot.date = Some(DateTime(1_795_273_316));
     snapshot.bus = Some(Arc::new(bus(Some(BusFault::DeviceMissing { device: 9 }.text()))));
+    let why = LocalizedText::new("端口已被别的程序占用", "the port is in use");
+    snapshot.network = Some(Arc::new(network(ServiceState::Failed(why))));
     snapshot
 }
 
@@ -583,7 +602,7 @@ pub fn long(page: Page) -> Snapshot {
     (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts_counted) = (24_000.0, 99_999.0, 999_999);
     (snapshot.cycle.times.seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
     (snapshot.overrides.feed, snapshot.overrides.rapid, snapshot.overrides.spindle) = (150, 100, 120);
-    snapshot.single_block = true;
+    snapshot.keys[Key::SingleBlock as usize].lamp = true;
     let order = |place: u32| ProductionOrder {
         number: 99_999_999 - place,
         program: 9_999,

@@ -96,7 +96,7 @@ fn seen(snapshot: &Snapshot) -> String {
     let alarms: Vec<u16> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
     let overrides = (snapshot.overrides.feed, snapshot.overrides.rapid, snapshot.overrides.spindle);
     let rows = (snapshot.coordinates, snapshot.soft_key_row);
-    let switches = (snapshot.single_block, snapshot.handwheel.axis, snapshot.handwheel.step_mm.to_bits());
+    let switches = (snapshot.key(Key::SingleBlock).lamp, snapshot.handwheel.axis, snapshot.handwheel.step_mm.to_bits());
     format!(
         "{:?}",
         (snapshot.page, rows, snapshot.mode, snapshot.state, overrides, switches, snapshot.outputs, lamps, alarms)

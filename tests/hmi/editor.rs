@@ -426,7 +426,7 @@ fn b5_the_offer_to_resume_stands_beside_an_alarm_until_it_is_answered() {
 /// The modal state at the chosen block stays in sight until it runs, also when the message has gone.
 #[test]
 fn b5_the_page_shows_where_cycle_start_would_begin() {
-    use kt830::link::snapshot::RestartView;
+    use kt830::link::restart_view::RestartView;
     use kt830::units::PerAxis;
     let mut machine = crate::sample::snapshot(Page::Program);
     let told = |machine: &kt830::link::Snapshot, lang: Lang| kt830::hmi::page_text(machine, lang).join("\n");

@@ -213,7 +213,7 @@ fn b8_the_alarm_page_leads_to_the_entry() {
 fn h9_every_page_follows_the_one_rule_of_capitals() {
     use crate::sample::{alarm, busy, refused, running, snapshot, troubled};
     // Names of languages and kinds, the text of the program and of a page, and what the sample itself says.
-    let names = ["English", "No.", "KT-830GC", "SuperMan"];
+    let names = ["English", "No.", "KT-830GC", "SuperMan", "MTConnect"];
     let follows = |text: &str| {
         let word = text.trim_start().split([' ', ':', ',', '·', '\n']).next().unwrap_or_default();
         let capitalised = word.starts_with(|sign: char| sign.is_ascii_uppercase())

@@ -27,6 +27,7 @@ mod home;
 mod jobs;
 mod lathe;
 mod live_screen;
+mod network;
 mod operators;
 mod pages;
 mod panel;

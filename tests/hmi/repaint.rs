@@ -24,9 +24,10 @@ use kt830::hmi::repaint::{FIELDS, LiveScreen, changed_field};
 use kt830::link::files::FileRequest;
 use kt830::link::internal_signal::InternalSignal;
 use kt830::link::page_command::{KeptState, PageCommand};
+use kt830::link::restart_view::RestartView;
 use kt830::link::scope::ScopeState;
 use kt830::link::simulation::SimView;
-use kt830::link::snapshot::{OwnMotion, RestartView, RunState};
+use kt830::link::snapshot::{OwnMotion, RunState};
 use kt830::link::start_guide::StepState;
 use kt830::link::{Command, Snapshot};
 use kt830::units::{Axis, Micros, PerAxis};
@@ -65,7 +66,6 @@ const CHANGES: &[Change] = &[
     ("x_as_diameter", Page::Offset, |machine| machine.x_as_diameter = false),
     ("axes", Page::Position, |machine| machine.axes[Axis::Z].to_go += 0.001),
     ("program", Page::Program, |machine| machine.program.line += 1),
-    ("single_block", Page::Mdi, |machine| machine.single_block = true),
     ("handwheel", Page::Teach, |machine| machine.handwheel.step_mm = 0.1),
     ("overrides", Page::Mdi, |machine| machine.overrides.feed += 10),
     ("feed_mm_min", Page::Mdi, |machine| machine.feed_mm_min += 1.0),
@@ -96,6 +96,7 @@ const CHANGES: &[Change] = &[
     ("params", Page::Mdi, |machine| machine.params = Arc::new((*machine.params).clone())),
     ("simulated", Page::Simulator, |machine| load(machine, 64.0)),
     ("bus", Page::Bus, |machine| machine.bus = Some(Arc::default())),
+    ("network", Page::Network, |machine| machine.network = Some(Arc::default())),
     ("scope", Page::Scope, |machine| machine.scope.state = ScopeState::Armed),
     ("stock", Page::Graphic, |machine| machine.stock = busy(machine.page).stock),
     ("files", Page::Transfer, |machine| machine.files = busy(machine.page).files),

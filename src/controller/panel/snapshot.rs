@@ -138,7 +138,6 @@ pub fn run_state(parts: PartsView<'_>) -> RunState {
 /// Selections of the panel.
 fn operator_view(operator: &OperatorState, out: &mut Snapshot) {
     (out.mode, out.page) = (operator.mode, operator.page);
-    out.single_block = operator.switches.single_block;
     out.handwheel.axis = operator.handwheel_axis;
     out.handwheel.step_mm = operator.step_mm;
     out.overrides = operator.overrides;

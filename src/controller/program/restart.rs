@@ -24,7 +24,7 @@ use crate::defs::system_variable;
 use crate::defs::text::arg::Arg;
 use crate::defs::text::{LocalizedText, Text, phrase};
 use crate::link::edit::ModalView;
-use crate::link::snapshot::RestartView;
+use crate::link::restart_view::RestartView;
 use crate::motion::MoveShape;
 use crate::nc::{
     self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, OpEffect, OpMotion,

@@ -16,7 +16,7 @@ use super::signal::{Input, Output, PORTS};
 use crate::units::{Axis, Micros};
 
 /// Exclusive upper limit of parameter numbers.
-pub const PARAM_LIMIT: usize = 480;
+pub const PARAM_LIMIT: usize = 500;
 
 impl BitParam {
     /// Its factory value on a kind of machine.

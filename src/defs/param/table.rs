@@ -227,6 +227,10 @@ numbers! {
     TREND_LOWER = 378, -10 => 10, 0, "mm", User, "趋势：下偏差", "trend: lower deviation";
     FIRST_SHIFT = 476, 0 => 23, 6, "h", User, "第一班开始的小时", "hour at which the first shift begins";
     SHIFTS = 477, 1 => 4, 3, "", User, "每天班数", "shifts of a day";
+    MTCONNECT_PORT = 480, 0 => 65_535, 0, "", Builder, "网络：MTConnect 适配器端口 (0 关，通常 7878)", "network: port of the MTConnect adapter, 0 off, usually 7878";
+    NETWORK_REACH = 481, 0 => 1, 0, "", Builder, "网络：MTConnect 范围 0 只限本机 1 全部网卡", "network: reach of MTConnect, 0 this computer, 1 all its networks";
+    MACHINE_NUMBER = 482, 0 => 999_999, 0, "", Builder, "网络：机床编号", "network: number of the machine";
+    WEB_PORT = 483, 0 => 65_535, 0, "", Builder, "网络：浏览器视图端口，只限本机 (0 关，通常 8083)", "network: port of the view for browsers on this computer, 0 off, usually 8083";
     MAX_STALL = 475, 100 => 10_000, 1_000, "ms", Builder, "控制停顿报警时间 (404)", "stall of the control that holds a program (404)";
     POWER_FAIL_RETRACT = 379, 0 => 50, 0, "mm", Builder, "供电中断时砂轮退回距离 (0 不退)", "wheel retract when the supply fails, 0 none", Wheel;
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";

@@ -16,6 +16,7 @@ pub mod home;
 pub mod input_line;
 mod jobs;
 pub mod mdi;
+mod network;
 pub mod offset;
 pub mod params;
 pub mod position;
@@ -166,6 +167,8 @@ pub enum FieldGroup {
     Diagnosis,
     /// The field bus.
     Bus,
+    /// The network services.
+    Network,
     /// The scope.
     Scope,
     /// The simulated machine.
@@ -233,6 +236,7 @@ page_rows! {
     Scope => scope::ScopePage, shows Scope;
     Home => home::HomePage, shows Production PartResult Simulated Scene StartGuide;
     Jobs => jobs::JobsPage, shows Production;
+    Network => network::NetworkPage, shows Network;
     Help => help::Help;
 }
 

@@ -1,0 +1,29 @@
+//! Who paints the screen for a browser. A build without a screen has no picture.
+
+use crate::defs::text::Lang;
+use crate::gateway::Painter;
+
+/// A painter of the screen as PNG files.
+#[cfg(feature = "hmi")]
+pub fn painter(lang: Lang) -> Option<Painter> {
+    use crate::hmi::{Hmi, offscreen::OffscreenHmi};
+
+    /// Size of the pictures.
+    const SIZE: (u32, u32) = (1_024, 768);
+
+    let mut stage = None;
+    Some(Box::new(move |snapshot| {
+        let stage = stage.get_or_insert_with(|| OffscreenHmi::new(Hmi::new(lang), SIZE));
+        // What the page asks the control for when it opens is not sent: this is a view. It is complete in its second frame.
+        (0..2).for_each(|_| drop(stage.frame(snapshot)));
+        let mut png = std::io::Cursor::new(Vec::new());
+        stage.picture().write_to(&mut png, image::ImageFormat::Png).ok()?;
+        Some(png.into_inner())
+    }))
+}
+
+/// A painter of the screen as PNG files.
+#[cfg(not(feature = "hmi"))]
+pub const fn painter(_lang: Lang) -> Option<Painter> {
+    None
+}

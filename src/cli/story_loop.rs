@@ -1,0 +1,50 @@
+//! Plays a story again and again on a control on its thread; a touch of the screen stops it for a while.
+
+use super::play::StoryFile;
+use crate::host::simulated::HostedSimulation;
+use crate::host::storage::ThreadedStorage;
+use crate::host::thread::HostThread;
+use crate::link::snapshot::RunState;
+use crate::story::{Player, Stage};
+use crate::units::Micros;
+
+/// Without input for this time the story starts again.
+const IDLE: Micros = Micros::from_millis(60_000);
+/// Pause between two runs of the story.
+const PAUSE: Micros = Micros::from_millis(5_000);
+
+/// Plays until the thread is stopped.
+pub fn repeat(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &StoryFile) {
+    while !thread.is_stopped() {
+        play_once(thread, told);
+    }
+}
+
+/// Plays the story once. A touch stops it; then this waits until there is no input.
+fn play_once(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &StoryFile) {
+    thread.host().power_on();
+    thread.take_touched();
+    let mut player = Player::new(thread, None, &told.folder, false);
+    for line in &told.lines {
+        if player.stage().is_interrupted() {
+            break;
+        }
+        // A demo goes on: what fails is told to whoever wrote the story.
+        if let Err(why) = player.play(line) {
+            warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
+        }
+    }
+    drop(player);
+    let quiet = if thread.is_touched() { IDLE } else { PAUSE };
+    let mut quiet_since = thread.host().now();
+    while !thread.is_stopped() {
+        thread.turn();
+        let now = thread.host().now();
+        if thread.take_touched() || thread.host().controller().state() == RunState::Running {
+            quiet_since = now;
+        }
+        if now.since(quiet_since) > quiet {
+            return;
+        }
+    }
+}

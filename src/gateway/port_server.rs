@@ -1,0 +1,166 @@
+//! A TCP port and the connections to it. All calls return at once; connections and their memory are bounded, so that a
+//! flood, a client that does not read and one that never ends its request cost no more than that.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::time::Duration;
+
+/// Most connections taken or refused in a step: a flood does not hold the others up.
+const MAX_ACCEPTS: usize = 64;
+
+/// What a port takes.
+#[derive(Clone, Copy, Debug)]
+pub struct PortLimits {
+    /// Connections at once.
+    pub connections: usize,
+    /// What a client may leave unread, bytes.
+    pub pending: usize,
+    /// What a client may send without a whole request, bytes.
+    pub received: usize,
+    /// How long a new connection lasts until the protocol says more of it.
+    pub patience: Duration,
+}
+
+/// What became of the connections to a port.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PortCounts {
+    /// Lines or answers sent.
+    pub sent: u64,
+    /// Connections refused: too many at once.
+    pub refused: u64,
+    /// Connections given up: too slow, silent, or against the protocol.
+    pub dropped: u64,
+}
+
+/// A connection.
+pub struct Connection {
+    stream: TcpStream,
+    /// Who it is.
+    pub address: SocketAddr,
+    /// Bytes to send.
+    pub pending: Vec<u8>,
+    /// Bytes received and not used yet.
+    pub received: Vec<u8>,
+    /// It is given up then, unless the protocol sets another time.
+    pub deadline: Duration,
+    /// It ends once everything is sent; nothing that comes is looked at any more.
+    pub is_closing: bool,
+    /// The other side has been told that nothing follows.
+    is_shut: bool,
+}
+
+/// A port.
+pub struct PortServer {
+    listener: TcpListener,
+    connections: Vec<Connection>,
+    limits: PortLimits,
+    counts: PortCounts,
+}
+
+impl PortServer {
+    /// Listens at a port, on this computer alone or on all its networks.
+    ///
+    /// # Errors
+    /// The port is in use or not allowed.
+    pub fn open(port: u16, reaches_network: bool, limits: PortLimits) -> std::io::Result<Self> {
+        let host = if reaches_network { Ipv4Addr::UNSPECIFIED } else { Ipv4Addr::LOCALHOST };
+        let listener = TcpListener::bind((host, port))?;
+        listener.set_nonblocking(true)?;
+        Ok(Self { listener, connections: Vec::new(), limits, counts: PortCounts::default() })
+    }
+
+    /// Takes new connections, each with what it is told first; then each of them receives, `answer` looks at what has come,
+    /// and sends.
+    pub fn step(&mut self, now: Duration, welcome: impl Fn() -> Vec<u8>, mut answer: impl FnMut(&mut Connection)) {
+        for _ in 0..MAX_ACCEPTS {
+            let Ok((stream, address)) = self.listener.accept() else { break };
+            if self.connections.len() >= self.limits.connections || stream.set_nonblocking(true).is_err() {
+                self.counts.refused += 1;
+                continue;
+            }
+            // Without it small lines wait for the answer to the one before; a client works either way.
+            drop(stream.set_nodelay(true));
+            self.connections.push(Connection {
+                stream,
+                address,
+                pending: welcome(),
+                received: Vec::new(),
+                deadline: now + self.limits.patience,
+                is_closing: false,
+                is_shut: false,
+            });
+        }
+        let (limits, counts) = (self.limits, &mut self.counts);
+        self.connections.retain_mut(|connection| {
+            let hears = connection.receive();
+            if hears && !connection.is_closing {
+                answer(connection);
+            }
+            let sends = connection.send();
+            if !sends || !hears && connection.pending.is_empty() {
+                return false;
+            }
+            let fits = connection.pending.len() <= limits.pending && connection.received.len() <= limits.received;
+            let keeps = fits && now <= connection.deadline;
+            counts.dropped += u64::from(!keeps);
+            keeps
+        });
+    }
+
+    /// The connections.
+    pub fn connections(&mut self) -> &mut [Connection] {
+        &mut self.connections
+    }
+
+    /// Who is connected.
+    pub fn clients(&self) -> impl Iterator<Item = SocketAddr> {
+        self.connections.iter().map(|connection| connection.address)
+    }
+
+    /// Where it listens.
+    ///
+    /// # Errors
+    /// The system does not say.
+    pub fn address(&self) -> std::io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+
+    /// What became of the connections; the protocol counts what it sends.
+    pub const fn counts(&mut self) -> &mut PortCounts {
+        &mut self.counts
+    }
+}
+
+impl Connection {
+    /// Takes what has come; false if the other side sends no more.
+    fn receive(&mut self) -> bool {
+        let mut bytes = [0; 1_024];
+        match self.stream.read(&mut bytes) {
+            Ok(0) => return false,
+            Ok(_) if self.is_closing => self.received.clear(),
+            Ok(count) => self.received.extend_from_slice(&bytes[..count]),
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+            Err(_) => return false,
+        }
+        true
+    }
+
+    /// Sends what goes at once; false if the connection is over.
+    fn send(&mut self) -> bool {
+        while !self.pending.is_empty() {
+            match self.stream.write(&self.pending) {
+                Ok(0) => return false,
+                Ok(count) => drop(self.pending.drain(..count)),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => return false,
+            }
+        }
+        // What was sent is lost if the connection ends while something that has come is not read.
+        if self.is_closing && self.pending.is_empty() && !self.is_shut {
+            self.is_shut = true;
+            return self.stream.shutdown(Shutdown::Write).is_ok();
+        }
+        true
+    }
+}

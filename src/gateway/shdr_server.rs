@@ -1,0 +1,72 @@
+//! The port to which agents of MTConnect connect. It sends, and understands one word: `* PING`. Nothing that is received
+//! reaches the control.
+//! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol".
+
+use std::cell::Cell;
+use std::time::Duration;
+
+use super::port_server::{Connection, PortLimits, PortServer};
+use super::shdr::ShdrLines;
+use super::timestamp;
+use crate::link::snapshot::Snapshot;
+
+/// Most agents, what each may leave unread, its longest line, and how long it may take to its first ping.
+const LIMITS: PortLimits =
+    PortLimits { connections: 8, pending: 256 * 1_024, received: 1_024, patience: Duration::from_secs(60) };
+/// Time between two looks at measured values: what trembles in its last digit does not fill the memory of an agent.
+const SAMPLE_INTERVAL: Duration = Duration::from_millis(100);
+/// An agent is to ping so often, ms.
+const HEARTBEAT_MS: u64 = 10_000;
+/// One that has pinged and does not for so long is gone.
+const LONGEST_SILENCE: Duration = Duration::from_millis(3 * HEARTBEAT_MS);
+
+/// The port and the agents connected to it.
+pub struct ShdrServer {
+    /// The port.
+    pub port: PortServer,
+    lines: ShdrLines,
+    /// When measured values are looked at again.
+    sample_at: Duration,
+}
+
+impl ShdrServer {
+    /// Listens at a port, on this computer alone or on all its networks.
+    ///
+    /// # Errors
+    /// The port is in use or not allowed.
+    pub fn open(port: u16, reaches_network: bool) -> std::io::Result<Self> {
+        let port = PortServer::open(port, reaches_network, LIMITS)?;
+        Ok(Self { port, lines: ShdrLines::default(), sample_at: Duration::ZERO })
+    }
+
+    /// Tells what has changed, takes new agents, answers pings. `time` is the time of day.
+    pub fn step(&mut self, now: Duration, time: Duration, snapshot: &Snapshot) {
+        let time = timestamp(time);
+        let with_samples = now >= self.sample_at;
+        if with_samples {
+            self.sample_at = now + SAMPLE_INTERVAL;
+        }
+        let changes = self.lines.changes(&time, snapshot, with_samples);
+        let connections = self.port.connections();
+        connections.iter_mut().for_each(|agent| agent.pending.extend_from_slice(changes.as_bytes()));
+        let told = Cell::new(changes.lines().count() * connections.len());
+        let welcome = || {
+            let everything = self.lines.everything(&time);
+            told.set(told.get() + everything.lines().count());
+            everything.into_bytes()
+        };
+        self.port.step(now, welcome, |agent| answer(agent, now));
+        self.port.counts().sent += told.get() as u64;
+    }
+}
+
+/// Answers the pings of an agent; one that has pinged is to go on.
+fn answer(agent: &mut Connection, now: Duration) {
+    while let Some(end) = agent.received.iter().position(|byte| *byte == b'\n') {
+        let line: Vec<u8> = agent.received.drain(..=end).collect();
+        if line.trim_ascii() == b"* PING" {
+            agent.pending.extend_from_slice(format!("* PONG {HEARTBEAT_MS}\n").as_bytes());
+            agent.deadline = now + LONGEST_SILENCE;
+        }
+    }
+}

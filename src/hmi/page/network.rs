@@ -1,0 +1,111 @@
+//! Network page: the services of the control, who is connected, and what they are told.
+//! Source: docs/manual, chapter "network".
+
+use egui::{Rect, vec2};
+
+use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
+use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
+use crate::link::data_item::{Category, DataItem, data_items};
+use crate::link::network::{ServiceState, ServiceView};
+
+/// Height of a line of a service, and of its card with the gap below it.
+const LINE_HEIGHT: f32 = 27.0;
+const SERVICE_HEIGHT: f32 = 2.0 * LINE_HEIGHT + 3.0 * theme::GAP;
+/// Width of the name of a service; share of a line for name and address.
+const SERVICE_WIDTH: f32 = 112.0;
+const NAME_SHARE: f32 = 0.46;
+/// Width of a lamp.
+const LAMP_WIDTH: f32 = 40.0;
+/// Height of a row of the list.
+const ROW_HEIGHT: f32 = 30.0;
+/// Shares of the columns of the list: what it is, value, name and unit for the network.
+const COLUMNS: [f32; 3] = [1.0, 0.8, 1.2];
+
+/// State of the page.
+#[derive(Debug, Default)]
+pub struct NetworkPage {
+    scroll: Scroll,
+}
+
+impl PageUi for NetworkPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<HandOver>) {
+        *self = Self::default();
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { rect, view, typed, .. } = ctx;
+        let Some(network) = view.snapshot.network.as_deref() else {
+            let remedy =
+                view.text("控制系统在窗口中运行时才有网络。", "The control has it when it runs in its window.");
+            return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有网络", "no network"), remedy);
+        };
+        let body = rect.shrink(theme::PAD);
+        let (services, list) = body.split_top(2.0 * SERVICE_HEIGHT);
+        let web = view.text("浏览器", "browser");
+        for (index, (name, service)) in [("MTConnect", &network.mtconnect), (web, &network.web)].into_iter().enumerate()
+        {
+            let place = services.band(index as f32 * SERVICE_HEIGHT, SERVICE_HEIGHT - theme::GAP);
+            show_service(place, view, name, service);
+        }
+        let (head, rows) = list.split_top(ROW_HEIGHT);
+        let heading =
+            [("内容", "content"), ("当前值", "value now"), ("网络上的名称和单位", "name and unit for the network")];
+        for (place, (zh, en)) in head.trim_sides(8.0).columns(COLUMNS).into_iter().zip(heading) {
+            view.fit_left(place.trim_right(6.0), view.text(zh, en), theme::SMALL, view.theme.muted);
+        }
+        let items: Vec<DataItem> = data_items(view.snapshot).collect();
+        let list = ScrollList {
+            id: "network",
+            rect: round_to_lines(rows, ROW_HEIGHT),
+            row: ROW_HEIGHT,
+            gap: 0.0,
+            count: items.len(),
+        };
+        let (clipped, places) = self.scroll.rows(view, &list, typed.scroll_pages);
+        for (index, place) in places {
+            show_item(place.trim_sides(8.0), &clipped, &items[index]);
+        }
+    }
+}
+
+/// State and address of a service, who is connected, and its counts.
+fn show_service(rect: Rect, view: &View<'_>, name: &str, service: &ServiceView) {
+    view.card(rect);
+    let inside = rect.shrink2(vec2(theme::PAD, theme::GAP));
+    let (lamp, rest) = inside.band(0.0, LINE_HEIGHT).split_left(LAMP_WIDTH);
+    widget::lamp(view, lamp, service.state == ServiceState::Listening);
+    let (left, right) = rest.split_left_right_at_fraction(NAME_SHARE);
+    let (title, address) = left.split_left(SERVICE_WIDTH);
+    view.fit_left(title, name, theme::TITLE, view.theme.text);
+    view.fit_left(address.trim_right(theme::GAP), &service.address, theme::LABEL, view.theme.text);
+    let (state, ink) = match (&service.state, &service.clients[..]) {
+        (ServiceState::Off, _) => (view.text("关", "off").to_owned(), view.theme.muted),
+        (ServiceState::Failed(why), _) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
+        (ServiceState::Listening, []) => (view.text("没有连接", "nobody is connected").to_owned(), view.theme.muted),
+        (ServiceState::Listening, [client]) => (client.clone(), view.theme.text),
+        (ServiceState::Listening, [client, others @ ..]) => (format!("{client}  +{}", others.len()), view.theme.text),
+    };
+    view.fit_left(right, &state, theme::LABEL, ink);
+    let (left, right) =
+        inside.band(LINE_HEIGHT, LINE_HEIGHT).with_min_x(rest.min.x).split_left_right_at_fraction(NAME_SHARE);
+    let heading = view.text("发送 / 拒绝 / 断开", "sent / refused / dropped");
+    view.fit_left(left, heading, theme::LABEL, view.theme.muted);
+    let counts = format!("{} / {} / {}", service.sent, service.refused, service.dropped);
+    view.fit_left(right, &counts, theme::LABEL, view.theme.text);
+}
+
+/// What a data item is, its value, and how the network knows it.
+fn show_item(rect: Rect, view: &View<'_>, item: &DataItem) {
+    view.hairline(rect, rect.max.y);
+    let [name, value, id] = rect.columns(COLUMNS);
+    let units = match item.category {
+        Category::Sample(units) | Category::EventWithUnits(units) => units,
+        Category::Event => "",
+    };
+    let axis = item.axis().map_or_else(String::new, |axis| format!("{axis} "));
+    let text = format!("{axis}{}", item.text.get(view.lang));
+    view.fit_left(name.trim_right(6.0), &text, theme::LABEL, view.theme.text);
+    let shown = item.value(view.snapshot).to_string();
+    view.fit_left(value.trim_right(6.0), &shown, theme::LABEL, view.theme.text);
+    view.fit_left(id, format!("{}  {units}", item.id()).trim_end(), theme::SMALL, view.theme.muted);
+}

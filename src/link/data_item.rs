@@ -1,0 +1,316 @@
+//! What the control tells the network: a table of data items with the names of MTConnect, and how each is read from the
+//! snapshot. Nothing here changes anything. A work coordinate is as displayed: X a diameter where diameter mode is on.
+//! Source: ANSI/MTC1.4 (MTConnect 2.2), parts 2 and 3.
+
+use std::fmt::{self, Display, Formatter};
+
+use super::snapshot::{AxisView, RunState, Snapshot};
+use crate::defs::equipment::Equipment;
+use crate::defs::grinding_phase::GrindingPhase;
+use crate::defs::key::{Key, Mode};
+use crate::defs::part_record::PartRecord;
+use crate::defs::part_verdict::PartVerdict;
+use crate::defs::signal::{Input, Output};
+use crate::defs::text::Text;
+use crate::units::Axis;
+
+/// Decimals of a number on the network: a tenth of a micrometre.
+const DECIMALS: usize = 4;
+
+/// Where a data item stands in the model of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Component {
+    /// The machine.
+    Device,
+    /// The control.
+    Controller,
+    /// The path of the program.
+    Path,
+    /// All axes.
+    Axes,
+    /// A linear or rotary axis.
+    Axis(Axis),
+    /// The wheel; the main spindle of a lathe.
+    Spindle,
+    /// Coolant.
+    Coolant,
+    /// Hydraulics.
+    Hydraulic,
+    /// Lubrication.
+    Lubrication,
+    /// The guard.
+    Door,
+}
+
+/// What kind of data an item is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Category {
+    /// A measured value, with its unit.
+    Sample(&'static str),
+    /// A state or a count.
+    Event,
+    /// An event with a unit.
+    EventWithUnits(&'static str),
+}
+
+/// Value of a data item.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ItemValue {
+    /// Not known.
+    Unavailable,
+    /// A number in the unit of the item.
+    Number(f64),
+    /// A count.
+    Count(u64),
+    /// A word of the standard.
+    Word(&'static str),
+    /// A text of the machine.
+    Text(String),
+}
+
+impl Display for ItemValue {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) if value.is_finite() => {
+                let rounded = format!("{value:.DECIMALS$}");
+                let short = rounded.trim_end_matches('0').trim_end_matches('.');
+                f.write_str(if short == "-0" { "0" } else { short })
+            }
+            Self::Number(_) | Self::Unavailable => f.write_str("UNAVAILABLE"),
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Word(word) => f.write_str(word),
+            Self::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+/// A data item.
+#[derive(Clone, Copy, Debug)]
+pub struct DataItem {
+    /// Where it stands.
+    pub component: Component,
+    /// Its name; with the axis before it for one of an axis.
+    name: &'static str,
+    /// Its category.
+    pub category: Category,
+    /// Its type in the standard.
+    pub kind: &'static str,
+    /// Its subtype in the standard; empty for none.
+    pub sub_type: &'static str,
+    /// What it is, for people.
+    pub text: Text,
+    read: fn(&Snapshot, Component) -> ItemValue,
+}
+
+impl DataItem {
+    /// Its id, unique in a machine.
+    #[must_use]
+    pub fn id(&self) -> String {
+        match self.axis() {
+            Some(axis) => format!("{}_{}", axis.letter().to_ascii_lowercase(), self.name),
+            None => self.name.to_owned(),
+        }
+    }
+
+    /// Its value now.
+    #[must_use]
+    pub fn value(&self, snapshot: &Snapshot) -> ItemValue {
+        (self.read)(snapshot, self.component)
+    }
+
+    /// The axis that it is one of.
+    #[must_use]
+    pub const fn axis(&self) -> Option<Axis> {
+        match self.component {
+            Component::Axis(axis) => Some(axis),
+            _ => None,
+        }
+    }
+
+    /// The coordinate system of a position: `MACHINE` or `WORK`; empty for other items.
+    #[must_use]
+    pub fn coordinate_system(&self) -> &'static str {
+        match self.name {
+            "machine" => "MACHINE",
+            "work" => "WORK",
+            _ => "",
+        }
+    }
+}
+
+macro_rules! data_items {
+    ($($list:ident, $doc:literal { $($component:ident $name:literal, $category:expr, $kind:literal $sub_type:literal, $zh:literal, $en:literal, $read:expr;)* })*) => {
+        $(#[doc = $doc] const $list: &[DataItem] = &[$(DataItem {
+            component: component!($component), name: $name, category: $category, kind: $kind, sub_type: $sub_type,
+            text: Text::new($zh, $en), read: $read,
+        },)*];)*
+    };
+}
+
+macro_rules! component {
+    (EachAxis) => {
+        Component::Axis(Axis::X)
+    };
+    ($component:ident) => {
+        Component::$component
+    };
+}
+
+const PERCENT: Category = Category::EventWithUnits("PERCENT");
+const MM: Category = Category::Sample("MILLIMETER");
+const RPM: Category = Category::Sample("REVOLUTION/MINUTE");
+const SECONDS: Category = Category::Sample("SECOND");
+
+data_items! {
+    MACHINE_ITEMS, "The items of the machine." {
+        Device "avail", Category::Event, "AVAILABILITY" "", "可用", "available", |_, _| ItemValue::Word("AVAILABLE");
+        Controller "estop", Category::Event, "EMERGENCY_STOP" "", "急停", "emergency stop", |snapshot, _| {
+            ItemValue::Word(if snapshot.key(Key::EmergencyStop).lamp { "TRIGGERED" } else { "ARMED" })
+        };
+        Controller "message", Category::Event, "MESSAGE" "", "程序的信息", "message of the program", |snapshot, _| {
+            let text = snapshot.waiting_for.as_ref().map(|text| text.en().into_owned());
+            ItemValue::Text(text.unwrap_or_default())
+        };
+        Path "execution", Category::Event, "EXECUTION" "", "运行状态", "execution", |snapshot, _| ItemValue::Word(execution(snapshot.state));
+        Path "mode", Category::Event, "CONTROLLER_MODE" "", "方式", "mode", |snapshot, _| ItemValue::Word(controller_mode(snapshot.mode));
+        Path "single_block", Category::Event, "CONTROLLER_MODE_OVERRIDE" "SINGLE_BLOCK", "单段", "single block", |snapshot, _| on_off(snapshot.key(Key::SingleBlock).lamp);
+        Path "dry_run", Category::Event, "CONTROLLER_MODE_OVERRIDE" "DRY_RUN", "空运行", "dry run", |snapshot, _| on_off(snapshot.key(Key::DryRun).lamp);
+        Path "machine_lock", Category::Event, "CONTROLLER_MODE_OVERRIDE" "MACHINE_AXIS_LOCK", "机床锁", "machine lock", |snapshot, _| on_off(snapshot.key(Key::MachineLock).lamp);
+        Path "optional_stop", Category::Event, "CONTROLLER_MODE_OVERRIDE" "OPTIONAL_STOP", "选择停", "optional stop", |snapshot, _| on_off(snapshot.key(Key::OptionalStop).lamp);
+        Path "program", Category::Event, "PROGRAM" "MAIN", "程序", "program", |snapshot, _| program(snapshot, snapshot.program.number);
+        Path "active_program", Category::Event, "PROGRAM" "ACTIVE", "运行的程序", "running program", |snapshot, _| program(snapshot, snapshot.program.running_program());
+        Path "line", Category::Event, "LINE_NUMBER" "ABSOLUTE", "行号", "line", |snapshot, _| ItemValue::Count(snapshot.program.line.into());
+        Path "phase", Category::Event, "PROCESS_AGGREGATE_ID" "PROCESS_STEP", "磨削阶段", "phase of the cycle", |snapshot, _| phase(snapshot.cycle.phase);
+        Path "order", Category::Event, "PROCESS_AGGREGATE_ID" "ORDER_NUMBER", "订单", "order", |snapshot, _| {
+            let active = snapshot.production.active().map(|order| order.number.to_string());
+            active.map_or(ItemValue::Unavailable, ItemValue::Text)
+        };
+        Path "feed", Category::Sample("MILLIMETER/SECOND"), "PATH_FEEDRATE" "COMMANDED", "进给速度", "feed", |snapshot, _| ItemValue::Number(snapshot.feed_mm_min / 60.0);
+        Path "feed_override", PERCENT, "PATH_FEEDRATE_OVERRIDE" "PROGRAMMED", "进给倍率", "feed override", |snapshot, _| ItemValue::Count(snapshot.overrides.feed.into());
+        Path "rapid_override", PERCENT, "PATH_FEEDRATE_OVERRIDE" "RAPID", "快速倍率", "rapid override", |snapshot, _| ItemValue::Count(snapshot.overrides.rapid.into());
+        Path "cycle_time", SECONDS, "PROCESS_TIMER" "PROCESS", "循环时间", "cycle time", |snapshot, _| ItemValue::Number((snapshot.cycle.times.seconds * 10.0).floor() / 10.0);
+        Path "parts_all", Category::Event, "PART_COUNT" "ALL", "件数", "parts", |snapshot, _| ItemValue::Count(last_part(snapshot).map_or(0, |part| part.count));
+        Path "parts_counted", Category::Event, "PART_COUNT" "COMPLETE", "计数器", "part counter", |snapshot, _| ItemValue::Count(snapshot.parts_counted.into());
+        Path "part_id", Category::Event, "PART_UNIQUE_ID" "SERIAL_NUMBER", "最后的工件", "last part", |snapshot, _| {
+            last_part(snapshot).map_or(ItemValue::Unavailable, |part| ItemValue::Count(part.count))
+        };
+        Path "part_status", Category::Event, "PART_STATUS" "", "最后工件的判定", "verdict of the last part", |snapshot, _| {
+            ItemValue::Word(last_part(snapshot).map_or("UNAVAILABLE", |part| part_status(part.verdict)))
+        };
+        Path "part_size", MM, "LENGTH" "", "最后工件的尺寸", "size of the last part", |snapshot, _| {
+            last_part(snapshot).and_then(|part| part.size).map_or(ItemValue::Unavailable, ItemValue::Number)
+        };
+        Spindle "spindle_mode", Category::Event, "ROTARY_MODE" "", "主轴方式", "mode of the spindle", |_, _| ItemValue::Word("SPINDLE");
+        Spindle "spindle_commanded", RPM, "ROTARY_VELOCITY" "COMMANDED", "主轴设定转速", "commanded spindle speed", |snapshot, _| {
+            if turns_the_part(snapshot) { ItemValue::Unavailable } else { ItemValue::Number(snapshot.wheel_rpm) }
+        };
+        Spindle "spindle_speed", RPM, "ROTARY_VELOCITY" "ACTUAL", "主轴实际转速", "actual spindle speed", |snapshot, _| actual_speed(snapshot);
+        Spindle "spindle_override", PERCENT, "ROTARY_VELOCITY_OVERRIDE" "", "主轴倍率", "spindle override", |snapshot, _| ItemValue::Count(snapshot.overrides.spindle.into());
+        Spindle "spindle_load", Category::Sample("PERCENT"), "LOAD" "", "主轴负载", "load of the spindle", |snapshot, _| {
+            snapshot.wheel_load_percent().map_or(ItemValue::Unavailable, |load| ItemValue::Number(load.round()))
+        };
+        Coolant "coolant", Category::Event, "POWER_STATE" "CONTROL", "冷却", "coolant", |snapshot, _| power(snapshot, Output::Coolant);
+        Hydraulic "hydraulic", Category::Event, "POWER_STATE" "CONTROL", "液压", "hydraulics", |snapshot, _| power(snapshot, Output::Hydraulic);
+        Lubrication "lubrication", Category::Event, "POWER_STATE" "CONTROL", "润滑", "lubrication", |snapshot, _| power(snapshot, Output::Lubrication);
+        Door "guard", Category::Event, "DOOR_STATE" "", "防护门", "guard", |snapshot, _| {
+            ItemValue::Word(if snapshot.inputs.has(Input::GuardClosed) { "CLOSED" } else { "OPEN" })
+        };
+    }
+    AXIS_ITEMS, "The items of each axis." {
+        EachAxis "machine", MM, "POSITION" "ACTUAL", "机床坐标", "machine coordinate", slide;
+        EachAxis "work", MM, "POSITION" "ACTUAL", "绝对坐标", "work coordinate", |snapshot, component| of_axis(snapshot, component, |axis| axis.work);
+        EachAxis "state", Category::Event, "AXIS_STATE" "", "轴状态", "state of the axis", |snapshot, component| {
+            let Component::Axis(axis) = component else { return ItemValue::Unavailable };
+            ItemValue::Word(if snapshot.axes[axis].moving { "TRAVEL" } else { "STOPPED" })
+        };
+    }
+}
+
+/// The data items of a machine: those of what it is fitted with, then those of each of its axes.
+pub fn data_items(snapshot: &Snapshot) -> impl Iterator<Item = DataItem> + use<> {
+    let has_hydraulics = snapshot.fitted().has(Equipment::Hydraulics);
+    let has_guard = snapshot.params.input_port(Input::GuardClosed) > 0;
+    let is_fitted = move |item: &DataItem| match item.component {
+        Component::Hydraulic => has_hydraulics,
+        Component::Door => has_guard,
+        _ => true,
+    };
+    let fitted: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
+    let of_axis =
+        |axis: Axis| AXIS_ITEMS.iter().map(move |item| DataItem { component: Component::Axis(axis), ..*item });
+    MACHINE_ITEMS.iter().copied().filter(is_fitted).chain(fitted.into_iter().flat_map(of_axis))
+}
+
+/// Whether the spindle turns the part: a lathe measures its speed.
+fn turns_the_part(snapshot: &Snapshot) -> bool {
+    snapshot.fitted().has(Equipment::MainSpindle)
+}
+
+/// The speed that is measured: by the encoder of a lathe, or by the inverter of the wheel.
+fn actual_speed(snapshot: &Snapshot) -> ItemValue {
+    let of_inverter = || snapshot.bus.as_ref()?.inverter.as_ref()?.rpm;
+    let measured = if turns_the_part(snapshot) { Some(snapshot.wheel_rpm) } else { of_inverter() };
+    measured.map_or(ItemValue::Unavailable, ItemValue::Number)
+}
+
+/// Position of a slide in the coordinates of the machine, mm; X is no diameter here.
+fn slide(snapshot: &Snapshot, component: Component) -> ItemValue {
+    let is_diameter = snapshot.x_as_diameter && component == Component::Axis(Axis::X);
+    match of_axis(snapshot, component, |axis| axis.machine) {
+        ItemValue::Number(shown) if is_diameter => ItemValue::Number(shown / 2.0),
+        value => value,
+    }
+}
+
+const fn execution(state: RunState) -> &'static str {
+    match state {
+        RunState::Idle => "READY",
+        RunState::Running | RunState::Homing => "ACTIVE",
+        RunState::Held => "FEED_HOLD",
+        RunState::Stopped => "PROGRAM_STOPPED",
+        RunState::Waiting => "WAIT",
+        RunState::Alarm => "STOPPED",
+    }
+}
+
+const fn controller_mode(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Edit => "EDIT",
+        Mode::Auto => "AUTOMATIC",
+        Mode::Mdi => "MANUAL_DATA_INPUT",
+        Mode::Home | Mode::Handwheel | Mode::Step | Mode::Manual => "MANUAL",
+    }
+}
+
+const fn on_off(on: bool) -> ItemValue {
+    ItemValue::Word(if on { "ON" } else { "OFF" })
+}
+
+fn power(snapshot: &Snapshot, output: Output) -> ItemValue {
+    on_off(snapshot.outputs.has(output))
+}
+
+fn program(snapshot: &Snapshot, number: u32) -> ItemValue {
+    if number == 0 { ItemValue::Unavailable } else { ItemValue::Text(snapshot.title(number)) }
+}
+
+fn phase(phase: Option<GrindingPhase>) -> ItemValue {
+    phase.map_or(ItemValue::Unavailable, |phase| ItemValue::Text(phase.name().en.to_uppercase()))
+}
+
+fn last_part(snapshot: &Snapshot) -> Option<&PartRecord> {
+    snapshot.production.parts.last()
+}
+
+const fn part_status(verdict: PartVerdict) -> &'static str {
+    match verdict {
+        PartVerdict::Good => "PASS",
+        PartVerdict::Spoilt(_) | PartVerdict::Out { .. } => "FAIL",
+        PartVerdict::NoTolerance | PartVerdict::NotMeasured => "UNAVAILABLE",
+    }
+}
+
+fn of_axis(snapshot: &Snapshot, component: Component, read: fn(&AxisView) -> f64) -> ItemValue {
+    let Component::Axis(axis) = component else { return ItemValue::Unavailable };
+    ItemValue::Number(read(&snapshot.axes[axis]))
+}

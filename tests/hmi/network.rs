@@ -1,0 +1,61 @@
+//! The network page.
+
+use std::sync::Arc;
+
+use kt830::defs::page::Page;
+use kt830::defs::text::{Lang, LocalizedText};
+use kt830::hmi::page_text;
+use kt830::link::Snapshot;
+use kt830::link::network::{NetworkView, ServiceState, ServiceView};
+
+fn with(mtconnect: ServiceView) -> Snapshot {
+    let mut snapshot = crate::sample::busy(Page::Network);
+    snapshot.network = Some(Arc::new(NetworkView { mtconnect, web: ServiceView::default() }));
+    snapshot
+}
+
+#[test]
+fn b6_the_network_page_shows_services_clients_and_every_value() {
+    let snapshot = with(ServiceView {
+        state: ServiceState::Listening,
+        address: "127.0.0.1:7878".to_owned(),
+        clients: vec!["127.0.0.1:40112".to_owned()],
+        sent: 12_345,
+        refused: 1,
+        dropped: 2,
+    });
+    let texts = page_text(&snapshot, Lang::En).join("\n");
+    for said in [
+        "MTConnect",
+        "127.0.0.1:7878",
+        "127.0.0.1:40112",
+        "12345 / 1 / 2",
+        "browser",
+        "off",
+        "execution",
+        "ACTIVE",
+        "estop",
+    ] {
+        assert!(texts.contains(said), "{said}: {texts}");
+    }
+}
+
+#[test]
+fn b6_the_network_page_says_why_a_port_cannot_be_opened() {
+    let why = LocalizedText::new("端口已被别的程序占用", "the port is in use");
+    let state = ServiceState::Failed(why);
+    let texts =
+        page_text(&with(ServiceView { state, address: ":7878".to_owned(), ..ServiceView::default() }), Lang::Zh);
+    let texts = texts.join("\n");
+    for said in [":7878", "端口已被别的程序占用"] {
+        assert!(texts.contains(said), "{said}: {texts}");
+    }
+}
+
+#[test]
+fn b6_a_control_without_a_gateway_says_that_there_is_no_network() {
+    let mut snapshot = crate::sample::busy(Page::Network);
+    snapshot.network = None;
+    let texts = page_text(&snapshot, Lang::Zh);
+    assert!(texts.iter().any(|text| text.contains("没有网络")), "{texts:?}");
+}
