@@ -10,8 +10,10 @@ use super::args::{ServeArgs, SharedArgs};
 use super::painter::painter;
 use super::play::read_story;
 use super::{CallError, SUCCESS, print_line, setup, story_loop};
+use crate::defs::text::Lang;
 use crate::gateway::device_model::device_model;
 use crate::gateway::{GatewayThread, timestamp};
+use crate::host::link::HostLink;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::ThreadedStorage;
 use crate::host::thread::{HostThread, run_until_stopped, start};
@@ -38,9 +40,7 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
         print_line(tick_times(&thread.host().times().executions));
     };
     let mut link = start(host, script).map_err(CallError::new)?;
-    let network =
-        link.take_observer().map(|(snapshots, tell)| GatewayThread::start(snapshots, painter(shared.lang), tell));
-    let _network = network.transpose().map_err(CallError::at("network"))?;
+    let _network = start_network(&mut link, shared.lang)?;
     #[cfg(feature = "hmi")]
     super::process_end::guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
     let begun = Instant::now();
@@ -52,6 +52,16 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
         std::thread::sleep(WATCH_PERIOD);
     }
     Ok(SUCCESS)
+}
+
+/// Starts the network services of a control; they end when this is dropped.
+///
+/// # Errors
+/// The system cannot create a thread.
+pub fn start_network(link: &mut HostLink, lang: Lang) -> Result<Option<GatewayThread>, CallError> {
+    let ends = link.take_observer();
+    let started = ends.map(|(snapshots, tell)| GatewayThread::start(snapshots, painter(lang), tell));
+    started.transpose().map_err(CallError::at("network"))
 }
 
 /// What a tick needs, in words.

@@ -30,7 +30,9 @@ fn play_once(thread: &mut HostThread<HostedSimulation, ThreadedStorage>, told: &
             break;
         }
         // A demo goes on: what fails is told to whoever wrote the story.
-        if let Err(why) = player.play(line) {
+        if let Err(why) = player.play(line)
+            && !player.stage().is_interrupted()
+        {
             warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
         }
     }

@@ -4,13 +4,12 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 use super::args::SharedArgs;
-use super::painter::painter;
 use super::process_end::{guard_exit, guard_process};
+use super::serve::start_network;
 use super::{CallError, SUCCESS, setup};
 use crate::defs::alarm;
 use crate::defs::param::Params;
 use crate::defs::text::LocalizedText;
-use crate::gateway::GatewayThread;
 use crate::hmi::core_fault::CoreHealth;
 use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
 #[cfg(target_os = "linux")]
@@ -120,9 +119,7 @@ fn open_with<P: HostedMachine + Send + 'static>(
 /// There is no display.
 pub fn show(mut link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
-    let network =
-        link.take_observer().map(|(snapshots, tell)| GatewayThread::start(snapshots, painter(shared.lang), tell));
-    let _network = network.transpose().map_err(CallError::at("network"))?;
+    let _network = start_network(&mut link, shared.lang)?;
     let options = WindowOptions { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),

@@ -24,7 +24,8 @@ pub fn device_uuid(snapshot: &Snapshot) -> String {
 pub fn device_model(snapshot: &Snapshot, created: &str) -> String {
     let number = snapshot.params.get(param::MACHINE_NUMBER);
     let prefix = format!("{}{number:06}_", snapshot.kind.id());
-    let model = DeviceModel { items: data_items(snapshot).collect(), prefix };
+    let conditions = Condition::of_machine(snapshot).collect();
+    let model = DeviceModel { items: data_items(snapshot).collect(), conditions, prefix };
     let uuid = device_uuid(snapshot);
     let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
     let linear: String = axes.iter().map(|axis| model.component(Component::Axis(*axis), "")).collect();
@@ -56,6 +57,7 @@ pub fn device_model(snapshot: &Snapshot, created: &str) -> String {
 /// The items of a machine.
 struct DeviceModel {
     items: Vec<DataItem>,
+    conditions: Vec<Condition>,
     /// Begin of every id: an agent may have several machines. The names are those that the lines have.
     prefix: String,
 }
@@ -80,7 +82,7 @@ impl DeviceModel {
         for item in self.items.iter().filter(|item| item.component == component) {
             text += &self.data_item(item);
         }
-        for (id, _, kind) in Condition::ALL.map(Condition::row).into_iter().filter(|row| row.1 == component) {
+        for (id, _, kind) in self.conditions.iter().map(|condition| condition.row()).filter(|row| row.1 == component) {
             // Writing to a string does not fail.
             let _ = write!(
                 text,

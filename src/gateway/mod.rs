@@ -18,8 +18,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use crossbeam_channel::Sender;
-
 use self::picture_thread::PictureThread;
 use self::port_server::{PortCounts, PortServer};
 use self::shdr_server::ShdrServer;
@@ -50,18 +48,18 @@ pub fn timestamp(since_1970: Duration) -> String {
 
 /// A server that has a port.
 trait HasPort {
-    fn port(&mut self) -> &mut PortServer;
+    fn port(&self) -> &PortServer;
 }
 
 impl HasPort for ShdrServer {
-    fn port(&mut self) -> &mut PortServer {
-        &mut self.port
+    fn port(&self) -> &PortServer {
+        &self.port
     }
 }
 
 impl HasPort for WebServer {
-    fn port(&mut self) -> &mut PortServer {
-        &mut self.port
+    fn port(&self) -> &PortServer {
+        &self.port
     }
 }
 
@@ -82,13 +80,15 @@ impl<S> Default for Service<S> {
 }
 
 impl<S: HasPort> Service<S> {
-    /// The server at a port, if the port is not 0 and can be opened.
-    fn follow(
+    /// Opens and closes the port as it is asked for, and lets the server act. A server that fails ends its connections, and
+    /// nothing else.
+    fn serve(
         &mut self,
         now: Duration,
         asked: (u16, bool),
         open: fn(u16, bool) -> std::io::Result<S>,
-    ) -> Option<&mut S> {
+        act: impl FnOnce(&mut S),
+    ) {
         if asked != self.asked {
             *self = Self { asked, ..Self::default() };
         }
@@ -99,7 +99,11 @@ impl<S: HasPort> Service<S> {
             }
             self.retry_at = now + RETRY_INTERVAL;
         }
-        self.server.as_mut()
+        if let Some(server) = &mut self.server
+            && catch_unwind(AssertUnwindSafe(|| act(server))).is_err()
+        {
+            self.fail(now);
+        }
     }
 
     /// It is closed, and opened again a while later.
@@ -109,13 +113,13 @@ impl<S: HasPort> Service<S> {
     }
 
     /// What the page shows.
-    fn view(&mut self) -> ServiceView {
+    fn view(&self) -> ServiceView {
         let wanted = if self.asked.0 == 0 { String::new() } else { format!(":{}", self.asked.0) };
-        let Some(port) = self.server.as_mut().map(HasPort::port) else {
+        let Some(port) = self.server.as_ref().map(HasPort::port) else {
             let state = self.failed.clone().map_or(ServiceState::Off, ServiceState::Failed);
             return ServiceView { state, address: wanted, ..ServiceView::default() };
         };
-        let PortCounts { sent, refused, dropped } = *port.counts();
+        let PortCounts { sent, refused, dropped } = port.counts();
         let clients = port.clients().map(|client| client.to_string()).collect();
         let address = port.address().map_or(wanted, |address| address.to_string());
         ServiceView { state: ServiceState::Listening, address, clients, sent, refused, dropped }
@@ -152,16 +156,26 @@ impl Gateway {
         let port = |of| snapshot.params.get(of) as u16;
         let reaches_network = snapshot.params.get(param::NETWORK_REACH) > 0.0;
         let asked = (port(param::MTCONNECT_PORT), reaches_network);
-        if let Some(server) = self.mtconnect.follow(now, asked, ShdrServer::open) {
-            server.step(now, time, snapshot);
-        }
+        self.mtconnect.serve(now, asked, ShdrServer::open, |server| server.step(now, time, snapshot));
+        let picture = self.pictures.as_ref().and_then(|pictures| pictures.newest(now));
+        let view = WebView { snapshot, picture, time };
+        let mut wants_picture = false;
         // Without TLS the view is of this computer alone.
         let asked = (port(param::WEB_PORT), false);
-        if let Some(server) = self.web.follow(now, asked, |port, _| WebServer::open(port)) {
-            let picture = self.pictures.as_ref().and_then(|pictures| pictures.newest(now));
-            server.step(now, &WebView { snapshot, picture, time });
-            if let Some(pictures) = &mut self.pictures {
-                pictures.step(now, server.take_picture_wanted(), snapshot);
+        self.web.serve(
+            now,
+            asked,
+            |port, _| WebServer::open(port),
+            |server| {
+                server.step(now, &view);
+                wants_picture = server.take_picture_wanted();
+            },
+        );
+        let network = self.view();
+        if let Some(pictures) = &mut self.pictures {
+            pictures.step();
+            if wants_picture && pictures.is_due(now) {
+                pictures.ask(now, Snapshot { network: Some(Arc::new(network)), ..snapshot.clone() });
             }
         }
     }
@@ -171,15 +185,9 @@ impl Gateway {
         (self.mtconnect, self.web) = Default::default();
     }
 
-    /// A service has failed: all ports are closed, and opened again a while later.
-    fn fail(&mut self, now: Duration) {
-        self.mtconnect.fail(now);
-        self.web.fail(now);
-    }
-
     /// What the page shows.
     #[must_use]
-    pub fn view(&mut self) -> NetworkView {
+    pub fn view(&self) -> NetworkView {
         NetworkView { mtconnect: self.mtconnect.view(), web: self.web.view() }
     }
 }
@@ -199,7 +207,7 @@ impl GatewayThread {
     pub fn start(
         snapshots: triple_buffer::Output<Snapshot>,
         painter: Option<Painter>,
-        tell: Sender<NetworkView>,
+        tell: triple_buffer::Input<Option<NetworkView>>,
     ) -> std::io::Result<Self> {
         let end = Arc::new(AtomicBool::new(false));
         let over = Arc::clone(&end);
@@ -210,7 +218,7 @@ impl GatewayThread {
                 tell,
                 started: Instant::now(),
                 updated_at: None,
-                told: None,
+                told_at: None,
             };
             while !over.load(Ordering::Relaxed) {
                 std::thread::sleep(PERIOD);
@@ -234,12 +242,12 @@ impl Drop for GatewayThread {
 struct Serving {
     snapshots: triple_buffer::Output<Snapshot>,
     gateway: Gateway,
-    tell: Sender<NetworkView>,
+    tell: triple_buffer::Input<Option<NetworkView>>,
     started: Instant,
     /// When the snapshot was new.
     updated_at: Option<Duration>,
-    /// What the page was told, and when.
-    told: Option<(NetworkView, Duration)>,
+    /// When the page was told.
+    told_at: Option<Duration>,
 }
 
 impl Serving {
@@ -253,16 +261,49 @@ impl Serving {
             self.gateway.close();
         } else {
             let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-            let (gateway, snapshot) = (&mut self.gateway, self.snapshots.output_buffer_mut());
-            // A fault of the network ends its connections, not the control.
-            if catch_unwind(AssertUnwindSafe(|| gateway.step(now, time, snapshot))).is_err() {
-                self.gateway.fail(now);
-            }
+            self.gateway.step(now, time, self.snapshots.output_buffer_mut());
         }
-        let view = self.gateway.view();
-        let is_due = |told: &(NetworkView, Duration)| now.saturating_sub(told.1) >= VIEW_INTERVAL && told.0 != view;
-        if self.told.as_ref().is_none_or(is_due) && self.tell.try_send(view.clone()).is_ok() {
-            self.told = Some((view, now));
+        if self.told_at.is_some_and(|at| now.saturating_sub(at) < VIEW_INTERVAL) {
+            return;
         }
+        self.told_at = Some(now);
+        *self.tell.input_buffer_mut() = Some(self.gateway.view());
+        self.tell.publish();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A server that fails in its first act.
+    struct Failing(PortServer);
+
+    impl HasPort for Failing {
+        fn port(&self) -> &PortServer {
+            &self.0
+        }
+    }
+
+    fn open(port: u16, reaches_network: bool) -> std::io::Result<Failing> {
+        let patience = Duration::from_secs(1);
+        let limits = port_server::PortLimits { connections: 1, pending: 1, received: 1, patience };
+        PortServer::open(port, reaches_network, limits).map(Failing)
+    }
+
+    #[test]
+    fn a_service_that_fails_is_closed_and_opened_again_a_while_later() {
+        let mut service = Service::default();
+        let free = std::net::TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr());
+        let asked = (free.map_or(0, |address| address.port()), false);
+        let second = Duration::from_secs(1);
+        service.serve(second, asked, open, |_| panic!("a fault of the server"));
+        assert!(matches!(service.view().state, ServiceState::Failed(_)));
+        service.serve(5 * second, asked, open, |_| panic!("it is not open"));
+        assert!(matches!(service.view().state, ServiceState::Failed(_)));
+        service.serve(6 * second, asked, open, |_| {});
+        assert_eq!(service.view().state, ServiceState::Listening);
+        service.serve(7 * second, (0, false), open, |_| panic!("it is off"));
+        assert_eq!(service.view().state, ServiceState::Off);
     }
 }

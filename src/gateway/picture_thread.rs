@@ -18,8 +18,9 @@ pub type Painter = Box<dyn FnMut(&Snapshot) -> Option<Vec<u8>> + Send>;
 
 /// The thread, and its newest picture.
 pub struct PictureThread {
-    asks: Sender<Box<Snapshot>>,
-    pictures: Receiver<Vec<u8>>,
+    /// What is to be painted, and when it was asked for.
+    asks: Sender<(Box<Snapshot>, Duration)>,
+    pictures: Receiver<(Vec<u8>, Duration)>,
     /// The newest picture, and when it was asked for.
     newest: Option<(Vec<u8>, Duration)>,
     asked_at: Option<Duration>,
@@ -29,11 +30,11 @@ impl PictureThread {
     /// Starts it; `None` if the system cannot create a thread. It ends when this is dropped.
     #[must_use]
     pub fn start(mut painter: Painter) -> Option<Self> {
-        let (asks, asked) = bounded::<Box<Snapshot>>(1);
+        let (asks, asked) = bounded::<(Box<Snapshot>, Duration)>(1);
         let (painted, pictures) = bounded(1);
         let paint = move || {
-            for snapshot in asked {
-                let sent = painter(&snapshot).is_none_or(|picture| painted.send(picture).is_ok());
+            for (snapshot, at) in asked {
+                let sent = painter(&snapshot).is_none_or(|picture| painted.send((picture, at)).is_ok());
                 if !sent {
                     return;
                 }
@@ -43,17 +44,23 @@ impl PictureThread {
         Some(Self { asks, pictures, newest: None, asked_at: None })
     }
 
-    /// Takes a finished picture, and asks for the next one if somebody wants it.
-    pub fn step(&mut self, now: Duration, is_wanted: bool, snapshot: &Snapshot) {
-        if let (Ok(picture), Some(asked_at)) = (self.pictures.try_recv(), self.asked_at) {
-            self.newest = Some((picture, asked_at));
+    /// Takes a finished picture.
+    pub fn step(&mut self) {
+        if let Ok(picture) = self.pictures.try_recv() {
+            self.newest = Some(picture);
         }
-        let is_due = self.asked_at.is_none_or(|at| now.saturating_sub(at) >= PICTURE_INTERVAL);
-        if is_wanted && is_due && self.asks.is_empty() {
-            self.asked_at = Some(now);
-            // A thread that has ended paints no more.
-            drop(self.asks.try_send(Box::new(snapshot.clone())));
-        }
+    }
+
+    /// Whether the next picture may be asked for.
+    #[must_use]
+    pub fn is_due(&self, now: Duration) -> bool {
+        self.asks.is_empty() && self.asked_at.is_none_or(|at| now.saturating_sub(at) >= PICTURE_INTERVAL)
+    }
+
+    /// Asks for the next picture. A thread that has ended paints no more.
+    pub fn ask(&mut self, now: Duration, snapshot: Snapshot) {
+        self.asked_at = Some(now);
+        drop(self.asks.try_send((Box::new(snapshot), now)));
     }
 
     /// The newest picture, unless it is old.

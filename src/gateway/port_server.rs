@@ -8,6 +8,9 @@ use std::time::Duration;
 /// Most connections taken or refused in a step: a flood does not hold the others up.
 const MAX_ACCEPTS: usize = 64;
 
+/// How long a client may take to close a connection whose answer it has.
+const CLOSING_TIME: Duration = Duration::from_secs(1);
+
 /// What a port takes.
 #[derive(Clone, Copy, Debug)]
 pub struct PortLimits {
@@ -47,6 +50,8 @@ pub struct Connection {
     pub is_closing: bool,
     /// The other side has been told that nothing follows.
     is_shut: bool,
+    /// It has spoken the protocol: it keeps its place.
+    pub is_proven: bool,
 }
 
 /// A port.
@@ -74,7 +79,7 @@ impl PortServer {
     pub fn step(&mut self, now: Duration, welcome: impl Fn() -> Vec<u8>, mut answer: impl FnMut(&mut Connection)) {
         for _ in 0..MAX_ACCEPTS {
             let Ok((stream, address)) = self.listener.accept() else { break };
-            if self.connections.len() >= self.limits.connections || stream.set_nonblocking(true).is_err() {
+            if stream.set_nonblocking(true).is_err() || !self.makes_room() {
                 self.counts.refused += 1;
                 continue;
             }
@@ -88,6 +93,7 @@ impl PortServer {
                 deadline: now + self.limits.patience,
                 is_closing: false,
                 is_shut: false,
+                is_proven: false,
             });
         }
         let (limits, counts) = (self.limits, &mut self.counts);
@@ -96,13 +102,17 @@ impl PortServer {
             if hears && !connection.is_closing {
                 answer(connection);
             }
+            let was_shut = connection.is_shut;
             let sends = connection.send();
+            if connection.is_shut && !was_shut {
+                connection.deadline = now + CLOSING_TIME;
+            }
             if !sends || !hears && connection.pending.is_empty() {
                 return false;
             }
             let fits = connection.pending.len() <= limits.pending && connection.received.len() <= limits.received;
             let keeps = fits && now <= connection.deadline;
-            counts.dropped += u64::from(!keeps);
+            counts.dropped += u64::from(!keeps && !connection.is_shut);
             keeps
         });
     }
@@ -125,9 +135,28 @@ impl PortServer {
         self.listener.local_addr()
     }
 
-    /// What became of the connections; the protocol counts what it sends.
-    pub const fn counts(&mut self) -> &mut PortCounts {
-        &mut self.counts
+    /// What became of the connections.
+    pub const fn counts(&self) -> PortCounts {
+        self.counts
+    }
+
+    /// The protocol has sent so many lines or answers.
+    pub const fn count_sent(&mut self, count: u64) {
+        self.counts.sent += count;
+    }
+
+    /// Whether there is a place for another connection; a full port gives up the oldest that has said nothing of the
+    /// protocol, so that idle ones do not keep the others out.
+    fn makes_room(&mut self) -> bool {
+        if self.connections.len() < self.limits.connections {
+            return true;
+        }
+        let idle = self.connections.iter().position(|connection| !connection.is_proven);
+        if let Some(oldest) = idle {
+            self.connections.remove(oldest);
+            self.counts.dropped += 1;
+        }
+        idle.is_some()
     }
 }
 

@@ -24,6 +24,8 @@ pub struct ShdrLines {
     /// Each item with its value.
     values: Vec<(DataItem, String)>,
     raised: Vec<Raised>,
+    /// The conditions of the machine.
+    conditions: Vec<Condition>,
     /// Serial number of the newest alarm that has been looked at; none before the first look.
     newest_alarm: Option<u64>,
 }
@@ -50,6 +52,7 @@ impl ShdrLines {
         let numbered = self.values.iter().enumerate();
         let new = numbered.filter(|(at, entry)| !is_told(*at, entry)).map(|(_, entry)| entry);
         let mut lines = values_line(time, new);
+        self.conditions = Condition::of_machine(snapshot).collect();
         let newest = snapshot.alarm_history.last().map_or(0, |alarm| alarm.count);
         let first_look = self.newest_alarm.is_none();
         let seen = self.newest_alarm.replace(newest).unwrap_or(newest);
@@ -88,7 +91,7 @@ impl ShdrLines {
 
     /// The conditions that have no alarm.
     fn normal_conditions(&self, time: &str) -> String {
-        let ids = Condition::ALL.into_iter().map(|condition| condition.row().0);
+        let ids = self.conditions.iter().map(|condition| condition.row().0);
         let normal = ids.filter(|id| !self.raised.iter().any(|raised| raised.condition == *id));
         normal.map(|id| format!("{time}|{id}|NORMAL||||\n")).collect()
     }

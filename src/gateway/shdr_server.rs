@@ -56,7 +56,7 @@ impl ShdrServer {
             everything.into_bytes()
         };
         self.port.step(now, welcome, |agent| answer(agent, now));
-        self.port.counts().sent += told.get() as u64;
+        self.port.count_sent(told.get() as u64);
     }
 }
 
@@ -66,7 +66,7 @@ fn answer(agent: &mut Connection, now: Duration) {
         let line: Vec<u8> = agent.received.drain(..=end).collect();
         if line.trim_ascii() == b"* PING" {
             agent.pending.extend_from_slice(format!("* PONG {HEARTBEAT_MS}\n").as_bytes());
-            agent.deadline = now + LONGEST_SILENCE;
+            (agent.deadline, agent.is_proven) = (now + LONGEST_SILENCE, true);
         }
     }
 }

@@ -62,10 +62,10 @@ impl WebServer {
             if let Some(answer) = answer(client, view, &mut wanted) {
                 answers += 1;
                 client.pending = answer;
-                client.is_closing = true;
+                (client.is_closing, client.is_proven) = (true, true);
             }
         });
-        self.port.counts().sent += answers;
+        self.port.count_sent(answers);
         self.picture_wanted |= wanted;
     }
 

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::Sender;
+use triple_buffer::TripleBuffer;
 
 use super::control_end::ControlEnd;
 use crate::defs::key::Key;
@@ -16,9 +17,6 @@ use crate::link::snapshot::Snapshot;
 
 /// Longest time that a field bus may take at the start, stations and clocks included.
 const LONGEST_BEGIN: Duration = Duration::from_secs(30);
-
-/// Views of the network that the screen has not taken yet.
-const NETWORK_QUEUE: usize = 4;
 
 /// Statistics and state of the control thread.
 #[derive(Debug, Default)]
@@ -33,17 +31,20 @@ pub struct ThreadHealth {
 
 /// What the page of the network shows, from the network to the screen.
 pub(super) struct NetworkLink {
-    tell: Sender<NetworkView>,
-    views: Receiver<NetworkView>,
+    tell: Option<triple_buffer::Input<Option<NetworkView>>>,
+    views: triple_buffer::Output<Option<NetworkView>>,
     newest: Option<Arc<NetworkView>>,
 }
 
 impl Default for NetworkLink {
     fn default() -> Self {
-        let (tell, views) = bounded(NETWORK_QUEUE);
-        Self { tell, views, newest: None }
+        let (tell, views) = TripleBuffer::default().split();
+        Self { tell: Some(tell), views, newest: None }
     }
 }
+
+/// What a gateway works with: the newest snapshots, and where it tells what its page shows.
+pub type ObserverEnds = (triple_buffer::Output<Snapshot>, triple_buffer::Input<Option<NetworkView>>);
 
 /// The screen's connection to the control. Dropping it stops the control: safe outputs, storage completed.
 pub struct HostLink {
@@ -75,17 +76,17 @@ impl HostLink {
         if self.snapshots.update() {
             self.updated = Instant::now();
         }
-        if let Some(view) = self.network.views.try_iter().last() {
-            self.network.newest = Some(Arc::new(view));
+        if self.network.views.update() {
+            self.network.newest = self.network.views.output_buffer_mut().take().map(Arc::new);
         }
         let newest = self.snapshots.output_buffer_mut();
         newest.network.clone_from(&self.network.newest);
         newest
     }
 
-    /// The newest snapshots for the network, once, and where it tells what its page shows.
-    pub fn take_observer(&mut self) -> Option<(triple_buffer::Output<Snapshot>, Sender<NetworkView>)> {
-        Some((self.observer.take()?, self.network.tell.clone()))
+    /// The ends for a gateway, once.
+    pub fn take_observer(&mut self) -> Option<ObserverEnds> {
+        Some((self.observer.take()?, self.network.tell.take()?))
     }
 
     /// Time since the newest snapshot was first read; call [`Self::newest`] before. 0 while a field bus is being set up,

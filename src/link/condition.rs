@@ -2,7 +2,9 @@
 //! Source: ANSI/MTC1.4 (MTConnect 2.2), part 3.
 
 use super::data_item::Component;
+use super::snapshot::Snapshot;
 use crate::defs::alarm::{self, Reaction};
+use crate::defs::equipment::Equipment;
 
 /// A group of alarms that the network knows as one condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +19,7 @@ pub enum Condition {
     Motion,
     /// The drives of the axes.
     Drives,
-    /// The wheel.
+    /// The wheel, or the main spindle.
     Spindle,
     /// Hydraulics.
     Hydraulic,
@@ -41,6 +43,12 @@ impl Condition {
         Self::Lubrication,
     ];
 
+    /// Those of a machine.
+    pub fn of_machine(snapshot: &Snapshot) -> impl Iterator<Item = Self> + use<> {
+        let has_hydraulics = snapshot.fitted().has(Equipment::Hydraulics);
+        Self::ALL.into_iter().filter(move |condition| has_hydraulics || *condition != Self::Hydraulic)
+    }
+
     /// Id, component and type in the standard.
     #[must_use]
     pub const fn row(self) -> (&'static str, Component, &'static str) {
@@ -50,7 +58,7 @@ impl Condition {
             Self::Logic => ("c_logic", Component::Controller, "LOGIC_PROGRAM"),
             Self::Motion => ("c_motion", Component::Path, "MOTION_PROGRAM"),
             Self::Drives => ("c_drives", Component::Axes, "ACTUATOR"),
-            Self::Spindle => ("c_wheel", Component::Spindle, "ACTUATOR"),
+            Self::Spindle => ("c_spindle", Component::Spindle, "ACTUATOR"),
             Self::Hydraulic => ("c_hydraulic", Component::Hydraulic, "ACTUATOR"),
             Self::Coolant => ("c_coolant", Component::Coolant, "ACTUATOR"),
             Self::Lubrication => ("c_lubrication", Component::Lubrication, "ACTUATOR"),

@@ -28,7 +28,7 @@ pub enum Component {
     Path,
     /// All axes.
     Axes,
-    /// A linear or rotary axis.
+    /// A linear axis.
     Axis(Axis),
     /// The wheel; the main spindle of a lathe.
     Spindle,
@@ -195,7 +195,7 @@ data_items! {
             last_part(snapshot).map_or(ItemValue::Unavailable, |part| ItemValue::Count(part.count))
         };
         Path "part_status", Category::Event, "PART_STATUS" "", "最后工件的判定", "verdict of the last part", |snapshot, _| {
-            ItemValue::Word(last_part(snapshot).map_or("UNAVAILABLE", |part| part_status(part.verdict)))
+            last_part(snapshot).map_or(ItemValue::Unavailable, |part| part_status(part.verdict))
         };
         Path "part_size", MM, "LENGTH" "", "最后工件的尺寸", "size of the last part", |snapshot, _| {
             last_part(snapshot).and_then(|part| part.size).map_or(ItemValue::Unavailable, ItemValue::Number)
@@ -206,9 +206,7 @@ data_items! {
         };
         Spindle "spindle_speed", RPM, "ROTARY_VELOCITY" "ACTUAL", "主轴实际转速", "actual spindle speed", |snapshot, _| actual_speed(snapshot);
         Spindle "spindle_override", PERCENT, "ROTARY_VELOCITY_OVERRIDE" "", "主轴倍率", "spindle override", |snapshot, _| ItemValue::Count(snapshot.overrides.spindle.into());
-        Spindle "spindle_load", Category::Sample("PERCENT"), "LOAD" "", "主轴负载", "load of the spindle", |snapshot, _| {
-            snapshot.wheel_load_percent().map_or(ItemValue::Unavailable, |load| ItemValue::Number(load.round()))
-        };
+        Spindle "spindle_load", Category::Sample("PERCENT"), "LOAD" "", "主轴负载", "load of the spindle", |snapshot, _| spindle_load(snapshot);
         Coolant "coolant", Category::Event, "POWER_STATE" "CONTROL", "冷却", "coolant", |snapshot, _| power(snapshot, Output::Coolant);
         Hydraulic "hydraulic", Category::Event, "POWER_STATE" "CONTROL", "液压", "hydraulics", |snapshot, _| power(snapshot, Output::Hydraulic);
         Lubrication "lubrication", Category::Event, "POWER_STATE" "CONTROL", "润滑", "lubrication", |snapshot, _| power(snapshot, Output::Lubrication);
@@ -253,6 +251,12 @@ fn actual_speed(snapshot: &Snapshot) -> ItemValue {
     measured.map_or(ItemValue::Unavailable, ItemValue::Number)
 }
 
+/// The load that is measured: the simulation of a lathe has none.
+fn spindle_load(snapshot: &Snapshot) -> ItemValue {
+    let measured = snapshot.wheel_load_percent().filter(|_| !(turns_the_part(snapshot) && snapshot.bus.is_none()));
+    measured.map_or(ItemValue::Unavailable, |load| ItemValue::Number(load.round()))
+}
+
 /// Position of a slide in the coordinates of the machine, mm; X is no diameter here.
 fn slide(snapshot: &Snapshot, component: Component) -> ItemValue {
     let is_diameter = snapshot.x_as_diameter && component == Component::Axis(Axis::X);
@@ -294,23 +298,36 @@ fn program(snapshot: &Snapshot, number: u32) -> ItemValue {
     if number == 0 { ItemValue::Unavailable } else { ItemValue::Text(snapshot.title(number)) }
 }
 
-fn phase(phase: Option<GrindingPhase>) -> ItemValue {
-    phase.map_or(ItemValue::Unavailable, |phase| ItemValue::Text(phase.name().en.to_uppercase()))
+const fn phase(phase: Option<GrindingPhase>) -> ItemValue {
+    let Some(phase) = phase else { return ItemValue::Unavailable };
+    ItemValue::Word(match phase {
+        GrindingPhase::Dressing => "DRESSING",
+        GrindingPhase::Measuring => "MEASURING",
+        GrindingPhase::Approach => "APPROACH",
+        GrindingPhase::AirGrinding => "AIR_GRINDING",
+        GrindingPhase::Roughing => "ROUGHING",
+        GrindingPhase::Finishing => "FINISHING",
+        GrindingPhase::SparkOut => "SPARK_OUT",
+        GrindingPhase::Retract => "RETRACT",
+    })
 }
 
 fn last_part(snapshot: &Snapshot) -> Option<&PartRecord> {
     snapshot.production.parts.last()
 }
 
-const fn part_status(verdict: PartVerdict) -> &'static str {
+const fn part_status(verdict: PartVerdict) -> ItemValue {
     match verdict {
-        PartVerdict::Good => "PASS",
-        PartVerdict::Spoilt(_) | PartVerdict::Out { .. } => "FAIL",
-        PartVerdict::NoTolerance | PartVerdict::NotMeasured => "UNAVAILABLE",
+        PartVerdict::Good => ItemValue::Word("PASS"),
+        PartVerdict::Spoilt(_) | PartVerdict::Out { .. } => ItemValue::Word("FAIL"),
+        PartVerdict::NoTolerance | PartVerdict::NotMeasured => ItemValue::Unavailable,
     }
 }
 
 fn of_axis(snapshot: &Snapshot, component: Component, read: fn(&AxisView) -> f64) -> ItemValue {
-    let Component::Axis(axis) = component else { return ItemValue::Unavailable };
-    ItemValue::Number(read(&snapshot.axes[axis]))
+    match component {
+        // Before homing nobody knows where an axis stands.
+        Component::Axis(axis) if snapshot.axes[axis].homed => ItemValue::Number(read(&snapshot.axes[axis])),
+        _ => ItemValue::Unavailable,
+    }
 }

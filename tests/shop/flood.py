@@ -18,11 +18,12 @@ def connect(port):
 
 
 def connect_once(port):
-    while True:
+    for _ in range(200):
         try:
             return connect(port)
         except OSError:
             time.sleep(0.05)
+    sys.exit(f"port {port}: nobody listens")
 
 
 def until(end, act):
