@@ -3,7 +3,6 @@
 
 use std::fmt::Write;
 
-use crate::defs::equipment::Equipment;
 use crate::defs::param;
 use crate::link::condition::Condition;
 use crate::link::data_item::{Category, Component, DataItem, data_items};
@@ -27,16 +26,16 @@ pub fn device_model(snapshot: &Snapshot, created: &str) -> String {
     let conditions = Condition::of_machine(snapshot).collect();
     let model = DeviceModel { items: data_items(snapshot).collect(), conditions, prefix };
     let uuid = device_uuid(snapshot);
-    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
-    let linear: String = axes.iter().map(|axis| model.component(Component::Axis(*axis), "")).collect();
-    let hydraulic = snapshot.fitted().has(Equipment::Hydraulics).then_some(Component::Hydraulic);
-    let systems = [Component::Coolant, Component::Lubrication].into_iter().chain(hydraulic);
-    let systems: String = systems.map(|component| model.component(component, "")).collect();
-    let door = model.items.iter().find(|item| item.component == Component::Door);
+    let fitted = |components: &[Component]| -> String {
+        let fitted = components.iter().filter(|component| component.is_fitted(snapshot));
+        fitted.map(|component| model.component(*component, "")).collect()
+    };
+    let axes = fitted(&Axis::ALL.map(Component::Axis));
+    let systems = fitted(&[Component::Coolant, Component::Hydraulic, Component::Lubrication]);
     let children = [
-        model.component(Component::Axes, &format!("{linear}{}", model.component(Component::Spindle, ""))),
+        model.component(Component::Axes, &format!("{axes}{}", model.component(Component::Spindle, ""))),
         model.component(Component::Controller, &model.component(Component::Path, "")),
-        door.map_or_else(String::new, |door| model.component(door.component, "")),
+        fitted(&[Component::Door]),
         format!("<Systems id=\"{}systems\"><Components>{systems}</Components></Systems>", model.prefix),
     ];
     let description = format!("KT-830 {}", snapshot.kind.name().en);

@@ -18,6 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+pub use self::picture_thread::Painter;
 use self::picture_thread::PictureThread;
 use self::port_server::{PortCounts, PortServer};
 use self::shdr_server::ShdrServer;
@@ -35,8 +36,6 @@ const VIEW_INTERVAL: Duration = Duration::from_secs(1);
 const RETRY_INTERVAL: Duration = Duration::from_secs(5);
 /// A control without a new snapshot for so long stands still: its agents lose the connection and know it.
 const LONGEST_STANDSTILL: Duration = Duration::from_secs(2);
-
-pub use self::picture_thread::Painter;
 
 /// Time in UTC by ISO 8601, as the lines and documents of MTConnect have it.
 #[must_use]
@@ -171,10 +170,11 @@ impl Gateway {
                 wants_picture = server.take_picture_wanted();
             },
         );
-        let network = self.view();
+        let (mtconnect, web) = (&self.mtconnect, &self.web);
         if let Some(pictures) = &mut self.pictures {
             pictures.step();
             if wants_picture && pictures.is_due(now) {
+                let network = NetworkView { mtconnect: mtconnect.view(), web: web.view() };
                 pictures.ask(now, Snapshot { network: Some(Arc::new(network)), ..snapshot.clone() });
             }
         }

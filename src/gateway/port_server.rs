@@ -35,6 +35,19 @@ pub struct PortCounts {
     pub dropped: u64,
 }
 
+/// How far a connection has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConnectionState {
+    /// It has said nothing of the protocol yet: it makes room for another one.
+    Idle,
+    /// It has spoken the protocol and keeps its place.
+    Proven,
+    /// It ends once everything is sent; nothing that comes is looked at any more.
+    Closing,
+    /// The other side has been told that nothing follows.
+    Shut,
+}
+
 /// A connection.
 pub struct Connection {
     stream: TcpStream,
@@ -46,12 +59,8 @@ pub struct Connection {
     pub received: Vec<u8>,
     /// It is given up then, unless the protocol sets another time.
     pub deadline: Duration,
-    /// It ends once everything is sent; nothing that comes is looked at any more.
-    pub is_closing: bool,
-    /// The other side has been told that nothing follows.
-    is_shut: bool,
-    /// It has spoken the protocol: it keeps its place.
-    pub is_proven: bool,
+    /// How far it has come.
+    pub state: ConnectionState,
 }
 
 /// A port.
@@ -91,28 +100,22 @@ impl PortServer {
                 pending: welcome(),
                 received: Vec::new(),
                 deadline: now + self.limits.patience,
-                is_closing: false,
-                is_shut: false,
-                is_proven: false,
+                state: ConnectionState::Idle,
             });
         }
         let (limits, counts) = (self.limits, &mut self.counts);
         self.connections.retain_mut(|connection| {
             let hears = connection.receive();
-            if hears && !connection.is_closing {
+            if hears && !connection.is_ending() {
                 answer(connection);
             }
-            let was_shut = connection.is_shut;
-            let sends = connection.send();
-            if connection.is_shut && !was_shut {
-                connection.deadline = now + CLOSING_TIME;
-            }
+            let sends = connection.send() && connection.shut(now);
             if !sends || !hears && connection.pending.is_empty() {
                 return false;
             }
             let fits = connection.pending.len() <= limits.pending && connection.received.len() <= limits.received;
             let keeps = fits && now <= connection.deadline;
-            counts.dropped += u64::from(!keeps && !connection.is_shut);
+            counts.dropped += u64::from(!keeps && connection.state != ConnectionState::Shut);
             keeps
         });
     }
@@ -151,7 +154,7 @@ impl PortServer {
         if self.connections.len() < self.limits.connections {
             return true;
         }
-        let idle = self.connections.iter().position(|connection| !connection.is_proven);
+        let idle = self.connections.iter().position(|connection| connection.state == ConnectionState::Idle);
         if let Some(oldest) = idle {
             self.connections.remove(oldest);
             self.counts.dropped += 1;
@@ -166,7 +169,7 @@ impl Connection {
         let mut bytes = [0; 1_024];
         match self.stream.read(&mut bytes) {
             Ok(0) => return false,
-            Ok(_) if self.is_closing => self.received.clear(),
+            Ok(_) if self.is_ending() => self.received.clear(),
             Ok(count) => self.received.extend_from_slice(&bytes[..count]),
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
             Err(_) => return false,
@@ -185,11 +188,21 @@ impl Connection {
                 Err(_) => return false,
             }
         }
-        // What was sent is lost if the connection ends while something that has come is not read.
-        if self.is_closing && self.pending.is_empty() && !self.is_shut {
-            self.is_shut = true;
-            return self.stream.shutdown(Shutdown::Write).is_ok();
-        }
         true
+    }
+
+    /// Tells the other side that nothing follows, once everything is sent; false if the connection is over. It is kept for
+    /// a while: what was sent is lost if a connection ends while something that has come is not read.
+    fn shut(&mut self, now: Duration) -> bool {
+        if self.state != ConnectionState::Closing || !self.pending.is_empty() {
+            return true;
+        }
+        (self.state, self.deadline) = (ConnectionState::Shut, now + CLOSING_TIME);
+        self.stream.shutdown(Shutdown::Write).is_ok()
+    }
+
+    /// What comes is not looked at any more.
+    const fn is_ending(&self) -> bool {
+        matches!(self.state, ConnectionState::Closing | ConnectionState::Shut)
     }
 }

@@ -5,7 +5,7 @@
 use std::cell::Cell;
 use std::time::Duration;
 
-use super::port_server::{Connection, PortLimits, PortServer};
+use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::shdr::ShdrLines;
 use super::timestamp;
 use crate::link::snapshot::Snapshot;
@@ -66,7 +66,7 @@ fn answer(agent: &mut Connection, now: Duration) {
         let line: Vec<u8> = agent.received.drain(..=end).collect();
         if line.trim_ascii() == b"* PING" {
             agent.pending.extend_from_slice(format!("* PONG {HEARTBEAT_MS}\n").as_bytes());
-            (agent.deadline, agent.is_proven) = (now + LONGEST_SILENCE, true);
+            (agent.deadline, agent.state) = (now + LONGEST_SILENCE, ConnectionState::Proven);
         }
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::device_model::{device_model, device_uuid};
-use super::port_server::{Connection, PortLimits, PortServer};
+use super::port_server::{Connection, ConnectionState, PortLimits, PortServer};
 use super::timestamp;
 use crate::link::condition::level;
 use crate::link::data_item::{DataItem, ItemValue, data_items};
@@ -62,7 +62,7 @@ impl WebServer {
             if let Some(answer) = answer(client, view, &mut wanted) {
                 answers += 1;
                 client.pending = answer;
-                (client.is_closing, client.is_proven) = (true, true);
+                client.state = ConnectionState::Closing;
             }
         });
         self.port.count_sent(answers);

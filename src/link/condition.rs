@@ -4,7 +4,6 @@
 use super::data_item::Component;
 use super::snapshot::Snapshot;
 use crate::defs::alarm::{self, Reaction};
-use crate::defs::equipment::Equipment;
 
 /// A group of alarms that the network knows as one condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,9 +43,8 @@ impl Condition {
     ];
 
     /// Those of a machine.
-    pub fn of_machine(snapshot: &Snapshot) -> impl Iterator<Item = Self> + use<> {
-        let has_hydraulics = snapshot.fitted().has(Equipment::Hydraulics);
-        Self::ALL.into_iter().filter(move |condition| has_hydraulics || *condition != Self::Hydraulic)
+    pub fn of_machine(snapshot: &Snapshot) -> impl Iterator<Item = Self> + use<'_> {
+        Self::ALL.into_iter().filter(|condition| condition.row().1.is_fitted(snapshot))
     }
 
     /// Id, component and type in the standard.

@@ -42,6 +42,25 @@ pub enum Component {
     Door,
 }
 
+impl Component {
+    /// Whether a machine has it.
+    #[must_use]
+    pub fn is_fitted(self, snapshot: &Snapshot) -> bool {
+        match self {
+            Self::Hydraulic => snapshot.fitted().has(Equipment::Hydraulics),
+            Self::Door => snapshot.params.input_port(Input::GuardClosed) > 0,
+            Self::Axis(axis) => snapshot.axes[axis].present,
+            Self::Device
+            | Self::Controller
+            | Self::Path
+            | Self::Axes
+            | Self::Spindle
+            | Self::Coolant
+            | Self::Lubrication => true,
+        }
+    }
+}
+
 /// What kind of data an item is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Category {
@@ -225,18 +244,11 @@ data_items! {
 }
 
 /// The data items of a machine: those of what it is fitted with, then those of each of its axes.
-pub fn data_items(snapshot: &Snapshot) -> impl Iterator<Item = DataItem> + use<> {
-    let has_hydraulics = snapshot.fitted().has(Equipment::Hydraulics);
-    let has_guard = snapshot.params.input_port(Input::GuardClosed) > 0;
-    let is_fitted = move |item: &DataItem| match item.component {
-        Component::Hydraulic => has_hydraulics,
-        Component::Door => has_guard,
-        _ => true,
-    };
-    let fitted: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
+pub fn data_items(snapshot: &Snapshot) -> impl Iterator<Item = DataItem> + use<'_> {
     let of_axis =
         |axis: Axis| AXIS_ITEMS.iter().map(move |item| DataItem { component: Component::Axis(axis), ..*item });
-    MACHINE_ITEMS.iter().copied().filter(is_fitted).chain(fitted.into_iter().flat_map(of_axis))
+    let all = MACHINE_ITEMS.iter().copied().chain(Axis::ALL.into_iter().flat_map(of_axis));
+    all.filter(|item| item.component.is_fitted(snapshot))
 }
 
 /// Whether the spindle turns the part: a lathe measures its speed.

@@ -1,0 +1,171 @@
+//! What a browser sees, and that it can only look.
+
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::{Duration, Instant};
+
+use kt830::defs::alarm;
+use kt830::defs::part_record::PartHistory;
+use kt830::defs::part_verdict::PartVerdict;
+use kt830::gateway::Painter;
+use kt830::link::network::ServiceState;
+use kt830::link::snapshot::RunState;
+
+use super::{DEADLINE, Shop, part, raised, set};
+
+impl Shop {
+    /// A browser asks; the whole answer, with its head.
+    fn ask(&mut self, request: &[u8]) -> Vec<u8> {
+        let mut browser = self.connect();
+        browser.write_all(request).unwrap();
+        let (begun, mut answer) = (Instant::now(), Vec::new());
+        loop {
+            assert!(begun.elapsed() < DEADLINE, "no answer to {}", String::from_utf8_lossy(request));
+            self.step();
+            match browser.read_to_end(&mut answer) {
+                Ok(_) => return answer,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+
+    fn get(&mut self, path: &str) -> (String, Vec<u8>) {
+        let answer = self.ask(format!("GET {path} HTTP/1.1\r\nHost: localhost:{}\r\n\r\n", self.port).as_bytes());
+        let end = answer.windows(4).position(|four| four == b"\r\n\r\n").expect("a head");
+        (String::from_utf8(answer[..end].to_vec()).unwrap(), answer[end + 4..].to_vec())
+    }
+}
+
+#[test]
+fn a_browser_sees_the_state_the_alarms_and_the_trend() {
+    let mut shop = Shop::with("P483", None);
+    shop.snapshot.state = RunState::Alarm;
+    shop.snapshot.alarms.push(raised(alarm::HYDRAULIC_PRESSURE));
+    shop.snapshot.feed_mm_min = f64::NAN;
+    shop.snapshot.production.parts = PartHistory::new([part(41, PartVerdict::Good)], 1);
+    let (head, body) = shop.get("/state.json");
+    assert!(head.starts_with("HTTP/1.1 200 OK\r\n") && head.contains("no-store"), "{head}");
+    assert!(head.contains(&format!("Content-Length: {}", body.len())), "{head}");
+    let state: serde_json::Value = serde_json::from_slice(&body).unwrap();
+    assert_eq!(state["items"]["execution"], "STOPPED");
+    assert_eq!(state["items"]["feed"], serde_json::Value::Null);
+    assert_eq!(state["alarms"][0]["number"], 180);
+    assert_eq!(state["alarms"][0]["text"]["zh"], "砂轮启动时液压异常");
+    assert_eq!(state["sizes"][0]["size"], 39.9985);
+    let (head, body) = shop.get("/?from=phone");
+    assert!(head.contains("text/html; charset=utf-8") && head.contains("default-src 'none'"), "{head}");
+    assert!(body.starts_with(b"<!doctype html>"));
+}
+
+#[test]
+fn a_browser_gets_the_picture_once_it_is_painted_at_most_one_a_second() {
+    let (painted, count) = crossbeam_channel::unbounded();
+    let painter: Painter = Box::new(move |snapshot| {
+        painted.send(snapshot.parts_counted).unwrap();
+        assert!(snapshot.network.as_ref().is_some_and(|network| network.web.state == ServiceState::Listening));
+        Some(format!("picture {}", snapshot.parts_counted).into_bytes())
+    });
+    let mut shop = Shop::with("P483", Some(painter));
+    (0..100).for_each(|_| shop.step());
+    shop.snapshot.parts_counted = 7;
+    let (head, _) = shop.get("/screen.png");
+    assert!(head.starts_with("HTTP/1.1 503 "), "{head}");
+    let begun = Instant::now();
+    let body = loop {
+        assert!(begun.elapsed() < DEADLINE, "no picture");
+        let (head, body) = shop.get("/screen.png");
+        if head.contains("image/png") {
+            break body;
+        }
+    };
+    // What was painted before anybody had asked would come first.
+    assert_eq!((body.as_slice(), count.try_recv()), (b"picture 7".as_slice(), Ok(7)));
+    let from = shop.now;
+    while count.is_empty() {
+        assert!(begun.elapsed() < DEADLINE, "no second picture");
+        shop.get("/screen.png");
+    }
+    while shop.now - from < Duration::from_secs(5) {
+        shop.get("/screen.png");
+    }
+    let pictures = count.try_iter().count() as u64;
+    assert!(pictures <= shop.now.as_secs() + 1, "{pictures} in {:?}", shop.now);
+    // Nobody looks for a while: the next one who does is not shown an old picture.
+    shop.now += Duration::from_secs(60);
+    let (head, _) = shop.get("/screen.png");
+    assert!(head.starts_with("HTTP/1.1 503 "), "{head}");
+}
+
+#[test]
+fn a_browser_can_only_look() {
+    let mut shop = Shop::with("P483", None);
+    let host = "Host: 127.0.0.1\r\n\r\n";
+    for (request, status) in [
+        (format!("POST /state.json HTTP/1.1\r\n{host}"), "405"),
+        (format!("PUT / HTTP/1.1\r\n{host}"), "405"),
+        (format!("GET /../retained.redb HTTP/1.1\r\n{host}"), "404"),
+        (format!("GET /state.json/ HTTP/1.0\r\n{host}"), "404"),
+        ("GET / HTTP/1.1\r\nHost: machine.example\r\n\r\n".to_owned(), "403"),
+        ("GET / HTTP/1.1\r\n\r\n".to_owned(), "403"),
+        ("* PING\n\r\n\r\n".to_owned(), "400"),
+        ("\u{0}\u{1}\r\n\r\n".to_owned(), "400"),
+    ] {
+        let answer = shop.ask(request.as_bytes());
+        assert!(
+            answer.starts_with(format!("HTTP/1.1 {status} ").as_bytes()),
+            "{request}: {}",
+            String::from_utf8_lossy(&answer)
+        );
+    }
+    // However far it is opened, the view stays on this computer.
+    set(&mut shop.snapshot, "P481", 1.0);
+    shop.step();
+    assert_eq!(shop.gateway.view().web.address, format!("127.0.0.1:{}", shop.port));
+}
+
+/// A client that sends no more still gets its answer; one that keeps an answered connection open loses it after a second,
+/// and is no fault.
+#[test]
+fn a_half_closed_client_gets_its_answer_and_an_open_one_loses_its_place() {
+    let mut shop = Shop::with("P483", None);
+    let mut half = shop.connect();
+    half.write_all(b"GET /state.json HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    half.shutdown(std::net::Shutdown::Write).unwrap();
+    let (begun, mut answer) = (Instant::now(), Vec::new());
+    while half.read_to_end(&mut answer).is_err() {
+        assert!(begun.elapsed() < DEADLINE, "no answer");
+        shop.step();
+    }
+    assert!(answer.starts_with(b"HTTP/1.1 200") && answer.ends_with(b"}"));
+    let mut open = shop.connect();
+    open.write_all(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    shop.until_view("it is taken", |shop| !shop.gateway.view().web.clients.is_empty());
+    let from = shop.now;
+    shop.until_view("it has gone", |shop| shop.gateway.view().web.clients.is_empty());
+    assert!(shop.now - from < Duration::from_secs(2), "{:?}", shop.now - from);
+    assert_eq!(shop.gateway.view().web.dropped, 0);
+}
+
+#[test]
+fn slow_and_endless_requests_are_given_up() {
+    let mut shop = Shop::with("P483", None);
+    let mut slow = shop.connect();
+    slow.write_all(b"GET / HTTP/1.1\r\nHost: local").unwrap();
+    let mut endless = shop.connect();
+    endless.write_all(&[b"GET /".as_slice(), &[b'a'; 16_384]].concat()).unwrap();
+    shop.until_view("the endless one is given up", |shop| shop.gateway.view().web.dropped >= 1);
+    let ten = Duration::from_secs(10);
+    while shop.gateway.view().web.dropped < 2 {
+        shop.step();
+        assert!(shop.now < 2 * ten, "still waiting");
+    }
+    assert!(shop.now > ten, "too early: {:?}", shop.now);
+    let dropped = shop.gateway.view().web.dropped;
+    let idle: Vec<TcpStream> = (0..40).map(|_| shop.connect()).collect();
+    shop.until_view("sixteen have places", |shop| shop.gateway.view().web.dropped == dropped + 24);
+    assert!(shop.get("/").0.starts_with("HTTP/1.1 200"), "idle connections keep nobody out");
+    drop(idle);
+    shop.until_view("all have gone", |shop| shop.gateway.view().web.clients.is_empty());
+    assert!(shop.get("/").0.starts_with("HTTP/1.1 200"));
+}
