@@ -148,12 +148,14 @@ struct StationClient {
     health: StationHealth,
     /// RESETs that were there when the outputs were locked: a later one releases them.
     locked_at: u64,
+    /// Outputs have been sent, if only in an exchange that broke off.
+    has_written: bool,
 }
 
 impl StationClient {
     fn new(station: StationDescription, image: DeviceImage, asked: Output<NewestOutputs>) -> Self {
         let health = StationHealth::default();
-        Self { station, image, asked, stream: None, transaction: 0, health, locked_at: 0 }
+        Self { station, image, asked, stream: None, transaction: 0, health, locked_at: 0, has_written: false }
     }
 
     /// Exchanges every period until the link is dropped.
@@ -251,7 +253,7 @@ impl StationClient {
         set.map_err(|_| StationFault::Unreachable)?;
         self.stream = Some(stream);
         // A connection after the first one: the station may have been without power meanwhile.
-        if self.health.exchanges > 0 {
+        if self.health.exchanges > 0 || self.has_written {
             self.lock(StationFault::ConnectedAnew);
         }
         Ok(())
@@ -282,6 +284,7 @@ impl StationClient {
             if !self.take_outputs() {
                 return Ok(());
             }
+            self.has_written = true;
             let block = self.station.outputs[at];
             let end = first + usize::from(block.bytes());
             let bytes = self.image.outputs[first..end].to_vec();

@@ -239,6 +239,30 @@ fn b8_a_station_that_is_connected_anew_keeps_its_outputs_off() {
     until(&mut link, &OUTPUTS, |link, _| on(&tables) && link.health().locked.is_none());
 }
 
+/// The connection breaks between the first outputs and the first inputs: no exchange has been whole, and the outputs are
+/// on all the same.
+#[test]
+fn b8_a_station_that_is_lost_in_its_first_exchange_keeps_its_outputs_off() {
+    let tables: Arc<Mutex<Tables>> = Arc::default();
+    let served = Arc::clone(&tables);
+    let was_on = std::cell::Cell::new(false);
+    let broken = std::cell::Cell::new(false);
+    let address = server(Box::new(move |request| {
+        // Functions 1 to 4 read. Nothing is read before the outputs are there, nor once behind them.
+        if request[7] <= 4 && !broken.get() {
+            broken.set(was_on.get());
+            return None;
+        }
+        let answer = serve_tables(&served, request);
+        was_on.set(was_on.get() || on(&served));
+        Some(answer)
+    }));
+    let mut link = ModbusLink::start(station(address)).unwrap();
+    until(&mut link, &OUTPUTS, |link, _| link.health().locked == Some(StationFault::ConnectedAnew) && !on(&tables));
+    link.release();
+    until(&mut link, &OUTPUTS, |link, _| on(&tables) && link.health().locked.is_none());
+}
+
 /// The refusal of a request: exception 2.
 fn refusal(answer: &[u8]) -> Vec<u8> {
     let mut refusal = answer[..9].to_vec();

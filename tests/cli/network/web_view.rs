@@ -24,7 +24,9 @@ impl Shop {
             self.step();
             match browser.read_to_end(&mut answer) {
                 Ok(_) => return answer,
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
                 Err(error) => panic!("{error}"),
             }
         }
