@@ -256,7 +256,9 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
 /// offsets are corrected. That part belongs to no batch. Returns what has stopped or spoilt it, if something has.
 fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPart>, CallError> {
     host.machine_mut().set_part(Some(&subject.part));
-    if let Some(dressing) = subject.part.kind.row().dressing_program {
+    // The internal grinding spindle has a dresser of its own, which its program uses.
+    let dressing = subject.part.kind.row().dressing_program.filter(|_| subject.part.internal_spindle.is_none());
+    if let Some(dressing) = dressing {
         let values = PartFile::builtin(dressing).map_err(CallError::new)?.unwrap_or_default().variables;
         let missing = values.into_iter().filter(|(number, _)| host.controller().variable(u32::from(*number)).is_none());
         let commands: Vec<Command> = missing.map(|(number, value)| Command::SetVariable(number, Some(value))).collect();

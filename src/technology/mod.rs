@@ -16,11 +16,13 @@
 //! S. Malkin, R. B. Lenz, CIRP Annals 27 (1978) 233 (burn limit of steels); F. Klocke, Manufacturing Processes 2, 2009
 //! (speed ratio, removal rates, overlap ratio). Spec: issue "a good part, always", part D.
 
+mod burn;
 mod capability;
 mod dressing;
 mod material;
 mod plunge;
 
+pub use burn::burn_limit_mm2_s;
 pub use capability::{Capability, EwmaPoint, MIN_PARTS, capability, ewma};
 pub use dressing::{DressedWheel, effective_width_mm};
 pub use material::{GroundMaterial, MATERIALS};

@@ -1,22 +1,15 @@
 //! The proposal for a plunge: one roughing feed, one finishing feed, spark-out.
 //!
-//! With the depth of cut a of one turn of the part, its speed v_w, and the equivalent diameter d_e = d_s·d_w/(d_s + d_w),
-//! a steel burns where its specific energy exceeds
-//!
-//!   u* = u_0 + B·d_e^(1/4)·a^(−3/4)·v_w^(−1/2),
-//!
-//! so that the removal rate at the burn limit is Q'w = a·v_w with a from u = u*. The feed of the slide is
-//! v_f = Q'w/(π·d_w); the size lags behind it by v_f·τ.
+//! The feed of the slide is v_f = Q'w/(π·d_w), with the removal rate Q'w below the burn limit (`burn`) and the other
+//! limits; the size lags behind the feed by v_f·τ.
 
 use std::f64::consts::PI;
 
+use super::burn::burn_limit_mm2_s;
 use super::dressing::effective_width_mm;
 use super::material::GroundMaterial;
 use crate::defs::page_meaning::PageMeaning;
 
-/// u_0 and B of the burn limit (Malkin and Lenz, 1978): J/mm³; lengths in mm, v_w in mm/s.
-const BURN_ENERGY_J_MM3: f64 = 6.2;
-const BURN_FACTOR: f64 = 7.2;
 /// Share of a limit that is used: the rest is for runout, a dulling wheel and the operator's coolant.
 const SAFE_SHARE: f64 = 0.8;
 /// Removal rate of finishing for a roughness Ra of 0.4 µm, mm³/(mm·s); it grows with Ra.
@@ -272,7 +265,7 @@ fn roughing(task: &GrindingTask, work_mm_s: f64) -> PlungeStage {
     let GrindingTask { part, wheel, machine } = task;
     let material = &part.material;
     let power = SAFE_SHARE * machine.wheel_kw * 1_000.0 / (material.energy_j_mm3 * part.width_mm);
-    let burn = if material.burns { SAFE_SHARE * burn_limit_mm2_s(part, wheel, work_mm_s) } else { f64::INFINITY };
+    let burn = if material.burns { SAFE_SHARE * burn_limit(part, wheel, work_mm_s) } else { f64::INFINITY };
     let limits = [
         (power, ProposalLimit::Power),
         (burn, ProposalLimit::Burn),
@@ -284,14 +277,9 @@ fn roughing(task: &GrindingTask, work_mm_s: f64) -> PlungeStage {
 }
 
 /// Q'w at which the specific energy of the material reaches that of the burn limit, mm³/(mm·s).
-fn burn_limit_mm2_s(part: &PlungePart, wheel: &MountedWheel, work_mm_s: f64) -> f64 {
+fn burn_limit(part: &PlungePart, wheel: &MountedWheel, work_mm_s: f64) -> f64 {
     let equivalent_mm = wheel.diameter_mm * part.diameter_mm / (wheel.diameter_mm + part.diameter_mm);
-    let above = part.material.energy_j_mm3 - BURN_ENERGY_J_MM3;
-    if above <= 0.0 {
-        return f64::INFINITY;
-    }
-    let depth_mm = (BURN_FACTOR * equivalent_mm.powf(0.25) / (work_mm_s.sqrt() * above)).powf(4.0 / 3.0);
-    depth_mm * work_mm_s
+    burn_limit_mm2_s(part.material.energy_j_mm3, equivalent_mm, work_mm_s)
 }
 
 fn finishing(task: &GrindingTask, rough: &PlungeStage) -> PlungeStage {

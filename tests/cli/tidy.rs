@@ -15,7 +15,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("geometry", &[]),
     ("motion", &["units", "defs"]),
     ("machine", &["units", "defs", "link"]),
-    ("io", &["units", "defs"]),
+    ("io", &["units", "defs", "technology"]),
     ("store", &["units", "defs"]),
     ("controller", &["units", "defs", "link", "nc", "motion", "machine", "io"]),
     ("host", &["units", "defs", "link", "nc", "machine", "io", "store", "controller"]),

@@ -165,7 +165,7 @@ fn k7_4_the_numbers_of_the_shipped_pictures_are_on_their_pages() {
             seen += 1;
         }
     }
-    // Nineteen programs and three R pages, some six numbers each.
+    // Twenty programs and three R pages, some six numbers each.
     assert!(seen > 110, "{seen}");
 }
 

@@ -96,7 +96,7 @@ pub fn connect(params: &mut Params, input: Input, port: u8) {
 
 fn rig(machine: MachineFile, part: Option<&PartFile>, params: Params) -> Rig {
     let mut rig = Rig {
-        diameters: machine.kind.ui().grinding_forms == [GrindingForm::Outside],
+        diameters: machine.kind == Kind::Gc,
         sim: SimulatedMachine::new(machine, part, &params, 1),
         now: Micros::ZERO,
         tick: Micros(1_000),

@@ -14,6 +14,7 @@ mod kinds;
 mod machine;
 mod machine_file;
 mod part_file;
+mod process;
 mod story;
 mod table;
 mod trace;

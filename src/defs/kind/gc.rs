@@ -35,7 +35,7 @@ pub(super) static ROW: KindRow = KindRow {
     ui: KindUi {
         // Seen from above: Z along the part, X to the wheel; X− moves the wheel to the part, towards the operator.
         drawing_planes: &[(Axis::Z, Axis::X)],
-        grinding_forms: &[GrindingForm::Outside],
+        grinding_forms: &[GrindingForm::Outside, GrindingForm::Bore],
         wheel_pose: Some(WheelPose { body: Axis::X, spindle: Axis::Z, position_is_centre: false }),
         jog_cross: [[Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], JOG_Y],
         panel: MachineUnits::new(&[WHEEL, HEADSTOCK, MAGNET, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),

@@ -14,6 +14,8 @@
 //! λ grows with τ as the wheel gets dull.
 //! The removed volume wears the wheel (`wheel.rs`), loads its motor and, per width of contact, may burn the part.
 
+use super::bending::Bending;
+
 /// Position and motion of the wheel in this tick, part coordinates, radius.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WheelMotion {
@@ -33,6 +35,10 @@ pub(super) struct WheelMotion {
     /// wheel's axis.
     pub swivel_tan: f64,
     pub traverse: TraverseLengths,
+    /// Speed of the part, turns per second.
+    pub part_turns_s: f64,
+    /// What bends under the wheel; nothing where part and spindle are stiff.
+    pub bending: Option<Bending>,
 }
 
 impl WheelMotion {
@@ -61,9 +67,18 @@ pub(super) struct Cut {
     pub volume_mm3: f64,
     /// Volume per width of contact, mm².
     pub specific_mm2: f64,
+    /// By how much the contact is slower than with a sharp wheel: 1 sharp.
+    pub dullness_factor: f64,
+    /// Speed of the part under the wheel, mm/s; none where the wheel's side grinds a face that stands.
+    pub work_mm_s: Option<f64>,
 }
 
 /// Share of the overlap removed in a tick: 1 − exp(−dt·(1/τ + v/λ)).
 pub(super) fn removed_share(dt_s: f64, tau_s: f64, passes_per_s: f64) -> f64 {
     -(-dt_s * (tau_s.recip() + passes_per_s)).exp_m1()
+}
+
+/// The same where τ and λ are longer by a factor.
+pub(super) fn removed_share_of_lag(removed_share: f64, lag_factor: f64) -> f64 {
+    -((-removed_share).ln_1p() / lag_factor).exp_m1()
 }

@@ -7,9 +7,11 @@
 //! was not held is lost and has no size; a crash trips the drives of all axes until the drives are switched off and the
 //! axes are at rest.
 
-use super::contact_law::{TraverseLengths, WheelMotion};
+use super::bending::{Beam, Bending};
+use super::contact_law::{Cut, TraverseLengths, WheelMotion};
+use super::heat::{burn_limit, power_w};
 use super::machine_file::MachineFile;
-use super::machine_sections::{CuttingFile, LayoutFile};
+use super::machine_sections::{CuttingFile, DresserFile, LayoutFile};
 use super::obstacle::Obstacle;
 use super::part_file::{GaugeSetupFile, PartFile};
 use super::report::{EventKind, EventLog, SimEvent};
@@ -23,6 +25,8 @@ use crate::units::{Axis, MachinePos, PerAxis, Position, WorkPos};
 
 /// Time over which dressing cuts are summed, s: a dresser fed too fast into the rim breaks, however short the tick.
 const CUT_WINDOW_S: f64 = 0.1;
+/// Speed of the wheel by which a power is a force at least, m/s.
+const LEAST_WHEEL_M_S: f64 = 1.0;
 /// A slide that moved farther than this in one tick was placed, not driven, mm.
 const SWEEP_LIMIT_MM: f64 = 20.0;
 
@@ -36,6 +40,9 @@ pub(super) struct MachineState {
     pub wheel: Spindle,
     pub wheel_m_s: f64,
     pub part_rpm: f64,
+    /// The part turns on a table, not in a workhead.
+    pub on_table: bool,
+    pub coolant_flows: bool,
     pub roll_rpm: f64,
     pub tailstock_retracted_mm: f64,
     /// The magnet holds the part, or the machine has no magnet.
@@ -62,6 +69,10 @@ pub(super) struct Grinding {
     highest_mm: f64,
     /// Tangent of the swivel angle of the wheel head.
     swivel_tan: f64,
+    /// What bends: the part, or the quill of an internal grinding spindle.
+    beam: Option<Beam>,
+    /// The dresser of the spindle that is swung in.
+    dresser: Option<DresserFile>,
     dresser_broken: bool,
     /// Depth that the dresser has cut within `CUT_WINDOW_S`, mm.
     recent_cut_mm: f64,
@@ -74,6 +85,8 @@ pub(super) struct Grinding {
     previous_stroke_mm: f64,
     /// Load of the wheel motor, percent.
     pub(super) load_percent: f64,
+    /// Tangential force on the part, N.
+    pub(super) tangential_n: f64,
     /// The wheel has removed something in this tick: of the part, or it was dressed.
     pub(super) removes: bool,
     /// It has removed something of the part.
@@ -107,6 +120,8 @@ impl Grinding {
             seat_gauges: Vec::new(),
             highest_mm: f64::NEG_INFINITY,
             swivel_tan: 0.0,
+            beam: None,
+            dresser: file.dresser.clone(),
             dresser_broken: false,
             recent_cut_mm: 0.0,
             probe_broken: false,
@@ -114,6 +129,7 @@ impl Grinding {
             part_lost: false,
             previous_stroke_mm: f64::INFINITY,
             load_percent: 0.0,
+            tangential_n: 0.0,
             removes: false,
             grinds: false,
         }
@@ -136,6 +152,7 @@ impl Grinding {
             self.gauge = part.gauge;
             self.seat_gauges.clone_from(&part.seat_gauges);
             self.diamond_radius_mm = part.diamond_radius_mm;
+            self.set_spindle(part);
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
             self.obstacles.extend(part.bodies.iter().map(Obstacle::of_body));
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
@@ -146,6 +163,14 @@ impl Grinding {
         let surfaces = self.surfaces.iter().map(Surface::reach_mm);
         let obstacles = self.obstacles.iter().map(|obstacle| obstacle.top_mm);
         self.highest_mm = surfaces.chain(obstacles).fold(f64::NEG_INFINITY, f64::max);
+    }
+
+    /// The spindle that the part is ground with, its dresser, and what bends.
+    fn set_spindle(&mut self, part: &PartFile) {
+        let outer = self.machine.dresser.as_ref();
+        let internal = part.internal_spindle.as_ref();
+        self.dresser = internal.map_or_else(|| outer.cloned(), |file| outer.map(|outer| file.dresser(outer)));
+        self.beam = internal.map(Beam::of_quill).or_else(|| part.shaft.as_ref().map(Beam::of_shaft));
     }
 
     /// The surfaces to be measured; empty once the part is lost.
@@ -159,7 +184,7 @@ impl Grinding {
         let at = layout.wheel_at(self.work_pos(scene));
         let sections = self.surfaces().iter().flat_map(|surface| surface.sections(layout, &at, wheel));
         let holders = self.obstacles.iter().map(|obstacle| obstacle.holder(layout, scene.tailstock_retracted_mm));
-        let dresser = self.machine.dresser.as_ref().map(|dresser| {
+        let dresser = self.dresser.as_ref().map(|dresser| {
             let mut at_mm = PerAxis::from_fn(|axis| -self.work_zero_mm[axis]);
             at_mm[layout.infeed] += dresser.infeed_mm + if dresser.behind { 2.0 * wheel.radius_mm } else { 0.0 };
             at_mm[layout.across] += dresser.across_mm;
@@ -228,13 +253,15 @@ impl Grinding {
         pass.dt_s = scene.dt_s;
         pass.swivel_tan = self.swivel_tan;
         pass.traverse = self.traverse;
+        pass.part_turns_s = scene.part_rpm / 60.0;
+        pass.bending = self.beam.map(|beam| Bending::new(beam, &self.machine.cutting, scene.wheel_m_s));
         pass
     }
 
     /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
         self.load_percent = if scene.wheel.rpm > 0.0 { self.machine.wheel.idle_load_percent } else { 0.0 };
-        (self.removes, self.grinds) = (false, false);
+        (self.removes, self.grinds, self.tangential_n) = (false, false, 0.0);
         let pass = self.wheel_motion(scene);
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.check_part_held(scene, log);
@@ -244,10 +271,11 @@ impl Grinding {
             self.obstacles.iter_mut().for_each(|obstacle| obstacle.touched = false);
             return crashed;
         }
-        let (mut volume, mut lost) = (0.0, false);
+        let (mut watts, mut lost) = (0.0, false);
         for index in 0..if self.part_lost { 0 } else { self.surfaces.len() } {
             let met = contact_surface(&mut self.surfaces[index], &pass, wheel, &self.machine.cutting, scene);
-            volume += met.volume_mm3;
+            self.grinds |= met.cut.volume_mm3 > 0.0;
+            watts += power_w(&self.machine.cutting, &met.cut, scene.dt_s);
             lost |= met.part_lost;
             if let Some((kind, place)) = met.event {
                 crashed |= log.push(self.event(kind, place, scene)) && kind == EventKind::Crash;
@@ -259,12 +287,10 @@ impl Grinding {
                 crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name(), scene));
             }
         }
-        self.grinds = volume > 0.0;
         self.removes |= self.grinds;
-        if volume > 0.0 {
-            // J/mm³ · mm³/s = W.
-            let watts = self.machine.cutting.energy_j_mm3 * volume / scene.dt_s;
+        if self.grinds {
             self.load_percent += 100.0 * watts / self.machine.wheel.power_w;
+            self.tangential_n = watts / scene.wheel_m_s.max(LEAST_WHEEL_M_S);
         }
         crashed
     }
@@ -302,7 +328,7 @@ impl Grinding {
 
     /// Dresses the slices of the rim that are over the dresser; true if it crashed.
     fn dress(&mut self, scene: &MachineState, wheel: &mut GrindingWheel, log: &mut EventLog) -> bool {
-        let Some(dresser) = &self.machine.dresser else { return false };
+        let Some(dresser) = &self.dresser else { return false };
         let at = self.machine.layout.wheel_at(scene.slide_mm);
         // Two circles: offset along the stroke, the wheel reaches less deep.
         let (both, off) = (wheel.radius_mm + self.roll_radius_mm, at.stroke_mm - dresser.stroke_mm);
@@ -363,7 +389,7 @@ impl Grinding {
 /// Result of the contact with one surface in one tick.
 #[derive(Default)]
 struct ContactResult {
-    volume_mm3: f64,
+    cut: Cut,
     event: Option<(EventKind, &'static str)>,
     /// The part was not held.
     part_lost: bool,
@@ -403,14 +429,16 @@ fn contact_surface(
     if surface.needs_rotation() && scene.part_rpm < cutting.part_stands_rpm {
         if overlap > cutting.flat_mm && !surface.contact.flat {
             surface.contact.flat = true;
-            return tell(EventKind::Flat, surface.place_when_stopped());
+            return tell(EventKind::Flat, surface.place_when_stopped(scene.on_table));
         }
         return ContactResult::default();
     }
     let cut = surface.grind(pass, wheel);
-    let burns = cut.specific_mm2 > cutting.burn_mm2_s * pass.dt_s && !surface.contact.burnt;
+    let burns = !surface.contact.burnt
+        && cut.specific_mm2 > 0.0
+        && cut.specific_mm2 > burn_limit(cutting, &cut, scene.coolant_flows) * pass.dt_s;
     surface.contact.burnt |= burns;
-    ContactResult { volume_mm3: cut.volume_mm3, event: burns.then_some((EventKind::Burn, "part")), part_lost: false }
+    ContactResult { cut, event: burns.then_some((EventKind::Burn, "part")), part_lost: false }
 }
 
 impl LayoutFile {

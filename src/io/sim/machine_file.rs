@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::file_error::{SimFileError, require_positive_fields as positive};
+use super::file_error::{SimFileError, require_positive, require_positive_fields as positive};
 use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
@@ -108,7 +108,8 @@ impl MachineFile {
         positive!("hydraulics", hydraulics; time_constant_s gauge_arm_s oscillation_mm oscillation_mm_s)?;
         positive!("gauges.probe", self.gauges.probe; second_mm travel_mm)?;
         positive!("cutting", cutting; sharp_s dull_s dull_after_mm3 traverse_cylinder_mm traverse_face_mm)?;
-        positive!("cutting", cutting; traverse_plane_mm contact_mm)?;
+        positive!("cutting", cutting; traverse_plane_mm contact_mm energy_j_mm3 force_ratio burn_mm2_s)?;
+        cutting.burn_work_mm_s.map_or(Ok(()), |mm_s| require_positive("cutting.burn_work_mm_s", mm_s))?;
         if let Some(quill) = &hydraulics.tailstock {
             positive!("hydraulics.tailstock", quill; travel_s)?;
         }

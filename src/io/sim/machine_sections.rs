@@ -199,6 +199,11 @@ pub struct QuillFile {
     pub travel_s: f64,
 }
 
+/// µ of vitrified wheels on steel lies between 0.3 and 0.5 (Malkin and Guo 2008).
+const fn usual_force_ratio() -> f64 {
+    0.4
+}
+
 /// How the wheel cuts (P5, P6).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -217,10 +222,16 @@ pub struct CuttingFile {
     pub traverse_plane_mm: f64,
     /// Contact length of the rim on a plane, mm: wheel and part deform over this length.
     pub contact_mm: f64,
-    /// Energy to remove a volume, J/mm³.
+    /// Energy to remove a volume with a sharp wheel, J/mm³.
     pub energy_j_mm3: f64,
-    /// Specific removal rate above which the part burns, mm³/(mm·s).
+    /// Ratio µ of tangential to normal force.
+    #[serde(default = "usual_force_ratio")]
+    pub force_ratio: f64,
+    /// Specific removal rate above which a sharp wheel under coolant burns the part, mm³/(mm·s).
     pub burn_mm2_s: f64,
+    /// Speed of the part under the wheel for which that rate holds, mm/s; absent: for every speed.
+    #[serde(default)]
+    pub burn_work_mm_s: Option<f64>,
     /// Overlap that is a crash, mm.
     pub crash_mm: f64,
     /// Overlap that is a crash when the wheel is stopped or below half its speed, mm.

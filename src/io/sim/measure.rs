@@ -28,6 +28,10 @@ pub struct WheelState {
     pub rated_m_s: f64,
     /// Load of its motor, percent.
     pub load_percent: f64,
+    /// Tangential force on the part, N.
+    pub tangential_n: f64,
+    /// Normal force between wheel and part, N.
+    pub normal_n: f64,
     /// Dullness: 0 sharp, 1 dull.
     pub dullness: f64,
 }
@@ -48,7 +52,8 @@ impl SimulatedMachine {
     /// Present state of the wheel.
     #[must_use]
     pub fn wheel(&self) -> WheelState {
-        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindles.wheel.rpm);
+        let ratio = self.internal.as_ref().map_or(1.0, |internal| internal.speed_ratio);
+        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), ratio * self.spindles.wheel.rpm);
         WheelState {
             diameter_mm,
             width_mm: self.wheel.width_mm,
@@ -56,6 +61,8 @@ impl SimulatedMachine {
             rpm,
             peripheral_m_s: PI * diameter_mm / 1_000.0 * rpm / 60.0,
             load_percent: self.grinding.load_percent,
+            tangential_n: self.grinding.tangential_n,
+            normal_n: self.grinding.tangential_n / self.file.cutting.force_ratio,
             dullness: self.wheel.rim_dullness,
         }
     }

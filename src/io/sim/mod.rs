@@ -8,6 +8,7 @@
 //! machines of a kind. The machine file alone defines which axes and spindles exist.
 
 mod axis;
+mod bending;
 mod cell_row;
 mod contact;
 mod contact_law;
@@ -16,6 +17,7 @@ mod fault;
 mod file_error;
 mod gauge;
 mod grinding;
+mod heat;
 mod hydraulics;
 mod inputs;
 mod interference_check;
@@ -54,6 +56,7 @@ use crate::defs::param::{self, Params};
 use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, MachinePos, Micros, PerAxis};
 
+pub use self::bending::{InternalSpindleFile, ShaftFile};
 pub use self::drawing::{Deviation, DrawingFeature, DrawingSize};
 pub use self::fault::FaultError;
 pub use self::file_error::SimFileError;
@@ -88,6 +91,10 @@ pub struct SimulatedMachine {
     magnet: Option<SimMagnet>,
     gauges: Gauges,
     wheel: GrindingWheel,
+    /// The internal grinding spindle that is swung in; its wheel is `wheel` then.
+    internal: Option<InternalSpindleFile>,
+    /// The wheel of the wheel head while the internal grinding spindle is swung in.
+    outer_wheel: Option<GrindingWheel>,
     grinding: Grinding,
     /// Spindle, tool turret and bar of a lathe.
     lathe: Option<SimLathe>,
@@ -126,6 +133,8 @@ impl SimulatedMachine {
             magnet: machine.magnet.clone().map(SimMagnet::new),
             gauges: Gauges::new(machine.gauges.clone()),
             wheel: GrindingWheel::new(&machine.wheel, &machine.cutting),
+            internal: None,
+            outer_wheel: None,
             grinding: Grinding::new(&machine),
             lathe: machine.main_spindle.clone().zip(machine.tool_post.clone()).map(|(s, p)| SimLathe::new(s, p)),
             wiring: Wiring::new(wiring),
@@ -181,6 +190,7 @@ impl SimulatedMachine {
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         let part = part.filter(|part| part.kind == self.file.kind);
         self.log.begin_part();
+        self.swing_spindle(part.and_then(|part| part.internal_spindle.clone()));
         self.grinding.set_part(part, &mut self.rng);
         if let Some(turning) = &mut self.lathe {
             turning.set_part(part);
@@ -190,6 +200,23 @@ impl SimulatedMachine {
             self.tailstock_at_start = part.tailstock_advanced;
             self.hydraulics.place_tailstock(part.tailstock_advanced);
         }
+    }
+
+    /// Swings the internal grinding spindle in or out; the wheel of the other one is as it was left. Another internal
+    /// spindle comes with a new wheel.
+    fn swing_spindle(&mut self, internal: Option<InternalSpindleFile>) {
+        if internal == self.internal {
+            return;
+        }
+        match &internal {
+            Some(file) => {
+                let inner = GrindingWheel::new(&file.wheel(&self.file.wheel), &self.file.cutting);
+                let before = std::mem::replace(&mut self.wheel, inner);
+                self.outer_wheel.get_or_insert(before);
+            }
+            None => self.wheel = self.outer_wheel.take().unwrap_or_else(|| self.wheel.clone()),
+        }
+        self.internal = internal;
     }
 
     /// Sets the state in which a run starts, without the moves that lead to it (T3): axes at the part's start position,
@@ -274,6 +301,8 @@ impl SimulatedMachine {
             wheel: self.spindles.wheel,
             wheel_m_s: self.wheel().peripheral_m_s,
             part_rpm: self.spindles.part_rpm(),
+            on_table: self.file.table.is_some(),
+            coolant_flows: self.hydraulics.coolant_flows() && !self.active_faults.coolant_missing,
             roll_rpm: self.roll_rpm(),
             tailstock_retracted_mm: self.hydraulics.tailstock_retracted_mm(),
             part_held: self.magnet.as_ref().is_none_or(SimMagnet::holds),

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::bending::{InternalSpindleFile, ShaftFile};
 use super::drawing::DrawingSize;
 use super::file_error::{SimFileError, refuse_value, require_positive, require_positive_fields};
 use crate::defs::kind::{GrindingForm, Kind};
@@ -25,7 +26,7 @@ macro_rules! parts {
 const BUILTIN: &[(&str, &str)] = parts! {
     "O1001" = "O1001"; "O1002" = "O1002"; "O1003" = "O1003"; "O1004" = "O1004"; "O1005" = "O1005"; "O1006" = "O1006";
     "O1007" = "O1007"; "O1008" = "O1008"; "O1009" = "O1009"; "O1010" = "O1010"; "O1011" = "O1011"; "O1012" = "O1012";
-    "O1013" = "O1013"; "O1014" = "O1014"; "O1015" = "O1015"; "O1016" = "O1016"; "O1018" = "O1018";
+    "O1013" = "O1013"; "O1014" = "O1014"; "O1015" = "O1015"; "O1016" = "O1016"; "O1017" = "O1017"; "O1018" = "O1018";
     "O1019" = "O1019"; "O1020" = "O1020"; "VGRIND" = "VGRIND"; "VBORE" = "VBORE"; "PRINTED" = "VGRIND";
 };
 
@@ -82,6 +83,12 @@ pub struct PartFile {
     /// Swivel angle of the wheel head, degrees. The rim then lies along a cone whose diameter grows downwards.
     #[serde(default)]
     pub head_deg: f64,
+    /// The part bends under the wheel; without it is stiff.
+    #[serde(default)]
+    pub shaft: Option<ShaftFile>,
+    /// It is ground with the internal grinding spindle.
+    #[serde(default)]
+    pub internal_spindle: Option<InternalSpindleFile>,
     /// The finished size, if variables of the program define it.
     pub finished: Option<FinishedSizeFile>,
     /// Number of the variable into which the operator types the diameter that he measures after each part.
@@ -423,6 +430,8 @@ impl PartFile {
                 return Err(SimFileError::Incompatible { what, rule: "the part's kind of machine cannot grind it" });
             }
         }
+        file.shaft.as_ref().map_or(Ok(()), ShaftFile::check)?;
+        file.internal_spindle.as_ref().map_or(Ok(()), InternalSpindleFile::check)?;
         if let Some(bar) = file.bar {
             require_positive_fields!("bar", bar; diameter cell)?;
             let cells = (bar.z_to - bar.z_from) / bar.cell;

@@ -133,7 +133,8 @@ impl PlaneSurface {
             }
         }
         let width = widest as f64 * self.z.cell_mm;
-        Cut { volume_mm3: volume, specific_mm2: if widest > 0 { volume / width } else { 0.0 } }
+        let specific_mm2 = if widest > 0 { volume / width } else { 0.0 };
+        Cut { volume_mm3: volume, specific_mm2, dullness_factor: slower, work_mm_s: Some(pass.stroke_mm_s) }
     }
 
     /// Removes a share of the overlap in a column; returns the number of cells touched.

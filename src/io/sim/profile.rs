@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use super::cell_row::CellRow;
-use super::contact_law::{Cut, WheelMotion, removed_share};
+use super::contact_law::{Cut, WheelMotion, removed_share, removed_share_of_lag};
 use super::machine_sections::LayoutFile;
 use super::part_file::{FaceDirection, SurfaceFile};
 use super::report::{DiameterAt, FaceAt, PartReport};
@@ -131,12 +131,6 @@ impl ProfileSurface {
     /// Whether the part must rotate for this surface to be ground.
     pub(super) const fn needs_rotation(&self) -> bool {
         !matches!(self.shape, ProfileShape::Face { turns: false, .. })
-    }
-
-    /// Event text for a part that is stopped but should rotate.
-    pub(super) const fn place_when_stopped(&self) -> &'static str {
-        let on_table = matches!(self.shape, ProfileShape::Bore { .. } | ProfileShape::Disc);
-        if on_table { "part, table stopped" } else { "part, workhead stopped" }
     }
 
     /// Position along the infeed below which the wheel can touch the surface, mm.
@@ -263,10 +257,12 @@ impl ProfileSurface {
     /// Grinds a rotating part with the rim.
     fn grind_round(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel) -> Cut {
         let tau = wheel.rim_time_constant_s();
-        let lambda = pass.traverse.across_mm * wheel.dullness_factor(tau);
+        let dullness_factor = wheel.dullness_factor(tau);
+        let lambda = pass.traverse.across_mm * dullness_factor;
         let taken = removed_share(pass.dt_s, tau, pass.across_mm_s / lambda);
         let (cells, surface) = self.cells_under(pass, wheel);
-        let (mut volume, mut touched) = (0.0, 0.0);
+        let (width_mm, wheel_middle_mm) = (cells.len() as f64 * self.row.cell_mm, pass.left_mm + wheel.width_mm / 2.0);
+        let (mut volume, mut touched, mut way) = (0.0, 0.0, 0.0);
         for cell in cells {
             let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
             let h = self.height_mm[cell];
@@ -274,7 +270,10 @@ impl ProfileSurface {
             if overlap <= 0.0 {
                 continue;
             }
-            let depth = overlap * taken;
+            let lag = pass
+                .bending
+                .map(|bending| bending.lag_factor(self.row.middle(cell), width_mm, h.abs(), wheel_middle_mm));
+            let depth = overlap * lag.map_or(taken, |lag| removed_share_of_lag(taken, lag));
             let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
             let radius = if matches!(self.shape, ProfileShape::Disc) { self.row.middle(cell) } else { h.abs() };
             let cell_volume = share * 2.0 * PI * radius * self.row.cell_mm * depth;
@@ -282,20 +281,26 @@ impl ProfileSurface {
             wheel.wear_rim(slice, cell_volume);
             volume += cell_volume;
             touched += self.row.cell_mm;
+            way += 2.0 * PI * radius * self.row.cell_mm;
         }
-        Cut { volume_mm3: volume, specific_mm2: if touched > 0.0 { volume / touched } else { 0.0 } }
+        if touched <= 0.0 {
+            return Cut::default();
+        }
+        let work_mm_s = Some(way / touched * pass.part_turns_s);
+        Cut { volume_mm3: volume, specific_mm2: volume / touched, dullness_factor, work_mm_s }
     }
 
     /// Grinds a face with the side of the wheel: a wall `wall_mm` wide, which stroke and infeed both traverse, or a
     /// rotating face.
     fn grind_face(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel, side: Side, wall_mm: Option<f64>) -> Cut {
         let tau = wheel.side_time_constant_s(side);
-        let lambda = pass.traverse.face_mm * wheel.dullness_factor(tau);
+        let dullness_factor = wheel.dullness_factor(tau);
+        let lambda = pass.traverse.face_mm * dullness_factor;
         let covered = self.covered_share(pass, wheel).min(1.0);
         let along_mm_s = pass.infeed_mm_s + pass.stroke_mm_s;
         let taken = removed_share(pass.dt_s * covered, tau, along_mm_s / lambda);
         let (cells, surface) = self.cells_under(pass, wheel);
-        let (mut volume, mut engaged) = (0.0, 0.0);
+        let (mut volume, mut engaged, mut way) = (0.0, 0.0, 0.0);
         for cell in cells {
             let overlap = self.height_mm[cell] - surface;
             if overlap <= 0.0 {
@@ -306,10 +311,13 @@ impl ProfileSurface {
             self.height_mm[cell] -= depth;
             volume += across * self.row.cell_mm * depth;
             engaged += self.row.cell_mm;
+            way += across * self.row.cell_mm;
         }
         wheel.wear_side(side, engaged, volume);
         let contact = wall_mm.unwrap_or_else(|| engaged.max(self.row.cell_mm));
-        Cut { volume_mm3: volume, specific_mm2: volume / contact }
+        let turned_mm_s = way / engaged.max(self.row.cell_mm) * pass.part_turns_s;
+        let work_mm_s = wall_mm.is_none().then_some(turned_mm_s);
+        Cut { volume_mm3: volume, specific_mm2: volume / contact, dullness_factor, work_mm_s }
     }
 
     /// Depth of a point inside the surface along its normal, mm; `None` outside or behind the surface.

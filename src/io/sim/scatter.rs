@@ -66,7 +66,8 @@ impl SimulatedMachine {
         let Some(file) = self.file.scatter else { return };
         let chance = &mut SplitMix64::new(seed ^ SCATTER_SEED);
         let factors = [0, 0].map(|_: u8| 1.0 + file.wheel * symmetric_unit(chance));
-        self.wheel.set_batch_factors(&self.file.wheel, &self.file.cutting, factors);
+        let inner = self.internal.as_ref().map(|internal| internal.wheel(&self.file.wheel));
+        self.wheel.set_batch_factors(inner.as_ref().unwrap_or(&self.file.wheel), &self.file.cutting, factors);
         for axis in Axis::ALL {
             let slide = SlideScatter::new(file, chance);
             if let Some(sim) = &mut self.axes[axis] {

@@ -52,8 +52,9 @@ impl Surface {
     }
 
     /// Event text for a part that is stopped but should rotate.
-    pub(super) fn place_when_stopped(&self) -> &'static str {
-        self.profile().map_or("part", ProfileSurface::place_when_stopped)
+    pub(super) fn place_when_stopped(&self, on_table: bool) -> &'static str {
+        let turns = |_: &ProfileSurface| if on_table { "part, table stopped" } else { "part, workhead stopped" };
+        self.profile().map_or("part", turns)
     }
 
     /// Position along the infeed below which the wheel can touch the surface, mm.

@@ -2,6 +2,7 @@
 //! K4.1–K4.5, P4–P7.
 
 mod batch;
+mod bore;
 mod dressing;
 mod feeds;
 mod gauge;

@@ -153,7 +153,7 @@ pub enum Measured {
 }
 
 /// The programs and the kinds they are for.
-pub const PROGRAMS: [(u32, Kind); 19] = [
+pub const PROGRAMS: [(u32, Kind); 20] = [
     (1001, Kind::Gc),
     (1002, Kind::Gc),
     (1003, Kind::Gc),
@@ -170,6 +170,7 @@ pub const PROGRAMS: [(u32, Kind); 19] = [
     (1014, Kind::Ga),
     (1015, Kind::Gc),
     (1016, Kind::Gc),
+    (1017, Kind::Gc),
     (1018, Kind::Gc),
     (1019, Kind::Gc),
     (1020, Kind::Gc),

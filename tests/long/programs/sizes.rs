@@ -1,12 +1,17 @@
 //! Every grinding program on its part: to size within 3 µm, whatever runout, sharpness of the wheel and noise of the gauges.
 //!
 //! A seed changes where the waviness lies and what the gauges' noise is; runout goes from the part's own to nothing, the
-//! wheel from as dull as it gets to sharp. `KT830_SEEDS=20 cargo test --release --test programs` tries more than the ends.
+//! wheel from as dull as it gets, where it burns some parts, to sharp. `KT830_SEEDS=20 cargo test --release --test programs` tries more than the ends.
 
-use super::shop::{Measured, shop_with, with_runout};
+use kt830::io::sim::EventKind;
+
+use super::shop::{End, Measured, shop_with, with_runout};
 
 /// What the shop asks of fine-ground diameters and faces, µm.
 const TOLERANCE_UM: f64 = 3.0;
+
+/// Up to this dullness no part burns: three times what the dressing intervals leave.
+const DULL_FROM: f64 = 0.3;
 
 /// Grinds the part once for each seed; `runout` is the greatest. The first seed has it, and the dullest wheel.
 fn to_size(program: u32, seeds: u64, runout: f64, wanted: impl Fn(Measured) -> f64 + Copy) {
@@ -17,7 +22,9 @@ fn to_size(program: u32, seeds: u64, runout: f64, wanted: impl Fn(Measured) -> f
         let share = |seed: u64| 1.0 - (seed % seeds) as f64 / (seeds - 1).max(1) as f64;
         let mut shop = shop_with(program, seed, |part| with_runout(part, runout * share(7 * seed)));
         shop.rig.machine_mut().set_wheel_dullness(share(seed));
-        shop.grind();
+        assert_eq!(shop.run(), End::Finished);
+        let may_burn = share(seed) > DULL_FROM;
+        assert!(shop.events().iter().all(|event| may_burn && *event == EventKind::Burn), "{:?}", shop.events());
         let worst = shop.worst_um(wanted);
         assert!(worst.abs() < TOLERANCE_UM, "O{program} seed {seed}: off by {worst} µm");
         (least, greatest) = (least.min(worst), greatest.max(worst));
@@ -116,6 +123,11 @@ fn p4_o1016_grinds_diameter_and_face_together() {
     shop.grind();
     let worst = shop.worst_um(wanted);
     assert!(worst.abs() < TOLERANCE_UM, "without gauge off by {worst} µm");
+}
+
+#[test]
+fn p4_o1017_grinds_a_bore() {
+    to_size(1017, 3, 0.02, |_| 40.0);
 }
 
 #[test]
