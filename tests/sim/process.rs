@@ -156,7 +156,7 @@ fn p2_the_internal_spindle_has_a_wheel_of_its_own() {
     rig.go(39.9 - 64.0, 20.0, 3.0);
     rig.wait(20.0);
     let worn = (32.0 - rig.sim.wheel().diameter_mm) * 1_000.0;
-    // Two grooves side by side make no difference: π·39.8·0.1·20 = 250 mm³ over 500·π·32·20/2 = 0.50 µm of diameter.
+    // π·39.8·0.1·20 = 250 mm³ over 500·π·32·20/2 = 0.50 µm of diameter.
     assert!((worn - 0.50).abs() < 0.05, "{worn} µm");
     let ring = kt830::io::sim::PartFile::builtin(1017).unwrap().unwrap();
     rig.sim.set_part(Some(&ring));
@@ -164,4 +164,10 @@ fn p2_the_internal_spindle_has_a_wheel_of_its_own() {
     let shaft = kt830::io::sim::PartFile::builtin(1002).unwrap().unwrap();
     rig.sim.set_part(Some(&shaft));
     assert!((rig.sim.wheel().diameter_mm - 600.0).abs() < 1e-9);
+    rig.sim.set_wheel_dullness(0.5);
+    rig.sim.set_part(Some(&ring));
+    let kept = rig.sim.wheel();
+    assert!((32.0 - kept.diameter_mm) * 1_000.0 > 0.4 && kept.dullness < 0.1, "the inner wheel waited: {kept:?}");
+    rig.sim.set_part(Some(&shaft));
+    assert!((rig.sim.wheel().dullness - 0.5).abs() < 1e-9, "so did the outer one");
 }

@@ -11,7 +11,8 @@
 //!
 //! Both K and τ grow with the dullness of the wheel in proportion, so that the factor is that of a sharp one. The
 //! compliances are those of Euler beams under a load at z. A part between centres becomes a barrel, the bore of a quill
-//! narrower at its far end; both spark out. Along a stroke the factor stretches the traverse length, too (`contact_law`).
+//! narrower at its far end; both spark out. The width b is that of an even
+//! contact with the same force: the sum of the overlaps over the greatest, so that a stroke loads its leading edge. Along a stroke the factor stretches the traverse length, too (`contact_law`).
 //!
 //! Sources: S. Malkin, C. Guo, Grinding Technology, 2nd ed. 2008 (force and energy, time constant of plunge grinding); beam
 //! deflections: Dubbel, Handbook of Mechanical Engineering, section C2.
@@ -25,8 +26,8 @@ use super::machine_sections::{CuttingFile, DresserFile, WheelFile};
 
 /// Young's modulus of steel, N/mm².
 const STEEL_N_MM2: f64 = 210_000.0;
-/// Of the speed of the wheel that counts at least, mm/s: a wheel that runs up cuts, but no force is without limit.
-const LEAST_WHEEL_MM_S: f64 = 1_000.0;
+/// Lowest wheel speed used for the force, m/s; below it the force would grow without limit.
+pub(super) const LOWEST_FORCE_SPEED_M_S: f64 = 1.0;
 
 /// A part that bends: a round shaft of one diameter, part coordinates, mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -153,7 +154,7 @@ pub(super) struct Bending {
 impl Bending {
     /// A beam under a wheel of this speed, m/s.
     pub(super) fn new(beam: Beam, cutting: &CuttingFile, wheel_m_s: f64) -> Self {
-        let wheel_mm_s = (wheel_m_s * 1_000.0).max(LEAST_WHEEL_MM_S);
+        let wheel_mm_s = wheel_m_s.max(LOWEST_FORCE_SPEED_M_S) * 1_000.0;
         // J/mm³ = 1000 N/mm².
         let force_n_s_mm3 = cutting.energy_j_mm3 * 1_000.0 / (cutting.force_ratio * wheel_mm_s);
         Self { beam, contact_n_mm3: force_n_s_mm3 / cutting.sharp_s }

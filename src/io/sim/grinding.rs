@@ -7,7 +7,7 @@
 //! was not held is lost and has no size; a crash trips the drives of all axes until the drives are switched off and the
 //! axes are at rest.
 
-use super::bending::{Beam, Bending};
+use super::bending::{Beam, Bending, LOWEST_FORCE_SPEED_M_S};
 use super::contact_law::{Cut, TraverseLengths, WheelMotion};
 use super::heat::{burn_limit, power_w};
 use super::machine_file::MachineFile;
@@ -25,8 +25,8 @@ use crate::units::{Axis, MachinePos, PerAxis, Position, WorkPos};
 
 /// Time over which dressing cuts are summed, s: a dresser fed too fast into the rim breaks, however short the tick.
 const CUT_WINDOW_S: f64 = 0.1;
-/// Speed of the wheel by which a power is a force at least, m/s.
-const LEAST_WHEEL_M_S: f64 = 1.0;
+/// Length of the holder of a diamond behind the wheel, mm.
+const HOLDER_MM: f64 = 60.0;
 /// A slide that moved farther than this in one tick was placed, not driven, mm.
 const SWEEP_LIMIT_MM: f64 = 20.0;
 
@@ -142,6 +142,7 @@ impl Grinding {
         self.gauge = None;
         self.seat_gauges.clear();
         self.part_lost = false;
+        self.set_spindle(part);
         if let Some(part) = part {
             // Position of the slides with the reference point of a new wheel at the work zero.
             self.work_zero_mm = part.g54_mm.displacement();
@@ -152,7 +153,6 @@ impl Grinding {
             self.gauge = part.gauge;
             self.seat_gauges.clone_from(&part.seat_gauges);
             self.diamond_radius_mm = part.diamond_radius_mm;
-            self.set_spindle(part);
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
             self.obstacles.extend(part.bodies.iter().map(Obstacle::of_body));
             self.obstacles.extend(part.blocks.iter().flat_map(Obstacle::of_block));
@@ -166,11 +166,12 @@ impl Grinding {
     }
 
     /// The spindle that the part is ground with, its dresser, and what bends.
-    fn set_spindle(&mut self, part: &PartFile) {
+    fn set_spindle(&mut self, part: Option<&PartFile>) {
         let outer = self.machine.dresser.as_ref();
-        let internal = part.internal_spindle.as_ref();
+        let internal = part.and_then(|part| part.internal_spindle.as_ref());
         self.dresser = internal.map_or_else(|| outer.cloned(), |file| outer.map(|outer| file.dresser(outer)));
-        self.beam = internal.map(Beam::of_quill).or_else(|| part.shaft.as_ref().map(Beam::of_shaft));
+        let shaft = part.and_then(|part| part.shaft.as_ref());
+        self.beam = internal.map(Beam::of_quill).or_else(|| shaft.map(Beam::of_shaft));
     }
 
     /// The surfaces to be measured; empty once the part is lost.
@@ -290,7 +291,7 @@ impl Grinding {
         self.removes |= self.grinds;
         if self.grinds {
             self.load_percent += 100.0 * watts / self.machine.wheel.power_w;
-            self.tangential_n = watts / scene.wheel_m_s.max(LEAST_WHEEL_M_S);
+            self.tangential_n = watts / scene.wheel_m_s.max(LOWEST_FORCE_SPEED_M_S);
         }
         crashed
     }
@@ -345,7 +346,9 @@ impl Grinding {
             let beside = wheel.distance_to_slice_mm(slice, tip_mm);
             reach - (radius_mm - (radius_mm * radius_mm - beside * beside).max(0.0).sqrt())
         };
-        if reach <= 0.0 || off.abs() >= both || slices.is_empty() {
+        // Behind its holder there is room for the wheel.
+        let beyond = dresser.behind && reach > 2.0 * wheel.radius_mm + HOLDER_MM;
+        if reach <= 0.0 || beyond || off.abs() >= both || slices.is_empty() {
             if self.recent_cut_mm > 0.0
                 && let Some(diamond) = &mut self.diamond
             {

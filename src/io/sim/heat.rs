@@ -5,17 +5,17 @@
 //! 93 (1971) 1120: both forces grow in proportion to the wear flats).
 //!
 //! A sharp wheel burns the part under coolant at the removal rate of the machine file, at its work speed. For another energy
-//! and work speed it is the law of Malkin and Lenz (`technology::burn_limit_mm2_s`): a dull wheel burns earlier, a part that
-//! turns slowly, too. Without coolant a part keeps 85 instead of 65 percent of the heat (Malkin and Guo 2008, energy
-//! partition of dry and wet shallow-cut grinding).
+//! and work speed it is the law of Malkin and Lenz (`technology::burn_limit_mm2_s`): a dull wheel burns earlier, and so do a slow part and a dry contact. The equivalent diameter is
+//! that for which the machine file's limit holds.
 
 use super::contact_law::Cut;
 use super::machine_sections::CuttingFile;
 use crate::technology::burn_limit_mm2_s;
 
-/// Heat in the part without coolant, as a multiple of that with coolant.
+/// Heat in the part without coolant, as a multiple of that with coolant. DECISION: 85 and 65 percent, at the ends of the
+/// range that Malkin and Guo give for shallow-cut grinding.
 const DRY_FACTOR: f64 = 0.85 / 0.65;
-/// Work speed that counts at least, as a share of that of the burn limit: a table that reverses does not burn.
+/// Lowest work speed used, as a share of that of the burn limit: a table that reverses does not burn.
 const LEAST_WORK_SHARE: f64 = 0.1;
 
 /// Specific energy of a contact, J/mm³.

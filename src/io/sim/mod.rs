@@ -95,6 +95,10 @@ pub struct SimulatedMachine {
     internal: Option<InternalSpindleFile>,
     /// The wheel of the wheel head while the internal grinding spindle is swung in.
     outer_wheel: Option<GrindingWheel>,
+    /// The wheel of the internal spindle that was swung out last.
+    inner_wheel: Option<(InternalSpindleFile, GrindingWheel)>,
+    /// Batch of the wheels: factors of grinding ratio and dulling.
+    wheel_factors: [f64; 2],
     grinding: Grinding,
     /// Spindle, tool turret and bar of a lathe.
     lathe: Option<SimLathe>,
@@ -135,6 +139,8 @@ impl SimulatedMachine {
             wheel: GrindingWheel::new(&machine.wheel, &machine.cutting),
             internal: None,
             outer_wheel: None,
+            inner_wheel: None,
+            wheel_factors: [1.0; 2],
             grinding: Grinding::new(&machine),
             lathe: machine.main_spindle.clone().zip(machine.tool_post.clone()).map(|(s, p)| SimLathe::new(s, p)),
             wiring: Wiring::new(wiring),
@@ -202,21 +208,28 @@ impl SimulatedMachine {
         }
     }
 
-    /// Swings the internal grinding spindle in or out; the wheel of the other one is as it was left. Another internal
-    /// spindle comes with a new wheel.
+    /// Swings the internal grinding spindle in or out. Each spindle keeps its wheel; another internal spindle comes with a
+    /// new one.
     fn swing_spindle(&mut self, internal: Option<InternalSpindleFile>) {
         if internal == self.internal {
             return;
         }
-        match &internal {
-            Some(file) => {
-                let inner = GrindingWheel::new(&file.wheel(&self.file.wheel), &self.file.cutting);
-                let before = std::mem::replace(&mut self.wheel, inner);
-                self.outer_wheel.get_or_insert(before);
+        let parked = match &internal {
+            Some(file) if self.inner_wheel.as_ref().is_none_or(|(known, _)| known != file) => {
+                let shape = file.wheel(&self.file.wheel);
+                let mut wheel = GrindingWheel::new(&shape, &self.file.cutting);
+                wheel.set_batch_factors(&shape, &self.file.cutting, self.wheel_factors);
+                Some(wheel)
             }
-            None => self.wheel = self.outer_wheel.take().unwrap_or_else(|| self.wheel.clone()),
+            Some(_) => self.inner_wheel.take().map(|(_, wheel)| wheel),
+            None => self.outer_wheel.take(),
+        };
+        let Some(next) = parked else { return };
+        let before = std::mem::replace(&mut self.wheel, next);
+        match std::mem::replace(&mut self.internal, internal) {
+            Some(file) => self.inner_wheel = Some((file, before)),
+            None => self.outer_wheel = Some(before),
         }
-        self.internal = internal;
     }
 
     /// Sets the state in which a run starts, without the moves that lead to it (T3): axes at the part's start position,

@@ -83,7 +83,7 @@ pub struct PartFile {
     /// Swivel angle of the wheel head, degrees. The rim then lies along a cone whose diameter grows downwards.
     #[serde(default)]
     pub head_deg: f64,
-    /// The part bends under the wheel; without it is stiff.
+    /// The part bends under the wheel; without this it is stiff.
     #[serde(default)]
     pub shaft: Option<ShaftFile>,
     /// It is ground with the internal grinding spindle.

@@ -5,6 +5,7 @@
 //! revolution is in contact. The measured height is the mean of h and min(h, floor).
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::cell_row::CellRow;
 use super::contact_law::{Cut, WheelMotion, removed_share, removed_share_of_lag};
@@ -154,7 +155,7 @@ impl ProfileSurface {
     }
 
     /// The cells under the wheel, and the wheel's surface along the normal, mm.
-    fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (std::ops::Range<usize>, f64) {
+    fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (Range<usize>, f64) {
         match self.shape {
             ProfileShape::Diameter => {
                 let cells = self.row.cells(pass.left_mm, pass.left_mm + wheel.width_mm);
@@ -254,6 +255,19 @@ impl ProfileSurface {
         }
     }
 
+    /// Width of an even contact with the same force, mm: the sum of the overlaps over the greatest.
+    fn even_width_mm(&self, cells: Range<usize>, surface: f64, pass: &WheelMotion, wheel: &GrindingWheel) -> f64 {
+        let overlap = |cell: usize| {
+            let slice = self.slice_over(cell, pass, wheel)?;
+            Some(self.height_mm[cell] - self.rim_over(cell, surface, pass) - wheel.rim_wear_mm[slice])
+        };
+        let (sum, greatest) = cells
+            .filter_map(overlap)
+            .filter(|mm| *mm > 0.0)
+            .fold((0.0, 0.0_f64), |(sum, most), mm| (sum + mm, most.max(mm)));
+        if greatest > 0.0 { sum / greatest * self.row.cell_mm } else { 0.0 }
+    }
+
     /// Grinds a rotating part with the rim.
     fn grind_round(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel) -> Cut {
         let tau = wheel.rim_time_constant_s();
@@ -261,7 +275,8 @@ impl ProfileSurface {
         let lambda = pass.traverse.across_mm * dullness_factor;
         let taken = removed_share(pass.dt_s, tau, pass.across_mm_s / lambda);
         let (cells, surface) = self.cells_under(pass, wheel);
-        let (width_mm, wheel_middle_mm) = (cells.len() as f64 * self.row.cell_mm, pass.left_mm + wheel.width_mm / 2.0);
+        let wheel_middle_mm = pass.left_mm + wheel.width_mm / 2.0;
+        let bending = pass.bending.map(|bending| (bending, self.even_width_mm(cells.clone(), surface, pass, wheel)));
         let (mut volume, mut touched, mut way) = (0.0, 0.0, 0.0);
         for cell in cells {
             let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
@@ -270,12 +285,12 @@ impl ProfileSurface {
             if overlap <= 0.0 {
                 continue;
             }
-            let lag = pass
-                .bending
-                .map(|bending| bending.lag_factor(self.row.middle(cell), width_mm, h.abs(), wheel_middle_mm));
+            let radius = if matches!(self.shape, ProfileShape::Disc) { self.row.middle(cell) } else { h.abs() };
+            let lag = bending.map(|(bending, width_mm)| {
+                bending.lag_factor(self.row.middle(cell), width_mm, radius, wheel_middle_mm)
+            });
             let depth = overlap * lag.map_or(taken, |lag| removed_share_of_lag(taken, lag));
             let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
-            let radius = if matches!(self.shape, ProfileShape::Disc) { self.row.middle(cell) } else { h.abs() };
             let cell_volume = share * 2.0 * PI * radius * self.row.cell_mm * depth;
             self.height_mm[cell] = h - depth;
             wheel.wear_rim(slice, cell_volume);

@@ -61,13 +61,27 @@ impl DiamondScatter {
 }
 
 impl SimulatedMachine {
+    /// Gives the wheels, in use and parked, the properties of their batch.
+    fn set_wheel_batch(&mut self) {
+        let Self { file, wheel_factors: factors, .. } = self;
+        let (cutting, outer) = (&file.cutting, &file.wheel);
+        let inner = self.internal.as_ref().map(|internal| internal.wheel(outer));
+        self.wheel.set_batch_factors(inner.as_ref().unwrap_or(outer), cutting, *factors);
+        if let Some(wheel) = &mut self.outer_wheel {
+            wheel.set_batch_factors(outer, cutting, *factors);
+        }
+        if let Some((internal, wheel)) = &mut self.inner_wheel {
+            wheel.set_batch_factors(&internal.wheel(outer), cutting, *factors);
+        }
+    }
+
     /// Draws the deviations from the machine file; none if the file has no scatter.
     pub(super) fn apply_scatter(&mut self, seed: u64) {
         let Some(file) = self.file.scatter else { return };
         let chance = &mut SplitMix64::new(seed ^ SCATTER_SEED);
         let factors = [0, 0].map(|_: u8| 1.0 + file.wheel * symmetric_unit(chance));
-        let inner = self.internal.as_ref().map(|internal| internal.wheel(&self.file.wheel));
-        self.wheel.set_batch_factors(inner.as_ref().unwrap_or(&self.file.wheel), &self.file.cutting, factors);
+        self.wheel_factors = factors;
+        self.set_wheel_batch();
         for axis in Axis::ALL {
             let slide = SlideScatter::new(file, chance);
             if let Some(sim) = &mut self.axes[axis] {

@@ -1,8 +1,8 @@
 //! O1017: the bore, the wheel on its quill, the size that is measured afterwards, the dresser of the internal spindle.
-//! Source: spec P4, P6, K4.1; decisions "Grinding".
+//! Source: spec P4, P6, K4.1; decisions "Shipped programs".
 
 use kt830::defs::signal::Output;
-use kt830::io::sim::SurfaceFile;
+use kt830::io::sim::{BodyFile, BodyKind, SurfaceFile};
 use kt830::units::Axis;
 
 use super::shop::{End, Shop, shop, shop_with};
@@ -69,15 +69,71 @@ fn k4_1_o1017_without_a_measured_size_leaves_the_offset() {
     assert!(shop.rig.snapshot().offsets.tools[1].wear[Axis::X].abs() < 1e-9);
 }
 
+/// A run that is broken off makes no part, and books no wear of one.
+#[test]
+fn k4_1_o1017_a_run_that_is_broken_off_books_no_wear() {
+    let mut shop = shop_with(1017, 1, |part| {
+        part.variables.extend([(899, 0.004), (898, 3.0), (797, 0.012)]);
+    });
+    let wear = |shop: &mut Shop| shop.rig.snapshot().offsets.tools[1].wear[Axis::X];
+    for _ in 0..2 {
+        shop.rig.send(kt830::link::Command::Press(kt830::defs::key::Key::CycleStart));
+        crate::stories::tell(&mut shop.rig, "wait until Z<40 max 120 s\nwait 5 s\nkey reset\nwait 2 s");
+        assert!(wear(&mut shop).abs() < 1e-9);
+    }
+    assert_eq!(shop.run(), End::Finished);
+    assert!((wear(&mut shop) - 0.004).abs() < 1e-9);
+    assert!((shop.value(797).unwrap() - 0.016).abs() < 1e-9);
+}
+
+/// A bore shorter than the wheel, with a shoulder at its bottom: the overrun at the left stays what the page says.
+#[test]
+fn p8_o1017_a_short_blind_bore_is_ground_without_overrun() {
+    let mut shop = shop_with(1017, 1, |part| {
+        part.variables.extend([(882, 25.0), (893, 0.0)]);
+        part.bodies = vec![BodyFile { what: BodyKind::Fixture, z_from: -5.0, z_to: 9.9, diameter: 80.0 }];
+        let SurfaceFile::Bore { z_to, .. } = &mut part.surfaces[0] else { unreachable!() };
+        *z_to = 25.0;
+    });
+    assert_eq!(shop.run(), End::Finished);
+    assert_eq!(shop.events(), []);
+    assert!(((bore(&shop) - 40.0) * 1_000.0).abs() < 3.0, "{}", bore(&shop));
+}
+
+/// Homed after a power cut, the wheel starts from the far ends of its axes.
+#[test]
+fn p8_o1017_homes_in_front_of_the_bore_and_starts_from_there() {
+    let mut shop = shop(1017);
+    assert_eq!(shop.run(), End::Finished);
+    crate::stories::tell(&mut shop.rig, "mode jog\nhome all\nmode auto");
+    shop.next_part();
+    shop.set(894, 0.0);
+    assert_eq!(shop.run(), End::Finished);
+    assert_eq!(shop.events(), []);
+}
+
+/// Without a contact monitor the dressing begins at the rim that the wear has left.
+#[test]
+fn p6_o1017_dresses_below_the_wear_without_a_monitor() {
+    let mut shop = shop(1017);
+    crate::stories::tell(&mut shop.rig, "param P358 0");
+    shop.set(894, 20.0).set(898, 30.0);
+    let off = series(&mut shop, 22);
+    assert!(off[1..].iter().all(|um| um.abs() < 3.0), "{off:?}");
+}
+
 /// Without sparking out the bore is left as the quill springs: too small.
 #[test]
 fn p5_o1017_without_spark_out_the_quill_leaves_the_bore_small() {
-    let mut shop = shop_with(1017, 1, |part| {
-        part.variables.extend([(891, 0.0), (886, 0.0)]);
-    });
-    assert_eq!(shop.run(), End::Finished);
-    let off = (bore(&shop) - 40.0) * 1_000.0;
-    assert!((-60.0..-5.0).contains(&off), "{off} µm");
+    let off = |strokes: f64| {
+        let mut shop = shop_with(1017, 1, |part| {
+            part.variables.extend([(891, strokes), (886, 0.0)]);
+        });
+        assert_eq!(shop.run(), End::Finished);
+        (bore(&shop) - 40.0) * 1_000.0
+    };
+    let (sprung, sparked_out) = (off(0.0), off(12.0));
+    assert!(sprung < sparked_out - 2.0 && sparked_out > -2.0, "{sprung} {sparked_out} µm");
 }
 
 /// A bore that is too large already, a part that is not there: an alarm, and the wheel is in front of the bore.
