@@ -95,7 +95,7 @@ fn p5_a_slender_part_lags_longer_and_becomes_a_barrel() {
 }
 
 /// Strokes along a shaft Ø5, 60 mm between centres: in the middle 1 + 0.000698·u·b·π·d/(µ·v_s·τ), by the 20 mm of the wheel
-/// 40000·20·16/(0.4·31416·0.8) = 1273 N/mm: 1.89 times as slow as at the centres. It is thicker in the middle, and sparks out.
+/// 40000·20·16/(0.4·31416·0.8) = 1273 N/mm: at most 1.89 times as slow as at the centres. It is thicker in the middle, and sparks out.
 #[test]
 fn p5_strokes_along_a_slender_shaft_leave_a_barrel() {
     let mut rig = ready_with(1002, |_, part| {

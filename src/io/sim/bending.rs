@@ -11,8 +11,9 @@
 //!
 //! Both K and τ grow with the dullness of the wheel in proportion, so that the factor is that of a sharp one. The
 //! compliances are those of Euler beams under a load at z. A part between centres becomes a barrel, the bore of a quill
-//! narrower at its far end; both spark out. The width b is that of an even
-//! contact with the same force: the sum of the overlaps over the greatest, so that a stroke loads its leading edge. Along a stroke the factor stretches the traverse length, too (`contact_law`).
+//! narrower at its far end; both spark out. The width b is that of an even contact with the same force: the sum of the
+//! overlaps over the greatest, so that a stroke loads its leading edge. Along a stroke the factor stretches the traverse
+//! length, too (`contact_law`).
 //!
 //! Sources: S. Malkin, C. Guo, Grinding Technology, 2nd ed. 2008 (force and energy, time constant of plunge grinding); beam
 //! deflections: Dubbel, Handbook of Mechanical Engineering, section C2.
