@@ -146,18 +146,19 @@ impl BandFiller {
         }
     }
 
-    /// Estimated speed, mm/s, between two moves: of the corner, or of the bend that short moves make together.
-    fn joint_speed(&self, before: &BandMove, after: &BandMove) -> f64 {
+    /// Estimated speed, mm/s, between two moves: of the corner, or of the bend that short moves make together; and whether it is
+    /// a corner. Bends of chords of different lengths seem to vary from joint to joint, and nothing brakes for that.
+    fn joint_speed(&self, before: &BandMove, after: &BandMove) -> (f64, bool) {
         let corner = corner_speed(before, after, self.jerk);
         let turn = turn(before, after);
         let chord_mm = f64::midpoint(before.segment.length(), after.segment.length());
         // A corner is rounded over 6 ε/turn on either side.
         if 6.0 * before.tolerance.min(after.tolerance) < BEND_SHARE * turn * chord_mm {
-            return corner;
+            return (corner, true);
         }
         let curvature = turn / chord_mm;
         let bend = (2.0 * self.acceleration / curvature).sqrt().min((self.jerk / curvature.powi(2)).cbrt());
-        corner.max(bend)
+        (corner.max(bend), false)
     }
 
     /// Adds a move; true if the horizon lies inside it.
@@ -172,14 +173,16 @@ impl BandFiller {
         piece.tolerance = piece.programmed_tolerance - piece.joined_deviation;
         piece = piece.with_override(self.feed_override);
         let counted = (band.length() + piece.segment.length() - self.from.max(band.length())).max(0.0);
-        let corner = band.moves.last().map_or(f64::INFINITY, |last| self.joint_speed(last, &piece));
-        let slowed = self.speed.min(corner).min(piece.top_speed);
+        let (joint, is_corner) =
+            band.moves.last().map_or((f64::INFINITY, false), |last| self.joint_speed(last, &piece));
+        let slowed = self.speed.min(joint).min(piece.top_speed);
         let speed =
             piece.top_speed.min((slowed.powi(2) + 2.0 * self.acceleration * counted).sqrt()).max(MIN_SPEED_MM_S);
         // A slow corner costs time for braking and accelerating, limited by acceleration and jerk.
         let fall = self.speed - slowed;
-        let bends = 2.0 * (self.acceleration / self.jerk).min((fall.max(0.0) / self.jerk).sqrt());
-        let seconds = 2.0 * counted / (speed + slowed) + fall.max(0.0) / self.acceleration * 0.5 + bends;
+        let ramps = 2.0 * (self.acceleration / self.jerk).min((fall.max(0.0) / self.jerk).sqrt());
+        let corner_s = if is_corner { fall.max(0.0) / self.acceleration * 0.5 + ramps } else { 0.0 };
+        let seconds = 2.0 * counted / (speed + slowed) + corner_s;
         let left = self.time_left_s.max(0.0);
         let cut = (self.speed + 0.5 * self.acceleration * left).min(piece.top_speed) * left;
         self.speed = speed;

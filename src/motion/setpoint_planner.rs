@@ -79,6 +79,8 @@ pub struct SetpointPlanner {
     horizon_fraction: f64,
     /// Measured work units per knot of a window, and the spacing of the knots, s.
     cost_per_knot: f64,
+    /// Measured time of a window over the time that the filling of its band has counted.
+    time_ratio: f64,
     knot_spacing_s: f64,
     /// The last handover for which no plan was found.
     failed_handover: Option<usize>,
@@ -130,6 +132,7 @@ impl SetpointPlanner {
             job: None,
             horizon_fraction: 1.0,
             cost_per_knot: COST_PER_KNOT,
+            time_ratio: 1.0,
             knot_spacing_s: 1.0,
             failed_handover: None,
             last_queue_length: 0,
@@ -162,6 +165,7 @@ impl SetpointPlanner {
         self.cancel_window();
         self.horizon_fraction = 1.0;
         self.cost_per_knot = COST_PER_KNOT;
+        self.time_ratio = 1.0;
     }
 
     /// The first move was removed from the queue.

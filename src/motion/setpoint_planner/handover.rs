@@ -10,7 +10,7 @@ use super::{APPEND_MARGIN_TICKS, PlanRequest, SetpointPlanner, append_rest, top_
 use crate::units::WorkBudget;
 
 /// Time that the first window leaves for planning the next one, s; minimum and maximum horizon of a window.
-const FIRST_HORIZON_S: f64 = 0.25;
+const FIRST_HORIZON_S: f64 = 0.05;
 const MIN_HORIZON_S: f64 = 0.35;
 const MAX_HORIZON_S: f64 = 1.4;
 /// Horizon where there is no time for the minimum, s.
@@ -21,6 +21,9 @@ const COST_DECAY: f64 = 0.2;
 /// Range of the learned cost: few steps and no repair, and many of both.
 const MIN_COST_PER_KNOT: f64 = 0.5 * COST_PER_KNOT;
 const MAX_COST_PER_KNOT: f64 = 3.0 * COST_PER_KNOT;
+/// Rate at which the time that windows take is learned, over the time that the filling of their band has counted; and its range.
+const TIME_RATIO_DECAY: f64 = 0.5;
+const TIME_RATIOS: (f64, f64) = (0.2, 1.5);
 /// Approximate time of braking at the end of a window, s.
 const BRAKE_S: f64 = 0.12;
 /// Set-points before a handover that the next window takes into account.
@@ -43,6 +46,8 @@ const RETRY_TICKS: usize = 24;
 /// A window that is tried again follows the previous plan over this share of what is left of it: where that plan brakes, too,
 /// it keeps all limits.
 const RETRY_GUIDE_SHARE: f64 = 0.4;
+/// A handover later than this share of the braking part of the plan needs a hurried window.
+const LATE_SHARE: f64 = 0.3;
 /// Minimum planning time, ticks.
 const MIN_PLANNING_TICKS: i64 = 80;
 /// Minimum time for which a window starts along the previous plan, also where that plan brakes, s: the acceleration at the
@@ -63,8 +68,8 @@ pub enum PlanningPace {
     Steady,
     /// Windows have not reached their full length.
     Full,
-    /// The axes will brake unless the window is ready soon: the plan would end first, or a window has found no plan and
-    /// there is no time for a steady one.
+    /// The axes will brake unless the window is ready soon: the plan would end first, or be far in its braking part, or a window
+    /// has found no plan and there is no time for a steady one.
     Hurried,
 }
 
@@ -92,6 +97,8 @@ pub struct WindowJob {
     start: WindowStart,
     fill_result: FillResult,
     pace: PlanningPace,
+    /// Set-points from the handover to where the horizon counts from.
+    lead_ticks: usize,
     /// Requested horizon, s, and work units spent.
     horizon_s: f64,
     work_spent: usize,
@@ -106,6 +113,8 @@ struct HandoverChoice {
     first: usize,
     /// Where the horizon counts from, and index of the last set-point that the new curve follows in its own time.
     end: PlanPoint,
+    /// Set-points from the handover to there.
+    lead_ticks: usize,
     guide_end: usize,
     /// Horizon from there, s.
     horizon_s: f64,
@@ -153,13 +162,21 @@ impl SetpointPlanner {
         let (first, next) = (point.segment, queued.number);
         self.knot_spacing_s = knot_spacing_s(&self.limits, queued.tolerance_mm);
         let horizon_s = self.first_horizon_s(top_speed(queued, &self.limits, request.feed_override));
-        let choice =
-            HandoverChoice { handover: 0, first, end: point, guide_end: 0, horizon_s, next, pace: PlanningPace::Full };
+        let choice = HandoverChoice {
+            handover: 0,
+            first,
+            end: point,
+            lead_ticks: 0,
+            guide_end: 0,
+            horizon_s,
+            next,
+            pace: PlanningPace::Full,
+        };
         self.begin_job(start, choice, request);
     }
 
     fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, request: PlanRequest) {
-        let HandoverChoice { handover, first, guide_end, horizon_s: seconds, next, pace, .. } = choice;
+        let HandoverChoice { handover, first, lead_ticks, guide_end, horizon_s: seconds, next, pace, .. } = choice;
         let limits = self.limits.least();
         self.window.clear();
         self.window.band.continue_from(&self.band, first);
@@ -174,7 +191,7 @@ impl SetpointPlanner {
         let filling = BandFiller {
             copied: first,
             next,
-            time_left_s: seconds * self.horizon_fraction,
+            time_left_s: seconds * self.horizon_fraction / self.time_ratio,
             from: choice.end.along - start.shift.0,
             speed: choice.end.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
             acceleration: limits.acceleration_mm_s2 / 2.0,
@@ -189,6 +206,7 @@ impl SetpointPlanner {
             start,
             fill_result: FillResult::Incomplete,
             pace,
+            lead_ticks,
             horizon_s: seconds * self.horizon_fraction,
             work_spent: 0,
         });
@@ -263,6 +281,11 @@ impl SetpointPlanner {
         let raised = request.feed_override > self.planned_override;
         let left = self.plan.len() as i64 - SHORT_LEAD_TICKS - near;
         let mut pace = if self.failed_handover.is_some() { PlanningPace::Hurried } else { PlanningPace::Full };
+        let late = near + self.ticks_of(wanted, PlanningPace::Full) - best;
+        if late as f64 > LATE_SHARE * (self.plan.len() as i64 - best) as f64 {
+            // The handover would be where the axes have braked.
+            pace = PlanningPace::Hurried;
+        }
         if self.ticks_of(wanted, PlanningPace::Full) >= left {
             // The plan would end first.
             pace = PlanningPace::Hurried;
@@ -287,10 +310,19 @@ impl SetpointPlanner {
         let retry_share = if self.failed_handover.is_some() { RETRY_GUIDE_SHARE } else { 0.0 };
         let least_guide = (MIN_GUIDE_S / self.limits.tick_s).max(retry_share * (self.plan.len() - handover) as f64);
         let guide_end = end.max(handover + least_guide as usize);
-        let end = self.plan[end];
+        let (end, lead_ticks) = (self.plan[end], end - handover);
         let start = WindowStart { point, history, shift: (0.0, 0), reserve: 0.0 };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
-        let choice = HandoverChoice { handover, first, end, guide_end, horizon_s: wanted, next: last.numbers.1, pace };
+        let choice = HandoverChoice {
+            handover,
+            first,
+            end,
+            lead_ticks,
+            guide_end,
+            horizon_s: wanted,
+            next: last.numbers.1,
+            pace,
+        };
         self.begin_job(start, choice, request);
     }
 
@@ -309,6 +341,7 @@ impl SetpointPlanner {
             return;
         }
         self.update_cost(&job);
+        self.update_time_ratio(&job);
         self.failed_handover = None;
         if !job.in_motion {
             append_rest(buffer);
@@ -349,6 +382,17 @@ impl SetpointPlanner {
         let decay = if job.in_motion { COST_DECAY } else { 0.0 };
         let learnt = cost.max(self.cost_per_knot + decay * (cost - self.cost_per_knot));
         self.cost_per_knot = learnt.clamp(MIN_COST_PER_KNOT, MAX_COST_PER_KNOT);
+    }
+
+    /// Updates the ratio of the time that a window takes to the time that its band has counted: else windows along contours that
+    /// seem slower than they are stay so short that all of a plan brakes.
+    fn update_time_ratio(&mut self, job: &WindowJob) {
+        if job.fill_result != FillResult::RunContinues || self.window.is_cut() {
+            return;
+        }
+        let planned_s = (self.window.plan.len() - job.lead_ticks) as f64 * self.limits.tick_s;
+        let ratio = (self.time_ratio * planned_s / job.horizon_s).clamp(TIME_RATIOS.0, TIME_RATIOS.1);
+        self.time_ratio += TIME_RATIO_DECAY * (ratio - self.time_ratio);
     }
 
     /// Whether the axes are near the handover of a window.
