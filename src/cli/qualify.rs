@@ -241,7 +241,7 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     while ground.len() < parts as usize {
         host.machine_mut().set_part(Some(&subject.part));
         let part = grind_part(&mut host, subject);
-        host.type_measured_diameter(&subject.part);
+        host.type_measured_size(&subject.part);
         let ends = part.end == PartEnd::Stopped;
         ground.push(part);
         if ends || !host.snapshot().alarms.is_empty() {
@@ -273,20 +273,20 @@ fn set_up(host: &mut HeadlessHost, subject: &Subject) -> Result<Option<GroundPar
         host.send(Command::LoadProgram(subject.number));
         host.step();
     }
-    if subject.part.typed_diameter.is_some() || subject.part.drawing.iter().any(|size| size.offset.is_some()) {
+    if subject.part.has_typed_size() || subject.part.drawing.iter().any(|size| size.offset.is_some()) {
         let first = grind_part(host, subject);
         if matches!(first.end, PartEnd::Stopped | PartEnd::Spoilt) {
             return Ok(Some(first));
         }
-        if subject.part.typed_diameter.is_some() {
-            host.type_measured_diameter(&subject.part);
+        if subject.part.has_typed_size() {
+            host.type_measured_size(&subject.part);
             // A program that corrects itself may stop for a first part that is out of tolerance.
             host.machine_mut().set_part(Some(&subject.part));
             if grind_part(host, subject).end == PartEnd::Stopped {
                 host.send(Command::Press(Key::Reset));
                 host.step();
             } else {
-                host.type_measured_diameter(&subject.part);
+                host.type_measured_size(&subject.part);
             }
             return Ok(None);
         }

@@ -76,13 +76,15 @@ pub struct RunLimits {
 impl<S: Storage> Host<HostedSimulation, S> {
     /// A part like the one that was ground takes its place, once that is measured.
     pub fn next_part(&mut self, part: &PartFile) {
-        self.type_measured_diameter(part);
+        self.type_measured_size(part);
         self.machine_mut().set_part(Some(part));
     }
 
-    /// Types the measured diameter of the part that was ground, where its program asks for it.
-    pub fn type_measured_diameter(&mut self, part: &PartFile) {
-        if let Some((variable, mm)) = part.typed_diameter.zip(self.machine().measure().mean_diameter(&part.drawing)) {
+    /// Types the measured sizes of the part that was ground, where its program asks for them.
+    pub fn type_measured_size(&mut self, part: &PartFile) {
+        let report = self.machine().measure();
+        let length = part.typed_length.zip(report.face_distance(&part.drawing));
+        for (variable, mm) in report.typed_sizes(&part.drawing).into_iter().chain(length) {
             self.send(Command::SetVariable(variable, Some(mm)));
             self.step();
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::report::{DiameterAt, PartReport};
+use super::report::PartReport;
 use crate::units::Axis;
 
 /// What a size is measured on, and where.
@@ -34,6 +34,8 @@ pub struct DrawingSize {
     pub tolerance: f64,
     /// The offset by which an operator corrects it after the first part: number and axis. None where a gauge does.
     pub offset: Option<(u8, Axis)>,
+    /// Number of the variable into which the operator types the size that he measures after each part.
+    pub typed: Option<u16>,
 }
 
 /// How far a part is from its drawing.
@@ -57,14 +59,26 @@ impl DrawingSize {
 }
 
 impl PartReport {
-    /// Mean of the measured diameters that belong to a drawing, mm; none without one.
+    /// What an operator types after measuring a part: number of the variable and size, mm.
     #[must_use]
-    pub fn mean_diameter(&self, drawing: &[DrawingSize]) -> Option<f64> {
-        let belongs = |at: &&DiameterAt| {
-            drawing.iter().any(|size| size.deviation_mm(DrawingFeature::Diameter, at.z, at.d).is_some())
-        };
-        let found: Vec<f64> = self.diameters.iter().filter(belongs).map(|at| at.d).collect();
-        (!found.is_empty()).then(|| found.iter().sum::<f64>() / found.len() as f64)
+    pub fn typed_sizes(&self, drawing: &[DrawingSize]) -> Vec<(u16, f64)> {
+        let of_size = |size: &DrawingSize| Some((size.typed?, self.mean_size(drawing, size)?));
+        drawing.iter().filter_map(of_size).collect()
+    }
+
+    /// Distance between the first two faces of a drawing, mm.
+    #[must_use]
+    pub fn face_distance(&self, drawing: &[DrawingSize]) -> Option<f64> {
+        let mut faces = drawing.iter().filter(|size| size.feature == DrawingFeature::Face);
+        let mut next = || self.mean_size(drawing, faces.next()?);
+        Some((next()? - next()?).abs())
+    }
+
+    /// A size with the mean deviation of what was measured there, mm; none where nothing was.
+    fn mean_size(&self, drawing: &[DrawingSize], size: &DrawingSize) -> Option<f64> {
+        let off: Vec<f64> =
+            self.deviations(drawing).filter(|(of, _)| std::ptr::eq(*of, size)).map(|(_, off)| off).collect();
+        (!off.is_empty()).then(|| size.size + off.iter().sum::<f64>() / off.len() as f64)
     }
 
     /// How far the part is from its drawing; `None` if nothing of it was measured. A size that is not there is not kept.
@@ -129,6 +143,7 @@ mod tests {
         size_to: Some(40.8),
         tolerance: 0.003,
         offset: None,
+        typed: None,
     };
 
     #[test]

@@ -91,9 +91,9 @@ pub struct PartFile {
     pub internal_spindle: Option<InternalSpindleFile>,
     /// The finished size, if variables of the program define it.
     pub finished: Option<FinishedSizeFile>,
-    /// Number of the variable into which the operator types the diameter that he measures after each part.
+    /// Number of the variable into which the operator types the distance between the two faces of the drawing.
     #[serde(default)]
-    pub typed_diameter: Option<u16>,
+    pub typed_length: Option<u16>,
     /// The sizes that the part has once its program has ground it with the values of this file.
     #[serde(default)]
     pub drawing: Vec<DrawingSize>,
@@ -394,6 +394,12 @@ pub enum SurfaceFile {
 }
 
 impl PartFile {
+    /// Whether the operator measures each part and types its size.
+    #[must_use]
+    pub fn has_typed_size(&self) -> bool {
+        self.typed_length.is_some() || self.drawing.iter().any(|size| size.typed.is_some())
+    }
+
     /// The built-in part of a program number.
     ///
     /// # Errors

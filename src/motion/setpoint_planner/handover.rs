@@ -277,22 +277,9 @@ impl SetpointPlanner {
         // The horizon is limited by the known moves and by the time for planning.
         let known = self.known_time_s(moves, last_index);
         let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
-        let mut wanted = self.seconds_of(aim - near, PlanningPace::Full).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
+        let wanted = self.seconds_of(aim - near, PlanningPace::Full).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
         let raised = request.feed_override > self.planned_override;
-        let left = self.plan.len() as i64 - SHORT_LEAD_TICKS - near;
-        let mut pace = if self.failed_handover.is_some() { PlanningPace::Hurried } else { PlanningPace::Full };
-        let late = near + self.ticks_of(wanted, PlanningPace::Full) - best;
-        if late as f64 > LATE_SHARE * (self.plan.len() as i64 - best) as f64 {
-            // The handover would be where the axes have braked.
-            pace = PlanningPace::Hurried;
-        }
-        if self.ticks_of(wanted, PlanningPace::Full) >= left {
-            // The plan would end first.
-            pace = PlanningPace::Hurried;
-            wanted = wanted.min(self.seconds_of(left, pace).max(SHORT_HORIZON_S));
-        } else if !raised && near + self.ticks_of(wanted, PlanningPace::Steady) <= aim {
-            pace = PlanningPace::Steady;
-        }
+        let (wanted, pace) = self.horizon_and_pace(wanted, [near, aim], raised);
         let ticks = self.ticks_of(wanted, pace);
         let is_early = pace == PlanningPace::Steady && near + ticks + self.ahead_ticks as i64 <= aim;
         if is_early && wanted >= MAX_HORIZON_S {
@@ -324,6 +311,26 @@ impl SetpointPlanner {
             pace,
         };
         self.begin_job(start, choice, request);
+    }
+
+    /// Horizon, s, of the window that begins soonest at the first of two indices of the plan and aims at the second, and its
+    /// pace. `raised`: the feed override is above the planned one.
+    fn horizon_and_pace(&self, wanted: f64, [near, aim]: [i64; 2], raised: bool) -> (f64, PlanningPace) {
+        let (end, best) = (self.plan.len() as i64, self.best_handover_index as i64);
+        let full = self.ticks_of(wanted, PlanningPace::Full);
+        let left = end - SHORT_LEAD_TICKS - near;
+        if full >= left {
+            // The plan would end first.
+            let pace = PlanningPace::Hurried;
+            (wanted.min(self.seconds_of(left, pace).max(SHORT_HORIZON_S)), pace)
+        } else if !raised && near + self.ticks_of(wanted, PlanningPace::Steady) <= aim {
+            (wanted, PlanningPace::Steady)
+        } else if self.failed_handover.is_some() || (near + full - best) as f64 > LATE_SHARE * (end - best) as f64 {
+            // Nearly the same has failed, or the handover would be where the axes have braked.
+            (wanted, PlanningPace::Hurried)
+        } else {
+            (wanted, PlanningPace::Full)
+        }
     }
 
     /// Approximate time of the known run beyond the best handover, s; `last` is the index of the last move of the plan.

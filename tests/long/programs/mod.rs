@@ -6,6 +6,7 @@ mod bore;
 mod dressing;
 mod feeds;
 mod gauge;
+mod measured;
 mod pages;
 mod post_process;
 mod refusals;
