@@ -14,7 +14,7 @@ use crate::defs::text::{Lang, LocalizedText};
 use crate::defs::variable_name;
 use crate::host::headless::HeadlessHost;
 use crate::host::headless_run::{RunEnd, RunLimits};
-use crate::io::sim::PartReport;
+use crate::io::sim::{PartReport, WheelState};
 use crate::link::snapshot::{AlarmView, AxisView, Snapshot, VARIABLE_COUNT};
 use crate::link::thread_cut::ThreadCut;
 use crate::units::{MachinePos, Micros};
@@ -379,7 +379,8 @@ fn trace_header(host: &HeadlessHost) -> String {
     let columns = |what: &str| {
         host.controller().axes_present().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>().join(",")
     };
-    format!("seconds,{},{},outputs,program,line", columns("set"), columns("actual"))
+    let (set, actual) = (columns("set"), columns("actual"));
+    format!("seconds,{set},{actual},outputs,program,line,wheel_rpm,load_percent,tangential_n,normal_n,dullness")
 }
 
 /// The line of `--trace` for the last tick.
@@ -390,5 +391,7 @@ fn trace_line(host: &HeadlessHost) -> String {
     let (set, actual, place) = (list(control.set_point()), list(control.actual()), control.current_block());
     let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
     let (seconds, outputs) = (host.now().as_secs_f64(), outputs.join(" "));
-    format!("{seconds:.3},{set},{actual},{outputs},{},{}", place.program, place.line)
+    let WheelState { rpm, load_percent, tangential_n, normal_n, dullness, .. } = host.machine().wheel();
+    let process = format!("{rpm:.1},{load_percent:.2},{tangential_n:.3},{normal_n:.3},{dullness:.4}");
+    format!("{seconds:.3},{set},{actual},{outputs},{},{},{process}", place.program, place.line)
 }

@@ -21,6 +21,7 @@ mod modbus;
 mod network;
 mod pace;
 mod password_loss;
+mod process_trace;
 mod production_store;
 mod program_parts;
 mod requirements;

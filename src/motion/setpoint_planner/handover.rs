@@ -397,7 +397,8 @@ impl SetpointPlanner {
         if job.fill_result != FillResult::RunContinues || self.window.is_cut() {
             return;
         }
-        let planned_s = (self.window.plan.len() - job.lead_ticks) as f64 * self.limits.tick_s;
+        // A window may overtake the plan before it.
+        let planned_s = self.window.plan.len().saturating_sub(job.lead_ticks) as f64 * self.limits.tick_s;
         let ratio = (self.time_ratio * planned_s / job.horizon_s).clamp(TIME_RATIOS.0, TIME_RATIOS.1);
         self.time_ratio += TIME_RATIO_DECAY * (ratio - self.time_ratio);
     }

@@ -1,0 +1,58 @@
+//! The simulated process in `--trace` of `kt830 run`: row T3.
+
+use std::f64::consts::PI;
+
+use crate::command::kt830;
+
+/// Power and diameter of the wheel and load without contact of the cylindrical grinder (`assets/machines/gc.ron`), W, mm, %.
+const POWER_W: f64 = 7_500.0;
+const DIAMETER_MM: f64 = 600.0;
+const IDLE_PERCENT: f64 = 8.0;
+
+/// A line with its process columns.
+struct Row {
+    x: f64,
+    rpm: f64,
+    load_percent: f64,
+    tangential_n: f64,
+    normal_n: f64,
+    dullness: f64,
+}
+
+/// The power that the motor gives beyond idling is force times peripheral speed; the normal force is the greater one (0.4 as
+/// delivered); without contact there is no force; dullness grows while the wheel cuts.
+#[test]
+fn t3_a_trace_of_a_run_has_forces_power_and_dullness() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("trace.csv").to_string_lossy().into_owned();
+    let out = kt830(&["run", "O1002", "--trace", &trace]);
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    let text = std::fs::read_to_string(&trace).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| names.iter().position(|at| *at == name).unwrap_or_else(|| panic!("{name} of {names:?}"));
+    let columns = ["actual_X", "wheel_rpm", "load_percent", "tangential_n", "normal_n", "dullness"].map(column);
+    let rows: Vec<Row> = lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            assert_eq!(cells.len(), names.len(), "{line}");
+            let [x, rpm, load_percent, tangential_n, normal_n, dullness] =
+                columns.map(|column| cells[column].parse::<f64>().unwrap());
+            Row { x, rpm, load_percent, tangential_n, normal_n, dullness }
+        })
+        .collect();
+    let cutting: Vec<&Row> = rows.iter().filter(|row| row.tangential_n > 1.0).collect();
+    assert!(cutting.len() > 1_000, "{} ticks", cutting.len());
+    for row in &cutting {
+        let speed_m_s = PI * DIAMETER_MM / 1_000.0 * row.rpm / 60.0;
+        let watts = (row.load_percent - IDLE_PERCENT) / 100.0 * POWER_W;
+        // 0.02 % of the diameter is worn or dressed, and the columns are rounded.
+        assert!((watts - row.tangential_n * speed_m_s).abs() < 0.01 * watts + 1.0, "{watts} W, {} N", row.tangential_n);
+        assert!((row.tangential_n / row.normal_n - 0.4).abs() < 0.01, "{} of {} N", row.tangential_n, row.normal_n);
+    }
+    let safe = rows.iter().map(|row| row.x).fold(f64::NEG_INFINITY, f64::max);
+    let away = rows.iter().filter(|row| row.x > safe - 1.0);
+    assert!(away.clone().count() > 100 && away.into_iter().all(|row| row.normal_n <= 0.0));
+    let (first, last) = (&rows[0], &rows[rows.len() - 1]);
+    assert!(last.dullness > first.dullness, "{} to {}", first.dullness, last.dullness);
+}
