@@ -252,3 +252,16 @@ fn p7_o1016_learns_little_from_one_measurement() {
     let learnt = shop.value(873).unwrap() - before;
     assert!((0.000_3..=0.000_5 + 1e-12).contains(&learnt), "{learnt}");
 }
+
+/// A face that the wheel has not reached says nothing about the offset: blank 30 + 0.1.
+#[test]
+fn p7_o1016_refuses_the_face_of_a_blank() {
+    let mut shop = shop(1016);
+    series(&mut shop, 1016, 1);
+    let blank = 30.0 + shop.value(863).unwrap();
+    shop.next_part();
+    // The first size again, so that 0.1 mm are within what is taken.
+    shop.set(879, 0.0).set(876, blank);
+    assert_eq!(refused(&mut shop), 3024);
+    assert_eq!(shop.value(876), Some(blank));
+}
