@@ -45,9 +45,13 @@ fn t3_a_trace_of_a_run_has_forces_power_and_dullness() {
     for row in &cutting {
         let speed_m_s = PI * DIAMETER_MM / 1_000.0 * row.rpm / 60.0;
         let watts = (row.load_percent - IDLE_PERCENT) / 100.0 * POWER_W;
-        // 0.02 % of the diameter is worn or dressed, and the columns are rounded.
-        assert!((watts - row.tangential_n * speed_m_s).abs() < 0.01 * watts + 1.0, "{watts} W, {} N", row.tangential_n);
-        assert!((row.tangential_n / row.normal_n - 0.4).abs() < 0.01, "{} of {} N", row.tangential_n, row.normal_n);
+        // Rounded columns: 0.005 % of load are 0.4 W, 0.05 rpm less than 0.01 %; so much of the diameter may be worn, too.
+        assert!(
+            (watts - row.tangential_n * speed_m_s).abs() < 0.001 * watts + 0.5,
+            "{watts} W, {} N",
+            row.tangential_n
+        );
+        assert!((row.tangential_n / row.normal_n - 0.4).abs() < 0.001, "{} of {} N", row.tangential_n, row.normal_n);
     }
     // The wheel runs at its speed and touches nothing: the motor idles.
     let free: Vec<&Row> = rows.iter().filter(|row| row.normal_n <= 0.0 && row.rpm > 1_000.0).collect();

@@ -265,3 +265,21 @@ fn p7_o1016_refuses_the_face_of_a_blank() {
     assert_eq!(refused(&mut shop), 3024);
     assert_eq!(shop.value(876), Some(blank));
 }
+
+/// A wear that was measured before a dressing is none of the dressed rim: what stood for wear is given back, and that is all.
+#[test]
+fn p7_o1008_and_o1009_do_not_correct_a_dressed_rim_by_an_older_size() {
+    for (program, typed, state, marks, dressed) in [
+        (1008, &[(715, 15.004)][..], 697, &[(696, 15.0), (698, 5.0), (699, 55.0)], (807, 808)),
+        (1009, &[(735, 15.004), (736, 25.004)], 756, &[(757, 15.0), (758, 25.0), (759, 30.0)], (809, 810)),
+    ] {
+        let mut shop = shop(program);
+        shop.set(state, 2.0).set(dressed.0, -0.012).set(dressed.1, -1.0);
+        for (variable, value) in typed.iter().chain(marks) {
+            shop.set(*variable, *value);
+        }
+        assert_eq!(shop.run(), End::Finished, "O{program}");
+        assert!((shop.rig.snapshot().offsets.tools[0].wear[Axis::Y] - 0.012).abs() < 1e-9, "O{program}");
+        assert!(shop.value(usize::from(dressed.0)).unwrap().abs() < 1e-12, "O{program}");
+    }
+}
