@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use super::clock;
 use super::folders::Folders;
@@ -14,7 +15,7 @@ use super::page_file::PageFileFolder;
 use super::program_file::ProgramFiles;
 use super::serial::SerialError;
 use super::serial::format::SerialProgram;
-use super::serial::port::{SerialLine, port_names};
+use super::serial::port::{SerialLine, SerialWait, port_names};
 use super::serial::transfer::SerialTransfer;
 use super::toolpath::{self, CycleTimer};
 use super::transfer::{self, SaveTarget, UsbTransfer};
@@ -239,9 +240,10 @@ impl JobRunner {
             Ok(SerialLine::from_params(&holdings.params, port))
         });
         let shelf = self.folders.program_folder();
-        let (by_name, received, stopped) = (self.folders.by_name, &*self.received, &|| self.is_stopped());
+        let wait = SerialWait { stopped: &|| self.is_stopped(), now: &Instant::now };
+        let (by_name, received) = (self.folders.by_name, &*self.received);
         let done = line
-            .and_then(|line| SerialTransfer { folder: &shelf, by_name, port: &line, stopped, received }.run(ask, tell));
+            .and_then(|line| SerialTransfer { folder: &shelf, by_name, port: &line, wait, received }.run(ask, tell));
         ChangedFolders { programs: ask.direction == Direction::Import, ..report_answer(done, tell) }
     }
 

@@ -7,14 +7,14 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::host::folders::Folders;
 use kt830::host::headless::HeadlessHost;
 use kt830::host::serial::format::{SerialProgram, XOFF, XON};
-use kt830::host::serial::port::SerialLine;
+use kt830::host::serial::port::{SerialLine, SerialWait};
 use kt830::host::serial::transfer::SerialTransfer;
 use kt830::host::serial::{SERIAL_LIMIT, SerialError};
 use kt830::link::Command;
@@ -35,6 +35,9 @@ struct Shop {
     cancelled: AtomicBool,
     /// The control has ended its transfer: what the other side has not heard by now never comes.
     ended: Arc<AtomicBool>,
+    /// When the other side had sent its bytes. Until then the time of the line stands still, however long the other
+    /// side takes on a busy computer.
+    sent_at: Arc<Mutex<Option<Instant>>>,
     held: Mutex<Vec<SerialProgram>>,
     named: bool,
 }
@@ -61,6 +64,7 @@ impl Shop {
             line,
             cancelled: AtomicBool::new(false),
             ended: Arc::default(),
+            sent_at: Arc::new(Mutex::new(Some(Instant::now()))),
             held: Mutex::default(),
             named: false,
         }
@@ -78,8 +82,11 @@ impl Shop {
         let shelf = ProgramFolder::new(self.folder.path(), self.named);
         let names = names.iter().map(|name| (*name).to_owned()).collect();
         let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite, convert: None, split: None };
-        let (stopped, received) = (&|| self.cancelled.load(Ordering::Acquire), &self.held);
-        let transfer = SerialTransfer { folder: &shelf, by_name: self.named, port: &self.line, stopped, received };
+        let start = Instant::now();
+        let now = || start + self.sent_at.lock().unwrap().map_or(Duration::ZERO, |sent| sent.elapsed());
+        let wait = SerialWait { stopped: &|| self.cancelled.load(Ordering::Acquire), now: &now };
+        let transfer =
+            SerialTransfer { folder: &shelf, by_name: self.named, port: &self.line, wait, received: &self.held };
         let done = transfer.run(&ask, &mut |_| {});
         self.ended.store(true, Ordering::Release);
         done
@@ -94,9 +101,12 @@ impl Shop {
     /// The other side hears XON, then sends these bytes.
     fn sender(&mut self, bytes: &[u8]) -> JoinHandle<TTYPort> {
         let ((mut port, ended), bytes) = (self.take_other(), bytes.to_vec());
+        let sent_at = Arc::clone(&self.sent_at);
+        *sent_at.lock().unwrap() = None;
         thread::spawn(move || {
             assert!(hear(&mut port, &ended, |heard| heard.contains(&XON)).contains(&XON));
             port.write_all(&bytes).unwrap();
+            *sent_at.lock().unwrap() = Some(Instant::now());
             port
         })
     }
@@ -258,8 +268,6 @@ fn l9_nothing_and_half_a_program_are_alarms_and_nothing_is_stored() {
     shop.line.start_timeout = Duration::from_millis(300);
     let done = shop.receive(b"", &[]);
     assert_eq!(done, Err(SerialError::NoData(None).into()));
-    // The half program does begin, however long the other side takes on a busy computer.
-    shop.line.start_timeout = Duration::from_secs(20);
     let done = shop.receive(b"%\nO1234\nG00 X1\nG0", &[]);
     assert_eq!(done, Err(SerialError::NoData(Some(4)).into()));
     assert!(!shop.path("O1234.NC").exists());
@@ -268,8 +276,8 @@ fn l9_nothing_and_half_a_program_are_alarms_and_nothing_is_stored() {
 #[test]
 fn l9_garbled_data_parity_and_length_are_alarms_of_their_own() {
     let mut shop = Shop::new();
-    // What never begins is waited for; the other side has as long to hear XON on a busy computer.
-    shop.line.start_timeout = Duration::from_secs(3);
+    // What never begins is waited for.
+    shop.line.start_timeout = Duration::from_secs(1);
     for (bytes, expected) in [
         (b"%\nO1\nG0\0X1\nM30\n%\n".as_slice(), alarm::SERIAL_GARBLED),
         (b"\xF8\x03\x9C\xE0\x1C\xFE\xC7", alarm::SERIAL_GARBLED),

@@ -19,6 +19,21 @@ const FULL_PAUSE: Duration = Duration::from_millis(10);
 /// Chunk size for writing, bytes.
 const CHUNK: usize = 512;
 
+/// What ends a wait for the other side.
+#[derive(Clone, Copy)]
+pub struct SerialWait<'a> {
+    /// Whether the operator has cancelled.
+    pub stopped: &'a dyn Fn() -> bool,
+    /// The time that the timeouts are measured with; [`Instant::now`] on a real line.
+    pub now: &'a dyn Fn() -> Instant,
+}
+
+impl SerialWait<'_> {
+    fn elapsed_since(&self, start: Instant) -> Duration {
+        (self.now)().saturating_duration_since(start)
+    }
+}
+
 /// Settings of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SerialLine {
@@ -74,14 +89,14 @@ impl SerialLine {
     ///
     /// # Errors
     /// The port cannot be opened or has disappeared, the other side accepts no data, or the operator has cancelled.
-    pub fn send(&self, bytes: &[u8], stopped: &dyn Fn() -> bool, tell: &mut dyn FnMut(u64)) -> Result<(), SerialError> {
+    pub fn send(&self, bytes: &[u8], wait: SerialWait<'_>, tell: &mut dyn FnMut(u64)) -> Result<(), SerialError> {
         if bytes.len() > self.limit {
             return Err(SerialError::TooLong(self.limit));
         }
         let OpenLine { mut port, mut out } = self.open()?;
-        let (mut sent, mut moved) = (0, Instant::now());
+        let (mut sent, mut moved) = (0, (wait.now)());
         while sent < bytes.len() {
-            if stopped() {
+            if (wait.stopped)() {
                 drop(port.clear(ClearBuffer::Output));
                 return Err(SerialError::Cancelled);
             }
@@ -89,7 +104,7 @@ impl SerialLine {
             match out.write(piece) {
                 Ok(0) => {}
                 Ok(written) => {
-                    (sent, moved) = (sent + written, Instant::now());
+                    (sent, moved) = (sent + written, (wait.now)());
                     tell(sent as u64);
                 }
                 Err(error) => {
@@ -97,27 +112,27 @@ impl SerialLine {
                     std::thread::sleep(FULL_PAUSE);
                 }
             }
-            if moved.elapsed() > self.silence_timeout {
+            if wait.elapsed_since(moved) > self.silence_timeout {
                 drop(port.clear(ClearBuffer::Output));
                 return Err(SerialError::NotAccepted);
             }
         }
-        self.drain(port.as_mut(), stopped)
+        self.drain(port.as_mut(), wait)
     }
 
     /// Waits until the system's output buffer is empty, before the port is closed.
-    fn drain(&self, port: &mut dyn SerialPort, stopped: &dyn Fn() -> bool) -> Result<(), SerialError> {
-        let (mut left, mut moved) = (u32::MAX, Instant::now());
+    fn drain(&self, port: &mut dyn SerialPort, wait: SerialWait<'_>) -> Result<(), SerialError> {
+        let (mut left, mut moved) = (u32::MAX, (wait.now)());
         loop {
             let now = port.bytes_to_write().map_err(|error| disconnected(&error))?;
             if now == 0 {
                 return Ok(());
             }
             if now < left {
-                (left, moved) = (now, Instant::now());
+                (left, moved) = (now, (wait.now)());
             }
-            let trouble = if stopped() { SerialError::Cancelled } else { SerialError::NotAccepted };
-            if trouble == SerialError::Cancelled || moved.elapsed() > self.silence_timeout {
+            let trouble = if (wait.stopped)() { SerialError::Cancelled } else { SerialError::NotAccepted };
+            if trouble == SerialError::Cancelled || wait.elapsed_since(moved) > self.silence_timeout {
                 drop(port.clear(ClearBuffer::Output));
                 return Err(trouble);
             }
@@ -129,12 +144,12 @@ impl SerialLine {
     ///
     /// # Errors
     /// A fault of the port, the line or the data; or the operator has cancelled.
-    pub fn receive(&self, stopped: &dyn Fn() -> bool, tell: &mut dyn FnMut(u64)) -> Result<SerialReader, SerialError> {
+    pub fn receive(&self, wait: SerialWait<'_>, tell: &mut dyn FnMut(u64)) -> Result<SerialReader, SerialError> {
         let OpenLine { mut port, mut out } = self.open()?;
         drop(port.clear(ClearBuffer::Input));
         send_byte(out.as_mut(), XON)?;
         let mut reader = SerialReader::new(self.limit);
-        let read = self.read(port.as_mut(), &mut reader, stopped, tell);
+        let read = self.read(port.as_mut(), &mut reader, wait, tell);
         // The read error has priority over an error of XOFF.
         let told = send_byte(out.as_mut(), XOFF);
         read.and(told).map(|()| reader)
@@ -144,19 +159,19 @@ impl SerialLine {
         &self,
         port: &mut dyn SerialPort,
         reader: &mut SerialReader,
-        stopped: &dyn Fn() -> bool,
+        wait: SerialWait<'_>,
         tell: &mut dyn FnMut(u64),
     ) -> Result<(), SerialError> {
         let mut buffer = [0; 4_096];
-        let mut heard = Instant::now();
+        let mut heard = (wait.now)();
         loop {
-            if stopped() {
+            if (wait.stopped)() {
                 return Err(SerialError::Cancelled);
             }
             match port.read(&mut buffer) {
                 Ok(0) => return Err(disconnected(&"end of file")),
                 Ok(count) => {
-                    heard = Instant::now();
+                    heard = (wait.now)();
                     for byte in &buffer[..count] {
                         if reader.push(*byte)? == ReadProgress::Done {
                             return Ok(());
@@ -169,7 +184,7 @@ impl SerialLine {
                 Err(error) => ignore_timeout(&error)?,
             }
             let most = if reader.has_begun() { self.silence_timeout } else { self.start_timeout };
-            if heard.elapsed() > most {
+            if wait.elapsed_since(heard) > most {
                 return Err(reader.timeout_error());
             }
         }

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::SerialError;
 use super::format::{SerialProgram, encode_transmission};
-use super::port::SerialLine;
+use super::port::{SerialLine, SerialWait};
 use crate::defs::text::{LocalizedText, Text};
 use crate::host::job_answer::{JobResult, Tell, done, refusal};
 use crate::link::files::{FileAnswer, Refusal};
@@ -24,8 +24,8 @@ pub struct SerialTransfer<'a> {
     pub by_name: bool,
     /// The line.
     pub port: &'a SerialLine,
-    /// Whether the transfer is to stop.
-    pub stopped: &'a dyn Fn() -> bool,
+    /// What ends a wait for the other side.
+    pub wait: SerialWait<'a>,
     /// Received programs that wait for the answer whether to overwrite.
     pub received: &'a Mutex<Vec<SerialProgram>>,
 }
@@ -53,7 +53,7 @@ impl SerialTransfer<'_> {
         }
         let bytes = encode_transmission(&sheets, self.port.leader, self.by_name)?;
         let all = bytes.len().max(1) as u64;
-        self.port.send(&bytes, self.stopped, &mut |sent| {
+        self.port.send(&bytes, self.wait, &mut |sent| {
             tell(FileAnswer::Progress(SENDING, (sent * 1_000 / all) as u16));
         })?;
         let (count, kilobytes) = (sheets.len(), bytes.len().div_ceil(1_024));
@@ -100,7 +100,7 @@ impl SerialTransfer<'_> {
 
     fn receive_programs(&self, ask: &TransferRequest, tell: Tell<'_>) -> Result<Vec<SerialProgram>, SerialError> {
         tell(FileAnswer::BytesReceived(RECEIVING, 0));
-        let reader = self.port.receive(self.stopped, &mut |bytes| tell(FileAnswer::BytesReceived(RECEIVING, bytes)))?;
+        let reader = self.port.receive(self.wait, &mut |bytes| tell(FileAnswer::BytesReceived(RECEIVING, bytes)))?;
         reader.into_programs(ask.names.first().map(String::as_str), self.folder, self.by_name)
     }
 
