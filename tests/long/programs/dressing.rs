@@ -5,7 +5,7 @@ use kt830::defs::param;
 use kt830::io::sim::PartFile;
 use kt830::units::Axis;
 
-use super::shop::{End, PROGRAMS, Shop, part_of, shop, shop_with};
+use super::shop::{End, Measured, PROGRAMS, Shop, part_of, shop, shop_with, shop_with_wheel};
 
 /// Dresses a dull wheel: all of the rim back by the depth, mm, and the control told.
 fn dresses(program: u32, depth_mm: f64) {
@@ -240,6 +240,59 @@ fn p6_a_dressing_that_touches_nothing_is_an_alarm_and_books_nothing() {
     let end = shop.run();
     assert!(matches!(&end, End::Alarm(3_025, _)), "{end:?}");
     assert_eq!(shop.rig.retained().part_count, 1);
+}
+
+/// A wheel that has lost more than the dressing depth is dressed from its worn surface on. The roll stood in the air:
+/// alarm 3025 after eleven parts with a soft wheel.
+#[test]
+fn p6_a_wheel_that_has_worn_more_than_the_depth_is_dressed_from_its_surface_on() {
+    for (part, dressing, depth_mm, ratio) in [(1010, 1014, 0.025, 4.0), (1008, 1013, 0.03, 0.3)] {
+        let mut shop = shop_with_wheel(part, ratio, |_| ());
+        let rim = |shop: &Shop| shop.rig.machine().rim_wear_mm().to_vec();
+        let least = |rim: &[f64]| rim.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut parts = 0;
+        while least(&rim(&shop)) < depth_mm + 0.005 {
+            shop.next_part();
+            assert_eq!(shop.run(), End::Finished);
+            parts += 1;
+            assert!(parts < 12, "O{part}: {:?}", rim(&shop));
+        }
+        let worn = least(&rim(&shop));
+        shop.load(dressing);
+        assert_eq!(shop.run(), End::Finished, "O{dressing}");
+        let booked = (500.0 - shop.rig.controller().system_variable(5_801).unwrap()) / 2.0;
+        for mm in rim(&shop).iter().filter(|mm| **mm < booked + 0.002) {
+            assert!((mm - booked).abs() < 0.001, "O{dressing}: {mm} mm back, {booked} booked");
+        }
+        assert!((booked - worn - depth_mm).abs() < 0.003, "O{dressing}: {booked} after {worn} of wear");
+    }
+}
+
+/// O1007 to O1010 dress after their interval before they grind, and the size stays.
+#[test]
+fn k7_10_surface_and_rotary_programs_dress_after_their_interval() {
+    for (program, interval, tolerance_um) in [(1007, 811, 2.0), (1008, 812, 3.0), (1009, 813, 3.0), (1010, 754, 2.0)] {
+        let mut shop = shop(program);
+        shop.set(interval, 2.0);
+        for part in 1..=5_u32 {
+            if part > 1 {
+                shop.next_part();
+            }
+            shop.grind();
+            let worst = shop.worst_um(|at| match (program, at) {
+                (1007, _) => 20.0,
+                (1010, _) => 25.0,
+                (1008, Measured::Face(z)) if z < 30.0 => 5.0,
+                (1008, Measured::Face(_)) => 55.0,
+                (1009, Measured::Height(z)) if z > 30.0 => 25.0,
+                (1009, Measured::Face(_)) => 30.0,
+                _ => 15.0,
+            });
+            assert!(worst.abs() < tolerance_um, "O{program}, part {part}: {worst} µm");
+            let dressings = f64::from((part - 1) / 2);
+            assert_eq!(shop.rig.controller().system_variable(5_805), Some(dressings), "O{program}, part {part}");
+        }
+    }
 }
 
 /// A monitor that is dead says the same; without one (P358=0) the program books what it has fed in.

@@ -4,9 +4,9 @@ use kt830::controller::PowerOnState;
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::host::headless::{HeadlessHost, HostSetup};
-use kt830::io::sim::{EventKind, PartFile, SurfaceFile};
+use kt830::io::sim::{EventKind, MachineFile, PartFile, SurfaceFile};
 use kt830::link::command::Command;
-use kt830::link::snapshot::RunState;
+use kt830::link::snapshot::{RunState, Tone};
 
 use crate::stories::folders;
 
@@ -71,6 +71,21 @@ pub fn with_runout(part: &mut PartFile, mm: f64) {
     }
 }
 
+/// A program ready to start on a machine whose wheel has this grinding ratio.
+pub fn shop_with_wheel(program: u32, ratio: f64, change: impl FnOnce(&mut PartFile)) -> Shop {
+    let mut shop = shop_with(program, 1, change);
+    let mut machine = MachineFile::builtin(shop.part.kind).unwrap();
+    machine.wheel.grinding_ratio = ratio;
+    shop.rig.swap_machine(machine, 1);
+    shop.rig.make_ready();
+    let part = shop.part.clone();
+    shop.rig.mount_part(&part);
+    shop.load(program);
+    // The drives switch on.
+    crate::stories::tell(&mut shop.rig, "wait 2 s");
+    shop
+}
+
 impl Shop {
     /// A value of the grinding page.
     pub fn set(&mut self, variable: u16, value: f64) -> &mut Self {
@@ -105,6 +120,11 @@ impl Shop {
         for _ in 0..START_TICKS {
             self.rig.step();
         }
+        let snapshot = self.rig.snapshot();
+        let (message, alarmed) = (snapshot.message.clone(), !snapshot.alarms.is_empty());
+        let now = self.rig.now();
+        let refused = !alarmed && message.tone == Tone::Refused && now.since(message.since) < now.since(begun);
+        assert!(!refused, "cycle start was refused: {}", message.text.zh());
         loop {
             self.rig.step();
             assert!(self.rig.now().since(begun).as_secs_f64() < LONGEST_S, "the program does not end");

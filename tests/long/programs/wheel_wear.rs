@@ -1,10 +1,10 @@
 //! O1002: the wheel is measured at the diamond (O9013), the blank is found by contact (G31 P9).
 
-use kt830::io::sim::{EventKind, MachineFile, PartFile, SurfaceFile};
+use kt830::io::sim::{EventKind, PartFile, SurfaceFile};
 use kt830::units::Axis;
 
 use super::batch::TOLERANCE_UM;
-use super::shop::{End, Shop, shop, shop_with};
+use super::shop::{End, Shop, shop, shop_with_wheel};
 use crate::stories::tell;
 
 /// Wear of a wheel of G 10 on the diameter by a part of O1002: 340 mm³/10 over π·600·18 mm, twice, mm.
@@ -16,13 +16,7 @@ fn dressed(ratio: f64) -> Shop {
 }
 
 fn dressed_for(ratio: f64, change: impl FnOnce(&mut PartFile)) -> Shop {
-    let mut shop = shop_with(1002, 1, change);
-    let mut machine = MachineFile::builtin(shop.part.kind).unwrap();
-    machine.wheel.grinding_ratio = ratio;
-    shop.rig.swap_machine(machine, 1);
-    shop.rig.make_ready();
-    let part = shop.part.clone();
-    shop.rig.mount_part(&part);
+    let mut shop = shop_with_wheel(1002, ratio, change);
     shop.load(1011);
     assert_eq!(shop.run(), End::Finished, "the wheel is dressed once");
     shop.load(1002);
