@@ -3,6 +3,7 @@
 //! Source: spec B6; issue "the face", part 8; issue "a good part, always", part D.
 
 mod figures;
+mod oee;
 mod order_form;
 mod report;
 mod shifts;

@@ -1,7 +1,10 @@
-//! The day of the machine: what it did in each hour, sums by shift, and which alarms stopped it longest.
+//! The day of the machine: what it did in each hour, sums and OEE by shift, and which alarms stopped it longest.
+
+use std::ops::Range;
 
 use egui::{Rect, pos2};
 
+use super::oee::Oee;
 use crate::defs::alarm::{self, Reaction};
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::date::DateTime;
@@ -17,12 +20,12 @@ const DAY_SECONDS: i64 = 86_400;
 const HOUR_SECONDS: f32 = 3_600.0;
 /// Share of the page for the hours; shares of the lower half.
 const CHART_SHARE: f32 = 0.46;
-const TABLE_SHARE: f32 = 0.62;
+const TABLE_SHARE: f32 = 0.7;
 /// Heights of the lines of text.
 const LINE_HEIGHT: f32 = 28.0;
 const LEGEND_HEIGHT: f32 = 24.0;
 /// Shares of the columns of the table.
-const COLUMNS: [f32; 7] = [1.3, 0.9, 0.9, 0.9, 0.95, 0.95, 1.5];
+const COLUMNS: [f32; 10] = [1.45, 0.85, 0.85, 0.85, 0.85, 1.15, 0.95, 0.95, 1.0, 0.9];
 /// Alarms shown.
 const MAX_REASONS: usize = 5;
 
@@ -30,6 +33,14 @@ const MAX_REASONS: usize = 5;
 struct Shift {
     name: String,
     hours: Vec<HourRecord>,
+}
+
+impl Shift {
+    /// Its hours since 1970.
+    fn span(&self) -> Range<u64> {
+        let first = self.hours.first().map_or(0, |hour| hour.hour);
+        first..first + self.hours.len() as u64
+    }
 }
 
 /// The hour at which a day of production begins: with its first shift (P476).
@@ -150,8 +161,11 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
         view.text("运行 h", "run h"),
         view.text("等待 h", "wait h"),
         view.text("报警 h", "alarm h"),
-        view.text("利用率", "in use"),
         view.text("合格/不良", "good/NOK"),
+        view.text("可用率", "availab."),
+        view.text("效率", "effect."),
+        view.text("合格率", "quality"),
+        view.text("OEE", "OEE"),
     ];
     widget::table_header(view, inside.band(0.0, LINE_HEIGHT), COLUMNS, words);
     let whole = Shift { name: view.text("全天", "day").to_owned(), hours: hours_of(view.snapshot, day) };
@@ -162,6 +176,7 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
         }
         let sum = sum(&shift.hours);
         let hours = |seconds: u32| format!("{:.1}", f64::from(seconds) / f64::from(HOUR_SECONDS));
+        let oee = Oee::of(&sum, shift.span(), &view.snapshot.production.parts);
         let used = |of: MachineUse| sum.seconds[of as usize];
         let cells = [
             shift.name.clone(),
@@ -169,8 +184,11 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
             hours(used(MachineUse::Running)),
             hours(used(MachineUse::Waiting)),
             hours(used(MachineUse::Alarm)),
-            share(used(MachineUse::Running), sum.seconds_on()),
             format!("{} / {}", sum.good, sum.bad),
+            percent(oee.availability),
+            percent(oee.effectiveness),
+            percent(oee.quality_ratio),
+            percent(oee.index()),
         ];
         for (place, words) in line.columns(COLUMNS).into_iter().zip(cells) {
             view.fit_left(place, &words, theme::LABEL, view.theme.text);
@@ -178,9 +196,9 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
     }
 }
 
-/// A share in percent; a dash of nothing.
-fn share(part: u32, whole: u32) -> String {
-    if whole == 0 { "–".to_owned() } else { format!("{:.0} %", 100.0 * f64::from(part) / f64::from(whole)) }
+/// A ratio in percent; a dash of nothing.
+fn percent(ratio: Option<f64>) -> String {
+    ratio.map_or_else(|| "–".to_owned(), |ratio| format!("{:.1} %", 100.0 * ratio))
 }
 
 /// The alarms of the day by the time that they stood, the longest first: number, text, how often, seconds.
