@@ -198,7 +198,8 @@ fn b6_the_day_of_the_machine_is_summed_by_shift() {
     };
     touch(&mut screen, "班次 jobs-shifts");
     let texts = painted(&screen);
-    for words in ["1  06–14", "2  14–22", "3  22–06", "8.0", "5.7", "1.1", "0.3", "71.2 %", "99.6 %", "280 / 1", "全天"] {
+    for words in ["1  06–14", "2  14–22", "3  22–06", "8.0", "5.7", "1.1", "0.3", "71.2 %", "99.6 %", "280 / 1", "全天"]
+    {
         assert!(texts.iter().any(|text| text == words), "{words}: {texts:?}");
     }
     touch(&mut screen, "存为 CSV day-save");

@@ -143,5 +143,5 @@ fn h9_b8_the_texts_of_the_shipped_programs_are_complete() {
             }
         }
     }
-    assert_eq!(alarms, 376);
+    assert_eq!(alarms, 378);
 }

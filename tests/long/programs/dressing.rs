@@ -242,29 +242,123 @@ fn p6_a_dressing_that_touches_nothing_is_an_alarm_and_books_nothing() {
     assert_eq!(shop.rig.retained().part_count, 1);
 }
 
+/// Grinds parts until the least worn slice of the rim is back by this much, mm.
+fn wear_out(shop: &mut Shop, mm: f64) -> f64 {
+    let least = |shop: &Shop| shop.rig.machine().rim_wear_mm().iter().copied().fold(f64::INFINITY, f64::min);
+    for part in 0..12 {
+        if least(shop) > mm {
+            break;
+        }
+        shop.next_part();
+        assert_eq!(shop.run(), End::Finished, "part {part}");
+    }
+    least(shop)
+}
+
 /// A wheel that has lost more than the dressing depth is dressed from its worn surface on. The roll stood in the air:
 /// alarm 3025 after eleven parts with a soft wheel.
 #[test]
 fn p6_a_wheel_that_has_worn_more_than_the_depth_is_dressed_from_its_surface_on() {
-    for (part, dressing, depth_mm, ratio) in [(1010, 1014, 0.025, 4.0), (1008, 1013, 0.03, 0.3)] {
+    for (part, dressing, depth_mm, ratio, key) in [(1010, 1014, 0.025, 6.0, 754), (1008, 1013, 0.03, 0.55, 812)] {
         let mut shop = shop_with_wheel(part, ratio, |_| ());
-        let rim = |shop: &Shop| shop.rig.machine().rim_wear_mm().to_vec();
-        let least = |rim: &[f64]| rim.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut parts = 0;
-        while least(&rim(&shop)) < depth_mm + 0.005 {
+        shop.set(key, 0.0);
+        let (mut booked, mut dressed) = (500.0, 0.0);
+        // The first dressing finds the dressing point, the second measures the wear.
+        for dressings in 1..=2 {
+            let worn = wear_out(&mut shop, dressed + depth_mm + 0.005);
+            shop.load(dressing);
+            assert_eq!(shop.run(), End::Finished, "O{dressing}");
+            let before = std::mem::replace(&mut booked, shop.rig.controller().system_variable(5_801).unwrap());
+            let wear = if dressings == 1 { 0.0 } else { worn - dressed };
+            let smaller = (before - booked) / 2.0;
+            assert!((smaller - wear - depth_mm).abs() < 0.003, "O{dressing}: {smaller} after {wear} of wear");
+            dressed = worn + depth_mm;
+            let rim = shop.rig.machine().rim_wear_mm();
+            assert!(rim.iter().all(|mm| *mm > dressed - 0.002), "O{dressing}: {rim:?}, {dressed}");
+            shop.load(part);
+        }
+    }
+}
+
+/// The wear that one program has corrected is given back by the dressing of another one: they share offset and wheel. A
+/// floor of O1008 was 9 µm too deep behind six parts of O1007.
+#[test]
+fn p6_the_dressing_gives_back_the_wear_whoever_has_corrected_it() {
+    let mut shop = shop_with_wheel(1007, 10.0, |_| ());
+    shop.load(1013);
+    assert_eq!(shop.run(), End::Finished);
+    shop.load(1007);
+    shop.set(811, 0.0);
+    for _ in 0..4 {
+        shop.next_part();
+        shop.grind();
+    }
+    let worn = shop.value(814).unwrap();
+    assert!(worn < -0.003, "{worn}");
+    let wear = |shop: &mut Shop| shop.rig.snapshot().offsets.tools[0].wear[Axis::Y];
+    let (before, diameter) = (wear(&mut shop), shop.rig.controller().system_variable(5_801).unwrap());
+    shop.load(1013);
+    assert_eq!(shop.run(), End::Finished);
+    // The offset follows the diameter. At most what was measured is given back, in steps of the encoder.
+    let smaller = (diameter - shop.rig.controller().system_variable(5_801).unwrap()) / 2.0;
+    let given_back = wear(&mut shop) - before + smaller;
+    assert!((-worn - 0.001..=-worn + 1e-9).contains(&given_back), "{given_back} of {worn}");
+    assert_eq!(shop.value(814), Some(0.0));
+    // The size stays, at once.
+    shop.load(1007);
+    shop.next_part();
+    shop.grind();
+    let worst = shop.worst_um(|_| 20.0);
+    assert!(worst.abs() < 2.0, "{worst} µm");
+}
+
+/// A dressing point that was set anew is found by the contact, and the offset changes by the depth alone: 0.1 mm of it stood
+/// for wear, and the next floor was 0.1 mm too deep.
+#[test]
+fn p6_a_dressing_point_that_was_set_anew_is_no_wear() {
+    for (part, dressing, point, right) in [(1008, 1013, 802, -240.0), (1010, 1014, 821, -200.0)] {
+        let mut shop = shop(part);
+        for off in [0.1, 0.07] {
+            shop.set(point, right + off).load(dressing);
+            assert_eq!(shop.run(), End::Finished, "O{dressing}");
+            shop.load(part);
             shop.next_part();
-            assert_eq!(shop.run(), End::Finished);
-            parts += 1;
-            assert!(parts < 12, "O{part}: {:?}", rim(&shop));
+            shop.grind();
+            let worst = shop.worst_um(|at| nominal(part, at));
+            assert!(worst.abs() < 3.0, "O{part}, point {off} mm off: {worst} µm");
         }
-        let worn = least(&rim(&shop));
-        shop.load(dressing);
-        assert_eq!(shop.run(), End::Finished, "O{dressing}");
-        let booked = (500.0 - shop.rig.controller().system_variable(5_801).unwrap()) / 2.0;
-        for mm in rim(&shop).iter().filter(|mm| **mm < booked + 0.002) {
-            assert!((mm - booked).abs() < 0.001, "O{dressing}: {mm} mm back, {booked} booked");
-        }
-        assert!((booked - worn - depth_mm).abs() < 0.003, "O{dressing}: {booked} after {worn} of wear");
+    }
+}
+
+/// At the same point more than 0.01 mm a part is no wear but another wheel: nothing is dressed. A wheel of G 0.05 loses
+/// 300 mm³/0.05 over π·500·40 mm, 95 µm, on a slot.
+#[test]
+fn p6_a_wear_that_cannot_be_is_an_alarm_and_nothing_is_dressed() {
+    let mut shop = shop_with_wheel(1008, 0.05, |_| ());
+    shop.load(1013);
+    assert_eq!(shop.run(), End::Finished);
+    shop.load(1008);
+    shop.next_part();
+    assert_eq!(shop.run(), End::Finished);
+    let (booked, rim) = (shop.rig.controller().system_variable(5_801), shop.rig.machine().rim_wear_mm().to_vec());
+    shop.load(1013);
+    let end = shop.run();
+    assert!(matches!(&end, End::Alarm(3_029, _)), "{end:?}");
+    assert_eq!((shop.rig.controller().system_variable(5_801), shop.events()), (booked, Vec::new()));
+    let cut = rim.iter().zip(shop.rig.machine().rim_wear_mm()).map(|(before, after)| after - before);
+    assert!(cut.fold(0.0, f64::max) < 0.001, "touched, not dressed");
+}
+
+/// The finished sizes of the parts of the surface and rotary grinders.
+fn nominal(program: u32, at: Measured) -> f64 {
+    match (program, at) {
+        (1007, _) => 20.0,
+        (1010, _) => 25.0,
+        (1008, Measured::Face(z)) if z < 30.0 => 5.0,
+        (1008, Measured::Face(_)) => 55.0,
+        (1009, Measured::Height(z)) if z > 30.0 => 25.0,
+        (1009, Measured::Face(_)) => 30.0,
+        _ => 15.0,
     }
 }
 
@@ -279,15 +373,7 @@ fn k7_10_surface_and_rotary_programs_dress_after_their_interval() {
                 shop.next_part();
             }
             shop.grind();
-            let worst = shop.worst_um(|at| match (program, at) {
-                (1007, _) => 20.0,
-                (1010, _) => 25.0,
-                (1008, Measured::Face(z)) if z < 30.0 => 5.0,
-                (1008, Measured::Face(_)) => 55.0,
-                (1009, Measured::Height(z)) if z > 30.0 => 25.0,
-                (1009, Measured::Face(_)) => 30.0,
-                _ => 15.0,
-            });
+            let worst = shop.worst_um(|at| nominal(program, at));
             assert!(worst.abs() < tolerance_um, "O{program}, part {part}: {worst} µm");
             let dressings = f64::from((part - 1) / 2);
             assert_eq!(shop.rig.controller().system_variable(5_805), Some(dressings), "O{program}, part {part}");

@@ -214,18 +214,6 @@ fn p7_o1008_corrects_offset_and_width_of_the_wheel() {
     assert!((shop.value(718).unwrap() - 0.004_3).abs() < 1e-9);
 }
 
-/// What was corrected for wear is given back when the wheel has been dressed: the dressed rim is where it was.
-#[test]
-fn p7_o1008_and_o1009_give_the_wear_back_behind_a_dressing() {
-    for (program, wear, dressed) in [(1008, 807, 808), (1009, 809, 810)] {
-        let mut shop = shop(program);
-        shop.set(wear, -0.012).set(dressed, -1.0);
-        assert_eq!(shop.run(), End::Finished);
-        assert!((shop.rig.snapshot().offsets.tools[0].wear[Axis::Y] - 0.012).abs() < 1e-9, "O{program}");
-        assert!(shop.value(usize::from(wear)).unwrap().abs() < 1e-12, "O{program}");
-    }
-}
-
 /// The gauge corrects X after each part; the face follows the slope of the infeed and is corrected with it.
 #[test]
 fn p7_o1016_keeps_its_face_while_the_gauge_corrects_the_diameter() {
@@ -266,20 +254,27 @@ fn p7_o1016_refuses_the_face_of_a_blank() {
     assert_eq!(shop.value(876), Some(blank));
 }
 
-/// A wear that was measured before a dressing is none of the dressed rim: what stood for wear is given back, and that is all.
+/// A height that was measured before a dressing says nothing of the dressed rim.
 #[test]
 fn p7_o1008_and_o1009_do_not_correct_a_dressed_rim_by_an_older_size() {
     for (program, typed, state, marks, dressed) in [
-        (1008, &[(715, 15.004)][..], 697, &[(696, 15.0), (698, 5.0), (699, 55.0)], (807, 808)),
-        (1009, &[(735, 15.004), (736, 25.004)], 756, &[(757, 15.0), (758, 25.0), (759, 30.0)], (809, 810)),
+        (1008, &[(715, 15.004)][..], 697, &[(696, 15.0), (698, 5.0), (699, 55.0)], 808),
+        (1009, &[(735, 15.004), (736, 25.004)], 756, &[(757, 15.0), (758, 25.0), (759, 30.0)], 810),
+        (1009, &[(735, 15.004)], 756, &[(757, 15.0), (758, 25.0), (759, 30.0)], 810),
     ] {
-        let mut shop = shop(program);
-        shop.set(state, 2.0).set(dressed.0, -0.012).set(dressed.1, -1.0);
-        for (variable, value) in typed.iter().chain(marks) {
-            shop.set(*variable, *value);
+        for diameter in [500.0, 500.06] {
+            let mut shop = shop(program);
+            shop.set(state, 2.0).set(dressed, diameter);
+            for (variable, value) in typed.iter().chain(marks) {
+                shop.set(*variable, *value);
+            }
+            assert_eq!(shop.run(), End::Finished, "O{program}");
+            // The same wheel: 0.7 of 4 µm, and booked as wear.
+            let wanted = if diameter > 500.0 { 0.0 } else { -0.002_8 };
+            let wear = shop.rig.snapshot().offsets.tools[0].wear[Axis::Y];
+            assert!((wear - wanted).abs() < 1e-9, "O{program} {typed:?} at {diameter}: {wear}");
+            assert!((shop.value(814).unwrap() - wanted).abs() < 1e-9, "O{program}");
+            assert!(shop.value(738).unwrap_or(0.0).abs() < 1e-12, "O{program}");
         }
-        assert_eq!(shop.run(), End::Finished, "O{program}");
-        assert!((shop.rig.snapshot().offsets.tools[0].wear[Axis::Y] - 0.012).abs() < 1e-9, "O{program}");
-        assert!(shop.value(usize::from(dressed.0)).unwrap().abs() < 1e-12, "O{program}");
     }
 }

@@ -186,8 +186,7 @@ const CYCLE_ARGUMENTS: [(u32, &[u8], &[u8]); 7] = [
     (9079, b"IJKX", b""),
 ];
 /// The other shipped programs: the shipped programs call them, with numbers as they are.
-const SHIPPED_PROGRAMS: [u32; 12] =
-    [9000, 9001, 9010, 9011, 9012, 9013, 9014, 9015, 9016, 9017, 9018, 9020];
+const SHIPPED_PROGRAMS: [u32; 12] = [9000, 9001, 9010, 9011, 9012, 9013, 9014, 9015, 9016, 9017, 9018, 9020];
 
 /// Whether a program is a shipped grinding cycle.
 fn is_grinding_cycle(program: u32) -> bool {
