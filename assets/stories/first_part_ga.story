@@ -49,4 +49,4 @@ key 循环启动
 wait until idle max 900 s
 expect no event
 expect #828 0.025 ±0.0001
-expect wear 1 Z -0.025
+expect wear 1 Z -0.025 ±0.002

@@ -252,7 +252,9 @@ fn wear_out(shop: &mut Shop, mm: f64) -> f64 {
         shop.next_part();
         assert_eq!(shop.run(), End::Finished, "part {part}");
     }
-    least(shop)
+    let worn = least(shop);
+    assert!(worn > mm, "{worn} mm of wear");
+    worn
 }
 
 /// A wheel that has lost more than the dressing depth is dressed from its worn surface on. The roll stood in the air:
@@ -318,7 +320,7 @@ fn p6_the_dressing_gives_back_the_wear_whoever_has_corrected_it() {
 fn p6_a_dressing_point_that_was_set_anew_is_no_wear() {
     for (part, dressing, point, right) in [(1008, 1013, 802, -240.0), (1010, 1014, 821, -200.0)] {
         let mut shop = shop(part);
-        for off in [0.1, 0.07] {
+        for off in [-0.04, 0.1, 0.07] {
             shop.set(point, right + off).load(dressing);
             assert_eq!(shop.run(), End::Finished, "O{dressing}");
             shop.load(part);
@@ -328,6 +330,39 @@ fn p6_a_dressing_point_that_was_set_anew_is_no_wear() {
             assert!(worst.abs() < 3.0, "O{part}, point {off} mm off: {worst} µm");
         }
     }
+}
+
+/// A wheel that stands 0.3 mm before its booked place is not fed into the roll or the diamond: it was, and crashed.
+#[test]
+fn p6_a_wheel_that_is_larger_than_booked_is_an_alarm_at_the_first_touch() {
+    for (dressing, point, right) in [(1013, 802, -240.0), (1014, 821, -200.0)] {
+        let mut shop = shop(dressing);
+        shop.set(point, right - 0.3);
+        let end = shop.run();
+        assert!(matches!(&end, End::Alarm(3_028, _)), "O{dressing}: {end:?}");
+        assert_eq!((shop.events(), shop.rig.controller().system_variable(5_805)), (Vec::new(), Some(0.0)));
+    }
+}
+
+/// RESET in the dwell of a dressing: the next one takes what was cut already for no wear, and books it.
+#[test]
+fn p6_a_dressing_that_was_broken_off_is_done_again() {
+    let mut shop = shop(1013);
+    assert_eq!(shop.run(), End::Finished);
+    crate::stories::tell(&mut shop.rig, "key cycle-start");
+    let least = |shop: &Shop| shop.rig.machine().rim_wear_mm().iter().copied().fold(f64::INFINITY, f64::min);
+    for _ in 0..60_000 {
+        shop.rig.step();
+        if least(&shop) > 0.055 {
+            break;
+        }
+    }
+    crate::stories::tell(&mut shop.rig, "key reset\nwait 2 s");
+    let cut = least(&shop);
+    assert!((0.055..0.061).contains(&cut), "{cut}");
+    assert_eq!(shop.run(), End::Finished);
+    let back = (500.0 - shop.rig.controller().system_variable(5_801).unwrap()) / 2.0;
+    assert!((back - least(&shop)).abs() < 0.003 && (back - cut - 0.03).abs() < 0.003, "{back} of {cut}");
 }
 
 /// At the same point more than 0.01 mm a part is no wear but another wheel: nothing is dressed. A wheel of G 0.05 loses

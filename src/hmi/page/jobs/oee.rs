@@ -1,13 +1,39 @@
 //! Overall equipment effectiveness by ISO 22400-2: availability, effectiveness, quality ratio, and their product.
 //! Source: issue "the face", part 8.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::defs::hour_record::{HourRecord, MachineUse};
-use crate::defs::part_record::{PartHistory, PartRecord};
+use crate::defs::part_record::{MAX_PART_RECORDS, PartHistory, PartRecord};
 
-/// Of so many good parts of a program one may be quicker than planned; a single lucky cycle is no plan.
+/// Of so many good parts of a kind one may be quicker than planned; a single lucky cycle is no plan.
 const QUICKER: usize = 10;
+
+/// What makes parts of the same kind: program, order, nominal size.
+type PartKind = (u32, u32, Option<u64>);
+
+/// The planned cycle times: of each kind of part what its quick good ones took, s.
+pub struct PlannedCycles(BTreeMap<PartKind, f64>);
+
+impl PlannedCycles {
+    /// Those of all parts that are known.
+    pub fn of(parts: &PartHistory) -> Self {
+        let mut cycles: BTreeMap<PartKind, Vec<f64>> = BTreeMap::new();
+        for part in parts.iter().filter(|part| !part.verdict.is_bad()) {
+            cycles.entry(kind_of(part)).or_default().push(part.cycle_seconds);
+        }
+        let planned = |mut cycles: Vec<f64>| {
+            cycles.sort_by(f64::total_cmp);
+            cycles.get(cycles.len() / QUICKER).copied()
+        };
+        Self(cycles.into_iter().filter_map(|(kind, cycles)| Some((kind, planned(cycles)?))).collect())
+    }
+}
+
+fn kind_of(part: &PartRecord) -> PartKind {
+    (part.program, part.order, part.limits.map(|[nominal, ..]| nominal.to_bits()))
+}
 
 /// The three ratios of a shift, each 0 to 1; `None` where nothing is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,35 +47,33 @@ pub struct Oee {
 }
 
 impl Oee {
-    /// The ratios of hours (since 1970) whose sum is `sum`, with all parts that are known.
-    pub fn of(sum: &HourRecord, hours: Range<u64>, parts: &PartHistory) -> Self {
+    /// The ratios of hours (since 1970) whose sum is `sum`, with all parts that are known and their planned cycles.
+    pub fn of(sum: &HourRecord, hours: Range<u64>, parts: &PartHistory, plan: &PlannedCycles) -> Self {
         let running = f64::from(sum.seconds[MachineUse::Running as usize]);
-        let made = sum.good + sum.bad;
-        let within = |part: &&PartRecord| HourRecord::hour_of(part.ended).is_some_and(|hour| hours.contains(&hour));
-        let of_shift: Vec<&PartRecord> = parts.iter().filter(within).collect();
+        let made = f64::from(sum.good + sum.bad);
+        let hour_of = |part: &PartRecord| HourRecord::hour_of(part.ended);
+        let of_shift = parts.iter().filter(|part| hour_of(part).is_some_and(|hour| hours.contains(&hour)));
         // Parts of long ago are counted, but no longer known one by one.
-        let known = made > 0 && of_shift.len() >= made as usize;
-        let planned = of_shift.iter().map(|part| planned_seconds(part.program, parts)).sum::<Option<f64>>();
+        let oldest = parts.iter().next().and_then(hour_of);
+        let known = parts.iter().count() < MAX_PART_RECORDS || oldest.is_some_and(|oldest| oldest < hours.start);
+        let planned: Vec<f64> = of_shift.filter_map(|part| plan.0.get(&kind_of(part)).copied()).collect();
+        // A part that ends with the shift may be counted in one hour and recorded in the next: the mean is not hurt.
+        let mean = planned.iter().sum::<f64>() / planned.len().max(1) as f64;
         let ratio = |part: f64, whole: f64| (whole > 0.0).then(|| (part / whole).min(1.0));
         Self {
             availability: ratio(running, f64::from(sum.seconds_on())),
-            effectiveness: planned.filter(|_| known).and_then(|planned| ratio(planned, running)),
-            quality_ratio: ratio(f64::from(sum.good), f64::from(made)),
+            effectiveness: ratio(mean * made, running).filter(|_| known && !planned.is_empty()),
+            quality_ratio: ratio(f64::from(sum.good), made),
         }
     }
 
-    /// The product of the three; `None` while one is unknown.
+    /// The product of the three; `None` while one is unknown, 0 without a good part.
     pub fn index(&self) -> Option<f64> {
-        Some(self.availability? * self.effectiveness? * self.quality_ratio?)
+        match self.quality_ratio {
+            Some(0.0) => Some(0.0),
+            quality => Some(self.availability? * self.effectiveness? * quality?),
+        }
     }
-}
-
-/// Planned cycle time of a program, s: what its quick good parts took. `None` without a good part.
-fn planned_seconds(program: u32, parts: &PartHistory) -> Option<f64> {
-    let good = parts.iter().filter(|part| part.program == program && !part.verdict.is_bad());
-    let mut cycles: Vec<f64> = good.map(|part| part.cycle_seconds).collect();
-    cycles.sort_by(f64::total_cmp);
-    cycles.get(cycles.len() / QUICKER).copied()
 }
 
 #[cfg(test)]
@@ -82,26 +106,44 @@ mod tests {
         found.is_some_and(|found| (found - wanted).abs() < 1e-9)
     }
 
+    fn oee(sum: &HourRecord, parts: &PartHistory) -> Oee {
+        Oee::of(sum, 100..108, parts, &PlannedCycles::of(parts))
+    }
+
     #[test]
     fn b6_the_index_is_the_product_of_three_ratios() {
         // Of ten good parts the quickest is no plan: 1800 s each, as the others. 11 · 1800 s of 21600 s.
         let mut cycles = [1_800.0; 11];
         cycles[4] = 900.0;
-        let found = Oee::of(&SUM, 100..108, &parts(&cycles));
+        let found = oee(&SUM, &parts(&cycles));
         assert!(close(found.availability, 0.75) && close(found.quality_ratio, 10.0 / 11.0), "{found:?}");
         assert!(close(found.effectiveness, 11.0 * 1_800.0 / 21_600.0), "{found:?}");
         assert!(close(found.index(), 0.75 * (11.0 * 1_800.0 / 21_600.0) * 10.0 / 11.0), "{found:?}");
+        // One of them was recorded a second behind the shift, another kind of part long before it.
+        let found = oee(&SUM, &parts(&cycles[..10]));
+        assert!(close(found.effectiveness, 11.0 * 1_800.0 / 21_600.0), "{found:?}");
+    }
+
+    #[test]
+    fn b6_other_parts_of_the_program_are_no_plan() {
+        let quick = |part: &PartRecord| PartRecord { order: 7, cycle_seconds: 60.0, ended: DateTime(0), ..*part };
+        let slow = parts(&[1_800.0; 11]);
+        let all: Vec<PartRecord> = slow.iter().map(quick).chain(slow.iter().copied()).collect();
+        let found = oee(&SUM, &PartHistory::new(all, 22));
+        assert!(close(found.effectiveness, 11.0 * 1_800.0 / 21_600.0), "{found:?}");
     }
 
     #[test]
     fn b6_what_is_unknown_is_no_ratio() {
-        // Ten of the eleven parts are known.
-        let found = Oee::of(&SUM, 100..108, &parts(&[1_800.0; 10]));
-        assert_eq!((found.effectiveness, found.index()), (None, None));
-        let found = Oee::of(&HourRecord::default(), 100..108, &parts(&[]));
+        let nothing = parts(&[]);
+        assert_eq!((oee(&SUM, &nothing).effectiveness, oee(&SUM, &nothing).index()), (None, None));
+        let found = oee(&HourRecord::default(), &nothing);
         assert_eq!(found, Oee { availability: None, effectiveness: None, quality_ratio: None });
-        // Without a good part of the program nothing was planned.
-        let found = Oee::of(&HourRecord { good: 0, bad: 1, ..SUM }, 100..108, &parts(&[]));
-        assert_eq!((found.quality_ratio, found.effectiveness), (Some(0.0), None));
+        // The history is full and begins in the shift: nobody knows what came before.
+        let full = parts(&vec![1.0; MAX_PART_RECORDS]);
+        assert_eq!(oee(&SUM, &full).effectiveness, None);
+        // Scrap alone is no output, whatever it took.
+        let found = oee(&HourRecord { good: 0, bad: 1, ..SUM }, &nothing);
+        assert_eq!((found.quality_ratio, found.effectiveness, found.index()), (Some(0.0), None, Some(0.0)));
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use egui::{Rect, pos2};
 
-use super::oee::Oee;
+use super::oee::{Oee, PlannedCycles};
 use crate::defs::alarm::{self, Reaction};
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::date::DateTime;
@@ -18,14 +18,13 @@ use crate::link::Snapshot;
 const HOURS: u64 = 24;
 const DAY_SECONDS: i64 = 86_400;
 const HOUR_SECONDS: f32 = 3_600.0;
-/// Share of the page for the hours; shares of the lower half.
-const CHART_SHARE: f32 = 0.46;
-const TABLE_SHARE: f32 = 0.7;
+/// Share of the page for the hours.
+const CHART_SHARE: f32 = 0.38;
 /// Heights of the lines of text.
 const LINE_HEIGHT: f32 = 28.0;
 const LEGEND_HEIGHT: f32 = 24.0;
 /// Shares of the columns of the table.
-const COLUMNS: [f32; 10] = [1.45, 0.85, 0.85, 0.85, 0.85, 1.15, 0.95, 0.95, 1.0, 0.9];
+const COLUMNS: [f32; 10] = [1.2, 0.7, 0.75, 0.75, 0.8, 1.05, 1.1, 1.3, 0.85, 0.8];
 /// Alarms shown.
 const MAX_REASONS: usize = 5;
 
@@ -97,9 +96,11 @@ pub fn ui(rect: Rect, view: &View<'_>, day: Option<u64>) {
     };
     let (chart, below) = rect.split_top(rect.height() * CHART_SHARE);
     day_chart(chart.trim_bottom(theme::GAP), view, day);
-    let (table, reasons) = below.split_left_right_at_fraction(TABLE_SHARE);
-    shift_table(table.trim_right(theme::PAD / 2.0), view, day);
-    show_reasons(reasons.trim_left(theme::PAD / 2.0), view, day);
+    // Header, shifts, day.
+    let lines = shifts_of(view.snapshot, day).len() + 2;
+    let (table, reasons) = below.split_top(lines as f32 * LINE_HEIGHT + 3.0 * theme::GAP);
+    shift_table(table.trim_bottom(theme::GAP), view, day);
+    show_reasons(reasons, view, day);
 }
 
 const fn ink(view: &View<'_>, of: MachineUse) -> egui::Color32 {
@@ -162,13 +163,15 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
         view.text("等待 h", "wait h"),
         view.text("报警 h", "alarm h"),
         view.text("合格/不良", "good/NOK"),
-        view.text("可用率", "availab."),
-        view.text("效率", "effect."),
+        view.text("可用率", "availability"),
+        view.text("效率", "effectiveness"),
         view.text("合格率", "quality"),
         view.text("OEE", "OEE"),
     ];
     widget::table_header(view, inside.band(0.0, LINE_HEIGHT), COLUMNS, words);
     let whole = Shift { name: view.text("全天", "day").to_owned(), hours: hours_of(view.snapshot, day) };
+    let parts = &view.snapshot.production.parts;
+    let plan = PlannedCycles::of(parts);
     for (index, shift) in shifts_of(view.snapshot, day).iter().chain([&whole]).enumerate() {
         let line = inside.band((index + 1) as f32 * LINE_HEIGHT, LINE_HEIGHT);
         if line.max.y > inside.max.y + 1.0 {
@@ -176,7 +179,7 @@ fn shift_table(rect: Rect, view: &View<'_>, day: u64) {
         }
         let sum = sum(&shift.hours);
         let hours = |seconds: u32| format!("{:.1}", f64::from(seconds) / f64::from(HOUR_SECONDS));
-        let oee = Oee::of(&sum, shift.span(), &view.snapshot.production.parts);
+        let oee = Oee::of(&sum, shift.span(), parts, &plan);
         let used = |of: MachineUse| sum.seconds[of as usize];
         let cells = [
             shift.name.clone(),
