@@ -274,8 +274,8 @@ fn k1_the_shipped_programs_say_for_which_machine_they_are() {
     for row in &directory {
         let expected: &[Kind] = match row.number {
             1_001..=1_006 | 1_011 | 1_012 | 1_015..=1_020 | 9_010..=9_016 | 9_071 | 9_073 | 9_076 => &[Kind::Gc],
-            1_007..=1_009 | 1_013 | 9_020 | 9_075 | 9_077..=9_079 => &[Kind::Gs],
-            1_010 | 1_014 => &[Kind::Ga],
+            1_007..=1_009 | 1_013 | 9_017 | 9_020 | 9_075 | 9_077..=9_079 => &[Kind::Gs],
+            1_010 | 1_014 | 9_018 => &[Kind::Ga],
             _ => &[],
         };
         assert_eq!(row.kinds, expected, "{}", row.name);

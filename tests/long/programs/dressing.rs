@@ -245,7 +245,7 @@ fn p6_a_dressing_that_touches_nothing_is_an_alarm_and_books_nothing() {
 /// Grinds parts until the least worn slice of the rim is back by this much, mm.
 fn wear_out(shop: &mut Shop, mm: f64) -> f64 {
     let least = |shop: &Shop| shop.rig.machine().rim_wear_mm().iter().copied().fold(f64::INFINITY, f64::min);
-    for part in 0..12 {
+    for part in 0..24 {
         if least(shop) > mm {
             break;
         }
