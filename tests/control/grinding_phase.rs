@@ -68,7 +68,7 @@ fn k7_2_every_grinding_program_names_its_phases() {
     use GrindingPhase::{AirGrinding, Approach, Dressing, Finishing, Measuring, Retract, Roughing, SparkOut};
     let faces = [Approach, Roughing, Finishing, SparkOut, Retract];
     let plunge = [Approach, AirGrinding, Roughing, Finishing, SparkOut, Retract];
-    // With a gauge the last of the stock is removed after the spark-out, to its signal.
+    // With a gauge what the spark-out leaves is removed after it, to the gauge's signal.
     let gauged = [Approach, AirGrinding, Roughing, Finishing, SparkOut, Finishing, Retract];
     let expected: [(Kind, u32, Vec<GrindingPhase>); 7] = [
         // Left and right jaw.
@@ -77,7 +77,8 @@ fn k7_2_every_grinding_program_names_its_phases() {
         (Kind::Gc, 1_004, plunge.to_vec()),
         (Kind::Gc, 1_005, [&[Approach, Measuring], plunge.as_slice()].concat()),
         (Kind::Gc, 1_006, [&[Dressing], gauged.as_slice()].concat()),
-        (Kind::Gs, 1_007, gauged.to_vec()),
+        // The spark-out in small cross steps reaches the size itself.
+        (Kind::Gs, 1_007, plunge.to_vec()),
         (Kind::Gc, 1_011, vec![Dressing]),
     ];
     for (kind, program, phases) in expected {
