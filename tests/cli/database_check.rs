@@ -71,7 +71,9 @@ fn b6_a_database_that_would_take_all_memory_is_damage_and_no_end_of_the_control(
     let whole = std::fs::read(&file).unwrap();
     assert!(comes_to_its_end(&whole) && comes_to_its_end(b"this is no database") && comes_to_its_end(b""));
     // Page numbers stand at multiples of 8; most of these bytes are none, and come to their end as intact or damaged.
-    let hungry = PAGES.skip(7).step_by(8).find(|&at| !comes_to_its_end(&flipped(&whole, at)));
+    // Where this version of redb has one comes first: each look takes a process of its own.
+    let places = (36_863..PAGES.end).step_by(8).chain((PAGES.start + 7..36_863).step_by(8));
+    let hungry = places.into_iter().find(|&at| !comes_to_its_end(&flipped(&whole, at)));
     let hungry = hungry.expect("a page number whose order takes 4 GiB");
     let damaged = flipped(&whole, hungry);
     std::fs::write(&file, &damaged).unwrap();

@@ -14,8 +14,9 @@ use kt830::units::MachinePos;
 /// Steps until the run is over; the phases in the order in which they came.
 fn course(rig: &mut HeadlessHost) -> Vec<Option<GrindingPhase>> {
     let mut seen = vec![rig.snapshot().cycle.phase];
-    for _ in 0..3_600_000 {
-        rig.step();
+    // A snapshot costs more than a tick; no phase is shorter than a few of them.
+    for _ in 0..360_000 {
+        (0..10).for_each(|_| rig.step());
         let snapshot = rig.snapshot();
         if seen.last() != Some(&snapshot.cycle.phase) {
             seen.push(snapshot.cycle.phase);

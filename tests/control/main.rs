@@ -50,5 +50,6 @@ mod teach_in;
 mod thread_recorder;
 mod touch_probe;
 mod vertical;
+mod vertical_correction;
 mod wheel_size;
 mod work_offsets;

@@ -263,7 +263,7 @@ fn b5_ready_means_that_cycle_start_starts() {
         Key::WheelRetract,
     ];
     let (mut ready, mut unready) = (0, 0);
-    for seed in 0..120_u64 {
+    for seed in 0..60_u64 {
         let mut random = SplitMix64::new(seed);
         let kind = pick(&mut random, &[Kind::Gc, Kind::Gs, Kind::Ga]);
         let mut rig = rig_of(kind, crate::stories::folders_of(kind));

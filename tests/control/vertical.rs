@@ -18,12 +18,12 @@ use kt830::units::{Axis, Micros};
 /// The variable of R0.
 const R0: u32 = 600;
 
-fn r(rig: &HeadlessHost, number: u32) -> f64 {
+pub(crate) fn r(rig: &HeadlessHost, number: u32) -> f64 {
     rig.controller().variable(R0 + number).unwrap_or_default()
 }
 
 /// A ready machine with the shipped program and its part.
-fn vgrind(seed: u64, values: &str) -> HeadlessHost {
+pub(crate) fn vgrind(seed: u64, values: &str) -> HeadlessHost {
     let mut rig = ready_of(Kind::Vertical);
     rig.reseed(seed);
     rig.mount_part(&PartFile::builtin(program_number::from_name("VGRIND")).unwrap().unwrap());
@@ -34,7 +34,7 @@ fn vgrind(seed: u64, values: &str) -> HeadlessHost {
 }
 
 /// Runs to the end; looks at the rig in every tick.
-fn run(rig: &mut HeadlessHost, mut look: impl FnMut(&HeadlessHost)) {
+pub(crate) fn run(rig: &mut HeadlessHost, mut look: impl FnMut(&HeadlessHost)) {
     rig.send(Command::Press(Key::CycleStart));
     let end = rig.now() + Micros::from_secs_f64(3_600.0);
     rig.step();
@@ -47,12 +47,12 @@ fn run(rig: &mut HeadlessHost, mut look: impl FnMut(&HeadlessHost)) {
 }
 
 /// The set of S5; what is not given is as delivered.
-const S5: &str = "set R18 = 200\nset R20 = 200.5\nset R25 = 0.05\nset R42 = 0.1";
+pub(crate) const S5: &str = "set R18 = 200\nset R20 = 200.5\nset R25 = 0.05\nset R42 = 0.1";
 
 #[test]
-fn s5_the_corrected_program_ends_at_200_000_on_ten_seeds_and_r3_follows_every_dressing() {
+fn s5_the_corrected_program_ends_at_200_000_on_four_seeds_and_r3_follows_every_dressing() {
     let mut sizes = Vec::new();
-    for seed in 1..=10 {
+    for seed in 1..=4 {
         let mut rig = vgrind(seed, S5);
         let (mut before, mut dressings) = (r(&rig, 3), 0);
         run(&mut rig, |rig| {
@@ -79,7 +79,7 @@ fn s5_the_corrected_program_ends_at_200_000_on_ten_seeds_and_r3_follows_every_dr
     // Another wheel, screw and diamond with every seed: no two parts are the same.
     sizes.sort_unstable();
     sizes.dedup();
-    assert_eq!(sizes.len(), 50);
+    assert_eq!(sizes.len(), 20);
 }
 
 /// The diameter that the tapered bore of VBORE is to have at Z: 500 at Z105, 1° narrower downwards.
@@ -87,10 +87,10 @@ fn bore_at(z: f64) -> f64 {
     500.0 - 2.0 * (105.0 - z) * 1.0_f64.to_radians().tan()
 }
 
-const BORE: &str = "set R18 = 500\nset R20 = 499.5\nset R14 = -1\nset R28 = 0.01\nset R43 = 0.01";
+pub(crate) const BORE: &str = "set R18 = 500\nset R20 = 499.5\nset R14 = -1\nset R28 = 0.01\nset R43 = 0.01";
 
 /// A ready machine with the program of the bore and its part.
-fn vbore(seed: u64, values: &str) -> HeadlessHost {
+pub(crate) fn vbore(seed: u64, values: &str) -> HeadlessHost {
     let mut rig = ready_of(Kind::Vertical);
     rig.reseed(seed);
     rig.mount_part(&PartFile::builtin(program_number::from_name("VBORE")).unwrap().unwrap());
@@ -239,7 +239,7 @@ fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
 
 /// A value that the program can judge is judged before anything starts or moves: the way of a wrong one ends in the diamond
 /// or the part.
-fn refused_at_the_start(rig: &mut HeadlessHost, values: &str, (message, flag): (&str, f64)) {
+pub(crate) fn refused_at_the_start(rig: &mut HeadlessHost, values: &str, (message, flag): (&str, f64)) {
     let kept: Vec<_> =
         (R0 as u16 + 1..R0 as u16 + 48).map(|number| (number, rig.controller().variable(number.into()))).collect();
     tell(rig, values);

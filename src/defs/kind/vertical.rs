@@ -28,7 +28,7 @@ pub(super) static ROW: KindRow = KindRow {
         by_name: false,
         shipped: shipped! {
             "VGRIND.MPF" "L1.SPF" "L3.SPF" "L10.SPF" "L20.SPF" "L30.SPF"
-            "VBORE.MPF" "L11.SPF" "L21.SPF" "L31.SPF" "RBORE.MPF" "RGRIND.MPF"
+            "VBORE.MPF" "L11.SPF" "L21.SPF" "L31.SPF" "L40.SPF" "RBORE.MPF" "RGRIND.MPF"
         },
     },
     axes: PerAxis([true, false, true]),

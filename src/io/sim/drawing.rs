@@ -22,9 +22,9 @@ pub enum DrawingFeature {
 pub struct DrawingSize {
     /// What is measured.
     pub feature: DrawingFeature,
-    /// Begin of the places that belong to it.
+    /// Begin of the places that belong to it; a cone's size is told here.
     pub from: f64,
-    /// End of these places.
+    /// End of these places, on either side.
     pub to: f64,
     /// Size at `from`.
     pub size: f64,
@@ -50,10 +50,12 @@ pub struct Deviation {
 impl DrawingSize {
     /// Deviation of a measured value at a place, mm; `None` if it belongs to another size.
     fn deviation_mm(&self, feature: DrawingFeature, place: f64, found: f64) -> Option<f64> {
-        if feature != self.feature || !(self.from..=self.to).contains(&place) {
+        let range = self.from.min(self.to)..=self.from.max(self.to);
+        if feature != self.feature || !range.contains(&place) {
             return None;
         }
-        let share = (place - self.from) / (self.to - self.from).max(f64::EPSILON);
+        let length = self.to - self.from;
+        let share = if length.abs() > f64::EPSILON { (place - self.from) / length } else { 0.0 };
         Some(found - (self.size + share * (self.size_to.unwrap_or(self.size) - self.size)))
     }
 }
@@ -166,6 +168,9 @@ mod tests {
         let tight = DrawingSize { tolerance: 0.001, ..CONE };
         assert!(!report.deviation(&[tight, face]).unwrap().keeps);
         assert_eq!(report.deviation(&[]), None);
+        // The same cone, told from its other end.
+        let turned = DrawingSize { from: 70.0, to: 30.0, size: 40.8, size_to: Some(40.0), ..CONE };
+        assert!((report.deviation(&[turned, face]).unwrap().worst_um + 2.0).abs() < 1e-6);
         let missing = DrawingSize { from: 80.0, to: 85.0, ..CONE };
         assert!(!report.deviation(&[CONE, missing, face]).unwrap().keeps, "a size that is not there");
         let sizes = report.size_deviations_um(&[CONE, missing, face]);
