@@ -231,6 +231,7 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     let mut shared = SharedArgs { kind, seed, ..shared.clone() };
     // The operator may correct offsets.
     shared.params.push((param::EDIT_OFFSETS.address(), 1.0));
+    judge_typed_sizes(&mut shared, &subject.part);
     let mut host = setup::headless_host(&shared)?;
     host.swap_machine(machine.clone(), seed);
     setup::prepare_run(&mut host, &shared, ProgramToRun::Word(subject.name))?;
@@ -240,8 +241,11 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     let mut ground: Vec<GroundPart> = Vec::new();
     while ground.len() < parts as usize {
         host.machine_mut().set_part(Some(&subject.part));
-        let part = grind_part(&mut host, subject);
+        let mut part = grind_part(&mut host, subject);
         host.type_measured_size(&subject.part);
+        if part.end == PartEnd::Silent && host.snapshot().cycle.part.is_some_and(|part| part.verdict(None).is_bad()) {
+            part.end = PartEnd::Rejected;
+        }
         let ends = part.end == PartEnd::Stopped;
         ground.push(part);
         if ends || !host.snapshot().alarms.is_empty() {
@@ -250,6 +254,17 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     }
     host.close();
     Ok(ground)
+}
+
+/// Where sizes are typed, the operator has entered the tolerance of the drawing, by which they are judged. R parameters have
+/// no page that names measured and finished size: parameters do.
+fn judge_typed_sizes(shared: &mut SharedArgs, part: &PartFile) {
+    let Some(size) = part.drawing.first().filter(|_| part.has_typed_size()) else { return };
+    let limits = [(param::TREND_LOWER, -size.tolerance), (param::TREND_UPPER, size.tolerance)];
+    shared.params.extend(limits.map(|(row, mm)| (row.address(), mm)));
+    let Some((typed, finished)) = size.typed.zip(part.finished.as_ref()) else { return };
+    let variables = [(param::TREND_SIZE_VARIABLE, typed), (param::TREND_NOMINAL_VARIABLE, finished.size)];
+    shared.params.extend(variables.map(|(row, variable)| (row.address(), f64::from(variable))));
 }
 
 /// What an operator does before a batch: the wheel is dressed; where no gauge measures, the first part is measured, and the

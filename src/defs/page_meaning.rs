@@ -77,6 +77,12 @@ const WORDS: [(&str, PageMeaning); 18] = [
 ];
 /// A stage between roughing and finishing, which has no meaning of its own.
 const SEMI_FINISHING: &str = "半精";
+/// A size that was measured, by the program or by the operator who types it.
+const MEASURED: &str = "实测";
+/// What is to be reached.
+const FINISHED: &str = "成品";
+/// What the names of a measured and a finished size do not share.
+const BESIDE_THE_NAME: [&str; 4] = [MEASURED, FINISHED, "位置", "上一件"];
 /// The word before the letter of an axis.
 const DRESSING_POINT: &str = "修整点";
 
@@ -231,13 +237,43 @@ impl PageText {
     /// What is measured on the part, and the variable of its nominal size.
     #[must_use]
     pub fn nominal(&self) -> Option<(SizeKind, u16)> {
-        let mut found = self.rows().filter_map(|row| match row.meaning()? {
+        let wanted = self.rows().filter(|row| !row.label.contains(MEASURED));
+        let mut found = wanted.filter_map(|row| match row.meaning()? {
             PageMeaning::Nominal(kind) => Some((kind, row.variable)),
             _ => None,
         });
         let first = found.next()?;
         found.next().is_none().then_some(first)
     }
+}
+
+impl PageText {
+    /// Variables of sizes that the operator measures, each with that of the size it should be: 实测左壁 Z belongs to 左壁成品 Z.
+    pub fn measured_sizes(&self) -> impl Iterator<Item = (u16, u16)> {
+        let measured = self.rows().filter(|row| row.label.contains(MEASURED));
+        measured.filter_map(|row| {
+            let wanted = |other: &&PageTextRow| {
+                other.label.contains(FINISHED)
+                    && !other.label.contains(MEASURED)
+                    && bare_name(&other.label).eq(bare_name(&row.label))
+            };
+            self.rows().find(wanted).map(|other| (row.variable, other.variable))
+        })
+    }
+}
+
+/// The letters of a label without what measured and finished sizes do not share.
+fn bare_name(label: &str) -> impl Iterator<Item = char> {
+    let mut rest = label;
+    std::iter::from_fn(move || {
+        while let Some(cut) = BESIDE_THE_NAME.iter().find_map(|word| rest.strip_prefix(word)) {
+            rest = cut;
+        }
+        let letter = rest.chars().next()?;
+        rest = &rest[letter.len_utf8()..];
+        Some(letter)
+    })
+    .filter(|letter| !letter.is_whitespace())
 }
 
 /// Whether a label ends with a unit behind a blank.

@@ -6,6 +6,7 @@ use super::simulated::HostedSimulation;
 use super::storage::Storage;
 use crate::controller::WORK_PER_TICK;
 use crate::defs::key::Key;
+use crate::defs::page::Page;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::link::snapshot::RunState;
@@ -80,12 +81,14 @@ impl<S: Storage> Host<HostedSimulation, S> {
         self.machine_mut().set_part(Some(part));
     }
 
-    /// Types the measured sizes of the part that was ground, where its program asks for them.
+    /// Types the measured sizes of the part that was ground on its page, where its program asks for them.
     pub fn type_measured_size(&mut self, part: &PartFile) {
         let report = self.machine().measure();
         let length = part.typed_length.zip(report.face_distance(&part.drawing));
-        for (variable, mm) in report.typed_sizes(&part.drawing).into_iter().chain(length) {
-            self.send(Command::SetVariable(variable, Some(mm)));
+        let typed: Vec<(u16, f64)> = report.typed_sizes(&part.drawing).into_iter().chain(length).collect();
+        for (variable, mm) in typed {
+            self.send(Command::OpenPage(Page::Grinding));
+            self.send(Command::EnterVariable(variable, Some(mm)));
             self.step();
         }
     }

@@ -11,10 +11,10 @@ use kt830::defs::production_order::{MAX_ORDERS, OrderState, ProductionOrder};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
-use kt830::link::part_result::PartCommand;
+use kt830::link::part_result::{CorrectionAdvice, PartCommand};
 use kt830::link::production::OrderCommand;
 
-use crate::stories::{ready, tell};
+use crate::stories::{ready, ready_of, tell};
 
 /// O1002 and O1004 end a part at once. The part of O1002 is Ø40.3, +0.01 −0.01.
 fn shop() -> HeadlessHost {
@@ -64,6 +64,43 @@ fn b6_parts_count_for_the_active_order_of_their_program_alone() {
     make(&mut rig);
     tell(&mut rig, "expect message \"501 完成：2 件\"");
     assert!(order(&mut rig, 501).is_complete() && order(&mut rig, 501).state == OrderState::Active);
+}
+
+#[test]
+fn b6_sizes_typed_on_the_page_judge_the_last_part() {
+    let mut rig = ready_of(Kind::Gs);
+    rig.add_program(program_from_bytes(1_008, "O1008.NC", b"T0101\nG04 P100\nM31\nM30".to_vec(), rig.kind().dialect()));
+    // Floor 15, walls at 5 and 55, +0.003 −0.003.
+    tell(&mut rig, "load O1008\nset #701 = 15\nset #706 = 5\nset #708 = 55\nset #713 = 0.003\nset #714 = -0.003");
+    tell(&mut rig, "order 501 O1008 2\norder start 501");
+    make(&mut rig);
+    let course = [
+        ("type #709 0.01", PartVerdict::NotMeasured), // an infeed is no size
+        ("type #715 15.002", PartVerdict::Good),
+        ("type #716 5.004", PartVerdict::Out { partly: true }),
+        ("type #716 5.001", PartVerdict::Good),
+        ("type #717 54.996", PartVerdict::Out { partly: true }),
+        ("type #717 55", PartVerdict::Good),
+        ("type #715 15.004", PartVerdict::Out { partly: false }),
+        ("type #715 17", PartVerdict::NotMeasured), // a typing error: the program refuses it
+        ("type #715 15.001", PartVerdict::Good),
+    ];
+    tell(&mut rig, "page grinding");
+    for (typed, verdict) in course {
+        tell(&mut rig, &format!("{typed}\nwait 0.1 s"));
+        assert_eq!(last(&mut rig).verdict, verdict, "{typed}");
+        let bad = u32::from(verdict.is_bad());
+        assert_eq!((order(&mut rig, 501).good, order(&mut rig, 501).bad), (1 - bad, bad), "{typed}");
+    }
+    assert_eq!(last(&mut rig).size, Some(15.001));
+    // The program corrects by it: the card proposes no second correction.
+    let part = rig.snapshot().cycle.part.expect("a part");
+    assert_eq!(part.advice(None), CorrectionAdvice::ByGauge);
+    // The next part is another one, and nothing is known of it.
+    make(&mut rig);
+    assert_eq!((last(&mut rig).count, last(&mut rig).verdict), (2, PartVerdict::NotMeasured));
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.05 s\ntype #715 15.02\nwait 1 s");
+    assert_eq!(last(&mut rig).verdict, PartVerdict::NotMeasured, "not in a run");
 }
 
 #[test]

@@ -64,6 +64,9 @@ impl Panel {
             // The reason is already shown.
             return Err(parts.plant.outbox.message.text.clone());
         }
+        if !parts.program.is_open() {
+            self.judge_by_page(parts.plant, variable);
+        }
         Ok(match value {
             Some(value) if self.point_by_key_counts(parts.view(), variable) => phrase!(
                 "{name} = {value:.3}，未用：按键设置的修整点有效",

@@ -115,11 +115,38 @@ impl Panel {
             times,
             nominal,
             measured,
+            others_out: false,
             typed,
             gauged,
             is_wheel_fresh,
             offset,
             corrected,
+        }
+    }
+
+    /// The operator has typed a value on the page of the last part's program: if it is a size that he has measured, the part
+    /// is judged by it. What is far off is a typing error or another part: the program refuses it.
+    pub fn judge_by_page(&mut self, plant: &mut Plant, typed: u16) {
+        let Some(part) = self.part_result else { return };
+        let page = self.screens.find(part.program).and_then(|files| files.text.as_ref().ok());
+        let variable = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
+        let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable };
+        let mut judged = PartResult { others_out: false, ..part };
+        if values.typed_sizes().all(|(measured, _)| measured != typed) {
+            return;
+        }
+        for (measured, wanted) in values.typed_sizes() {
+            let found = variable(measured).filter(|mm| (mm - wanted.mm).abs() <= TYPED_SIZE_RANGE);
+            if part.nominal == Some(wanted) {
+                judged.measured = found;
+            } else {
+                judged.others_out |= found.is_some_and(|mm| wanted.keeps(mm) == Some(false));
+            }
+        }
+        if (judged.measured, judged.others_out) != (part.measured, part.others_out) {
+            self.part_result = Some(judged);
+            let size = judged.judged_size(None).map(|size| size.mm());
+            self.production.judge_part(plant, part.ended_at, (size, judged.verdict(None)));
         }
     }
 
