@@ -29,6 +29,9 @@ const SETTLE_TICKS: u32 = 200;
 /// Deviations that make a process capable: Cpk is the distance from mean to limit in three standard deviations.
 const SIGMAS: f64 = 3.0;
 
+/// R66 of the vertical lathe-grinder.
+const SIZE_GROUND_LAST: u16 = 666;
+
 /// A program and the part it grinds.
 struct Subject {
     name: &'static str,
@@ -256,14 +259,15 @@ fn grind(shared: &SharedArgs, batch: &QualifiedBatch<'_>, parts: u32) -> Result<
     Ok(ground)
 }
 
-/// Where sizes are typed, the operator has entered the tolerance of the drawing, by which they are judged. R parameters have
-/// no page that names measured and finished size: parameters do.
+/// Where the size of the part is typed, the operator has entered the tolerance of the drawing, by which it is judged. R
+/// parameters have no page that names measured and finished size: parameters do.
 fn judge_typed_sizes(shared: &mut SharedArgs, part: &PartFile) {
-    let Some(size) = part.drawing.first().filter(|_| part.has_typed_size()) else { return };
+    let main = part.drawing.first().filter(|size| size.typed.is_some() || part.typed_length.is_some());
+    let Some(size) = main else { return };
     let limits = [(param::TREND_LOWER, -size.tolerance), (param::TREND_UPPER, size.tolerance)];
     shared.params.extend(limits.map(|(row, mm)| (row.address(), mm)));
-    let Some((typed, finished)) = size.typed.zip(part.finished.as_ref()) else { return };
-    let variables = [(param::TREND_SIZE_VARIABLE, typed), (param::TREND_NOMINAL_VARIABLE, finished.size)];
+    let Some(typed) = size.typed.filter(|_| part.finished.is_some()) else { return };
+    let variables = [(param::TREND_SIZE_VARIABLE, typed), (param::TREND_NOMINAL_VARIABLE, SIZE_GROUND_LAST)];
     shared.params.extend(variables.map(|(row, variable)| (row.address(), f64::from(variable))));
 }
 

@@ -194,8 +194,8 @@ alarms! {
         "两个到位信号同时有效，或 P94 时间内没有到位", "both end switches on at once, or none within P94",
         "检查气压和到位开关 P228 P229", "check the air and the switches P228, P229";
     GAUGE_SIGNAL_TOO_EARLY = 200, StopProgram, Reset, "G78 开始时量仪信号已有效", "gauge signal before G78",
-        "启动时量仪信号已经接通", "the signal was on before the axis moved",
-        "检查量仪位置和信号", "check gauge position and signal";
+        "启动时量仪信号已经接通，或者回退后 0.2 秒还没有断开", "the signal was on before the axis moved, or still 0.2 s after the retract",
+        "检查量仪位置和信号；回退量 L 太小时加大", "check gauge position and signal; a larger retract L";
     TAILSTOCK_SIGNAL_LOST = 201, StopProgram, Reset, "尾座到位信号丢失", "tailstock end switch lost",
         "夹紧后尾座到位信号断开，工件可能松动", "the end switch went off while the part was clamped: the part may be loose",
         "检查工件、液压和到位开关，再按尾座进", "check part, pressure and switch, then advance the tailstock again";

@@ -81,8 +81,6 @@ const SEMI_FINISHING: &str = "半精";
 const MEASURED: &str = "实测";
 /// What is to be reached.
 const FINISHED: &str = "成品";
-/// What the names of a measured and a finished size do not share.
-const BESIDE_THE_NAME: [&str; 4] = [MEASURED, FINISHED, "位置", "上一件"];
 /// The word before the letter of an axis.
 const DRESSING_POINT: &str = "修整点";
 
@@ -248,17 +246,12 @@ impl PageText {
 }
 
 impl PageText {
-    /// Variables of sizes that the operator measures, each with that of the size it should be: 实测左壁 Z belongs to 左壁成品 Z.
-    pub fn measured_sizes(&self) -> impl Iterator<Item = (u16, u16)> {
-        let measured = self.rows().filter(|row| row.label.contains(MEASURED));
-        measured.filter_map(|row| {
-            let wanted = |other: &&PageTextRow| {
-                other.label.contains(FINISHED)
-                    && !other.label.contains(MEASURED)
-                    && bare_name(&other.label).eq(bare_name(&row.label))
-            };
-            self.rows().find(wanted).map(|other| (row.variable, other.variable))
-        })
+    /// The variable of a size that the operator measures and types: 实测槽底高度 belongs to 槽底成品高度.
+    #[must_use]
+    pub fn measured_variable_of(&self, finished: u16) -> Option<u16> {
+        let wanted = self.rows().find(|row| row.variable == finished)?;
+        let typed = self.rows().filter_map(|row| Some((row, row.label.strip_prefix(MEASURED)?)));
+        typed.filter(|(_, name)| bare_name(name).eq(bare_name(&wanted.label))).map(|(row, _)| row.variable).next()
     }
 }
 
@@ -266,7 +259,7 @@ impl PageText {
 fn bare_name(label: &str) -> impl Iterator<Item = char> {
     let mut rest = label;
     std::iter::from_fn(move || {
-        while let Some(cut) = BESIDE_THE_NAME.iter().find_map(|word| rest.strip_prefix(word)) {
+        while let Some(cut) = rest.strip_prefix(FINISHED) {
             rest = cut;
         }
         let letter = rest.chars().next()?;

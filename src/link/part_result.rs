@@ -35,8 +35,6 @@ pub struct PartResult {
     pub nominal: Option<NominalSize>,
     /// The size that the program has measured, or that the operator has typed on its page, mm.
     pub measured: Option<f64>,
-    /// Another size that the operator has typed on the page is out of its limits.
-    pub others_out: bool,
     /// The size that the operator has measured and typed, mm.
     pub typed: Option<f64>,
     /// A gauge has ended an infeed of the cycle by its signal: the size is that of its setting.
@@ -142,11 +140,6 @@ impl<V: Fn(u16) -> Option<f64>> SizeValues<'_, V> {
         let by_param = of_param.map(|variable| (kind_on_page(variable), variable));
         let of_page = || self.page?.nominal().map(|(kind, variable)| (Some(kind), variable));
         let (kind, variable) = by_param.or_else(of_page)?;
-        self.size_of(kind, variable)
-    }
-
-    /// A nominal size with its limits: P377 and P378, else what the page names.
-    fn size_of(&self, kind: Option<SizeKind>, variable: u16) -> Option<NominalSize> {
         let mm = (self.variable)(variable)?;
         let of_params = (self.params.get(param::TREND_LOWER), self.params.get(param::TREND_UPPER));
         let deviation = |meaning| self.of_page(meaning).and_then(&self.variable);
@@ -156,17 +149,16 @@ impl<V: Fn(u16) -> Option<f64>> SizeValues<'_, V> {
         Some(NominalSize { kind, mm, limits: limits.map(|(lower, upper)| (mm + lower, mm + upper)) })
     }
 
-    /// Variables of the sizes that the operator measures and types, each with what it should be: those that the page names,
-    /// and that of P375 and P376.
-    pub fn typed_sizes(&self) -> impl Iterator<Item = (u16, NominalSize)> {
-        let of_page = self.page.into_iter().flat_map(PageText::measured_sizes);
-        let pair = self.of_param(param::TREND_SIZE_VARIABLE).zip(self.of_param(param::TREND_NOMINAL_VARIABLE));
-        let main = self.nominal();
-        of_page.chain(pair).filter_map(move |(measured, wanted)| {
-            let size = self.size_of(None, wanted)?;
-            // The main size keeps what is known of its kind.
-            Some((measured, main.filter(|main| main.mm.to_bits() == size.mm.to_bits()).unwrap_or(size)))
-        })
+    /// The variable of the nominal size: P376, else that of the page.
+    fn nominal_variable(&self) -> Option<u16> {
+        self.of_param(param::TREND_NOMINAL_VARIABLE).or_else(|| Some(self.page?.nominal()?.1))
+    }
+
+    /// The variable into which the operator types the measured size: that of the page, else P375.
+    #[must_use]
+    pub fn typed_variable(&self) -> Option<u16> {
+        let of_page = self.nominal_variable().and_then(|finished| self.page?.measured_variable_of(finished));
+        of_page.or_else(|| self.of_param(param::TREND_SIZE_VARIABLE))
     }
 
     fn measured_variable(&self) -> Option<u16> {
@@ -322,9 +314,6 @@ impl PartResult {
     pub fn verdict(&self, simulated: Option<&SimView>) -> PartVerdict {
         if let Some(defect) = simulated.and_then(|view| view.finished_defects.first()) {
             return PartVerdict::Spoilt(*defect);
-        }
-        if self.others_out {
-            return PartVerdict::Out { partly: true };
         }
         let Some(size) = self.judged_size(simulated) else { return PartVerdict::NotMeasured };
         match self.nominal.and_then(|nominal| nominal.keeps(size.mm())) {

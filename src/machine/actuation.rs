@@ -93,7 +93,7 @@ impl Machine {
             Output::Coolant => self.fluids.coolant = on,
             Output::Lubrication => self.fluids.lubrication = if on { Lubrication::On } else { Lubrication::Off },
             output => {
-                debug_assert!(Output::USER.contains(&output), "{output:?} has a request of its own");
+                assert!(Output::USER.contains(&output), "{output:?} has a request of its own");
                 self.user_outputs.set(output, on);
             }
         }

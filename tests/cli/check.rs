@@ -268,7 +268,7 @@ fn s4_a_program_that_refuses_itself_is_no_success() {
     let out = kt830(&words);
     assert_eq!(out.status.code(), Some(1), "{out:?}");
     assert!(
-        said(&out).starts_with("programs/802d/VGRIND.MPF:33:6: error 10: roughing parameters wrong\n"),
+        said(&out).starts_with("programs/802d/VGRIND.MPF:32:6: error 10: roughing parameters wrong\n"),
         "{}",
         said(&out)
     );
@@ -299,7 +299,7 @@ fn s6_the_bore_begins_with_values_of_its_own() {
     let out = kt830(&[&words[..], &set[..]].concat());
     assert_eq!(out.status.code(), Some(1), "{out:?}");
     assert!(
-        said(&out).starts_with("programs/802d/VBORE.MPF:89:10: error 06: wheel does not fit into the bore\n"),
+        said(&out).starts_with("programs/802d/VBORE.MPF:88:10: error 06: wheel does not fit into the bore\n"),
         "{}",
         said(&out)
     );

@@ -288,7 +288,6 @@ pub fn part_result() -> PartResult {
         times: CycleTimes { seconds: 84.3, ..CycleTimes::default() },
         nominal,
         measured: None,
-        others_out: false,
         typed: None,
         gauged: false,
         is_wheel_fresh: true,

@@ -448,6 +448,29 @@ fn k4_5_single_contact_latches_both_approaches() {
     assert!((rig.snapshot().axes[Axis::Z].work + 152.0).abs() < 0.1);
 }
 
+/// The axis stops 0.43 mm behind the touch; a retract of 0.6 mm leaves it near its end: a gauge that takes its signal back 100 ms after the touch still holds it then. One that
+/// holds it 0.5 s is stuck.
+#[test]
+fn k4_5_a_late_signal_may_outlast_the_retract_a_stuck_one_is_alarm_200() {
+    for (late_ms, says) in
+        [(100, "expect state stopped\nexpect no alarm\nexpect #436 -155 ±0.002"), (500, "expect alarm 200")]
+    {
+        let mut rig = ready_with("M78\nG78 Z-170 F600 J60 P4 L0.6\nM00\nM30");
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s");
+        let mut left = u32::MAX;
+        for _ in 0..10_000 {
+            let touches = rig.controller().actual()[Axis::Z] <= -155.0;
+            left = if touches { 0 } else { left.saturating_add(1) };
+            rig.machine_mut().force_input("gauge-4", Some(left < late_ms)).unwrap();
+            rig.step();
+            if rig.controller().state() != kt830::link::snapshot::RunState::Running {
+                break;
+            }
+        }
+        tell(&mut rig, says);
+    }
+}
+
 #[test]
 fn k4_5_two_stages_go_on_in_the_same_direction() {
     let mut rig = ready_with("M78\nG78 Z-170 F600 J60 P4 Q6 L3\nM00\nM30");

@@ -70,20 +70,19 @@ fn b6_parts_count_for_the_active_order_of_their_program_alone() {
 fn b6_sizes_typed_on_the_page_judge_the_last_part() {
     let mut rig = ready_of(Kind::Gs);
     rig.add_program(program_from_bytes(1_008, "O1008.NC", b"T0101\nG04 P100\nM31\nM30".to_vec(), rig.kind().dialect()));
-    // Floor 15, walls at 5 and 55, +0.003 −0.003.
+    // Floor 15, +0.003 −0.003; the deviations are not those of the walls.
     tell(&mut rig, "load O1008\nset #701 = 15\nset #706 = 5\nset #708 = 55\nset #713 = 0.003\nset #714 = -0.003");
     tell(&mut rig, "order 501 O1008 2\norder start 501");
     make(&mut rig);
     let course = [
         ("type #709 0.01", PartVerdict::NotMeasured), // an infeed is no size
+        ("type #716 5.004", PartVerdict::NotMeasured),
         ("type #715 15.002", PartVerdict::Good),
-        ("type #716 5.004", PartVerdict::Out { partly: true }),
-        ("type #716 5.001", PartVerdict::Good),
-        ("type #717 54.996", PartVerdict::Out { partly: true }),
-        ("type #717 55", PartVerdict::Good),
         ("type #715 15.004", PartVerdict::Out { partly: false }),
-        ("type #715 17", PartVerdict::NotMeasured), // a typing error: the program refuses it
+        ("type #715 17", PartVerdict::Out { partly: false }), // a typing error: the program refuses it
         ("type #715 15.001", PartVerdict::Good),
+        ("set #701 = 15.01\ntype #715 15.02", PartVerdict::Good), // that is of the next part
+        ("set #701 = 15\ntype #715 15.002", PartVerdict::Good),
     ];
     tell(&mut rig, "page grinding");
     for (typed, verdict) in course {
@@ -92,7 +91,7 @@ fn b6_sizes_typed_on_the_page_judge_the_last_part() {
         let bad = u32::from(verdict.is_bad());
         assert_eq!((order(&mut rig, 501).good, order(&mut rig, 501).bad), (1 - bad, bad), "{typed}");
     }
-    assert_eq!(last(&mut rig).size, Some(15.001));
+    assert_eq!(last(&mut rig).size, Some(15.002));
     // The program corrects by it: the card proposes no second correction.
     let part = rig.snapshot().cycle.part.expect("a part");
     assert_eq!(part.advice(None), CorrectionAdvice::ByGauge);
@@ -101,6 +100,23 @@ fn b6_sizes_typed_on_the_page_judge_the_last_part() {
     assert_eq!((last(&mut rig).count, last(&mut rig).verdict), (2, PartVerdict::NotMeasured));
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.05 s\ntype #715 15.02\nwait 1 s");
     assert_eq!(last(&mut rig).verdict, PartVerdict::NotMeasured, "not in a run");
+}
+
+/// The program of the page would correct the same error again.
+#[test]
+fn b6_the_page_takes_no_size_of_a_part_that_the_card_has_corrected() {
+    let mut rig = ready_of(Kind::Gs);
+    rig.add_program(program_from_bytes(1_008, "O1008.NC", b"T0101\nG04 P100\nM31\nM30".to_vec(), rig.kind().dialect()));
+    tell(&mut rig, "load O1008\nset #701 = 15\nset #713 = 0.003\nset #714 = -0.003\nparam P22.0 1");
+    make(&mut rig);
+    let ended_at = rig.snapshot().cycle.part.expect("a part").ended_at;
+    rig.send(Command::Part(PartCommand::TypeSize { ended_at, mm: 15.01 }));
+    rig.send(Command::Part(PartCommand::Correct { ended_at, increment: -0.01 }));
+    tell(&mut rig, "wait 0.1 s");
+    assert_eq!(rig.snapshot().cycle.part.expect("a part").corrected, Some(-0.01));
+    tell(&mut rig, "page grinding\ntype #715 15.01\nwait 0.1 s\nexpect message \"已经修正过\"");
+    assert_eq!(rig.controller().variable(715), None);
+    tell(&mut rig, "type #709 0.01\nwait 0.1 s\nexpect #709 0.01");
 }
 
 #[test]

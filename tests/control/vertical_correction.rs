@@ -23,16 +23,18 @@ fn started(program: &str, values: &str) -> HeadlessHost {
 fn s4_a_measured_size_corrects_wheel_and_diamond_small_errors_in_part() {
     let cases = [
         // A ring 10 µm too large: the wheel is 10 µm smaller than R3, and the diamond nearer than R11.
-        ("VGRIND", "set R65 = 200.01\nset R66 = 200\nset R69 = 0", -0.010),
-        ("VGRIND", "set R65 = 200.003\nset R66 = 200\nset R69 = 0", -0.003),
+        ("VGRIND", "set R65 = 200.01\nset R66 = 200\nset R68 = 1\nset R69 = 0", -0.010),
+        ("VGRIND", "set R65 = 200.003\nset R66 = 200\nset R68 = 1\nset R69 = 0", -0.003),
         // Later 0.7 of what may be an error of measuring, and all of what is more.
-        ("VGRIND", "set R65 = 200.003\nset R66 = 200\nset R69 = 1", -0.002_1),
-        ("VGRIND", "set R65 = 200.01\nset R66 = 200\nset R69 = 1", -0.010),
-        ("VGRIND", "set R65 = 0\nset R66 = 200\nset R69 = 1", 0.0),
+        ("VGRIND", "set R65 = 200.003\nset R66 = 200\nset R68 = 1\nset R69 = 1", -0.002_1),
+        ("VGRIND", "set R65 = 200.01\nset R66 = 200\nset R68 = 1\nset R69 = 1", -0.010),
+        ("VGRIND", "set R65 = 0\nset R66 = 200\nset R68 = 1\nset R69 = 1", 0.0),
         // R18 of the next part may be another.
-        ("VGRIND", "set R65 = 205.01\nset R66 = 205\nset R69 = 0", -0.010),
+        ("VGRIND", "set R65 = 205.01\nset R66 = 205\nset R68 = 1\nset R69 = 0", -0.010),
         // A bore that is too large: the wheel is larger than R3.
-        ("VBORE", "set R65 = 500.01\nset R66 = 500\nset R69 = 0", 0.010),
+        ("VBORE", "set R65 = 500.01\nset R66 = 500\nset R68 = -1\nset R69 = 0", 0.010),
+        // A ring was measured, and a bore comes next: the wheel is the same.
+        ("VBORE", "set R65 = 200.01\nset R66 = 200\nset R68 = 1\nset R69 = 0", -0.010),
     ];
     for (program, values, change) in cases {
         let rig = started(program, &format!("{values}\nset R3 = 299.95"));
@@ -42,20 +44,23 @@ fn s4_a_measured_size_corrects_wheel_and_diamond_small_errors_in_part() {
     }
 }
 
+/// In single block with RESET the program begins anew between the correction and its end.
 #[test]
-fn s4_a_correction_never_makes_a_new_wheel_larger_than_the_largest() {
-    // R2 is 300: a greater R3 would be refused from the next start on.
-    let rig = started("VGRIND", "set R65 = 199.99\nset R66 = 200");
-    assert_eq!((r(&rig, 3), r(&rig, 62)), (300.0, 0.0));
-    assert!((r(&rig, 11) - 1_100.01).abs() < 1e-9);
+fn s4_an_error_is_corrected_once_wherever_the_program_is_left() {
+    for blocks in 1..16 {
+        let mut rig = vgrind(1, "set R3 = 299.95\nset R65 = 200.01\nset R66 = 200\nset R68 = 1\nkey single-block");
+        tell(&mut rig, &"key cycle-start\nwait 0.05 s\n".repeat(blocks));
+        tell(&mut rig, "key reset\nwait 0.5 s\nkey single-block\nkey cycle-start\nwait 0.5 s");
+        assert!((r(&rig, 11) - 1_099.99).abs() < 1e-9, "{blocks} blocks: R11 {}", r(&rig, 11));
+    }
 }
 
 #[test]
 fn s4_a_measured_size_that_cannot_be_right_corrects_nothing_and_nothing_starts() {
     let cases = [
         ("set R65 = 200.01\nset R66 = 0", ("错误13:没有磨完的工件可量", 13.0)),
-        ("set R65 = 200.21\nset R66 = 200\nset R69 = 0", ("错误14:实测尺寸相差太多", 14.0)),
-        ("set R65 = 199.94\nset R66 = 200\nset R69 = 1", ("错误14:实测尺寸相差太多", 14.0)),
+        ("set R65 = 200.21\nset R66 = 200\nset R68 = 1\nset R69 = 0", ("错误14:实测尺寸相差太多", 14.0)),
+        ("set R65 = 199.94\nset R66 = 200\nset R68 = 1\nset R69 = 1", ("错误14:实测尺寸相差太多", 14.0)),
     ];
     for program in ["VGRIND", "VBORE"] {
         for (values, told) in cases {

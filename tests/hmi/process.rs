@@ -60,7 +60,6 @@ fn end_cycle(screen: &mut Screen) {
         times: machine.cycle.times,
         nominal,
         measured,
-        others_out: false,
     };
     machine.cycle.part = Some(part);
     let simulated = machine.simulated.as_deref();

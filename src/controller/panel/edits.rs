@@ -57,6 +57,7 @@ impl Panel {
             (true, _) => {}
         }
         check_not_running(parts.view())?;
+        self.check_typed_size(parts.plant, variable)?;
         if value.is_some_and(|value| value.is_nan() || value.abs() > TYPED_VALUE_LIMIT) {
             return Err(phrase!("应为 ±{TYPED_VALUE_LIMIT}", "must be ±{TYPED_VALUE_LIMIT}", TYPED_VALUE_LIMIT));
         }
@@ -64,8 +65,8 @@ impl Panel {
             // The reason is already shown.
             return Err(parts.plant.outbox.message.text.clone());
         }
-        if !parts.program.is_open() {
-            self.judge_by_page(parts.plant, variable);
+        if let Some(mm) = value.filter(|_| !parts.program.is_open()) {
+            self.judge_by_page(parts.plant, variable, mm);
         }
         Ok(match value {
             Some(value) if self.point_by_key_counts(parts.view(), variable) => phrase!(

@@ -115,7 +115,6 @@ impl Panel {
             times,
             nominal,
             measured,
-            others_out: false,
             typed,
             gauged,
             is_wheel_fresh,
@@ -124,30 +123,38 @@ impl Panel {
         }
     }
 
-    /// The operator has typed a value on the page of the last part's program: if it is a size that he has measured, the part
-    /// is judged by it. What is far off is a typing error or another part: the program refuses it.
-    pub fn judge_by_page(&mut self, plant: &mut Plant, typed: u16) {
+    /// Whether a variable is the cell of the last part's page into which its measured size is typed.
+    fn takes_size_of_part(&self, plant: &Plant, program: u32, variable: u16) -> bool {
+        let page = self.screens.find(program).and_then(|files| files.text.as_ref().ok());
+        let value = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
+        let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable: value };
+        values.typed_variable() == Some(variable)
+    }
+
+    /// A size typed on the page corrects by its program: not after a correction by the card.
+    pub fn check_typed_size(&self, plant: &Plant, variable: u16) -> Result<(), LocalizedText> {
+        let corrected = self.part_result.filter(|part| part.corrected.is_some());
+        match corrected.filter(|part| self.takes_size_of_part(plant, part.program, variable)) {
+            Some(_) => Err(CORRECTED.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// The operator has typed a value on the page of the last part's program: if it is the measured size, the part is judged by
+    /// it, unless nominal size or limits were changed since. What is far off is a typing error, which the program refuses.
+    pub fn judge_by_page(&mut self, plant: &mut Plant, variable: u16, mm: f64) {
         let Some(part) = self.part_result else { return };
-        let page = self.screens.find(part.program).and_then(|files| files.text.as_ref().ok());
-        let variable = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
-        let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable };
-        let mut judged = PartResult { others_out: false, ..part };
-        if values.typed_sizes().all(|(measured, _)| measured != typed) {
+        let is_near = part.nominal.is_some_and(|nominal| (mm - nominal.mm).abs() <= TYPED_SIZE_RANGE);
+        if !is_near
+            || !self.takes_size_of_part(plant, part.program, variable)
+            || self.sizes_of(plant, part.program).0 != part.nominal
+        {
             return;
         }
-        for (measured, wanted) in values.typed_sizes() {
-            let found = variable(measured).filter(|mm| (mm - wanted.mm).abs() <= TYPED_SIZE_RANGE);
-            if part.nominal == Some(wanted) {
-                judged.measured = found;
-            } else {
-                judged.others_out |= found.is_some_and(|mm| wanted.keeps(mm) == Some(false));
-            }
-        }
-        if (judged.measured, judged.others_out) != (part.measured, part.others_out) {
-            self.part_result = Some(judged);
-            let size = judged.judged_size(None).map(|size| size.mm());
-            self.production.judge_part(plant, part.ended_at, (size, judged.verdict(None)));
-        }
+        // The size that was told last counts.
+        let judged = PartResult { measured: Some(mm), typed: None, ..part };
+        self.part_result = Some(judged);
+        self.production.judge_part(plant, part.ended_at, (Some(mm), judged.verdict(None)));
     }
 
     /// What the operator does with the part of the last cycle.

@@ -330,9 +330,12 @@ pub fn raise_no_workpiece_drive(plant: &mut Plant) -> ActionStatus {
     ActionStatus::Wait
 }
 
-/// Whether what a run counts is a part: not an air cut, not a dressing, no line of MDI.
+/// Whether what a run counts is a part: not an air cut, not a dressing, no line of MDI, and no run that ends with its message
+/// shown (`MSG`): that has refused itself.
 fn makes_parts(plant: &Plant, origin: Origin) -> bool {
-    origin == Origin::Program && !plant.is_dry_or_locked() && !plant.control_state().dressing_program
+    let refuses_itself = plant.outbox.program_message.is_some();
+    let dressing = plant.control_state().dressing_program;
+    origin == Origin::Program && !plant.is_dry_or_locked() && !dressing && !refuses_itself
 }
 
 /// M30 (K3.14, K5.17).

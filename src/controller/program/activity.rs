@@ -88,6 +88,8 @@ pub struct GaugeCycle {
     pub latched: Option<SignalPlace>,
     /// Since when this stage's move is over without a contact.
     pub arrived_at: Option<Micros>,
+    /// Since when the signal is off behind the back-off.
+    pub released_at: Option<Micros>,
     /// Work coordinate of the first contact, mm displayed.
     pub first_contact: f64,
     /// The axis has reached the speed J; a second signal counts from then on.

@@ -15,8 +15,12 @@ use crate::defs::signal::Input;
 use crate::defs::text::phrase;
 use crate::motion::{CornerMode, MotionSpeed, MoveShape};
 use crate::nc::{CONTACT_SKIP_SIGNAL, GaugeMove};
-use crate::units::{Axis, MachinePos};
+use crate::units::{Axis, MachinePos, Micros};
 
+/// Amplifiers take a signal back late: the longest that it may outlast the retract between the two contacts.
+const SIGNAL_GOES: Micros = Micros::from_millis(200);
+/// A late signal has gone when it stays off for so long: contacts bounce.
+const SIGNAL_STAYS_OFF: Micros = Micros::from_millis(20);
 /// From this share of J on the axis counts as running at J.
 const FINE_SPEED_SHARE: f64 = 0.99;
 
@@ -34,6 +38,7 @@ impl ProgramRun {
                     tag: None,
                     latched: None,
                     arrived_at: None,
+                    released_at: None,
                     first_contact: 0.0,
                     at_fine_speed: false,
                     second_too_early: false,
@@ -92,10 +97,7 @@ impl ProgramRun {
         let arrived = plant.axes.planner.finished_tag() >= Some(tag) && plant.axes.planner.is_at_rest();
         match gauging.stage {
             GaugeStage::BackOff | GaugeStage::Retract if !arrived => ActionStatus::Wait,
-            GaugeStage::BackOff if gauge_signal(plant, gauging.request.first_input) => {
-                fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, gauging.request.first_input)
-            }
-            GaugeStage::BackOff => next_stage(gauging, GaugeStage::Fine),
+            GaugeStage::BackOff => await_release(plant, gauging),
             GaugeStage::Retract => {
                 // The customer's text: M79 is executed automatically.
                 plant.request(Request::Gauge(Gauge::Axial, false));
@@ -206,6 +208,25 @@ fn watch(plant: &mut Plant, signal: u8, latched: Option<SignalPlace>) -> Option<
     found
 }
 
+/// Behind the back-off the signal goes, at the latest after [`SIGNAL_GOES`]; a contact that bounces has gone once it stays off.
+fn await_release(plant: &mut Plant, gauging: &mut GaugeCycle) -> ActionStatus {
+    let input = gauging.request.first_input;
+    if gauge_signal(plant, input) {
+        gauging.released_at = None;
+        let since = *gauging.arrived_at.get_or_insert(plant.now);
+        if plant.now.since(since) >= SIGNAL_GOES {
+            return fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, input);
+        }
+        return ActionStatus::Wait;
+    }
+    let is_late = gauging.arrived_at.is_some();
+    let released = *gauging.released_at.get_or_insert(plant.now);
+    if is_late && plant.now.since(released) < SIGNAL_STAYS_OFF {
+        return ActionStatus::Wait;
+    }
+    next_stage(gauging, GaugeStage::Fine)
+}
+
 /// Records a contact in #434 to #437.
 fn record_contact(plant: &mut Plant, axis: Axis, edge: f64, fine: bool, first: f64) {
     plant.work.gauge_positions[0] = Some(displayed_work(plant, Axis::X));
@@ -213,7 +234,7 @@ fn record_contact(plant: &mut Plant, axis: Axis, edge: f64, fine: bool, first: f
         plant.work.gauge_positions[2] = Some(edge);
         plant.work.gauge_positions[3] = Some(edge - first);
     } else {
-        debug_assert!(axis != Axis::X, "G78 goes along Z or Y");
+        assert!(axis != Axis::X, "G78 goes along Z or Y");
         plant.work.gauge_positions = [plant.work.gauge_positions[0], Some(edge), None, None];
     }
 }
@@ -248,6 +269,7 @@ const fn next_stage(gauging: &mut GaugeCycle, stage: GaugeStage) -> ActionStatus
     gauging.tag = None;
     gauging.latched = None;
     gauging.arrived_at = None;
+    gauging.released_at = None;
     ActionStatus::Wait
 }
 

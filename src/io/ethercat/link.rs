@@ -76,7 +76,7 @@ fn open_socket(interface: &str) -> Result<OwnedFd, BusFault> {
     });
     // The address names the interface; the protocol stays that of the socket.
     let link = link.ok_or(BusFault::NoInterface)?;
-    debug_assert!(link.len() > 0);
+    assert!(link.len() > 0);
     nix::sys::socket::bind(socket.as_raw_fd(), &link).map_err(|_| BusFault::NoInterface)?;
     Ok(socket)
 }

@@ -149,7 +149,7 @@ pub struct FieldBusMachine<F> {
 impl<F: FieldBus> FieldBusMachine<F> {
     /// A machine whose bus is not in operation yet. `links` are the drivers of the stations, in their order.
     pub fn new(description: MachineDescription, bus: F, links: Vec<Box<dyn StationLink>>) -> Self {
-        debug_assert_eq!(description.stations.len(), links.len(), "every station has a driver");
+        assert_eq!(description.stations.len(), links.len(), "every station has a driver");
         let device_of = |device: u16| description.devices.get(usize::from(device).saturating_sub(1));
         let axes = PerAxis::from_fn(|axis| {
             description.axes()[axis].and_then(|servo| ServoAxis::new(servo, device_of(servo.device)?))

@@ -126,7 +126,7 @@ impl Wiring {
 
     /// Forces a port, where `on` is logically active; `None` ends the forcing.
     pub(super) fn force_port(&mut self, port: u8, on: Option<bool>) {
-        debug_assert!((1..=PORTS).contains(&port), "port {port}");
+        assert!((1..=PORTS).contains(&port), "port {port}");
         let bit = 1_u64 << (port - 1);
         self.port_mask = if on.is_some() { self.port_mask | bit } else { self.port_mask & !bit };
         let level = on.unwrap_or(false) != (self.inverted & bit != 0);

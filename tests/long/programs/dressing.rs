@@ -404,7 +404,7 @@ fn nominal(program: u32, at: Measured) -> f64 {
 fn k7_10_surface_and_rotary_programs_dress_after_their_interval() {
     for (program, interval, tolerance_um) in [(1007, 811, 2.0), (1008, 812, 3.0), (1009, 813, 3.0), (1010, 754, 2.0)] {
         let mut shop = shop(program);
-        shop.set(interval, 1.0);
+        shop.set(interval, 2.0);
         for part in 1..=3_u32 {
             if part > 1 {
                 shop.next_part();
@@ -412,7 +412,7 @@ fn k7_10_surface_and_rotary_programs_dress_after_their_interval() {
             shop.grind();
             let worst = shop.worst_um(|at| nominal(program, at));
             assert!(worst.abs() < tolerance_um, "O{program}, part {part}: {worst} µm");
-            let dressings = f64::from(part - 1);
+            let dressings = f64::from((part - 1) / 2);
             assert_eq!(shop.rig.controller().system_variable(5_805), Some(dressings), "O{program}, part {part}");
         }
     }

@@ -255,7 +255,7 @@ fn subprogram(running: &BlockContext<'_, '_>, plan: &BlockCodes, call: Word) -> 
     let times = words.take(b'P').map_or(Ok(1), |word| integer(word, 0, MAX_REPEATS))?;
     let program = program_number::from_l(integer(call, 0, L_MAX)?);
     check_call_alone(words, call)?;
-    debug_assert!(!plan.work_offset && !plan.path_mode, "without G codes there is nothing to change");
+    assert!(!plan.work_offset && !plan.path_mode, "without G codes there is nothing to change");
     let at = call.at as usize;
     Ok(match times {
         0 => FlowAction::Next,
