@@ -136,10 +136,8 @@ impl<V: Fn(u16) -> Option<f64>> SizeValues<'_, V> {
                 _ => None,
             })
         };
-        let of_param = self.of_param(param::TREND_NOMINAL_VARIABLE);
-        let by_param = of_param.map(|variable| (kind_on_page(variable), variable));
-        let of_page = || self.page?.nominal().map(|(kind, variable)| (Some(kind), variable));
-        let (kind, variable) = by_param.or_else(of_page)?;
+        let variable = self.nominal_variable()?;
+        let kind = kind_on_page(variable);
         let mm = (self.variable)(variable)?;
         let of_params = (self.params.get(param::TREND_LOWER), self.params.get(param::TREND_UPPER));
         let deviation = |meaning| self.of_page(meaning).and_then(&self.variable);

@@ -84,10 +84,19 @@ impl Panel {
 
     /// Nominal and measured size of a program's part, with the values as they are now.
     fn sizes_of(&self, plant: &Plant, program: u32) -> (Option<NominalSize>, Option<f64>) {
+        let values = self.size_values(plant, program);
+        (values.nominal(), values.measured())
+    }
+
+    /// The values that sizes of a program's part are taken from, as they are now.
+    fn size_values<'a>(
+        &'a self,
+        plant: &'a Plant,
+        program: u32,
+    ) -> SizeValues<'a, impl Fn(u16) -> Option<f64> + use<'a>> {
         let page = self.screens.find(program).and_then(|files| files.text.as_ref().ok());
         let variable = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
-        let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable };
-        (values.nominal(), values.measured())
+        SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable }
     }
 
     /// The part that a run has just counted.
@@ -125,10 +134,7 @@ impl Panel {
 
     /// Whether a variable is the cell of the last part's page into which its measured size is typed.
     fn takes_size_of_part(&self, plant: &Plant, program: u32, variable: u16) -> bool {
-        let page = self.screens.find(program).and_then(|files| files.text.as_ref().ok());
-        let value = |variable: u16| plant.work.variables.get(u32::from(variable)).ok().flatten();
-        let values = SizeValues { params: &plant.params, page: page.map(AsRef::as_ref), variable: value };
-        values.typed_variable() == Some(variable)
+        self.size_values(plant, program).typed_variable() == Some(variable)
     }
 
     /// A size typed on the page corrects by its program: not after a correction by the card.
