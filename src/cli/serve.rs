@@ -10,9 +10,8 @@ use super::args::{ServeArgs, SharedArgs};
 use super::painter::painter;
 use super::play::read_story;
 use super::{CallError, SUCCESS, print_line, setup, story_loop};
-use crate::defs::text::Lang;
 use crate::gateway::device_model::device_model;
-use crate::gateway::{GatewayThread, timestamp};
+use crate::gateway::{Gateway, GatewayThread, timestamp};
 use crate::host::link::HostLink;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::ThreadedStorage;
@@ -40,7 +39,7 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
         print_line(tick_times(&thread.host().times().executions));
     };
     let mut link = start(host, script).map_err(CallError::new)?;
-    let _network = start_network(&mut link, shared.lang)?;
+    let _network = start_network(&mut link, &shared)?;
     #[cfg(feature = "hmi")]
     super::process_end::guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
     let begun = Instant::now();
@@ -57,10 +56,12 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
 /// Starts the network services of a control; they end when this is dropped.
 ///
 /// # Errors
-/// The system cannot create a thread.
-pub fn start_network(link: &mut HostLink, lang: Lang) -> Result<Option<GatewayThread>, CallError> {
+/// The system cannot create a thread, or there is no data directory.
+pub fn start_network(link: &mut HostLink, shared: &SharedArgs) -> Result<Option<GatewayThread>, CallError> {
+    let folder = setup::data_dir(shared)?.root().to_path_buf();
+    let gateway = Gateway::new(painter(shared.lang)).with_broker(folder);
     let ends = link.take_observer();
-    let started = ends.map(|(snapshots, tell)| GatewayThread::start(snapshots, painter(lang), tell));
+    let started = ends.map(|(snapshots, tell)| GatewayThread::start(snapshots, gateway, tell));
     started.transpose().map_err(CallError::at("network"))
 }
 

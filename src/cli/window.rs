@@ -119,7 +119,7 @@ fn open_with<P: HostedMachine + Send + 'static>(
 /// There is no display.
 pub fn show(mut link: HostLink, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     guard_process(link.control_end()).map_err(CallError::at("end of the process"))?;
-    let _network = start_network(&mut link, shared.lang)?;
+    let _network = start_network(&mut link, shared)?;
     let options = WindowOptions { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness };
     match run(Box::new(link), options) {
         Ok(()) => Ok(SUCCESS),

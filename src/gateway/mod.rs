@@ -1,10 +1,11 @@
 //! What the control tells the network, on a thread of its own behind the newest-only snapshot: a slow, flooding or dead
 //! network is not felt by the tick nor by the screen. Nothing that comes from the network reaches the control.
-//! Off by factory: with port 0 nothing listens.
+//! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
-//! agents, `device_model` the model of the machine, `web` the view for a phone, `picture_thread` who paints its picture.
+//! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `picture_thread` who paints its picture.
 
 pub mod device_model;
+mod mqtt;
 mod picture_thread;
 mod port_server;
 pub mod shdr;
@@ -13,12 +14,14 @@ mod web;
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 pub use self::picture_thread::Painter;
+use self::mqtt::MqttClient;
 use self::picture_thread::PictureThread;
 use self::port_server::{PortCounts, PortServer};
 use self::shdr_server::ShdrServer;
@@ -107,8 +110,7 @@ impl<S: HasPort> Service<S> {
 
     /// It is closed, and opened again a while later.
     fn fail(&mut self, now: Duration) {
-        let why = LocalizedText::new("内部错误，见日志".to_owned(), "an internal fault, see the log".to_owned());
-        *self = Self { asked: self.asked, failed: Some(why), retry_at: now + RETRY_INTERVAL, server: None };
+        *self = Self { asked: self.asked, failed: Some(internal_fault()), retry_at: now + RETRY_INTERVAL, server: None };
     }
 
     /// What the page shows.
@@ -123,6 +125,10 @@ impl<S: HasPort> Service<S> {
         let address = port.address().map_or(wanted, |address| address.to_string());
         ServiceView { state: ServiceState::Listening, address, clients, sent, refused, dropped }
     }
+}
+
+fn internal_fault() -> LocalizedText {
+    Text::new("内部错误，见日志", "an internal fault, see the log").into()
 }
 
 /// Why a port cannot be opened.
@@ -140,6 +146,8 @@ fn why_closed(error: &std::io::Error) -> LocalizedText {
 pub struct Gateway {
     mtconnect: Service<ShdrServer>,
     web: Service<WebServer>,
+    /// None without a data directory.
+    mqtt: Option<MqttClient>,
     pictures: Option<PictureThread>,
 }
 
@@ -148,6 +156,12 @@ impl Gateway {
     #[must_use]
     pub fn new(painter: Option<Painter>) -> Self {
         Self { pictures: painter.and_then(PictureThread::start), ..Self::default() }
+    }
+
+    /// With a broker as the file in this data directory says.
+    #[must_use]
+    pub fn with_broker(self, folder: PathBuf) -> Self {
+        Self { mqtt: Some(MqttClient::new(folder)), ..self }
     }
 
     /// Serves everybody. `now` runs on from any begin; `time` is the time of day.
@@ -170,25 +184,37 @@ impl Gateway {
                 wants_picture = server.take_picture_wanted();
             },
         );
-        let (mtconnect, web) = (&self.mtconnect, &self.web);
+        self.step_broker(now, time, snapshot);
+        let network = wants_picture.then(|| Arc::new(self.view()));
         if let Some(pictures) = &mut self.pictures {
             pictures.step();
             if wants_picture && pictures.is_due(now) {
-                let network = NetworkView { mtconnect: mtconnect.view(), web: web.view() };
-                pictures.ask(now, Snapshot { network: Some(Arc::new(network)), ..snapshot.clone() });
+                pictures.ask(now, Snapshot { network, ..snapshot.clone() });
             }
+        }
+    }
+
+    /// A client that fails ends its connection, and nothing else.
+    fn step_broker(&mut self, now: Duration, time: Duration, snapshot: &Snapshot) {
+        let Some(mqtt) = &mut self.mqtt else { return };
+        if catch_unwind(AssertUnwindSafe(|| mqtt.step(now, time, snapshot))).is_err() {
+            mqtt.fail(now, internal_fault());
         }
     }
 
     /// Ends the connections: whoever listens knows that nothing is known any more.
     pub fn close(&mut self) {
         (self.mtconnect, self.web) = Default::default();
+        if let Some(mqtt) = &mut self.mqtt {
+            mqtt.close();
+        }
     }
 
     /// What the page shows.
     #[must_use]
     pub fn view(&self) -> NetworkView {
-        NetworkView { mtconnect: self.mtconnect.view(), web: self.web.view() }
+        let mqtt = self.mqtt.as_ref().map(|mqtt| mqtt.view().clone()).unwrap_or_default();
+        NetworkView { mtconnect: self.mtconnect.view(), web: self.web.view(), mqtt }
     }
 }
 
@@ -199,14 +225,13 @@ pub struct GatewayThread {
 }
 
 impl GatewayThread {
-    /// Starts the gateway behind the newest snapshots of a control; `painter` paints its screen, `tell` takes what the page
-    /// shows.
+    /// Starts a gateway behind the newest snapshots of a control; `tell` takes what the page shows.
     ///
     /// # Errors
     /// The system cannot create a thread.
     pub fn start(
         snapshots: triple_buffer::Output<Snapshot>,
-        painter: Option<Painter>,
+        gateway: Gateway,
         tell: triple_buffer::Input<Option<NetworkView>>,
     ) -> std::io::Result<Self> {
         let end = Arc::new(AtomicBool::new(false));
@@ -214,7 +239,7 @@ impl GatewayThread {
         let thread = std::thread::Builder::new().name("kt830-gateway".to_owned()).spawn(move || {
             let mut serving = Serving {
                 snapshots,
-                gateway: Gateway::new(painter),
+                gateway,
                 tell,
                 started: Instant::now(),
                 updated_at: None,

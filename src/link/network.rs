@@ -32,6 +32,37 @@ pub struct ServiceView {
     pub dropped: u64,
 }
 
+/// State of the connection to a broker.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum BrokerState {
+    /// Switched off.
+    #[default]
+    Off,
+    /// It has not answered yet.
+    Connecting,
+    /// It listens.
+    Connected,
+    /// The last try has failed, or the connection is lost; it is tried again.
+    Failed(LocalizedText),
+}
+
+/// The broker that the control tells.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BrokerView {
+    /// State of the connection.
+    pub state: BrokerState,
+    /// Its name and port; empty while it is off.
+    pub address: String,
+    /// Whether the connection is encrypted and the broker has proved itself.
+    pub is_encrypted: bool,
+    /// Messages sent since it was switched on.
+    pub sent: u64,
+    /// Changes and results that the broker does not have yet.
+    pub waiting: u64,
+    /// Connections that the broker has taken since it was switched on.
+    pub connections: u64,
+}
+
 /// The network.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NetworkView {
@@ -39,4 +70,6 @@ pub struct NetworkView {
     pub mtconnect: ServiceView,
     /// The view for a browser.
     pub web: ServiceView,
+    /// The broker.
+    pub mqtt: BrokerView,
 }

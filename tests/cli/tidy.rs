@@ -22,7 +22,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("story", &["units", "defs", "link", "io", "host"]),
     ("torture", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story"]),
     ("technology", &["defs"]),
-    ("gateway", &["units", "defs", "link"]),
+    ("gateway", &["units", "defs", "link", "store"]),
     ("hmi", &["units", "defs", "link", "technology", "geometry"]),
     (
         "cli",

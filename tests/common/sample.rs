@@ -36,7 +36,7 @@ use kt830::link::cycle_times::CycleTimes;
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, TransferSet};
-use kt830::link::network::{NetworkView, ServiceState, ServiceView};
+use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView};
 use kt830::link::page_file::{PageFile, PageTextId, PictureFile, PictureLocation};
 use kt830::link::part_result::{NominalSize, OffsetInForce, PartResult};
 use kt830::link::production::ProductionView;
@@ -518,7 +518,20 @@ fn network(state: ServiceState) -> NetworkView {
         refused: 12,
         dropped: 3,
     };
-    NetworkView { mtconnect: service(7_878), web: service(8_083) }
+    // The longest of its faults.
+    let lost = LocalizedText::new(
+        "服务器断开了连接（同一机床编号 P482 的另一台控制？）",
+        "closed by the broker (another control with the same P482?)",
+    );
+    let mqtt = BrokerView {
+        state: if is_listening { BrokerState::Connected } else { BrokerState::Failed(lost) },
+        address: "broker.hall-2.example:8883".to_owned(),
+        is_encrypted: true,
+        sent: 12_345,
+        waiting: 1_012,
+        connections: 3,
+    };
+    NetworkView { mtconnect: service(7_878), web: service(8_083), mqtt }
 }
 
 /// Hydraulic pressure was lost.

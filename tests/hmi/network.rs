@@ -6,11 +6,11 @@ use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, LocalizedText};
 use kt830::hmi::page_text;
 use kt830::link::Snapshot;
-use kt830::link::network::{NetworkView, ServiceState, ServiceView};
+use kt830::link::network::{BrokerState, BrokerView, NetworkView, ServiceState, ServiceView};
 
 fn with(mtconnect: ServiceView) -> Snapshot {
     let mut snapshot = crate::sample::busy(Page::Network);
-    snapshot.network = Some(Arc::new(NetworkView { mtconnect, web: ServiceView::default() }));
+    snapshot.network = Some(Arc::new(NetworkView { mtconnect, ..NetworkView::default() }));
     snapshot
 }
 
@@ -50,6 +50,30 @@ fn b6_the_network_page_says_why_a_port_cannot_be_opened() {
     for said in [":7878", "端口已被别的程序占用"] {
         assert!(texts.contains(said), "{said}: {texts}");
     }
+}
+
+#[test]
+fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
+    let mut snapshot = with(ServiceView::default());
+    let broker = BrokerView {
+        state: BrokerState::Connected,
+        address: "broker.shop:8883".to_owned(),
+        is_encrypted: true,
+        sent: 4_711,
+        waiting: 3,
+        connections: 2,
+    };
+    let mut said = |mqtt: BrokerView| {
+        snapshot.network = Some(Arc::new(NetworkView { mqtt, ..NetworkView::default() }));
+        page_text(&snapshot, Lang::En).join("\n")
+    };
+    let texts = said(broker.clone());
+    for expected in ["MQTT", "broker.shop:8883", "connected, encrypted", "sent / waiting / connections", "4711 / 3 / 2"] {
+        assert!(texts.contains(expected), "{expected}: {texts}");
+    }
+    let why = LocalizedText::new("服务器没有应答", "the broker does not answer");
+    assert!(said(BrokerView { state: BrokerState::Failed(why), ..broker.clone() }).contains("the broker does not answer"));
+    assert!(said(BrokerView { is_encrypted: false, ..broker }).contains("not encrypted"));
 }
 
 #[test]

@@ -24,15 +24,10 @@ fn case(kind: Kind, seed: u64, bug: Option<PlantedBug>) -> TortureCase {
 #[test]
 fn k3_random_courses_keep_every_invariant_on_every_kind() {
     for kind in Kind::ALL {
-        for seed in [1, 2] {
-            let course = torture(case(kind, seed, None)).unwrap();
-            assert_eq!(course.violation, None, "{} seed {seed}", kind.id());
-            assert!(
-                course.counts.ticks >= 1_200_000 && course.counts.power_cuts > 2 && course.counts.runs > 2,
-                "{:?}",
-                course.counts
-            );
-        }
+        let course = torture(case(kind, 1, None)).unwrap();
+        assert_eq!(course.violation, None, "{}", kind.id());
+        let counts = course.counts;
+        assert!(counts.ticks >= 1_200_000 && counts.power_cuts > 2 && counts.runs > 2, "{counts:?}");
     }
 }
 

@@ -1,12 +1,12 @@
 //! Network page: the services of the control, who is connected, and what they are told.
 //! Source: docs/manual, chapter "network".
 
-use egui::{Rect, vec2};
+use egui::{Color32, Rect, vec2};
 
 use super::{HandOver, PageContext, PageUi, Scroll, ScrollList, empty};
 use crate::hmi::{Area, View, pictogram, round_to_lines, theme, widget};
 use crate::link::data_item::{Category, DataItem, data_items};
-use crate::link::network::{ServiceState, ServiceView};
+use crate::link::network::{BrokerState, BrokerView, ServiceState, ServiceView};
 
 /// Height of a line of a service, and of its card with the gap below it.
 const LINE_HEIGHT: f32 = 27.0;
@@ -39,12 +39,15 @@ impl PageUi for NetworkPage {
             return empty::show(view, rect, pictogram::NO_PAGE, view.text("没有网络", "no network"), remedy);
         };
         let body = rect.shrink(theme::PAD);
-        let (services, list) = body.split_top(2.0 * SERVICE_HEIGHT);
-        let web = view.text("浏览器", "browser");
-        for (index, (name, service)) in [("MTConnect", &network.mtconnect), (web, &network.web)].into_iter().enumerate()
-        {
+        let (services, list) = body.split_top(3.0 * SERVICE_HEIGHT);
+        let lines = [
+            service_lines(view, "MTConnect", &network.mtconnect),
+            service_lines(view, view.text("浏览器", "browser"), &network.web),
+            broker_lines(view, &network.mqtt),
+        ];
+        for (index, lines) in lines.iter().enumerate() {
             let place = services.band(index as f32 * SERVICE_HEIGHT, SERVICE_HEIGHT - theme::GAP);
-            show_service(place, view, name, service);
+            show_service(place, view, lines);
         }
         let (head, rows) = list.split_top(ROW_HEIGHT);
         let heading =
@@ -67,30 +70,73 @@ impl PageUi for NetworkPage {
     }
 }
 
-/// State and address of a service, who is connected, and its counts.
-fn show_service(rect: Rect, view: &View<'_>, name: &str, service: &ServiceView) {
-    view.card(rect);
-    let inside = rect.shrink2(vec2(theme::PAD, theme::GAP));
-    let (lamp, rest) = inside.band(0.0, LINE_HEIGHT).split_left(LAMP_WIDTH);
-    widget::lamp(view, lamp, service.state == ServiceState::Listening);
-    let (left, right) = rest.split_left_right_at_fraction(NAME_SHARE);
-    let (title, address) = left.split_left(SERVICE_WIDTH);
-    view.fit_left(title, name, theme::TITLE, view.theme.text);
-    view.fit_left(address.trim_right(theme::GAP), &service.address, theme::LABEL, view.theme.text);
-    let (state, ink) = match (&service.state, &service.clients[..]) {
-        (ServiceState::Off, _) => (view.text("关", "off").to_owned(), view.theme.muted),
+/// What a card says of a service.
+struct ServiceLines<'a> {
+    name: &'a str,
+    is_up: bool,
+    address: String,
+    state: (String, Color32),
+    /// What the counts are, and the counts.
+    counts: (&'a str, String),
+}
+
+/// Who is connected to a service, and its counts.
+fn service_lines<'a>(view: &View<'a>, name: &'a str, service: &ServiceView) -> ServiceLines<'a> {
+    let muted = |zh, en| (view.text(zh, en).to_owned(), view.theme.muted);
+    let state = match (&service.state, &service.clients[..]) {
+        (ServiceState::Off, _) => muted("关", "off"),
         (ServiceState::Failed(why), _) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
-        (ServiceState::Listening, []) => (view.text("没有连接", "nobody is connected").to_owned(), view.theme.muted),
+        (ServiceState::Listening, []) => muted("没有连接", "nobody is connected"),
         (ServiceState::Listening, [client]) => (client.clone(), view.theme.text),
         (ServiceState::Listening, [client, others @ ..]) => (format!("{client}  +{}", others.len()), view.theme.text),
     };
-    view.fit_left(right, &state, theme::LABEL, ink);
+    let counts = format!("{} / {} / {}", service.sent, service.refused, service.dropped);
+    ServiceLines {
+        name,
+        is_up: service.state == ServiceState::Listening,
+        address: service.address.clone(),
+        state,
+        counts: (view.text("发送 / 拒绝 / 断开", "sent / refused / dropped"), counts),
+    }
+}
+
+/// The connection to the broker, and its counts.
+fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
+    let muted = |zh, en| (view.text(zh, en).to_owned(), view.theme.muted);
+    let state = match &broker.state {
+        BrokerState::Off => muted("关", "off"),
+        BrokerState::Connecting => muted("正在连接", "connecting"),
+        BrokerState::Connected if broker.is_encrypted => {
+            (view.text("已连接，加密", "connected, encrypted").to_owned(), view.theme.text)
+        }
+        BrokerState::Connected => (view.text("已连接，未加密", "connected, not encrypted").to_owned(), view.theme.text),
+        BrokerState::Failed(why) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
+    };
+    let counts = format!("{} / {} / {}", broker.sent, broker.waiting, broker.connections);
+    ServiceLines {
+        name: "MQTT",
+        is_up: broker.state == BrokerState::Connected,
+        address: broker.address.clone(),
+        state,
+        counts: (view.text("发送 / 待发 / 连接次数", "sent / waiting / connections"), counts),
+    }
+}
+
+/// State and address of a service, who is connected, and its counts.
+fn show_service(rect: Rect, view: &View<'_>, lines: &ServiceLines<'_>) {
+    view.card(rect);
+    let inside = rect.shrink2(vec2(theme::PAD, theme::GAP));
+    let (lamp, rest) = inside.band(0.0, LINE_HEIGHT).split_left(LAMP_WIDTH);
+    widget::lamp(view, lamp, lines.is_up);
+    let (left, right) = rest.split_left_right_at_fraction(NAME_SHARE);
+    let (title, address) = left.split_left(SERVICE_WIDTH);
+    view.fit_left(title, lines.name, theme::TITLE, view.theme.text);
+    view.fit_left(address.trim_right(theme::GAP), &lines.address, theme::LABEL, view.theme.text);
+    view.fit_left(right, &lines.state.0, theme::LABEL, lines.state.1);
     let (left, right) =
         inside.band(LINE_HEIGHT, LINE_HEIGHT).with_min_x(rest.min.x).split_left_right_at_fraction(NAME_SHARE);
-    let heading = view.text("发送 / 拒绝 / 断开", "sent / refused / dropped");
-    view.fit_left(left, heading, theme::LABEL, view.theme.muted);
-    let counts = format!("{} / {} / {}", service.sent, service.refused, service.dropped);
-    view.fit_left(right, &counts, theme::LABEL, view.theme.text);
+    view.fit_left(left, lines.counts.0, theme::LABEL, view.theme.muted);
+    view.fit_left(right, &lines.counts.1, theme::LABEL, view.theme.text);
 }
 
 /// What a data item is, its value, and how the network knows it.

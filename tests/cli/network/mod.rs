@@ -1,7 +1,9 @@
-//! The network: what MTConnect agents and browsers are told, and that nothing which they do reaches the control.
+//! The network: what MTConnect agents, browsers and brokers are told, and that nothing which they do reaches the control.
 //! Source: docs/manual, chapter "network"; ANSI/MTC1.4.
 
+mod mqtt;
 mod mtconnect;
+mod test_broker;
 mod web_view;
 
 use std::io::{ErrorKind, Read};
@@ -88,7 +90,7 @@ impl Shop {
             shop.port = free_port();
             set(&mut shop.snapshot, param, shop.port.into());
             shop.step();
-            let NetworkView { mtconnect, web } = shop.gateway.view();
+            let NetworkView { mtconnect, web, .. } = shop.gateway.view();
             if [mtconnect.state, web.state].contains(&ServiceState::Listening) {
                 return shop;
             }
@@ -188,7 +190,7 @@ fn a_port_in_use_is_said_and_tried_again() {
 fn on_thread(snapshot: &Snapshot) -> (GatewayThread, Input<Snapshot>, Output<Option<NetworkView>>) {
     let (input, output) = TripleBuffer::new(snapshot).split();
     let (tell, told) = TripleBuffer::default().split();
-    (GatewayThread::start(output, None, tell).unwrap(), input, told)
+    (GatewayThread::start(output, Gateway::default(), tell).unwrap(), input, told)
 }
 
 /// A control whose snapshots stop loses its agents, so that they do not take old values for new ones; the page is told who

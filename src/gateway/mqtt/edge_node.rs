@@ -1,0 +1,346 @@
+//! The control as an edge node of Sparkplug B: its birth, its data by exception, and what is kept for the broker while it is
+//! away. Names of metrics are those of the data items; a condition has its level, number and text.
+//! Nothing here knows of connections: payloads go out, commands come in.
+//! Source: Eclipse Sparkplug 3.0.0, chapters 5 and 6.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use srad_types::payload::metric::Value;
+use srad_types::payload::{DataType, Message, Metric, Payload, PropertySet, PropertyValue, property_value};
+use srad_types::topic::{NodeMessage, node_topic};
+
+use crate::gateway::device_model::device_uuid;
+use crate::link::condition::{Condition, level};
+use crate::link::data_item::{Category, DataItem, ItemValue, data_items};
+use crate::link::snapshot::Snapshot;
+
+/// Most changes kept while the broker is away; the oldest is dropped for a new one.
+const STORED_LIMIT: usize = 10_000;
+/// Most kept changes in a message.
+const BATCH: usize = 200;
+/// Names of the metrics that Sparkplug itself has.
+const SESSION: &str = "bdSeq";
+const REBIRTH: &str = "Node Control/Rebirth";
+/// Longest text of a value, characters; the rest is cut.
+const LONGEST_TEXT: usize = 400;
+/// Tenths of a micrometre in a millimetre: numbers are rounded to so much.
+const STEPS: f64 = 1e4;
+
+/// A message to the broker.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Publication {
+    /// Its topic.
+    pub topic: String,
+    /// Its payload.
+    pub payload: Vec<u8>,
+}
+
+/// A metric with its value now.
+#[derive(Clone, Debug, PartialEq)]
+struct NodeMetric {
+    name: String,
+    data_type: DataType,
+    unit: &'static str,
+    /// A measured value: looked at less often, and not kept while the broker is away.
+    is_sample: bool,
+    /// None while it is not known.
+    value: Option<Value>,
+}
+
+/// A change of a metric.
+#[derive(Clone, Debug)]
+struct Change {
+    name: String,
+    data_type: DataType,
+    value: Option<Value>,
+    is_sample: bool,
+    /// Time since 1970, ms.
+    at_ms: u64,
+}
+
+/// The node.
+pub struct EdgeNode {
+    group: String,
+    id: String,
+    /// Number of the connection, in will and birth: 0 for the first one.
+    session: u8,
+    /// Number of the next connection.
+    next_session: u8,
+    /// Number of the next message in the session.
+    sequence: u8,
+    metrics: Vec<NodeMetric>,
+    /// Whether the broker has a birth with these metrics.
+    is_born: bool,
+    /// Changes that the broker may have: sent before the last ping, and after it.
+    unproven: [Vec<Change>; 2],
+    /// Changes that the broker does not have.
+    stored: VecDeque<Change>,
+}
+
+impl EdgeNode {
+    /// A node that nobody knows yet. `group` and the number of the machine say who it is.
+    #[must_use]
+    pub fn new(group: &str, snapshot: &Snapshot) -> Self {
+        Self {
+            group: group.to_owned(),
+            id: device_uuid(snapshot),
+            session: 0,
+            next_session: 0,
+            sequence: 0,
+            metrics: Vec::new(),
+            is_born: false,
+            unproven: [const { Vec::new() }; 2],
+            stored: VecDeque::new(),
+        }
+    }
+
+    /// Whether it stands for this machine in this group.
+    #[must_use]
+    pub fn stands_for(&self, group: &str, snapshot: &Snapshot) -> bool {
+        self.group == group && self.id == device_uuid(snapshot)
+    }
+
+    /// Its id, that of the client as well.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// Topic of its commands.
+    #[must_use]
+    pub fn command_topic(&self) -> String {
+        self.topic(NodeMessage::NCmd)
+    }
+
+    /// Topic of the results of its parts: Sparkplug's own data are not acknowledged.
+    #[must_use]
+    pub fn part_topic(&self) -> String {
+        format!("kt830/{}/{}/part", self.group, self.id)
+    }
+
+    /// Changes that wait for the broker.
+    #[must_use]
+    pub fn stored_count(&self) -> usize {
+        self.stored.len()
+    }
+
+    /// The next connection begins: what the broker is to tell the others when it is lost.
+    pub fn next_session(&mut self, time: Duration) -> Publication {
+        (self.session, self.next_session) = (self.next_session, self.next_session.wrapping_add(1));
+        let death = payload(time, None, vec![self.session_metric()]);
+        Publication { topic: self.topic(NodeMessage::NDeath), payload: death }
+    }
+
+    /// The broker has taken the connection, or somebody asks for it: all metrics with their values. What was kept follows
+    /// with the next data.
+    pub fn birth(&mut self, time: Duration) -> Publication {
+        self.sequence = 0;
+        let mut metrics = vec![self.session_metric(), metric(REBIRTH, DataType::Boolean, Some(Value::BooleanValue(false)))];
+        for (alias, known) in self.metrics.iter().enumerate() {
+            let mut told = metric(&known.name, known.data_type, known.value.clone());
+            told.alias = Some(alias as u64);
+            told.timestamp = Some(milliseconds(time));
+            told.properties = (!known.unit.is_empty()).then(|| unit_property(known.unit));
+            metrics.push(told);
+        }
+        self.is_born = true;
+        let sequence = self.next_sequence();
+        Publication { topic: self.topic(NodeMessage::NBirth), payload: payload(time, Some(sequence), metrics) }
+    }
+
+    /// Looks at the machine while the broker is there: a birth where the metrics are others, then the changes. Measured
+    /// values are looked at with `with_samples`.
+    pub fn tell(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Vec<Publication> {
+        let changes = self.look(time, snapshot, with_samples);
+        let Some(changes) = changes.filter(|_| self.is_born) else {
+            return vec![self.birth(time)];
+        };
+        let mut told = Vec::new();
+        while !self.stored.is_empty() {
+            let batch: Vec<Change> = self.stored.drain(..self.stored.len().min(BATCH)).collect();
+            let metrics = batch.iter().map(|change| Metric { is_historical: Some(true), ..self.changed(change) });
+            let metrics = metrics.collect();
+            told.push(self.data(time, metrics));
+            self.unproven[1].extend(batch);
+        }
+        if !changes.is_empty() {
+            let metrics = changes.iter().map(|change| self.changed(change)).collect();
+            told.push(self.data(time, metrics));
+            self.unproven[1].extend(changes.into_iter().filter(|change| !change.is_sample));
+        }
+        told
+    }
+
+    /// Looks at the machine while the broker is away: states and alarms are kept, measured values are not.
+    pub fn keep(&mut self, time: Duration, snapshot: &Snapshot) {
+        drop(self.look(time, snapshot, false));
+    }
+
+    /// A ping follows all that was sent.
+    pub fn ping_sent(&mut self) {
+        let [before, after] = &mut self.unproven;
+        before.append(after);
+    }
+
+    /// The broker has all that was sent before the ping.
+    pub fn ping_answered(&mut self) {
+        self.unproven[0].clear();
+    }
+
+    /// The connection is lost: what the broker may not have is told once more.
+    pub fn connection_lost(&mut self) {
+        self.is_born = false;
+        let [before, after] = std::mem::take(&mut self.unproven);
+        let later = std::mem::take(&mut self.stored);
+        self.store(before.into_iter().chain(after).chain(later));
+    }
+
+    /// Whether a command asks for a birth. Nothing else can be commanded.
+    #[must_use]
+    pub fn asks_for_birth(&self, topic: &str, payload: &[u8]) -> bool {
+        let is_rebirth = |metric: &Metric| {
+            metric.name.as_deref() == Some(REBIRTH) && metric.value == Some(Value::BooleanValue(true))
+        };
+        topic == self.command_topic()
+            && Payload::decode(payload).is_ok_and(|command| command.metrics.iter().any(is_rebirth))
+    }
+
+    /// What has changed since the last look; `None` where the metrics are others. Before the birth all of it is kept: the
+    /// birth has the last values alone.
+    fn look(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Option<Vec<Change>> {
+        let mut now = metrics_of(snapshot);
+        let known = std::mem::take(&mut self.metrics);
+        let is_same = known.len() == now.len() && known.iter().zip(&now).all(|(old, new)| old.name == new.name);
+        let mut changes = Vec::new();
+        for (new, old) in now.iter_mut().zip(known).filter(|_| is_same) {
+            let is_sample = new.is_sample;
+            if is_sample && !with_samples {
+                new.value = old.value;
+            } else if new.value != old.value {
+                let (name, value) = (new.name.clone(), new.value.clone());
+                changes.push(Change { name, data_type: new.data_type, value, is_sample, at_ms: milliseconds(time) });
+            }
+        }
+        self.metrics = now;
+        if !self.is_born {
+            self.store(changes.extract_if(.., |change| !change.is_sample).collect::<Vec<_>>());
+        }
+        is_same.then_some(changes)
+    }
+
+    fn store(&mut self, changes: impl IntoIterator<Item = Change>) {
+        for change in changes {
+            if self.stored.len() == STORED_LIMIT {
+                self.stored.pop_front();
+            }
+            self.stored.push_back(change);
+        }
+    }
+
+    fn data(&mut self, time: Duration, metrics: Vec<Metric>) -> Publication {
+        let sequence = self.next_sequence();
+        Publication { topic: self.topic(NodeMessage::NData), payload: payload(time, Some(sequence), metrics) }
+    }
+
+    /// A change as it is told: by its alias, or by its name where the metrics have become others.
+    fn changed(&self, change: &Change) -> Metric {
+        let alias = self.metrics.iter().position(|known| known.name == change.name);
+        let mut told = metric(&change.name, change.data_type, change.value.clone());
+        told.timestamp = Some(change.at_ms);
+        if let Some(alias) = alias {
+            (told.name, told.alias) = (None, Some(alias as u64));
+        }
+        told
+    }
+
+    fn session_metric(&self) -> Metric {
+        metric(SESSION, DataType::Int64, Some(Value::LongValue(self.session.into())))
+    }
+
+    fn next_sequence(&mut self) -> u64 {
+        let now = self.sequence;
+        self.sequence = now.wrapping_add(1);
+        now.into()
+    }
+
+    fn topic(&self, message: NodeMessage) -> String {
+        node_topic(&self.group, &message, &self.id)
+    }
+}
+
+/// All metrics of a machine.
+fn metrics_of(snapshot: &Snapshot) -> Vec<NodeMetric> {
+    let mut all: Vec<NodeMetric> = data_items(snapshot).map(|item| of_item(&item, snapshot)).collect();
+    for condition in Condition::of_machine(snapshot) {
+        let raised = snapshot.alarms.iter().filter(|alarm| Condition::of_alarm(alarm.number) == condition);
+        // The worst one first: a fault stands before a warning.
+        let worst = raised.min_by_key(|alarm| level(alarm.number));
+        let of = |part: &str, data_type, value| NodeMetric {
+            name: format!("{}{part}", condition.row().0),
+            data_type,
+            unit: "",
+            is_sample: false,
+            value: Some(value),
+        };
+        let words = worst.map(|alarm| cut(&alarm.text.en())).unwrap_or_default();
+        let state = worst.map_or("NORMAL", |alarm| level(alarm.number));
+        all.push(of("", DataType::String, Value::StringValue(state.to_owned())));
+        let number = worst.map_or(0, |alarm| u32::from(alarm.number));
+        all.push(of("_number", DataType::UInt16, Value::IntValue(number)));
+        all.push(of("_text", DataType::String, Value::StringValue(words)));
+    }
+    all
+}
+
+fn of_item(item: &DataItem, snapshot: &Snapshot) -> NodeMetric {
+    let value = item.value(snapshot);
+    let (data_type, unit) = match (item.category, item.kind) {
+        (Category::Sample(unit) | Category::EventWithUnits(unit), _) => (DataType::Double, unit),
+        (Category::Event, "PART_COUNT" | "LINE_NUMBER") => (DataType::UInt64, ""),
+        (Category::Event, _) => (DataType::String, ""),
+    };
+    let told = match (data_type, value) {
+        (_, ItemValue::Unavailable) => None,
+        (DataType::Double, ItemValue::Number(number)) => {
+            number.is_finite().then(|| Value::DoubleValue((number * STEPS).round() / STEPS))
+        }
+        (DataType::Double, ItemValue::Count(count)) => Some(Value::DoubleValue(count as f64)),
+        (DataType::UInt64, ItemValue::Count(count)) => Some(Value::LongValue(count)),
+        (_, value) => Some(Value::StringValue(cut(&value.to_string()))),
+    };
+    let is_sample = matches!(item.category, Category::Sample(_));
+    NodeMetric { name: item.id(), data_type, unit, is_sample, value: told }
+}
+
+fn cut(words: &str) -> String {
+    words.chars().take(LONGEST_TEXT).collect()
+}
+
+fn metric(name: &str, data_type: DataType, value: Option<Value>) -> Metric {
+    let mut metric = Metric::new();
+    metric.set_name(name.to_owned()).set_datatype(data_type);
+    match value {
+        Some(value) => metric.set_value(value),
+        None => metric.set_null(),
+    };
+    metric
+}
+
+fn unit_property(unit: &str) -> PropertySet {
+    let value = PropertyValue {
+        r#type: Some(DataType::String as u32),
+        is_null: None,
+        value: Some(property_value::Value::StringValue(unit.to_owned())),
+    };
+    PropertySet { keys: vec!["engUnit".to_owned()], values: vec![value] }
+}
+
+fn payload(time: Duration, sequence: Option<u64>, metrics: Vec<Metric>) -> Vec<u8> {
+    let payload = Payload { timestamp: Some(milliseconds(time)), metrics, seq: sequence, uuid: None, body: None };
+    payload.encode_to_vec()
+}
+
+fn milliseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}

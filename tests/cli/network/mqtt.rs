@@ -1,0 +1,460 @@
+//! What a broker is told, what is kept for it while it is away, and what a bad one can do.
+//! Source: Eclipse Sparkplug 3.0.0, OASIS MQTT 3.1.1.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use kt830::defs::key::Mode;
+use kt830::defs::kind::Kind;
+use kt830::defs::part_record::PartHistory;
+use kt830::defs::part_verdict::PartVerdict;
+use kt830::defs::{alarm, param};
+use kt830::gateway::Gateway;
+use kt830::link::Snapshot;
+use kt830::link::condition::Condition;
+use kt830::link::data_item::{Category, data_items};
+use kt830::link::network::{BrokerState, BrokerView};
+use kt830::link::snapshot::RunState;
+use kt830::units::Axis;
+use srad_types::payload::metric::Value;
+use srad_types::payload::{Message, Metric, Payload};
+
+use super::test_broker::{Manners, Sent, TestBroker};
+use super::{DEADLINE, machine, part, raised, set};
+
+const NODE: &str = "kt830-gc-000123";
+
+/// A control and its broker, stepped by the test: 20 ms a step.
+struct Site {
+    gateway: Gateway,
+    broker: TestBroker,
+    snapshot: Snapshot,
+    folder: tempfile::TempDir,
+    now: Duration,
+}
+
+impl Site {
+    fn new() -> Self {
+        Self::with(TestBroker::new(), "")
+    }
+
+    /// `more` are further settings.
+    fn with(broker: TestBroker, more: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let site = Self::without_settings(broker, folder);
+        site.write_settings(&format!("(broker: \"localhost:{}\", group: \"hall 2\", {more})", site.broker.port()));
+        site
+    }
+
+    fn without_settings(broker: TestBroker, folder: tempfile::TempDir) -> Self {
+        let gateway = Gateway::default().with_broker(folder.path().to_path_buf());
+        let mut snapshot = machine();
+        set(&mut snapshot, "P482", 123.0);
+        set(&mut snapshot, "P484", 1.0);
+        Self { gateway, broker, snapshot, folder, now: Duration::ZERO }
+    }
+
+    fn write_settings(&self, text: &str) {
+        std::fs::write(self.folder.path().join("mqtt.ron"), text).unwrap();
+    }
+
+    fn step(&mut self) {
+        self.now += Duration::from_millis(20);
+        self.gateway.step(self.now, Duration::from_secs(1_795_000_000) + self.now, &self.snapshot);
+        self.broker.step();
+    }
+
+    fn steps(&mut self, count: usize) {
+        for _ in 0..count {
+            self.step();
+            std::thread::yield_now();
+        }
+    }
+
+    fn view(&self) -> BrokerView {
+        self.gateway.view().mqtt
+    }
+
+    /// Steps until something is true.
+    fn until(&mut self, what: &str, seen: impl Fn(&Self) -> bool) {
+        let begun = Instant::now();
+        while !seen(self) {
+            assert!(begun.elapsed() < DEADLINE, "{what}: {:?} {:?}", self.view(), self.topics());
+            self.step();
+            std::thread::yield_now();
+        }
+    }
+
+    fn until_born(&mut self) {
+        let births = self.births().len();
+        self.until("a birth", |site| site.births().len() > births);
+    }
+
+    fn topics(&self) -> Vec<&str> {
+        self.broker.sent.iter().map(|sent| sent.topic.as_str()).collect()
+    }
+
+    fn of(&self, kind: &str) -> Vec<Payload> {
+        let topic = format!("spBv1.0/hall 2/{kind}/{NODE}");
+        self.broker.sent.iter().filter(|sent| sent.topic == topic).map(Sent::sparkplug).collect()
+    }
+
+    fn births(&self) -> Vec<Payload> {
+        self.of("NBIRTH")
+    }
+
+    /// Metrics of the data since the last birth, with their names.
+    fn data(&self) -> Vec<(String, Metric)> {
+        let births = self.births();
+        let names: BTreeMap<u64, &str> =
+            births.last().unwrap().metrics.iter().filter_map(|told| Some((told.alias?, told.name.as_deref()?))).collect();
+        let begin = self.broker.sent.iter().rposition(|sent| sent.topic.contains("NBIRTH")).unwrap();
+        let data = self.broker.sent[begin..].iter().filter(|sent| sent.topic.contains("NDATA"));
+        let metrics = data.flat_map(|sent| sent.sparkplug().metrics);
+        metrics.map(|told| (names[&told.alias.unwrap()].to_owned(), told)).collect()
+    }
+
+    fn results(&self) -> Vec<serde_json::Value> {
+        let topic = format!("kt830/hall 2/{NODE}/part");
+        let parts = self.broker.sent.iter().filter(|sent| sent.topic == topic);
+        parts.map(|sent| serde_json::from_slice(&sent.payload).unwrap()).collect()
+    }
+
+    fn finish_part(&mut self, count: u64) {
+        let mut parts = PartHistory::new(self.snapshot.production.parts.iter().copied(), count);
+        parts.push(part(count, PartVerdict::Good));
+        self.snapshot.production.parts = parts;
+    }
+}
+
+fn value<'a>(payload: &'a Payload, name: &str) -> &'a Metric {
+    payload.metrics.iter().find(|told| told.name.as_deref() == Some(name)).unwrap_or_else(|| panic!("{name}"))
+}
+
+fn text(words: &str) -> Option<Value> {
+    Some(Value::StringValue(words.to_owned()))
+}
+
+fn certificates() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/network/certificates")
+}
+
+fn failure(site: &Site) -> String {
+    match site.view().state {
+        BrokerState::Failed(why) => why.en().into_owned(),
+        _ => String::new(),
+    }
+}
+
+#[test]
+fn off_by_factory_no_broker_is_looked_for() {
+    for kind in Kind::ALL {
+        assert!(Snapshot::new(kind).params.get(param::MQTT_ENABLED) < 0.5);
+    }
+    let mut site = Site::new();
+    set(&mut site.snapshot, "P484", 0.0);
+    site.steps(200);
+    assert!(!site.broker.has_client());
+    assert_eq!(site.view(), BrokerView::default());
+}
+
+#[test]
+fn a_birth_has_every_metric_and_data_follow_by_exception() {
+    let mut site = Site::new();
+    site.until_born();
+    let births = site.births();
+    let birth = &births[0];
+    assert_eq!(birth.seq, Some(0));
+    for item in data_items(&site.snapshot) {
+        let told = value(birth, &item.id());
+        assert_eq!(told.is_null.is_some(), told.value.is_none(), "{told:?}");
+        if let Category::Sample(unit) = item.category {
+            let property = told.properties.as_ref().unwrap();
+            assert!(property.keys == ["engUnit"] && format!("{property:?}").contains(unit), "{property:?}");
+        }
+    }
+    for condition in Condition::of_machine(&site.snapshot) {
+        assert_eq!(value(birth, condition.row().0).value, text("NORMAL"));
+    }
+    assert!(site.broker.has_subscription, "commands are asked for");
+    site.steps(100);
+    assert_eq!(site.data().len(), 0, "nothing has changed: {:?}", site.data());
+    site.snapshot.state = RunState::Running;
+    site.snapshot.mode = Mode::Auto;
+    site.snapshot.axes[Axis::X].work = 39.964_04;
+    site.until("the data", |site| site.data().len() >= 3);
+    let told: BTreeMap<String, Option<Value>> = site.data().into_iter().map(|(name, told)| (name, told.value)).collect();
+    assert_eq!(told["execution"], text("ACTIVE"));
+    // Rounded to 0.1 µm.
+    assert_eq!(told["x_work"], Some(Value::DoubleValue(39.964)));
+    let sequences: Vec<u64> = site.of("NDATA").iter().map(|data| data.seq.unwrap()).collect();
+    let expected: Vec<u64> = (1..=sequences.len() as u64).collect();
+    assert_eq!(sequences, expected, "no message is missing");
+}
+
+#[test]
+fn every_metric_of_every_kind_has_a_value_of_its_type() {
+    use srad_types::payload::DataType;
+    for kind in Kind::ALL {
+        let mut site = Site::new();
+        site.snapshot = Snapshot::new(kind);
+        Axis::ALL.into_iter().for_each(|axis| site.snapshot.axes[axis].present = true);
+        site.snapshot.axes.0.iter_mut().for_each(|axis| axis.homed = true);
+        set(&mut site.snapshot, "P482", 123.0);
+        set(&mut site.snapshot, "P484", 1.0);
+        site.snapshot.alarms = vec![raised(alarm::HYDRAULIC_PRESSURE)];
+        site.finish_part(1);
+        let node = format!("kt830-{}-000123", kind.id());
+        let has_birth = |site: &Site| site.topics().iter().any(|topic| topic.contains("NBIRTH") && topic.ends_with(&node));
+        site.until("a birth", has_birth);
+        let birth = site.broker.sent.iter().find(|sent| sent.topic.contains("NBIRTH")).unwrap().sparkplug();
+        for told in birth.metrics {
+            let Some(value) = &told.value else { continue };
+            let is_of_type = match DataType::try_from(told.datatype.unwrap() as i32).unwrap() {
+                DataType::Double => matches!(value, Value::DoubleValue(_)),
+                DataType::String => matches!(value, Value::StringValue(_)),
+                DataType::UInt64 | DataType::Int64 => matches!(value, Value::LongValue(_)),
+                DataType::UInt16 => matches!(value, Value::IntValue(_)),
+                DataType::Boolean => matches!(value, Value::BooleanValue(_)),
+                other => panic!("{other:?}"),
+            };
+            assert!(is_of_type, "{told:?}");
+        }
+    }
+}
+
+#[test]
+fn an_alarm_is_told_with_its_number_and_its_end() {
+    let mut site = Site::new();
+    site.until_born();
+    site.snapshot.alarms = vec![raised(alarm::HYDRAULIC_PRESSURE)];
+    site.until("the alarm", |site| site.data().len() >= 3);
+    site.snapshot.alarms.clear();
+    site.until("its end", |site| site.data().len() >= 6);
+    let told = site.data();
+    let of = |name: &str| -> Vec<Option<Value>> {
+        told.iter().filter(|(other, _)| other == name).map(|(_, told)| told.value.clone()).collect()
+    };
+    assert_eq!(of("c_hydraulic"), [text("FAULT"), text("NORMAL")]);
+    assert_eq!(of("c_hydraulic_number"), [Some(Value::IntValue(180)), Some(Value::IntValue(0))]);
+    assert_eq!(of("c_hydraulic_text").len(), 2);
+}
+
+#[test]
+fn a_birth_is_told_again_to_who_asks_and_nothing_else_is_a_command() {
+    let mut site = Site::new();
+    site.until_born();
+    let command = |name: &str, value: Value| {
+        let mut metric = Metric::new();
+        metric.set_name(name.to_owned()).set_value(value);
+        Payload { timestamp: Some(1), metrics: vec![metric], seq: None, uuid: None, body: None }.encode_to_vec()
+    };
+    let topic = format!("spBv1.0/hall 2/NCMD/{NODE}");
+    let others = [
+        command("feed_override", Value::DoubleValue(0.0)),
+        command("Node Control/Rebirth", Value::BooleanValue(false)),
+        vec![0xff; 500],
+        Vec::new(),
+    ];
+    for payload in others {
+        site.broker.publish(&topic, payload);
+    }
+    site.broker.publish("another topic", command("Node Control/Rebirth", Value::BooleanValue(true)));
+    site.steps(100);
+    assert_eq!((site.births().len(), site.view().state), (1, BrokerState::Connected));
+    // However often somebody asks, once a second.
+    for _ in 0..50 {
+        site.broker.publish(&topic, command("Node Control/Rebirth", Value::BooleanValue(true)));
+        site.step();
+    }
+    site.until("the birth", |site| site.births().len() > 1);
+    assert!(site.births().len() <= 3, "{}", site.births().len());
+    assert_eq!(site.births()[1].seq, Some(0));
+    assert_eq!(value(&site.births()[0], "bdSeq"), value(&site.births()[1], "bdSeq"), "the same connection");
+}
+
+#[test]
+fn what_happens_while_the_broker_is_away_is_told_when_it_is_back() {
+    let mut site = Site::new();
+    site.until_born();
+    // The ping proves that nothing before it is missing.
+    site.steps(600);
+    site.broker.drop_client();
+    site.until("the loss", |site| failure(site).contains("closed by the broker"));
+    for state in [RunState::Running, RunState::Held, RunState::Running, RunState::Idle] {
+        site.snapshot.state = state;
+        site.snapshot.axes[Axis::X].work += 1.0;
+        site.step();
+    }
+    site.until_born();
+    site.until("the history", |site| site.data().len() >= 4);
+    site.steps(100);
+    let history = site.data();
+    let told: Vec<_> = history.iter().filter(|(_, told)| told.is_historical == Some(true)).collect();
+    let values: Vec<Option<Value>> = told.iter().map(|(_, told)| told.value.clone()).collect();
+    assert_eq!(values, ["ACTIVE", "FEED_HOLD", "ACTIVE", "READY"].map(text), "in their order, each once");
+    let times: Vec<u64> = told.iter().map(|(_, told)| told.timestamp.unwrap()).collect();
+    assert!(times.windows(2).all(|pair| pair[1] == pair[0] + 20), "when it was: {times:?}");
+    let sessions: Vec<_> = site.births().iter().map(|birth| value(birth, "bdSeq").value.clone().unwrap()).collect();
+    assert_eq!(sessions, [Value::LongValue(0), Value::LongValue(1)]);
+    let wills: Vec<_> = site.broker.wills.iter().map(|will| value(&will.sparkplug(), "bdSeq").value.clone()).collect();
+    assert_eq!(wills, [Some(Value::LongValue(0)), Some(Value::LongValue(1))]);
+    assert!(site.broker.wills.iter().all(|will| will.topic == format!("spBv1.0/hall 2/NDEATH/{NODE}")));
+    assert_eq!((site.view().waiting, site.view().connections), (0, 2));
+}
+
+#[test]
+fn what_the_broker_may_not_have_is_told_again() {
+    let mut site = Site::new();
+    site.until_born();
+    site.steps(600);
+    site.snapshot.state = RunState::Running;
+    site.until("the change", |site| !site.data().is_empty());
+    // No ping since: the broker may have lost it.
+    site.broker.drop_client();
+    site.until_born();
+    site.until("the change again", |site| !site.data().is_empty());
+    let (name, told) = site.data().remove(0);
+    assert_eq!((name.as_str(), told.value, told.is_historical), ("execution", text("ACTIVE"), Some(true)));
+}
+
+#[test]
+fn every_result_reaches_the_broker_over_losses_of_connection_and_power() {
+    let mut site = Site::new();
+    site.finish_part(1);
+    site.until("the first", |site| site.results().len() == 1);
+    let first = &site.results()[0];
+    assert_eq!((&first["part"], &first["verdict"], &first["size_mm"]), (&1.into(), &"ok".into(), &39.9985.into()));
+    assert_eq!((&first["machine"], &first["program"], &first["min_mm"]), (&NODE.into(), &1_002.into(), &39.995.into()));
+    site.steps(20);
+    // Not acknowledged: sent again with the next connection.
+    site.broker.manners = Manners::Forgetful;
+    site.finish_part(2);
+    site.until("the second", |site| site.results().len() == 2);
+    assert_eq!(site.view().waiting, 1);
+    site.broker.drop_client();
+    site.until("the loss", |site| site.view().state != BrokerState::Connected);
+    (3..=40).for_each(|count| site.finish_part(count));
+    site.broker.manners = Manners::Good;
+    site.until("all others", |site| site.view().state == BrokerState::Connected && site.view().waiting == 0);
+    let parts = |site: &Site| -> Vec<u64> { site.results().iter().map(|told| told["part"].as_u64().unwrap()).collect() };
+    let all: Vec<u64> = [1, 2].into_iter().chain(2..=40).collect();
+    assert_eq!(parts(&site), all, "the unacknowledged one twice, the others once, in their order");
+    // A size that is typed later is another result of the same part.
+    site.snapshot.production.parts.entries_mut().last_mut().unwrap().verdict = PartVerdict::Out { partly: false };
+    site.until("the new verdict", |site| parts(site).len() == all.len() + 1);
+    assert_eq!((&site.results()[41]["part"], &site.results()[41]["is_bad"]), (&40.into(), &true.into()));
+    // Until the file is written.
+    site.steps(100);
+    site.gateway = Gateway::default().with_broker(site.folder.path().to_path_buf());
+    site.broker.sent.clear();
+    site.until_born();
+    site.steps(100);
+    assert_eq!(parts(&site), [0; 0], "after the next power-on nothing is repeated");
+    site.finish_part(41);
+    site.until("the next", |site| parts(site) == [41]);
+    // Data that were set up anew count from 1 again.
+    site.snapshot.production.parts = PartHistory::default();
+    site.finish_part(1);
+    site.until("the first of the new data", |site| parts(site) == [41, 1]);
+}
+
+#[test]
+fn a_bad_broker_is_said_and_left_alone_for_longer_and_longer() {
+    for (manners, said) in [
+        (Manners::Refusing, "refuses user or password"),
+        (Manners::Silent, "does not answer"),
+        (Manners::Garbage, "MQTT"),
+    ] {
+        let mut site = Site::new();
+        site.broker.manners = manners;
+        site.until(said, |site| failure(site).contains(said));
+        let wills = site.broker.wills.len();
+        site.steps(3_000);
+        // 1, 2, 4, 8, 16 and 30 s, each with the time to find out.
+        assert!(site.broker.wills.len() <= wills + 6, "{said}: {}", site.broker.wills.len());
+    }
+}
+
+#[test]
+fn a_half_open_connection_and_a_broker_that_does_not_read_are_given_up() {
+    let mut site = Site::new();
+    site.until_born();
+    site.broker.manners = Manners::Silent;
+    // A ping after 10 s and 10 s for its answer.
+    let begun = site.now;
+    site.until("no answer", |site| failure(site).contains("does not answer"));
+    assert!(site.now - begun <= Duration::from_secs(21), "{:?}", site.now - begun);
+
+    let mut site = Site::new();
+    site.until_born();
+    site.broker.manners = Manners::Deaf;
+    let begun = site.now;
+    while failure(&site).is_empty() {
+        assert!(site.now - begun <= Duration::from_secs(21), "{:?}", site.view());
+        site.snapshot.waiting_for = Some(kt830::defs::text::LocalizedText::same(&"x".repeat(400)));
+        site.step();
+        site.snapshot.waiting_for = None;
+        site.step();
+    }
+}
+
+#[test]
+fn no_broker_and_bad_settings_are_said_with_their_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut site = Site::without_settings(TestBroker::new(), folder);
+    for (settings, said) in [
+        (None, "mqtt.ron is missing"),
+        (Some("(broker: \"\")"), "broker is a name"),
+        (Some("(broker: \"a b\")"), "broker is a name"),
+        (Some("(broker: \"broker:99999\")"), "broker is a name"),
+        (Some("(broker: \"broker\", group: \"a/b\")"), "group is empty or has"),
+        (Some("(broker: \"broker\", password: \"x\")"), "a password without a user"),
+        (Some("(broker: \"broker\",\n gruop: \"x\")"), "line 2"),
+        (Some("(broker: \"localhost:9\", tls: Some((ca: \"ca.pem\")))"), "refused"),
+        (Some("(broker: \"localhost:9\")"), "no broker there"),
+    ] {
+        if let Some(settings) = settings {
+            site.write_settings(settings);
+        }
+        site.until(said, |site| failure(site).contains(said));
+    }
+    // And once they are right it connects.
+    site.write_settings(&format!("(broker: \"127.0.0.1:{}\", group: \"hall 2\")", site.broker.port()));
+    site.until_born();
+}
+
+#[test]
+fn an_encrypted_connection_needs_a_broker_that_proves_itself() {
+    let tls = |ca: &str| format!("user: \"grinder\", password: \"secret\", tls: Some((ca: \"{ca}\")),");
+    let mut site = Site::with(TestBroker::encrypted(&certificates()), &tls("ca.pem"));
+    site.until("a missing file", |site| failure(site).contains("ca.pem"));
+    for name in ["ca.pem", "other_ca.pem"] {
+        std::fs::copy(certificates().join(name), site.folder.path().join(name)).unwrap();
+    }
+    site.until_born();
+    assert!(site.view().is_encrypted);
+    assert_eq!(site.broker.user, Some(("grinder".to_owned(), "secret".to_owned())));
+    site.steps(600);
+    assert_eq!(site.view().state, BrokerState::Connected, "pings go through it");
+
+    let mut site = Site::with(TestBroker::encrypted(&certificates()), &tls("other_ca.pem"));
+    std::fs::copy(certificates().join("other_ca.pem"), site.folder.path().join("other_ca.pem")).unwrap();
+    site.until("a stranger", |site| failure(site).contains("not accepted"));
+    assert_eq!(site.broker.user, None, "the password is not told to it");
+}
+
+#[test]
+fn a_control_that_stands_still_or_is_switched_off_ends_its_connection() {
+    let mut site = Site::new();
+    site.until_born();
+    site.gateway.close();
+    site.broker.step();
+    assert!(!site.broker.has_client());
+    site.until_born();
+    set(&mut site.snapshot, "P484", 0.0);
+    site.steps(2);
+    assert!(!site.broker.has_client());
+    assert_eq!(site.view(), BrokerView::default());
+}
