@@ -123,6 +123,8 @@ pub enum CliCommand {
     Codes,
     /// Run a simulated control without a screen, at the pace of the clock, with its network services (P480)
     Serve(ServeArgs),
+    /// Run many simulated controls against one broker, to see whether it bears them and that no result is lost
+    Fleet(FleetArgs),
     /// Print the model of the machine for an agent of MTConnect (Devices.xml)
     DeviceModel,
     /// Inspect the database on standard input, with little memory and time: the control calls it before it opens one
@@ -208,6 +210,25 @@ pub struct ServeArgs {
     /// End after this time, seconds [default: when it is ended from outside]
     #[arg(long, value_name = "SECONDS")]
     pub seconds: Option<u64>,
+}
+
+/// `kt830 fleet`
+#[derive(Debug, ClapArgs)]
+pub struct FleetArgs {
+    /// A story that every machine plays again and again
+    pub story: PathBuf,
+    /// The broker, HOST:PORT, without TLS
+    #[arg(long, value_name = "HOST:PORT")]
+    pub broker: String,
+    /// Group of the machines
+    #[arg(long, value_name = "NAME", default_value = "KT-830")]
+    pub group: String,
+    /// How many controls, 1 to 500; their numbers (P482) are 1, 2, 3 …
+    #[arg(long, value_name = "NUMBER", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=500))]
+    pub machines: u32,
+    /// How long they work, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    pub seconds: u64,
 }
 
 /// `kt830 play`

@@ -15,6 +15,7 @@ mod codes;
 mod cycle_time;
 mod demo;
 mod finished_size_check;
+mod fleet;
 mod leadscrew;
 mod page_text_check;
 mod painter;
@@ -86,6 +87,7 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Torture(call)) => torture::torture(&shared, call),
         Some(CliCommand::Codes) => codes::codes(&shared),
         Some(CliCommand::Serve(call)) => serve::serve(&shared, call),
+        Some(CliCommand::Fleet(call)) => fleet::fleet(&shared, call),
         Some(CliCommand::DeviceModel) => serve::print_device_model(&shared),
         Some(CliCommand::CheckDatabase) => {
             crate::store::run_database_check().map_err(CallError::at("standard input")).map(|()| SUCCESS)

@@ -20,8 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-pub use self::picture_thread::Painter;
 use self::mqtt::MqttClient;
+pub use self::picture_thread::Painter;
 use self::picture_thread::PictureThread;
 use self::port_server::{PortCounts, PortServer};
 use self::shdr_server::ShdrServer;
@@ -110,7 +110,8 @@ impl<S: HasPort> Service<S> {
 
     /// It is closed, and opened again a while later.
     fn fail(&mut self, now: Duration) {
-        *self = Self { asked: self.asked, failed: Some(internal_fault()), retry_at: now + RETRY_INTERVAL, server: None };
+        *self =
+            Self { asked: self.asked, failed: Some(internal_fault()), retry_at: now + RETRY_INTERVAL, server: None };
     }
 
     /// What the page shows.
@@ -237,14 +238,8 @@ impl GatewayThread {
         let end = Arc::new(AtomicBool::new(false));
         let over = Arc::clone(&end);
         let thread = std::thread::Builder::new().name("kt830-gateway".to_owned()).spawn(move || {
-            let mut serving = Serving {
-                snapshots,
-                gateway,
-                tell,
-                started: Instant::now(),
-                updated_at: None,
-                told_at: None,
-            };
+            let mut serving =
+                Serving { snapshots, gateway, tell, started: Instant::now(), updated_at: None, told_at: None };
             while !over.load(Ordering::Relaxed) {
                 std::thread::sleep(PERIOD);
                 serving.step();

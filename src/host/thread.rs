@@ -205,7 +205,8 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
             self.snapshots.publish();
         }
         let params = self.host.controller.params();
-        let is_on = [param::MTCONNECT_PORT, param::WEB_PORT, param::MQTT_ENABLED].iter().any(|of| params.get(*of) > 0.0);
+        let is_on =
+            [param::MTCONNECT_PORT, param::WEB_PORT, param::MQTT_ENABLED].iter().any(|of| params.get(*of) > 0.0);
         let period = if is_on { every } else { every * SNAPSHOTS_PER_SECOND / 2 };
         if self.ticks % period == every / 2 {
             self.host.snapshot_into(self.observed.input_buffer_mut());

@@ -91,8 +91,11 @@ impl Condition {
     }
 }
 
+/// Level of an alarm that stops or blocks something.
+pub const FAULT: &str = "FAULT";
+
 /// The level of an alarm: `FAULT` if something is stopped or blocked until somebody acts, otherwise `WARNING`.
 #[must_use]
 pub fn level(number: u16) -> &'static str {
-    if alarm::reaction(number) == Reaction::Show { "WARNING" } else { "FAULT" }
+    if alarm::reaction(number) == Reaction::Show { "WARNING" } else { FAULT }
 }

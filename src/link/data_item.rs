@@ -131,6 +131,12 @@ impl DataItem {
         }
     }
 
+    /// Whether it is the same item, of the same axis.
+    #[must_use]
+    pub fn is(&self, other: &Self) -> bool {
+        (self.component, self.name) == (other.component, other.name)
+    }
+
     /// Its value now.
     #[must_use]
     pub fn value(&self, snapshot: &Snapshot) -> ItemValue {

@@ -68,11 +68,14 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         page_text(&snapshot, Lang::En).join("\n")
     };
     let texts = said(broker.clone());
-    for expected in ["MQTT", "broker.shop:8883", "connected, encrypted", "sent / waiting / connections", "4711 / 3 / 2"] {
+    for expected in ["MQTT", "broker.shop:8883", "connected, encrypted", "sent / waiting / connections", "4711 / 3 / 2"]
+    {
         assert!(texts.contains(expected), "{expected}: {texts}");
     }
     let why = LocalizedText::new("服务器没有应答", "the broker does not answer");
-    assert!(said(BrokerView { state: BrokerState::Failed(why), ..broker.clone() }).contains("the broker does not answer"));
+    assert!(
+        said(BrokerView { state: BrokerState::Failed(why), ..broker.clone() }).contains("the broker does not answer")
+    );
     assert!(said(BrokerView { is_encrypted: false, ..broker }).contains("not encrypted"));
 }
 

@@ -102,8 +102,7 @@ impl BrokerLink {
         let options = ConnectionOptions::new().maximum_packet_size_recv(RECEIVED_LIMIT);
         let mut protocol = Connection::with_options(Version::V3_1_1, options);
         protocol.set_auto_pub_response(true);
-        let mut link =
-            Self { wire, protocol, pending: Vec::new(), answer_by: None, ping_at: None, fault: None };
+        let mut link = Self { wire, protocol, pending: Vec::new(), answer_by: None, ping_at: None, fault: None };
         link.answer_by = Some(now + ANSWER_TIME);
         let events = link.protocol.checked_send(connect);
         link.take_up(events, &mut Vec::new(), now);
@@ -258,11 +257,12 @@ impl BrokerLink {
 
 fn connect_packet(login: Login<'_>) -> Result<Connect, MqttError> {
     let Login { client, user: (user, password), will: (topic, payload) } = login;
-    let mut connect = Connect::builder()
-        .client_id(client)?
-        .clean_session(true)
-        .keep_alive(KEEP_ALIVE_S)
-        .will_message(topic, payload, Qos::AtLeastOnce, false)?;
+    let mut connect = Connect::builder().client_id(client)?.clean_session(true).keep_alive(KEEP_ALIVE_S).will_message(
+        topic,
+        payload,
+        Qos::AtLeastOnce,
+        false,
+    )?;
     if !user.is_empty() {
         connect = connect.user_name(user)?.password(password)?;
     }

@@ -88,7 +88,8 @@ impl BrokerSettings {
                 && !name.contains(|sign: char| matches!(sign, '/' | '+' | '#') || sign.is_control())
         };
         if self.host_and_port().is_none() {
-            let text = Text::new("mqtt.ron：broker 应为“名称”或“名称:端口”", "mqtt.ron: broker is a name, or name:port");
+            let text =
+                Text::new("mqtt.ron：broker 应为“名称”或“名称:端口”", "mqtt.ron: broker is a name, or name:port");
             return Err(text.into());
         }
         if !is_topic_level(&self.group) {
@@ -109,7 +110,8 @@ impl BrokerSettings {
             Some((host, port)) => (host, port.parse().ok().filter(|port| *port > 0)?),
             None => (self.broker.as_str(), usual),
         };
-        let is_name = !host.is_empty() && !host.contains(|sign: char| sign.is_whitespace() || matches!(sign, '/' | ':'));
+        let is_name =
+            !host.is_empty() && !host.contains(|sign: char| sign.is_whitespace() || matches!(sign, '/' | ':'));
         is_name.then(|| (host.to_owned(), port))
     }
 

@@ -11,7 +11,7 @@ use srad_types::payload::{DataType, Message, Metric, Payload, PropertySet, Prope
 use srad_types::topic::{NodeMessage, node_topic};
 
 use crate::gateway::device_model::device_uuid;
-use crate::link::condition::{Condition, level};
+use crate::link::condition::{Condition, FAULT, level};
 use crate::link::data_item::{Category, DataItem, ItemValue, data_items};
 use crate::link::snapshot::Snapshot;
 
@@ -36,25 +36,32 @@ pub struct Publication {
     pub payload: Vec<u8>,
 }
 
+/// Where the value of a metric comes from.
+#[derive(Clone, Copy, Debug)]
+enum MetricSource {
+    Item(DataItem),
+    Condition(Condition, ConditionPart),
+}
+
+/// What is told of a condition: its worst alarm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ConditionPart {
+    Level,
+    Number,
+    Text,
+}
+
 /// A metric with its value now.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 struct NodeMetric {
-    name: String,
-    data_type: DataType,
-    unit: &'static str,
-    /// A measured value: looked at less often, and not kept while the broker is away.
-    is_sample: bool,
-    /// None while it is not known.
-    value: Option<Value>,
+    source: MetricSource,
+    value: ItemValue,
 }
 
 /// A change of a metric.
 #[derive(Clone, Debug)]
 struct Change {
-    name: String,
-    data_type: DataType,
-    value: Option<Value>,
-    is_sample: bool,
+    metric: NodeMetric,
     /// Time since 1970, ms.
     at_ms: u64,
 }
@@ -136,12 +143,13 @@ impl EdgeNode {
     /// with the next data.
     pub fn birth(&mut self, time: Duration) -> Publication {
         self.sequence = 0;
-        let mut metrics = vec![self.session_metric(), metric(REBIRTH, DataType::Boolean, Some(Value::BooleanValue(false)))];
+        let mut metrics =
+            vec![self.session_metric(), metric(REBIRTH, DataType::Boolean, Some(Value::BooleanValue(false)))];
         for (alias, known) in self.metrics.iter().enumerate() {
-            let mut told = metric(&known.name, known.data_type, known.value.clone());
+            let mut told = metric(&known.source.name(), known.source.data_type(), known.told());
             told.alias = Some(alias as u64);
             told.timestamp = Some(milliseconds(time));
-            told.properties = (!known.unit.is_empty()).then(|| unit_property(known.unit));
+            told.properties = known.source.unit().map(unit_property);
             metrics.push(told);
         }
         self.is_born = true;
@@ -167,7 +175,7 @@ impl EdgeNode {
         if !changes.is_empty() {
             let metrics = changes.iter().map(|change| self.changed(change)).collect();
             told.push(self.data(time, metrics));
-            self.unproven[1].extend(changes.into_iter().filter(|change| !change.is_sample));
+            self.unproven[1].extend(changes.into_iter().filter(|change| !change.metric.source.is_sample()));
         }
         told
     }
@@ -211,20 +219,18 @@ impl EdgeNode {
     fn look(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Option<Vec<Change>> {
         let mut now = metrics_of(snapshot);
         let known = std::mem::take(&mut self.metrics);
-        let is_same = known.len() == now.len() && known.iter().zip(&now).all(|(old, new)| old.name == new.name);
+        let is_same = known.len() == now.len() && known.iter().zip(&now).all(|(old, new)| old.source.is(&new.source));
         let mut changes = Vec::new();
         for (new, old) in now.iter_mut().zip(known).filter(|_| is_same) {
-            let is_sample = new.is_sample;
-            if is_sample && !with_samples {
+            if new.source.is_sample() && !with_samples {
                 new.value = old.value;
             } else if new.value != old.value {
-                let (name, value) = (new.name.clone(), new.value.clone());
-                changes.push(Change { name, data_type: new.data_type, value, is_sample, at_ms: milliseconds(time) });
+                changes.push(Change { metric: new.clone(), at_ms: milliseconds(time) });
             }
         }
         self.metrics = now;
         if !self.is_born {
-            self.store(changes.extract_if(.., |change| !change.is_sample).collect::<Vec<_>>());
+            self.store(changes.extract_if(.., |change| !change.metric.source.is_sample()).collect::<Vec<_>>());
         }
         is_same.then_some(changes)
     }
@@ -244,10 +250,11 @@ impl EdgeNode {
     }
 
     /// A change as it is told: by its alias, or by its name where the metrics have become others.
-    fn changed(&self, change: &Change) -> Metric {
-        let alias = self.metrics.iter().position(|known| known.name == change.name);
-        let mut told = metric(&change.name, change.data_type, change.value.clone());
-        told.timestamp = Some(change.at_ms);
+    fn changed(&self, Change { metric: changed, at_ms }: &Change) -> Metric {
+        let alias = self.metrics.iter().position(|known| known.source.is(&changed.source));
+        let name = if alias.is_some() { String::new() } else { changed.source.name() };
+        let mut told = metric(&name, changed.source.data_type(), changed.told());
+        told.timestamp = Some(*at_ms);
         if let Some(alias) = alias {
             (told.name, told.alias) = (None, Some(alias as u64));
         }
@@ -269,48 +276,86 @@ impl EdgeNode {
     }
 }
 
-/// All metrics of a machine.
-fn metrics_of(snapshot: &Snapshot) -> Vec<NodeMetric> {
-    let mut all: Vec<NodeMetric> = data_items(snapshot).map(|item| of_item(&item, snapshot)).collect();
-    for condition in Condition::of_machine(snapshot) {
-        let raised = snapshot.alarms.iter().filter(|alarm| Condition::of_alarm(alarm.number) == condition);
-        // The worst one first: a fault stands before a warning.
-        let worst = raised.min_by_key(|alarm| level(alarm.number));
-        let of = |part: &str, data_type, value| NodeMetric {
-            name: format!("{}{part}", condition.row().0),
-            data_type,
-            unit: "",
-            is_sample: false,
-            value: Some(value),
-        };
-        let words = worst.map(|alarm| cut(&alarm.text.en())).unwrap_or_default();
-        let state = worst.map_or("NORMAL", |alarm| level(alarm.number));
-        all.push(of("", DataType::String, Value::StringValue(state.to_owned())));
-        let number = worst.map_or(0, |alarm| u32::from(alarm.number));
-        all.push(of("_number", DataType::UInt16, Value::IntValue(number)));
-        all.push(of("_text", DataType::String, Value::StringValue(words)));
+impl MetricSource {
+    fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Item(item), Self::Item(other)) => item.is(other),
+            (Self::Condition(condition, part), Self::Condition(other, of)) => (condition, part) == (other, of),
+            (Self::Item(_), Self::Condition(..)) | (Self::Condition(..), Self::Item(_)) => false,
+        }
     }
-    all
+
+    fn name(&self) -> String {
+        match self {
+            Self::Item(item) => item.id(),
+            Self::Condition(condition, ConditionPart::Level) => condition.row().0.to_owned(),
+            Self::Condition(condition, ConditionPart::Number) => format!("{}_number", condition.row().0),
+            Self::Condition(condition, ConditionPart::Text) => format!("{}_text", condition.row().0),
+        }
+    }
+
+    fn data_type(&self) -> DataType {
+        match self {
+            Self::Item(item) => match (item.category, item.kind) {
+                (Category::Sample(_) | Category::EventWithUnits(_), _) => DataType::Double,
+                (Category::Event, "PART_COUNT" | "LINE_NUMBER") => DataType::UInt64,
+                (Category::Event, _) => DataType::String,
+            },
+            Self::Condition(_, ConditionPart::Number) => DataType::UInt64,
+            Self::Condition(_, ConditionPart::Level | ConditionPart::Text) => DataType::String,
+        }
+    }
+
+    const fn unit(&self) -> Option<&'static str> {
+        match self {
+            Self::Item(DataItem { category: Category::Sample(unit) | Category::EventWithUnits(unit), .. }) => {
+                Some(unit)
+            }
+            Self::Item(_) | Self::Condition(..) => None,
+        }
+    }
+
+    /// A measured value: looked at less often, and not kept while the broker is away.
+    const fn is_sample(&self) -> bool {
+        matches!(self, Self::Item(DataItem { category: Category::Sample(_), .. }))
+    }
 }
 
-fn of_item(item: &DataItem, snapshot: &Snapshot) -> NodeMetric {
-    let value = item.value(snapshot);
-    let (data_type, unit) = match (item.category, item.kind) {
-        (Category::Sample(unit) | Category::EventWithUnits(unit), _) => (DataType::Double, unit),
-        (Category::Event, "PART_COUNT" | "LINE_NUMBER") => (DataType::UInt64, ""),
-        (Category::Event, _) => (DataType::String, ""),
-    };
-    let told = match (data_type, value) {
-        (_, ItemValue::Unavailable) => None,
-        (DataType::Double, ItemValue::Number(number)) => {
-            number.is_finite().then(|| Value::DoubleValue((number * STEPS).round() / STEPS))
+impl NodeMetric {
+    /// Its value as it is told; none while it is not known.
+    fn told(&self) -> Option<Value> {
+        match (self.source.data_type(), &self.value) {
+            (_, ItemValue::Unavailable) => None,
+            (DataType::Double, ItemValue::Number(number)) => Some(Value::DoubleValue(*number)),
+            (DataType::Double, ItemValue::Count(count)) => Some(Value::DoubleValue(*count as f64)),
+            (DataType::UInt64, ItemValue::Count(count)) => Some(Value::LongValue(*count)),
+            (_, value) => Some(Value::StringValue(cut(&value.to_string()))),
         }
-        (DataType::Double, ItemValue::Count(count)) => Some(Value::DoubleValue(count as f64)),
-        (DataType::UInt64, ItemValue::Count(count)) => Some(Value::LongValue(count)),
-        (_, value) => Some(Value::StringValue(cut(&value.to_string()))),
+    }
+}
+
+/// All metrics of a machine.
+fn metrics_of(snapshot: &Snapshot) -> Vec<NodeMetric> {
+    let of_item = |item: DataItem| {
+        let value = match item.value(snapshot) {
+            ItemValue::Number(number) if number.is_finite() => ItemValue::Number((number * STEPS).round() / STEPS),
+            ItemValue::Number(_) => ItemValue::Unavailable,
+            value => value,
+        };
+        NodeMetric { source: MetricSource::Item(item), value }
     };
-    let is_sample = matches!(item.category, Category::Sample(_));
-    NodeMetric { name: item.id(), data_type, unit, is_sample, value: told }
+    let of_condition = |condition: Condition| {
+        let raised = snapshot.alarms.iter().filter(move |alarm| Condition::of_alarm(alarm.number) == condition);
+        // A fault stands before a warning.
+        let worst = raised.min_by_key(|alarm| level(alarm.number) != FAULT);
+        let values = [
+            (ConditionPart::Level, ItemValue::Word(worst.map_or("NORMAL", |alarm| level(alarm.number)))),
+            (ConditionPart::Number, ItemValue::Count(worst.map_or(0, |alarm| alarm.number.into()))),
+            (ConditionPart::Text, ItemValue::Text(worst.map(|alarm| alarm.text.en().into_owned()).unwrap_or_default())),
+        ];
+        values.map(|(part, value)| NodeMetric { source: MetricSource::Condition(condition, part), value })
+    };
+    data_items(snapshot).map(of_item).chain(Condition::of_machine(snapshot).flat_map(of_condition)).collect()
 }
 
 fn cut(words: &str) -> String {

@@ -182,11 +182,8 @@ impl MqttClient {
         };
         let Some(node) = &mut self.node else { return Ok(()) };
         let will = node.next_session(time);
-        let login = Login {
-            client: node.id(),
-            user: (&settings.user, &settings.password),
-            will: (will.topic, will.payload),
-        };
+        let login =
+            Login { client: node.id(), user: (&settings.user, &settings.password), will: (will.topic, will.payload) };
         let tls = settings.tls_ends(&self.folder)?;
         self.phase = Phase::Joining(BrokerLink::open(stream, tls, login, now)?);
         self.since = now;
