@@ -3,7 +3,6 @@
 //! Source: docs/manual, chapter "network".
 
 use std::path::Path;
-use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -30,6 +29,8 @@ const LAST_WORDS: Duration = Duration::from_secs(60);
 struct MachineResult {
     parts: u64,
     ticks: u64,
+    /// Statements of the story that failed.
+    failed: u64,
     broker: BrokerView,
 }
 
@@ -48,32 +49,38 @@ pub fn fleet(shared: &SharedArgs, call: &FleetArgs) -> Result<u8, CallError> {
     }
     let begun = Instant::now();
     let ends = begun + Duration::from_secs(call.seconds);
-    let results = Mutex::new(Vec::new());
-    thread::scope(|scope| {
-        for (number, (host, gateway)) in fleet {
+    let results: Vec<MachineResult> = thread::scope(|scope| {
+        let machines = fleet.into_iter().map(|(number, (host, gateway))| {
             let machine = RealTimeMachine::new(host, gateway, begun + STAGGER * number, ends);
-            let (story, results) = (&story, &results);
-            scope.spawn(move || {
-                let result = machine.work(story);
-                results.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(result);
-            });
-        }
+            let story = &story;
+            scope.spawn(move || machine.work(story))
+        });
+        let machines: Vec<_> = machines.collect();
+        machines.into_iter().filter_map(|machine| machine.join().ok()).collect()
     });
-    let results = results.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    Ok(report(&results, call.seconds))
+    Ok(report(&results, call))
 }
 
-/// Prints the sums; whether every machine has told everything.
-fn report(results: &[MachineResult], seconds: u64) -> u8 {
+/// Prints the sums; whether every machine has worked and told everything.
+fn report(results: &[MachineResult], call: &FleetArgs) -> u8 {
     let sum = |of: fn(&MachineResult) -> u64| results.iter().map(of).sum::<u64>();
-    let waiting = sum(|machine| machine.broker.waiting);
-    print_line(format!("machines: {}, {seconds} s", results.len()));
+    let (waiting, lost) = (sum(|machine| machine.broker.waiting), sum(|machine| machine.broker.lost));
+    print_line(format!("machines: {}, {} s", results.len(), call.seconds));
     print_line(format!("ticks: {}", sum(|machine| machine.ticks)));
     print_line(format!("parts: {}", sum(|machine| machine.parts)));
     print_line(format!("messages: {}", sum(|machine| machine.broker.sent)));
     print_line(format!("connections: {}", sum(|machine| machine.broker.connections)));
     print_line(format!("waiting for the broker: {waiting}"));
-    if waiting == 0 { SUCCESS } else { FAILED }
+    print_line(format!("lost: {lost}"));
+    let failed = sum(|machine| machine.failed);
+    print_line(format!("statements of the story that failed: {failed}"));
+    for machine in results.iter().filter(|machine| machine.broker.connections == 0).take(1) {
+        warn_line!("kt830: {}: {:?}", machine.broker.address, machine.broker.state);
+    }
+    let is_complete = results.len() == call.machines as usize
+        && results.iter().all(|machine| machine.broker.connections > 0)
+        && waiting + lost + failed == 0;
+    if is_complete { SUCCESS } else { FAILED }
 }
 
 /// A control of this number, and its network client with a data directory of its own.
@@ -113,6 +120,7 @@ impl RealTimeMachine {
 
     /// Plays the story again and again, then waits until the broker has everything.
     fn work(mut self, story: &StoryFile) -> MachineResult {
+        let mut failed = 0;
         sleep_until(self.begins);
         while !self.is_interrupted() {
             self.host.power_on();
@@ -125,6 +133,7 @@ impl RealTimeMachine {
                 if let Err(why) = player.play(line)
                     && !player.stage().is_interrupted()
                 {
+                    failed += 1;
                     warn_line!("FAIL  line {}, {}: {why}", line.number, line.text);
                 }
             }
@@ -134,7 +143,9 @@ impl RealTimeMachine {
             self.tick();
         }
         let parts = self.snapshot.production.parts.last().map_or(0, |part| part.count);
-        MachineResult { parts, ticks: self.ticks, broker: self.gateway.view().mqtt }
+        let broker = self.gateway.view().mqtt;
+        self.gateway.close(time_of_day());
+        MachineResult { parts, ticks: self.ticks, failed, broker }
     }
 
     fn tick(&mut self) {
@@ -143,8 +154,7 @@ impl RealTimeMachine {
         if self.ticks.is_multiple_of(TICKS_PER_LOOK) {
             sleep_until(self.begins + Duration::from_micros(self.host.tick_time().0 * self.ticks));
             self.host.snapshot_into(&mut self.snapshot);
-            let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-            self.gateway.step(self.begins.elapsed(), time, &self.snapshot);
+            self.gateway.step(self.begins.elapsed(), time_of_day(), &self.snapshot);
         }
     }
 }
@@ -174,6 +184,10 @@ impl Stage for RealTimeMachine {
     fn is_interrupted(&self) -> bool {
         Instant::now() >= self.ends
     }
+}
+
+fn time_of_day() -> Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
 fn sleep_until(due: Instant) {

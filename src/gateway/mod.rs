@@ -199,15 +199,15 @@ impl Gateway {
     fn step_broker(&mut self, now: Duration, time: Duration, snapshot: &Snapshot) {
         let Some(mqtt) = &mut self.mqtt else { return };
         if catch_unwind(AssertUnwindSafe(|| mqtt.step(now, time, snapshot))).is_err() {
-            mqtt.fail(now, internal_fault());
+            mqtt.fail(now, internal_fault(), snapshot);
         }
     }
 
-    /// Ends the connections: whoever listens knows that nothing is known any more.
-    pub fn close(&mut self) {
+    /// Ends the connections: whoever listens knows that nothing is known any more. `time` is the time of day.
+    pub fn close(&mut self, time: Duration) {
         (self.mtconnect, self.web) = Default::default();
         if let Some(mqtt) = &mut self.mqtt {
-            mqtt.close();
+            mqtt.close(time);
         }
     }
 
@@ -244,6 +244,7 @@ impl GatewayThread {
                 std::thread::sleep(PERIOD);
                 serving.step();
             }
+            serving.gateway.close(time_of_day());
         })?;
         Ok(Self { end, thread: Some(thread) })
     }
@@ -256,6 +257,10 @@ impl Drop for GatewayThread {
             drop(thread.join());
         }
     }
+}
+
+fn time_of_day() -> Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
 /// What the thread works with.
@@ -277,10 +282,10 @@ impl Serving {
             self.updated_at = Some(now);
         }
         let Some(updated_at) = self.updated_at else { return };
+        let time = time_of_day();
         if now.saturating_sub(updated_at) > LONGEST_STANDSTILL {
-            self.gateway.close();
+            self.gateway.close(time);
         } else {
-            let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
             self.gateway.step(now, time, self.snapshots.output_buffer_mut());
         }
         if self.told_at.is_some_and(|at| now.saturating_sub(at) < VIEW_INTERVAL) {

@@ -53,12 +53,14 @@ pub struct BrokerView {
     pub state: BrokerState,
     /// Its name and port; empty while it is off.
     pub address: String,
-    /// Whether the connection is encrypted and the broker has proved itself.
+    /// Whether the connection is encrypted, with a broker that has to prove itself.
     pub is_encrypted: bool,
     /// Messages sent since it was switched on.
     pub sent: u64,
-    /// Changes and results that the broker does not have yet.
+    /// Changes that are not sent yet, and results that the broker has not acknowledged.
     pub waiting: u64,
+    /// Changes that were dropped for newer ones while the broker was away.
+    pub lost: u64,
     /// Connections that the broker has taken since it was switched on.
     pub connections: u64,
 }

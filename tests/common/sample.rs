@@ -529,6 +529,7 @@ fn network(state: ServiceState) -> NetworkView {
         is_encrypted: true,
         sent: 12_345,
         waiting: 1_012,
+        lost: 12_345,
         connections: 3,
     };
     NetworkView { mtconnect: service(7_878), web: service(8_083), mqtt }

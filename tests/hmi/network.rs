@@ -61,6 +61,7 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         is_encrypted: true,
         sent: 4_711,
         waiting: 3,
+        lost: 0,
         connections: 2,
     };
     let mut said = |mqtt: BrokerView| {
@@ -68,7 +69,8 @@ fn b6_the_network_page_shows_the_broker_and_what_it_does_not_have_yet() {
         page_text(&snapshot, Lang::En).join("\n")
     };
     let texts = said(broker.clone());
-    for expected in ["MQTT", "broker.shop:8883", "connected, encrypted", "sent / waiting / connections", "4711 / 3 / 2"]
+    for expected in
+        ["MQTT", "broker.shop:8883", "connected, encrypted", "sent / waiting / lost / connections", "4711 / 3 / 0 / 2"]
     {
         assert!(texts.contains(expected), "{expected}: {texts}");
     }

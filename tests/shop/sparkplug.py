@@ -3,7 +3,7 @@ numbered without a gap, alarms are raised and cleared, and every finished part a
 
 sparkplug.py PROGRAM MACHINES SECONDS RESTARTS
 
-Needs mosquitto, and Python with paho-mqtt and pysparkplug.
+Needs mosquitto, and Python with pysparkplug, which brings paho-mqtt 1.6.
 """
 
 import json
@@ -47,6 +47,7 @@ class Listener:
         self.raised, self.cleared = set(), set()
         self.parts = defaultdict(list)
         self.delays = []
+        self.faults = []
         # Each part is remembered by the broker for this client, however often either is restarted.
         self.client = mqtt.Client("application", clean_session=False)
         self.client.on_message = self.on_message
@@ -66,11 +67,15 @@ class Listener:
         with self.lock:
             self.messages += 1
             self.bytes += len(message.payload) + len(message.topic)
-            if message.topic.startswith("kt830/"):
-                told = json.loads(message.payload)
-                self.parts[told["machine"]].append(told["part"])
-            else:
-                self.sparkplug(message, now)
+            try:
+                if message.topic.startswith("kt830/"):
+                    told = json.loads(message.payload)
+                    self.parts[told["machine"]].append(told["part"])
+                else:
+                    self.sparkplug(message, now)
+            # Whatever is wrong is a fault of the control.
+            except Exception as fault:
+                self.faults.append(f"{message.topic}: {fault!r}")
 
     def sparkplug(self, message, now):
         _, group, kind, node = message.topic.split("/")
@@ -137,6 +142,8 @@ if fleet.returncode:
     failed(f"the fleet ended with {fleet.returncode}: {told}")
 if len(listener.births) != machines:
     failed(f"{len(listener.births)} of {machines} machines were born")
+if listener.faults:
+    failed(f"{len(listener.faults)} messages: {listener.faults[:3]}")
 if listener.gaps:
     failed(f"messages are missing: {listener.gaps[:5]}")
 for machine, parts in listener.parts.items():

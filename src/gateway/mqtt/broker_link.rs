@@ -7,8 +7,8 @@ use std::net::TcpStream;
 use std::time::Duration;
 
 use mqtt_protocol_core::mqtt::common::Cursor;
-use mqtt_protocol_core::mqtt::connection::{ConnectionOptions, Event};
-use mqtt_protocol_core::mqtt::packet::v3_1_1::{Connect, Pingreq, Publish, Subscribe};
+use mqtt_protocol_core::mqtt::connection::{ConnectionOptions, Event, Sendable};
+use mqtt_protocol_core::mqtt::packet::v3_1_1::{Connect, Disconnect, Pingreq, Publish, Subscribe};
 use mqtt_protocol_core::mqtt::packet::{Packet, Qos, SubEntry, SubOpts};
 use mqtt_protocol_core::mqtt::prelude::*;
 use mqtt_protocol_core::mqtt::result_code::{ConnectReturnCode, MqttError};
@@ -25,8 +25,9 @@ const PING_INTERVAL: Duration = Duration::from_secs(10);
 const ANSWER_TIME: Duration = Duration::from_secs(10);
 /// The broker gives the control up after one and a half times so long without a sign, s.
 const KEEP_ALIVE_S: u16 = 20;
-/// What the broker may leave unread, bytes.
+/// What the broker may leave unread, and up to what history follows, bytes.
 const PENDING_LIMIT: usize = 1 << 20;
+const ROOM: usize = 64 * 1_024;
 /// Longest packet that is taken from the broker, bytes.
 const RECEIVED_LIMIT: u32 = 64 * 1_024;
 /// Bytes looked at in a read, and reads in a step.
@@ -63,16 +64,24 @@ pub enum BrokerEvent {
     PingAnswered,
 }
 
+/// What the broker is to say next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Awaited {
+    /// That it takes the connection, until then.
+    Acceptance(Duration),
+    /// The answer to a ping, until then.
+    Pong(Duration),
+    /// Nothing: the next ping is due then.
+    Nothing(Duration),
+}
+
 /// A connection.
 pub struct BrokerLink {
     wire: Wire,
     protocol: Connection<role::Client>,
     /// Bytes to send.
     pending: Vec<u8>,
-    /// When it is given up unless the broker has answered.
-    answer_by: Option<Duration>,
-    /// When the next ping is due; none before the connection is accepted.
-    ping_at: Option<Duration>,
+    awaited: Awaited,
     /// Why it is over.
     fault: Option<LocalizedText>,
 }
@@ -102,156 +111,200 @@ impl BrokerLink {
         let options = ConnectionOptions::new().maximum_packet_size_recv(RECEIVED_LIMIT);
         let mut protocol = Connection::with_options(Version::V3_1_1, options);
         protocol.set_auto_pub_response(true);
-        let mut link = Self { wire, protocol, pending: Vec::new(), answer_by: None, ping_at: None, fault: None };
-        link.answer_by = Some(now + ANSWER_TIME);
+        let awaited = Awaited::Acceptance(now + ANSWER_TIME);
+        let mut link = Self { wire, protocol, pending: Vec::new(), awaited, fault: None };
         let events = link.protocol.checked_send(connect);
-        link.take_up(events, &mut Vec::new(), now);
+        link.take_up(events);
         Ok(link)
     }
 
-    /// Receives, pings and sends.
-    ///
-    /// # Errors
-    /// The connection is over; why, in words for the page.
-    pub fn step(&mut self, now: Duration) -> Result<Vec<BrokerEvent>, LocalizedText> {
+    /// Receives, pings and sends. What has come counts, even if the connection is over.
+    pub fn step(&mut self, now: Duration) -> Vec<BrokerEvent> {
         let mut events = Vec::new();
-        self.receive(now, &mut events)?;
-        if self.ping_at.is_some_and(|at| now >= at) && self.answer_by.is_none() {
-            (self.ping_at, self.answer_by) = (Some(now + PING_INTERVAL), Some(now + ANSWER_TIME));
-            let sent = self.protocol.checked_send(Pingreq::new());
-            self.take_up(sent, &mut events, now);
-            events.push(BrokerEvent::PingSent);
+        self.receive(now, &mut events);
+        match self.awaited {
+            Awaited::Acceptance(until) | Awaited::Pong(until) if now > until => {
+                self.end(Text::new("服务器没有应答", "the broker does not answer").into());
+            }
+            Awaited::Nothing(ping_at) if now >= ping_at => {
+                self.awaited = Awaited::Pong(now + ANSWER_TIME);
+                let sent = self.protocol.checked_send(Pingreq::new());
+                self.take_up(sent);
+                events.push(BrokerEvent::PingSent);
+            }
+            Awaited::Acceptance(_) | Awaited::Pong(_) | Awaited::Nothing(_) => {}
         }
-        if self.answer_by.is_some_and(|by| now > by) {
-            return Err(Text::new("服务器没有应答", "the broker does not answer").into());
-        }
-        self.send()?;
-        self.fault.take().map_or(Ok(events), Err)
+        self.send();
+        events
+    }
+
+    /// Why the connection is over; none while it lasts.
+    #[must_use]
+    pub const fn fault(&self) -> Option<&LocalizedText> {
+        self.fault.as_ref()
+    }
+
+    /// Whether the broker takes what it is sent: more may follow.
+    #[must_use]
+    pub const fn has_room(&self) -> bool {
+        self.pending.len() <= ROOM
     }
 
     /// Sends a message that nobody acknowledges.
-    ///
-    /// # Errors
-    /// The topic has no place in the protocol.
-    pub fn publish(&mut self, topic: &str, payload: Vec<u8>) -> Result<(), LocalizedText> {
-        self.publish_with(topic, payload, None).map_err(in_words)
+    pub fn publish(&mut self, topic: &str, payload: Vec<u8>) {
+        let built = Publish::builder().topic_name(topic).map(|message| message.payload(payload).qos(Qos::AtMostOnce));
+        self.send_packet(built.and_then(|message| message.build()));
     }
 
     /// Sends a message that the broker acknowledges; its packet identifier, none while too many wait.
-    ///
-    /// # Errors
-    /// As [`Self::publish`].
-    pub fn publish_acknowledged(&mut self, topic: &str, payload: Vec<u8>) -> Result<Option<u16>, LocalizedText> {
-        let packet = self.protocol.acquire_packet_id().ok();
-        let sent = packet.map(|packet| self.publish_with(topic, payload, Some(packet)));
-        sent.transpose().map(|_| packet).map_err(in_words)
+    pub fn publish_acknowledged(&mut self, topic: &str, payload: Vec<u8>) -> Option<u16> {
+        let packet = self.protocol.acquire_packet_id().ok()?;
+        let built = Publish::builder().topic_name(topic).map(|message| message.payload(payload).qos(Qos::AtLeastOnce));
+        self.send_packet(built.and_then(|message| message.packet_id(packet).build()));
+        Some(packet)
     }
 
     /// Asks for the messages of a topic.
-    ///
-    /// # Errors
-    /// The topic has no place in the protocol.
-    pub fn subscribe(&mut self, topic: &str, now: Duration) -> Result<(), LocalizedText> {
-        let subscription = |link: &mut Self| {
-            let entry = SubEntry::new(topic, SubOpts::new().set_qos(Qos::AtLeastOnce))?;
-            let packet = link.protocol.acquire_packet_id()?;
+    pub fn subscribe(&mut self, topic: &str) {
+        let entry = SubEntry::new(topic, SubOpts::new().set_qos(Qos::AtLeastOnce));
+        let built = entry.and_then(|entry| {
+            let packet = self.protocol.acquire_packet_id()?;
             Subscribe::builder().packet_id(packet).entries(vec![entry]).build()
-        };
-        let subscribe = subscription(self).map_err(in_words)?;
-        let events = self.protocol.checked_send(subscribe);
-        self.take_up(events, &mut Vec::new(), now);
-        Ok(())
+        });
+        self.send_packet(built);
     }
 
-    fn publish_with(&mut self, topic: &str, payload: Vec<u8>, packet: Option<u16>) -> Result<(), MqttError> {
-        let message = Publish::builder().topic_name(topic)?.payload(payload);
-        let message = match packet {
-            Some(packet) => message.qos(Qos::AtLeastOnce).packet_id(packet),
-            None => message.qos(Qos::AtMostOnce),
-        };
-        let events = self.protocol.checked_send(message.build()?);
-        self.take_up(events, &mut Vec::new(), Duration::ZERO);
-        Ok(())
-    }
-
-    fn receive(&mut self, now: Duration, events: &mut Vec<BrokerEvent>) -> Result<(), LocalizedText> {
-        let mut bytes = [0; READ_SIZE];
-        for _ in 0..READS {
-            let count = match self.wire.read(&mut bytes) {
-                Ok(0) => return Err(closed()),
-                Ok(count) => count,
-                Err(error) if error.kind() == ErrorKind::WouldBlock => break,
-                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
-                Err(error) => return Err(io_fault(&error)),
-            };
-            let mut cursor = Cursor::new(&bytes[..count]);
-            while (cursor.position() as usize) < count && self.fault.is_none() {
-                let happened = self.protocol.recv(&mut cursor);
-                self.take_up(happened, events, now);
-            }
+    /// Takes leave: the broker does not tell the will.
+    pub fn disconnect(&mut self) {
+        if self.fault.is_some() {
+            return;
         }
-        Ok(())
+        self.send_packet(Disconnect::builder().build());
+        // The protocol calls it closed before the last words are sent.
+        self.fault = None;
+        self.send();
     }
 
     /// Sends what goes at once.
-    ///
-    /// # Errors
-    /// The connection is over, or the broker does not take what it is sent.
-    pub fn send(&mut self) -> Result<(), LocalizedText> {
-        while !self.pending.is_empty() {
+    pub fn send(&mut self) {
+        while !self.pending.is_empty() && self.fault.is_none() {
             match self.wire.write(&self.pending) {
-                Ok(0) => return Err(closed()),
+                Ok(0) => self.end_closed(),
                 Ok(count) => drop(self.pending.drain(..count)),
                 Err(error) if error.kind() == ErrorKind::WouldBlock => break,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(io_fault(&error)),
+                Err(error) => self.end_by(&error),
             }
         }
         if self.pending.len() > PENDING_LIMIT {
-            return Err(Text::new("服务器接收太慢", "the broker is too slow").into());
+            self.end(Text::new("服务器接收太慢", "the broker is too slow").into());
         }
-        Ok(())
     }
 
-    /// What the protocol asks for; the timers are those of this file.
-    fn take_up(&mut self, happened: Vec<Event>, events: &mut Vec<BrokerEvent>, now: Duration) {
-        let mut closes = false;
+    fn send_packet<T: Sendable<role::Client, u16>>(&mut self, packet: Result<T, MqttError>) {
+        match packet {
+            Ok(packet) => {
+                let events = self.protocol.checked_send(packet);
+                self.take_up(events);
+            }
+            Err(error) => self.end(in_words(format!("MQTT: {error}"))),
+        }
+    }
+
+    fn receive(&mut self, now: Duration, events: &mut Vec<BrokerEvent>) {
+        let mut bytes = [0; READ_SIZE];
+        for _ in 0..READS {
+            if self.fault.is_some() {
+                return;
+            }
+            match self.wire.read(&mut bytes) {
+                Ok(0) => self.end_closed(),
+                Ok(count) => self.take_in(&bytes[..count], now, events),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => self.end_by(&error),
+            }
+        }
+    }
+
+    fn take_in(&mut self, bytes: &[u8], now: Duration, events: &mut Vec<BrokerEvent>) {
+        let mut cursor = Cursor::new(bytes);
+        while (cursor.position() as usize) < bytes.len() && self.fault.is_none() {
+            let happened = self.protocol.recv(&mut cursor);
+            for packet in self.take_up(happened) {
+                self.look_at(packet, now, events);
+            }
+        }
+    }
+
+    /// What the protocol asks for; the packets that have come. The timers are those of this file.
+    fn take_up(&mut self, happened: Vec<Event>) -> Vec<Packet> {
+        let (mut received, mut closes) = (Vec::new(), false);
         for event in happened {
             match event {
                 Event::RequestSendPacket { packet, .. } => {
                     self.pending.extend_from_slice(&packet.to_continuous_buffer());
                 }
-                Event::NotifyPacketReceived(packet) => self.look_at(packet, events, now),
-                Event::NotifyError(error) => {
-                    self.fault.get_or_insert_with(|| in_words(format!("MQTT: {error}")));
-                }
+                Event::NotifyPacketReceived(packet) => received.push(packet),
+                Event::NotifyError(error) => self.end(in_words(format!("MQTT: {error}"))),
                 Event::RequestClose => closes = true,
                 Event::NotifyPacketIdReleased(_) | Event::RequestTimerReset { .. } | Event::RequestTimerCancel(_) => {}
             }
         }
-        if closes {
-            self.fault.get_or_insert_with(closed);
+        // A refusal comes with the wish to close: its reason is the better one.
+        if closes && received.is_empty() {
+            self.end_closed();
         }
+        received
     }
 
-    fn look_at(&mut self, packet: Packet, events: &mut Vec<BrokerEvent>, now: Duration) {
-        match packet {
-            Packet::V3_1_1Connack(answer) if answer.return_code() == ConnectReturnCode::Accepted => {
-                (self.answer_by, self.ping_at) = (None, Some(now + PING_INTERVAL));
-                events.push(BrokerEvent::Accepted);
+    fn look_at(&mut self, packet: Packet, now: Duration, events: &mut Vec<BrokerEvent>) {
+        match (packet, self.awaited) {
+            (Packet::V3_1_1Connack(answer), Awaited::Acceptance(_)) => match answer.return_code() {
+                ConnectReturnCode::Accepted => {
+                    self.awaited = Awaited::Nothing(now + PING_INTERVAL);
+                    events.push(BrokerEvent::Accepted);
+                }
+                code => self.end(refusal(code)),
+            },
+            (Packet::V3_1_1Connack(_), _) | (_, Awaited::Acceptance(_)) => {
+                self.end(Text::new("服务器违反 MQTT 协议", "the broker breaks the protocol of MQTT").into());
             }
-            Packet::V3_1_1Connack(answer) => self.fault = Some(refusal(answer.return_code())),
-            Packet::V3_1_1Publish(message) => events.push(BrokerEvent::Received {
+            (Packet::V3_1_1Pingresp(_), Awaited::Pong(_)) => {
+                self.awaited = Awaited::Nothing(now + PING_INTERVAL);
+                events.push(BrokerEvent::PingAnswered);
+            }
+            (Packet::V3_1_1Publish(message), _) => events.push(BrokerEvent::Received {
                 topic: message.topic_name().to_owned(),
                 payload: message.payload().as_slice().to_vec(),
             }),
-            Packet::V3_1_1Puback(answer) => events.push(BrokerEvent::Acknowledged(answer.packet_id())),
-            Packet::V3_1_1Pingresp(_) => {
-                self.answer_by = None;
-                events.push(BrokerEvent::PingAnswered);
-            }
+            (Packet::V3_1_1Puback(answer), _) => events.push(BrokerEvent::Acknowledged(answer.packet_id())),
             _ => {}
         }
+    }
+
+    /// The connection is over; the first reason counts.
+    fn end(&mut self, why: LocalizedText) {
+        self.fault.get_or_insert(why);
+    }
+
+    fn end_by(&mut self, error: &std::io::Error) {
+        match io_fault(error) {
+            Some(why) => self.end(why),
+            None => self.end_closed(),
+        }
+    }
+
+    /// A broker that ends a connection which it had taken may have another client of the same name.
+    fn end_closed(&mut self) {
+        let text = match self.awaited {
+            Awaited::Acceptance(_) => Text::new("服务器断开了连接", "closed by the broker"),
+            Awaited::Pong(_) | Awaited::Nothing(_) => Text::new(
+                "服务器断开了连接（同一机床编号 P482 的另一台控制？）",
+                "closed by the broker (another control with the same P482?)",
+            ),
+        };
+        self.end(text.into());
     }
 }
 
@@ -291,15 +344,6 @@ impl Wire {
     }
 }
 
-/// A broker that ends connections soon after it has taken them may have another client of the same name.
-fn closed() -> LocalizedText {
-    Text::new(
-        "服务器断开了连接（同一机床编号 P482 的另一台控制？）",
-        "closed by the broker (another control with the same P482?)",
-    )
-    .into()
-}
-
 fn refusal(code: ConnectReturnCode) -> LocalizedText {
     match code {
         ConnectReturnCode::BadUserNameOrPassword | ConnectReturnCode::NotAuthorized => {
@@ -309,14 +353,30 @@ fn refusal(code: ConnectReturnCode) -> LocalizedText {
     }
 }
 
-fn io_fault(error: &std::io::Error) -> LocalizedText {
-    let inner = error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>());
-    match inner {
+/// What the system or TLS says; none where it says no more than that the connection is over.
+fn io_fault(error: &std::io::Error) -> Option<LocalizedText> {
+    use rustls::CertificateError::{Expired, ExpiredContext, NotValidYet, NotValidYetContext};
+    let is_end = matches!(
+        error.kind(),
+        ErrorKind::UnexpectedEof | ErrorKind::ConnectionReset | ErrorKind::ConnectionAborted | ErrorKind::BrokenPipe
+    );
+    if is_end {
+        return None;
+    }
+    let of_tls = error.get_ref().and_then(|inner| inner.downcast_ref::<rustls::Error>());
+    Some(match of_tls {
+        Some(rustls::Error::InvalidCertificate(
+            Expired | ExpiredContext { .. } | NotValidYet | NotValidYetContext { .. },
+        )) => Text::new(
+            "服务器的证书现在无效：检查本机时钟和证书期限",
+            "the certificate of the broker is not valid now: check this clock and its dates",
+        )
+        .into(),
         Some(rustls::Error::InvalidCertificate(why)) => LocalizedText::new(
             format!("服务器的证书无效：{why}"),
             format!("the certificate of the broker is not accepted: {why}"),
         ),
         Some(other) => in_words(format!("TLS: {other}")),
         None => in_words(error),
-    }
+    })
 }

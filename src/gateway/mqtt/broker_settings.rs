@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use rustls::{ClientConfig, RootCertStore};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::in_words;
 use crate::defs::text::{LocalizedText, Text};
@@ -21,10 +21,10 @@ const PORTS: [u16; 2] = [1_883, 8_883];
 const LONGEST_GROUP: usize = 64;
 
 /// The file as it is written.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BrokerSettings {
-    /// Name or address of the broker; with its port after a colon where that is not 1883, or 8883 in TLS.
+    /// Name or IPv4 address of the broker; with its port after a colon where that is not 1883, or 8883 in TLS.
     pub broker: String,
     /// Group of this machine (Sparkplug: group id).
     #[serde(default = "default_group")]
@@ -41,7 +41,7 @@ pub struct BrokerSettings {
 }
 
 /// Certificates, PEM files in the data directory.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TlsSettings {
     /// Those who may vouch for the broker.
@@ -56,7 +56,6 @@ fn default_group() -> String {
 }
 
 /// The name of a broker and how a connection to it is encrypted.
-#[derive(Clone)]
 pub struct TlsEnds {
     /// What the control accepts and proves itself with.
     pub config: Arc<ClientConfig>,
@@ -78,8 +77,7 @@ impl BrokerSettings {
             )),
             error => in_words(error),
         })?;
-        settings.value.check()?;
-        Ok(settings.value)
+        settings.value.check().map(|()| settings.value)
     }
 
     fn check(&self) -> Result<(), LocalizedText> {

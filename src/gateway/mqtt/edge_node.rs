@@ -10,6 +10,7 @@ use srad_types::payload::metric::Value;
 use srad_types::payload::{DataType, Message, Metric, Payload, PropertySet, PropertyValue, property_value};
 use srad_types::topic::{NodeMessage, node_topic};
 
+use crate::defs::text::LocalizedText;
 use crate::gateway::device_model::device_uuid;
 use crate::link::condition::{Condition, FAULT, level};
 use crate::link::data_item::{Category, DataItem, ItemValue, data_items};
@@ -70,19 +71,23 @@ struct Change {
 pub struct EdgeNode {
     group: String,
     id: String,
-    /// Number of the connection, in will and birth: 0 for the first one.
+    /// Number of the connection, in will and birth.
     session: u8,
-    /// Number of the next connection.
-    next_session: u8,
     /// Number of the next message in the session.
     sequence: u8,
     metrics: Vec<NodeMetric>,
     /// Whether the broker has a birth with these metrics.
     is_born: bool,
     /// Changes that the broker may have: sent before the last ping, and after it.
-    unproven: [Vec<Change>; 2],
+    unproven: [VecDeque<Change>; 2],
     /// Changes that the broker does not have.
     stored: VecDeque<Change>,
+    /// Changes that were dropped for newer ones.
+    lost: u64,
+    /// Serial number of the newest alarm that has been looked at; none before the first look.
+    newest_alarm: Option<u64>,
+    /// The alarms of the last look.
+    raised: Vec<u16>,
 }
 
 impl EdgeNode {
@@ -93,19 +98,27 @@ impl EdgeNode {
             group: group.to_owned(),
             id: device_uuid(snapshot),
             session: 0,
-            next_session: 0,
             sequence: 0,
             metrics: Vec::new(),
             is_born: false,
-            unproven: [const { Vec::new() }; 2],
+            unproven: [const { VecDeque::new() }; 2],
             stored: VecDeque::new(),
+            lost: 0,
+            newest_alarm: None,
+            raised: Vec::new(),
         }
     }
 
     /// Whether it stands for this machine in this group.
     #[must_use]
     pub fn stands_for(&self, group: &str, snapshot: &Snapshot) -> bool {
-        self.group == group && self.id == device_uuid(snapshot)
+        self.group == group && self.is_of(snapshot)
+    }
+
+    /// Whether it stands for this machine.
+    #[must_use]
+    pub fn is_of(&self, snapshot: &Snapshot) -> bool {
+        self.id == device_uuid(snapshot)
     }
 
     /// Its id, that of the client as well.
@@ -132,23 +145,38 @@ impl EdgeNode {
         self.stored.len()
     }
 
-    /// The next connection begins: what the broker is to tell the others when it is lost.
-    pub fn next_session(&mut self, time: Duration) -> Publication {
-        (self.session, self.next_session) = (self.next_session, self.next_session.wrapping_add(1));
-        let death = payload(time, None, vec![self.session_metric()]);
+    /// Changes that were dropped for newer ones.
+    #[must_use]
+    pub const fn lost_count(&self) -> u64 {
+        self.lost
+    }
+
+    /// The connection with this number begins.
+    pub const fn begin_session(&mut self, session: u8) {
+        self.session = session;
+    }
+
+    /// What the others are told when the connection is over, by the control or, if it is lost, by the broker.
+    #[must_use]
+    pub fn death(&self, time: Duration) -> Publication {
+        let death = payload(time, None, vec![self.session_metric(time)]);
         Publication { topic: self.topic(NodeMessage::NDeath), payload: death }
     }
 
-    /// The broker has taken the connection, or somebody asks for it: all metrics with their values. What was kept follows
-    /// with the next data.
-    pub fn birth(&mut self, time: Duration) -> Publication {
+    /// Nothing more is told before the next birth.
+    pub const fn forget_birth(&mut self) {
+        self.is_born = false;
+    }
+
+    /// All metrics with their values. What was kept follows with the next data.
+    fn birth(&mut self, time: Duration) -> Publication {
         self.sequence = 0;
-        let mut metrics =
-            vec![self.session_metric(), metric(REBIRTH, DataType::Boolean, Some(Value::BooleanValue(false)))];
+        let mut rebirth = metric(Some(Value::BooleanValue(false)), milliseconds(time));
+        rebirth.set_name(REBIRTH.to_owned()).set_datatype(DataType::Boolean);
+        let mut metrics = vec![self.session_metric(time), rebirth];
         for (alias, known) in self.metrics.iter().enumerate() {
-            let mut told = metric(&known.source.name(), known.source.data_type(), known.told());
-            told.alias = Some(alias as u64);
-            told.timestamp = Some(milliseconds(time));
+            let mut told = metric(known.told(), milliseconds(time));
+            told.set_name(known.source.name()).set_alias(alias as u64).set_datatype(known.source.data_type());
             told.properties = known.source.unit().map(unit_property);
             metrics.push(told);
         }
@@ -157,38 +185,45 @@ impl EdgeNode {
         Publication { topic: self.topic(NodeMessage::NBirth), payload: payload(time, Some(sequence), metrics) }
     }
 
-    /// Looks at the machine while the broker is there: a birth where the metrics are others, then the changes. Measured
-    /// values are looked at with `with_samples`.
-    pub fn tell(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Vec<Publication> {
+    /// Looks at the machine while the broker is there: a birth where it has none of these metrics, otherwise the changes.
+    /// Measured values are looked at with `with_samples`; kept changes follow, a message in a step, with `has_room`.
+    pub fn tell(
+        &mut self,
+        time: Duration,
+        snapshot: &Snapshot,
+        with_samples: bool,
+        has_room: bool,
+    ) -> Vec<Publication> {
         let changes = self.look(time, snapshot, with_samples);
-        let Some(changes) = changes.filter(|_| self.is_born) else {
+        if !self.is_born {
             return vec![self.birth(time)];
-        };
+        }
         let mut told = Vec::new();
-        while !self.stored.is_empty() {
+        if has_room && !self.stored.is_empty() {
             let batch: Vec<Change> = self.stored.drain(..self.stored.len().min(BATCH)).collect();
-            let metrics = batch.iter().map(|change| Metric { is_historical: Some(true), ..self.changed(change) });
-            let metrics = metrics.collect();
-            told.push(self.data(time, metrics));
-            self.unproven[1].extend(batch);
+            let metrics = batch.iter().filter_map(|change| self.changed(change));
+            let metrics: Vec<Metric> = metrics.map(|told| Metric { is_historical: Some(true), ..told }).collect();
+            told.extend((!metrics.is_empty()).then(|| self.data(time, metrics)));
+            self.hold(batch);
         }
         if !changes.is_empty() {
-            let metrics = changes.iter().map(|change| self.changed(change)).collect();
+            let metrics = changes.iter().filter_map(|change| self.changed(change)).collect();
             told.push(self.data(time, metrics));
-            self.unproven[1].extend(changes.into_iter().filter(|change| !change.metric.source.is_sample()));
+            self.hold(changes.into_iter().filter(|change| !change.metric.source.is_sample()).collect());
         }
         told
     }
 
     /// Looks at the machine while the broker is away: states and alarms are kept, measured values are not.
     pub fn keep(&mut self, time: Duration, snapshot: &Snapshot) {
-        drop(self.look(time, snapshot, false));
+        self.look(time, snapshot, false);
     }
 
     /// A ping follows all that was sent.
     pub fn ping_sent(&mut self) {
         let [before, after] = &mut self.unproven;
         before.append(after);
+        self.lost += limit(before);
     }
 
     /// The broker has all that was sent before the ping.
@@ -196,12 +231,14 @@ impl EdgeNode {
         self.unproven[0].clear();
     }
 
-    /// The connection is lost: what the broker may not have is told once more.
+    /// The connection is over: what the broker may not have is told once more.
     pub fn connection_lost(&mut self) {
         self.is_born = false;
-        let [before, after] = std::mem::take(&mut self.unproven);
-        let later = std::mem::take(&mut self.stored);
-        self.store(before.into_iter().chain(after).chain(later));
+        let [mut before, mut after] = std::mem::take(&mut self.unproven);
+        before.append(&mut after);
+        before.append(&mut self.stored);
+        self.stored = before;
+        self.lost += limit(&mut self.stored);
     }
 
     /// Whether a command asks for a birth. Nothing else can be commanded.
@@ -214,34 +251,54 @@ impl EdgeNode {
             && Payload::decode(payload).is_ok_and(|command| command.metrics.iter().any(is_rebirth))
     }
 
-    /// What has changed since the last look; `None` where the metrics are others. Before the birth all of it is kept: the
-    /// birth has the last values alone.
-    fn look(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Option<Vec<Change>> {
+    /// What has changed since the last look. With metrics that the birth does not have, or before it, nothing is told and
+    /// the changes are kept: the birth has the last values alone.
+    fn look(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Vec<Change> {
+        let at_ms = milliseconds(time);
         let mut now = metrics_of(snapshot);
         let known = std::mem::take(&mut self.metrics);
         let is_same = known.len() == now.len() && known.iter().zip(&now).all(|(old, new)| old.source.is(&new.source));
-        let mut changes = Vec::new();
+        let mut changes = self.passed_alarms(snapshot, &now, at_ms);
         for (new, old) in now.iter_mut().zip(known).filter(|_| is_same) {
             if new.source.is_sample() && !with_samples {
                 new.value = old.value;
             } else if new.value != old.value {
-                changes.push(Change { metric: new.clone(), at_ms: milliseconds(time) });
+                changes.push(Change { metric: new.clone(), at_ms });
             }
         }
         self.metrics = now;
-        if !self.is_born {
-            self.store(changes.extract_if(.., |change| !change.metric.source.is_sample()).collect::<Vec<_>>());
+        self.is_born &= is_same;
+        if self.is_born {
+            return changes;
         }
-        is_same.then_some(changes)
+        self.stored.extend(changes.into_iter().filter(|change| !change.metric.source.is_sample()));
+        self.lost += limit(&mut self.stored);
+        Vec::new()
     }
 
-    fn store(&mut self, changes: impl IntoIterator<Item = Change>) {
-        for change in changes {
-            if self.stored.len() == STORED_LIMIT {
-                self.stored.pop_front();
+    /// Alarms that have come and gone since the last look: what they were, then how their conditions are now.
+    fn passed_alarms(&mut self, snapshot: &Snapshot, now: &[NodeMetric], at_ms: u64) -> Vec<Change> {
+        let newest = snapshot.alarm_history.last().map_or(0, |alarm| alarm.count);
+        let seen = self.newest_alarm.replace(newest).unwrap_or(newest);
+        let raised = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
+        let was_raised = std::mem::replace(&mut self.raised, raised);
+        let mut changes = Vec::new();
+        for past in snapshot.alarm_history.iter().rev().take_while(|past| past.count > seen) {
+            if past.ended.is_none() || self.raised.iter().chain(&was_raised).any(|number| *number == past.number) {
+                continue;
             }
-            self.stored.push_back(change);
+            let condition = Condition::of_alarm(past.number);
+            let was = of_condition(condition, Some((past.number, &past.text)));
+            let is = now.iter().filter(|now| matches!(now.source, MetricSource::Condition(of, _) if of == condition));
+            changes.extend(was.into_iter().chain(is.cloned()).map(|metric| Change { metric, at_ms }));
         }
+        changes
+    }
+
+    /// Remembers what was sent until the broker has proved that it has it.
+    fn hold(&mut self, sent: Vec<Change>) {
+        self.unproven[1].extend(sent);
+        self.lost += limit(&mut self.unproven[1]);
     }
 
     fn data(&mut self, time: Duration, metrics: Vec<Metric>) -> Publication {
@@ -249,20 +306,18 @@ impl EdgeNode {
         Publication { topic: self.topic(NodeMessage::NData), payload: payload(time, Some(sequence), metrics) }
     }
 
-    /// A change as it is told: by its alias, or by its name where the metrics have become others.
-    fn changed(&self, Change { metric: changed, at_ms }: &Change) -> Metric {
-        let alias = self.metrics.iter().position(|known| known.source.is(&changed.source));
-        let name = if alias.is_some() { String::new() } else { changed.source.name() };
-        let mut told = metric(&name, changed.source.data_type(), changed.told());
-        told.timestamp = Some(*at_ms);
-        if let Some(alias) = alias {
-            (told.name, told.alias) = (None, Some(alias as u64));
-        }
-        told
+    /// A change as it is told; none of a metric that the birth does not have.
+    fn changed(&self, Change { metric: changed, at_ms }: &Change) -> Option<Metric> {
+        let alias = self.metrics.iter().position(|known| known.source.is(&changed.source))?;
+        let mut told = metric(changed.told(), *at_ms);
+        told.set_alias(alias as u64);
+        Some(told)
     }
 
-    fn session_metric(&self) -> Metric {
-        metric(SESSION, DataType::Int64, Some(Value::LongValue(self.session.into())))
+    fn session_metric(&self, time: Duration) -> Metric {
+        let mut session = metric(Some(Value::LongValue(self.session.into())), milliseconds(time));
+        session.set_name(SESSION.to_owned()).set_datatype(DataType::Int64);
+        session
     }
 
     fn next_sequence(&mut self) -> u64 {
@@ -329,7 +384,7 @@ impl NodeMetric {
             (DataType::Double, ItemValue::Number(number)) => Some(Value::DoubleValue(*number)),
             (DataType::Double, ItemValue::Count(count)) => Some(Value::DoubleValue(*count as f64)),
             (DataType::UInt64, ItemValue::Count(count)) => Some(Value::LongValue(*count)),
-            (_, value) => Some(Value::StringValue(cut(&value.to_string()))),
+            (_, value) => Some(Value::StringValue(value.to_string())),
         }
     }
 }
@@ -340,31 +395,43 @@ fn metrics_of(snapshot: &Snapshot) -> Vec<NodeMetric> {
         let value = match item.value(snapshot) {
             ItemValue::Number(number) if number.is_finite() => ItemValue::Number((number * STEPS).round() / STEPS),
             ItemValue::Number(_) => ItemValue::Unavailable,
+            ItemValue::Text(words) => ItemValue::Text(cut(&words)),
             value => value,
         };
         NodeMetric { source: MetricSource::Item(item), value }
     };
-    let of_condition = |condition: Condition| {
+    let conditions = Condition::of_machine(snapshot).flat_map(|condition| {
         let raised = snapshot.alarms.iter().filter(move |alarm| Condition::of_alarm(alarm.number) == condition);
         // A fault stands before a warning.
         let worst = raised.min_by_key(|alarm| level(alarm.number) != FAULT);
-        let values = [
-            (ConditionPart::Level, ItemValue::Word(worst.map_or("NORMAL", |alarm| level(alarm.number)))),
-            (ConditionPart::Number, ItemValue::Count(worst.map_or(0, |alarm| alarm.number.into()))),
-            (ConditionPart::Text, ItemValue::Text(worst.map(|alarm| alarm.text.en().into_owned()).unwrap_or_default())),
-        ];
-        values.map(|(part, value)| NodeMetric { source: MetricSource::Condition(condition, part), value })
-    };
-    data_items(snapshot).map(of_item).chain(Condition::of_machine(snapshot).flat_map(of_condition)).collect()
+        of_condition(condition, worst.map(|alarm| (alarm.number, &alarm.text)))
+    });
+    data_items(snapshot).map(of_item).chain(conditions).collect()
+}
+
+/// The metrics of a condition with its worst alarm.
+fn of_condition(condition: Condition, worst: Option<(u16, &LocalizedText)>) -> [NodeMetric; 3] {
+    let values = [
+        (ConditionPart::Level, ItemValue::Word(worst.map_or("NORMAL", |(number, _)| level(number)))),
+        (ConditionPart::Number, ItemValue::Count(worst.map_or(0, |(number, _)| number.into()))),
+        (ConditionPart::Text, ItemValue::Text(worst.map(|(_, text)| cut(&text.en())).unwrap_or_default())),
+    ];
+    values.map(|(part, value)| NodeMetric { source: MetricSource::Condition(condition, part), value })
+}
+
+/// Drops the oldest changes above the limit; their count.
+fn limit(changes: &mut VecDeque<Change>) -> u64 {
+    let above = changes.len().saturating_sub(STORED_LIMIT);
+    changes.drain(..above).count() as u64
 }
 
 fn cut(words: &str) -> String {
     words.chars().take(LONGEST_TEXT).collect()
 }
 
-fn metric(name: &str, data_type: DataType, value: Option<Value>) -> Metric {
+fn metric(value: Option<Value>, at_ms: u64) -> Metric {
     let mut metric = Metric::new();
-    metric.set_name(name.to_owned()).set_datatype(data_type);
+    metric.set_timestamp(at_ms);
     match value {
         Some(value) => metric.set_value(value),
         None => metric.set_null(),

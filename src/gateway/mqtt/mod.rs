@@ -1,21 +1,22 @@
 //! The broker: states, alarms and results of the machine by MQTT, as an edge node of Sparkplug B. Connections are made by
 //! the control; no port is opened, and no command but the one for a birth is known.
 //! Files: `broker_settings` where the broker is and how to prove oneself, `broker_link` one connection, `edge_node` what
-//! Sparkplug says, `part_outbox` the results that the broker acknowledges.
+//! Sparkplug says, `part_outbox` the results that the broker acknowledges, `told_to_broker` what it has of them.
 
 mod broker_link;
 mod broker_settings;
 mod edge_node;
 mod part_outbox;
+mod told_to_broker;
 
 use std::net::{TcpStream, ToSocketAddrs};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
 use self::broker_link::{BrokerEvent, BrokerLink, Login};
-use self::broker_settings::BrokerSettings;
+use self::broker_settings::{BrokerSettings, TlsEnds};
 use self::edge_node::EdgeNode;
 use self::part_outbox::PartOutbox;
 use crate::defs::param;
@@ -33,15 +34,22 @@ const GOOD_CONNECTION: Duration = Duration::from_secs(60);
 const SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
 /// Least time between two births that somebody asks for.
 const BIRTH_INTERVAL: Duration = Duration::from_secs(1);
-/// Time between two writings of how far the broker knows the parts.
-const WRITE_INTERVAL: Duration = Duration::from_secs(1);
+/// Time between two writings of what the broker has: it waits for the disk.
+const WRITE_INTERVAL: Duration = Duration::from_secs(10);
+
+/// A stream to the broker, and what to say on it.
+struct Dialed {
+    settings: BrokerSettings,
+    stream: TcpStream,
+    tls: Option<TlsEnds>,
+}
 
 /// How far the connection is.
 enum Phase {
-    /// Switched off, or the next try is waited for.
+    /// The next try is waited for.
     Waiting,
-    /// A thread connects.
-    Dialing(BrokerSettings, Receiver<std::io::Result<TcpStream>>),
+    /// A thread reads the settings and connects.
+    Dialing(Receiver<Result<Dialed, LocalizedText>>),
     /// The broker has not answered yet.
     Joining(BrokerLink),
     /// The broker listens.
@@ -52,17 +60,20 @@ enum Phase {
 pub struct MqttClient {
     /// The data directory.
     folder: PathBuf,
+    is_on: bool,
     phase: Phase,
     node: Option<EdgeNode>,
     outbox: PartOutbox,
+    /// Why the last try has failed; none once the broker listens.
+    failure: Option<LocalizedText>,
     /// When the next try is due, and the time to the one after it.
     retry_at: Duration,
     retry_time: Duration,
-    /// When the phase began.
+    /// When the broker took the connection.
     since: Duration,
     sample_at: Duration,
     write_at: Duration,
-    /// When the last birth was told.
+    /// When the next birth may be told to who asks for it.
     birth_at: Duration,
     birth_wanted: bool,
     view: BrokerView,
@@ -75,8 +86,10 @@ impl MqttClient {
         Self {
             outbox: PartOutbox::new(&folder),
             folder,
+            is_on: false,
             phase: Phase::Waiting,
             node: None,
+            failure: None,
             retry_at: Duration::ZERO,
             retry_time: RETRY_TIMES[0],
             since: Duration::ZERO,
@@ -90,46 +103,40 @@ impl MqttClient {
 
     /// Connects, tells, keeps. `now` runs on from any begin; `time` is the time of day.
     pub fn step(&mut self, now: Duration, time: Duration, snapshot: &Snapshot) {
-        if snapshot.params.get(param::MQTT_ENABLED) < 1.0 {
-            return self.switch_off();
+        let is_on = snapshot.params.get(param::MQTT_ENABLED) > 0.0;
+        if std::mem::replace(&mut self.is_on, is_on) && !is_on {
+            self.switch_off(time);
+        }
+        if !is_on {
+            return;
         }
         match std::mem::replace(&mut self.phase, Phase::Waiting) {
             Phase::Waiting if now < self.retry_at => {}
-            Phase::Waiting => {
-                if let Err(why) = self.dial(now, snapshot) {
-                    self.fail(now, why);
-                }
-            }
-            Phase::Dialing(settings, dialed) => {
-                if let Err(why) = self.join(now, time, settings, dialed) {
-                    self.fail(now, why);
-                }
-            }
-            Phase::Joining(link) | Phase::Connected(link) => {
-                if let Err(why) = self.serve(now, time, snapshot, link) {
-                    self.lose(now, why);
-                }
-            }
+            Phase::Waiting => self.dial(now),
+            Phase::Dialing(dialed) => self.join(now, time, snapshot, dialed),
+            Phase::Joining(link) => self.wait_for_acceptance(now, snapshot, link),
+            Phase::Connected(link) => self.serve(now, time, snapshot, link),
         }
-        let is_connected = matches!(self.phase, Phase::Connected(_));
-        if let Some(node) = self.node.as_mut().filter(|_| !is_connected) {
+        if let Some(node) = self.node.as_mut().filter(|_| !matches!(self.phase, Phase::Connected(_))) {
             node.keep(time, snapshot);
         }
         if now >= self.write_at {
             self.write_at = now + WRITE_INTERVAL;
-            self.outbox.write();
+            self.outbox.told.write();
         }
-        let stored = self.node.as_ref().map_or(0, EdgeNode::stored_count) as u64;
-        self.view.waiting = stored + self.outbox.waiting(snapshot);
+        self.show(snapshot);
     }
 
-    /// Ends the connection: the broker tells the others that nothing is known any more.
-    pub fn close(&mut self) {
-        if matches!(self.phase, Phase::Joining(_) | Phase::Connected(_)) {
-            self.forget_sent();
+    /// Ends the connection: nothing is known any more. It is tried again at the next step.
+    pub fn close(&mut self, time: Duration) {
+        if let (Phase::Connected(link), Some(node)) = (&mut self.phase, &self.node) {
+            let death = node.death(time);
+            link.publish(&death.topic, death.payload);
+            link.disconnect();
         }
-        self.phase = Phase::Waiting;
-        self.outbox.write();
+        self.end_connection();
+        self.outbox.told.write();
+        self.view.state = if self.is_on { BrokerState::Connecting } else { BrokerState::Off };
     }
 
     /// What the page shows.
@@ -138,30 +145,58 @@ impl MqttClient {
         &self.view
     }
 
-    fn switch_off(&mut self) {
-        self.close();
-        (self.node, self.retry_at, self.retry_time) = (None, Duration::ZERO, RETRY_TIMES[0]);
+    /// The connection is over, or there was none; it is tried again a while later.
+    pub fn fail(&mut self, now: Duration, why: LocalizedText, snapshot: &Snapshot) {
+        if matches!(self.phase, Phase::Connected(_)) && now.saturating_sub(self.since) >= GOOD_CONNECTION {
+            self.retry_time = RETRY_TIMES[0];
+        }
+        self.end_connection();
+        self.failure = Some(why);
+        // The controls of a shop do not all come back in the same moment.
+        let spread = Duration::from_millis((snapshot.params.get(param::MACHINE_NUMBER) % 100.0) as u64 * 10);
+        self.retry_at = now + self.retry_time + spread;
+        self.retry_time = (2 * self.retry_time).min(RETRY_TIMES[1]);
+    }
+
+    fn switch_off(&mut self, time: Duration) {
+        self.close(time);
+        (self.node, self.failure) = (None, None);
+        (self.retry_at, self.retry_time) = (Duration::ZERO, RETRY_TIMES[0]);
         self.view = BrokerView::default();
     }
 
-    /// Reads the settings anew and begins to connect.
-    fn dial(&mut self, now: Duration, snapshot: &Snapshot) -> Result<(), LocalizedText> {
-        self.since = now;
-        let settings = BrokerSettings::read(&self.folder)?;
-        let Some((host, port)) = settings.host_and_port() else { return Ok(()) };
-        self.view.address = format!("{host}:{port}");
-        self.view.is_encrypted = settings.tls.is_some();
-        if !self.node.as_ref().is_some_and(|node| node.stands_for(&settings.group, snapshot)) {
-            self.node = Some(EdgeNode::new(&settings.group, snapshot));
+    fn end_connection(&mut self) {
+        self.phase = Phase::Waiting;
+        self.birth_wanted = false;
+        self.outbox.connection_lost();
+        if let Some(node) = &mut self.node {
+            node.connection_lost();
         }
+    }
+
+    fn show(&mut self, snapshot: &Snapshot) {
+        self.view.state = match (&self.phase, &self.failure) {
+            (Phase::Connected(_), _) => BrokerState::Connected,
+            (_, Some(why)) => BrokerState::Failed(why.clone()),
+            (_, None) => BrokerState::Connecting,
+        };
+        let (stored, lost) = self.node.as_ref().map_or((0, 0), |node| (node.stored_count() as u64, node.lost_count()));
+        self.view.waiting = stored + self.outbox.waiting(&snapshot.production.parts);
+        self.view.lost = lost;
+    }
+
+    /// Begins to connect, on a thread: names and files may take their time.
+    fn dial(&mut self, now: Duration) {
         let (tell, dialed) = bounded(1);
-        let dial = move || drop(tell.send(connect((host.as_str(), port))));
-        std::thread::Builder::new().name("kt830-mqtt-dial".to_owned()).spawn(dial).map_err(in_words)?;
-        if !matches!(self.view.state, BrokerState::Failed(_)) {
-            self.view.state = BrokerState::Connecting;
+        let folder = self.folder.clone();
+        let dial = move || drop(tell.send(connect(&folder)));
+        match std::thread::Builder::new().name("kt830-mqtt-dial".to_owned()).spawn(dial) {
+            Ok(_) => self.phase = Phase::Dialing(dialed),
+            Err(error) => {
+                self.failure = Some(in_words(error));
+                self.retry_at = now + RETRY_TIMES[1];
+            }
         }
-        self.phase = Phase::Dialing(settings, dialed);
-        Ok(())
     }
 
     /// Begins to speak the protocol once the stream is there.
@@ -169,110 +204,101 @@ impl MqttClient {
         &mut self,
         now: Duration,
         time: Duration,
-        settings: BrokerSettings,
-        dialed: Receiver<std::io::Result<TcpStream>>,
-    ) -> Result<(), LocalizedText> {
-        let stream = match dialed.try_recv() {
-            Ok(stream) => stream.map_err(|error| unreachable_text(&error))?,
-            Err(TryRecvError::Empty) => {
-                self.phase = Phase::Dialing(settings, dialed);
-                return Ok(());
-            }
-            Err(TryRecvError::Disconnected) => return Err(in_words("connect")),
+        snapshot: &Snapshot,
+        dialed: Receiver<Result<Dialed, LocalizedText>>,
+    ) {
+        let ends = match dialed.try_recv() {
+            Ok(ends) => ends,
+            Err(TryRecvError::Empty) => return self.phase = Phase::Dialing(dialed),
+            Err(TryRecvError::Disconnected) => Err(super::internal_fault()),
         };
-        let Some(node) = &mut self.node else { return Ok(()) };
-        let will = node.next_session(time);
-        let login =
-            Login { client: node.id(), user: (&settings.user, &settings.password), will: (will.topic, will.payload) };
-        let tls = settings.tls_ends(&self.folder)?;
-        self.phase = Phase::Joining(BrokerLink::open(stream, tls, login, now)?);
-        self.since = now;
-        Ok(())
+        let opened = ends.and_then(|Dialed { settings, stream, tls }| {
+            self.view.address = settings.broker;
+            self.view.is_encrypted = tls.is_some();
+            let known = self.node.take().filter(|node| node.stands_for(&settings.group, snapshot));
+            let node = self.node.insert(known.unwrap_or_else(|| EdgeNode::new(&settings.group, snapshot)));
+            node.begin_session(self.outbox.told.take_session());
+            let will = node.death(time);
+            let user = (settings.user.as_str(), settings.password.as_str());
+            BrokerLink::open(stream, tls, Login { client: node.id(), user, will: (will.topic, will.payload) }, now)
+        });
+        match opened {
+            Ok(link) => self.phase = Phase::Joining(link),
+            Err(why) => self.fail(now, why, snapshot),
+        }
     }
 
-    /// A step of a connection.
-    fn serve(
-        &mut self,
-        now: Duration,
-        time: Duration,
-        snapshot: &Snapshot,
-        mut link: BrokerLink,
-    ) -> Result<(), LocalizedText> {
-        let Some(node) = &mut self.node else { return Ok(()) };
-        for event in link.step(now)? {
+    fn wait_for_acceptance(&mut self, now: Duration, snapshot: &Snapshot, mut link: BrokerLink) {
+        let events = link.step(now);
+        if let Some(why) = link.fault() {
+            return self.fail(now, why.clone(), snapshot);
+        }
+        if !events.contains(&BrokerEvent::Accepted) {
+            return self.phase = Phase::Joining(link);
+        }
+        if let Some(node) = &self.node {
+            link.subscribe(&node.command_topic());
+        }
+        (self.since, self.failure) = (now, None);
+        self.view.connections += 1;
+        self.phase = Phase::Connected(link);
+    }
+
+    /// A step of a connection that the broker has taken.
+    fn serve(&mut self, now: Duration, time: Duration, snapshot: &Snapshot, mut link: BrokerLink) {
+        let Some(node) = &mut self.node else { return };
+        for event in link.step(now) {
             match event {
-                BrokerEvent::Accepted => {
-                    link.subscribe(&node.command_topic(), now)?;
-                    (self.since, self.view.state) = (now, BrokerState::Connected);
-                    self.view.connections += 1;
-                }
                 BrokerEvent::Received { topic, payload } => self.birth_wanted |= node.asks_for_birth(&topic, &payload),
                 BrokerEvent::Acknowledged(packet) => self.outbox.acknowledged(packet),
                 BrokerEvent::PingSent => node.ping_sent(),
                 BrokerEvent::PingAnswered => node.ping_answered(),
+                BrokerEvent::Accepted => {}
             }
         }
-        if self.view.state != BrokerState::Connected {
-            self.phase = Phase::Joining(link);
-            return Ok(());
+        if self.birth_wanted && now >= self.birth_at {
+            (self.birth_wanted, self.birth_at) = (false, now + BIRTH_INTERVAL);
+            node.forget_birth();
         }
         let with_samples = now >= self.sample_at;
         if with_samples {
             self.sample_at = now + SAMPLE_INTERVAL;
         }
-        let mut told = node.tell(time, snapshot, with_samples);
-        if self.birth_wanted && now >= self.birth_at + BIRTH_INTERVAL {
-            (self.birth_wanted, self.birth_at) = (false, now);
-            told.push(node.birth(time));
-        }
-        for message in told {
-            link.publish(&message.topic, message.payload)?;
+        for message in node.tell(time, snapshot, with_samples, link.has_room()) {
+            link.publish(&message.topic, message.payload);
             self.view.sent += 1;
         }
-        while let Some((part, text)) = self.outbox.next(node.id(), snapshot) {
-            let Some(packet) = link.publish_acknowledged(&node.part_topic(), text.clone().into_bytes())? else { break };
-            self.outbox.sent((part, text), packet);
+        while let Some(result) = self.outbox.next(now, node.id(), &snapshot.production.parts) {
+            let payload = result.text.clone().into_bytes();
+            let Some(packet) = link.publish_acknowledged(&node.part_topic(), payload) else { break };
+            self.outbox.sent(result, packet);
             self.view.sent += 1;
         }
-        link.send()?;
+        link.send();
+        let (is_other, fault) = (!node.is_of(snapshot), link.fault().cloned());
         self.phase = Phase::Connected(link);
-        Ok(())
-    }
-
-    /// A try has failed, or a connection is over; it is tried again a while later.
-    pub fn fail(&mut self, now: Duration, why: LocalizedText) {
-        self.view.state = BrokerState::Failed(why);
-        self.retry_at = now + self.retry_time;
-        self.retry_time = (2 * self.retry_time).min(RETRY_TIMES[1]);
-    }
-
-    /// A connection is over.
-    fn lose(&mut self, now: Duration, why: LocalizedText) {
-        if now.saturating_sub(self.since) >= GOOD_CONNECTION {
-            self.retry_time = RETRY_TIMES[0];
-        }
-        self.forget_sent();
-        self.fail(now, why);
-    }
-
-    fn forget_sent(&mut self) {
-        self.outbox.connection_lost();
-        if let Some(node) = &mut self.node {
-            node.connection_lost();
+        match fault {
+            Some(why) => self.fail(now, why, snapshot),
+            // The machine has another number: it comes back under its new name.
+            None if is_other => self.close(time),
+            None => {}
         }
     }
 }
 
-/// Connects to the first address that answers.
-fn connect(address: (&str, u16)) -> std::io::Result<TcpStream> {
-    let mut refused = None;
-    for address in address.to_socket_addrs()? {
+/// Reads the settings anew and connects to the first address that answers.
+fn connect(folder: &Path) -> Result<Dialed, LocalizedText> {
+    let settings = BrokerSettings::read(folder)?;
+    let tls = settings.tls_ends(folder)?;
+    let addresses = settings.host_and_port().map(|address| address.to_socket_addrs()).transpose().map_err(in_words)?;
+    let mut refused = std::io::ErrorKind::NotFound.into();
+    for address in addresses.into_iter().flatten() {
         match TcpStream::connect_timeout(&address, DIAL_TIME) {
-            Ok(stream) => return Ok(stream),
-            Err(error) => refused = Some(error),
+            Ok(stream) => return Ok(Dialed { settings, stream, tls }),
+            Err(error) => refused = error,
         }
     }
-    Err(refused.unwrap_or_else(|| std::io::ErrorKind::NotFound.into()))
+    Err(unreachable_text(&refused))
 }
 
 /// A fault as the system or a library tells it.

@@ -1,18 +1,18 @@
 //! The results of finished parts on their way to the broker: each is sent until the broker has acknowledged it, over losses
 //! of the connection and of the control's power. Whoever counts parts tells repetitions by the serial number.
-//! Source: OASIS MQTT 3.1.1, 4.3.2 (at least once); issue of the retained part history (B6).
+//! Source: OASIS MQTT 3.1.1, 4.3.2 (at least once); retained part history, B6.
 
 use std::collections::VecDeque;
-use std::path::PathBuf;
+use std::path::Path;
+use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::defs::part_record::PartRecord;
-use crate::link::snapshot::Snapshot;
-use crate::store::ron_file::{self, ChecksumPolicy};
+use super::told_to_broker::{SentPart, ToldToBroker};
+use crate::defs::part_record::{PartHistory, PartRecord};
 
-/// The file with the last part that was acknowledged, in the data directory.
-const SENT_FILE: &str = "mqtt_sent.ron";
+/// The newest result is sent when it has not changed for so long: size and verdict follow the part.
+const SETTLING: Duration = Duration::from_secs(2);
 /// Most results that wait for their acknowledgement.
 const WINDOW: usize = 16;
 
@@ -47,14 +47,6 @@ struct PartResultMessage {
     since_dressing: u32,
 }
 
-/// A part of which the broker knows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct SentPart {
-    part: u64,
-    /// The result, as it was sent: a size that was typed later makes it another one.
-    text: String,
-}
-
 /// A result on its way.
 struct InFlight {
     sent: SentPart,
@@ -64,83 +56,88 @@ struct InFlight {
 
 /// The results on their way.
 pub struct PartOutbox {
-    path: PathBuf,
-    /// The last one that was acknowledged.
-    acknowledged: Option<SentPart>,
+    /// Those that the broker has.
+    pub told: ToldToBroker,
     in_flight: VecDeque<InFlight>,
-    /// Whether the file says less.
-    is_changed: bool,
+    /// The newest result, and since when it is so.
+    settling: Option<(SentPart, Duration)>,
+    /// Version of the history in which nothing more was to be sent.
+    done_version: Option<u64>,
 }
 
 impl PartOutbox {
-    /// The outbox of a data directory. Without its file, or with one that cannot be read, all parts that the control
-    /// remembers are sent.
+    /// The outbox of a data directory. If nobody knows what was sent, all parts that the control remembers are sent.
     #[must_use]
-    pub fn new(folder: &std::path::Path) -> Self {
-        let path = folder.join(SENT_FILE);
-        let acknowledged = ron_file::read(&path, ChecksumPolicy::Strict).ok().map(|file| file.value);
-        Self { path, acknowledged, in_flight: VecDeque::new(), is_changed: false }
+    pub fn new(folder: &Path) -> Self {
+        Self { told: ToldToBroker::read(folder), in_flight: VecDeque::new(), settling: None, done_version: None }
     }
 
-    /// The next result to send, as JSON; `None` while too many are on their way or none is new.
+    /// The next result to send; `None` while too many are on their way or none is new.
     #[must_use]
-    pub fn next(&self, machine: &str, snapshot: &Snapshot) -> Option<(u64, String)> {
-        if self.in_flight.len() >= WINDOW {
+    pub fn next(&mut self, now: Duration, machine: &str, parts: &PartHistory) -> Option<SentPart> {
+        if self.in_flight.len() >= WINDOW || self.done_version == Some(parts.version()) {
             return None;
         }
-        let newest = snapshot.production.parts.last()?.count;
-        // Data that were set up anew count from 1 again.
-        let last = self.last_sent().filter(|sent| sent.part <= newest);
-        let told_until = last.map_or(0, |sent| sent.part);
-        let message = |record: &PartRecord| (record.count, message_of(machine, record));
-        let changed = last.and_then(|sent| {
-            let again = snapshot.production.parts.iter().rev().find(|record| record.count == sent.part).map(message)?;
-            (again.1 != sent.text && told_until == newest).then_some(again)
+        let record_of = |sent: &SentPart| parts.iter().rev().find(|record| sent.is_of(record));
+        self.told.keep_only(|sent| record_of(sent).is_some());
+        let sent = || self.told.parts().chain(self.in_flight.iter().map(|flying| &flying.sent));
+        let result = |record: &PartRecord| SentPart {
+            part: record.count,
+            program: record.program,
+            ended: record.ended.0,
+            text: message_of(machine, record),
+        };
+        // The last one that was sent of each part counts.
+        let is_last = |told: &SentPart| sent().rfind(|other| other.part == told.part).is_some_and(|last| last == told);
+        let changed = sent().filter(|told| is_last(told)).find_map(|told| {
+            let again = result(record_of(told)?);
+            (again.text != told.text).then_some(again)
         });
-        changed.or_else(|| snapshot.production.parts.iter().find(|record| record.count > told_until).map(message))
+        let until = sent().map(|sent| sent.part).max().unwrap_or(0);
+        let next = changed.or_else(|| parts.iter().find(|record| record.count > until).map(result));
+        let Some(next) = next else {
+            self.done_version = Some(parts.version());
+            return None;
+        };
+        if parts.last().is_some_and(|newest| newest.count > next.part) {
+            return Some(next);
+        }
+        let (_, since) = match self.settling.take().filter(|(same, _)| *same == next) {
+            Some(known) => self.settling.insert(known),
+            None => self.settling.insert((next.clone(), now)),
+        };
+        (now.saturating_sub(*since) >= SETTLING).then_some(next)
     }
 
     /// It was sent with this packet identifier.
-    pub fn sent(&mut self, (part, text): (u64, String), packet: u16) {
-        self.in_flight.push_back(InFlight { sent: SentPart { part, text }, packet, is_acknowledged: false });
+    pub fn sent(&mut self, sent: SentPart, packet: u16) {
+        self.in_flight.push_back(InFlight { sent, packet, is_acknowledged: false });
     }
 
     /// The broker has the message with this packet identifier.
     pub fn acknowledged(&mut self, packet: u16) {
-        for flying in self.in_flight.iter_mut().filter(|flying| flying.packet == packet) {
+        if let Some(flying) = self.in_flight.iter_mut().find(|flying| flying.packet == packet) {
             flying.is_acknowledged = true;
         }
-        while self.in_flight.front().is_some_and(|first| first.is_acknowledged) {
-            self.acknowledged = self.in_flight.pop_front().map(|first| first.sent);
-            self.is_changed = true;
+        while let Some(first) = self.in_flight.pop_front_if(|first| first.is_acknowledged) {
+            self.told.acknowledge(first.sent);
+            self.done_version = None;
         }
     }
 
     /// The connection is lost: what was not acknowledged is sent again.
     pub fn connection_lost(&mut self) {
         self.in_flight.clear();
+        self.done_version = None;
     }
 
-    /// Parts that the broker has not acknowledged.
+    /// Results that the broker has not acknowledged.
     #[must_use]
-    pub fn waiting(&self, snapshot: &Snapshot) -> u64 {
-        let newest = snapshot.production.parts.last().map_or(0, |record| record.count);
-        let known = self.acknowledged.as_ref().map_or(0, |sent| sent.part);
-        if known > newest { newest } else { newest - known }
-    }
-
-    /// Writes how far the broker knows the parts, if that has changed. A file that cannot be written costs repetitions
-    /// after the next power-on, no result.
-    pub fn write(&mut self) {
-        if std::mem::take(&mut self.is_changed)
-            && let Some(sent) = &self.acknowledged
-        {
-            drop(ron_file::write(&self.path, ChecksumPolicy::Strict, sent));
-        }
-    }
-
-    fn last_sent(&self) -> Option<&SentPart> {
-        self.in_flight.back().map(|flying| &flying.sent).or(self.acknowledged.as_ref())
+    pub fn waiting(&self, parts: &PartHistory) -> u64 {
+        let known = self.told.parts().map(|sent| sent.part).max().unwrap_or(0);
+        let new = parts.iter().rev().take_while(|record| record.count > known).count();
+        let again = self.in_flight.iter().filter(|flying| flying.sent.part <= known).count();
+        (new + again) as u64
     }
 }
 

@@ -112,13 +112,13 @@ fn broker_lines<'a>(view: &View<'a>, broker: &BrokerView) -> ServiceLines<'a> {
         BrokerState::Connected => (view.text("已连接，未加密", "connected, not encrypted").to_owned(), view.theme.text),
         BrokerState::Failed(why) => (why.get(view.lang).into_owned(), view.theme.alarm_text),
     };
-    let counts = format!("{} / {} / {}", broker.sent, broker.waiting, broker.connections);
+    let counts = format!("{} / {} / {} / {}", broker.sent, broker.waiting, broker.lost, broker.connections);
     ServiceLines {
         name: "MQTT",
         is_up: broker.state == BrokerState::Connected,
         address: broker.address.clone(),
         state,
-        counts: (view.text("发送 / 待发 / 连接次数", "sent / waiting / connections"), counts),
+        counts: (view.text("发送 / 待发 / 丢失 / 连接次数", "sent / waiting / lost / connections"), counts),
     }
 }
 

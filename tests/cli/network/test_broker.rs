@@ -46,6 +46,10 @@ pub enum Manners {
     Forgetful,
     /// It answers with something else than the protocol.
     Garbage,
+    /// It answers a ping that it was not sent, and says nothing else.
+    EarlyPong,
+    /// It takes the connection twice.
+    Twice,
 }
 
 /// The connection of a client.
@@ -70,6 +74,8 @@ pub struct TestBroker {
     pub wills: Vec<Sent>,
     /// User and password of the last client.
     pub user: Option<(String, String)>,
+    /// Streams that were taken.
+    pub taken: usize,
     /// Whether the last client has subscribed to something.
     pub has_subscription: bool,
 }
@@ -86,6 +92,7 @@ impl TestBroker {
             sent: Vec::new(),
             wills: Vec::new(),
             user: None,
+            taken: 0,
             has_subscription: false,
         }
     }
@@ -128,10 +135,13 @@ impl TestBroker {
     /// Takes a client, receives, answers.
     pub fn step(&mut self) {
         if let Ok((stream, _)) = self.listener.accept() {
+            self.taken += 1;
             self.take(stream);
         }
         let Some(mut client) = self.client.take() else { return };
-        if self.manners == Manners::Deaf && client.is_taken || self.serve(&mut client) {
+        let keeps = self.manners == Manners::Deaf && client.is_taken || self.serve(&mut client);
+        // As brokers do: the refusal and the end come together.
+        if keeps && !(self.manners == Manners::Refusing && client.is_taken) {
             self.client = Some(client);
         }
     }
@@ -189,8 +199,15 @@ impl TestBroker {
                 self.wills.push(Sent { topic, payload: connect.will_payload().unwrap().to_vec() });
                 let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
                 self.user = connect.user_name().map(|user| (user.to_owned(), text(connect.password().unwrap())));
-                if self.manners == Manners::Garbage {
-                    client.pending.extend_from_slice(&b"HTTP/1.1 400 Bad Request\r\n".repeat(20));
+                let odd = match self.manners {
+                    Manners::Garbage => b"HTTP/1.1 400 Bad Request\r\n".repeat(20),
+                    Manners::EarlyPong => vec![0xd0, 0],
+                    // CONNACK, accepted.
+                    Manners::Twice => [0x20, 2, 0, 0].repeat(2),
+                    _ => Vec::new(),
+                };
+                client.pending.extend_from_slice(&odd);
+                if !odd.is_empty() {
                     return;
                 }
                 let code = match self.manners {
