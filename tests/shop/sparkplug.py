@@ -58,7 +58,7 @@ class Listener:
 
     def on_connect(self, client, userdata, flags, code):
         client.subscribe([("spBv1.0/#", 0), ("kt830/#", 1)])
-        # What was missed is not a gap: an application asks for births anew.
+        # What was missed while it was away is not a gap.
         with self.lock:
             self.sequence.clear()
 

@@ -35,7 +35,7 @@ const READ_SIZE: usize = 4_096;
 const READS: usize = 16;
 
 /// Who connects, and what the broker tells the others when the connection is lost.
-pub struct Login<'a> {
+pub struct BrokerLogin<'a> {
     /// Name of the client, unique at the broker.
     pub client: &'a str,
     /// User and password; an empty user for none.
@@ -94,7 +94,7 @@ impl BrokerLink {
     pub fn open(
         stream: TcpStream,
         tls: Option<TlsEnds>,
-        login: Login<'_>,
+        login: BrokerLogin<'_>,
         now: Duration,
     ) -> Result<Self, LocalizedText> {
         stream.set_nonblocking(true).map_err(in_words)?;
@@ -308,8 +308,8 @@ impl BrokerLink {
     }
 }
 
-fn connect_packet(login: Login<'_>) -> Result<Connect, MqttError> {
-    let Login { client, user: (user, password), will: (topic, payload) } = login;
+fn connect_packet(login: BrokerLogin<'_>) -> Result<Connect, MqttError> {
+    let BrokerLogin { client, user: (user, password), will: (topic, payload) } = login;
     let mut connect = Connect::builder().client_id(client)?.clean_session(true).keep_alive(KEEP_ALIVE_S).will_message(
         topic,
         payload,

@@ -61,7 +61,7 @@ struct NodeMetric {
 
 /// A change of a metric.
 #[derive(Clone, Debug)]
-struct Change {
+struct MetricChange {
     metric: NodeMetric,
     /// Time since 1970, ms.
     at_ms: u64,
@@ -79,9 +79,9 @@ pub struct EdgeNode {
     /// Whether the broker has a birth with these metrics.
     is_born: bool,
     /// Changes that the broker may have: sent before the last ping, and after it.
-    unproven: [VecDeque<Change>; 2],
+    unproven: [VecDeque<MetricChange>; 2],
     /// Changes that the broker does not have.
-    stored: VecDeque<Change>,
+    stored: VecDeque<MetricChange>,
     /// Changes that were dropped for newer ones.
     lost: u64,
     /// Serial number of the newest alarm that has been looked at; none before the first look.
@@ -200,7 +200,7 @@ impl EdgeNode {
         }
         let mut told = Vec::new();
         if has_room && !self.stored.is_empty() {
-            let batch: Vec<Change> = self.stored.drain(..self.stored.len().min(BATCH)).collect();
+            let batch: Vec<MetricChange> = self.stored.drain(..self.stored.len().min(BATCH)).collect();
             let metrics = batch.iter().filter_map(|change| self.changed(change));
             let metrics: Vec<Metric> = metrics.map(|told| Metric { is_historical: Some(true), ..told }).collect();
             told.extend((!metrics.is_empty()).then(|| self.data(time, metrics)));
@@ -253,7 +253,7 @@ impl EdgeNode {
 
     /// What has changed since the last look. With metrics that the birth does not have, or before it, nothing is told and
     /// the changes are kept: the birth has the last values alone.
-    fn look(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Vec<Change> {
+    fn look(&mut self, time: Duration, snapshot: &Snapshot, with_samples: bool) -> Vec<MetricChange> {
         let at_ms = milliseconds(time);
         let mut now = metrics_of(snapshot);
         let known = std::mem::take(&mut self.metrics);
@@ -263,7 +263,7 @@ impl EdgeNode {
             if new.source.is_sample() && !with_samples {
                 new.value = old.value;
             } else if new.value != old.value {
-                changes.push(Change { metric: new.clone(), at_ms });
+                changes.push(MetricChange { metric: new.clone(), at_ms });
             }
         }
         self.metrics = now;
@@ -277,7 +277,7 @@ impl EdgeNode {
     }
 
     /// Alarms that have come and gone since the last look: what they were, then how their conditions are now.
-    fn passed_alarms(&mut self, snapshot: &Snapshot, now: &[NodeMetric], at_ms: u64) -> Vec<Change> {
+    fn passed_alarms(&mut self, snapshot: &Snapshot, now: &[NodeMetric], at_ms: u64) -> Vec<MetricChange> {
         let newest = snapshot.alarm_history.last().map_or(0, |alarm| alarm.count);
         let seen = self.newest_alarm.replace(newest).unwrap_or(newest);
         let raised = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
@@ -290,13 +290,13 @@ impl EdgeNode {
             let condition = Condition::of_alarm(past.number);
             let was = of_condition(condition, Some((past.number, &past.text)));
             let is = now.iter().filter(|now| matches!(now.source, MetricSource::Condition(of, _) if of == condition));
-            changes.extend(was.into_iter().chain(is.cloned()).map(|metric| Change { metric, at_ms }));
+            changes.extend(was.into_iter().chain(is.cloned()).map(|metric| MetricChange { metric, at_ms }));
         }
         changes
     }
 
     /// Remembers what was sent until the broker has proved that it has it.
-    fn hold(&mut self, sent: Vec<Change>) {
+    fn hold(&mut self, sent: Vec<MetricChange>) {
         self.unproven[1].extend(sent);
         self.lost += limit(&mut self.unproven[1]);
     }
@@ -307,7 +307,7 @@ impl EdgeNode {
     }
 
     /// A change as it is told; none of a metric that the birth does not have.
-    fn changed(&self, Change { metric: changed, at_ms }: &Change) -> Option<Metric> {
+    fn changed(&self, MetricChange { metric: changed, at_ms }: &MetricChange) -> Option<Metric> {
         let alias = self.metrics.iter().position(|known| known.source.is(&changed.source))?;
         let mut told = metric(changed.told(), *at_ms);
         told.set_alias(alias as u64);
@@ -420,7 +420,7 @@ fn of_condition(condition: Condition, worst: Option<(u16, &LocalizedText)>) -> [
 }
 
 /// Drops the oldest changes above the limit; their count.
-fn limit(changes: &mut VecDeque<Change>) -> u64 {
+fn limit(changes: &mut VecDeque<MetricChange>) -> u64 {
     let above = changes.len().saturating_sub(STORED_LIMIT);
     changes.drain(..above).count() as u64
 }

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, TryRecvError, bounded};
 
-use self::broker_link::{BrokerEvent, BrokerLink, Login};
+use self::broker_link::{BrokerEvent, BrokerLink, BrokerLogin};
 use self::broker_settings::{BrokerSettings, TlsEnds};
 use self::edge_node::EdgeNode;
 use self::part_outbox::PartOutbox;
@@ -220,7 +220,12 @@ impl MqttClient {
             node.begin_session(self.outbox.told.take_session());
             let will = node.death(time);
             let user = (settings.user.as_str(), settings.password.as_str());
-            BrokerLink::open(stream, tls, Login { client: node.id(), user, will: (will.topic, will.payload) }, now)
+            BrokerLink::open(
+                stream,
+                tls,
+                BrokerLogin { client: node.id(), user, will: (will.topic, will.payload) },
+                now,
+            )
         });
         match opened {
             Ok(link) => self.phase = Phase::Joining(link),
