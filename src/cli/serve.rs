@@ -12,7 +12,7 @@ use super::play::read_story;
 use super::{CallError, SUCCESS, print_line, setup, story_loop};
 use crate::gateway::device_model::device_model;
 use crate::gateway::{Gateway, GatewayThread, timestamp};
-use crate::host::link::HostLink;
+use crate::host::link::{HostLink, ObserverEnds};
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::ThreadedStorage;
 use crate::host::thread::{HostThread, run_until_stopped, start};
@@ -60,8 +60,10 @@ pub fn serve(shared: &SharedArgs, call: &ServeArgs) -> Result<u8, CallError> {
 pub fn start_network(link: &mut HostLink, shared: &SharedArgs) -> Result<Option<GatewayThread>, CallError> {
     let folder = setup::data_dir(shared)?.root().to_path_buf();
     let gateway = Gateway::new(painter(shared.lang)).with_broker(folder);
-    let ends = link.take_observer();
-    let started = ends.map(|(snapshots, tell)| GatewayThread::start(snapshots, gateway, tell));
+    let started = link.take_observer().map(|ends| {
+        let ObserverEnds { snapshots, tell, proposals } = ends;
+        GatewayThread::start(snapshots, gateway.with_orders(proposals), tell)
+    });
     started.transpose().map_err(CallError::at("network"))
 }
 

@@ -9,6 +9,8 @@ use super::text::Text;
 
 /// Most orders in the list.
 pub const MAX_ORDERS: usize = 20;
+/// Most orders in it that the shop has sent and nobody has accepted: the operator's own find a place.
+pub const MAX_PROPOSALS: usize = 8;
 /// Numbers of orders.
 pub const ORDER_NUMBERS: RangeInclusive<u32> = 1..=99_999_999;
 /// Parts of an order.
@@ -24,6 +26,8 @@ pub enum OrderState {
     Active,
     /// Complete, or closed by the operator.
     Closed,
+    /// Sent by the shop; the operator has not accepted it.
+    Proposed,
 }
 
 impl OrderState {
@@ -34,6 +38,7 @@ impl OrderState {
             Self::Waiting => Text::new("等待", "WAITING"),
             Self::Active => Text::new("进行", "ACTIVE"),
             Self::Closed => Text::new("结束", "CLOSED"),
+            Self::Proposed => Text::new("待接受", "PROPOSED"),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What the control tells the network, on a thread of its own behind the newest-only snapshot: a slow, flooding or dead
-//! network is not felt by the tick nor by the screen. Nothing that comes from the network reaches the control.
+//! network is not felt by the tick nor by the screen. Nothing that comes from the network reaches the control
+//! but orders that the operator has to accept.
 //! Off by factory: with port 0 nothing listens, and no broker is looked for.
 //! Files: `port_server` a port with bounded connections, `shdr` the lines of MTConnect, `shdr_server` the port of its
 //! agents, `mqtt` what a broker is told, `device_model` the model of the machine, `web` the view for a phone, `picture_thread` who paints its picture.
@@ -20,6 +21,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use crossbeam_channel::Sender;
+
 use self::mqtt::MqttClient;
 pub use self::picture_thread::Painter;
 use self::picture_thread::PictureThread;
@@ -29,6 +32,7 @@ use self::web::{WebServer, WebView};
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::network::{NetworkView, ServiceState, ServiceView};
+use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
 /// Time between two looks at the snapshot.
@@ -163,6 +167,12 @@ impl Gateway {
     #[must_use]
     pub fn with_broker(self, folder: PathBuf) -> Self {
         Self { mqtt: Some(MqttClient::new(folder)), ..self }
+    }
+
+    /// With orders of the broker, which go to a control as proposals.
+    #[must_use]
+    pub fn with_orders(self, proposals: Sender<OrderProposal>) -> Self {
+        Self { mqtt: self.mqtt.map(|mqtt| mqtt.with_orders(proposals)), ..self }
     }
 
     /// Serves everybody. `now` runs on from any begin; `time` is the time of day.

@@ -13,6 +13,7 @@ use super::control_end::ControlEnd;
 use crate::defs::key::Key;
 use crate::link::command::Command;
 use crate::link::network::NetworkView;
+use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
 /// Longest time that a field bus may take at the start, stations and clocks included.
@@ -43,15 +44,22 @@ impl Default for NetworkLink {
     }
 }
 
-/// What a gateway works with: the newest snapshots, and where it tells what its page shows.
-pub type ObserverEnds = (triple_buffer::Output<Snapshot>, triple_buffer::Input<Option<NetworkView>>);
+/// What a gateway works with.
+pub struct ObserverEnds {
+    /// The newest snapshots.
+    pub snapshots: triple_buffer::Output<Snapshot>,
+    /// Where it tells what its page shows.
+    pub tell: triple_buffer::Input<Option<NetworkView>>,
+    /// Where orders of the shop go, for the operator to accept.
+    pub proposals: Sender<OrderProposal>,
+}
 
 /// The screen's connection to the control. Dropping it stops the control: safe outputs, storage completed.
 pub struct HostLink {
     pub(super) commands: Sender<Command>,
     pub(super) urgent: Sender<Command>,
     pub(super) snapshots: triple_buffer::Output<Snapshot>,
-    pub(super) observer: Option<triple_buffer::Output<Snapshot>>,
+    pub(super) observer: Option<(triple_buffer::Output<Snapshot>, Sender<OrderProposal>)>,
     pub(super) network: NetworkLink,
     pub(super) updated: Instant,
     pub(super) health: Arc<ThreadHealth>,
@@ -86,7 +94,8 @@ impl HostLink {
 
     /// The ends for a gateway, once.
     pub fn take_observer(&mut self) -> Option<ObserverEnds> {
-        Some((self.observer.take()?, self.network.tell.take()?))
+        let (snapshots, proposals) = self.observer.take()?;
+        Some(ObserverEnds { snapshots, tell: self.network.tell.take()?, proposals })
     }
 
     /// Time since the newest snapshot was first read; call [`Self::newest`] before. 0 while a field bus is being set up,

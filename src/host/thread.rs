@@ -20,6 +20,7 @@ use super::storage::Storage;
 use crate::defs::{alarm, param};
 use crate::io::fieldbus::ClockReading;
 use crate::link::command::Command;
+use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 use crate::units::Micros;
 
@@ -27,6 +28,8 @@ use crate::units::Micros;
 const COMMAND_QUEUE: usize = 256;
 /// Capacity of the separate queue for reset, feed hold and emergency stop.
 const URGENT_QUEUE: usize = 16;
+/// Capacity of the queue of orders that the shop proposes; one is taken in a tick.
+const PROPOSAL_QUEUE: usize = 8;
 /// Longest wait for the axes at the end of the control.
 const MAX_BRAKING: Micros = Micros::from_millis(3_000);
 /// Snapshots a second.
@@ -37,6 +40,7 @@ pub struct HostThread<P, S> {
     host: Host<P, S>,
     from_screen: Receiver<Command>,
     from_urgent: Receiver<Command>,
+    from_network: Receiver<OrderProposal>,
     snapshots: triple_buffer::Input<Snapshot>,
     /// The snapshots of the network.
     observed: triple_buffer::Input<Snapshot>,
@@ -64,6 +68,7 @@ where
     let schedule = TickSchedule::new(host.plant.pace());
     let (commands, from_screen) = bounded(COMMAND_QUEUE);
     let (urgent, from_urgent) = bounded(URGENT_QUEUE);
+    let (proposals, from_network) = bounded(PROPOSAL_QUEUE);
     let (snapshots, newest) = TripleBuffer::new(host.snapshot()).split();
     let (observed, observer) = TripleBuffer::new(host.snapshot()).split();
     let (health, end) = (Arc::new(ThreadHealth::default()), ControlEnd::default());
@@ -75,6 +80,7 @@ where
             host,
             from_screen,
             from_urgent,
+            from_network,
             snapshots,
             observed,
             schedule,
@@ -95,7 +101,7 @@ where
         thread.end.set_ended();
     })?;
     let updated = Instant::now();
-    let observer = Some(observer);
+    let observer = Some((observer, proposals));
     let network = NetworkLink::default();
     Ok(HostLink { commands, urgent, snapshots: newest, observer, network, updated, health, end, thread: Some(thread) })
 }
@@ -192,6 +198,9 @@ impl<P: HostedMachine, S: Storage> HostThread<P, S> {
         for command in self.from_urgent.try_iter().chain(self.from_screen.try_iter().take(COMMAND_QUEUE)) {
             self.touched |= !matches!(command, Command::KeepAlive);
             self.host.send(command);
+        }
+        if let Ok(proposal) = self.from_network.try_recv() {
+            self.host.send(Command::ProposeOrder(proposal));
         }
     }
 

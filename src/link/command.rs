@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use super::part_result::PartCommand;
-use super::production::{OrderCommand, PartInspection};
+use super::production::{OrderCommand, OrderProposal, PartInspection};
 use super::simulation::SimCommand;
 use super::teach::TeachCommand;
 use super::toolpath::StockBox;
@@ -67,6 +67,8 @@ pub enum Command {
     Part(PartCommand),
     /// The list of production orders.
     Order(OrderCommand),
+    /// The shop proposes an order, or changes one that nobody has accepted. The operator decides.
+    ProposeOrder(OrderProposal),
     /// The wheel was changed (K5.17): new size and rated speed. The wheel must be dressed before a cycle start.
     ChangeWheel {
         /// Diameter, mm.

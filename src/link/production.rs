@@ -3,8 +3,46 @@
 use crate::defs::hour_record::HourHistory;
 use crate::defs::part_record::{PartHistory, PartRecord};
 use crate::defs::part_verdict::PartVerdict;
-use crate::defs::production_order::{OrderState, ProductionOrder};
+use crate::defs::production_order::{
+    MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, ProductionOrder,
+};
+use crate::defs::text::Text;
 use crate::units::Micros;
+
+/// An order that the shop sends: the operator accepts it, or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderProposal {
+    /// Its number.
+    pub number: u32,
+    /// The program of its parts.
+    pub program: u32,
+    /// Good parts wanted.
+    pub target: u32,
+}
+
+impl OrderProposal {
+    /// Why it cannot be proposed to the operator of these orders; none if it can.
+    #[must_use]
+    pub fn refusal(&self, orders: &[ProductionOrder], has_program: bool) -> Option<Text> {
+        let is_proposed = |order: &&ProductionOrder| order.state == OrderState::Proposed;
+        let known = orders.iter().find(|order| order.number == self.number);
+        let is_full = orders.len() >= MAX_ORDERS || orders.iter().filter(is_proposed).count() >= MAX_PROPOSALS;
+        Some(match known {
+            _ if !ORDER_NUMBERS.contains(&self.number) => {
+                Text::new("订单号应为 1–99999999", "an order has a number from 1 to 99999999")
+            }
+            _ if !ORDER_TARGETS.contains(&self.target) => {
+                Text::new("件数应为 1–999999", "the parts of an order are 1 to 999999")
+            }
+            _ if !has_program => Text::new("没有这个程序", "there is no such program"),
+            Some(order) if order.state != OrderState::Proposed => {
+                Text::new("订单已在表中", "the order is in the list already")
+            }
+            None if is_full => Text::new("订单已满", "the list is full"),
+            Some(_) | None => return None,
+        })
+    }
+}
 
 /// A request of the page of orders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +56,8 @@ pub enum OrderCommand {
         /// Good parts wanted.
         target: u32,
     },
+    /// The operator accepts a proposed order.
+    Accept(u32),
     /// Finished parts count for this order; its program becomes the current one.
     Start(u32),
     /// The order is over, complete or not.

@@ -14,7 +14,7 @@ use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::{DataChoice, PageCommand, PasswordScope, Secret};
-use crate::link::production::OrderCommand;
+use crate::link::production::{OrderCommand, OrderProposal};
 use crate::link::scope::{SCOPE_CHANNELS, SCOPE_SPANS, ScopeCommand, ScopeSetup, ScopeTrigger};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
@@ -174,6 +174,7 @@ impl LineParser {
             "unlock" | "password" | "accept" => Statement::Settings(self.settings(&verb)?),
             "scope" => Statement::Settings(PageCommand::Scope(self.scope()?)),
             "order" => Statement::Order(self.order()?),
+            "propose-order" => Statement::ProposeOrder(self.proposal()?),
             "disk" => Statement::Disk(self.disk()?),
             "screen" => Statement::ScreenHangs(self.screen_hangs()?),
             "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
@@ -217,9 +218,9 @@ impl LineParser {
         Ok(PageCommand::ChangePassword { scope, old, new })
     }
 
-    /// `order 501 O1002 50` enters an order; `start`, `close`, `delete` and its number.
+    /// `order 501 O1002 50` enters an order; `accept`, `start`, `close`, `delete` and its number.
     fn order(&mut self) -> Result<OrderCommand, StoryError> {
-        let word = self.word("a number, start, close or delete")?;
+        let word = self.word("a number, accept, start, close or delete")?;
         let count = |word: &str| word.parse::<u32>().ok();
         if let Some(number) = count(&word) {
             let (program, target) = (self.o_number()?, self.one_of("a number of parts", count)?);
@@ -228,10 +229,18 @@ impl LineParser {
         let number = self.one_of("the number of an order", count)?;
         match word.as_str() {
             "start" => Ok(OrderCommand::Start(number)),
+            "accept" => Ok(OrderCommand::Accept(number)),
             "close" => Ok(OrderCommand::Close(number)),
             "delete" => Ok(OrderCommand::Delete(number)),
-            _ => Err(self.error(format!("'{word}' is not a number, start, close or delete"))),
+            _ => Err(self.error(format!("'{word}' is not a number, accept, start, close or delete"))),
         }
+    }
+
+    /// `propose-order 501 O1002 50`: an order of the shop.
+    fn proposal(&mut self) -> Result<OrderProposal, StoryError> {
+        let count = |word: &str| word.parse::<u32>().ok();
+        let number = self.one_of("the number of an order", count)?;
+        Ok(OrderProposal { number, program: self.o_number()?, target: self.one_of("a number of parts", count)? })
     }
 
     /// `scope stop`, or the signals and how they are recorded.

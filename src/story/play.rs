@@ -209,6 +209,7 @@ impl<'a, G: Stage> Player<'a, G> {
             Statement::Stall => self.stall(),
             Statement::Settings(command) => self.send(Command::Page(command.clone())),
             Statement::Order(command) => self.send(Command::Order(*command)),
+            Statement::ProposeOrder(proposal) => self.send(Command::ProposeOrder(*proposal)),
             Statement::Disk(condition) => self.stage.set_disk(*condition),
             Statement::ScreenHangs(seconds) => self.stage.hang_screen(*seconds),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),

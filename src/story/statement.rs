@@ -9,7 +9,7 @@ use crate::defs::signal::{Input, Output};
 use crate::io::sim::EventKind;
 use crate::link::media::{Direction, TransferSet};
 use crate::link::page_command::PageCommand;
-use crate::link::production::OrderCommand;
+use crate::link::production::{OrderCommand, OrderProposal};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
@@ -199,6 +199,8 @@ pub enum Statement {
     Settings(PageCommand),
     /// `order 501 O1002 50`, `order start 501`: the list of production orders.
     Order(OrderCommand),
+    /// An order of the shop.
+    ProposeOrder(OrderProposal),
     /// `teach start|stop|undo|keep`: records jogged moves (L9)
     Teach(TeachCommand),
     /// `part FILE`

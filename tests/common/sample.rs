@@ -623,7 +623,7 @@ pub fn long(page: Page) -> Snapshot {
         target: 999_999,
         good: 888_888,
         bad: 99_999,
-        state: OrderState::Waiting,
+        state: if place.is_multiple_of(2) { OrderState::Proposed } else { OrderState::Waiting },
         after: 0,
     };
     snapshot.production.orders = (0..MAX_ORDERS as u32).map(order).collect();

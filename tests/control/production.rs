@@ -7,7 +7,7 @@ use kt830::defs::hour_record::{HourRecord, MachineUse};
 use kt830::defs::kind::Kind;
 use kt830::defs::part_record::{MAX_PART_RECORDS, PartHistory, PartRecord};
 use kt830::defs::part_verdict::PartVerdict;
-use kt830::defs::production_order::{MAX_ORDERS, OrderState, ProductionOrder};
+use kt830::defs::production_order::{MAX_ORDERS, MAX_PROPOSALS, OrderState, ProductionOrder};
 use kt830::host::folders::program_from_bytes;
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
@@ -375,4 +375,49 @@ fn b6_the_hours_of_a_month_are_kept() {
         rig.snapshot().production.hours.iter().map(|record| (record.began().0 - first.0) / 86_400).collect()
     };
     assert_eq!(days(&mut rig), [1, 62]);
+}
+
+/// B6: an order of the shop stands in the list until the operator has decided; nothing of it is in force before that.
+#[test]
+fn b6_an_order_of_the_shop_waits_for_the_operator() {
+    let mut rig = shop();
+    let current = rig.snapshot().program.number;
+    tell(&mut rig, "propose-order 701 O1004 5\nexpect message \"701\"\nexpect message \"接受\"");
+    assert_eq!((order(&mut rig, 701).state, rig.snapshot().program.number), (OrderState::Proposed, current));
+    // The shop may change it, and the operator's line is not filled anew.
+    tell(&mut rig, "propose-order 701 O1004 6");
+    assert_eq!(order(&mut rig, 701).target, 6);
+    tell(&mut rig, "order start 701\nexpect message \"先接受\"\norder close 701\nexpect message \"先接受\"");
+    assert_eq!(order(&mut rig, 701).state, OrderState::Proposed);
+    make(&mut rig);
+    assert_eq!((last(&mut rig).order, order(&mut rig, 701).made()), (0, 0), "no part counts for it");
+    tell(&mut rig, "order accept 701\nexpect message \"701 已接受\"");
+    assert_eq!(order(&mut rig, 701).state, OrderState::Waiting);
+    // Accepted it is the operator's.
+    tell(&mut rig, "propose-order 701 O1002 9\norder accept 701\nexpect message \"订单已接受\"\norder start 701");
+    let accepted = order(&mut rig, 701);
+    assert_eq!((accepted.state, accepted.program, accepted.target), (OrderState::Active, 1_004, 6));
+    // Entered by the operator with other figures it is accepted, too; or it is deleted.
+    tell(&mut rig, "propose-order 702 O1002 5\norder 702 O1002 4\npropose-order 703 O1002 5\norder delete 703");
+    assert_eq!((order(&mut rig, 702).state, order(&mut rig, 702).target), (OrderState::Waiting, 4));
+    assert!(rig.snapshot().production.order(703).is_none());
+    tell(&mut rig, "propose-order 704 O1002 3\nwait 1 s\npower cut\npower on\nwait 0.2 s");
+    assert_eq!(order(&mut rig, 704).state, OrderState::Proposed, "over a power-off");
+}
+
+/// B6: what cannot be an order is left aside, and the operator's own orders find a place.
+#[test]
+fn b6_orders_of_the_shop_are_limited() {
+    let mut rig = shop();
+    tell(
+        &mut rig,
+        "propose-order 0 O1002 5\npropose-order 1 O1999 5\npropose-order 2 O1002 0\npropose-order 3 O1002 1000000",
+    );
+    assert!(rig.snapshot().production.orders.is_empty());
+    let proposals: Vec<String> = (1..=30).map(|number| format!("propose-order {number} O1002 5")).collect();
+    tell(&mut rig, &proposals.join("\n"));
+    assert_eq!(rig.snapshot().production.orders.len(), MAX_PROPOSALS);
+    let own: Vec<String> = (101..=130).map(|number| format!("order {number} O1002 5")).collect();
+    tell(&mut rig, &own.join("\n"));
+    assert_eq!(rig.snapshot().production.orders.len(), MAX_ORDERS);
 }

@@ -62,6 +62,21 @@ fn b6_an_order_is_typed_started_made_and_closed() {
 }
 
 #[test]
+fn b6_an_order_of_the_shop_is_accepted_then_started() {
+    let mut bench = bench();
+    tell(&mut bench.rig, "propose-order 701 O1002 5");
+    bench.turn();
+    assert!(bench.shows("701") && bench.shows("待接受"), "{:?}", bench.painted());
+    bench.screen.query_all_by_label("order 701").next().expect("the order").click();
+    bench.turn();
+    assert!(!bench.shows("开始"), "it is accepted before it is started: {:?}", bench.painted());
+    bench.touch("接受 job-accept");
+    assert!(bench.shows("等待") && bench.message().contains("已接受"), "{:?}", bench.painted());
+    bench.touch("开始 job-start");
+    assert!(bench.shows("进行"), "{:?}", bench.painted());
+}
+
+#[test]
 fn b6_a_missing_figure_and_a_wrong_one_are_told_and_nothing_is_entered() {
     let mut bench = bench();
     bench.touch("存入 job-enter");

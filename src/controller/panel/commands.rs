@@ -52,6 +52,7 @@ impl Panel {
             Command::EnterVariable(..) | Command::Offset(_) | Command::AddWear { .. } | Command::Part(_) => {
                 self.handle_edit(parts, command)
             }
+            Command::ProposeOrder(proposal) => self.propose_order(parts, *proposal),
             Command::ChangeWheel { .. } | Command::PrepareMdi(_) | Command::Order(_) => {
                 self.handle_edit(parts, command)
             }

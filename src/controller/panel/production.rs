@@ -13,7 +13,7 @@ use crate::defs::part_verdict::PartVerdict;
 use crate::defs::production_order::{MAX_ORDERS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, ProductionOrder};
 use crate::defs::text::{Text, phrase};
 use crate::link::part_result::PartResult;
-use crate::link::production::{OrderCommand, PartInspection, ProductionView};
+use crate::link::production::{OrderCommand, OrderProposal, PartInspection, ProductionView};
 use crate::link::snapshot::Tone;
 use crate::units::Micros;
 
@@ -25,6 +25,8 @@ const IS_BEGUN: Text =
 const IS_FULL: Text = Text::new("订单已满：先删除结束的", "the list is full: delete closed orders first");
 const IN_RUN: Text = Text::new("程序运行中，不能换程序", "a program runs: the program cannot be changed");
 const NO_PROGRAM: Text = Text::new("没有这个程序", "there is no such program");
+const IS_PROPOSED: Text = Text::new("先接受车间的订单", "accept the order of the shop first");
+const NOT_PROPOSED: Text = Text::new("订单已接受", "the order is accepted already");
 const IS_COMPLETE: Text = Text::new("件数已完成：先加大目标", "all parts are made: raise the target first");
 
 /// From the end of a part until its order is looked at: a simulated machine measures the part meanwhile.
@@ -226,9 +228,20 @@ impl Panel {
     pub(super) fn handle_order_command(&mut self, parts: &mut Parts<'_>, command: OrderCommand) -> Edited {
         match command {
             OrderCommand::Enter { number, program, target } => self.enter_order(parts, [number, program, target]),
+            OrderCommand::Accept(number) => {
+                let order = self.production.find(number).ok_or(NO_ORDER)?;
+                if order.state != OrderState::Proposed {
+                    return Err(NOT_PROPOSED.into());
+                }
+                self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..order });
+                Ok(phrase!("订单 {number} 已接受", "order {number} accepted", number))
+            }
             OrderCommand::Start(number) => self.start_order(parts, number),
             OrderCommand::Close(number) => {
                 let order = self.production.find(number).ok_or(NO_ORDER)?;
+                if order.state == OrderState::Proposed {
+                    return Err(IS_PROPOSED.into());
+                }
                 self.production.set(parts.plant, ProductionOrder { state: OrderState::Closed, ..order });
                 let (good, target) = (order.good, order.target);
                 Ok(phrase!(
@@ -283,7 +296,9 @@ impl Panel {
         }
         let after = self.production.last_count;
         let fresh = ProductionOrder { number, program, target, good: 0, bad: 0, state: OrderState::Waiting, after };
-        self.production.set(parts.plant, ProductionOrder { program, target, ..before.unwrap_or(fresh) });
+        // Entered by the operator, a proposed order is accepted.
+        let entered = before.filter(|order| order.state != OrderState::Proposed).unwrap_or(fresh);
+        self.production.set(parts.plant, ProductionOrder { program, target, ..entered });
         let title = parts.plant.program_title(program);
         Ok(phrase!(
             "订单 {number}：{title}，{target} 件",
@@ -294,9 +309,36 @@ impl Panel {
         ))
     }
 
+    /// The shop proposes an order: it stands in the list until the operator has decided. A proposal that cannot be is
+    /// left aside: whoever sent it has been told.
+    pub(super) fn propose_order(&mut self, parts: &mut Parts<'_>, proposal: OrderProposal) {
+        let OrderProposal { number, program, target } = proposal;
+        let has_program = parts.plant.work.programs.get(program).is_some();
+        if proposal.refusal(&self.production.orders, has_program).is_some() {
+            return;
+        }
+        let is_new = self.production.find(number).is_none();
+        let after = self.production.last_count;
+        let state = OrderState::Proposed;
+        self.production.set(parts.plant, ProductionOrder { number, program, target, good: 0, bad: 0, state, after });
+        if is_new {
+            let title = parts.plant.program_title(program);
+            parts.plant.show_note(phrase!(
+                "车间订单 {number}：{title}，{target} 件，在生产页接受",
+                "order {number} from the shop: {title}, {target} parts, accept it on page PRODUCTION",
+                number,
+                title,
+                target
+            ));
+        }
+    }
+
     /// The parts count for this order from now on; its program becomes the current one.
     fn start_order(&mut self, parts: &mut Parts<'_>, number: u32) -> Edited {
         let order = self.production.find(number).ok_or(NO_ORDER)?;
+        if order.state == OrderState::Proposed {
+            return Err(IS_PROPOSED.into());
+        }
         if order.is_complete() {
             return Err(IS_COMPLETE.into());
         }

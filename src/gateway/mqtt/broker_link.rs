@@ -152,7 +152,17 @@ impl BrokerLink {
 
     /// Sends a message that nobody acknowledges.
     pub fn publish(&mut self, topic: &str, payload: Vec<u8>) {
-        let built = Publish::builder().topic_name(topic).map(|message| message.payload(payload).qos(Qos::AtMostOnce));
+        self.publish_once(topic, payload, false);
+    }
+
+    /// As [`Self::publish`]; the broker keeps it for whoever comes later.
+    pub fn publish_retained(&mut self, topic: &str, payload: Vec<u8>) {
+        self.publish_once(topic, payload, true);
+    }
+
+    fn publish_once(&mut self, topic: &str, payload: Vec<u8>, retain: bool) {
+        let built = Publish::builder().topic_name(topic);
+        let built = built.map(|message| message.payload(payload).qos(Qos::AtMostOnce).retain(retain));
         self.send_packet(built.and_then(|message| message.build()));
     }
 

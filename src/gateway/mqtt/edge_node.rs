@@ -133,10 +133,10 @@ impl EdgeNode {
         self.topic(NodeMessage::NCmd)
     }
 
-    /// Topic of the results of its parts: Sparkplug's own data are not acknowledged.
+    /// A topic beside Sparkplug: its data are not acknowledged, and its commands are single values.
     #[must_use]
-    pub fn part_topic(&self) -> String {
-        format!("kt830/{}/{}/part", self.group, self.id)
+    pub fn own_topic(&self, of: &str) -> String {
+        format!("kt830/{}/{}/{of}", self.group, self.id)
     }
 
     /// Changes that wait for the broker.

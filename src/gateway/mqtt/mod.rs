@@ -1,11 +1,12 @@
 //! The broker: states, alarms and results of the machine by MQTT, as an edge node of Sparkplug B. Connections are made by
-//! the control; no port is opened, and no command but the one for a birth is known.
+//! the control; no port is opened. The commands are the one for a birth, and orders that the operator has to accept.
 //! Files: `broker_settings` where the broker is and how to prove oneself, `broker_link` one connection, `edge_node` what
-//! Sparkplug says, `part_outbox` the results that the broker acknowledges, `told_to_broker` what it has of them.
+//! Sparkplug says, `order_inbox` orders of the shop, `part_outbox` the results that the broker acknowledges, `told_to_broker` what it has of them.
 
 mod broker_link;
 mod broker_settings;
 mod edge_node;
+mod order_inbox;
 mod part_outbox;
 mod told_to_broker;
 
@@ -13,15 +14,17 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, TryRecvError, bounded};
+use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
 use self::broker_link::{BrokerEvent, BrokerLink, BrokerLogin};
 use self::broker_settings::{BrokerSettings, TlsEnds};
 use self::edge_node::EdgeNode;
+use self::order_inbox::OrderInbox;
 use self::part_outbox::PartOutbox;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::link::network::{BrokerState, BrokerView};
+use crate::link::production::OrderProposal;
 use crate::link::snapshot::Snapshot;
 
 /// Longest time to connect to an address of the broker.
@@ -36,6 +39,12 @@ const SAMPLE_INTERVAL: Duration = Duration::from_secs(1);
 const BIRTH_INTERVAL: Duration = Duration::from_secs(1);
 /// Time between two writings of what the broker has: it waits for the disk.
 const WRITE_INTERVAL: Duration = Duration::from_secs(10);
+
+/// Last levels of the topics beside Sparkplug.
+const PART_TOPIC: &str = "part";
+const ORDER_TOPIC: &str = "order";
+const ANSWER_TOPIC: &str = "order/answer";
+const LIST_TOPIC: &str = "orders";
 
 /// A stream to the broker, and what to say on it.
 struct Dialed {
@@ -64,6 +73,7 @@ pub struct MqttClient {
     phase: Phase,
     node: Option<EdgeNode>,
     outbox: PartOutbox,
+    inbox: OrderInbox,
     /// Why the last try has failed; none once the broker listens.
     failure: Option<LocalizedText>,
     /// When the next try is due, and the time to the one after it.
@@ -89,6 +99,7 @@ impl MqttClient {
             is_on: false,
             phase: Phase::Waiting,
             node: None,
+            inbox: OrderInbox::default(),
             failure: None,
             retry_at: Duration::ZERO,
             retry_time: RETRY_TIMES[0],
@@ -99,6 +110,12 @@ impl MqttClient {
             birth_wanted: false,
             view: BrokerView::default(),
         }
+    }
+
+    /// With proposals of orders to a control.
+    #[must_use]
+    pub fn with_orders(self, proposals: Sender<OrderProposal>) -> Self {
+        Self { inbox: OrderInbox::new(proposals), ..self }
     }
 
     /// Connects, tells, keeps. `now` runs on from any begin; `time` is the time of day.
@@ -169,6 +186,7 @@ impl MqttClient {
         self.phase = Phase::Waiting;
         self.birth_wanted = false;
         self.outbox.connection_lost();
+        self.inbox.connection_lost();
         if let Some(node) = &mut self.node {
             node.connection_lost();
         }
@@ -243,6 +261,7 @@ impl MqttClient {
         }
         if let Some(node) = &self.node {
             link.subscribe(&node.command_topic());
+            link.subscribe(&node.own_topic(ORDER_TOPIC));
         }
         (self.since, self.failure) = (now, None);
         self.view.connections += 1;
@@ -254,6 +273,10 @@ impl MqttClient {
         let Some(node) = &mut self.node else { return };
         for event in link.step(now) {
             match event {
+                BrokerEvent::Received { topic, payload } if topic == node.own_topic(ORDER_TOPIC) => {
+                    let answer = self.inbox.take(&payload, snapshot);
+                    link.publish(&node.own_topic(ANSWER_TOPIC), answer.into_bytes());
+                }
                 BrokerEvent::Received { topic, payload } => self.birth_wanted |= node.asks_for_birth(&topic, &payload),
                 BrokerEvent::Acknowledged(packet) => self.outbox.acknowledged(packet),
                 BrokerEvent::PingSent => node.ping_sent(),
@@ -275,9 +298,12 @@ impl MqttClient {
         }
         while let Some(result) = self.outbox.next(now, node.id(), &snapshot.production.parts) {
             let payload = result.text.clone().into_bytes();
-            let Some(packet) = link.publish_acknowledged(&node.part_topic(), payload) else { break };
+            let Some(packet) = link.publish_acknowledged(&node.own_topic(PART_TOPIC), payload) else { break };
             self.outbox.sent(result, packet);
             self.view.sent += 1;
+        }
+        if let Some(list) = self.inbox.changed_list(snapshot) {
+            link.publish_retained(&node.own_topic(LIST_TOPIC), list.into_bytes());
         }
         link.send();
         let (is_other, fault) = (!node.is_of(snapshot), link.fault().cloned());

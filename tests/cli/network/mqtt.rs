@@ -10,6 +10,7 @@ use kt830::defs::key::Mode;
 use kt830::defs::kind::Kind;
 use kt830::defs::part_record::{PartHistory, PartRecord};
 use kt830::defs::part_verdict::PartVerdict;
+use kt830::defs::production_order::{OrderState, ProductionOrder};
 use kt830::defs::text::LocalizedText;
 use kt830::defs::{alarm, param};
 use kt830::gateway::Gateway;
@@ -17,7 +18,8 @@ use kt830::link::Snapshot;
 use kt830::link::condition::Condition;
 use kt830::link::data_item::{Category, data_items};
 use kt830::link::network::{BrokerState, BrokerView};
-use kt830::link::snapshot::RunState;
+use kt830::link::production::OrderProposal;
+use kt830::link::snapshot::{DirectoryRow, RunState};
 use kt830::units::Axis;
 use srad_types::payload::metric::Value;
 use srad_types::payload::{Message, Metric, Payload};
@@ -573,4 +575,66 @@ fn a_long_history_follows_piece_by_piece_and_what_is_dropped_is_counted() {
     assert!(site.broker.sent.len() - begun >= 50, "200 in a message");
     assert_eq!(told.len(), 10_000);
     assert!(told.iter().all(|(name, told)| name == "execution" && told.is_historical == Some(true)));
+}
+
+#[test]
+fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
+    let mut site = Site::new();
+    let (proposals, proposed) = crossbeam_channel::bounded(2);
+    site.gateway = Gateway::default().with_broker(site.folder.path().to_path_buf()).with_orders(proposals);
+    let row = DirectoryRow { number: 1_002, ..DirectoryRow::default() };
+    site.snapshot.directory = std::sync::Arc::new(vec![row]);
+    site.until_born();
+    let topic = format!("kt830/hall 2/{NODE}/order");
+    let of = |site: &Site, topic: &str| -> Vec<serde_json::Value> {
+        let sent = site.broker.sent.iter().filter(|sent| sent.topic == topic);
+        sent.map(|sent| serde_json::from_slice(&sent.payload).unwrap()).collect()
+    };
+    let answers = format!("{topic}/answer");
+    let ask = |site: &mut Site, text: &str| -> serde_json::Value {
+        let count = of(site, &answers).len();
+        site.broker.publish(&topic, text.as_bytes().to_vec());
+        site.until("an answer", |site| of(site, &answers).len() > count);
+        of(site, &answers).pop().unwrap()
+    };
+    let good = "{\"order\": 701, \"program\": 1002, \"parts\": 50}";
+    let refused = ask(&mut site, good);
+    assert!(refused["proposed"] == false && refused["why"].as_str().unwrap().contains("P485"), "{refused}");
+    set(&mut site.snapshot, "P485", 1.0);
+    assert_eq!(ask(&mut site, good), serde_json::json!({"order": 701, "proposed": true, "why": null}));
+    assert_eq!(proposed.try_recv(), Ok(OrderProposal { number: 701, program: 1_002, target: 50 }));
+    for (bad, why) in [
+        ("{\"order\": 0, \"program\": 1002, \"parts\": 50}", "from 1 to"),
+        ("{\"order\": 701, \"program\": 1999, \"parts\": 50}", "no such program"),
+        ("{\"order\": 701, \"program\": 1002, \"parts\": 0}", "1 to 999999"),
+        ("{\"order\": 701, \"program\": 1002, \"parts\": 50, \"start\": true}", "unknown field"),
+        ("{\"order\": -1}", "invalid value"),
+        ("M03 S1000", "expected value"),
+        ("", "EOF"),
+    ] {
+        let answer = ask(&mut site, bad);
+        assert!(answer["proposed"] == false && answer["why"].as_str().unwrap().contains(why), "{bad}: {answer}");
+    }
+    assert!(proposed.is_empty(), "nothing else reaches the control");
+    // The control does not take them: no more than the channel has room for.
+    let answered: Vec<bool> = (0..4).map(|_| ask(&mut site, good)["proposed"] == true).collect();
+    assert_eq!(answered, [true, true, false, false]);
+    let list = format!("kt830/hall 2/{NODE}/orders");
+    assert_eq!(of(&site, &list), [serde_json::json!([])]);
+    let entered = ProductionOrder {
+        number: 701,
+        program: 1_002,
+        target: 50,
+        good: 2,
+        bad: 1,
+        state: OrderState::Active,
+        after: 0,
+    };
+    site.snapshot.production.orders.push(entered);
+    site.until("the list", |site| of(site, &list).len() == 2);
+    let line = serde_json::json!({
+        "order": 701, "program": 1_002, "parts": 50, "good": 2, "bad": 1, "state": "active"
+    });
+    assert_eq!(of(&site, &list)[1], serde_json::json!([line]));
+    assert!(ask(&mut site, good)["why"].as_str().unwrap().contains("in the list already"));
 }

@@ -27,7 +27,7 @@ use order_form::{FIELDS, OrderEntry};
 /// Share of the page for the list.
 const LIST_SHARE: f32 = 0.6;
 /// Shares of the columns of the list, and their headings.
-const COLUMNS: [f32; 5] = [1.2, 0.9, 1.9, 0.8, 1.0];
+const COLUMNS: [f32; 5] = [1.15, 0.9, 1.75, 0.7, 1.3];
 /// How far back the days go: the hours of a month are kept.
 const MAX_DAYS_BACK: u64 = 30;
 /// Height of the header of the list.
@@ -62,6 +62,8 @@ page_keys! {
         Enter = "job-enter", "存入", "ENTER";
         /// Parts count for the chosen order from now on.
         Start = "job-start", "开始", "START";
+        /// Accepts the chosen order of the shop; in the place of the start.
+        Accept = "job-accept", "接受", "ACCEPT";
         /// The chosen order is over.
         Close = "job-close", "结束", "CLOSE";
         /// Deletes the chosen order.
@@ -173,7 +175,7 @@ impl JobsPage {
         self.typing.refused = None;
         match (edit.step(self.cursor, PLACES, 1), edit, self.cursor.checked_sub(FIELDS.len())) {
             (Some(place), ..) => self.go(place),
-            (None, EditKey::Enter, Some(key)) => self.press(KEYS[key], view, out),
+            (None, EditKey::Enter, Some(key)) => self.press(self.key_in_place(KEYS[key], view), view, out),
             (None, EditKey::Enter, None) => self.take_typed(view),
             (None, ..) => {}
         }
@@ -239,6 +241,7 @@ impl JobsPage {
 
     fn keys(&mut self, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
         for (index, key) in KEYS.into_iter().enumerate() {
+            let key = self.key_in_place(key, view);
             let place = rect.cell(index, KEYS.len());
             let words = key.label();
             if widget::button(view, place, PageKey::new(key.id(), words.get(view.lang))) && self.takes_typed(view) {
@@ -249,6 +252,13 @@ impl JobsPage {
                 view.frame(place, view.theme.focus);
             }
         }
+    }
+
+    /// An order of the shop is accepted before it is started.
+    fn key_in_place(&self, key: JobKey, view: &View<'_>) -> JobKey {
+        let chosen = self.entry.chosen().and_then(|number| view.snapshot.production.order(number));
+        let is_proposed = chosen.is_some_and(|order| order.state == OrderState::Proposed);
+        if key == JobKey::Start && is_proposed { JobKey::Accept } else { key }
     }
 
     fn press(&mut self, key: JobKey, view: &View<'_>, out: &mut Vec<Command>) {
@@ -268,6 +278,7 @@ impl JobsPage {
         match key {
             JobKey::Start if self.entry.is_changed() => self.typing.refused = Some(NOT_ENTERED.into()),
             JobKey::Start => out.push(Command::Order(OrderCommand::Start(order.number))),
+            JobKey::Accept => out.push(Command::Order(OrderCommand::Accept(order.number))),
             JobKey::Close => out.push(Command::Order(OrderCommand::Close(order.number))),
             JobKey::Delete => self.question.ask(order.number, delete_question(order)),
             JobKey::Report => {
@@ -281,7 +292,7 @@ impl JobsPage {
     fn input(&self, rect: Rect, view: &View<'_>) {
         let Some(field) = FIELDS.get(self.cursor) else {
             let words = view.text("输入：执行", "INPUT: act");
-            let label = KEYS[self.cursor - FIELDS.len()].label().get(view.lang);
+            let label = self.key_in_place(KEYS[self.cursor - FIELDS.len()], view).label().get(view.lang);
             return input_line::ui(view, rect, &self.typing, &InputPrompt { label, name: "", range: words });
         };
         let (least, most) = (field.range.start(), field.range.end());
@@ -312,6 +323,7 @@ const fn state_ink(view: &View<'_>, order: &ProductionOrder) -> Color32 {
         OrderState::Active if order.is_complete() => view.theme.hold,
         OrderState::Active => view.theme.run,
         OrderState::Waiting => view.theme.text,
+        OrderState::Proposed => view.theme.focus,
         OrderState::Closed => view.theme.muted,
     }
 }
