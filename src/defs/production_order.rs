@@ -9,8 +9,10 @@ use super::text::Text;
 
 /// Most orders in the list.
 pub const MAX_ORDERS: usize = 20;
-/// Most orders in it that the shop has sent and nobody has accepted: the operator's own find a place.
+/// Most orders in it that the shop has sent and nobody has accepted.
 pub const MAX_PROPOSALS: usize = 8;
+/// Places in it that the shop does not take.
+pub const PLACES_OF_OPERATOR: usize = 4;
 /// Numbers of orders.
 pub const ORDER_NUMBERS: RangeInclusive<u32> = 1..=99_999_999;
 /// Parts of an order.

@@ -4,7 +4,7 @@ use crate::defs::hour_record::HourHistory;
 use crate::defs::part_record::{PartHistory, PartRecord};
 use crate::defs::part_verdict::PartVerdict;
 use crate::defs::production_order::{
-    MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, ProductionOrder,
+    MAX_ORDERS, MAX_PROPOSALS, ORDER_NUMBERS, ORDER_TARGETS, OrderState, PLACES_OF_OPERATOR, ProductionOrder,
 };
 use crate::defs::text::Text;
 use crate::units::Micros;
@@ -26,7 +26,8 @@ impl OrderProposal {
     pub fn refusal(&self, orders: &[ProductionOrder], has_program: bool) -> Option<Text> {
         let is_proposed = |order: &&ProductionOrder| order.state == OrderState::Proposed;
         let known = orders.iter().find(|order| order.number == self.number);
-        let is_full = orders.len() >= MAX_ORDERS || orders.iter().filter(is_proposed).count() >= MAX_PROPOSALS;
+        let is_full = orders.len() >= MAX_ORDERS - PLACES_OF_OPERATOR
+            || orders.iter().filter(is_proposed).count() >= MAX_PROPOSALS;
         Some(match known {
             _ if !ORDER_NUMBERS.contains(&self.number) => {
                 Text::new("订单号应为 1–99999999", "an order has a number from 1 to 99999999")
@@ -56,8 +57,8 @@ pub enum OrderCommand {
         /// Good parts wanted.
         target: u32,
     },
-    /// The operator accepts a proposed order.
-    Accept(u32),
+    /// The operator accepts a proposed order as it was shown: the shop may have changed it meanwhile.
+    Accept(OrderProposal),
     /// Finished parts count for this order; its program becomes the current one.
     Start(u32),
     /// The order is over, complete or not.

@@ -218,7 +218,8 @@ impl LineParser {
         Ok(PageCommand::ChangePassword { scope, old, new })
     }
 
-    /// `order 501 O1002 50` enters an order; `accept`, `start`, `close`, `delete` and its number.
+    /// `order 501 O1002 50` enters an order, `order accept 501 O1002 50` accepts one of the shop; `start`, `close`, `delete`
+    /// and its number.
     fn order(&mut self) -> Result<OrderCommand, StoryError> {
         let word = self.word("a number, accept, start, close or delete")?;
         let count = |word: &str| word.parse::<u32>().ok();
@@ -229,7 +230,10 @@ impl LineParser {
         let number = self.one_of("the number of an order", count)?;
         match word.as_str() {
             "start" => Ok(OrderCommand::Start(number)),
-            "accept" => Ok(OrderCommand::Accept(number)),
+            "accept" => {
+                let (program, target) = (self.o_number()?, self.one_of("a number of parts", count)?);
+                Ok(OrderCommand::Accept(OrderProposal { number, program, target }))
+            }
             "close" => Ok(OrderCommand::Close(number)),
             "delete" => Ok(OrderCommand::Delete(number)),
             _ => Err(self.error(format!("'{word}' is not a number, accept, start, close or delete"))),

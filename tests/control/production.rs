@@ -391,10 +391,16 @@ fn b6_an_order_of_the_shop_waits_for_the_operator() {
     assert_eq!(order(&mut rig, 701).state, OrderState::Proposed);
     make(&mut rig);
     assert_eq!((last(&mut rig).order, order(&mut rig, 701).made()), (0, 0), "no part counts for it");
-    tell(&mut rig, "order accept 701\nexpect message \"701 已接受\"");
+    tell(
+        &mut rig,
+        "order accept 701 O1004 5\nexpect message \"再看一次\"\norder accept 701 O1004 6\nexpect message \"701 已接受\"",
+    );
     assert_eq!(order(&mut rig, 701).state, OrderState::Waiting);
     // Accepted it is the operator's.
-    tell(&mut rig, "propose-order 701 O1002 9\norder accept 701\nexpect message \"订单已接受\"\norder start 701");
+    tell(
+        &mut rig,
+        "propose-order 701 O1002 9\norder accept 701 O1004 6\nexpect message \"订单已接受\"\norder start 701",
+    );
     let accepted = order(&mut rig, 701);
     assert_eq!((accepted.state, accepted.program, accepted.target), (OrderState::Active, 1_004, 6));
     // Entered by the operator with other figures it is accepted, too; or it is deleted.

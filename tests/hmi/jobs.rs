@@ -69,7 +69,8 @@ fn b6_an_order_of_the_shop_is_accepted_then_started() {
     assert!(bench.shows("701") && bench.shows("待接受"), "{:?}", bench.painted());
     bench.screen.query_all_by_label("order 701").next().expect("the order").click();
     bench.turn();
-    assert!(!bench.shows("开始"), "it is accepted before it is started: {:?}", bench.painted());
+    bench.touch("开始 job-start");
+    assert!(bench.message().contains("先接受"), "{}", bench.message());
     bench.touch("接受 job-accept");
     assert!(bench.shows("等待") && bench.message().contains("已接受"), "{:?}", bench.painted());
     bench.touch("开始 job-start");

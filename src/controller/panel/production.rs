@@ -26,6 +26,7 @@ const IS_FULL: Text = Text::new("订单已满：先删除结束的", "the list i
 const IN_RUN: Text = Text::new("程序运行中，不能换程序", "a program runs: the program cannot be changed");
 const NO_PROGRAM: Text = Text::new("没有这个程序", "there is no such program");
 const IS_PROPOSED: Text = Text::new("先接受车间的订单", "accept the order of the shop first");
+const IS_CHANGED: Text = Text::new("车间改了订单，再看一次", "the shop has changed the order: look at it again");
 const NOT_PROPOSED: Text = Text::new("订单已接受", "the order is accepted already");
 const IS_COMPLETE: Text = Text::new("件数已完成：先加大目标", "all parts are made: raise the target first");
 
@@ -228,10 +229,14 @@ impl Panel {
     pub(super) fn handle_order_command(&mut self, parts: &mut Parts<'_>, command: OrderCommand) -> Edited {
         match command {
             OrderCommand::Enter { number, program, target } => self.enter_order(parts, [number, program, target]),
-            OrderCommand::Accept(number) => {
+            OrderCommand::Accept(shown) => {
+                let number = shown.number;
                 let order = self.production.find(number).ok_or(NO_ORDER)?;
                 if order.state != OrderState::Proposed {
                     return Err(NOT_PROPOSED.into());
+                }
+                if (order.program, order.target) != (shown.program, shown.target) {
+                    return Err(IS_CHANGED.into());
                 }
                 self.production.set(parts.plant, ProductionOrder { state: OrderState::Waiting, ..order });
                 Ok(phrase!("订单 {number} 已接受", "order {number} accepted", number))
@@ -310,18 +315,22 @@ impl Panel {
     }
 
     /// The shop proposes an order: it stands in the list until the operator has decided. A proposal that cannot be is
-    /// left aside: whoever sent it has been told.
+    /// left aside; the list that goes back does not have it.
     pub(super) fn propose_order(&mut self, parts: &mut Parts<'_>, proposal: OrderProposal) {
         let OrderProposal { number, program, target } = proposal;
         let has_program = parts.plant.work.programs.get(program).is_some();
         if proposal.refusal(&self.production.orders, has_program).is_some() {
             return;
         }
-        let is_new = self.production.find(number).is_none();
+        let known = self.production.find(number);
+        if known.is_some_and(|known| (known.program, known.target) == (program, target)) {
+            return;
+        }
         let after = self.production.last_count;
         let state = OrderState::Proposed;
         self.production.set(parts.plant, ProductionOrder { number, program, target, good: 0, bad: 0, state, after });
-        if is_new {
+        // What the operator is warned of is more than that.
+        if parts.plant.outbox.message.tone == Tone::Info {
             let title = parts.plant.program_title(program);
             parts.plant.show_note(phrase!(
                 "车间订单 {number}：{title}，{target} 件，在生产页接受",

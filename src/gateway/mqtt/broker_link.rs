@@ -55,6 +55,8 @@ pub enum BrokerEvent {
         topic: String,
         /// The message.
         payload: Vec<u8>,
+        /// It was kept by the broker: it may be old, and come again with each connection.
+        is_retained: bool,
     },
     /// It has the message with this packet identifier.
     Acknowledged(u16),
@@ -287,6 +289,7 @@ impl BrokerLink {
             (Packet::V3_1_1Publish(message), _) => events.push(BrokerEvent::Received {
                 topic: message.topic_name().to_owned(),
                 payload: message.payload().as_slice().to_vec(),
+                is_retained: message.retain(),
             }),
             (Packet::V3_1_1Puback(answer), _) => events.push(BrokerEvent::Acknowledged(answer.packet_id())),
             _ => {}

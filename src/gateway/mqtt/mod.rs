@@ -261,7 +261,6 @@ impl MqttClient {
         }
         if let Some(node) = &self.node {
             link.subscribe(&node.command_topic());
-            link.subscribe(&node.own_topic(ORDER_TOPIC));
         }
         (self.since, self.failure) = (now, None);
         self.view.connections += 1;
@@ -273,11 +272,15 @@ impl MqttClient {
         let Some(node) = &mut self.node else { return };
         for event in link.step(now) {
             match event {
-                BrokerEvent::Received { topic, payload } if topic == node.own_topic(ORDER_TOPIC) => {
-                    let answer = self.inbox.take(&payload, snapshot);
-                    link.publish(&node.own_topic(ANSWER_TOPIC), answer.into_bytes());
+                BrokerEvent::Received { topic, payload, is_retained } if topic == node.own_topic(ORDER_TOPIC) => {
+                    let answer = self.inbox.take(now, (&payload, is_retained), snapshot);
+                    if link.has_room() {
+                        link.publish(&node.own_topic(ANSWER_TOPIC), answer.into_bytes());
+                    }
                 }
-                BrokerEvent::Received { topic, payload } => self.birth_wanted |= node.asks_for_birth(&topic, &payload),
+                BrokerEvent::Received { topic, payload, .. } => {
+                    self.birth_wanted |= node.asks_for_birth(&topic, &payload);
+                }
                 BrokerEvent::Acknowledged(packet) => self.outbox.acknowledged(packet),
                 BrokerEvent::PingSent => node.ping_sent(),
                 BrokerEvent::PingAnswered => node.ping_answered(),
@@ -301,6 +304,9 @@ impl MqttClient {
             let Some(packet) = link.publish_acknowledged(&node.own_topic(PART_TOPIC), payload) else { break };
             self.outbox.sent(result, packet);
             self.view.sent += 1;
+        }
+        if self.inbox.begins(snapshot) {
+            link.subscribe(&node.own_topic(ORDER_TOPIC));
         }
         if let Some(list) = self.inbox.changed_list(snapshot) {
             link.publish_retained(&node.own_topic(LIST_TOPIC), list.into_bytes());

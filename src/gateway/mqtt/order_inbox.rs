@@ -2,13 +2,21 @@
 //! force before that.
 //! Source: docs/manual, chapter "network".
 
+use std::time::Duration;
+
 use crossbeam_channel::Sender;
 use serde::{Deserialize, Serialize};
 
 use crate::defs::param;
 use crate::defs::production_order::{OrderState, ProductionOrder};
 use crate::link::production::OrderProposal;
-use crate::link::snapshot::Snapshot;
+use crate::link::snapshot::{DirectoryRow, Snapshot};
+
+/// Least time between two orders: the list has the one before then.
+const ORDER_INTERVAL: Duration = Duration::from_secs(1);
+/// Longest order, bytes, and longest reason that is told, characters.
+const LONGEST_ORDER: usize = 1_024;
+const LONGEST_REASON: usize = 200;
 
 /// An order as the shop sends it (JSON).
 #[derive(Deserialize)]
@@ -45,25 +53,42 @@ struct OrderLine {
 pub struct OrderInbox {
     proposals: Option<Sender<OrderProposal>>,
     told: Option<Vec<ProductionOrder>>,
+    /// Whether the broker sends orders in this connection.
+    is_subscribed: bool,
+    /// When the next order may come.
+    next_at: Duration,
 }
 
 impl OrderInbox {
     /// An inbox of a control.
     #[must_use]
     pub const fn new(proposals: Sender<OrderProposal>) -> Self {
-        Self { proposals: Some(proposals), told: None }
+        Self { proposals: Some(proposals), told: None, is_subscribed: false, next_at: Duration::ZERO }
     }
 
-    /// Takes an order; the answer to it.
+    /// Whether orders are to be asked for now, once in a connection.
+    pub fn begins(&mut self, snapshot: &Snapshot) -> bool {
+        let is_wanted = snapshot.params.get(param::MQTT_ORDERS) > 0.0;
+        is_wanted && !std::mem::replace(&mut self.is_subscribed, is_wanted)
+    }
+
+    /// Takes an order; the answer to it. One that the broker has kept may be old, and comes again with each connection.
     #[must_use]
-    pub fn take(&self, payload: &[u8], snapshot: &Snapshot) -> String {
-        let (order, taken) = match serde_json::from_slice::<OrderMessage>(payload) {
-            Ok(OrderMessage { order, program, parts }) => {
-                (Some(order), self.propose(OrderProposal { number: order, program, target: parts }, snapshot))
-            }
-            Err(error) => (None, Err(error.to_string())),
+    pub fn take(&mut self, now: Duration, (payload, is_retained): (&[u8], bool), snapshot: &Snapshot) -> String {
+        let read = match payload.len() {
+            0..=LONGEST_ORDER => serde_json::from_slice::<OrderMessage>(payload).map_err(|error| error.to_string()),
+            _ => Err("an order is not so long".to_owned()),
         };
-        let answer = OrderAnswer { order, proposed: taken.is_ok(), why: taken.err() };
+        let (order, taken) = match read {
+            Ok(message) if is_retained => (Some(message.order), Err("an order must not be retained".to_owned())),
+            Ok(OrderMessage { order, program, parts }) => {
+                let proposal = OrderProposal { number: order, program, target: parts };
+                (Some(order), self.propose(now, proposal, snapshot))
+            }
+            Err(error) => (None, Err(error)),
+        };
+        let why = taken.as_ref().err().map(|why| why.chars().take(LONGEST_REASON).collect());
+        let answer = OrderAnswer { order, proposed: taken.is_ok(), why };
         // Numbers and texts: nothing in it can fail.
         serde_json::to_string(&answer).unwrap_or_default()
     }
@@ -90,18 +115,22 @@ impl OrderInbox {
 
     /// The connection is over: the next one is told the list.
     pub fn connection_lost(&mut self) {
-        self.told = None;
+        (self.told, self.is_subscribed) = (None, false);
     }
 
-    fn propose(&self, proposal: OrderProposal, snapshot: &Snapshot) -> Result<(), String> {
+    fn propose(&mut self, now: Duration, proposal: OrderProposal, snapshot: &Snapshot) -> Result<(), String> {
         let proposals = self.proposals.as_ref().filter(|_| snapshot.params.get(param::MQTT_ORDERS) > 0.0);
         let proposals = proposals.ok_or("orders are not taken: P485 is 0")?;
-        let is_there = |row: &crate::link::snapshot::DirectoryRow| row.number == proposal.program;
+        let is_there = |row: &DirectoryRow| row.number == proposal.program && row.is_for(snapshot.kind);
         let has_program = snapshot.directory.iter().any(is_there);
         if let Some(why) = proposal.refusal(&snapshot.production.orders, has_program) {
             return Err(why.en.to_owned());
         }
-        proposals.try_send(proposal).map_err(|_| "too many at once: send it again".to_owned())
+        if now < self.next_at || proposals.try_send(proposal).is_err() {
+            return Err("too many at once: send it again a second later".to_owned());
+        }
+        self.next_at = now + ORDER_INTERVAL;
+        Ok(())
     }
 }
 

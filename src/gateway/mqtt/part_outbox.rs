@@ -90,7 +90,8 @@ impl PartOutbox {
         // The last one that was sent of each part counts.
         let is_last = |told: &SentPart| sent().rfind(|other| other.part == told.part).is_some_and(|last| last == told);
         let changed = sent().filter(|told| is_last(told)).find_map(|told| {
-            let again = result(record_of(told)?);
+            // The end of a cycle that goes on after its part was counted changes the record, too.
+            let again = result(parts.iter().rev().find(|record| record.count == told.part)?);
             (again.text != told.text).then_some(again)
         });
         let until = sent().map(|sent| sent.part).max().unwrap_or(0);

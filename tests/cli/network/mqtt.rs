@@ -598,9 +598,12 @@ fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
         of(site, &answers).pop().unwrap()
     };
     let good = "{\"order\": 701, \"program\": 1002, \"parts\": 50}";
+    // Not asked for before P485 says so; a broker that sends it all the same is told why not.
     let refused = ask(&mut site, good);
     assert!(refused["proposed"] == false && refused["why"].as_str().unwrap().contains("P485"), "{refused}");
+    site.broker.has_subscription = false;
     set(&mut site.snapshot, "P485", 1.0);
+    site.until("a subscription", |site| site.broker.has_subscription);
     assert_eq!(ask(&mut site, good), serde_json::json!({"order": 701, "proposed": true, "why": null}));
     assert_eq!(proposed.try_recv(), Ok(OrderProposal { number: 701, program: 1_002, target: 50 }));
     for (bad, why) in [
@@ -616,9 +619,19 @@ fn an_order_of_the_shop_is_proposed_once_and_the_list_is_told() {
         assert!(answer["proposed"] == false && answer["why"].as_str().unwrap().contains(why), "{bad}: {answer}");
     }
     assert!(proposed.is_empty(), "nothing else reaches the control");
-    // The control does not take them: no more than the channel has room for.
+    // One a second; and the control does not take them: no more than the channel has room for.
     let answered: Vec<bool> = (0..4).map(|_| ask(&mut site, good)["proposed"] == true).collect();
+    assert_eq!(answered, [false; 4]);
+    let later = |site: &mut Site| {
+        site.steps(60);
+        ask(site, good)["proposed"] == true
+    };
+    let answered: Vec<bool> = (0..4).map(|_| later(&mut site)).collect();
     assert_eq!(answered, [true, true, false, false]);
+    let long = format!("{{\"order\": 701, \"{}\": 1}}", "x".repeat(2_000));
+    assert!(ask(&mut site, &long)["why"].as_str().unwrap().contains("not so long"));
+    let odd = format!("{{\"{}\": 1}}", "x".repeat(900));
+    assert_eq!(ask(&mut site, &odd)["why"].as_str().unwrap().len(), 200);
     let list = format!("kt830/hall 2/{NODE}/orders");
     assert_eq!(of(&site, &list), [serde_json::json!([])]);
     let entered = ProductionOrder {

@@ -20,7 +20,7 @@ use crate::hmi::{
     theme, widget,
 };
 use crate::link::files::{FileRequest, Requester};
-use crate::link::production::OrderCommand;
+use crate::link::production::{OrderCommand, OrderProposal};
 use crate::link::{Command, Snapshot};
 use order_form::{FIELDS, OrderEntry};
 
@@ -62,7 +62,7 @@ page_keys! {
         Enter = "job-enter", "存入", "ENTER";
         /// Parts count for the chosen order from now on.
         Start = "job-start", "开始", "START";
-        /// Accepts the chosen order of the shop; in the place of the start.
+        /// Accepts the chosen order of the shop; in the place of CLOSE.
         Accept = "job-accept", "接受", "ACCEPT";
         /// The chosen order is over.
         Close = "job-close", "结束", "CLOSE";
@@ -254,11 +254,12 @@ impl JobsPage {
         }
     }
 
-    /// An order of the shop is accepted before it is started.
+    /// An order of the shop is accepted before it can be closed. Not in the place of the start: a second touch must not
+    /// start it.
     fn key_in_place(&self, key: JobKey, view: &View<'_>) -> JobKey {
         let chosen = self.entry.chosen().and_then(|number| view.snapshot.production.order(number));
         let is_proposed = chosen.is_some_and(|order| order.state == OrderState::Proposed);
-        if key == JobKey::Start && is_proposed { JobKey::Accept } else { key }
+        if key == JobKey::Close && is_proposed { JobKey::Accept } else { key }
     }
 
     fn press(&mut self, key: JobKey, view: &View<'_>, out: &mut Vec<Command>) {
@@ -276,9 +277,12 @@ impl JobsPage {
         let order = self.entry.chosen().and_then(|number| view.snapshot.production.order(number));
         let Some(order) = order else { return self.typing.refused = Some(CHOOSE.into()) };
         match key {
-            JobKey::Start if self.entry.is_changed() => self.typing.refused = Some(NOT_ENTERED.into()),
+            JobKey::Start | JobKey::Accept if self.entry.is_changed() => self.typing.refused = Some(NOT_ENTERED.into()),
             JobKey::Start => out.push(Command::Order(OrderCommand::Start(order.number))),
-            JobKey::Accept => out.push(Command::Order(OrderCommand::Accept(order.number))),
+            JobKey::Accept => {
+                let ProductionOrder { number, program, target, .. } = *order;
+                out.push(Command::Order(OrderCommand::Accept(OrderProposal { number, program, target })));
+            }
             JobKey::Close => out.push(Command::Order(OrderCommand::Close(order.number))),
             JobKey::Delete => self.question.ask(order.number, delete_question(order)),
             JobKey::Report => {
