@@ -15,7 +15,7 @@ use crate::host::headless::HeadlessHost;
 use crate::host::simulated::HostedSimulation;
 use crate::host::storage::DirectStorage;
 use crate::link::Snapshot;
-use crate::link::network::BrokerView;
+use crate::link::network::{BrokerState, BrokerView};
 use crate::story::{Player, Stage, Statement};
 
 /// Ticks between two looks of the network client.
@@ -75,7 +75,11 @@ fn report(results: &[MachineResult], call: &FleetArgs) -> u8 {
     let failed = sum(|machine| machine.failed);
     print_line(format!("statements of the story that failed: {failed}"));
     for machine in results.iter().filter(|machine| machine.broker.connections == 0).take(1) {
-        warn_line!("kt830: {}: {:?}", machine.broker.address, machine.broker.state);
+        let why = match &machine.broker.state {
+            BrokerState::Failed(why) => why.en(),
+            BrokerState::Off | BrokerState::Connecting | BrokerState::Connected => "no connection".into(),
+        };
+        warn_line!("kt830: {}: {why}", call.broker);
     }
     let is_complete = results.len() == call.machines as usize
         && results.iter().all(|machine| machine.broker.connections > 0)

@@ -53,12 +53,15 @@ struct Dialed {
     tls: Option<TlsEnds>,
 }
 
+/// The broker that the settings name, if they can be read, and what became of the try.
+type DialResult = (String, Result<Dialed, LocalizedText>);
+
 /// How far the connection is.
 enum Phase {
     /// The next try is waited for.
     Waiting,
     /// A thread reads the settings and connects.
-    Dialing(Receiver<Result<Dialed, LocalizedText>>),
+    Dialing(Receiver<DialResult>),
     /// The broker has not answered yet.
     Joining(BrokerLink),
     /// The broker listens.
@@ -207,7 +210,7 @@ impl MqttClient {
     fn dial(&mut self, now: Duration) {
         let (tell, dialed) = bounded(1);
         let folder = self.folder.clone();
-        let dial = move || drop(tell.send(connect(&folder)));
+        let dial = move || drop(tell.send(dial(&folder)));
         match std::thread::Builder::new().name("kt830-mqtt-dial".to_owned()).spawn(dial) {
             Ok(_) => self.phase = Phase::Dialing(dialed),
             Err(error) => {
@@ -218,20 +221,14 @@ impl MqttClient {
     }
 
     /// Begins to speak the protocol once the stream is there.
-    fn join(
-        &mut self,
-        now: Duration,
-        time: Duration,
-        snapshot: &Snapshot,
-        dialed: Receiver<Result<Dialed, LocalizedText>>,
-    ) {
-        let ends = match dialed.try_recv() {
+    fn join(&mut self, now: Duration, time: Duration, snapshot: &Snapshot, dialed: Receiver<DialResult>) {
+        let (address, ends) = match dialed.try_recv() {
             Ok(ends) => ends,
             Err(TryRecvError::Empty) => return self.phase = Phase::Dialing(dialed),
-            Err(TryRecvError::Disconnected) => Err(super::internal_fault()),
+            Err(TryRecvError::Disconnected) => (String::new(), Err(super::internal_fault())),
         };
+        self.view.address = address;
         let opened = ends.and_then(|Dialed { settings, stream, tls }| {
-            self.view.address = settings.broker;
             self.view.is_encrypted = tls.is_some();
             let known = self.node.take().filter(|node| node.stands_for(&settings.group, snapshot));
             let node = self.node.insert(known.unwrap_or_else(|| EdgeNode::new(&settings.group, snapshot)));
@@ -323,9 +320,16 @@ impl MqttClient {
     }
 }
 
-/// Reads the settings anew and connects to the first address that answers.
-fn connect(folder: &Path) -> Result<Dialed, LocalizedText> {
-    let settings = BrokerSettings::read(folder)?;
+/// Reads the settings anew and connects.
+fn dial(folder: &Path) -> DialResult {
+    match BrokerSettings::read(folder) {
+        Ok(settings) => (settings.broker.clone(), connect(folder, settings)),
+        Err(why) => (String::new(), Err(why)),
+    }
+}
+
+/// Connects to the first address that answers.
+fn connect(folder: &Path, settings: BrokerSettings) -> Result<Dialed, LocalizedText> {
     let tls = settings.tls_ends(folder)?;
     let addresses = settings.host_and_port().map(|address| address.to_socket_addrs()).transpose().map_err(in_words)?;
     let mut refused = std::io::ErrorKind::NotFound.into();

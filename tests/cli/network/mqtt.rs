@@ -442,6 +442,7 @@ fn no_broker_and_bad_settings_are_said_with_their_remedy() {
         }
         site.until(said, |site| failure(site).contains(said));
     }
+    assert_eq!(site.view().address, "localhost:9", "where it is not");
     // And once they are right it connects.
     site.write_settings(&format!("(broker: \"127.0.0.1:{}\", group: \"hall 2\")", site.broker.port()));
     site.until_born();
