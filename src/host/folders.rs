@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use chrono::{DateTime, Local};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageError, ImageFormat, ImageReader};
 use ropey::Rope;
 
@@ -528,7 +529,9 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
         |error: ImageError| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}"));
     let decoded = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Bmp).decode().map_err(damaged)?;
     let mut png = Vec::new();
-    decoded.to_rgb8().write_to(&mut Cursor::new(&mut png), ImageFormat::Png).map_err(damaged)?;
+    // Drawings compress as well without filters, and every start of the control encodes them all.
+    let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::NoFilter);
+    decoded.to_rgb8().write_with_encoder(encoder).map_err(damaged)?;
     png.shrink_to_fit();
     Ok(Picture(png))
 }

@@ -144,7 +144,10 @@ impl Machine {
             on.set(self.kind.row().drive_output(fast), true);
         }
         let ports = self.ports.terminals();
-        for output in Output::ALL.iter().filter(|output| ports.0 != 0 && output.is_freely_switchable()) {
+        if ports.0 == 0 {
+            return on;
+        }
+        for output in Output::ALL.iter().filter(|output| output.is_freely_switchable()) {
             if ports.is_closed(params.output_port(*output)) {
                 on.set(*output, true); // a pulse on the port of a plain function is that function
             }

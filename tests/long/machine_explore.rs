@@ -105,6 +105,15 @@ struct Node {
     drives_off: bool,
 }
 
+/// A node that is searched, and what all its transitions begin from.
+struct Origin<'a> {
+    node: &'a Node,
+    outputs: OutputSet,
+    /// In the tick of its transitions.
+    state: State,
+    now: Micros,
+}
+
 /// What happens in one tick beside the inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TickEvent {
@@ -117,11 +126,11 @@ enum TickEvent {
     Homed,
 }
 
-/// One tick: the inputs, what else happens, and when.
+/// One tick: the inputs, and what else happens.
+#[derive(Clone, Copy)]
 struct Tick {
     inputs: InputSet,
     event: TickEvent,
-    now: Micros,
 }
 
 struct Search {
@@ -238,10 +247,12 @@ impl Search {
         let mut transitions = 0;
         while let Some((node, now)) = open.pop_front() {
             let now = now + TICK;
+            let (outputs, state) = (self.outputs(&node.machine), self.state(&node, now));
+            let origin = Origin { node: &node, outputs, state, now };
             for inputs in &self.inputs {
                 for event in &self.events {
                     transitions += 1;
-                    let next = match self.step(&node, *inputs, *event, now) {
+                    let next = match self.step(&origin, Tick { inputs: *inputs, event: *event }) {
                         Ok(Some(next)) => next,
                         Ok(None) => continue,
                         Err(broken) => {
@@ -267,16 +278,17 @@ impl Search {
         machine.outputs(&self.params)
     }
 
-    /// One tick; none where the event cannot happen in this state.
-    fn step(&self, from: &Node, inputs: InputSet, event: TickEvent, now: Micros) -> Result<Option<Node>, String> {
-        let mut node = from.clone();
+    /// One tick; none where the event cannot happen in this state, or changes nothing: then it is the tick of no event.
+    fn step(&self, from: &Origin, tick: Tick) -> Result<Option<Node>, String> {
+        let (Tick { inputs, event }, now) = (tick, from.now);
+        let mut node = from.node.clone();
         let mut seen_by_machine = inputs;
         if self.plan.without.e_stop {
             seen_by_machine.set(Input::EmergencyStop, false);
         }
         match event {
             TickEvent::Nothing => {}
-            TickEvent::Key(key) => match self.press(&mut node, key, seen_by_machine, now)? {
+            TickEvent::Key(key) => match self.press(&mut node, key, seen_by_machine, from)? {
                 true => {}
                 false => return Ok(None),
             },
@@ -284,7 +296,7 @@ impl Search {
                 if node.phase != RunPhase::Running {
                     return Ok(None);
                 }
-                let answer = self.ask(&mut node, request, seen_by_machine, now)?;
+                let answer = self.ask(&mut node, request, seen_by_machine, from)?;
                 if matches!(answer, RequestResult::Denied(_)) {
                     node.phase = node.phase.after(PhaseEvent::Hold);
                 }
@@ -304,9 +316,12 @@ impl Search {
                 return Ok(None);
             }
         }
+        if event != TickEvent::Nothing && self.state(&node, now) == from.state {
+            return check_alive(from.node, event).map(|()| None);
+        }
         let asked = self.outputs(&node.machine);
         self.tick(&mut node, seen_by_machine, now);
-        self.check(from, &node, asked, Tick { inputs, event, now })?;
+        self.check(from, &node, asked, tick)?;
         Ok(Some(node))
     }
 
@@ -331,7 +346,7 @@ impl Search {
     }
 
     /// A key as the controller takes it; false when it is not on the panel.
-    fn press(&self, node: &mut Node, key: Key, inputs: InputSet, now: Micros) -> Result<bool, String> {
+    fn press(&self, node: &mut Node, key: Key, inputs: InputSet, from: &Origin) -> Result<bool, String> {
         let fitted = self.params.fitted();
         if let Some(reason) = panel_key::inactive_reason(key, fitted, fitted.axes(), node.phase) {
             self.reasoned(reason.en)?;
@@ -348,10 +363,10 @@ impl Search {
                 node.drives_off = node.machine.is_e_stopped();
             }
             key => {
-                let Some(request) = panel_key::machine_request(key, Mode::Auto, self.outputs(&node.machine)) else {
+                let Some(request) = panel_key::machine_request(key, Mode::Auto, from.outputs) else {
                     return Ok(false);
                 };
-                let answer = self.ask(node, request, inputs, now)?;
+                let answer = self.ask(node, request, inputs, from)?;
                 if request == Request::CycleStart && answer == RequestResult::Accepted {
                     node.phase = node.phase.after(PhaseEvent::Start);
                 }
@@ -360,10 +375,9 @@ impl Search {
         Ok(true)
     }
 
-    fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, now: Micros) -> Result<RequestResult, String> {
-        let before = self.outputs(&node.machine);
+    fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, from: &Origin) -> Result<RequestResult, String> {
         node.machine.set_control_state(control_state(node));
-        let answer = node.machine.request(request, now, inputs, &self.params);
+        let answer = node.machine.request(request, from.now, inputs, &self.params);
         match answer {
             RequestResult::Accepted => return Ok(answer),
             RequestResult::NoEffect(reason) | RequestResult::Denied(reason) => self.reasoned(reason.en)?,
@@ -378,7 +392,11 @@ impl Search {
                 }
             }
         }
-        if before == self.outputs(&node.machine) { Ok(answer) } else { Err(format!("{request:?} refused, but did it")) }
+        if from.outputs == self.outputs(&node.machine) {
+            Ok(answer)
+        } else {
+            Err(format!("{request:?} refused, but did it"))
+        }
     }
 
     fn reasoned(&self, reason: &str) -> Result<(), String> {
@@ -386,16 +404,16 @@ impl Search {
     }
 
     /// The invariants. `asked` are the outputs after the event, before the machine's own tick.
-    fn check(&self, from: &Node, to: &Node, asked: OutputSet, Tick { inputs, event, now }: Tick) -> Result<(), String> {
-        let (before, after) = (self.outputs(&from.machine), self.outputs(&to.machine));
-        let interlock = from.machine.interlock_inputs(now, inputs, &self.params);
+    fn check(&self, origin: &Origin, to: &Node, asked: OutputSet, tick: Tick) -> Result<(), String> {
+        let (Tick { inputs, event }, from, now) = (tick, origin.node, origin.now);
+        let (before, after) = (origin.outputs, self.outputs(&to.machine));
         let turns = |on: OutputSet| {
             [Output::HeadstockHigh, Output::HeadstockLow, Output::DresserRoll, Output::TableRotation]
                 .iter()
                 .any(|drive| on.has(*drive))
         };
-        let held = |what: &str, holds: bool| if holds { Ok(()) } else { Err(what.to_owned()) };
         if !before.has(Output::Wheel) && asked.has(Output::Wheel) {
+            let interlock = from.machine.interlock_inputs(now, inputs, &self.params);
             let hydraulics = !interlock.hydraulic_needed
                 || interlock.hydraulic_on
                     && (!interlock.hydraulic_checked || interlock.hydraulic_settled && interlock.pressure);
@@ -409,11 +427,11 @@ impl Search {
         for output in ALL_OFF_IN_AN_EMERGENCY {
             held("something starts before RESET", !(from.drives_off && starts(*output)))?;
         }
-        let moving = to.machine.interlock_inputs(now, inputs, &self.params).tailstock_moving;
-        held("headstock and tailstock move together", !(turns(after) && moving))?;
+        let moving = || to.machine.interlock_inputs(now, inputs, &self.params).tailstock_moving;
+        held("headstock and tailstock move together", !(turns(after) && moving()))?;
         if self.plan.kind == Kind::Ga && self.params.bit(param::MAGNET_ENABLED) {
-            let holding = to.machine.interlock_inputs(now, inputs, &self.params).magnetised;
-            held("the table turns unmagnetised", !turns(after) || holding)?;
+            let holding = || to.machine.interlock_inputs(now, inputs, &self.params).magnetised;
+            held("the table turns unmagnetised", !turns(after) || holding())?;
             held("demagnetised while the table turns", !(turns(after) && after.has(Output::Demagnetise)))?;
         }
         if self.plan.kind != Kind::Gc {
@@ -422,10 +440,7 @@ impl Search {
         }
         let pump = before.has(Output::Hydraulic) != after.has(Output::Hydraulic);
         held("hydraulics switch while the wheel runs", !(pump && before.has(Output::Wheel)))?;
-        if let TickEvent::Key(key) = event {
-            let alive = ALIVE_IN_A_RUN.contains(&key) || !from.phase.is_automatic();
-            held("a dead key acts while the program runs", alive)?;
-        }
+        check_alive(from, event)?;
         if inputs.has(Input::EmergencyStop) {
             for output in ALL_OFF_IN_AN_EMERGENCY {
                 held("an output runs on in the tick of the emergency stop", !after.has(*output))?;
@@ -466,6 +481,16 @@ impl std::fmt::Debug for Node {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:?}, {:#?}", self.phase, self.machine)
     }
+}
+
+fn held(what: &str, holds: bool) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what.to_owned()) }
+}
+
+/// K2.2, of a key that was taken.
+fn check_alive(from: &Node, event: TickEvent) -> Result<(), String> {
+    let TickEvent::Key(key) = event else { return Ok(()) };
+    held("a dead key acts while the program runs", ALIVE_IN_A_RUN.contains(&key) || !from.phase.is_automatic())
 }
 
 /// What the controller tells the machine.

@@ -132,8 +132,11 @@ impl Params {
     #[must_use]
     pub fn output_conflict(&self, output: Output) -> Option<Output> {
         let (port, fitted) = (self.output_port(output), self.fitted());
-        let others = Output::ALL.iter().copied().filter(|other| *other != output && other.exists_on(fitted));
-        others.into_iter().find(|other| port != 0 && output.exists_on(fitted) && self.output_port(*other) == port)
+        if port == 0 || !output.exists_on(fitted) {
+            return None;
+        }
+        let shares = |other: Output| other != output && self.output_port(other) == port && other.exists_on(fitted);
+        Output::ALL.iter().copied().find(|other| shares(*other))
     }
 
     /// A number parameter in milliseconds, as a time span.
