@@ -125,6 +125,9 @@ pub enum CliCommand {
     Serve(ServeArgs),
     /// Run many simulated controls against one broker, to see whether it bears them and that no result is lost
     Fleet(FleetArgs),
+    /// Show a control to clients of OPC UA, in a process of its own; its users and certificates
+    #[command(name = "opcua")]
+    OpcUa(OpcUaArgs),
     /// Print the model of the machine for an agent of MTConnect (Devices.xml)
     DeviceModel,
     /// Inspect the database on standard input, with little memory and time: the control calls it before it opens one
@@ -229,6 +232,55 @@ pub struct FleetArgs {
     /// How long they work, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 60)]
     pub seconds: u64,
+}
+
+/// `kt830 opcua`
+#[derive(Debug, ClapArgs)]
+pub struct OpcUaArgs {
+    /// What to do.
+    #[command(subcommand)]
+    pub task: OpcUaTask,
+}
+
+/// The commands of `kt830 opcua`.
+#[derive(Debug, Subcommand)]
+pub enum OpcUaTask {
+    /// Serve the control whose adapter port (P480) is named
+    Serve(OpcUaServeArgs),
+    /// Let a user in, or change the password of one; it is read from standard input
+    AddUser {
+        /// The name
+        name: String,
+    },
+    /// Let a user in no more
+    RemoveUser {
+        /// The name
+        name: String,
+    },
+    /// Print the users, and the certificates of clients that were refused
+    Status,
+    /// Trust the certificate of a client
+    Trust {
+        /// Its thumbprint, as `status` prints it of one that was refused, or a file
+        certificate: String,
+    },
+}
+
+/// `kt830 opcua serve`
+#[derive(Debug, ClapArgs)]
+pub struct OpcUaServeArgs {
+    /// The adapter port of the control
+    #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:7878")]
+    pub control: String,
+    /// Where it listens; 0.0.0.0:4840 is all networks of this computer
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:4840")]
+    pub listen: std::net::SocketAddr,
+    /// The name under which clients reach this computer
+    #[arg(long, value_name = "NAME", default_value = "localhost")]
+    pub host: String,
+    /// End after this time, seconds [default: when it is ended from outside]
+    #[arg(long, value_name = "SECONDS")]
+    pub seconds: Option<u64>,
 }
 
 /// `kt830 play`

@@ -17,6 +17,8 @@ mod demo;
 mod finished_size_check;
 mod fleet;
 mod leadscrew;
+#[cfg(feature = "opcua")]
+mod opcua;
 mod page_text_check;
 mod painter;
 mod play;
@@ -88,6 +90,12 @@ fn execute(args: Args) -> Result<u8, CallError> {
         Some(CliCommand::Codes) => codes::codes(&shared),
         Some(CliCommand::Serve(call)) => serve::serve(&shared, call),
         Some(CliCommand::Fleet(call)) => fleet::fleet(&shared, call),
+        #[cfg(feature = "opcua")]
+        Some(CliCommand::OpcUa(call)) => opcua::opcua(&shared, call),
+        #[cfg(not(feature = "opcua"))]
+        Some(CliCommand::OpcUa(_)) => {
+            Err(CallError::new("this build has no OPC UA server: build it with `--features opcua`"))
+        }
         Some(CliCommand::DeviceModel) => serve::print_device_model(&shared),
         Some(CliCommand::CheckDatabase) => {
             crate::store::run_database_check().map_err(CallError::at("standard input")).map(|()| SUCCESS)

@@ -7,6 +7,8 @@
 
 pub mod device_model;
 mod mqtt;
+#[cfg(any(feature = "opcua", test))]
+pub mod opcua;
 mod picture_thread;
 mod port_server;
 pub mod shdr;

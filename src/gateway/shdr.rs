@@ -1,7 +1,9 @@
 //! The lines of the adapter protocol of MTConnect (SHDR): what has changed, and everything for a new agent.
 //! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol"; ANSI/MTC1.4 part 3.
 
+use super::device_model::device_uuid;
 use crate::defs::alarm_history::PastAlarm;
+use crate::defs::param;
 use crate::link::condition::{Condition, level};
 use crate::link::data_item::{Category, DataItem, data_items};
 use crate::link::snapshot::{AlarmView, Snapshot};
@@ -26,6 +28,8 @@ pub struct ShdrLines {
     raised: Vec<Raised>,
     /// The conditions of the machine.
     conditions: Vec<Condition>,
+    /// Who the machine is, in lines.
+    identity: String,
     /// Serial number of the newest alarm that has been looked at; none before the first look.
     newest_alarm: Option<u64>,
 }
@@ -53,6 +57,7 @@ impl ShdrLines {
         let new = numbered.filter(|(at, entry)| !is_told(*at, entry)).map(|(_, entry)| entry);
         let mut lines = values_line(time, new);
         self.conditions = Condition::of_machine(snapshot).collect();
+        self.identity = identity_lines(snapshot);
         let newest = snapshot.alarm_history.last().map_or(0, |alarm| alarm.count);
         let first_look = self.newest_alarm.is_none();
         let seen = self.newest_alarm.replace(newest).unwrap_or(newest);
@@ -81,7 +86,8 @@ impl ShdrLines {
     /// Everything that was told, for an agent that connects.
     #[must_use]
     pub fn everything(&self, time: &str) -> String {
-        let mut lines = values_line(time, self.values.iter());
+        let mut lines = self.identity.clone();
+        lines += &values_line(time, self.values.iter());
         lines += &self.normal_conditions(time);
         for raised in &self.raised {
             lines += &condition_line(time, raised);
@@ -95,6 +101,13 @@ impl ShdrLines {
         let normal = ids.filter(|id| !self.raised.iter().any(|raised| raised.condition == *id));
         normal.map(|id| format!("{time}|{id}|NORMAL||||\n")).collect()
     }
+}
+
+/// Who the machine is: an agent takes it in place of what its model says, unless it is to preserve that.
+fn identity_lines(snapshot: &Snapshot) -> String {
+    let (uuid, kind) = (device_uuid(snapshot), snapshot.kind.name().en);
+    let number = snapshot.params.get(param::MACHINE_NUMBER);
+    format!("* uuid: {uuid}\n* manufacturer: KT-830\n* serialNumber: {number:06}\n* description: KT-830 {kind}\n")
 }
 
 /// One line for all values; a message has a line of its own, with the field of its code empty.

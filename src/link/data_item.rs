@@ -8,6 +8,7 @@ use super::snapshot::{AxisView, RunState, Snapshot};
 use crate::defs::equipment::Equipment;
 use crate::defs::grinding_phase::GrindingPhase;
 use crate::defs::key::{Key, Mode};
+use crate::defs::param;
 use crate::defs::part_record::PartRecord;
 use crate::defs::part_verdict::PartVerdict;
 use crate::defs::signal::{Input, Output};
@@ -226,6 +227,12 @@ data_items! {
             last_part(snapshot).and_then(|part| part.size).map_or(ItemValue::Unavailable, ItemValue::Number)
         };
         Spindle "spindle_mode", Category::Event, "ROTARY_MODE" "", "主轴方式", "mode of the spindle", |_, _| ItemValue::Word("SPINDLE");
+        Spindle "spindle_power", Category::Event, "POWER_STATE" "CONTROL", "主轴接通", "spindle switched on", |snapshot, _| {
+            on_off([Output::Wheel, Output::SpindleForward, Output::SpindleReverse].iter().any(|output| snapshot.outputs.has(*output)))
+        };
+        Spindle "wheel_diameter", MM, "DIAMETER" "", "砂轮直径", "diameter of the wheel", |snapshot, _| {
+            if turns_the_part(snapshot) { ItemValue::Unavailable } else { ItemValue::Number(snapshot.params.get(param::WHEEL_DIAMETER)) }
+        };
         Spindle "spindle_commanded", RPM, "ROTARY_VELOCITY" "COMMANDED", "主轴设定转速", "commanded spindle speed", |snapshot, _| {
             if turns_the_part(snapshot) { ItemValue::Unavailable } else { ItemValue::Number(snapshot.wheel_rpm) }
         };
@@ -251,10 +258,14 @@ data_items! {
 
 /// The data items of a machine: those of what it is fitted with, then those of each of its axes.
 pub fn data_items(snapshot: &Snapshot) -> impl Iterator<Item = DataItem> + use<'_> {
+    all_data_items().filter(|item| item.component.is_fitted(snapshot))
+}
+
+/// The data items that a machine may have, by their ids.
+pub fn all_data_items() -> impl Iterator<Item = DataItem> {
     let of_axis =
         |axis: Axis| AXIS_ITEMS.iter().map(move |item| DataItem { component: Component::Axis(axis), ..*item });
-    let all = MACHINE_ITEMS.iter().copied().chain(Axis::ALL.into_iter().flat_map(of_axis));
-    all.filter(|item| item.component.is_fitted(snapshot))
+    MACHINE_ITEMS.iter().copied().chain(Axis::ALL.into_iter().flat_map(of_axis))
 }
 
 /// Whether the spindle turns the part: a lathe measures its speed.

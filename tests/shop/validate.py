@@ -139,6 +139,8 @@ while time.monotonic() < end:
         if line.startswith("* PONG"):
             ponged = True
         else:
+            if line.startswith("* "):
+                continue  # who the machine is
             moment = datetime.fromisoformat(line.split("|")[0])
             latencies.append((now - moment).total_seconds() * 1000)
             lines.append(line)

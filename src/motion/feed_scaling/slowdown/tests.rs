@@ -202,13 +202,8 @@ fn ratios(seeds: std::ops::Range<u64>) -> Vec<(f64, String)> {
 /// The constants were chosen on the seeds from 0; these are others.
 const SEEDS: std::ops::Range<u64> = 1_000..1_030;
 
-#[test]
-fn b2_a_hold_on_a_path_at_its_limits_is_near_the_shortest_slowdown() {
-    let middle = SEEDS.start + (SEEDS.end - SEEDS.start) / 2;
-    let mut ratios: Vec<_> = std::thread::scope(|scope| {
-        let halves = [SEEDS.start..middle, middle..SEEDS.end].map(|half| scope.spawn(|| ratios(half)));
-        halves.into_iter().flat_map(|half| half.join().unwrap()).collect()
-    });
+fn holds_are_short(seeds: std::ops::Range<u64>) {
+    let mut ratios = ratios(seeds);
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     let share = |part: f64| &ratios[(ratios.len() as f64 * part) as usize];
     for part in [0.5, 0.9, 0.99, 0.9999] {
@@ -217,6 +212,17 @@ fn b2_a_hold_on_a_path_at_its_limits_is_near_the_shortest_slowdown() {
     assert!(share(0.5).0 < 1.05, "median: {:?}", share(0.5));
     assert!(share(0.97).0 < 1.2, "97 %: {:?}", share(0.97));
     assert!(share(0.999).0 < 1.5, "worst: {:?}", share(0.999));
+}
+
+#[test]
+fn b2_a_hold_on_a_path_at_its_limits_is_near_the_shortest_slowdown() {
+    holds_are_short(SEEDS.start..SEEDS.start + 15);
+}
+
+/// A test of its own: the two run beside each other.
+#[test]
+fn b2_a_hold_on_other_paths_at_their_limits_is_near_the_shortest_slowdown() {
+    holds_are_short(SEEDS.start + 15..SEEDS.end);
 }
 
 /// Whatever rate is asked for next, in whatever state: every set-point keeps the limits.

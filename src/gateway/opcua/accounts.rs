@@ -1,0 +1,142 @@
+//! Who may read: users with passwords, stored as Argon2id hashes in a file of the server. Nobody is let in without one.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use opcua::server::ServerEndpoint;
+use opcua::server::address_space::AccessLevel;
+use opcua::server::authenticator::{
+    AuthManager, Password, UserToken, user_pass_security_policy_id, user_pass_security_policy_uri,
+};
+use opcua::types::{Error, NodeId, StatusCode, UAString, UserTokenPolicy, UserTokenType};
+use serde::{Deserialize, Serialize};
+use tokio::sync::Semaphore;
+
+use crate::store::password;
+use crate::store::ron_file::{self, ChecksumPolicy, RonError};
+
+/// Name of the file in the folder of the server.
+const FILE: &str = "users.ron";
+/// Longest name and password, bytes: one without end would be hashed for as long.
+const LONGEST: usize = 200;
+/// Passwords that are tried at the same time, each with 19 MiB.
+const PARALLEL_TRIALS: usize = 2;
+/// After a wrong password its place is taken for so long: guessing is slow.
+const PENALTY: Duration = Duration::from_secs(1);
+
+/// The users by their names, with the hashes of their passwords.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Users(BTreeMap<String, String>);
+
+impl Users {
+    /// Reads the file of a folder; without one there are no users.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn read(folder: &Path) -> Result<Self, RonError> {
+        let path = folder.join(FILE);
+        if !path.exists() {
+            return Ok(Self::default());
+        }
+        ron_file::read(&path, ChecksumPolicy::Lenient).map(|file| file.value)
+    }
+
+    /// Writes the file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<(), RonError> {
+        ron_file::write(&folder.join(FILE), ChecksumPolicy::Lenient, self)
+    }
+
+    /// Adds a user or changes the password of one.
+    ///
+    /// # Errors
+    /// The name or the password is empty or too long, or no salt is to be had.
+    pub fn set(&mut self, name: &str, secret: &str) -> Result<(), String> {
+        if name.is_empty() || secret.is_empty() || name.len() > LONGEST || secret.len() > LONGEST {
+            return Err(format!("a name and a password have 1 to {LONGEST} bytes"));
+        }
+        let hash = password::hash(secret).map_err(|error| error.to_string())?;
+        self.0.insert(name.to_owned(), hash);
+        Ok(())
+    }
+
+    /// Removes a user; returns whether there was one.
+    pub fn remove(&mut self, name: &str) -> bool {
+        self.0.remove(name).is_some()
+    }
+
+    /// Their names.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
+    }
+
+    /// Whether a password is that of a user. It takes as long for a name that nobody has.
+    #[must_use]
+    pub fn verify(&self, name: &str, secret: &str) -> bool {
+        // A hash of nothing: no password has it.
+        const NOBODY: &str =
+            "$argon2id$v=19$m=19456,t=2,p=1$AAAAAAAAAAAAAAAAAAAAAA$AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
+        let hash = self.0.get(name).map_or(NOBODY, String::as_str);
+        secret.len() <= LONGEST && password::verify(secret, hash) && self.0.contains_key(name)
+    }
+}
+
+/// Lets users in, and lets them read.
+pub struct Accounts {
+    folder: PathBuf,
+    trials: Semaphore,
+}
+
+impl Accounts {
+    /// The users of a folder: the file is read at each login, so that one who was removed is not let in.
+    #[must_use]
+    pub fn new(folder: PathBuf) -> Self {
+        Self { folder, trials: Semaphore::new(PARALLEL_TRIALS) }
+    }
+}
+
+fn refused() -> Error {
+    Error::new(StatusCode::BadUserAccessDenied, "name or password is wrong")
+}
+
+#[async_trait::async_trait]
+impl AuthManager for Accounts {
+    async fn authenticate_username_identity_token(
+        &self,
+        _: &ServerEndpoint,
+        name: &str,
+        secret: &Password,
+    ) -> Result<UserToken, Error> {
+        let _trial = self.trials.acquire().await.map_err(|_| refused())?;
+        let (folder, told, secret) = (self.folder.clone(), name.to_owned(), secret.get().to_owned());
+        let tried =
+            tokio::task::spawn_blocking(move || Users::read(&folder).is_ok_and(|users| users.verify(&told, &secret)));
+        if tried.await.unwrap_or(false) {
+            return Ok(UserToken(format!("user:{name}")));
+        }
+        tokio::time::sleep(PENALTY).await;
+        Err(refused())
+    }
+
+    fn user_token_policies(&self, endpoint: &ServerEndpoint) -> Vec<UserTokenPolicy> {
+        vec![UserTokenPolicy {
+            policy_id: user_pass_security_policy_id(endpoint),
+            token_type: UserTokenType::UserName,
+            issued_token_type: UAString::null(),
+            issuer_endpoint_url: UAString::null(),
+            security_policy_uri: user_pass_security_policy_uri(endpoint),
+        }]
+    }
+
+    fn effective_user_access_level(&self, _: &UserToken, level: AccessLevel, _: &NodeId) -> AccessLevel {
+        level & AccessLevel::CURRENT_READ
+    }
+
+    fn is_user_executable(&self, _: &UserToken, _: &NodeId) -> bool {
+        false
+    }
+}

@@ -1,0 +1,275 @@
+//! What a control tells at its adapter port (SHDR), as the OPC UA server takes it: the identity of the machine, the newest
+//! value of each data item, and the alarms that are raised.
+//! Source: MTConnect Agent (cppagent), "Adapter Agent Protocol".
+
+use std::collections::BTreeMap;
+
+use crate::link::condition::{Condition, FAULT};
+
+/// Most data items and alarms that are remembered: a stream of nonsense takes no memory.
+const MOST_ENTRIES: usize = 1_000;
+
+/// Who the machine is.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MachineIdentity {
+    /// Unique name: `kt830-gc-000123`.
+    pub uuid: String,
+    /// Maker of the control.
+    pub manufacturer: String,
+    /// Number of the machine (P482).
+    pub serial_number: String,
+    /// Kind of the machine.
+    pub description: String,
+}
+
+/// An alarm that the control has raised.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ToldAlarm {
+    /// Its number.
+    pub number: String,
+    /// Id of the condition that it belongs to.
+    pub condition: String,
+    /// It stops or blocks something until somebody acts.
+    pub is_fault: bool,
+    /// What it says, in English.
+    pub text: String,
+}
+
+/// What a line changes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AdapterEvent {
+    /// A data item has a value: its id.
+    Value(String),
+    /// The message of the program is another one; empty for none.
+    Message(String),
+    /// An alarm is raised.
+    Raised(ToldAlarm),
+    /// An alarm is over.
+    Cleared(ToldAlarm),
+}
+
+/// All that was told since the connection began.
+#[derive(Clone, Debug, Default)]
+pub struct AdapterState {
+    /// Who the machine is.
+    pub identity: MachineIdentity,
+    values: BTreeMap<String, String>,
+    raised: BTreeMap<(String, String), ToldAlarm>,
+    time: String,
+    program_has_run: bool,
+}
+
+impl AdapterState {
+    /// The text of a data item; none where nothing is known.
+    #[must_use]
+    pub fn text(&self, item: &str) -> Option<&str> {
+        self.values.get(item).map(String::as_str).filter(|text| *text != "UNAVAILABLE")
+    }
+
+    /// The number of a data item.
+    #[must_use]
+    pub fn number(&self, item: &str) -> Option<f64> {
+        self.text(item)?.parse().ok().filter(|value: &f64| value.is_finite())
+    }
+
+    /// The ids of the data items that the machine has.
+    pub fn items(&self) -> impl Iterator<Item = &str> {
+        self.values.keys().map(String::as_str)
+    }
+
+    /// The alarms that are raised, by their conditions and numbers.
+    pub fn alarms(&self) -> impl Iterator<Item = &ToldAlarm> {
+        self.raised.values()
+    }
+
+    /// When the newest line was written: UTC by ISO 8601.
+    #[must_use]
+    pub fn time(&self) -> &str {
+        &self.time
+    }
+
+    /// Whether the program has run since it was loaded.
+    #[must_use]
+    pub const fn program_has_run(&self) -> bool {
+        self.program_has_run
+    }
+
+    /// Whether the machine is known with its items: a welcome has come.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        !self.identity.uuid.is_empty() && self.values.contains_key("avail") && self.values.contains_key("execution")
+    }
+
+    /// Forgets everything, for a new connection; returns the alarms that were raised.
+    pub fn restart(&mut self) -> Vec<ToldAlarm> {
+        std::mem::take(self).raised.into_values().collect()
+    }
+
+    /// Takes a line of the stream without its end. One that is not understood changes nothing.
+    pub fn take(&mut self, line: &str) -> Vec<AdapterEvent> {
+        if let Some(command) = line.strip_prefix("* ") {
+            self.take_identity(command);
+            return Vec::new();
+        }
+        let mut fields = line.split('|');
+        let time = fields.next().unwrap_or_default();
+        let fields: Vec<&str> = fields.collect();
+        if time.is_empty() || fields.is_empty() {
+            return Vec::new();
+        }
+        self.time = time.to_owned();
+        match fields.as_slice() {
+            [condition, level, number, _, _, text] if is_condition(condition) => {
+                self.take_condition(condition, level, number, text)
+            }
+            ["message", _, text] => self.take_message(text),
+            // A condition or a message that is not whole.
+            [id, ..] if is_condition(id) || *id == "message" => Vec::new(),
+            pairs => pairs.chunks_exact(2).filter_map(|pair| self.take_value(pair[0], pair[1])).collect(),
+        }
+    }
+
+    fn take_identity(&mut self, command: &str) {
+        let Some((name, value)) = command.split_once(": ") else { return };
+        let place = match name {
+            "uuid" => &mut self.identity.uuid,
+            "manufacturer" => &mut self.identity.manufacturer,
+            "serialNumber" => &mut self.identity.serial_number,
+            "description" => &mut self.identity.description,
+            _ => return,
+        };
+        value.clone_into(place);
+    }
+
+    fn take_value(&mut self, id: &str, text: &str) -> Option<AdapterEvent> {
+        let old = self.values.get(id);
+        if old.is_some_and(|old| old == text) || old.is_none() && self.values.len() >= MOST_ENTRIES {
+            return None;
+        }
+        self.values.insert(id.to_owned(), text.to_owned());
+        match (id, text) {
+            ("program", _) => self.program_has_run = false,
+            ("execution", "ACTIVE") => self.program_has_run = true,
+            _ => {}
+        }
+        Some(AdapterEvent::Value(id.to_owned()))
+    }
+
+    fn take_message(&mut self, text: &str) -> Vec<AdapterEvent> {
+        let is_new = self.take_value("message", text).is_some();
+        if is_new { vec![AdapterEvent::Message(text.to_owned())] } else { Vec::new() }
+    }
+
+    /// `NORMAL` with a number ends that alarm, without one all of the condition.
+    fn take_condition(&mut self, condition: &str, level: &str, number: &str, text: &str) -> Vec<AdapterEvent> {
+        if level == "NORMAL" {
+            let is_over =
+                |alarm: &ToldAlarm| alarm.condition == condition && (number.is_empty() || alarm.number == number);
+            let over: Vec<_> = self.raised.values().filter(|alarm| is_over(alarm)).cloned().collect();
+            self.raised.retain(|_, alarm| !is_over(alarm));
+            return over.into_iter().map(AdapterEvent::Cleared).collect();
+        }
+        let alarm = ToldAlarm {
+            number: number.to_owned(),
+            condition: condition.to_owned(),
+            is_fault: level == FAULT,
+            text: text.to_owned(),
+        };
+        let key = (alarm.condition.clone(), alarm.number.clone());
+        let old = self.raised.get(&key);
+        if old == Some(&alarm) || old.is_none() && self.raised.len() >= MOST_ENTRIES {
+            return Vec::new();
+        }
+        self.raised.insert(key, alarm.clone());
+        vec![AdapterEvent::Raised(alarm)]
+    }
+}
+
+fn is_condition(id: &str) -> bool {
+    Condition::ALL.iter().any(|condition| condition.row().0 == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(lines: &str) -> (AdapterState, Vec<AdapterEvent>) {
+        let mut state = AdapterState::default();
+        let events = lines.lines().flat_map(|line| state.take(line)).collect();
+        (state, events)
+    }
+
+    const WELCOME: &str = "* uuid: kt830-gc-000123\n* serialNumber: 000123\n* description: KT-830 cylindrical grinder\n\
+        2026-11-30T08:00:00.000000Z|avail|AVAILABLE|execution|READY|x_work|1.25|part_size|UNAVAILABLE\n\
+        2026-11-30T08:00:00.000000Z|message||\n2026-11-30T08:00:00.000000Z|c_system|NORMAL||||\n";
+
+    #[test]
+    fn a_welcome_tells_who_the_machine_is_and_what_it_has() {
+        let (state, _) = told(WELCOME);
+        assert!(state.is_complete());
+        assert_eq!(
+            (state.identity.uuid.as_str(), state.identity.serial_number.as_str()),
+            ("kt830-gc-000123", "000123")
+        );
+        assert_eq!(
+            (state.number("x_work"), state.number("part_size"), state.text("nothing")),
+            (Some(1.25), None, None)
+        );
+        assert_eq!(state.time(), "2026-11-30T08:00:00.000000Z");
+    }
+
+    #[test]
+    fn only_changes_are_events() {
+        let (mut state, _) = told(WELCOME);
+        let time = "2026-11-30T08:00:01.000000Z";
+        assert_eq!(state.take(&format!("{time}|execution|READY|x_work|1.25")), []);
+        assert_eq!(state.take(&format!("{time}|x_work|1.5")), [AdapterEvent::Value("x_work".to_owned())]);
+        let message = [AdapterEvent::Message("measure the part".to_owned())];
+        assert_eq!(state.take(&format!("{time}|message||measure the part")), message);
+        assert_eq!(state.take(&format!("{time}|message||measure the part")), []);
+    }
+
+    #[test]
+    fn an_alarm_is_raised_once_and_cleared_by_its_number_or_with_its_condition() {
+        let (mut state, _) = told(WELCOME);
+        let raised = state.take("t|c_hydraulic|FAULT|180|||hydraulic pressure: check the pump");
+        let [AdapterEvent::Raised(alarm)] = raised.as_slice() else { panic!("{raised:?}") };
+        assert_eq!((alarm.number.as_str(), alarm.is_fault), ("180", true));
+        assert_eq!(state.take("t|c_hydraulic|FAULT|180|||hydraulic pressure: check the pump"), []);
+        state.take("t|c_hydraulic|WARNING|205|||another");
+        assert_eq!(state.take("t|c_hydraulic|NORMAL|180|||"), [AdapterEvent::Cleared(alarm.clone())]);
+        assert_eq!(state.take("t|c_hydraulic|NORMAL||||").len(), 1);
+        assert_eq!(state.alarms().count(), 0);
+    }
+
+    #[test]
+    fn a_program_has_run_until_another_one_is_loaded() {
+        let (mut state, _) = told(WELCOME);
+        assert!(!state.program_has_run());
+        state.take("t|execution|ACTIVE");
+        state.take("t|execution|READY");
+        assert!(state.program_has_run());
+        state.take("t|program|O1003");
+        assert!(!state.program_has_run());
+    }
+
+    #[test]
+    fn a_new_connection_begins_without_anything() {
+        let (mut state, _) = told(WELCOME);
+        state.take("t|c_hydraulic|FAULT|180|||hydraulic pressure");
+        assert_eq!(state.restart().len(), 1);
+        assert!(!state.is_complete() && state.alarms().count() == 0 && state.items().count() == 0);
+    }
+
+    #[test]
+    fn nonsense_changes_nothing_and_takes_no_memory() {
+        let (mut state, _) = told(WELCOME);
+        for line in ["", "|", "* ", "* uuid", "* PONG 10000", "t|", "t|x_work", "t|c_system|FAULT", "x"] {
+            assert_eq!(state.take(line), [], "{line}");
+        }
+        assert_eq!(state.identity.uuid, "kt830-gc-000123");
+        (0..5_000).for_each(|id| drop(state.take(&format!("t|item{id}|1"))));
+        (0..5_000).for_each(|id| drop(state.take(&format!("t|c_system|FAULT|{id}|||text"))));
+        assert!(state.items().count() <= MOST_ENTRIES && state.alarms().count() <= MOST_ENTRIES);
+    }
+}

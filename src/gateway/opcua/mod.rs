@@ -1,0 +1,26 @@
+//! `kt830 opcua`: an OPC UA server for a control, in a process of its own. It takes what the control tells at its adapter
+//! port (P480) and nothing else: whatever a client of OPC UA does, or a fault of the server, does not reach the control.
+//! Files: `adapter_state` what the control tells, `adapter_client` the connection to it, `machine_tool` the machine in the
+//! address space, `node_manager` the address space, `alert_event` alarms and messages, `accounts` users, `certificates`.
+//! Source: OPC 10000 (OPC UA), OPC 40501-1 (machine tools).
+
+#[cfg(feature = "opcua")]
+mod accounts;
+#[cfg(feature = "opcua")]
+mod adapter_client;
+mod adapter_state;
+#[cfg(feature = "opcua")]
+mod alert_event;
+#[cfg(feature = "opcua")]
+pub mod certificates;
+#[cfg(feature = "opcua")]
+mod machine_tool;
+#[cfg(feature = "opcua")]
+mod node_manager;
+#[cfg(feature = "opcua")]
+mod opcua_server;
+
+#[cfg(feature = "opcua")]
+pub use accounts::Users;
+#[cfg(feature = "opcua")]
+pub use opcua_server::{OpcUaServer, OpcUaSettings};

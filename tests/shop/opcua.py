@@ -1,0 +1,237 @@
+"""The OPC UA server of a control against a client that was not written here (asyncua): who is let in and who is not, the
+machine by OPC 40501-1, values in time, alarms as events that come and go, and what a client sees of a control that ends.
+
+opcua.py PROGRAM SECONDS
+
+Needs a build with the feature opcua, and Python with asyncua 2.1.
+"""
+
+import asyncio
+import datetime
+import logging
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from asyncua import Client, ua
+from asyncua.crypto.cert_gen import setup_self_signed_certificate
+from cryptography.x509.oid import ExtendedKeyUsageOID
+
+program, seconds = sys.argv[1], float(sys.argv[2])
+ADAPTER = int(os.environ.get("KT830_PORT", "7879"))
+PORT = int(os.environ.get("KT830_OPCUA_PORT", "4841"))
+URL = f"opc.tcp://localhost:{PORT}/"
+NAMES = {
+    "di": "http://opcfoundation.org/UA/DI/",
+    "machinery": "http://opcfoundation.org/UA/Machinery/",
+    "tool": "http://opcfoundation.org/UA/MachineTool/",
+    "own": "urn:kt830:machine",
+}
+STORY = """kind gc
+key hydraulic
+wait 4 s
+home all
+mode auto
+load O1002
+key cycle-start
+wait 6 s
+input emergency-stop on
+wait 1 s
+input emergency-stop off
+wait 1 s
+key reset
+wait 1 s
+"""
+logging.disable(logging.WARNING)
+work = Path(tempfile.mkdtemp())
+(work / "story").write_text(STORY)
+data = ["--data", str(work / "data")]
+faults = []
+
+
+def check(holds, what):
+    print(("ok    " if holds else "FAIL  ") + what, flush=True)
+    if not holds:
+        faults.append(what)
+
+
+def kt830(*words, text=None):
+    return subprocess.run([program, *words], input=text, text=True, capture_output=True)
+
+
+def start_control():
+    words = ["serve", str(work / "story"), "--param", f"P480={ADAPTER}", "--param", "P482=123", *data]
+    return subprocess.Popen([program, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+async def client_of(user="planner", secret="correct horse", key="client"):
+    client = Client(URL, timeout=5)
+    client.application_uri = "urn:test:kt830:client"
+    await setup_self_signed_certificate(
+        work / f"{key}.pem", work / f"{key}.der", client.application_uri, "test",
+        [ExtendedKeyUsageOID.CLIENT_AUTH], {"commonName": key},
+    )
+    await client.set_security_string(f"Basic256Sha256,SignAndEncrypt,{work}/{key}.der,{work}/{key}.pem")
+    if user:
+        client.set_user(user)
+        client.set_password(secret)
+    return client
+
+
+async def refused(client):
+    try:
+        async with client:
+            return ""
+    except Exception as error:
+        return type(error).__name__
+
+
+async def wait_until(holds, longest=20.0):
+    for _ in range(int(longest * 20)):
+        if holds():
+            return True
+        await asyncio.sleep(0.05)
+    return False
+
+
+class Listener:
+    """What a subscription tells."""
+
+    def __init__(self):
+        self.values, self.delays, self.events, self.bad = {}, [], [], set()
+
+    def datachange_notification(self, node, value, data):
+        told = data.monitored_item.Value
+        name = str(node.nodeid.Identifier)
+        self.values.setdefault(name, []).append(value)
+        if not told.StatusCode.is_good():
+            self.bad.add(name)
+        elif told.SourceTimestamp:
+            now = datetime.datetime.now(datetime.timezone.utc)
+            source = told.SourceTimestamp
+            source = source if source.tzinfo else source.replace(tzinfo=datetime.timezone.utc)
+            self.delays.append((now - source).total_seconds() * 1000)
+
+    def event_notification(self, event):
+        self.events.append(event)
+
+    def status_change_notification(self, status):
+        pass
+
+
+async def look(machine, number):
+    """The machine by its specification."""
+    async def value(*path):
+        node = await machine.get_child([f"{number[space]}:{name}" for space, name in path])
+        return await node.read_value()
+
+    check(await value(("di", "Identification"), ("di", "SerialNumber")) == "000123", "serial number")
+    check("cylindrical" in (await value(("di", "Identification"), ("di", "Model"))).Text, "model")
+    uri = await value(("di", "Identification"), ("di", "ProductInstanceUri"))
+    check(uri == "urn:kt830:kt830-gc-000123", f"product instance {uri}")
+    mode = await value(("tool", "Monitoring"), ("tool", "MachineTool"), ("tool", "OperationMode"))
+    check(mode in (0, 1, 5), f"operation mode {mode}")
+    override = await machine.get_child([f"{number['tool']}:{name}" for name in ("Monitoring", "Channel1", "FeedOverride")])
+    check(await override.read_value() == 100.0, "feed override 100")
+    limits = await (await override.get_child("0:EURange")).read_value()
+    check((limits.Low, limits.High) == (0.0, 150.0), "range of the feed override")
+    units = await (await override.get_child("0:EngineeringUnits")).read_value()
+    check(units.UnitId == 20529, "percent by UN/CEFACT")
+    program_name = ""
+    for _ in range(200):
+        try:
+            program_name = await value(("tool", "Production"), ("tool", "ActiveProgram"), ("tool", "Name"))
+            break
+        except ua.UaStatusCodeError as error:
+            check(error.code == ua.StatusCodes.BadWaitingForInitialData, "no program yet")
+            await asyncio.sleep(0.5)
+    check("1002" in program_name, f"program {program_name}")
+    path = [("tool", "Production"), ("tool", "ActiveProgram"), ("tool", "State")]
+    state = [f"{number[space]}:{name}" for space, name in path] + ["0:CurrentState"]
+    state = await machine.get_child(state)
+    check((await state.read_value()).Text in ("Initializing", "Running", "Ended", "Interrupted", "Aborted"), "program state")
+    diameter = await value(("tool", "Equipment"), ("tool", "Tools"), ("tool", "Wheel"), ("own", "Diameter"))
+    check(diameter == 600.0, f"wheel diameter {diameter}")
+    items = await machine.get_child([f"{number['own']}:DataItems"])
+    check(len(await items.get_children()) > 35, "data items")
+
+
+async def main():
+    control = start_control()
+    check(kt830("opcua", "add-user", "planner", *data, text="correct horse\n").returncode == 0, "a user is added")
+    words = ["opcua", "serve", "--control", f"127.0.0.1:{ADAPTER}", "--listen", f"127.0.0.1:{PORT}", *data]
+    server = subprocess.Popen([program, *words], stdout=subprocess.DEVNULL)
+    try:
+        for _ in range(100):
+            await asyncio.sleep(0.2)
+            try:
+                endpoints = await Client(URL).connect_and_get_server_endpoints()
+                break
+            except Exception:
+                endpoints = []
+        policies = {endpoint.SecurityPolicyUri.rsplit("#")[-1] for endpoint in endpoints}
+        check(policies == {"Basic256Sha256", "Aes256_Sha256_RsaPss"}, f"policies {sorted(policies)}")
+        tokens = {token.TokenType for endpoint in endpoints for token in endpoint.UserIdentityTokens}
+        check(tokens == {ua.UserTokenType.UserName}, "users with passwords alone")
+        check(await refused(Client(URL)) != "", "not without encryption")
+        check(await refused(await client_of()) != "", "not with an unknown certificate")
+        told = kt830("opcua", "status", *data).stdout
+        thumbprint = next((line.split()[1] for line in told.splitlines() if line.startswith("refused")), "")
+        check(kt830("opcua", "trust", thumbprint, *data).returncode == 0, f"the certificate {thumbprint} is trusted")
+        check(await refused(await client_of(user=None)) != "", "not without a user")
+        check(await refused(await client_of(secret="wrong")) != "", "not with a wrong password")
+        check(await refused(await client_of(user="nobody")) != "", "not with an unknown user")
+        async with await client_of() as client:
+            number = {name: await client.get_namespace_index(uri) for name, uri in NAMES.items()}
+            machines = await client.nodes.objects.get_child(f"{number['machinery']}:Machines")
+            machine = (await machines.get_children())[0]
+            check((await machine.read_type_definition()).Identifier == 13, "the machine is a MachineToolType")
+            await look(machine, number)
+            listener = Listener()
+            subscription = await client.create_subscription(100, listener)
+            items = await machine.get_child([f"{number['own']}:DataItems"])
+            nodes = await items.get_children()
+            await subscription.subscribe_data_change(nodes, queuesize=10)
+            messages = await machine.get_child([f"{number['tool']}:Notification", f"{number['tool']}:Messages"])
+            alert = client.get_node(ua.NodeId(39, number["tool"]))
+            await subscription.subscribe_events(messages, queuesize=100)
+            # The server's library compares no types in a filter but with the operator OfType; asyncua uses InList.
+            chosen = {"queuesize": 100, "where_clause_generation": False}
+            await subscription.subscribe_events(client.nodes.server, alert, **chosen)
+            await asyncio.sleep(seconds)
+            executions = {value for name, values in listener.values.items() if name.endswith("/execution") for value in values}
+            check({"ACTIVE", "STOPPED"} <= executions, f"executions {sorted(map(str, executions))}")
+            active = [event for event in listener.events if getattr(event, "ErrorCode", None) is not None]
+            states = {(event.ErrorCode, getattr(event, "ActiveState/Id", None)) for event in active}
+            check(len({state for _, state in states}) == 2, f"alarms come and go: {sorted(map(str, states))}")
+            check(all(667 <= event.Severity <= 1000 for event in active if event.ErrorCode == "0"), "severity of a fault")
+            plain = [event for event in listener.events if event not in active]
+            check(any(event.Severity >= 334 for event in plain), f"{len(plain)} events of the machine")
+            delays = sorted(listener.delays[len(nodes):])
+            at = lambda share: delays[min(len(delays) - 1, int(len(delays) * share))]
+            print(f"values {len(delays)}, delay 50 % {at(0.5):.0f} ms, 99 % {at(0.99):.0f} ms, longest {delays[-1]:.0f} ms")
+            node = nodes[0]
+            for what in (node.write_value("x"), client.nodes.server.call_method("0:GetMonitoredItems", 1)):
+                try:
+                    await what
+                    check(False, "nothing can be written or called")
+                except Exception as error:
+                    check(True, f"nothing can be written or called: {type(error).__name__}")
+            control.send_signal(signal.SIGKILL)
+            control.wait()
+            check(await wait_until(lambda: any(name.endswith("/execution") for name in listener.bad)), "a control that ends")
+            control = start_control()
+            count = len(listener.delays)
+            check(await wait_until(lambda: len(listener.delays) > count + 20), "a control that comes back")
+        check(server.poll() is None, "the server runs")
+    finally:
+        control.kill()
+        server.kill()
+        print(f"{len(faults)} faults")
+    sys.exit(1 if faults else 0)
+
+
+asyncio.run(main())
